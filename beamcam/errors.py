@@ -1,0 +1,96 @@
+"""Where things come from, and how beamcam says that something is wrong with them.
+
+A `Rule` is one thing that can be wrong: its stable code, its severity and the text of its
+message. `rule.at(source, found=..., expected=...)` gives a `Diagnostic`, which is a value;
+what cannot be posted raises a `BeamcamError` that carries its diagnostics.
+"""
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from enum import Enum
+
+
+class Severity(Enum):
+    """How much a diagnostic weighs; an `ERROR` refuses the part."""
+
+    NOTE = "note"
+    WARNING = "warning"
+    ERROR = "error"
+
+
+@dataclass(frozen=True, slots=True)
+class Source:
+    """The place in an input that a feature, an operation or a message comes from."""
+
+    file: str
+    line: int | None = None  #: counted from 1; None where the format has no lines
+    where: str | None = None  #: DXF handle, IFC GlobalId, SVG element id, TOML key
+
+    def __str__(self) -> str:
+        place = [self.file]
+        if self.line is not None:
+            place.append(str(self.line))
+        if self.where is not None:
+            place.append(self.where)
+        return ":".join(place)
+
+
+@dataclass(frozen=True, slots=True)
+class Diagnostic:
+    """A message about a place in an input."""
+
+    source: Source
+    severity: Severity
+    code: str
+    message: str
+
+    def __str__(self) -> str:
+        return f"{self.source}: {self.severity.value} {self.code}: {self.message}"
+
+
+@dataclass(frozen=True, slots=True)
+class Rule:
+    """One thing that can be wrong with an input.
+
+    `message` is a `str.format` template whose names are the keywords of `at`.
+    """
+
+    code: str  #: stable; scripts build on it
+    severity: Severity
+    message: str
+    reason: str  #: why it matters and what to do, for the list of codes
+
+    def at(self, source: Source, **values: object) -> Diagnostic:
+        """The diagnostic for this rule at `source`. Raises KeyError if a value is missing."""
+        return Diagnostic(source, self.severity, self.code, self.message.format_map(values))
+
+
+class BeamcamError(Exception):
+    """What cannot be posted, with one diagnostic or more that say why."""
+
+    def __init__(self, diagnostics: Diagnostic | Iterable[Diagnostic]) -> None:
+        if isinstance(diagnostics, Diagnostic):
+            diagnostics = (diagnostics,)
+        self.diagnostics: tuple[Diagnostic, ...] = tuple(diagnostics)
+        super().__init__("\n".join(map(str, self.diagnostics)))
+
+
+class ReadError(BeamcamError):
+    """An input that cannot be read."""
+
+
+class MachineError(BeamcamError):
+    """A machine file that cannot be used."""
+
+
+class PlanError(BeamcamError):
+    """A part that the machine cannot make."""
+
+
+class VerifyError(BeamcamError):
+    """A program that does not make the part."""
+
+
+def errors_in(diagnostics: Iterable[Diagnostic]) -> tuple[Diagnostic, ...]:
+    """Those of `diagnostics` that refuse a part."""
+    return tuple(d for d in diagnostics if d.severity is Severity.ERROR)

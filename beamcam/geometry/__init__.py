@@ -1,0 +1,1 @@
+"""Curves in the plane: mathematics, no steel. Lengths in mm."""

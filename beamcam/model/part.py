@@ -1,0 +1,266 @@
+"""The part: what a reader gives and everything after it works from.
+
+Faces are DSTV's: `v` front (the web), `o` top, `u` bottom, `h` behind; `E0` to `E9` name planes
+of their own. On each, x runs along the part from 0 and y from the face's lower edge, in mm.
+Numbers stand as in a DSTV file: v and u are right-handed seen from outside, o and h are seen
+mirrored (7th edition, page 8), so that counter-clockwise seen from outside is clockwise in the
+numbers of o and h. Curves are plain geometry in those numbers.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from typing import Literal
+
+from beamcam.errors import Source
+from beamcam.geometry.curves import Curve, Point
+
+Face = str
+FACES = ("v", "o", "u", "h")
+MIRRORED_FACES = ("o", "h")  #: their numbers are left-handed seen from outside
+
+ProfileCode = Literal["I", "U", "L", "M", "RO", "RU", "C", "T", "B", "SO"]
+PROFILE_CODES: tuple[ProfileCode, ...] = ("I", "U", "L", "M", "RO", "RU", "C", "T", "B", "SO")
+HoleKind = Literal["through", "blind", "thread", "left-thread", "countersink", "mark"]
+ContourKind = Literal["outer", "inner", "open"]
+Process = Literal["cut", "mark", "engrave", "punch", "powder"]
+
+Vector = tuple[float, float, float]
+
+
+@dataclass(frozen=True, slots=True)
+class Profile:
+    """The cross-section of the stock; a sheet has code B, its width as height."""
+
+    code: ProfileCode
+    name: str
+    height: float  #: of the web; width of a plate; outer diameter of a round
+    width: float  #: of the flange
+    flange_thickness: float
+    web_thickness: float | None  #: thickness of a plate; None for a drawing that does not say
+    radius: float = 0.0
+
+    def face_width(self, face: Face) -> float:
+        """Extent of `face` across the part: the height on v and h, the flange width on o and u."""
+        return self.height if face in ("v", "h") else self.width
+
+    def thickness(self, face: Face) -> float:
+        """Thickness of the material behind `face`; 0 where it is not known."""
+        if face in ("v", "h") or self.code == "B":
+            return self.web_thickness or 0.0
+        return self.flange_thickness
+
+    def face_depth(self, face: Face) -> float:
+        """How far the surface of `face` lies below the outermost material on its side.
+
+        Flanges stand in front of the web: of an I on both sides of it, of a U, C or L (which lies
+        on its h side) on the v side only; a T stands on its flange. Section axes: page 7.
+        """
+        web = self.web_thickness or 0.0
+        if face in ("v", "h") and self.code == "I":
+            return (self.width - web) / 2
+        if face == "v" and self.code in ("U", "C", "L", "T"):
+            return self.width - web
+        return 0.0
+
+
+@dataclass(frozen=True, slots=True)
+class EndCuts:
+    """Angles of the end cuts in degrees, with DSTV's signs.
+
+    At either end `angle = atan2(x(lowest y) - x(highest y), y_high - y_low)`, of the web in the
+    view of v, of the flange in the view of u: positive at the start when the top edge is the
+    longest, positive at the end when the bottom edge is.
+    """
+
+    web_start: float = 0.0
+    web_end: float = 0.0
+    flange_start: float = 0.0
+    flange_end: float = 0.0
+
+
+@dataclass(frozen=True, slots=True)
+class Hole:
+    """A round hole, thread, countersink or punch mark."""
+
+    face: Face
+    x: float
+    y: float
+    diameter: float  #: of a countersink the outer one; of a thread the nominal one
+    source: Source
+    depth: float | None = None  #: None is through
+    kind: HoleKind = "through"
+    angle: float | None = None  #: cone of a countersink in degrees; None is a flat counterbore
+    edge: str = ""  #: reference letter of x: the edge rolling tolerance is measured from
+
+
+@dataclass(frozen=True, slots=True)
+class Slot:
+    """A slotted or rectangular hole with round corners."""
+
+    face: Face
+    x: float  #: of the centre
+    y: float  #: of the centre
+    diameter: float  #: of the corner circles
+    length: float  #: centre to centre of the corner circles, along `angle`
+    height: float  #: centre to centre, across `angle`
+    angle: float  #: degrees from the x axis, counter-clockwise in the face's numbers
+    source: Source
+    depth: float | None = None  #: None is through
+    kind: HoleKind = "through"
+    edge: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class Bevel:
+    """A weld preparation on one curve of a contour."""
+
+    curve: int  #: index into the contour's curves
+    angle: float  #: degrees; positive cuts the face that is looked at, negative the far side
+    land: float  #: where the bevel ends, measured from the far side
+
+
+@dataclass(frozen=True, slots=True)
+class Notch:
+    """A theoretical corner that a rounded or drilled corner stands for (notch rows t and w)."""
+
+    curve: int  #: index of the curve that it belongs to
+    kind: Literal["t", "w"]  #: tangent radius, or drilled corner
+    corner: Point
+    radius: float
+
+
+@dataclass(frozen=True, slots=True)
+class Contour:
+    """A chain of curves on a face; outer ones run counter-clockwise seen from outside."""
+
+    face: Face
+    kind: ContourKind
+    curves: tuple[Curve, ...]
+    source: Source
+    process: Process = "cut"
+    closed: bool = True
+    bevels: tuple[Bevel, ...] = ()
+    notches: tuple[Notch, ...] = ()
+    edge: str = ""
+    layer: str | None = None
+    colour: str | None = None  #: "#rrggbb"
+
+
+@dataclass(frozen=True, slots=True)
+class TextMark:
+    """A text to be marked, stamped or engraved."""
+
+    face: Face
+    x: float
+    y: float
+    angle: float  #: degrees
+    height: float
+    text: str
+    source: Source
+    option: Literal["", "r", "z"] = ""  #: r: turns with the part; z: all values are binding
+    edge: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class Bend:
+    """A bend about a line of the flat part; positive bends towards +Z."""
+
+    start: Point
+    end: Point
+    angle: float  #: degrees
+    radius: float | None
+    source: Source
+
+
+@dataclass(frozen=True, slots=True)
+class EndPlane:
+    """A plane that cuts the part, where no contour can say it (SC)."""
+
+    point: Vector
+    normal: Vector  #: outward: away from the material that stays
+    source: Source
+
+
+@dataclass(frozen=True, slots=True)
+class Camber:
+    """A point of the cambered line; all other coordinates are without camber."""
+
+    face: Face
+    x: float
+    y: float
+    source: Source
+
+
+Feature = Hole | Slot | Contour | TextMark | Bend | EndPlane | Camber
+
+
+@dataclass(frozen=True, slots=True)
+class Plane:
+    """A plane of its own that features lie on, named as their `face`."""
+
+    name: str
+    origin: Vector
+    along_x: Vector  #: the point 100 mm along the plane's x axis
+    along_y: Vector  #: the point 100 mm along its y axis
+    source: Source
+
+
+@dataclass(frozen=True, slots=True)
+class SectionPoint:
+    """A corner of a special profile's outline (PR): `+` outside, `-` inside, radius to the next."""
+
+    side: Literal["+", "-"]
+    y: float
+    z: float
+    radius: float
+
+
+@dataclass(frozen=True, slots=True)
+class Comment:
+    """A comment of the file, with the place that it stands before."""
+
+    text: str
+    before: str  #: "header:9", "feature:4", "feature:4:2" (row 2 of feature 4), "end"
+
+
+@dataclass(frozen=True, slots=True)
+class Part:
+    """A piece mark, its stock and its features, in the order of the file."""
+
+    mark: str
+    profile: Profile
+    length: float
+    source: Source
+    quantity: int = 1
+    saw_length: float | None = None
+    order: str = ""
+    drawing: str = ""
+    phase: str = ""
+    grade: str = ""
+    cuts: EndCuts = field(default_factory=EndCuts)
+    features: tuple[Feature, ...] = ()
+    planes: tuple[Plane, ...] = ()
+    weight: float = 0.0  #: kg/m, of a plate kg/m2
+    surface: float = 0.0  #: paint, m2/m, of a plate m2/m2
+    notes: tuple[str, ...] = ()  #: the free texts of the header
+    tolerance: tuple[float, float] | None = None  #: of the length, least and greatest
+    section: tuple[SectionPoint, ...] = ()
+    info: tuple[tuple[str, str], ...] = ()  #: word and text (IN)
+    comments: tuple[Comment, ...] = ()
+    guid: str | None = None  #: IFC GlobalId
+
+    @property
+    def holes(self) -> Iterator[Hole]:
+        return (f for f in self.features if isinstance(f, Hole))
+
+    @property
+    def slots(self) -> Iterator[Slot]:
+        return (f for f in self.features if isinstance(f, Slot))
+
+    @property
+    def contours(self) -> Iterator[Contour]:
+        return (f for f in self.features if isinstance(f, Contour))
+
+    @property
+    def texts(self) -> Iterator[TextMark]:
+        return (f for f in self.features if isinstance(f, TextMark))

@@ -1,0 +1,22 @@
+"""What every reader gives back."""
+
+from dataclasses import dataclass
+
+from beamcam.errors import Diagnostic, errors_in
+from beamcam.model.part import Part
+
+
+@dataclass(frozen=True, slots=True)
+class Reading:
+    """The parts of one file, as far as they could be read, and what is to be said about it.
+
+    Where a diagnostic is an error no part may be posted; `parts` then still holds what was read.
+    """
+
+    format: str
+    parts: tuple[Part, ...]
+    diagnostics: tuple[Diagnostic, ...] = ()
+
+    @property
+    def refused(self) -> bool:
+        return bool(errors_in(self.diagnostics))
