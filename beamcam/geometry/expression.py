@@ -59,10 +59,16 @@ def _compile(node: ast.expr, names: frozenset[str]) -> Expression:
         case ast.UnaryOp(op=ast.UAdd(), operand=operand):
             return _compile(operand, names)
         case ast.BinOp(left=left, op=op, right=right) if type(op) in _OPERATORS:
-            first, second, apply = _compile(left, names), _compile(right, names), _OPERATORS[type(op)]
+            first, second, apply = (
+                _compile(left, names),
+                _compile(right, names),
+                _OPERATORS[type(op)],
+            )
             return lambda values: apply(first(values), second(values))
         case ast.Call(func=ast.Name(id=name), args=args, keywords=[]) if name in FUNCTIONS:
             function, arguments = FUNCTIONS[name], [_compile(a, names) for a in args]
             return lambda values: float(function(*[a(values) for a in arguments]))
     known = ", ".join(sorted(names))
-    raise ValueError(f"{ast.unparse(node)!r} is not understood; names known here: {known or 'none'}")
+    raise ValueError(
+        f"{ast.unparse(node)!r} is not understood; names known here: {known or 'none'}"
+    )

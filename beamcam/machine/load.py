@@ -1,0 +1,193 @@
+"""Machine files: found by name or path, laid over their bases, checked, and explained."""
+
+import tomllib
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+from string import Formatter
+from typing import Any
+
+from beamcam.errors import MachineError, Source
+from beamcam.machine import rules
+from beamcam.machine.machine import WORD_NAMES, Machine
+from beamcam.machine.schema import Place, build, nearest
+
+SHIPPED = Path(__file__).resolve().parent.parent / "machines"
+
+
+@dataclass(frozen=True, slots=True)
+class Setting:
+    """One value of a machine and the place that it comes from."""
+
+    key: str  #: dotted
+    value: object
+    source: Source | None  #: None for a default
+
+
+def shipped() -> tuple[str, ...]:
+    """Names of the machines that come with beamcam."""
+    return tuple(sorted(p.stem for p in SHIPPED.glob("*.toml")))
+
+
+@cache
+def load(name: str) -> Machine:
+    """The machine called `name`, or the one in the file at that path. Raises MachineError."""
+    table, files = _tables(name, ())
+    place = Place(files)
+    machine: Machine = build(Machine, table, place)
+    _check(machine, place)
+    return machine
+
+
+def settings(name: str) -> tuple[Setting, ...]:
+    """Every value of a machine, the defaults included, each with where it was set."""
+    table, files = _tables(name, ())
+    place = Place(files)
+    return tuple(
+        Setting(key, value, place.child(key).source if _is_set(table, key) else None)
+        for key, value in _leaves(load(name))
+    )
+
+
+def _is_set(table: Any, key: str) -> bool:
+    """Whether a dotted key stands in the table, and not only in the defaults."""
+    for word in key.split("."):
+        if isinstance(table, list):
+            table = table[int(word)]
+        elif isinstance(table, dict) and word in table:
+            table = table[word]
+        else:
+            return False
+    return True
+
+
+def _leaves(record: Any, key: str = "") -> Iterator[tuple[str, object]]:
+    """Dotted key and value of every plain value in a record."""
+    if hasattr(record, "text"):  # a Formula is one value
+        yield key, record.text
+    elif hasattr(record, "__dataclass_fields__"):
+        for name in record.__dataclass_fields__:
+            yield from _leaves(getattr(record, name), f"{key}.{name}" if key else name)
+    elif isinstance(record, dict):
+        for name, value in record.items():
+            yield from _leaves(value, f"{key}.{name}")
+    elif isinstance(record, tuple) and record and not isinstance(record[0], str | float | int):
+        for index, value in enumerate(record):
+            yield from _leaves(value, f"{key}.{index}")
+    elif record is not None:
+        yield key, list(record) if isinstance(record, tuple) else record
+
+
+def _tables(
+    name: str, above: tuple[Path, ...]
+) -> tuple[dict[str, Any], dict[str, tuple[str, str]]]:
+    """The merged table of a machine, and for each of its keys the file that sets it."""
+    path = _find(name, above[-1] if above else None)
+    if path in above:
+        raise MachineError(rules.BASE_LOOP.at(Source(str(above[0])), found=path.stem))
+    shown = path.name if path.parent == SHIPPED else str(path)
+    try:
+        text = path.read_bytes().decode("utf-8")
+        own = tomllib.loads(text)
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+        raise MachineError(rules.NOT_TOML.at(Source(shown), found=error)) from error
+    except OSError as error:
+        raise MachineError(
+            rules.UNKNOWN_MACHINE.at(
+                Source(shown), found=name, expected=error.strerror or "a file that can be read"
+            )
+        ) from error
+    base = own.pop("base", None)
+    own.setdefault("name", path.stem)
+    table: dict[str, Any] = {}
+    files: dict[str, tuple[str, str]] = {}
+    if base is not None:
+        if not isinstance(base, str):
+            raise MachineError(
+                rules.WRONG_VALUE.at(
+                    Source(shown), key="base", found=repr(base), expected="a machine's name"
+                )
+            )
+        table, files = _tables(base, (*above, path))
+    _overlay(table, own, files, (shown, text), "")
+    files[""] = (shown, text)
+    return table, files
+
+
+def _overlay(
+    table: dict[str, Any],
+    over: dict[str, Any],
+    files: dict[str, tuple[str, str]],
+    origin: tuple[str, str],
+    prefix: str,
+) -> None:
+    """Lay `over` over `table` in place: tables key by key, everything else as a whole."""
+    for key, value in over.items():
+        dotted = f"{prefix}{key}"
+        if isinstance(value, dict) and isinstance(table.get(key, {}), dict):
+            _overlay(table.setdefault(key, {}), value, files, origin, dotted + ".")
+        else:
+            table[key] = value
+        files[dotted] = origin
+
+
+def _find(name: str, below: Path | None) -> Path:
+    """The file of a machine: a shipped name, or a path (of a base: beside the file it is in)."""
+    if name.endswith(".toml"):
+        path = Path(name) if below is None else below.parent / name
+        if path.is_file():
+            return path.resolve()
+    elif (SHIPPED / f"{name}.toml").is_file() and "/" not in name:
+        return SHIPPED / f"{name}.toml"
+    expected = f"{nearest(name, shipped())} or the path of a .toml file"
+    raise MachineError(
+        rules.UNKNOWN_MACHINE.at(Source(str(below or name)), found=name, expected=expected)
+    )
+
+
+def _check(machine: Machine, place: Place) -> None:
+    """Raise MachineError for what no field can tell by itself."""
+
+    def wrong(key: str, found: object, expected: str) -> MachineError:
+        return MachineError(
+            rules.WRONG_VALUE.at(
+                place.child(key).source, key=key, found=repr(found), expected=expected
+            )
+        )
+
+    for key, names in WORD_NAMES.items():
+        template = getattr(machine.words, key)
+        for line in (template,) if isinstance(template, str) else template:
+            try:
+                used = [n for _, n, _, _ in Formatter().parse(line) if n is not None]
+            except ValueError as error:
+                raise wrong(f"words.{key}", line, f"a template: {error}") from error
+            for name in used:
+                if name not in names:
+                    raise wrong(f"words.{key}", "{" + name + "}", nearest(name, names))
+    faces = {s.face for s in machine.spindles}
+    for index, pair in enumerate(machine.pairs):
+        if not faces.issuperset(pair.faces):
+            raise wrong(f"pairs.{index}.faces", list(pair.faces), "faces that have a spindle")
+    for index, spindle in enumerate(machine.spindles):
+        if spindle.across.axis == spindle.stroke.axis:
+            raise wrong(f"spindles.{index}.stroke.axis", spindle.stroke.axis, "another axis")
+        if machine.drill is None:
+            raise wrong(f"spindles.{index}", spindle.name, "a [drill] table for it")
+    for key, value in _leaves(machine):
+        if key.endswith(_POSITIVE) and isinstance(value, float) and value <= 0:
+            raise wrong(key, value, "more than 0")
+        if key.endswith(_NOT_NEGATIVE) and isinstance(value, float) and value < 0:
+            raise wrong(key, value, "0 or more")
+    for index, tools in enumerate(machine.tools):
+        if not all(d > 0 for d in tools.diameters):
+            raise wrong(f"tools.{index}.diameters", list(tools.diameters), "diameters above 0")
+    if machine.stock == "beam" and machine.layout is None:
+        raise MachineError(rules.MISSING_KEY.at(place.source, expected="layout"))
+
+
+_POSITIVE = ("up_to", "speed_m_min", "feed_per_turn", "_mm_min", "_rpm", "point_deg",
+             "greatest_height", "greatest_width")  # fmt: skip
+_NOT_NEGATIVE = ("kerf", "tolerance", "clearance", "breakthrough", "front_trim", "least_bar",
+                 "plus", "minus")  # fmt: skip

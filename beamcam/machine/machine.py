@@ -1,0 +1,236 @@
+"""The machine as data: limits, tools, words and formats. Every field stands in a TOML file.
+
+Lengths are mm and angles degrees. A `Formula` is arithmetic over the names in `FORMULA_NAMES`,
+so that where a station measures from is a line of the machine file and not of the program.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from functools import cached_property
+from math import radians, tan
+from typing import Literal
+
+from beamcam.geometry.expression import Expression, compile_expression
+
+Axis = Literal["X", "Y", "Z"]
+
+FORMULA_NAMES = frozenset(
+    {
+        "height",  # of the section
+        "width",
+        "flange_thickness",
+        "web_thickness",
+        "thickness",  # of the material that is drilled
+        "face_depth",  # how far the face lies below the outermost material on its side
+        "y",  # of the hole on its face
+        "depth",  # of the drill's full diameter: the hole's own, or thickness and breakthrough
+        "tip",  # length of the drill's point
+        "clearance",
+    }
+)
+
+
+@dataclass(frozen=True)
+class Formula:
+    """A number that depends on the section or the hole, written as arithmetic."""
+
+    text: str
+
+    @cached_property
+    def _compiled(self) -> Expression:
+        return compile_expression(self.text, FORMULA_NAMES)
+
+    def check(self) -> None:
+        """Raises ValueError if the text is no arithmetic over `FORMULA_NAMES`."""
+        _ = self._compiled
+
+    def __call__(self, values: Mapping[str, float]) -> float:
+        return self._compiled(values)
+
+
+@dataclass(frozen=True, slots=True)
+class NumberFormat:
+    """How the controller's numbers and blocks are written."""
+
+    length_decimals: int = 3
+    angle_decimals: int = 3
+    feed_unit: Literal["mm/s", "mm/min"] = "mm/min"
+    number_blocks: bool = False  #: N1, N2, ... before every block but % and comments
+
+    @property
+    def resolution(self) -> float:
+        """The smallest length that the output can tell apart."""
+        return 10.0**-self.length_decimals
+
+
+@dataclass(frozen=True, slots=True)
+class Layout:
+    """How the stations stand along the bar, and what bars they take."""
+
+    order: Literal["saw-drill", "drill-saw"]  #: which station the bar reaches first
+    least_bar: float = 0.0  #: shortest bar that the stop or gripper can hold
+    greatest_bar: float | None = None
+    front_trim: float = 0.0  #: bar x at which the first part starts
+    profiles: tuple[str, ...] = ("I", "U", "L", "M", "C", "T")  #: DSTV codes that it takes
+
+
+@dataclass(frozen=True, slots=True)
+class Saw:
+    """The saw: where it stands, what it cuts and how its angles are counted."""
+
+    kerf: float
+    least_angle: float  #: of the mitre, in the machine's own counting
+    greatest_angle: float
+    greatest_height: float
+    greatest_width: float
+    x: float = 0.0  #: machine X of a cut at bar x 0
+    kerf_along: Literal["normal", "x"] = "normal"  #: across the blade, or along the bar
+    pivot: Literal["o", "u"] = "o"  #: the edge of the web on which X is counted
+    square: float = 0.0  #: what a square cut is called: 0 or 90
+    angle_sign: Literal[-1, 1] = 1  #: of DSTV's web angle in the machine's counting
+    feed_mm_min: float = 2500.0
+    least_mitre: float = 0.1  #: an end nearer to square than this is sawn square, in degrees
+
+
+@dataclass(frozen=True, slots=True)
+class Tool:
+    """A tool that a spindle can take."""
+
+    kind: Literal["drill"]
+    diameter: float
+    point_deg: float = 118.0  #: angle of a drill's point
+
+    @property
+    def tip(self) -> float:
+        """Length of the point: radius / tan(half the point angle)."""
+        return self.diameter / 2 / tan(radians(self.point_deg) / 2)
+
+
+@dataclass(frozen=True, slots=True)
+class ToolSet:
+    """Tools of one kind in the diameters that the shop has."""
+
+    kind: Literal["drill"]
+    diameters: tuple[float, ...]
+    point_deg: float = 118.0
+
+
+@dataclass(frozen=True, slots=True)
+class Across:
+    """The axis that sets a spindle across the bar."""
+
+    axis: Axis
+    position: Formula
+
+
+@dataclass(frozen=True, slots=True)
+class Stroke:
+    """The axis that drives a spindle into the material."""
+
+    axis: Axis
+    start: Formula  #: free of the section, where the spindle may travel
+    bottom: Formula  #: end of the stroke
+    near: Formula | None = None  #: where the rapid approach ends; `start` if not given
+
+
+@dataclass(frozen=True, slots=True)
+class Spindle:
+    """A drilling spindle: the face that it reaches, its axes and its stations."""
+
+    name: str
+    number: int  #: what the program calls it
+    face: Literal["v", "o", "u", "h"]
+    across: Across
+    stroke: Stroke
+    stations: int = 1
+
+
+@dataclass(frozen=True, slots=True)
+class Pair:
+    """Two spindles that can drill at once."""
+
+    name: str
+    number: int
+    faces: tuple[str, str]
+
+
+@dataclass(frozen=True, slots=True)
+class Fit:
+    """How far a drill may differ from its hole, for holes up to a diameter."""
+
+    up_to: float
+    plus: float  #: the drill may be larger by this
+    minus: float  #: or smaller by this
+
+
+@dataclass(frozen=True, slots=True)
+class Cutting:
+    """Speed and feed of a drill, for diameters up to a limit."""
+
+    up_to: float
+    speed_m_min: float  #: at the drill's edge
+    feed_per_turn: float
+    grade: str = "*"  #: steel grade the row is for, as a shell pattern
+
+
+@dataclass(frozen=True, slots=True)
+class Drill:
+    """The drilling station."""
+
+    x: float  #: machine X of a hole at bar x 0
+    greatest_height: float
+    greatest_width: float
+    fits: tuple[Fit, ...]
+    cutting: tuple[Cutting, ...]
+    merge_tolerance: float = 0.1  #: flange holes nearer than this are one operation
+    clearance: float = 5.0  #: between tool and surface where the feed begins
+    breakthrough: float = 2.0  #: of the drill's full diameter beyond the far side
+    least_speed_rpm: float = 150.0
+    greatest_speed_rpm: float = 2500.0
+    greatest_feed_mm_min: float = 20000.0
+
+
+@dataclass(frozen=True, slots=True)
+class Words:
+    """The blocks of a program as templates; what stands in braces is filled in."""
+
+    header: tuple[str, ...] = ()
+    footer: tuple[str, ...] = ()
+    saw: tuple[str, ...] = ()
+    drill: tuple[str, ...] = ()
+    comment: str = "({text})"
+
+
+#: What each template of `Words` may name.
+WORD_NAMES: dict[str, frozenset[str]] = {
+    "header": frozenset({"job", "section", "width", "height"}),
+    "footer": frozenset(),
+    "saw": frozenset({"x", "angle", "feed"}),
+    "drill": frozenset(
+        {
+            "spindle", "diameter", "x", "y", "z", "near_y", "near_z", "bottom_y", "bottom_z",
+            "feed", "speed",
+        }
+    ),
+    "comment": frozenset({"text"}),
+}  # fmt: skip
+
+
+@dataclass(frozen=True, slots=True)
+class Machine:
+    """A machine: `beamcam machines show NAME` prints every value and where it comes from."""
+
+    name: str
+    title: str
+    controller: Literal["codesys"]
+    stock: Literal["beam", "sheet"]
+    format: NumberFormat
+    words: Words
+    suffix: str = ".gcode"
+    layout: Layout | None = None
+    saw: Saw | None = None
+    drill: Drill | None = None
+    spindles: tuple[Spindle, ...] = ()
+    pairs: tuple[Pair, ...] = ()
+    tools: tuple[ToolSet, ...] = ()
+    sections: Mapping[str, int] = field(default_factory=dict)  #: the program's section codes
