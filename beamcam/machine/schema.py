@@ -6,10 +6,10 @@ at once. Errors name the file, the line of the key, what was found and what was 
 
 import types
 import typing
-from collections.abc import Mapping
+from collections.abc import Hashable, Mapping
 from dataclasses import MISSING, Field, fields, is_dataclass
 from functools import cache
-from typing import Any, Literal, Union, get_args, get_origin
+from typing import Any, Literal, Union, cast, get_args, get_origin
 
 from beamcam.errors import MachineError, Source
 from beamcam.machine import rules
@@ -17,9 +17,9 @@ from beamcam.machine.machine import Formula
 
 
 @cache
-def _fields(cls: type) -> dict[str, tuple[Field[Any], Any]]:
+def _fields(cls: Hashable) -> dict[str, tuple[Field[Any], Any]]:
     hints = typing.get_type_hints(cls)
-    return {f.name: (f, hints[f.name]) for f in fields(cls)}
+    return {f.name: (f, hints[f.name]) for f in fields(cast("type[Any]", cls))}
 
 
 class Place:
@@ -71,7 +71,7 @@ def build(cls: type[Any], table: object, place: Place) -> Any:
     """The record of dataclass `cls` that `table` describes. Raises MachineError."""
     if not isinstance(table, dict):
         raise _wrong(place, table, "a table")
-    known = _fields(cls)
+    known = _fields(cast(Hashable, cls))
     for key in table:
         if key not in known:
             raise MachineError(
@@ -117,7 +117,7 @@ def _value(hint: Any, value: object, place: Place) -> Any:
     if hint is Formula:
         return _formula(value, place)
     if is_dataclass(hint):
-        return build(typing.cast("type[Any]", hint), value, place)
+        return build(cast("type[Any]", hint), value, place)
     if hint is float and isinstance(value, int) and not isinstance(value, bool):
         return float(value)
     if type(value) is not hint:
@@ -139,7 +139,7 @@ def _tuple(args: tuple[Any, ...], value: object, place: Place) -> tuple[Any, ...
 
 
 def _formula(value: object, place: Place) -> Formula:
-    formula = Formula(f"{value}" if isinstance(value, int | float) else typing.cast(str, value))
+    formula = Formula(f"{value}" if isinstance(value, int | float) else cast(str, value))
     if not isinstance(formula.text, str):
         raise _wrong(place, value, "arithmetic as a text")
     try:

@@ -21,7 +21,7 @@ def _commands(plan: Plan, machine: Machine) -> Iterator[Command]:
         raise TypeError(f"{machine.name} has no saw and drill")
     profile = plan.profile
     yield StartBar(machine.sections[profile.code], profile.width, profile.height)
-    spindles = {s.face: s for s in machine.spindles}
+    spindles: dict[Face, Spindle] = {s.face: s for s in machine.spindles}
     sections = {face: _section_values(profile, face, drill) for face in spindles}
     for op in plan.operations:
         if isinstance(op, SawOp):

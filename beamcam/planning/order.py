@@ -13,7 +13,7 @@ last (spindle, drill) of each X.
 """
 
 from collections.abc import Iterable, Sequence
-from itertools import groupby
+from itertools import groupby, pairwise
 
 from beamcam.model.plan import DrillOp, Operation, SawOp
 
@@ -40,7 +40,8 @@ def sort_along_x(operations: Iterable[Operation], resolution: float) -> tuple[Op
         if holes:
             last = next(lasts)
             setups = _arrange(_setups(holes), current, last)
-            result += sorted(holes, key=lambda op: (setups.index(_setup(op)), _rank(op)))
+            for setup in setups:
+                result += [op for op in holes if _setup(op) == setup]
             current = last
     return tuple(result)
 
@@ -48,7 +49,7 @@ def sort_along_x(operations: Iterable[Operation], resolution: float) -> tuple[Op
 def changes(operations: Iterable[Operation]) -> int:
     """How often spindle or drill change along `operations`."""
     setups = [_setup(op) for op in operations if isinstance(op, DrillOp)]
-    return sum(a != b for a, b in zip(setups, setups[1:], strict=False))
+    return sum(a != b for a, b in pairwise(setups))
 
 
 def _setup(op: DrillOp) -> Setup:
@@ -61,7 +62,7 @@ def _setups(ops: Sequence[DrillOp]) -> list[Setup]:
 
 def _rank(op: Operation) -> tuple[object, ...]:
     if isinstance(op, SawOp):
-        return (0, op.x, op.purpose != "parting", op.angle)
+        return (0, op.purpose != "parting", op.x, op.angle)
     return (1, op.spindle, op.tool.diameter, op.x, op.y, op.features)
 
 

@@ -3,3 +3,57 @@
 A reader is `read(data, name) -> Reading`; it opens no file, prints nothing and never raises for
 bad input. `looks_like(data)` tells by the content whether the bytes are of its format.
 """
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from importlib import import_module
+from pathlib import PurePath
+
+from beamcam.errors import Source
+from beamcam.readers import rules
+from beamcam.readers.reading import Reading
+
+
+@dataclass(frozen=True, slots=True)
+class Format:
+    """One format: its name, the suffixes of its files and the module that reads it."""
+
+    name: str
+    suffixes: tuple[str, ...]
+    module: str  #: imported when a file of the format is met, since some readers are heavy
+
+    @property
+    def looks_like(self) -> Callable[[bytes], bool]:
+        function: Callable[[bytes], bool] = import_module(self.module).looks_like
+        return function
+
+    @property
+    def read(self) -> Callable[[bytes, str], Reading]:
+        function: Callable[[bytes, str], Reading] = import_module(self.module).read
+        return function
+
+
+FORMATS = (
+    Format("dstv", (".nc", ".nc1"), "beamcam.readers.dstv"),
+    Format("part-json", (".json",), "beamcam.readers.part_json"),
+)
+
+
+def read(data: bytes, name: str) -> Reading:
+    """The parts of a file called `name`; a file that no reader knows is refused.
+
+    The suffix says which reader is asked first, the content decides.
+    """
+    suffix = PurePath(name).suffix.lower()
+    likely = sorted(FORMATS, key=lambda f: suffix not in f.suffixes)
+    if data.strip():
+        if suffix in likely[0].suffixes:
+            return likely[0].read(data, name)
+        for known in likely:
+            if known.looks_like(data):
+                return known.read(data, name)
+    source = Source(name)
+    if not data.strip():
+        return Reading("unknown", (), (rules.EMPTY.at(source),))
+    known_suffixes = ", ".join(s for f in FORMATS for s in f.suffixes)
+    return Reading("unknown", (), (rules.UNKNOWN_FORMAT.at(source, expected=known_suffixes),))

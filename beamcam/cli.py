@@ -1,0 +1,57 @@
+"""The command line: a table of commands, each imported when it is called.
+
+Only the modules of `beamcam.commands` print, exit or read the environment.
+"""
+
+from importlib import import_module
+
+import click
+
+from beamcam import __version__
+
+#: name -> module of beamcam.commands whose `command` it is, and its help in a line
+COMMANDS = {
+    "post": ("post", "Turn parts into a machine program."),
+    "inspect": ("inspect", "Print what a file holds, and what is wrong with it."),
+    "convert": ("convert", "Write a part as DSTV, JSON or a drawing of its faces."),
+    "plan": ("plan", "Explain the work that makes parts, step by step."),
+    "machines": ("machines", "List the machines, or show one with all its values."),
+}
+
+
+class Commands(click.Group):
+    """A group that knows its commands by name and imports only the one that runs."""
+
+    def list_commands(self, ctx: click.Context) -> list[str]:
+        return list(COMMANDS)
+
+    def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
+        if cmd_name not in COMMANDS:
+            return None
+        command: click.Command = import_module(f"beamcam.commands.{COMMANDS[cmd_name][0]}").command
+        return command
+
+    def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
+        with formatter.section("Commands"):
+            formatter.write_dl([(name, text) for name, (_, text) in COMMANDS.items()])
+
+    def resolve_command(
+        self, ctx: click.Context, args: list[str]
+    ) -> tuple[str | None, click.Command | None, list[str]]:
+        if args and args[0] not in COMMANDS and not args[0].startswith("-"):
+            from difflib import get_close_matches
+
+            close = get_close_matches(args[0], COMMANDS, 1)
+            hint = f" Did you mean {close[0]!r}?" if close else ""
+            ctx.fail(f"No such command {args[0]!r}.{hint}")
+        return super().resolve_command(ctx, args)
+
+
+@click.command(cls=Commands, context_settings={"help_option_names": ["-h", "--help"]})
+@click.version_option(__version__, prog_name="beamcam")
+def main() -> None:
+    """Turn steel members and drawings into programs for saws, drills, torches and lasers.
+
+    Nothing is dropped in silence: what a machine cannot make refuses the part, with the file and
+    the line. Exit status: 0 all posted, 1 an input was refused, 2 wrong usage.
+    """

@@ -1,0 +1,55 @@
+"""`beamcam machines`: which machines there are, and where their values come from."""
+
+import json
+
+import click
+
+from beamcam.commands.common import stop
+from beamcam.errors import BeamcamError
+from beamcam.machine import load, settings, shipped
+
+
+@click.group("machines")
+def command() -> None:
+    """List the machines, or show one with all its values.
+
+    A machine is a TOML file. A file of your own may start from a shipped one by a line such as
+    `base = "beamline"` and is named by its path, as in --machine ./mine.toml.
+
+    \b
+    beamcam machines list
+    beamcam machines show beamline
+    """
+
+
+@command.command("list")
+@click.option("--json", "as_json", is_flag=True, help="Print as JSON.")
+def list_machines(as_json: bool) -> None:
+    """Print the name, the controller and the title of every shipped machine."""
+    machines = [load(name) for name in shipped()]
+    if as_json:
+        rows = [{"name": m.name, "controller": m.controller, "title": m.title} for m in machines]
+        click.echo(json.dumps(rows, ensure_ascii=False, indent=1))
+        return
+    width = max(len(m.name) for m in machines)
+    for m in machines:
+        click.echo(f"{m.name:{width}}  {m.controller:10}  {m.title}")
+
+
+@command.command("show")
+@click.argument("name")
+@click.option("--json", "as_json", is_flag=True, help="Print as JSON.")
+def show(name: str, as_json: bool) -> None:
+    """Print every value of the machine NAME, and the file and line it comes from."""
+    try:
+        rows = settings(name)
+    except BeamcamError as error:
+        stop(error.diagnostics, as_json)
+    if as_json:
+        record = {r.key: {"value": r.value, "source": r.source and str(r.source)} for r in rows}
+        click.echo(json.dumps(record, ensure_ascii=False, indent=1))
+        return
+    width = max(len(r.key) for r in rows)
+    for row in rows:
+        shown = json.dumps(row.value, ensure_ascii=False)
+        click.echo(f"{row.key:{width}} = {shown}  # {row.source or 'default'}")

@@ -1,0 +1,52 @@
+"""`beamcam post`: parts in, a program out."""
+
+import click
+
+from beamcam.commands.common import say, stop, write
+from beamcam.errors import BeamcamError
+from beamcam.machine import load
+from beamcam.pipeline import DEFAULT_MACHINE, parts_of, post, read_file
+from beamcam.planning import SKIP_NAMES
+
+
+@click.command("post")
+@click.argument("inputs", nargs=-1, required=True, metavar="INPUT...")
+@click.option("-o", "--output", required=True, help="The program's file; - is standard output.")
+@click.option("--machine", default=DEFAULT_MACHINE, show_default=True, help="Name or TOML file.")
+@click.option("--bar", type=click.FloatRange(min=0, min_open=True), help="Length of the bar, mm.")
+@click.option("--job", default="JOB", show_default=True, help="Name in the program's first line.")
+@click.option(
+    "--allow-skips",
+    "skips",
+    multiple=True,
+    type=click.Choice(SKIP_NAMES),
+    help="Leave out what the machine cannot make, of this kind only; may be repeated.",
+)
+@click.option("--json", "as_json", is_flag=True, help="Print messages as JSON.")
+def command(
+    inputs: tuple[str, ...],
+    output: str,
+    machine: str,
+    bar: float | None,
+    job: str,
+    skips: tuple[str, ...],
+    as_json: bool,
+) -> None:
+    """Turn parts into a machine program.
+
+    Several INPUTs are laid on one bar in the order given; an input named twice is made twice.
+    Nothing is written unless all of it can be made.
+
+    \b
+    beamcam post M58.nc1 -o job.gcode
+    beamcam post M74.nc1 M58.nc1 M74.nc1 --machine beamline-annex -o job.gcode
+    beamcam post M58.nc1 --bar 12000 -o - | less
+    """
+    try:
+        loaded = load(machine)
+        parts, said = parts_of(read_file(path) for path in inputs)
+        posted = post(parts, loaded, job, bar, skips)
+    except BeamcamError as error:
+        stop(error.diagnostics, as_json)
+    write(output, posted.text)
+    say((*said, *posted.remarks), as_json)

@@ -1,0 +1,91 @@
+"""The architecture on one screen: how an input becomes a program.
+
+    bytes -> readers -> Part -> planning -> Plan -> motion -> Program -> emitters -> text
+                                                                     verify <- text
+
+Which motion step and which emitter belong together stands in `POSTS`.
+"""
+
+from collections.abc import Callable, Collection, Iterable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from beamcam import readers
+from beamcam.emitters import gcode
+from beamcam.errors import Diagnostic, ReadError, Source, errors_in
+from beamcam.machine.machine import Machine
+from beamcam.model.part import Part
+from beamcam.model.plan import Plan
+from beamcam.model.program import Program
+from beamcam.motion.beam import beam_program
+from beamcam.planning import plan_bar
+from beamcam.readers import rules
+from beamcam.readers.reading import Reading
+
+DEFAULT_MACHINE = "beamline"
+STANDARD_INPUT = "-"
+
+
+@dataclass(frozen=True, slots=True)
+class Post:
+    """How a kind of machine gets its program."""
+
+    motion: Callable[[Plan, Machine, str], Program]
+    emit: Callable[[Program, Machine], str]
+
+
+#: By controller family and kind of stock.
+POSTS = {
+    ("codesys", "beam"): Post(beam_program, gcode.emit),
+}
+
+
+@dataclass(frozen=True, slots=True)
+class Posted:
+    """A program and how it came about."""
+
+    text: str
+    plan: Plan
+    remarks: tuple[Diagnostic, ...]
+
+
+def read_file(path: str) -> Reading:
+    """What is in a file, `-` for standard input; a file that cannot be opened is refused."""
+    name = "stdin" if path == STANDARD_INPUT else path
+    try:
+        if path == STANDARD_INPUT:
+            import sys
+
+            data = sys.stdin.buffer.read()
+        else:
+            data = Path(path).read_bytes()
+    except OSError as error:
+        said = rules.UNREADABLE.at(Source(name), found=error.strerror or error)
+        return Reading("unknown", (), (said,))
+    return readers.read(data, name)
+
+
+def parts_of(readings: Iterable[Reading]) -> tuple[tuple[Part, ...], tuple[Diagnostic, ...]]:
+    """All parts in order, and the remarks of their readers. Raises ReadError for any error."""
+    parts: list[Part] = []
+    said: list[Diagnostic] = []
+    for reading in readings:
+        parts += reading.parts
+        said += reading.diagnostics
+    if errors_in(said):
+        raise ReadError(said)
+    return tuple(parts), tuple(said)
+
+
+def post(
+    parts: Sequence[Part],
+    machine: Machine,
+    job: str = "JOB",
+    bar: float | None = None,
+    skips: Collection[str] = (),
+) -> Posted:
+    """The program that makes `parts` from one bar. Raises PlanError if there is none."""
+    plan = plan_bar(parts, machine, bar, skips)
+    kind = POSTS[machine.controller, machine.stock]
+    text = kind.emit(kind.motion(plan, machine, job), machine)
+    return Posted(text, plan, plan.remarks)

@@ -1,0 +1,24 @@
+"""What can be wrong with an input before its format is known."""
+
+from beamcam.errors import Rule, Severity
+
+EMPTY = Rule(
+    "read-empty",
+    Severity.ERROR,
+    "found an empty file; expected a part or a drawing",
+    "An export that failed often leaves a file without content.",
+)
+UNKNOWN_FORMAT = Rule(
+    "read-format",
+    Severity.ERROR,
+    "found content of no known format; expected a file of one of {expected}",
+    "The suffix is not known and the content looks like none of the formats.",
+)
+UNREADABLE = Rule(
+    "read-file",
+    Severity.ERROR,
+    "found no file that can be read ({found})",
+    "The file does not exist, or the system does not let it be read.",
+)
+
+RULES = (EMPTY, UNKNOWN_FORMAT, UNREADABLE)
