@@ -220,7 +220,7 @@ class Comment:
     """A comment of the file, with the place that it stands before."""
 
     text: str
-    before: str  #: "header:9", "feature:4", "feature:4:2" (row 2 of feature 4), "end"
+    before: str  #: "header:9", "feature:4", "feature:4:2" (row 2 of it), "end"; see anchors.py
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,0 +1,93 @@
+"""The places of comments: what each stands before, by its line."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+from beamcam.model.anchors import anchor_key, plane_positions
+from beamcam.model.part import Comment, Contour, Feature
+from beamcam.readers.dstv.contours import Rows
+from beamcam.readers.dstv.tokens import Block
+
+if TYPE_CHECKING:
+    from beamcam.readers.dstv.reader import Content
+
+Placed = tuple[int, str, str]  #: line, anchor, text
+Stop = tuple[int, str]  #: a line that a comment can stand before, and its anchor
+
+
+def place_comments(
+    placed: list[Placed],
+    loose: list[tuple[int, str]],
+    blocks: list[Block],
+    end: int,
+    features: Sequence[Feature],
+    content: Content,
+) -> tuple[Comment, ...]:
+    """All comments of a file with their anchors, in the order in which a writer meets them.
+
+    `placed` have their anchor already; `loose` are lines and texts between the blocks.
+    """
+    if not loose:
+        return tuple(Comment(text, anchor) for _, anchor, text in placed)
+    stops = _stops(blocks, features, content)
+    found = list(placed)
+    for line, text in loose:
+        if end and line > end:
+            anchor = "after-end"
+        else:
+            anchor = next((a for at, a in stops if at > line), "end")
+        found.append((line, anchor, text))
+    positions = plane_positions(content.planes, features)
+    found.sort(key=lambda item: anchor_key(item[1], positions))
+    return tuple(Comment(text, anchor) for _, anchor, text in found)
+
+
+def _stops(blocks: list[Block], features: Sequence[Feature], content: Content) -> list[Stop]:
+    """Every line that a comment can stand before, in order, with its anchor."""
+    things: list[Stop] = []
+    rows_of = {rows.line: rows for rows in content.contours}
+    for i, feature in enumerate(features):
+        line = feature.source.line or 0
+        things.append((line, f"feature:{i}"))
+        rows = rows_of.get(line)
+        if rows is not None and isinstance(feature, Contour):
+            things += _row_stops(rows, i)
+    for k, plane in enumerate(content.planes):
+        block = next(b for b in blocks if b.line == plane.source.line)
+        things += [
+            (line, f"plane:{k}:{row}" if row else f"plane:{k}")
+            for row, line in enumerate(block.numbers[:3])
+        ]
+    counts = {"PR": 0, "IN": 0}
+    for block in blocks:
+        if block.code in counts:
+            name = "section" if block.code == "PR" else "info"
+            for line in block.numbers:
+                things.append((line, f"{name}:{counts[block.code]}"))
+                counts[block.code] += 1
+        elif block.code == "TO" and block.numbers:
+            things.append((block.numbers[0], "tolerance"))
+    things.sort()
+    for i, block in enumerate(blocks):
+        limit = blocks[i + 1].line if i + 1 < len(blocks) else None
+        first = next((thing for thing in things if thing[0] > block.line), None)
+        if first is not None and (limit is None or first[0] < limit):
+            things.append((block.line, "block:" + first[1]))
+    things.sort()
+    return things
+
+
+def _row_stops(rows: Rows, feature: int) -> list[Stop]:
+    """The rows of a contour behind its first; of one that was turned round, counted from its end.
+
+    A comment stands between two rows, so that turning round puts it before the other one.
+    """
+    lines = sorted({*rows.lines, *rows.notch_lines} - {*rows.left_out})
+    count = len(lines)
+    return [
+        (line, f"feature:{feature}:{count - row if rows.turned else row}")
+        for row, line in enumerate(lines)
+        if row
+    ]

@@ -1,0 +1,432 @@
+"""Contour blocks AK, IK, KO and PU: rows to chains of curves.
+
+Rows are read first and turned into curves when the whole file is known, because the sign of a
+radius means counter-clockwise as seen from outside: on o and h, which are drawn mirrored, that is
+clockwise in the numbers, unless the program that wrote the file draws them unmirrored, which the
+direction of the face's outer contour tells.
+"""
+
+from dataclasses import dataclass, field
+from math import asin, hypot, sin
+from typing import Literal
+
+from beamcam.errors import Source
+from beamcam.geometry.curves import Arc, Curve, Line, Point, arc_through
+from beamcam.model.part import MIRRORED_FACES, Bevel, Contour, ContourKind, Notch, Process
+from beamcam.readers.dstv import rules
+from beamcam.readers.dstv.rows import Place
+from beamcam.readers.dstv.tokens import EDGES, LARGEST, Block, Log, RowError, numbers, tokenise
+
+_FACE_LETTERS = frozenset("vouh")
+_NO_BEVEL = (["0.00"] * 4, ["0.00"] * 2)  #: the columns as most programs write them
+
+#: A notch corner this many radii from its arc comes of tangents that are (nearly) parallel.
+_FARTHEST_CORNER = 1000.0
+_SNAP = 0.011  #: ends this close are one point that was rounded twice
+_ARC_SLACK = 0.01  #: a radius too small by this part of itself is read as a half circle
+
+BevelPair = tuple[float, float]  #: angle in degrees, land
+NotchRow = tuple[Literal["t", "w"], Point, float]
+
+
+@dataclass(slots=True)
+class Rows:
+    """One contour as its rows say it; item i of each list belongs to the edge from point i on."""
+
+    code: str  #: A, I, K or P
+    face: str
+    edge: str
+    line: int
+    points: list[Point] = field(default_factory=list)
+    radii: list[float] = field(default_factory=list)
+    lines: list[int] = field(default_factory=list)
+    bevels: dict[int, tuple[BevelPair, ...]] = field(default_factory=dict)
+    notches: dict[int, list[NotchRow]] = field(default_factory=dict)
+    notch_lines: list[int] = field(default_factory=list)
+    edges: str = ""  #: all reference letters met
+    turned: bool = False  #: whether the contour runs against its rows
+    left_out: list[int] = field(default_factory=list)  #: lines that repeat a point
+
+
+def read_contour_rows(block: Block, code: str, place: Place) -> list[Rows]:
+    """The contours of one block; a row that changes the face, or follows a closed one, begins
+    another."""
+    log = place.log
+    found: list[Rows] = []
+    rows: Rows | None = None
+    points: list[Point] = []
+    radii: list[float] = []
+    lines: list[int] = []
+    for line, row in zip(block.numbers, block.rows, strict=True):
+        # "  v   0.00u   20.00   0.00   0.00   0.00   0.00   0.00"
+        #   face, x + reference, y + t or w, radius, bevel angle, land, second angle, land
+        tokens = row.split()
+        try:
+            first = 0
+            face = tokens[0]
+            if face in _FACE_LETTERS:
+                first = 1
+                if place.fixed or face == place.face:
+                    pass
+                else:
+                    place.face = face
+                    rows = None
+            elif not place.face:
+                raise RowError(row)
+            text = tokens[first]
+            edge = text[-1]
+            if edge in EDGES:
+                x = float(text[:-1])
+            else:
+                x, edge = float(text), ""
+            y = float(tokens[first + 1])
+            rest = tokens[first + 2 :]
+            radius = float(rest[0]) if rest else 0.0
+            bevel = rest[1:]
+            if not -LARGEST < x + y + radius < LARGEST or "_" in row:
+                raise RowError(row)
+            if bevel and bevel not in _NO_BEVEL:
+                raise RowError(row)
+        except (ValueError, IndexError):
+            fields = _careful(row, line, place)
+            if fields is None:
+                continue
+            x, edge, y, notch, radius, pairs = fields
+            if rows is not None and rows.face != place.face:
+                rows = None
+        else:
+            notch, pairs = "", ()
+        if rows is None:
+            rows = Rows(code, place.face, edge, line)
+            points, radii, lines = rows.points, rows.radii, rows.lines
+            found.append(rows)
+        if edge and edge not in rows.edges:
+            rows.edges += edge
+        if notch:
+            _add_notch(rows, notch, (x, y), radius, line, log)
+            continue
+        if pairs:
+            rows.bevels[len(points)] = pairs
+        points.append((x, y))
+        radii.append(radius)
+        lines.append(line)
+    if code in "AI":
+        found = [part for rows in found for part in _split_closed(rows)]
+    return found
+
+
+def _careful(
+    row: str, line: int, place: Place
+) -> tuple[float, str, float, str, float, tuple[BevelPair, ...]] | None:
+    """x, reference, y, notch letter, radius and bevels of any row; None if no rule explains it."""
+    log = place.log
+    before = len(log.diagnostics)
+    try:
+        tokens = place.take(tokenise(row), line)
+        if len(tokens) < 2:
+            raise RowError(row)
+        rest = tokens[1:]
+        (x,) = numbers(tokens[:1], line, log)
+        edge = ""
+        if rest[0].isalpha():
+            place.refer(rest[0], line)
+            edge = rest[0] if rest[0] in EDGES else ""
+            rest = rest[1:]
+        if not rest:
+            raise RowError(row)
+        (y,) = numbers(rest[:1], line, log)
+        rest = rest[1:]
+        notch = ""
+        if rest and rest[0] in ("t", "w"):
+            notch, rest = rest[0], rest[1:]
+        values = numbers(rest, line, log)
+        if len(values) > 5:
+            raise RowError(row)
+        radius = values[0] if values else 0.0
+        pairs = _bevel_pairs(values[1:], row, line, log)
+    except RowError:
+        error = rules.CONTOUR_FIELDS.severity
+        if not any(d.severity is error for d in log.diagnostics[before:]):
+            log.add(rules.CONTOUR_FIELDS, line, found=row)
+        return None
+    return x, edge, y, notch, radius, pairs
+
+
+def _bevel_pairs(values: list[float], row: str, line: int, log: Log) -> tuple[BevelPair, ...]:
+    """Angle and land of up to two bevels. Raises RowError for an angle without its land."""
+    pairs = []
+    for i in range(0, len(values), 2):
+        angle = values[i]
+        if angle:
+            if i + 1 == len(values):
+                raise RowError(row)
+            pairs.append((angle, values[i + 1]))
+        elif values[i + 1 : i + 2] not in ([], [0.0]):
+            log.add(rules.BEVEL_ANGLE, line, land=values[i + 1])
+    return tuple(pairs)
+
+
+def _add_notch(rows: Rows, letter: str, corner: Point, radius: float, line: int, log: Log) -> None:
+    """Keep a notch row with the edge that it stands on, unless its corner lies far away."""
+    kind: Literal["t", "w"] = "t" if letter == "t" else "w"
+    near = rows.points[-1] if rows.points else corner
+    far = hypot(corner[0] - near[0], corner[1] - near[1])
+    if far > _FARTHEST_CORNER * (abs(radius) + 1):
+        log.add(rules.NOTCH_CORNER, line, x=corner[0], y=corner[1])
+        return
+    rows.notches.setdefault(len(rows.points) - 1, []).append((kind, corner, radius))
+    rows.notch_lines.append(line)
+
+
+def _split_closed(rows: Rows) -> list[Rows]:
+    """The contours of a block that holds several, one behind the other.
+
+    A contour ends where it comes back to its start, if another closed one follows; one that only
+    touches its start goes on.
+    """
+    points = rows.points
+    count = points.count(points[0]) if points else 0
+    if count < 2 or (count == 2 and points[-1] == points[0]):
+        return [rows]
+    end = next((i for i in range(2, len(points)) if points[i] == points[0]), 0)
+    rest = points[end + 1 :]
+    if not end or len(rest) < 3 or rest[0] not in rest[1:] or rest[0] == points[0]:
+        return [rows]
+    head = Rows(rows.code, rows.face, rows.edge, rows.line, edges=rows.edges)
+    tail = Rows(rows.code, rows.face, rows.edge, rows.lines[end + 1], edges=rows.edges)
+    for part, low, high in ((head, 0, end + 1), (tail, end + 1, len(points))):
+        part.points = points[low:high]
+        part.radii = rows.radii[low:high]
+        part.lines = rows.lines[low:high]
+        part.bevels = {i - low: b for i, b in rows.bevels.items() if low <= i < high}
+        part.notches = {i - low: n for i, n in rows.notches.items() if low <= i < high}
+        part.notch_lines = [n for n in rows.notch_lines if (n < tail.line) == (part is head)]
+    return [head, *_split_closed(tail)]
+
+
+def polygon_area(points: list[Point]) -> float:
+    """Area of the polygon of `points`, positive counter-clockwise."""
+    total = 0.0
+    x0, y0 = points[-1]
+    for x1, y1 in points:
+        total += x0 * y1 - x1 * y0
+        x0, y0 = x1, y1
+    return total / 2
+
+
+def segments_area(points: list[Point], radii: list[float]) -> float:
+    """What the arcs add to the polygon's area, positive for counter-clockwise ones.
+
+    Each circular segment is r2/2 (s - sin s), s the sweep.
+    """
+    total = 0.0
+    for i, radius in enumerate(radii[:-1]):
+        if radius:
+            (x0, y0), (x1, y1) = points[i], points[i + 1]
+            half = hypot(x1 - x0, y1 - y0) / 2
+            size = max(abs(radius), half)
+            sweep = 2 * asin(half / size) if size else 0.0
+            area = size * size / 2 * (sweep - sin(sweep))
+            total += area if radius > 0 else -area
+    return total
+
+
+def is_mirrored(rows: Rows) -> bool:
+    """Whether the numbers of a contour on o or h are mirrored, as the standard draws them.
+
+    Mirrored numbers turn the sign of each radius, and the contour must then run clockwise in
+    them if it is an outer one. Where both readings hold together, or neither does, the polygon
+    of the corners decides; without one, the standard.
+    """
+    area = polygon_area(rows.points)
+    arcs = segments_area(rows.points, rows.radii)
+    outward = 1.0 if rows.code == "A" else -1.0
+    mirrored = outward * (area - arcs) < 0
+    drawn = outward * (area + arcs) > 0
+    if mirrored != drawn:
+        return mirrored
+    if mirrored:
+        return True
+    return outward * area <= 0
+
+
+def build_contour(rows: Rows, mirrored: bool, thickness: float, log: Log) -> Contour | None:
+    """The contour of `rows`; None if it makes nothing.
+
+    `mirrored`: a positive radius is clockwise in the numbers. Outer contours come out
+    counter-clockwise seen from outside, closed inner ones clockwise.
+    """
+    points, radii, lines = rows.points, rows.radii, rows.lines
+    bevels, notches = rows.bevels, rows.notches
+    if len(rows.edges) > 1:
+        log.add(rules.EDGE_MIXED, rows.line, found=" ".join(rows.edges), kept=rows.edge)
+    if mirrored:
+        radii = [-r for r in radii]
+    # most contours: no point twice in a row, so that nothing is to be left out
+    if any(map(tuple.__eq__, points, points[1:])):
+        points, radii, lines, bevels, notches = _drop_repeated(rows, radii, log)
+    if len(points) < 2:
+        for line in lines or [rows.line]:
+            log.add(rules.CONTOUR_EMPTY, line, count=len(points))
+        return None
+    closed = points[0] == points[-1]
+    if not closed and rows.code in "AI":
+        points, radii = _close(points, radii, lines, log)
+        closed = True
+    log.taken.extend(rows.lines)
+    log.taken.extend(rows.notch_lines)
+    kind: ContourKind = "outer" if rows.code == "A" else "inner" if closed else "open"
+    turned = False
+    if closed:
+        area = polygon_area(points) + (segments_area(points, radii) if any(radii) else 0.0)
+        if area == 0.0:
+            log.add(rules.CONTOUR_AREA, rows.line)
+        wants_positive = (kind == "outer") != (rows.face in MIRRORED_FACES)
+        turned = area > 0 if not wants_positive else area < 0
+    bevel_list = _place_bevels(rows, bevels, len(points) - 1, closed, thickness, lines, log)
+    last = len(points) - 2
+    notch_list = [
+        Notch(i if 0 <= i <= last else last, kind_, corner, -radius if mirrored else radius)
+        for i, group in sorted(notches.items())
+        for kind_, corner, radius in group
+    ]
+    if turned:
+        points = points[::-1]
+        radii = [-r for r in radii[-2::-1]] + [0.0]
+        lines = lines[::-1]
+        bevel_list = [Bevel(last - b.curve, b.angle, b.land) for b in bevel_list]
+        bevel_list.sort(key=lambda b: b.curve)
+        notch_list = [
+            Notch(last - n.curve, n.kind, n.corner, -n.radius) for n in reversed(notch_list)
+        ]
+    curves = _curves(points, radii, lines, log)
+    if curves is None:
+        return None
+    process: Process = "punch" if rows.code == "K" else "powder" if rows.code == "P" else "cut"
+    rows.turned = turned
+    return Contour(
+        rows.face,
+        kind,
+        curves,
+        Source(log.file, rows.line),
+        process,
+        closed,
+        tuple(bevel_list),
+        tuple(notch_list),
+        rows.edge,
+    )
+
+
+def _drop_repeated(
+    rows: Rows, radii: list[float], log: Log
+) -> tuple[
+    list[Point],
+    list[float],
+    list[int],
+    dict[int, tuple[BevelPair, ...]],
+    dict[int, list[NotchRow]],
+]:
+    """The rows without those that repeat the point before; what these say belongs to the point."""
+    points, lines = rows.points, rows.lines
+    kept: list[int] = []
+    place: list[int] = []  # of each row, its point's place among those kept
+    new_radii: list[float] = []
+    for i, point in enumerate(points):
+        if kept and points[kept[-1]] == point:
+            log.add(rules.REPEATED_POINT, lines[i])
+            rows.left_out.append(lines[i])
+            new_radii[-1] = radii[i]
+        else:
+            kept.append(i)
+            new_radii.append(radii[i])
+        place.append(len(kept) - 1)
+    new_bevels = {place[i]: pairs for i, pairs in rows.bevels.items()}
+    new_notches: dict[int, list[NotchRow]] = {}
+    for i, group in rows.notches.items():
+        new_notches.setdefault(place[i] if i >= 0 else -1, []).extend(group)
+    return (
+        [points[i] for i in kept],
+        new_radii,
+        [lines[i] for i in kept],
+        new_bevels,
+        new_notches,
+    )
+
+
+def _close(
+    points: list[Point], radii: list[float], lines: list[int], log: Log
+) -> tuple[list[Point], list[float]]:
+    """Points and radii of a contour that must be closed and is not."""
+    gap = hypot(points[-1][0] - points[0][0], points[-1][1] - points[0][1])
+    log.add(rules.CONTOUR_OPEN, lines[-1], gap=gap)
+    if gap <= _SNAP and len(points) > 2:
+        return [*points[:-1], points[0]], radii
+    return [*points, points[0]], [*radii, 0.0]
+
+
+def _place_bevels(
+    rows: Rows,
+    bevels: dict[int, tuple[BevelPair, ...]],
+    count: int,
+    closed: bool,
+    thickness: float,
+    lines: list[int],
+    log: Log,
+) -> list[Bevel]:
+    """The bevels on `count` curves; the closing row speaks of the first edge again."""
+    if not bevels:
+        return []
+    found: list[Bevel] = []
+    for i, pairs in sorted(bevels.items()):
+        curve = i
+        if i >= count:
+            if closed and bevels.get(0) == pairs:
+                continue
+            if not closed or 0 in bevels:
+                log.add(rules.BEVEL_LOST, lines[min(i, len(lines) - 1)], angle=pairs[0][0])
+                continue
+            curve = 0
+        for angle, land in pairs:
+            if angle < 0 and land == 0.0 and thickness:
+                log.add(
+                    rules.BEVEL_LAND, lines[min(i, len(lines) - 1)], angle=angle, land=thickness
+                )
+                land = thickness
+            found.append(Bevel(curve, angle, land))
+    found.sort(key=lambda bevel: bevel.curve)
+    return found
+
+
+def _curves(
+    points: list[Point], radii: list[float], lines: list[int], log: Log
+) -> tuple[Curve, ...] | None:
+    """Lines and arcs through `points`; None, with an error, where an arc cannot be."""
+    if not any(radii):
+        return tuple(map(Line, points, points[1:]))
+    curves: list[Curve] = []
+    failed = False
+    for i in range(len(points) - 1):
+        radius = radii[i]
+        if radius == 0.0:
+            curves.append(Line(points[i], points[i + 1]))
+            continue
+        arc = _arc(points[i], points[i + 1], radius, lines[min(i, len(lines) - 1)], log)
+        if arc is None:
+            failed = True
+        else:
+            curves.append(arc)
+    return None if failed else tuple(curves)
+
+
+def _arc(start: Point, end: Point, radius: float, line: int, log: Log) -> Arc | None:
+    """The arc between two points; None, with an error, if no circle of `radius` fits them."""
+    try:
+        return arc_through(start, end, radius)
+    except ValueError:
+        chord = hypot(end[0] - start[0], end[1] - start[1])
+        half = chord / 2
+        if half <= abs(radius) * (1 + _ARC_SLACK):
+            log.add(rules.ARC_STRETCHED, line, radius=radius, chord=chord)
+            return arc_through(start, end, half if radius > 0 else -half)
+        log.add(rules.ARC_RADIUS, line, radius=radius, chord=chord, least=half)
+        return None

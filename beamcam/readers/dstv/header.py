@@ -1,0 +1,239 @@
+"""The header, block ST: 20 to 24 lines that count by their position."""
+
+import re
+from dataclasses import dataclass
+from pathlib import PurePath
+from typing import cast
+
+from beamcam.model.part import PROFILE_CODES, EndCuts, Profile, ProfileCode
+from beamcam.readers.dstv import rules
+from beamcam.readers.dstv.tokens import CODES, LARGEST, PLAIN_CODES, Log, number
+
+LEAST_LINES, MOST_LINES = 20, 24
+TEXT_LIMIT = 80  # DSTV NC, page 6
+
+#: Names of the header lines that are numbers, 10 to 20.
+NUMBER_NAMES = (
+    "height",
+    "flange width",
+    "flange thickness",
+    "web thickness",
+    "radius",
+    "weight",
+    "surface",
+    "web start cut",
+    "web end cut",
+    "flange start cut",
+    "flange end cut",
+)
+
+
+@dataclass(frozen=True, slots=True)
+class Header:
+    """The header's values under the names of the part."""
+
+    order: str
+    drawing: str
+    phase: str
+    mark: str
+    grade: str
+    quantity: int
+    profile: Profile
+    length: float
+    saw_length: float | None
+    weight: float
+    surface: float
+    cuts: EndCuts
+    notes: tuple[str, ...]
+
+
+@dataclass(slots=True)
+class HeaderLines:
+    """The header as text: its values by position, their lines, and its comments."""
+
+    values: list[str]
+    numbers: list[int]
+    comments: list[tuple[int, str]]  #: position of the value that the comment stands before, text
+    end: int  #: index of the line behind the header
+
+
+def header_lines(lines: list[str], start: int) -> HeaderLines:
+    """The header that begins at index `start`, behind the line ST.
+
+    The first 20 lines are taken as they come, since a piece mark may be `B1` or `SI`. After them
+    a block code ends the header, if it stands as far in as ST itself does.
+    """
+    indent = _indent(lines[start - 1])
+    values: list[str] = []
+    numbers: list[int] = []
+    comments: list[tuple[int, str]] = []
+    index = start
+    for index in range(start, len(lines)):
+        text = lines[index].strip()
+        count = len(values)
+        if text[:2] == "**":
+            comments.append((count + 1, text[2:]))
+            continue
+        if count >= LEAST_LINES:
+            if count >= MOST_LINES and not text:
+                continue
+            if len(text) == 2 and _is_code(text, lines, index, indent, count):
+                return HeaderLines(values, numbers, comments, index)
+        values.append(text)
+        numbers.append(index + 1)
+    return HeaderLines(values, numbers, comments, len(lines))
+
+
+def _indent(line: str) -> int:
+    return len(line) - len(line.lstrip())
+
+
+def _is_code(text: str, lines: list[str], index: int, indent: int, count: int) -> bool:
+    """Whether a line of two characters behind header line 20 is a block code and no text."""
+    if _indent(lines[index]) != indent:
+        return False
+    if count >= MOST_LINES:
+        return text in CODES or (text.isupper() and text.isalpha())
+    if text in PLAIN_CODES:
+        return True
+    # "E1" may be a text: as a plane it is followed by numbers. B1 and the like follow a plane.
+    follower = lines[index + 1].split() if index + 1 < len(lines) else []
+    return text in CODES and text[0] == "E" and len(follower) in (3, 6, 9)
+
+
+def read_header(head: HeaderLines, log: Log) -> Header | None:
+    """The header's values; None, with errors in the log, if it cannot be read."""
+    values, lines = head.values, head.numbers
+    if len(values) < LEAST_LINES:
+        last = lines[-1] if lines else head.end
+        log.add(rules.HEADER_SHORT, last, found="the end of the file", count=len(values))
+        return None
+    for position in range(8, LEAST_LINES):
+        if values[position] in CODES:  # a number stands here, so the header ended too early
+            log.add(rules.HEADER_SHORT, lines[position], found=values[position], count=position)
+            return None
+    before = len(log.diagnostics)
+    quantity = _quantity(values[5], lines[5], log)
+    code = _profile_code(values[7], lines[7], log)
+    length, saw_length = _lengths(values[8], "," in values[9], lines[8], log)
+    dimensions = _dimensions(values, lines, log)
+    if quantity is None or code is None or length is None or dimensions is None:
+        return None
+    height, width, flange, web, radius, weight, surface, *cuts = dimensions
+    if height <= 0:
+        log.add(rules.HEIGHT, lines[9], found=height)
+    texts = [_text(values[i]) for i in (0, 1, 2, 4)]
+    for i, value in enumerate(values):
+        if len(value) > TEXT_LIMIT:
+            log.add(rules.TEXT_LONG, lines[i], count=len(value), limit=TEXT_LIMIT)
+    for i in range(MOST_LINES, len(values)):
+        log.add(rules.HEADER_EXTRA, lines[i], found=values[i], number=i + 1)
+    _warn_of_mark(values, lines, log)
+    if len(log.diagnostics) == before:
+        log.taken.extend(lines)
+    else:
+        said = {d.source.line for d in log.diagnostics[before:]}
+        log.taken.extend(line for line in lines if line not in said)
+    return Header(
+        texts[0],
+        texts[1],
+        texts[2],
+        values[3],
+        texts[3],
+        quantity,
+        Profile(code, values[6], height, width, flange, web, radius),
+        length,
+        saw_length,
+        weight,
+        surface,
+        EndCuts(*cuts),
+        _notes(values[LEAST_LINES:]),
+    )
+
+
+def _text(value: str) -> str:
+    """A text of the header; a dash stands for none."""
+    return "" if value == "-" else value
+
+
+def _notes(values: list[str]) -> tuple[str, ...]:
+    """The free texts, without the empty ones at the end."""
+    texts = [_text(value) for value in values]
+    while texts and not texts[-1]:
+        texts.pop()
+    return tuple(texts)
+
+
+def _quantity(text: str, line: int, log: Log) -> int | None:
+    if re.fullmatch(r"[+]?0*[0-9]{1,9}", text, re.ASCII):
+        value = int(text)
+        if value > 0:
+            return value
+        log.add(rules.QUANTITY_FORM, line, found=text, value=value)
+        return value
+    if re.fullmatch(r"[0-9]{1,9}\.0*", text, re.ASCII):  # 2.00
+        value = int(float(text))
+        log.add(rules.QUANTITY_FORM, line, found=text, value=value)
+        return value
+    log.add(rules.QUANTITY, line, found=text)
+    return None
+
+
+def _profile_code(text: str, line: int, log: Log) -> ProfileCode | None:
+    if text in PROFILE_CODES:
+        return text
+    if text.upper() in PROFILE_CODES:
+        log.add(rules.PROFILE_CASE, line, found=text, code=text.upper())
+        return cast(ProfileCode, text.upper())
+    log.add(rules.PROFILE_CODE, line, found=text)
+    return None
+
+
+def _lengths(text: str, commas: bool, line: int, log: Log) -> tuple[float | None, float | None]:
+    """Length and saw length; `commas`: the lines after this one have decimal commas."""
+    # "500.40,500.40"   length, saw length
+    fields = [text] if commas and text.count(",") == 1 and "." not in text else text.split(",")
+    values = [number(part.strip(), line, log) for part in fields]
+    length = values[0]
+    if len(values) > 2 or length is None or None in values or length <= 0:
+        log.add(rules.LENGTH, line, found=text)
+        return None, None
+    saw = values[1] if len(values) == 2 else None
+    if saw is not None and saw < length - 0.2:
+        log.add(rules.SAW_LENGTH, line, saw=saw, length=length)
+    return length, saw
+
+
+def _dimensions(values: list[str], lines: list[int], log: Log) -> list[float] | None:
+    """Header lines 10 to 20 as numbers; None if one that matters cannot be read."""
+    texts = values[9:LEAST_LINES]
+    try:
+        found = [float(text) for text in texts]
+        if -LARGEST < sum(found) < LARGEST and min(found[:5]) >= 0 and "_" not in "".join(texts):
+            return found
+    except ValueError:
+        pass  # the careful way below says which line it was
+    result: list[float] = []
+    failed = False
+    for i, text in enumerate(texts):
+        place = {"number": i + 10, "name": NUMBER_NAMES[i]}
+        value = number(text, lines[i + 9], log) if text else 0.0
+        if not text:
+            log.add(rules.HEADER_BLANK, lines[i + 9], **place)
+        elif value is None and i in (5, 6):
+            log.add(rules.WEIGHT, lines[i + 9], found=text, **place)
+            value = 0.0
+        elif value is None or (i < 5 and value < 0):
+            log.add(rules.HEADER_NUMBER, lines[i + 9], found=text, **place)
+            failed = True
+        result.append(value or 0.0)
+    return None if failed else result
+
+
+def _warn_of_mark(values: list[str], lines: list[int], log: Log) -> None:
+    """Say so where the file is named after its drawing or phase and not after its mark."""
+    mark = values[3]
+    for position, field in ((1, "drawing"), (2, "phase")):
+        name = values[position]
+        if len(name) > 1 and name != mark and PurePath(log.file).stem == name:
+            log.add(rules.MARK_ELSEWHERE, lines[3], found=mark, field=field, name=name)

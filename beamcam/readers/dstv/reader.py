@@ -1,0 +1,364 @@
+"""Reading a DSTV file: lines to blocks, blocks to features, features to a part."""
+
+from dataclasses import dataclass, field
+
+from beamcam.errors import Source
+from beamcam.model.part import (
+    MIRRORED_FACES,
+    Contour,
+    Feature,
+    Hole,
+    Part,
+    Plane,
+    Profile,
+    SectionPoint,
+)
+from beamcam.readers.dstv import rules
+from beamcam.readers.dstv.comments import Placed, place_comments
+from beamcam.readers.dstv.contours import Rows, build_contour, is_mirrored, read_contour_rows
+from beamcam.readers.dstv.header import header_lines, read_header
+from beamcam.readers.dstv.lint import check
+from beamcam.readers.dstv.rows import (
+    Place,
+    read_bends,
+    read_cambers,
+    read_end_planes,
+    read_holes,
+    read_info,
+    read_plane,
+    read_section,
+    read_texts,
+    read_tolerance,
+)
+from beamcam.readers.dstv.tokens import CODES, Block, Log, decode, split_lines
+from beamcam.readers.reading import Reading
+
+#: Rows of a cross-section and of IN come once for the whole part; their lines place comments.
+_CONTOURS = {"AK": "A", "IK": "I", "KO": "K", "PU": "P"}
+
+
+@dataclass(slots=True)
+class Account:
+    """What became of the lines of a file: each data line is in the part or reported."""
+
+    data_lines: list[int]
+    taken: list[int]
+    reported: list[int]
+
+    @property
+    def lost(self) -> list[int]:
+        """Data lines that are neither in the part nor in a diagnostic; always empty."""
+        return sorted({*self.data_lines} - {*self.taken} - {*self.reported})
+
+
+@dataclass(slots=True)
+class Content:
+    """What the blocks of a file give the part."""
+
+    features: list[Feature | Rows] = field(default_factory=list)
+    planes: list[Plane] = field(default_factory=list)
+    section: list[SectionPoint] = field(default_factory=list)
+    info: list[tuple[str, str]] = field(default_factory=list)
+    tolerance: tuple[float, float] | None = None
+    contours: list[Rows] = field(default_factory=list)
+    plane_names: dict[str, str] = field(default_factory=dict)  #: by digit, the last plane's name
+
+
+def looks_like(data: bytes) -> bool:
+    """Whether the bytes are a DSTV file by their lines: a line ST, or two codes of its own."""
+    lines = {line.strip() for line in split_lines(decode(data[:20000])[0])}
+    return "ST" in lines or len(lines & {"EN", "BO", "AK", "IK", "SI", "KO"}) >= 2
+
+
+def read(data: bytes, name: str) -> Reading:
+    """The part of a DSTV file and what is to be said about it; never raises.
+
+    `name` is the file's name for messages. Where the header cannot be read there is no part.
+    """
+    return read_with_account(data, name)[0]
+
+
+def read_with_account(data: bytes, name: str) -> tuple[Reading, Account]:
+    """As `read`, with the account of the file's lines."""
+    text, encoding = decode(data)
+    lines = split_lines(text)
+    log = Log(name)
+    if encoding is not None:
+        line = next((i for i, row in enumerate(lines, 1) if not row.isascii()), 1)
+        log.add(rules.ENCODING, line, encoding=encoding)
+    start, comments = _find_start(lines, log)
+    if start is None:
+        return _refused(lines, log)
+    head = header_lines(lines, start)
+    header = read_header(head, log)
+    if header is None:
+        return _refused(lines, log)
+    comments += [(0, f"header:{n}", text) for n, text in head.comments]
+    blocks, loose, end = _split_blocks(lines, head.end, log)
+    indented = [*head.numbers, *(n for block in blocks for n in block.numbers[:1])]
+    _note_indent(lines, indented, lines[start - 1], log)
+    content = Content()
+    for block in blocks:
+        _read_block(block, content, header.profile, log)
+    kept = _finish_contours(content, header.profile, log)
+    features = tuple(f for f in kept if f is not None)
+    if comments or loose:
+        placed = place_comments(comments, loose, blocks, end, features, content)
+    else:
+        placed = ()
+    part = Part(
+        header.mark,
+        header.profile,
+        header.length,
+        Source(name, start),
+        header.quantity,
+        header.saw_length,
+        header.order,
+        header.drawing,
+        header.phase,
+        header.grade,
+        header.cuts,
+        features,
+        tuple(content.planes),
+        header.weight,
+        header.surface,
+        header.notes,
+        content.tolerance,
+        tuple(content.section),
+        tuple(content.info),
+        placed,
+    )
+    check(part, content.contours, log)
+    data_lines = head.numbers
+    for block in blocks:
+        data_lines += block.numbers
+    return _result(part, data_lines, log)
+
+
+def _result(part: Part, data_lines: list[int], log: Log) -> tuple[Reading, Account]:
+    diagnostics = log.diagnostics
+    if len(diagnostics) > 1:
+        diagnostics.sort(key=lambda d: d.source.line or 0)
+    reported = [d.source.line or 0 for d in diagnostics]
+    return Reading("dstv", (part,), tuple(diagnostics)), Account(data_lines, log.taken, reported)
+
+
+def _refused(lines: list[str], log: Log) -> tuple[Reading, Account]:
+    """No part, and a note of how many lines were not looked at."""
+    said = {d.source.line for d in log.diagnostics}
+    unread = [
+        i
+        for i, line in enumerate(lines, 1)
+        if line.strip() and not line.lstrip().startswith("**") and i not in said
+    ]
+    if unread:
+        log.add(rules.UNREAD, unread[-1], count=len(unread))
+    log.diagnostics.sort(key=lambda d: d.source.line or 0)
+    account = Account(unread, [], unread)
+    return Reading("dstv", (), tuple(log.diagnostics)), account
+
+
+def _find_start(lines: list[str], log: Log) -> tuple[int | None, list[Placed]]:
+    """Index behind the line ST, and the comments before it; None if there is none."""
+    comments: list[Placed] = []
+    first: tuple[int, str] | None = None
+    for index, line in enumerate(lines):
+        text = line.strip()
+        if text == "ST":
+            if first is not None:
+                log.add(rules.BEFORE_ST, first[0], found=_short(first[1]))
+            return index + 1, comments
+        if text == "st" and first is None:
+            log.add(rules.CODE_CASE, index + 1, found=text, block="ST")
+            return index + 1, comments
+        if text[:2] == "**":
+            comments.append((index + 1, "start", text[2:]))
+        elif text and first is None:
+            first = index + 1, text
+    if any(line.strip() in CODES for line in lines):
+        line_number, found = first or (1, "")
+        log.add(rules.NO_ST, line_number, found=_short(found))
+    else:
+        line_number, found = first or (1, "nothing")
+        log.add(rules.NOT_DSTV, line_number, found=_short(found))
+    return None, comments
+
+
+def _short(text: str) -> str:
+    return text if len(text) <= 40 else text[:37] + "..."
+
+
+def _split_blocks(
+    lines: list[str], start: int, log: Log
+) -> tuple[list[Block], list[tuple[int, str]], int]:
+    """The blocks behind the header, the comments between, and the line of EN (0 if none)."""
+    blocks: list[Block] = []
+    comments: list[tuple[int, str]] = []
+    rows: list[str] = []
+    numbers: list[int] = []
+    end = 0
+    after = False
+    for index in range(start, len(lines)):
+        text = lines[index].strip()
+        size = len(text)
+        if size > 2:
+            if text[:2] == "**":
+                comments.append((index + 1, text[2:]))
+                continue
+        elif size == 0:
+            continue
+        elif size == 2:
+            if text == "**":
+                comments.append((index + 1, ""))
+                continue
+            code = _code(text, lines[index], index + 1, log) if not after else None
+            if code == "EN":
+                end = index + 1
+                after = True
+                continue
+            if code is not None:
+                rows, numbers = [], []
+                blocks.append(Block(code, index + 1, rows, numbers))
+                continue
+        if after:
+            log.add(rules.AFTER_EN, index + 1, found=_short(text))
+            continue
+        if not blocks:
+            blocks.append(Block("", index + 1, rows, numbers))
+        if "**" in text and blocks[-1].code != "IN":
+            text, comment = (part.strip() for part in text.split("**", 1))
+            log.add(rules.COMMENT_INLINE, index + 1)
+            comments.append((index, comment))
+        rows.append(text)
+        numbers.append(index + 1)
+    if not end:
+        last = max((i for i, line in enumerate(lines, 1) if line.strip()), default=1)
+        log.add(rules.NO_EN, last)
+    return blocks, comments, end
+
+
+def _code(text: str, line: str, number: int, log: Log) -> str | None:
+    """The block code that a line of two characters is; None if it is data."""
+    if text in CODES:
+        if line[0] in " \t":
+            log.add(rules.CODE_INDENT, number, block=text)
+        return text
+    if not text.isascii() or not text[0].isalpha() or not text.isalnum():
+        return None
+    if text.upper() in CODES:
+        log.add(rules.CODE_CASE, number, found=text, block=text.upper())
+        return text.upper()
+    return text if text.isupper() and line[0] not in " \t" else None
+
+
+def _note_indent(lines: list[str], numbers: list[int], start: str, log: Log) -> None:
+    """Say so at the first data line that begins without two blanks."""
+    for number in numbers:
+        line = lines[number - 1]
+        if line[:2] != "  " and not line.isspace() and line and not line.startswith("\t"):
+            log.add(rules.INDENT, number)
+            return
+
+
+def _read_block(block: Block, content: Content, profile: Profile, log: Log) -> None:
+    """Add what a block says to `content`."""
+    code = block.code
+    plane: str | None = None
+    if code[1:].isdigit():
+        if code == "B0" and "0" not in content.plane_names and _has_faces(block):
+            log.add(rules.CODE_ZERO, block.line)
+            code = "BO"
+        elif code[0] == "E":
+            _read_plane(block, content, log)
+            return
+        else:
+            plane = content.plane_names.get(code[1])
+            if plane is None:
+                log.add(rules.PLANE, block.line, block=code, plane="E" + code[1])
+                plane = "E" + code[1]
+    place = Place(log, plane, profile.code == "B")
+    features = content.features
+    if code == "BO" or (plane and code[0] == "B"):
+        features.extend(read_holes(block, place))
+    elif code in _CONTOURS or (plane and code[0] in "AIKP"):
+        found = read_contour_rows(block, _CONTOURS.get(code, code[0]), place)
+        features.extend(found)
+        content.contours.extend(found)
+    elif code == "SI" or (plane and code[0] == "S"):
+        features.extend(read_texts(block, place))
+    elif code == "KA":
+        features.extend(read_bends(block, log))
+    elif code == "SC":
+        features.extend(read_end_planes(block, log))
+    elif code == "UE":
+        features.extend(read_cambers(block, place))
+    elif code == "PR":
+        read_section(block, log, content.section)
+        if profile.code != "SO":
+            log.add(rules.SECTION_CODE, block.line, code=profile.code)
+    elif code == "IN":
+        content.info.extend(read_info(block, log))
+    elif code == "TO":
+        if content.tolerance is not None:
+            log.add(rules.BLOCK_REPEATED, block.line, block="TO")
+        content.tolerance = read_tolerance(block, log) or content.tolerance
+    else:
+        _refuse_block(block, log)
+
+
+def _has_faces(block: Block) -> bool:
+    return bool(block.rows) and block.rows[0][0] in "vouh"
+
+
+def _read_plane(block: Block, content: Content, log: Log) -> None:
+    """Add the plane of a block En; a number that is used again names another plane."""
+    base = block.code
+    used = sum(1 for plane in content.planes if plane.name.split("#")[0] == base)
+    name = base if not used else f"{base}#{used + 1}"
+    plane = read_plane(block, name, log)
+    if plane is not None:
+        content.planes.append(plane)
+    content.plane_names[base[1]] = name
+
+
+def _refuse_block(block: Block, log: Log) -> None:
+    """An error for a block that cannot be read, on its code and on each of its rows."""
+    if block.code == "ST":
+        log.add(rules.SECOND_ST, block.line)
+    elif block.code:
+        log.add(rules.BLOCK_UNKNOWN, block.line, found=block.code, count=len(block.rows))
+    for line, row in zip(block.numbers, block.rows, strict=True):
+        log.add(rules.ROW_LOST, line, found=_short(row), block=block.code or "the header")
+
+
+def _finish_contours(content: Content, profile: Profile, log: Log) -> list[Feature | None]:
+    """The features in order, contour rows made into contours; None where one makes nothing."""
+    contours = content.contours
+    if not contours:
+        return content.features  # type: ignore[return-value]
+    mirrored: dict[str, bool] = {}
+    for rows in contours:
+        if rows.face in MIRRORED_FACES and rows.code == "A" and rows.face not in mirrored:
+            mirrored[rows.face] = bool(rows.points) and is_mirrored(rows)
+    finished: list[Feature | None] = []
+    for item in content.features:
+        if not isinstance(item, Rows):
+            finished.append(item)
+            continue
+        flip = False
+        if item.face in MIRRORED_FACES and item.points:
+            known = mirrored.get(item.face)
+            flip = known if known is not None else item.code in "KP" or is_mirrored(item)
+        finished.append(_contour_or_mark(item, flip, profile, log))
+    return finished
+
+
+def _contour_or_mark(rows: Rows, flip: bool, profile: Profile, log: Log) -> Contour | Hole | None:
+    """The contour of `rows`; a single point of KO is a punch mark."""
+    if rows.code == "K" and len(rows.points) == 1:
+        (x, y), line = rows.points[0], rows.lines[0]
+        log.add(rules.SINGLE_PUNCH, line)
+        log.taken.append(line)
+        return Hole(rows.face, x, y, 0.0, Source(log.file, line), None, "mark", None, rows.edge)
+    thickness = profile.thickness(rows.face) if rows.face in "vouh" else 0.0
+    return build_contour(rows, flip, thickness, log)

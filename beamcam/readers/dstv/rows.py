@@ -1,0 +1,405 @@
+"""Rows of the blocks that are not contours: BO, SI, KA, SC, TO, UE, PR, IN and planes."""
+
+import re
+from typing import Literal, cast
+
+from beamcam.errors import Rule, Source
+from beamcam.geometry.curves import unit_vector
+from beamcam.model.part import (
+    Bend,
+    Camber,
+    EndPlane,
+    Hole,
+    HoleKind,
+    Plane,
+    SectionPoint,
+    Slot,
+    TextMark,
+)
+from beamcam.readers.dstv import rules
+from beamcam.readers.dstv.tokens import (
+    EDGES,
+    LARGEST,
+    Block,
+    Log,
+    RowError,
+    number,
+    numbers,
+    plain_numbers,
+    tokenise,
+)
+
+_FACE_LETTERS = frozenset("vouh")
+_SI_TEXT_LIMIT = 40  # DSTV NC, page 12
+
+# DSTV NC, page 10: the letter before the diameter.
+_KINDS: dict[str, HoleKind] = {
+    "g": "thread",
+    "l": "left-thread",
+    "m": "mark",
+    "s": "countersink",
+}
+
+# "  v  30.00u  134.44  0.00 025  pt56"   face, x + reference, y, angle, height + r or z, text
+_SI_ROW = re.compile(
+    r"([a-zA-Z])?\s*([+-]?[0-9.,]+)\s*([a-zA-Z])?\s*([+-]?[0-9.,]+)\s+([+-]?[0-9.,]+)"
+    r"(?:\s+([0-9]+(?:\.[0-9]+)?)([rz])?\s*(.*))?",
+    re.ASCII,
+)
+
+
+class Place:
+    """Face and reference letter of the rows of a block, each inherited from the row before."""
+
+    __slots__ = ("edge", "face", "fixed", "log", "plate")
+
+    def __init__(self, log: Log, plane: str | None, plate: bool) -> None:
+        self.log = log
+        self.fixed = plane is not None
+        self.face = plane or ""
+        self.edge = ""
+        self.plate = plate
+
+    def take(self, tokens: list[str], line: int) -> list[str]:
+        """`tokens` without the face that they may begin with. Raises RowError if none is known."""
+        if tokens and tokens[0] in _FACE_LETTERS:
+            if not self.fixed:
+                self.face = tokens[0]
+            return tokens[1:]
+        self.need(line, " ".join(tokens))
+        return tokens
+
+    def need(self, line: int, found: str) -> None:
+        """Assume v on a plate where no row named a face. Raises RowError on other sections."""
+        if self.face and not found[:1].isalpha():
+            return
+        if not self.plate or found[:1].isalpha():
+            self.log.add(rules.FACE, line, found=found)
+            raise RowError(found)
+        self.log.add(rules.FACE_ASSUMED, line)
+        self.face = "v"
+
+    def refer(self, letter: str, line: int) -> None:
+        """Note the reference letter behind x."""
+        if letter in EDGES:
+            self.edge = letter
+        elif letter in _FACE_LETTERS:
+            self.log.add(rules.EDGE, line, found=letter)
+        else:
+            raise RowError(letter)
+
+
+def read_holes(block: Block, place: Place) -> list[Hole | Slot]:
+    """The holes and slots of a block BO or Bn."""
+    features: list[Hole | Slot] = []
+    log = place.log
+    for line, row in zip(block.numbers, block.rows, strict=True):
+        # "  v   300.00s   50.00   18.00   0.00"   face, x + reference, y, diameter, depth
+        # "  v   115.58s   46.80   31.78   0.00l   0.00   6.40   0.00"   ... a slot's b, h, angle
+        tokens = row.split()
+        try:
+            first = 0
+            if tokens[0] in _FACE_LETTERS:
+                first = 1
+                if not place.fixed:
+                    place.face = tokens[0]
+            elif not place.face:
+                raise RowError(row)
+            x_text = tokens[first]
+            letter = x_text[-1]
+            if letter in EDGES:
+                place.edge = letter
+                x = float(x_text[:-1])
+            else:
+                x = float(x_text)
+            y = float(tokens[first + 1])
+            values = [float(t) for t in tokens[first + 2 : first + 4]]
+            if not -LARGEST < x + y + sum(values) < LARGEST or not values or "_" in row:
+                raise RowError(row)
+            if len(tokens) > first + 4:
+                raise RowError(row)
+        except (ValueError, IndexError):
+            before = len(log.diagnostics)
+            try:
+                feature = _hole(row, line, place)
+            except RowError:
+                if not any(
+                    d.severity is rules.HOLE_FIELDS.severity for d in log.diagnostics[before:]
+                ):
+                    log.add(rules.HOLE_FIELDS, line, found=row)
+                continue
+            if feature is None:
+                continue
+            features.append(feature)
+        else:
+            diameter = values[0]
+            depth = values[1] if len(values) == 2 else 0.0
+            if diameter < 0 or depth < 0:
+                log.add(rules.HOLE_DIAMETER, line, diameter=diameter, depth=depth)
+                continue
+            kind: HoleKind = "mark" if diameter == 0 else "blind" if depth else "through"
+            features.append(
+                Hole(
+                    place.face,
+                    x,
+                    y,
+                    diameter,
+                    Source(log.file, line),
+                    depth or None,
+                    kind,
+                    None,
+                    place.edge,
+                )
+            )
+        log.taken.append(line)
+    return features
+
+
+def _hole(row: str, line: int, place: Place) -> Hole | Slot | None:
+    """The hole or slot of any row of BO, glued ones included.
+
+    Raises RowError if no rule explains the row; None if its values are impossible.
+    """
+    log = place.log
+    tokens = place.take(tokenise(row), line)
+    if len(tokens) < 3:
+        raise RowError(row)
+    (x,) = numbers(tokens[:1], line, log)
+    rest = tokens[1:]
+    if rest[0].isalpha():
+        place.refer(rest[0], line)
+        rest = rest[1:]
+    if len(rest) < 2:
+        raise RowError(row)
+    (y,) = numbers(rest[:1], line, log)
+    rest = rest[1:]
+    kind: HoleKind = "through"
+    if rest[0] in _KINDS:
+        kind, rest = _KINDS[rest[0]], rest[1:]
+    slotted = "l" in rest
+    head, tail = (rest[: rest.index("l")], rest[rest.index("l") + 1 :]) if slotted else (rest, [])
+    sizes = numbers(head, line, log)
+    if slotted:
+        if not 1 <= len(sizes) <= 2 or not 1 <= len(tail) <= 3:
+            raise RowError(row)
+        sizes = [*sizes, 0.0][:2] + numbers(tail, line, log)
+    if not 1 <= len(sizes) <= 5:
+        raise RowError(row)
+    diameter, depth, width, height, angle = (*sizes, 0.0, 0.0, 0.0, 0.0)[:5]
+    if diameter < 0 or depth < 0:
+        log.add(rules.HOLE_DIAMETER, line, diameter=diameter, depth=depth)
+        return None
+    if kind == "through":
+        kind = "mark" if diameter == 0 and not (width or height) else "blind" if depth else kind
+    source = Source(log.file, line)
+    if width or height:
+        if not slotted:
+            log.add(rules.SLOT_LETTER, line, width=width, height=height)
+        cx, cy = slot_centre(x, y, width, height, angle)
+        return Slot(
+            place.face,
+            cx,
+            cy,
+            diameter,
+            width,
+            height,
+            angle,
+            source,
+            depth or None,
+            kind,
+            place.edge,
+        )
+    if slotted:
+        log.add(rules.SLOT_ROUND, line)
+    cone = angle if kind == "countersink" and angle else None
+    if angle and cone is None:
+        log.add(rules.HOLE_ANGLE, line, angle=angle)
+    return Hole(place.face, x, y, diameter, source, depth or None, kind, cone, place.edge)
+
+
+def slot_centre(
+    x: float, y: float, width: float, height: float, angle_deg: float
+) -> tuple[float, float]:
+    """Centre of a slot whose first corner circle is at x, y; sizes are between circle centres.
+
+    DSTV NC, page 11: x and y are those of the first corner circle.
+    """
+    cos_w, sin_w = unit_vector(angle_deg)
+    return x + (width * cos_w - height * sin_w) / 2, y + (width * sin_w + height * cos_w) / 2
+
+
+def read_texts(block: Block, place: Place) -> list[TextMark]:
+    """The text marks of a block SI or Sn."""
+    features: list[TextMark] = []
+    log = place.log
+    for line, row in zip(block.numbers, block.rows, strict=True):
+        before = len(log.diagnostics)
+        try:
+            mark = _text_mark(row, line, place)
+        except RowError:
+            if not any(d.severity is rules.TEXT_FIELDS.severity for d in log.diagnostics[before:]):
+                log.add(rules.TEXT_FIELDS, line, found=row)
+            continue
+        if mark is not None:
+            features.append(mark)
+            log.taken.append(line)
+    return features
+
+
+def _text_mark(row: str, line: int, place: Place) -> TextMark | None:
+    log = place.log
+    match = _SI_ROW.fullmatch(row)
+    if match is None:
+        raise RowError(row)
+    face, x_text, edge, y_text, angle_text, height_text, option, text = match.groups()
+    if face is None:
+        place.need(line, x_text)
+    else:
+        place.take([face], line)
+    x, y, angle = numbers([x_text, y_text, angle_text], line, log)
+    if edge is not None:
+        place.refer(edge, line)
+    if height_text is None or not text:
+        log.add(rules.NO_MARKING, line, missing="height" if height_text is None else "text")
+        return None
+    height = number(height_text, line, log)
+    if height is None:
+        raise RowError(row)
+    if len(text) > _SI_TEXT_LIMIT:
+        log.add(rules.TEXT_LONG, line, count=len(text), limit=_SI_TEXT_LIMIT)
+    option_letter = cast(Literal["", "r", "z"], option or "")
+    return TextMark(
+        place.face, x, y, angle, height, text, Source(log.file, line), option_letter, place.edge
+    )
+
+
+def read_bends(block: Block, log: Log) -> list[Bend]:
+    """The bends of block KA."""
+    features: list[Bend] = []
+    for line, row in zip(block.numbers, block.rows, strict=True):
+        # "  25.0 0.0 25.0 100.0 -90.0 15.0"   x1 y1 x2 y2 angle radius
+        try:
+            values = plain_numbers(row, line, log)
+            if len(values) not in (5, 6):
+                raise RowError(row)
+        except RowError:
+            log.add(rules.BEND_FIELDS, line, found=row)
+            continue
+        x1, y1, x2, y2, angle = values[:5]
+        radius = values[5] if len(values) == 6 else None
+        source = Source(log.file, line)
+        features.append(Bend((x1, y1), (x2, y2), angle, radius, source))
+        log.taken.append(line)
+    return features
+
+
+def read_cambers(block: Block, place: Place) -> list[Camber]:
+    """The points of the camber line of block UE."""
+    features: list[Camber] = []
+    log = place.log
+    for line, row in zip(block.numbers, block.rows, strict=True):
+        before = len(log.diagnostics)
+        try:
+            tokens = place.take(tokenise(row), line)
+            if len(tokens) == 3 and tokens[1].isalpha():
+                place.refer(tokens.pop(1), line)
+            if len(tokens) != 2:
+                raise RowError(row)
+            x, y = numbers(tokens, line, log)
+        except RowError:
+            if not any(d.severity is rules.FACE.severity for d in log.diagnostics[before:]):
+                log.add(rules.CAMBER_FIELDS, line, found=row)
+            continue
+        features.append(Camber(place.face, x, y, Source(log.file, line)))
+        log.taken.append(line)
+    return features
+
+
+def read_end_planes(block: Block, log: Log) -> list[EndPlane]:
+    """The cutting planes of block SC; six numbers each, on any lines."""
+    features: list[EndPlane] = []
+    groups = _groups(block, 6, log, rules.ENDPLANE_FIELDS)
+    for line, values in groups:
+        x, y, z, nx, ny, nz = values
+        if nx == ny == nz == 0.0:
+            log.add(rules.ENDPLANE_FIELDS, line, found="a normal without length")
+            continue
+        features.append(EndPlane((x, y, z), (nx, ny, nz), Source(log.file, line)))
+    return features
+
+
+def read_plane(block: Block, name: str, log: Log) -> Plane | None:
+    """The plane of a block En: three rows of three numbers, or all nine on fewer lines."""
+    groups = _groups(block, 9, log, rules.PLANE_FIELDS)
+    if len(groups) != 1:
+        if not block.rows or len(groups) > 1:
+            log.add(rules.PLANE_FIELDS, block.line, found=f"{9 * len(groups)} numbers")
+        return None
+    _, v = groups[0]
+    return Plane(
+        name,
+        (v[0], v[1], v[2]),
+        (v[3], v[4], v[5]),
+        (v[6], v[7], v[8]),
+        Source(log.file, block.line),
+    )
+
+
+def read_tolerance(block: Block, log: Log) -> tuple[float, float] | None:
+    """Least and greatest deviation of the length (TO)."""
+    groups = _groups(block, 2, log, rules.TOLERANCE_FIELDS)
+    if len(groups) != 1:
+        if not block.rows or len(groups) > 1:
+            log.add(rules.TOLERANCE_FIELDS, block.line, found=f"{2 * len(groups)} numbers")
+        return None
+    least, greatest = groups[0][1]
+    return least, greatest
+
+
+def _groups(block: Block, size: int, log: Log, rule: Rule) -> list[tuple[int, list[float]]]:
+    """The numbers of a block by `size`, each group with its first line.
+
+    Numbers count and lines do not, since some programs join the three rows of a plane.
+    """
+    values: list[tuple[int, float]] = []
+    lines: list[int] = []
+    for line, row in zip(block.numbers, block.rows, strict=True):
+        try:
+            values.extend((line, value) for value in plain_numbers(row, line, log))
+        except RowError:
+            log.add(rule, line, found=row)
+            return []
+        lines.append(line)
+    if len(values) % size:
+        for line in lines:
+            log.add(rule, line, found=f"{len(values)} numbers")
+        return []
+    log.taken.extend(lines)
+    groups = [values[i : i + size] for i in range(0, len(values), size)]
+    return [(group[0][0], [value for _, value in group]) for group in groups]
+
+
+def read_section(block: Block, log: Log, points: list[SectionPoint]) -> None:
+    """Append the corners of a special profile's cross-section (PR) to `points`."""
+    for line, row in zip(block.numbers, block.rows, strict=True):
+        # "  +   48.000   79.500   0.00"   side, y, z, radius
+        try:
+            values = plain_numbers(row[1:], line, log)
+            if row[0] not in "+-" or len(values) not in (2, 3):
+                raise RowError(row)
+        except RowError:
+            log.add(rules.SECTION_FIELDS, line, found=row)
+            continue
+        side: Literal["+", "-"] = "+" if row[0] == "+" else "-"
+        points.append(SectionPoint(side, values[0], values[1], [*values, 0.0][2]))
+        log.taken.append(line)
+
+
+def read_info(block: Block, log: Log) -> list[tuple[str, str]]:
+    """Word and text of each line of block IN; the word is empty where there is no colon."""
+    log.taken.extend(block.numbers)
+    pairs = []
+    for row in block.rows:
+        word, colon, text = row.partition(":")
+        pairs.append((word.strip(), text.strip()) if colon else ("", row))
+    return pairs

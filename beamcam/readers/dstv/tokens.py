@@ -1,0 +1,106 @@
+"""Text, lines and numbers of a DSTV file: what every block needs."""
+
+import re
+from dataclasses import dataclass, field
+
+from beamcam.errors import Diagnostic, Rule, Source
+from beamcam.readers.dstv.rules import DECIMAL_COMMA
+
+PLAIN_CODES = ("ST", "EN", "BO", "SI", "AK", "IK", "PU", "KO", "SC", "TO", "UE", "PR", "KA", "IN")
+PLANE_CODES = tuple(letter + digit for letter in "EBSAIPK" for digit in "0123456789")
+CODES = frozenset(PLAIN_CODES + PLANE_CODES)
+
+EDGES = ("u", "o", "s")  #: reference letters of x
+LARGEST = 1e12  #: no coordinate is as large; also keeps nan and inf out
+
+# DSTV NC, page 5: a change from digit to letter or back separates as a blank does.
+_TOKEN = re.compile(r"[+-]?(?:[0-9]+(?:[.,][0-9]*)?|[.,][0-9]+)|[A-Za-z]|\S", re.ASCII)
+_NUMBER = re.compile(r"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?", re.ASCII)
+_COMMA = re.compile(r"[+-]?(?:[0-9]+,[0-9]*|,[0-9]+)", re.ASCII)
+
+
+class RowError(ValueError):
+    """A row that no rule of its block explains."""
+
+
+@dataclass(slots=True)
+class Log:
+    """What is said about one file, and which of its lines something was made of."""
+
+    file: str
+    diagnostics: list[Diagnostic] = field(default_factory=list)
+    taken: list[int] = field(default_factory=list)  #: lines whose content is in the part
+
+    def add(self, rule: Rule, line: int, **values: object) -> None:
+        self.diagnostics.append(rule.at(Source(self.file, line), **values))
+
+
+@dataclass(slots=True)
+class Block:
+    """A block code and its rows, stripped; `numbers` are the lines of the rows."""
+
+    code: str
+    line: int
+    rows: list[str]
+    numbers: list[int]
+
+
+def decode(data: bytes) -> tuple[str, str | None]:
+    """The text of a file, and the name of its encoding where it is not ASCII; never fails."""
+    if data.isascii():
+        return data.decode("ascii"), None
+    if data[:2] in (b"\xff\xfe", b"\xfe\xff"):
+        return data.decode("utf-16", errors="replace"), "UTF-16"
+    try:
+        return data.decode("utf-8-sig"), "UTF-8"
+    except UnicodeDecodeError:
+        return data.decode("latin-1"), "Latin-1"
+
+
+def split_lines(text: str) -> list[str]:
+    """The lines of a text, whatever ends them; a DOS end mark (Ctrl-Z) ends the text.
+
+    `str.splitlines` would also split at characters that code pages use for letters.
+    """
+    if "\x1a" in text:
+        text = text.rstrip("\x1a\r\n")
+    if "\r" in text:
+        text = text.replace("\r\n", "\n").replace("\r", "\n")
+    return text.split("\n")
+
+
+def tokenise(row: str) -> list[str]:
+    """Numbers and single letters of a row; glued ones are separated.
+
+    >>> tokenise("v100.00u100.00s18.0")
+    ['v', '100.00', 'u', '100.00', 's', '18.0']
+    """
+    return _TOKEN.findall(row)
+
+
+def number(text: str, line: int, log: Log) -> float | None:
+    """The number that `text` writes, a decimal comma allowed with a warning; None if it is none."""
+    if _NUMBER.fullmatch(text):
+        value = float(text)
+    elif _COMMA.fullmatch(text):
+        value = float(text.replace(",", "."))
+        log.add(DECIMAL_COMMA, line, found=text, value=value)
+    else:
+        return None
+    return value if -LARGEST < value < LARGEST else None
+
+
+def numbers(tokens: list[str], line: int, log: Log) -> list[float]:
+    """All of `tokens` as numbers. Raises RowError if one is none."""
+    values = []
+    for token in tokens:
+        value = number(token, line, log)
+        if value is None:
+            raise RowError(token)
+        values.append(value)
+    return values
+
+
+def plain_numbers(row: str, line: int, log: Log) -> list[float]:
+    """The numbers of a row that holds nothing else. Raises RowError if it does."""
+    return numbers(tokenise(row), line, log)
