@@ -217,6 +217,24 @@ WORD_NAMES: dict[str, frozenset[str]] = {
 
 
 @dataclass(frozen=True, slots=True)
+class ControlledAxis:
+    """An axis of the machine, in the order of the controller's registers.
+
+    `moves` is the letter that moves it in a program, for the axis of a spindle together with
+    `spindle`; `angle` is the saw's rotation and `saw` its stroke, which the saw word moves.
+    """
+
+    name: str
+    moves: Literal["X", "Y", "Z", "angle", "saw"]
+    speed: float  #: greatest, mm/s or deg/s; rapid moves run at it
+    acceleration: float  #: mm/s2 or deg/s2
+    spindle: int | None = None  #: number of the spindle that it belongs to
+    least: float | None = None  #: None has no limit
+    greatest: float | None = None
+    park: float = 0.0  #: where it stands when a program begins
+
+
+@dataclass(frozen=True, slots=True)
 class Machine:
     """A machine: `beamcam machines show NAME` prints every value and where it comes from."""
 
@@ -233,4 +251,5 @@ class Machine:
     spindles: tuple[Spindle, ...] = ()
     pairs: tuple[Pair, ...] = ()
     tools: tuple[ToolSet, ...] = ()
+    axes: tuple[ControlledAxis, ...] = ()
     sections: Mapping[str, int] = field(default_factory=dict)  #: the program's section codes
