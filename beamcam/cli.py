@@ -16,6 +16,7 @@ COMMANDS = {
     "convert": ("convert", "Write a part as DSTV, JSON or a drawing of its faces."),
     "plan": ("plan", "Explain the work that makes parts, step by step."),
     "machines": ("machines", "List the machines, or show one with all its values."),
+    "codes": ("codes", "List the codes of all messages."),
 }
 
 

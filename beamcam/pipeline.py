@@ -7,12 +7,12 @@ Which motion step and which emitter belong together stands in `POSTS`.
 """
 
 from collections.abc import Callable, Collection, Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from beamcam import readers
 from beamcam.emitters import gcode
-from beamcam.errors import Diagnostic, ReadError, Source, errors_in
+from beamcam.errors import Diagnostic, ReadError, Severity, Source, errors_in
 from beamcam.machine.machine import Machine
 from beamcam.model.part import Part
 from beamcam.model.plan import Plan
@@ -49,8 +49,11 @@ class Posted:
     remarks: tuple[Diagnostic, ...]
 
 
-def read_file(path: str) -> Reading:
-    """What is in a file, `-` for standard input; a file that cannot be opened is refused."""
+def read_file(path: str, strict: bool = False) -> Reading:
+    """What is in a file, `-` for standard input; a file that cannot be opened is refused.
+
+    `strict` makes its warnings errors.
+    """
     name = "stdin" if path == STANDARD_INPUT else path
     try:
         if path == STANDARD_INPUT:
@@ -62,7 +65,15 @@ def read_file(path: str) -> Reading:
     except OSError as error:
         said = rules.UNREADABLE.at(Source(name), found=error.strerror or error)
         return Reading("unknown", (), (said,))
-    return readers.read(data, name)
+    reading = readers.read(data, name)
+    if strict:
+        reading = replace(reading, diagnostics=tuple(map(as_error, reading.diagnostics)))
+    return reading
+
+
+def as_error(said: Diagnostic) -> Diagnostic:
+    """A warning as an error; anything else as it is."""
+    return replace(said, severity=Severity.ERROR) if said.severity is Severity.WARNING else said
 
 
 def parts_of(readings: Iterable[Reading]) -> tuple[tuple[Part, ...], tuple[Diagnostic, ...]]:

@@ -3,9 +3,9 @@
 import click
 
 from beamcam.commands.common import say, stop, write
-from beamcam.errors import BeamcamError
+from beamcam.errors import BeamcamError, PlanError, Severity
 from beamcam.machine import load
-from beamcam.pipeline import DEFAULT_MACHINE, parts_of, post, read_file
+from beamcam.pipeline import DEFAULT_MACHINE, as_error, parts_of, post, read_file
 from beamcam.planning import SKIP_NAMES
 
 
@@ -22,6 +22,7 @@ from beamcam.planning import SKIP_NAMES
     type=click.Choice(SKIP_NAMES),
     help="Leave out what the machine cannot make, of this kind only; may be repeated.",
 )
+@click.option("--strict", is_flag=True, help="Let warnings refuse a part as errors do.")
 @click.option("--json", "as_json", is_flag=True, help="Print messages as JSON.")
 def command(
     inputs: tuple[str, ...],
@@ -30,6 +31,7 @@ def command(
     bar: float | None,
     job: str,
     skips: tuple[str, ...],
+    strict: bool,
     as_json: bool,
 ) -> None:
     """Turn parts into a machine program.
@@ -44,8 +46,10 @@ def command(
     """
     try:
         loaded = load(machine)
-        parts, said = parts_of(read_file(path) for path in inputs)
+        parts, said = parts_of(read_file(path, strict) for path in inputs)
         posted = post(parts, loaded, job, bar, skips)
+        if strict and any(said.severity is Severity.WARNING for said in posted.remarks):
+            raise PlanError(map(as_error, posted.remarks))
     except BeamcamError as error:
         stop(error.diagnostics, as_json)
     write(output, posted.text)

@@ -1,0 +1,59 @@
+"""`beamcam codes`: every code that a message can have, and why it matters."""
+
+import importlib
+import json
+import pkgutil
+from collections.abc import Iterator
+
+import click
+
+import beamcam
+from beamcam.errors import Rule
+
+
+def all_rules() -> Iterator[Rule]:
+    """Every rule there is: each module of the package called `rules` has a tuple `RULES`."""
+    for module in pkgutil.walk_packages(beamcam.__path__, "beamcam."):
+        if module.name.endswith(".rules"):
+            yield from importlib.import_module(module.name).RULES
+
+
+def as_markdown(rules: list[Rule]) -> str:
+    """The page of the documentation that lists the codes, in alphabetical order."""
+    lines = [
+        "# Codes of messages",
+        "",
+        "Made by `beamcam codes --markdown`; a test keeps it true. An error refuses the part, a",
+        "warning is posted with (and is an error under `--strict`), a note is harmless.",
+        "",
+        "| code | severity | message | why |",
+        "| --- | --- | --- | --- |",
+    ]
+    for rule in rules:
+        message, reason = (text.replace("|", "\\|") for text in (rule.message, rule.reason))
+        lines.append(f"| `{rule.code}` | {rule.severity.value} | {message} | {reason} |")
+    return "\n".join(lines) + "\n"
+
+
+@click.command("codes")
+@click.option("--markdown", is_flag=True, help="Print a page for the documentation.")
+@click.option("--json", "as_json", is_flag=True, help="Print as JSON.")
+def command(markdown: bool, as_json: bool) -> None:
+    """List the codes of all messages, with their severity and reason.
+
+    \b
+    beamcam codes
+    beamcam codes --markdown > docs/codes.md
+    """
+    rules = sorted(all_rules(), key=lambda rule: rule.code)
+    if markdown:
+        click.echo(as_markdown(rules), nl=False)
+    elif as_json:
+        rows = [
+            {"code": r.code, "severity": r.severity.value, "message": r.message, "why": r.reason}
+            for r in rules
+        ]
+        click.echo(json.dumps(rows, ensure_ascii=False, indent=1))
+    else:
+        for rule in rules:
+            click.echo(f"{rule.code}  {rule.severity.value}\n    {rule.message}\n    {rule.reason}")

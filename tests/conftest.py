@@ -1,0 +1,44 @@
+"""Where the samples are, where real files may be, and how golden files are compared."""
+
+import difflib
+import os
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parent.parent
+SAMPLES = ROOT / "samples"
+GOLDEN = ROOT / "tests" / "golden"
+#: Third-party files are not part of the project; tests over them run where a copy is at hand.
+SHARED = ROOT.parent / "shared"
+CORPUS = Path(os.environ.get("BEAMCAM_CORPUS", SHARED / "corpus"))
+
+
+def pytest_addoption(parser: pytest.Parser) -> None:
+    parser.addoption(
+        "--update-golden", action="store_true", help="Write the golden files anew; read the diff."
+    )
+
+
+class Golden:
+    """Compares a text with a golden file, or writes it under `--update-golden`."""
+
+    def __init__(self, update: bool) -> None:
+        self.update = update
+
+    def check(self, path: Path, text: str) -> None:
+        if self.update:
+            path.parent.mkdir(parents=True, exist_ok=True)
+            path.write_text(text, encoding="utf-8")
+            return
+        expected = path.read_text(encoding="utf-8") if path.exists() else ""
+        if expected != text:
+            lines = difflib.unified_diff(
+                expected.splitlines(), text.splitlines(), str(path.name), "now", lineterm=""
+            )
+            pytest.fail("\n".join(lines), pytrace=False)
+
+
+@pytest.fixture
+def golden(request: pytest.FixtureRequest) -> Golden:
+    return Golden(bool(request.config.getoption("--update-golden")))

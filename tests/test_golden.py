@@ -1,0 +1,55 @@
+"""Programs and messages, byte for byte.
+
+A folder of tests/golden is a machine, a file's stem names its samples (`a+b` lays two on one bar).
+A new case is one command: `beamcam post samples/dstv/a.nc1 --machine m -o tests/golden/m/a.gcode`.
+"""
+
+from pathlib import Path
+
+import pytest
+from click.testing import CliRunner
+
+from beamcam.cli import main
+from tests.conftest import GOLDEN, ROOT, SAMPLES, Golden
+
+PROGRAMS = sorted(p for p in GOLDEN.glob("*/*") if p.parent.name != "messages")
+BAD = sorted((SAMPLES / "bad").glob("*.*"))
+
+
+def sample(stem: str) -> str:
+    """The path of the sample of that name, whatever its format."""
+    (path,) = (p for p in SAMPLES.glob(f"*/{stem}.*") if p.parent.name != "bad")
+    return str(path.relative_to(ROOT))
+
+
+@pytest.mark.parametrize("path", PROGRAMS, ids=lambda p: f"{p.parent.name}/{p.name}")
+def test_program(path: Path, golden: Golden, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(ROOT)
+    inputs = [sample(stem) for stem in path.stem.split("+")]
+    run = CliRunner().invoke(main, ["post", *inputs, "--machine", path.parent.name, "-o", "-"])
+    assert run.exit_code == 0, run.stderr
+    golden.check(path, run.stdout)
+
+
+@pytest.mark.parametrize("path", BAD, ids=lambda p: p.name)
+def test_message(path: Path, golden: Golden, monkeypatch: pytest.MonkeyPatch) -> None:
+    """What is said about a bad input, on the machine that is the default."""
+    monkeypatch.chdir(ROOT)
+    run = CliRunner().invoke(main, ["post", str(path.relative_to(ROOT)), "-o", "-"])
+    assert run.exit_code == 1
+    assert run.stdout == ""
+    golden.check(GOLDEN / "messages" / f"{path.stem}.txt", run.stderr)
+
+
+def test_every_machine_has_a_golden_program() -> None:
+    from beamcam.machine import shipped
+
+    assert set(shipped()) <= {p.parent.name for p in PROGRAMS}
+
+
+def test_the_comparison_can_fail(tmp_path: Path) -> None:
+    path = tmp_path / "a.gcode"
+    path.write_text("G01 X1\n")
+    Golden(update=False).check(path, "G01 X1\n")
+    with pytest.raises(pytest.fail.Exception, match=r"-G01 X1\n\+G01 X2"):
+        Golden(update=False).check(path, "G01 X2\n")

@@ -1,0 +1,82 @@
+"""The imports point down, as the architecture says, and heavy libraries stay out of the way."""
+
+import ast
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parent.parent
+PACKAGE = ROOT / "beamcam"
+
+#: A package may import those of lower steps; packages on one step never import each other.
+STEPS = (
+    ("errors", "files"),
+    ("geometry",),
+    ("machine",),
+    ("model",),
+    ("readers", "writers", "planning", "motion", "emitters", "verify", "report"),
+    ("pipeline",),
+    ("batch",),
+    ("commands",),
+    ("cli",),
+    ("__main__",),
+)
+STEP = {name: step for step, names in enumerate(STEPS) for name in names}
+HEAVY = ("numpy", "ezdxf", "ifcopenshell", "shapely", "svgelements", "hypothesis")
+
+
+def room(module: str) -> str | None:
+    """The package or module right below `beamcam` that a dotted name lies in."""
+    parts = module.split(".")
+    return parts[1] if parts[0] == "beamcam" and len(parts) > 1 else None
+
+
+def imports(path: Path) -> set[str]:
+    """The rooms that a file imports from, wherever in it the import stands."""
+    names: set[str] = set()
+    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        if isinstance(node, ast.Import):
+            names |= {a.name for a in node.names}
+        elif isinstance(node, ast.ImportFrom):
+            assert node.level == 0, f"{path}: relative import"
+            names.add(node.module or "")
+            if node.module == "beamcam":
+                names |= {f"beamcam.{a.name}" for a in node.names}
+    return {r for n in names if (r := room(n))}
+
+
+FILES = sorted(p for p in PACKAGE.rglob("*.py") if p.parent != PACKAGE or p.name != "__init__.py")
+
+
+@pytest.mark.parametrize("path", FILES, ids=lambda p: str(p.relative_to(PACKAGE)))
+def test_imports_point_down(path: Path) -> None:
+    own = path.relative_to(PACKAGE).parts[0].removesuffix(".py")
+    assert own in STEP, f"{own} has no step in the architecture"
+    for other in imports(path) - {own, "__version__"}:
+        assert STEP[other] < STEP[own], f"{own} must not import {other}"
+
+
+def test_the_check_sees_an_import_that_points_up(tmp_path: Path) -> None:
+    bad = tmp_path / "bad.py"
+    bad.write_text("def f():\n    from beamcam.pipeline import post\n")
+    assert imports(bad) == {"pipeline"}
+    assert STEP["pipeline"] > STEP["readers"]
+
+
+def test_posting_a_dstv_file_imports_nothing_heavy() -> None:
+    code = (
+        "import sys; sys.argv = ['beamcam', 'post', sys.argv[1], '-o', '-']\n"
+        "from beamcam.cli import main\n"
+        "try:\n    main()\n"
+        "except SystemExit as end:\n    assert not end.code, end.code\n"
+        f"print([m for m in {HEAVY} if m in sys.modules], file=sys.stderr)"
+    )
+    sample = ROOT / "samples" / "dstv" / "channel.nc1"
+    run = subprocess.run(
+        [sys.executable, "-c", code, str(sample)], capture_output=True, text=True, cwd=ROOT
+    )
+    assert run.returncode == 0, run.stderr
+    assert run.stderr.splitlines()[-1] == "[]"
+    assert "M30" in run.stdout

@@ -1,0 +1,107 @@
+"""Machine files: what is refused, and where values come from."""
+
+from pathlib import Path
+
+import pytest
+
+from beamcam.errors import MachineError
+from beamcam.machine import load, settings, shipped
+from beamcam.machine.rules import RULES
+
+
+def spindle(position: str, stroke_axis: str) -> str:
+    """A machine with one spindle, which is fed along `stroke_axis`."""
+    return (
+        'pairs = []\n[[spindles]]\nname = "s"\nnumber = 1\nface = "v"\n'
+        f'across = {{ axis = "Y", position = "{position}" }}\n'
+        f'stroke = {{ axis = "{stroke_axis}", start = 0, bottom = 1 }}'
+    )
+
+
+def pair(faces: str) -> str:
+    """A machine with one pair of spindles."""
+    return f'[[pairs]]\nname = "p"\nnumber = 9\nfaces = {faces}'
+
+
+#: Lines laid over the machine `beamline`, the code they give, and what its message has to say.
+BAD = [
+    ("kerff = 3", "machine-key", "found unknown key 'kerff'"),
+    ("[saw]\nkerff = 3", "machine-key", "found unknown key 'saw.kerff'; expected 'kerf'"),
+    ("[saw]\nkerf = '3'", "machine-value", "found '3' for 'saw.kerf'; expected a number"),
+    ("[saw]\nkerf = -1", "machine-value", "found -1.0 for 'saw.kerf'; expected 0 or more"),
+    ("[saw]\npivot = 'v'", "machine-value", "expected one of 'o', 'u'"),
+    ("[words]\nsaw = ['M42 K{angel}']", "machine-value", "found '{angel}' for 'words.saw'"),
+    ("[words]\nsaw = ['M42 K{angle']", "machine-value", "a template"),
+    ("[words]\nsaw = 'M42'", "machine-value", "expected a list"),
+    ("controller = 'fanuc'", "machine-value", "expected one of"),
+    ("[format]\nnumber_blocks = 1", "machine-value", "expected true or false"),
+    ("[format]\nlength_decimals = 1.5", "machine-value", "expected a whole number"),
+    ("drill = 3", "machine-value", "found 3 for 'drill'; expected a table"),
+    ("spindles = 3", "machine-value", "expected a list"),
+    (pair("['o', 'h']"), "machine-value", "faces that have a spindle"),
+    (pair("['o']"), "machine-value", "a list of 2"),
+    ("[[tools]]\nkind = 'drill'\ndiameters = [0]", "machine-value", "diameters above 0"),
+    (spindle("heigth / 2", "Z"), "machine-value", "'heigth' is not understood"),
+    (spindle("y", "Y"), "machine-value", "another axis"),
+    ("[[spindles]]\nname = 's'", "machine-missing", "found no key 'spindles.0.number'"),
+    ("kerf = = 3", "machine-toml", "not a TOML file"),
+    ("base = 3", "machine-value", "a machine's name"),
+    ("base = 'beamlin'", "machine-unknown", "'beamlin'; expected 'beamline' or the path"),
+    ("base = 'mine.toml'", "machine-base", "'mine' among its own bases"),
+]
+
+
+@pytest.mark.parametrize(("text", "code", "says"), BAD, ids=[b[0][:40] for b in BAD])
+def test_refused(tmp_path: Path, text: str, code: str, says: str) -> None:
+    path = tmp_path / "mine.toml"
+    base = "" if "base =" in text else 'base = "beamline"\n'
+    path.write_text(base + text + "\n")
+    with pytest.raises(MachineError) as caught:
+        load(str(path))
+    (said,) = caught.value.diagnostics
+    assert said.code == code
+    assert says in said.message
+    assert "mine.toml" in said.source.file
+
+
+def test_every_rule_is_shown_above() -> None:
+    assert {code for _, code, _ in BAD} == {rule.code for rule in RULES}
+
+
+def test_message_names_the_line(tmp_path: Path) -> None:
+    path = tmp_path / "mine.toml"
+    path.write_text('# mine\nbase = "beamline"\n\n[saw]\nx = 0\nkerff = 3\n')
+    with pytest.raises(MachineError, match=r"mine\.toml:6: error machine-key"):
+        load(str(path))
+
+
+def test_not_utf8(tmp_path: Path) -> None:
+    path = tmp_path / "mine.toml"
+    path.write_bytes(b'title = "S\xe4ge"')
+    with pytest.raises(MachineError, match="machine-toml"):
+        load(str(path))
+
+
+def test_a_file_lies_over_its_base(tmp_path: Path) -> None:
+    path = tmp_path / "mine.toml"
+    path.write_text('base = "beamline"\n[saw]\nkerf = 3\n')
+    mine, base = load(str(path)), load("beamline")
+    assert mine.name == "mine"
+    assert mine.saw is not None
+    assert base.saw is not None
+    assert mine.saw.kerf == 3.0
+    assert mine.saw.greatest_angle == base.saw.greatest_angle
+    assert mine.drill == base.drill
+    sources = {s.key: s.source for s in settings(str(path))}
+    assert str(sources["saw.kerf"]).endswith("mine.toml:3")
+    assert str(sources["drill.x"]).startswith("beamline.toml:")
+    assert sources["saw.least_mitre"] is None
+
+
+@pytest.mark.parametrize("name", shipped())
+def test_shipped_machines_load(name: str) -> None:
+    machine = load(name)
+    assert machine.name == name
+    assert machine.title
+    keys = [s.key for s in settings(name)]
+    assert len(keys) == len(set(keys))
