@@ -1,0 +1,166 @@
+"""Bezier curves of any degree, with weights or without."""
+
+import itertools
+from dataclasses import dataclass
+from functools import lru_cache
+from math import hypot, inf
+
+from beamcam.geometry import bernstein
+from beamcam.geometry.plane import (
+    Box,
+    Matrix,
+    Point,
+    box_around,
+    cross,
+    integrate,
+    mapped,
+    normalized,
+)
+
+Homogeneous = tuple[float, float, float]  #: (w x, w y, w)
+
+
+@dataclass(frozen=True, slots=True)
+class Bezier:
+    """A curve in Bernstein form: one point is no curve, two are a line, four a cubic."""
+
+    points: tuple[Point, ...]
+    weights: tuple[float, ...] | None = None  #: one above 0 for each point; None is all 1
+
+    def __post_init__(self) -> None:
+        if len(self.points) < 2:
+            raise ValueError(f"a Bezier curve needs 2 points or more, found {len(self.points)}")
+        if self.weights is not None:
+            check_weights(self.weights, len(self.points))
+
+    @property
+    def degree(self) -> int:
+        return len(self.points) - 1
+
+    @property
+    def start(self) -> Point:
+        return self.points[0]
+
+    @property
+    def end(self) -> Point:
+        return self.points[-1]
+
+    @property
+    def homogeneous(self) -> tuple[Homogeneous, ...]:
+        """Points as (w x, w y, w)."""
+        weights = self.weights or (1.0,) * len(self.points)
+        return tuple((w * x, w * y, w) for (x, y), w in zip(self.points, weights, strict=True))
+
+    @property
+    def length(self) -> float:
+        """Length by numerical integration, to about 1e-10 relative."""
+        breaks = [0.0, *self.extremes(), 1.0]
+        return sum(
+            integrate(lambda t: hypot(*self.derivatives(t)[1]), a, b)
+            for a, b in itertools.pairwise(breaks)
+        )
+
+    @property
+    def bbox(self) -> Box:
+        """Least box around the curve."""
+        return box_around([self.start, self.end, *(self.point(t) for t in self.extremes())])
+
+    def point(self, t: float) -> Point:
+        """The point at parameter `t`; 0 and 1 give the ends exactly."""
+        if t == 0.0:
+            return self.start
+        if t == 1.0:
+            return self.end
+        x, y, w = (bernstein.value(c, t) for c in zip(*self.homogeneous, strict=True))
+        return x / w, y / w
+
+    def derivatives(self, t: float) -> tuple[Point, Point, Point]:
+        """The point, the first and the second derivative at `t`."""
+        rows = [list(c) for c in zip(*self.homogeneous, strict=True)]
+        firsts = [bernstein.derivative(c) for c in rows]
+        x, y, w = (bernstein.value(c, t) for c in rows)
+        dx, dy, dw = (bernstein.value(c, t) for c in firsts)
+        ddx, ddy, ddw = (bernstein.value(bernstein.derivative(c), t) for c in firsts)
+        px, py = x / w, y / w
+        vx, vy = (dx - px * dw) / w, (dy - py * dw) / w
+        ax = (ddx - 2 * vx * dw - px * ddw) / w
+        ay = (ddy - 2 * vy * dw - py * ddw) / w
+        return (px, py), (vx, vy), (ax, ay)
+
+    def tangent(self, t: float) -> Point:
+        """Direction of travel, length 1; where the curve stands still, its limit.
+
+        Raises ValueError if all points are one.
+        """
+        velocity = self.derivatives(t)[1]
+        box = box_around(self.points)
+        size = max(box[2] - box[0], box[3] - box[1])
+        if hypot(*velocity) > 1e-12 * size:
+            return normalized(velocity)
+        # The curve stands still: the next control point that is another one gives the limit.
+        ahead = self.split(t)[1] if 0.0 < t < 1.0 else self if t <= 0.0 else self.reversed()
+        sign = -1.0 if t >= 1.0 else 1.0
+        for x, y in ahead.points[1:]:
+            step = (x - ahead.start[0], y - ahead.start[1])
+            if hypot(*step) > 1e-9 * size:
+                return normalized((sign * step[0], sign * step[1]))
+        raise ValueError("a curve whose points are one has no direction")
+
+    def curvature(self, t: float) -> float:
+        """Signed curvature, positive to the left; inf where the curve stands still."""
+        _, velocity, acceleration = self.derivatives(t)
+        speed = hypot(*velocity)
+        return cross(velocity, acceleration) / speed**3 if speed else inf
+
+    def extremes(self) -> tuple[float, ...]:
+        """Parameters inside (0, 1) where x or y turns, ascending."""
+        return _extremes(self)
+
+    def split(self, t: float) -> "tuple[Bezier, Bezier]":
+        """The stretches before and after parameter `t`; they share the point there."""
+        halves = [bernstein.halves(c, t) for c in zip(*self.homogeneous, strict=True)]
+        left = from_homogeneous(tuple(zip(*(h[0] for h in halves), strict=True)))
+        right = from_homogeneous(tuple(zip(*(h[1] for h in halves), strict=True)))
+        if self.weights is None:
+            left, right = Bezier(left.points), Bezier(right.points)
+        middle = left.end
+        return (
+            Bezier((self.start, *left.points[1:-1], middle), left.weights),
+            Bezier((middle, *right.points[1:-1], self.end), right.weights),
+        )
+
+    def reversed(self) -> "Bezier":
+        return Bezier(self.points[::-1], self.weights and self.weights[::-1])
+
+    def transformed(self, matrix: Matrix) -> "Bezier":
+        return Bezier(tuple(mapped(matrix, p) for p in self.points), self.weights)
+
+
+@lru_cache(maxsize=1024)
+def _extremes(curve: Bezier) -> tuple[float, ...]:
+    x, y, w = (list(c) for c in zip(*curve.homogeneous, strict=True))
+    found: set[float] = set()
+    for c in (x, y):
+        slope = bernstein.derivative(c)
+        if curve.weights is not None:
+            # (c / w)' = 0 where c' w - c w' is 0.
+            down = bernstein.product(c, bernstein.derivative(w))
+            up = bernstein.product(slope, w)
+            slope = [a - b for a, b in zip(up, down, strict=True)]
+        found.update(bernstein.roots(slope))
+    return tuple(sorted(found))
+
+
+def from_homogeneous(points: tuple[Homogeneous, ...]) -> Bezier:
+    """The Bezier curve of points (w x, w y, w)."""
+    weights = tuple(w for _, _, w in points)
+    plain = all(w == 1.0 for w in weights)
+    return Bezier(tuple((x / w, y / w) for x, y, w in points), None if plain else weights)
+
+
+def check_weights(weights: tuple[float, ...], count: int) -> None:
+    """Raises ValueError unless there are `count` weights, all above 0."""
+    if len(weights) != count:
+        raise ValueError(f"expected {count} weights, one for each point, found {len(weights)}")
+    if not min(weights) > 0.0:
+        raise ValueError(f"weights must be above 0, found {min(weights):g}")

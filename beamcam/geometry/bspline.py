@@ -1,0 +1,196 @@
+"""B-splines (NURBS when they have weights), as chains of Bezier curves."""
+
+from bisect import bisect_right
+from dataclasses import dataclass
+from functools import lru_cache
+
+from beamcam.geometry.bezier import Bezier, Homogeneous, check_weights, from_homogeneous
+from beamcam.geometry.plane import Box, Matrix, Point, join_boxes, mapped
+
+
+@dataclass(frozen=True, slots=True)
+class BSpline:
+    """A spline; it is drawn from knot number `degree` to the last but `degree`.
+
+    The parameter t in [0, 1] of all methods is the share of that range of knots.
+    """
+
+    degree: int
+    control: tuple[Point, ...]
+    knots: tuple[float, ...]  #: ascending, as many as control points + degree + 1
+    weights: tuple[float, ...] | None = None  #: one above 0 for each point; None is all 1
+
+    def __post_init__(self) -> None:
+        expected = len(self.control) + self.degree + 1
+        if self.degree < 1:
+            raise ValueError(f"a spline has degree 1 or more, found {self.degree}")
+        if len(self.control) <= self.degree:
+            raise ValueError(
+                f"a spline of degree {self.degree} needs {self.degree + 1} control points "
+                f"or more, found {len(self.control)}"
+            )
+        if len(self.knots) != expected:
+            raise ValueError(f"expected {expected} knots, found {len(self.knots)}")
+        if any(b < a for a, b in zip(self.knots, self.knots[1:], strict=False)):
+            raise ValueError("the knots of a spline must not fall")
+        low, high = self.knots[self.degree], self.knots[len(self.control)]
+        if not low < high:
+            raise ValueError(f"the knots of a spline span nothing: {low:g} to {high:g}")
+        inner = [k for k in self.knots if low < k < high]
+        if any(inner.count(k) > self.degree for k in set(inner)):
+            raise ValueError(f"a knot inside a spline of degree {self.degree} is there too often")
+        if self.weights is not None:
+            check_weights(self.weights, len(self.control))
+
+    @property
+    def start(self) -> Point:
+        return self.pieces()[0].start
+
+    @property
+    def end(self) -> Point:
+        return self.pieces()[-1].end
+
+    @property
+    def length(self) -> float:
+        return sum(piece.length for piece in self.pieces())
+
+    @property
+    def bbox(self) -> Box:
+        """Least box around the curve."""
+        box = join_boxes([piece.bbox for piece in self.pieces()])
+        assert box is not None
+        return box
+
+    def pieces(self) -> tuple[Bezier, ...]:
+        """The spline as Bezier curves, one for each span of knots; neighbours share ends."""
+        return _decomposed(self)[0]
+
+    def breaks(self) -> tuple[float, ...]:
+        """Parameters in [0, 1] where one piece ends and the next begins, both ends included."""
+        return _decomposed(self)[1]
+
+    def _locate(self, t: float) -> tuple[Bezier, float]:
+        pieces, breaks = _decomposed(self)
+        k = min(max(bisect_right(breaks, t) - 1, 0), len(pieces) - 1)
+        return pieces[k], (t - breaks[k]) / (breaks[k + 1] - breaks[k])
+
+    def point(self, t: float) -> Point:
+        """The point at parameter `t`; 0 and 1 give the ends exactly."""
+        piece, local = self._locate(t)
+        return piece.point(local)
+
+    def tangent(self, t: float) -> Point:
+        """Direction of travel, length 1; at a knot with a corner, that of the next piece."""
+        piece, local = self._locate(t)
+        return piece.tangent(local)
+
+    def curvature(self, t: float) -> float:
+        """Signed curvature, positive to the left."""
+        piece, local = self._locate(t)
+        return piece.curvature(local)
+
+    def extremes(self) -> tuple[float, ...]:
+        """Parameters inside (0, 1) where x or y turns within a piece, ascending."""
+        pieces, breaks = _decomposed(self)
+        return tuple(
+            a + t * (b - a)
+            for piece, a, b in zip(pieces, breaks, breaks[1:], strict=False)
+            for t in piece.extremes()
+        )
+
+    def split(self, t: float) -> "tuple[BSpline, BSpline]":
+        """The stretches before and after parameter `t`; they share the point there.
+
+        Raises ValueError at the ends: a spline cannot be a point.
+        """
+        if not 0.0 < t < 1.0:
+            raise ValueError(f"a spline is split inside (0, 1), not at {t:g}")
+        pieces, breaks = _decomposed(self)
+        k = bisect_right(breaks, t) - 1
+        if t == breaks[k]:
+            return _joined(pieces[:k], breaks[: k + 1]), _joined(pieces[k:], breaks[k:])
+        left, right = pieces[k].split((t - breaks[k]) / (breaks[k + 1] - breaks[k]))
+        return (
+            _joined((*pieces[:k], left), (*breaks[: k + 1], t)),
+            _joined((right, *pieces[k + 1 :]), (t, *breaks[k + 1 :])),
+        )
+
+    def reversed(self) -> "BSpline":
+        both = self.knots[0] + self.knots[-1]
+        return BSpline(
+            self.degree,
+            self.control[::-1],
+            tuple(both - k for k in self.knots[::-1]),
+            self.weights and self.weights[::-1],
+        )
+
+    def transformed(self, matrix: Matrix) -> "BSpline":
+        points = tuple(mapped(matrix, p) for p in self.control)
+        return BSpline(self.degree, points, self.knots, self.weights)
+
+
+@lru_cache(maxsize=256)
+def _decomposed(spline: BSpline) -> tuple[tuple[Bezier, ...], tuple[float, ...]]:
+    """The Bezier curves of a spline and the parameters between them.
+
+    Control point j of the span [a, b] is the blossom of the spline with b taken j times and a
+    for the rest. Source: Ramshaw, "Blossoms are polar forms", 1989.
+    """
+    degree, knots = spline.degree, spline.knots
+    weights = spline.weights or (1.0,) * len(spline.control)
+    points = [(w * x, w * y, w) for (x, y), w in zip(spline.control, weights, strict=True)]
+    low, high = knots[degree], knots[len(points)]
+    pieces: list[Bezier] = []
+    breaks = [0.0]
+    for k in range(degree, len(points)):
+        a, b = knots[k], knots[k + 1]
+        if a == b:
+            continue
+        polars = tuple(
+            _blossom(points, knots, k, [a] * (degree - j) + [b] * j) for j in range(degree + 1)
+        )
+        piece = from_homogeneous(polars)
+        if spline.weights is None:
+            piece = Bezier(piece.points)
+        if pieces:
+            piece = Bezier((pieces[-1].end, *piece.points[1:]), piece.weights)
+        pieces.append(piece)
+        breaks.append((b - low) / (high - low))
+    breaks[-1] = 1.0
+    first, last = pieces[0], pieces[-1]
+    # A clamped spline begins and ends on its control points, to the last bit.
+    if knots[1] == low:
+        pieces[0] = first = Bezier((spline.control[0], *first.points[1:]), first.weights)
+        last = pieces[-1]
+    if knots[-2] == high:
+        pieces[-1] = Bezier((*last.points[:-1], spline.control[-1]), last.weights)
+    return tuple(pieces), tuple(breaks)
+
+
+def _blossom(
+    points: list[Homogeneous], knots: tuple[float, ...], k: int, arguments: list[float]
+) -> Homogeneous:
+    degree = len(arguments)
+    row = points[k - degree : k + 1]
+    for r, u in enumerate(arguments, start=1):
+        for i in range(degree, r - 1, -1):
+            low, high = knots[k - degree + i], knots[k + 1 + i - r]
+            share = (u - low) / (high - low)
+            (x0, y0, w0), (x1, y1, w1) = row[i - 1], row[i]
+            row[i] = (x0 + share * (x1 - x0), y0 + share * (y1 - y0), w0 + share * (w1 - w0))
+    return row[degree]
+
+
+def _joined(pieces: tuple[Bezier, ...], breaks: tuple[float, ...]) -> BSpline:
+    """The spline of Bezier curves that follow one another, `degree` knots at each joint."""
+    degree = pieces[0].degree
+    control = [*pieces[0].points]
+    weights = [1.0] if pieces[0].weights is None else [pieces[0].weights[0]]
+    for piece in pieces:
+        weights.extend((piece.weights or (1.0,) * (degree + 1))[1:])
+    for piece in pieces[1:]:
+        control.extend(piece.points[1:])
+    plain = all(w == 1.0 for w in weights)
+    inner = [k for k in breaks[1:-1] for _ in range(degree)]
+    knots = [breaks[0]] * (degree + 1) + inner + [breaks[-1]] * (degree + 1)
+    return BSpline(degree, tuple(control), tuple(knots), None if plain else tuple(weights))

@@ -1,0 +1,282 @@
+"""Polynomials through nodes, in Newton's form.
+
+p(u) = c0 + c1 (u - u0) + c2 (u - u0)(u - u1) + ..., where c_k are the divided differences of
+the nodes: any spacing is right, and the curve passes through every node, the last included.
+"""
+
+import itertools
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import lru_cache
+from math import factorial, hypot
+
+from beamcam.geometry import bernstein
+from beamcam.geometry.bezier import Bezier
+from beamcam.geometry.plane import Box, Matrix, Point, box_around, distance, mapped
+
+#: Spacings that differ by less than this share count as equal.
+EQUIDISTANT_SLACK = 1e-12
+
+#: Polynomials through more nodes than this swing between them more often than not.
+CALM_NODES = 5
+
+
+def divided_differences(u: Sequence[float], values: Sequence[float]) -> tuple[float, ...]:
+    """Newton's coefficients of the polynomial through (u, values). The `u` must all differ."""
+    row = list(values)
+    found = [row[0]]
+    for order in range(1, len(u)):
+        row = [(b - a) / (u[i + order] - u[i]) for i, (a, b) in enumerate(itertools.pairwise(row))]
+        found.append(row[0])
+    return tuple(found)
+
+
+def forward_differences(step: float, values: Sequence[float]) -> tuple[float, ...]:
+    """The same coefficients for nodes `step` apart: the k-th difference over k! step^k."""
+    row = list(values)
+    found = [row[0]]
+    for order in range(1, len(values)):
+        row = [b - a for a, b in itertools.pairwise(row)]
+        found.append(row[0] / (factorial(order) * step**order))
+    return tuple(found)
+
+
+def are_equidistant(u: Sequence[float]) -> bool:
+    """Whether all neighbours in `u` are equally far apart, to `EQUIDISTANT_SLACK` of the whole."""
+    step = (u[-1] - u[0]) / (len(u) - 1)
+    slack = EQUIDISTANT_SLACK * max(abs(u[0]), abs(u[-1]))
+    return all(abs(b - a - step) <= slack for a, b in itertools.pairwise(u))
+
+
+def newton_coefficients(u: Sequence[float], values: Sequence[float]) -> tuple[float, ...]:
+    """Newton's coefficients: by forward differences where `u` is equidistant, else divided."""
+    if len(u) > 1 and are_equidistant(u):
+        return forward_differences((u[-1] - u[0]) / (len(u) - 1), values)
+    return divided_differences(u, values)
+
+
+def newton_value(coefficients: Sequence[float], u: Sequence[float], at: float) -> float:
+    """The polynomial of Newton's `coefficients` over the nodes `u`, by Horner's scheme."""
+    total = coefficients[-1]
+    for c, node in zip(coefficients[-2::-1], u[len(coefficients) - 2 :: -1], strict=True):
+        total = total * (at - node) + c
+    return total
+
+
+def newton_derivatives(
+    coefficients: Sequence[float], u: Sequence[float], at: float
+) -> tuple[float, float, float]:
+    """Value, first and second derivative at `at`, by Horner's scheme derived term by term."""
+    value, first, second = coefficients[-1], 0.0, 0.0
+    for c, node in zip(coefficients[-2::-1], u[len(coefficients) - 2 :: -1], strict=True):
+        step = at - node
+        second = second * step + 2 * first
+        first = first * step + value
+        value = value * step + c
+    return value, first, second
+
+
+def monomial_coefficients(u: Sequence[float], values: Sequence[float]) -> tuple[float, ...]:
+    """The polynomial through (u, values) as a0 + a1 x + a2 x^2 + ..."""
+    coefficients = newton_coefficients(u, values)
+    total = [coefficients[-1]]
+    for c, node in zip(coefficients[-2::-1], u[len(coefficients) - 2 :: -1], strict=True):
+        shifted = [0.0, *total]
+        total = [a - node * b for a, b in zip(shifted, [*total, 0.0], strict=True)]
+        total[0] += c
+    return tuple(total)
+
+
+@dataclass(frozen=True, slots=True)
+class NewtonCurve:
+    """The polynomial through two nodes or more.
+
+    Where x rises (or falls) from node to node it is the function y = p(x) and t is the share of
+    the way in x; else x and y are polynomials of the length of the chords between the nodes,
+    and t is the share of their sum.
+    """
+
+    nodes: tuple[Point, ...]
+
+    def __post_init__(self) -> None:
+        if len(self.nodes) < 2:
+            raise ValueError(f"a polynomial needs 2 nodes or more, found {len(self.nodes)}")
+        for a, b in zip(self.nodes, self.nodes[1:], strict=False):
+            if a == b:
+                raise ValueError(f"node ({a[0]:g}, {a[1]:g}) is there twice in a row")
+
+    @property
+    def is_function(self) -> bool:
+        """Whether x rises, or falls, from every node to the next."""
+        steps = [b[0] - a[0] for a, b in zip(self.nodes, self.nodes[1:], strict=False)]
+        return all(s > 0 for s in steps) or all(s < 0 for s in steps)
+
+    @property
+    def parameters(self) -> tuple[float, ...]:
+        """The parameter t of each node, from 0 to 1."""
+        return _newton_form(self)[0]
+
+    @property
+    def start(self) -> Point:
+        return self.nodes[0]
+
+    @property
+    def end(self) -> Point:
+        return self.nodes[-1]
+
+    @property
+    def length(self) -> float:
+        return self.as_bezier().length
+
+    @property
+    def bbox(self) -> Box:
+        """Least box around the curve."""
+        return box_around([self.start, self.end, *(self.point(t) for t in self.extremes())])
+
+    def point(self, t: float) -> Point:
+        """The point at parameter `t`; the parameters of the nodes give the nodes exactly."""
+        u, xs, ys = _newton_form(self)
+        if t in u:
+            return self.nodes[u.index(t)]
+        if self.is_function:
+            (x0, _), (x1, _) = self.nodes[0], self.nodes[-1]
+            return x0 + t * (x1 - x0), newton_value(ys, u, t)
+        return newton_value(xs, u, t), newton_value(ys, u, t)
+
+    def derivatives(self, t: float) -> tuple[Point, Point, Point]:
+        """The point, the first and the second derivative at `t`."""
+        u, xs, ys = _newton_form(self)
+        x, y = newton_derivatives(xs, u, t), newton_derivatives(ys, u, t)
+        return (x[0], y[0]), (x[1], y[1]), (x[2], y[2])
+
+    def tangent(self, t: float) -> Point:
+        """Direction of travel, length 1."""
+        _, (x, y), _ = self.derivatives(t)
+        size = hypot(x, y)
+        return (x / size, y / size) if size else self.as_bezier().tangent(t)
+
+    def curvature(self, t: float) -> float:
+        """Signed curvature, positive to the left; inf where the curve stands still."""
+        return self.as_bezier().curvature(t)
+
+    def extremes(self) -> tuple[float, ...]:
+        """Parameters inside (0, 1) where x or y turns, ascending."""
+        return self.as_bezier().extremes()
+
+    def split(self, t: float) -> tuple[Bezier, Bezier]:
+        """The stretches before and after parameter `t`, in Bezier form."""
+        return self.as_bezier().split(t)
+
+    def reversed(self) -> "NewtonCurve":
+        return NewtonCurve(self.nodes[::-1])
+
+    def transformed(self, matrix: Matrix) -> "NewtonCurve | Bezier":
+        """The image: a polynomial through the images of the nodes where that is the same curve
+        (a function of x whose x stays free of y), else its Bezier form."""
+        image = tuple(mapped(matrix, node) for node in self.nodes)
+        if self.is_function and matrix[0][1] == 0.0 and matrix[0][0] != 0.0:
+            return NewtonCurve(image)
+        return self.as_bezier().transformed(matrix)
+
+    def as_bezier(self) -> Bezier:
+        """The same curve in Bezier form, exact but for rounding."""
+        return _bezier_form(self)
+
+    def as_parabola(self) -> tuple[Point, Point, Point]:
+        """Start, vertex and end of a curve with three nodes, as G06 takes them.
+
+        The vertex is the point whose tangent is parallel to the chord: t = 1/2 of the quadratic
+        Bezier. Raises ValueError if there are not three nodes.
+        """
+        if len(self.nodes) != 3:
+            raise ValueError(f"a parabola has 3 nodes, found {len(self.nodes)}")
+        return parabola_of(self.as_bezier())
+
+
+def parabola_of(curve: Bezier) -> tuple[Point, Point, Point]:
+    """Start, vertex and end of a quadratic Bezier curve, as G06 takes them.
+
+    Raises ValueError for another degree or for weights.
+    """
+    if curve.degree != 2 or curve.weights is not None:
+        raise ValueError(f"a parabola is of degree 2 without weights, found {curve.degree}")
+    return curve.start, curve.point(0.5), curve.end
+
+
+@lru_cache(maxsize=256)
+def _newton_form(
+    curve: NewtonCurve,
+) -> tuple[tuple[float, ...], tuple[float, ...], tuple[float, ...]]:
+    """Parameters of the nodes in [0, 1], Newton's coefficients of x and of y."""
+    nodes = curve.nodes
+    if curve.is_function:
+        along = [node[0] - nodes[0][0] for node in nodes]
+    else:
+        along = [0.0]
+        for a, b in itertools.pairwise(nodes):
+            along.append(along[-1] + distance(a, b))
+    u = (*(a / along[-1] for a in along[:-1]), 1.0)
+    xs = newton_coefficients(u, [node[0] for node in nodes])
+    ys = newton_coefficients(u, [node[1] for node in nodes])
+    return u, xs, ys
+
+
+@lru_cache(maxsize=256)
+def _bezier_form(curve: NewtonCurve) -> Bezier:
+    u, *coordinates = _newton_form(curve)
+    rows = []
+    for coefficients in coordinates:
+        # Horner's scheme with the factors (t - u_k) = -u_k B0 + (1 - u_k) B1.
+        total = [coefficients[-1]]
+        for k in range(len(u) - 2, -1, -1):
+            total = bernstein.product(total, [-u[k], 1 - u[k]])
+            total = [a + coefficients[k] for a in total]
+        rows.append(total)
+    if curve.is_function:
+        (x0, _), (x1, _), n = curve.start, curve.end, len(u) - 1
+        rows[0] = [x0 + i * (x1 - x0) / n for i in range(n + 1)]
+    inner = list(zip(*rows, strict=True))[1:-1]
+    return Bezier((curve.start, *inner, curve.end))
+
+
+@dataclass(frozen=True, slots=True)
+class Oscillation:
+    """A polynomial that swings between its nodes."""
+
+    nodes: int  #: number of nodes
+    overshoot: float  #: how far it leaves the band between two neighbouring nodes, at most
+    near: Point  #: where
+
+    def __str__(self) -> str:
+        return (
+            f"the polynomial through {self.nodes} nodes leaves them by {self.overshoot:.3f} near "
+            f"({self.near[0]:.3f}, {self.near[1]:.3f}); expected at most {CALM_NODES} nodes"
+        )
+
+
+def find_oscillation(curve: NewtonCurve) -> Oscillation | None:
+    """The measured overshoot of a curve with more than five nodes that turns more often than
+    its nodes do; None if it does not."""
+    if len(curve.nodes) <= CALM_NODES:
+        return None
+    turns = [(t, curve.point(t)) for t in curve.extremes()]
+    box = curve.bbox
+    size = max(box[2] - box[0], box[3] - box[1])
+    if len(turns) <= sum(_count_turns([node[i] for node in curve.nodes]) for i in (0, 1)):
+        return None
+    parameters = curve.parameters
+    worst, where = 0.0, curve.start
+    for t, point in turns:
+        k = max(i for i, u in enumerate(parameters) if u <= t)
+        a, b = curve.nodes[k], curve.nodes[k + 1]
+        for i in (0, 1):
+            low, high = sorted((a[i], b[i]))
+            excess = max(low - point[i], point[i] - high)
+            if excess > worst:
+                worst, where = excess, point
+    return Oscillation(len(curve.nodes), worst, where) if worst > 1e-9 * size else None
+
+
+def _count_turns(values: Sequence[float]) -> int:
+    steps = [b - a for a, b in itertools.pairwise(values) if b != a]
+    return sum(a * b < 0 for a, b in itertools.pairwise(steps))
