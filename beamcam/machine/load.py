@@ -10,6 +10,7 @@ from typing import Any
 
 from beamcam.errors import MachineError, Source
 from beamcam.machine import rules
+from beamcam.machine.faults import tool_faults
 from beamcam.machine.machine import WORD_NAMES, Machine
 from beamcam.machine.schema import Place, build, nearest
 
@@ -180,14 +181,14 @@ def _check(machine: Machine, place: Place) -> None:
             raise wrong(key, value, "more than 0")
         if key.endswith(_NOT_NEGATIVE) and isinstance(value, float) and value < 0:
             raise wrong(key, value, "0 or more")
-    for index, tools in enumerate(machine.tools):
-        if not all(d > 0 for d in tools.diameters):
-            raise wrong(f"tools.{index}.diameters", list(tools.diameters), "diameters above 0")
+    for key, found, expected in tool_faults(machine):
+        raise wrong(key, found, expected)
     if machine.stock == "beam" and machine.layout is None:
         raise MachineError(rules.MISSING_KEY.at(place.source, expected="layout"))
 
 
 _POSITIVE = ("up_to", "speed_m_min", "feed_per_turn", "_mm_min", "_rpm", "point_deg",
              "greatest_height", "greatest_width")  # fmt: skip
-_NOT_NEGATIVE = ("kerf", "tolerance", "clearance", "breakthrough", "front_trim", "least_bar",
-                 "plus", "minus")  # fmt: skip
+_NOT_NEGATIVE = ("kerf", "tolerance", "clearance", "breakthrough", "_trim", "least_bar",
+                 "plus", "minus", "dead_zone", "least_part", "least_remnant", "twin",
+                 "runout_pitches", "_depth", "_s")  # fmt: skip

@@ -6,6 +6,7 @@ so that where a station measures from is a line of the machine file and not of t
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from fractions import Fraction
 from functools import cached_property
 from math import radians, tan
 from typing import Literal
@@ -71,6 +72,10 @@ class Layout:
     least_bar: float = 0.0  #: shortest bar that the stop or gripper can hold
     greatest_bar: float | None = None
     front_trim: float = 0.0  #: bar x at which the first part starts
+    end_trim: float = 0.0  #: at the bar's end, of no use
+    dead_zone: float = 0.0  #: at the bar's end, that the gripper holds and cannot bring to work
+    least_part: float = 0.0  #: shortest part that does not fall between the rollers
+    least_remnant: float = 1000.0  #: a rest at least as long goes back to the store
     profiles: tuple[str, ...] = ("I", "U", "L", "M", "C", "T")  #: DSTV codes that it takes
 
 
@@ -90,29 +95,65 @@ class Saw:
     angle_sign: Literal[-1, 1] = 1  #: of DSTV's web angle in the machine's counting
     feed_mm_min: float = 2500.0
     least_mitre: float = 0.1  #: an end nearer to square than this is sawn square, in degrees
+    least_tilt: float = 0.0  #: of the blade out of the vertical, for flange angles
+    greatest_tilt: float = 0.0  #: 0 and 0: the blade does not tilt
+    tilt_sign: Literal[-1, 1] = 1  #: of DSTV's flange angle in the machine's counting
+    compound: bool = False  #: whether it may turn and tilt in one cut
+    common_cuts: bool = False  #: whether one cut may end a part and start the next
+
+
+ToolKind = Literal["drill", "tap", "countersink", "mill", "punch", "scribe"]
 
 
 @dataclass(frozen=True, slots=True)
 class Tool:
     """A tool that a spindle can take."""
 
-    kind: Literal["drill"]
+    kind: ToolKind
     diameter: float
-    point_deg: float = 118.0  #: angle of a drill's point
+    point_deg: float = 118.0  #: angle of a drill's point or a countersink's cone; 180 is flat
+    pitch: float = 0.0  #: of a tap
+    hand: Literal["right", "left"] = "right"  #: of a tap
 
     @property
     def tip(self) -> float:
-        """Length of the point: radius / tan(half the point angle)."""
+        """Length of the point: radius / tan(half the point angle); 0 of a flat one."""
+        if self.point_deg >= FLAT_DEG:
+            return 0.0
         return self.diameter / 2 / tan(radians(self.point_deg) / 2)
+
+
+FLAT_DEG = 180.0
+MM_PER_INCH = 25.4
 
 
 @dataclass(frozen=True, slots=True)
 class ToolSet:
     """Tools of one kind in the diameters that the shop has."""
 
-    kind: Literal["drill"]
-    diameters: tuple[float, ...]
+    kind: ToolKind
+    diameters: tuple[float, ...] = ()
+    inches: tuple[str, ...] = ()  #: more of them, as "13/16" or "1 1/16"
     point_deg: float = 118.0
+    faces: tuple[Literal["v", "o", "u", "h"], ...] = ("v", "o", "u", "h")  #: whose spindles take it
+    pitches: tuple[float, ...] = ()  #: of taps, one for each diameter
+    pre_drills: tuple[float, ...] = ()  #: of taps, the drill before each of them
+    hand: Literal["right", "left"] = "right"
+    largest_hole: float = 0.0  #: of mills: largest hole that may be milled as a circle
+
+    @property
+    def sizes(self) -> tuple[float, ...]:
+        """All diameters in mm, the inch sizes behind the metric ones."""
+        return self.diameters + tuple(inch_size(text) for text in self.inches)
+
+
+def inch_size(text: str) -> float:
+    """Millimetres of an inch size such as "13/16" or "1 1/16". Raises ValueError."""
+    try:
+        total = sum(Fraction(word) for word in text.split())
+    except (ValueError, ZeroDivisionError) as error:
+        raise ValueError(f"{text!r} is no size in inches") from error
+    return float(total) * MM_PER_INCH
 
 
 @dataclass(frozen=True, slots=True)
@@ -171,6 +212,7 @@ class Cutting:
     speed_m_min: float  #: at the drill's edge
     feed_per_turn: float
     grade: str = "*"  #: steel grade the row is for, as a shell pattern
+    kind: ToolKind = "drill"
 
 
 @dataclass(frozen=True, slots=True)
@@ -188,6 +230,26 @@ class Drill:
     least_speed_rpm: float = 150.0
     greatest_speed_rpm: float = 2500.0
     greatest_feed_mm_min: float = 20000.0
+    twin: float = 0.02  #: tools that differ by no more are one tool, such as 20.64 and 13/16 in
+    duplicate_tolerance: float = 0.01  #: holes of one face nearer than this are one hole
+    slots: Literal["mill", "drill-mill"] = "drill-mill"  #: whether its ends are drilled first
+    runout_pitches: float = 3.0  #: of a tap's drill below a blind thread
+    sink_tolerance: float = 0.2  #: of a countersink's depth against its diameter
+    path_tolerance: float = 0.02  #: of the chords of a milled or scribed curve
+    mark_depth: float = 0.3  #: of a scribed line
+    punch_depth: float = 1.0  #: of a centre punch
+
+
+@dataclass(frozen=True, slots=True)
+class Times:
+    """What takes time besides the axes."""
+
+    spindle_s: float = 0.0  #: to start and stop a spindle, each operation
+    tool_change_s: float = 0.0  #: another tool of the spindle's own stations
+    spindle_change_s: float = 0.0  #: another spindle
+    reload_s: float = 0.0  #: another tool into a station, by hand
+    saw_s: float = 0.0  #: to clamp, start and stop the saw, each cut
+    together: bool = False  #: whether spindles work at once where X is the same
 
 
 @dataclass(frozen=True, slots=True)
@@ -198,22 +260,42 @@ class Words:
     footer: tuple[str, ...] = ()
     saw: tuple[str, ...] = ()
     drill: tuple[str, ...] = ()
+    tap: tuple[str, ...] = ()
+    countersink: tuple[str, ...] = ()
+    punch: tuple[str, ...] = ()
+    mill: tuple[str, ...] = ()  #: from the choice of the spindle to the path's first point
+    mill_to: tuple[str, ...] = ()  #: to each further point of the path
+    mill_end: tuple[str, ...] = ()
+    scribe: tuple[str, ...] = ()  #: likewise
+    scribe_to: tuple[str, ...] = ()
+    scribe_end: tuple[str, ...] = ()
     comment: str = "({text})"
 
+
+_STROKE_NAMES = frozenset(
+    {
+        "spindle", "diameter", "x", "y", "z", "near_y", "near_z", "bottom_y", "bottom_z", "feed",
+        "speed",
+    }
+)  # fmt: skip
 
 #: What each template of `Words` may name.
 WORD_NAMES: dict[str, frozenset[str]] = {
     "header": frozenset({"job", "section", "width", "height"}),
     "footer": frozenset(),
-    "saw": frozenset({"x", "angle", "feed"}),
-    "drill": frozenset(
-        {
-            "spindle", "diameter", "x", "y", "z", "near_y", "near_z", "bottom_y", "bottom_z",
-            "feed", "speed",
-        }
-    ),
+    "saw": frozenset({"x", "angle", "tilt", "feed"}),
+    "drill": _STROKE_NAMES,
+    "tap": _STROKE_NAMES | {"pitch"},
+    "countersink": _STROKE_NAMES,
+    "punch": _STROKE_NAMES,
+    "mill": _STROKE_NAMES,
+    "mill_to": _STROKE_NAMES,
+    "mill_end": _STROKE_NAMES,
+    "scribe": _STROKE_NAMES,
+    "scribe_to": _STROKE_NAMES,
+    "scribe_end": _STROKE_NAMES,
     "comment": frozenset({"text"}),
-}  # fmt: skip
+}
 
 
 @dataclass(frozen=True, slots=True)
@@ -249,6 +331,7 @@ class Machine:
     saw: Saw | None = None
     drill: Drill | None = None
     spindles: tuple[Spindle, ...] = ()
+    times: Times = Times()
     pairs: tuple[Pair, ...] = ()
     tools: tuple[ToolSet, ...] = ()
     axes: tuple[ControlledAxis, ...] = ()

@@ -1,0 +1,73 @@
+"""What is wrong with a machine's stations and tools, as far as several keys have to agree."""
+
+from collections.abc import Iterator
+
+from beamcam.machine.machine import FLAT_DEG, Machine, ToolSet, inch_size
+
+#: Kinds of tools whose speed or feed comes from `drill.cutting`.
+TURNING = ("drill", "tap", "countersink", "mill", "punch", "scribe")
+#: Kinds of tools that work along a path, for which the bar has to move both ways.
+ALONG_A_PATH = ("mill", "scribe")
+
+Fault = tuple[str, object, str]  #: dotted key, what was found, what was expected
+
+
+def tool_faults(machine: Machine) -> Iterator[Fault]:
+    """Each key that contradicts another."""
+    saw, drill, layout = machine.saw, machine.drill, machine.layout
+    if saw and drill and layout:
+        if layout.order == "saw-drill" and drill.x < saw.x:
+            yield "drill.x", drill.x, "at least saw.x, since the bar reaches the saw first"
+        if layout.order == "drill-saw" and drill.x > saw.x:
+            yield "drill.x", drill.x, "at most saw.x, since the bar reaches the drill first"
+    if saw and saw.least_angle > saw.greatest_angle:
+        yield "saw.least_angle", saw.least_angle, "at most saw.greatest_angle"
+    if saw and saw.least_tilt > saw.greatest_tilt:
+        yield "saw.least_tilt", saw.least_tilt, "at most saw.greatest_tilt"
+    if saw and saw.least_tilt != saw.greatest_tilt and not _names(machine.words.saw, "tilt"):
+        yield "words.saw", list(machine.words.saw), "a word with {tilt}, since the blade tilts"
+    for index, tools in enumerate(machine.tools):
+        yield from _set_faults(f"tools.{index}", tools)
+        for word in _words_of(tools.kind):
+            if not getattr(machine.words, word):
+                yield f"words.{word}", [], f"a template, since there are tools of kind {tools.kind}"
+        if tools.kind in ALONG_A_PATH and layout and layout.order == "saw-drill":
+            yield f"tools.{index}.kind", tools.kind, "a tool for strokes, since X only grows"
+        if (
+            tools.kind in TURNING
+            and drill
+            and not any(row.kind == tools.kind for row in drill.cutting)
+        ):
+            yield "drill.cutting", tools.kind, f"a row with kind = {tools.kind!r}"
+
+
+def _names(template: tuple[str, ...], name: str) -> bool:
+    return any("{" + name + "}" in line for line in template)
+
+
+def _words_of(kind: str) -> tuple[str, ...]:
+    return (kind, f"{kind}_to", f"{kind}_end") if kind in ALONG_A_PATH else (kind,)
+
+
+def _set_faults(key: str, tools: ToolSet) -> Iterator[Fault]:
+    for index, text in enumerate(tools.inches):
+        try:
+            inch_size(text)
+        except ValueError:
+            yield f"{key}.inches.{index}", text, "inches such as '13/16' or '1 1/16'"
+            return
+    if not all(size > 0 for size in tools.sizes):
+        yield f"{key}.diameters", list(tools.sizes), "diameters above 0"
+    if not tools.sizes:
+        yield f"{key}.diameters", [], "at least one diameter"
+    if tools.point_deg > FLAT_DEG:
+        yield f"{key}.point_deg", tools.point_deg, "at most 180, which is flat"
+    if tools.kind == "tap":
+        for name, values in (("pitches", tools.pitches), ("pre_drills", tools.pre_drills)):
+            if len(values) != len(tools.sizes):
+                yield f"{key}.{name}", list(values), f"{len(tools.sizes)}, one for each diameter"
+            elif not all(value > 0 for value in values):
+                yield f"{key}.{name}", list(values), "sizes above 0"
+        for size, before in zip(tools.sizes, tools.pre_drills, strict=False):
+            if before >= size:
+                yield f"{key}.pre_drills", before, f"less than the thread's {size:g}"
