@@ -8,7 +8,6 @@ Which motion step and which emitter belong together stands in `POSTS`.
 
 from collections.abc import Callable, Collection, Iterable, Sequence
 from dataclasses import dataclass, replace
-from pathlib import Path
 
 from beamcam import readers
 from beamcam.emitters import gcode
@@ -61,7 +60,8 @@ def read_file(path: str, strict: bool = False) -> Reading:
 
             data = sys.stdin.buffer.read()
         else:
-            data = Path(path).read_bytes()
+            with open(path, "rb") as file:
+                data = file.read()
     except OSError as error:
         said = rules.UNREADABLE.at(Source(name), found=error.strerror or error)
         return Reading("unknown", (), (said,))

@@ -1,8 +1,6 @@
 """What the commands share: how they print messages and stop."""
 
-import json
 from collections.abc import Iterable
-from pathlib import Path
 from typing import NoReturn
 
 import click
@@ -16,6 +14,8 @@ REFUSED = 1  #: exit status if an input was refused
 def say(diagnostics: Iterable[Diagnostic], as_json: bool = False) -> None:
     """Print messages on standard error, a line each, or as one JSON list."""
     if as_json:
+        import json
+
         click.echo(json.dumps([as_record(d) for d in diagnostics], ensure_ascii=False), err=True)
     else:
         for said in diagnostics:
@@ -46,7 +46,7 @@ def write(output: str, data: str | bytes) -> None:
         click.echo(data, nl=False)
         return
     try:
-        write_whole(Path(output), data)
+        write_whole(output, data)
     except OSError as error:
         click.echo(f"{output}: cannot be written: {error.strerror or error}", err=True)
         raise SystemExit(REFUSED) from error

@@ -4,10 +4,10 @@ A reader is `read(data, name) -> Reading`; it opens no file, prints nothing and 
 bad input. `looks_like(data)` tells by the content whether the bytes are of its format.
 """
 
+import os.path
 from collections.abc import Callable
 from dataclasses import dataclass
 from importlib import import_module
-from pathlib import PurePath
 
 from beamcam.errors import Source
 from beamcam.readers import rules
@@ -44,7 +44,7 @@ def read(data: bytes, name: str) -> Reading:
 
     The suffix says which reader is asked first, the content decides.
     """
-    suffix = PurePath(name).suffix.lower()
+    suffix = os.path.splitext(name)[1].lower()
     likely = sorted(FORMATS, key=lambda f: suffix not in f.suffixes)
     if data.strip():
         if suffix in likely[0].suffixes:

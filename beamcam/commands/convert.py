@@ -1,0 +1,100 @@
+"""`beamcam convert`: a part from one format to another."""
+
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+from importlib import import_module
+from pathlib import Path, PurePath
+
+import click
+
+from beamcam.commands.common import say, stop, write
+from beamcam.commands.rules import ONE_PART, OUTPUT_FORMAT
+from beamcam.errors import BeamcamError, ReadError, Severity, Source
+from beamcam.model.part import Part
+from beamcam.pipeline import parts_of, read_file
+
+
+@dataclass(frozen=True, slots=True)
+class Target:
+    """A format that a part can be written in."""
+
+    name: str
+    suffixes: tuple[str, ...]
+    module: str  #: its `write` turns a part into the file's content
+
+    @property
+    def write(self) -> Callable[[Part], str]:
+        function: Callable[[Part], str] = import_module(self.module).write
+        return function
+
+
+TARGETS = (
+    Target("dstv", (".nc1", ".nc"), "beamcam.writers.dstv"),
+    Target("part-json", (".json",), "beamcam.writers.part_json"),
+    Target("faces-dxf", (".dxf",), "beamcam.writers.faces_dxf"),
+)
+
+
+def target_of(output: str, name: str | None) -> Target:
+    """The format called `name`, or else the one that the output's suffix says."""
+    suffix = PurePath(output).suffix.lower()
+    for target in TARGETS:
+        if target.name == name or (name is None and suffix in target.suffixes):
+            return target
+    if name is None and is_folder(output):
+        return TARGETS[0]
+    expected = ", ".join(s for t in TARGETS for s in t.suffixes)
+    raise ReadError(OUTPUT_FORMAT.at(Source(output), found=suffix or output, expected=expected))
+
+
+def is_folder(output: str) -> bool:
+    """Whether an output stands for a folder, which gets a file for each part."""
+    return output.endswith("/") or Path(output).is_dir()
+
+
+def file_names(parts: Iterable[Part], suffix: str) -> list[str]:
+    """A name for each part after its mark, with a number where two have the same."""
+    names: list[str] = []
+    for part in parts:
+        stem = "".join(c if c.isalnum() or c in "-_.+" else "_" for c in part.mark).strip(".")
+        stem, count = stem or "part", 1
+        name = stem + suffix
+        while name.lower() in (n.lower() for n in names):
+            count += 1
+            name = f"{stem}-{count}{suffix}"
+        names.append(name)
+    return names
+
+
+@click.command("convert")
+@click.argument("source", metavar="INPUT")
+@click.option("-o", "--output", required=True, help="File, folder/ for a file a part, or -.")
+@click.option("--to", "to", type=click.Choice([t.name for t in TARGETS]), help="Format.")
+@click.option("--strict", is_flag=True, help="Let warnings refuse a part as errors do.")
+@click.option("--json", "as_json", is_flag=True, help="Print messages as JSON.")
+def command(source: str, output: str, to: str | None, strict: bool, as_json: bool) -> None:
+    """Write a part in another format: DSTV, JSON, or a drawing of its faces.
+
+    The suffix of the output says which, unless --to does: .nc1 and .nc are DSTV, .json is the
+    JSON form, .dxf a drawing with each face on a layer of its own.
+
+    \b
+    beamcam convert M58.nc1 -o M58.json
+    beamcam convert M58.json -o M58.nc1
+    beamcam convert M58.nc1 -o faces.dxf
+    """
+    try:
+        target = target_of(output, to)
+        parts, said = parts_of([read_file(source, strict)])
+        if not is_folder(output) and len(parts) != 1:
+            raise ReadError(ONE_PART.at(Source(source), found=len(parts), output=output))
+        texts = [target.write(part) for part in parts]
+    except BeamcamError as error:
+        stop(error.diagnostics, as_json)
+    if is_folder(output):
+        Path(output).mkdir(parents=True, exist_ok=True)
+        for name, text in zip(file_names(parts, target.suffixes[0]), texts, strict=True):
+            write(str(Path(output) / name), text)
+    else:
+        write(output, texts[0])
+    say([d for d in said if d.severity is not Severity.NOTE], as_json)
