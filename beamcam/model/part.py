@@ -13,6 +13,7 @@ from typing import Literal
 
 from beamcam.errors import Source
 from beamcam.geometry.curves import Curve, Point
+from beamcam.model.drawing import Measures
 
 Face = str
 FACES = ("v", "o", "u", "h")
@@ -248,6 +249,7 @@ class Part:
     info: tuple[tuple[str, str], ...] = ()  #: word and text (IN)
     comments: tuple[Comment, ...] = ()
     guid: str | None = None  #: IFC GlobalId
+    measures: Measures | None = None  #: of a drawing: what was seen and is no feature
 
     @property
     def holes(self) -> Iterator[Hole]:

@@ -1,0 +1,258 @@
+"""Lengths of many curves at once, and how much of them lies twice on the same place.
+
+Lines and arcs have closed forms. All Bezier curves of one degree are integrated together in
+numpy, which is imported only when a drawing has some.
+"""
+
+from collections import defaultdict
+from collections.abc import Iterable, Sequence
+from math import atan2, cos, floor, hypot, pi, sin
+from typing import TYPE_CHECKING
+
+from beamcam.geometry.curves import (
+    Arc,
+    Bezier,
+    BSpline,
+    Curve,
+    EllipseArc,
+    Line,
+    NewtonCurve,
+    bezier_pieces,
+)
+from beamcam.geometry.plane import Point, dot
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+#: Curves nearer than this lie on the same place.
+SAME_PLACE = 1e-3
+
+#: How far a length may be off, relative; the estimate is the gain of the last halving.
+RELATIVE_ERROR = 1e-9
+_MOST_HALVINGS = 24
+
+
+def total_length(curves: Iterable[Curve]) -> float:
+    """The sum of the lengths, to about 1e-9 relative."""
+    total = 0.0
+    free: dict[int, list[Bezier]] = defaultdict(list)
+    for curve in curves:
+        if isinstance(curve, Bezier | BSpline | NewtonCurve):
+            for piece in bezier_pieces(curve):
+                free[piece.degree].append(piece)
+        else:
+            total += curve.length
+    return total + sum(_bezier_lengths(pieces) for pieces in free.values())
+
+
+def _bezier_lengths(pieces: Sequence[Bezier]) -> float:
+    """Summed length of Bezier curves of one degree, by Gauss-Legendre with 12 points.
+
+    A curve is halved until both halves together say the same as the whole: a smooth curve needs
+    one halving, one with a cusp some twenty.
+    """
+    import numpy as np
+
+    nodes, weights = np.polynomial.legendre.leggauss(12)
+    rows = np.array([piece.homogeneous for piece in pieces])  # (n, degree + 1, 3)
+    whole = _gauss_lengths(rows, (nodes + 1) / 2, weights / 2)
+    total = 0.0
+    for _ in range(_MOST_HALVINGS):
+        left, right = _halved(rows)
+        first = _gauss_lengths(left, (nodes + 1) / 2, weights / 2)
+        second = _gauss_lengths(right, (nodes + 1) / 2, weights / 2)
+        done = np.abs(first + second - whole) <= RELATIVE_ERROR * (first + second)
+        total += float(np.sum((first + second)[done]))
+        if done.all():
+            return total
+        rows = np.concatenate((left[~done], right[~done]))
+        whole = np.concatenate((first[~done], second[~done]))
+    return total + float(np.sum(whole))
+
+
+def _gauss_lengths(
+    rows: "NDArray[np.float64]", t: "NDArray[np.float64]", weights: "NDArray[np.float64]"
+) -> "NDArray[np.float64]":
+    """Length of each curve of `rows` (n, degree + 1, 3) by one rule: an array (n,)."""
+    import numpy as np
+
+    values = rows[:, :, :, None] * np.ones_like(t)
+    degree = rows.shape[1] - 1
+    while values.shape[1] > 2:
+        values = (1 - t) * values[:, :-1] + t * values[:, 1:]
+    slope = degree * (values[:, 1] - values[:, 0])
+    value = (1 - t) * values[:, 0] + t * values[:, 1]
+    w, dw = value[:, 2], slope[:, 2]
+    dx = (slope[:, 0] - value[:, 0] / w * dw) / w
+    dy = (slope[:, 1] - value[:, 1] / w * dw) / w
+    lengths: NDArray[np.float64] = np.hypot(dx, dy) @ weights
+    return lengths
+
+
+def _halved(rows: "NDArray[np.float64]") -> "tuple[NDArray[np.float64], NDArray[np.float64]]":
+    """Both halves of each curve, by de Casteljau."""
+    import numpy as np
+
+    left, right = np.empty_like(rows), np.empty_like(rows)
+    row = rows
+    for k in range(rows.shape[1]):
+        left[:, k], right[:, -1 - k] = row[:, 0], row[:, -1]
+        row = (row[:, :-1] + row[:, 1:]) / 2
+    return left, right
+
+
+# --- what lies twice ------------------------------------------------------------------------------
+
+_Cell = tuple[int, ...]
+
+
+def duplicate_length(curves: Iterable[Curve]) -> float:
+    """By how much the summed length exceeds that of the places that the curves cover.
+
+    Of two equal curves one counts. Collinear lines and arcs of one circle count where they
+    overlap; ellipses and free curves only as a whole, in either direction.
+    """
+    lines: list[Line] = []
+    arcs: list[Arc] = []
+    others: list[Curve] = []
+    for curve in curves:
+        match curve:
+            case Line():
+                lines.append(curve)
+            case Arc():
+                arcs.append(curve)
+            case _:
+                others.append(curve)
+    return _overlap_of_lines(lines) + _overlap_of_arcs(arcs) + _length_of_repeats(others)
+
+
+def _clusters(values: Iterable[tuple[tuple[float, ...], int]]) -> list[list[int]]:
+    """Indices of values that lie within `SAME_PLACE` of one another in every coordinate.
+
+    A grid of cells of that size over the first three coordinates: neighbours are found in the
+    cells around, and joined as sets.
+    """
+    cells: dict[_Cell, list[int]] = defaultdict(list)
+    placed = list(values)
+    for value, index in placed:
+        cells[tuple(floor(v / SAME_PLACE) for v in value[:3])].append(index)
+    leader = {index: index for _, index in placed}
+
+    def find(index: int) -> int:
+        while leader[index] != index:
+            leader[index] = leader[leader[index]]
+            index = leader[index]
+        return index
+
+    where = {index: value for value, index in placed}
+    for cell, members in cells.items():
+        for around in _cells_around(cell):
+            for other in cells.get(around, ()):
+                for index in members:
+                    near = zip(where[index], where[other], strict=True)
+                    if index < other and all(abs(a - b) <= SAME_PLACE for a, b in near):
+                        leader[find(other)] = find(index)
+    groups: dict[int, list[int]] = defaultdict(list)
+    for _, index in placed:
+        groups[find(index)].append(index)
+    return [group for group in groups.values() if len(group) > 1]
+
+
+def _cells_around(cell: _Cell) -> list[_Cell]:
+    cells: list[_Cell] = [()]
+    for value in cell:
+        cells = [(*head, value + step) for head in cells for step in (-1, 0, 1)]
+    return cells
+
+
+def _overlap(spans: Sequence[tuple[float, float]]) -> float:
+    """Summed length of spans less that of their union."""
+    surplus, reach = 0.0, float("-inf")
+    for low, high in sorted(spans):
+        surplus += max(0.0, min(high, reach) - low)
+        reach = max(reach, high)
+    return surplus
+
+
+def _overlap_of_lines(lines: Sequence[Line]) -> float:
+    """Lines of one carrier have one direction and one distance from the origin.
+
+    A direction is known to `SAME_PLACE` over the length of the line, so that it is compared as
+    the distances of the carrier from two far points of the drawing instead of an angle.
+    """
+    span = max((abs(v) for line in lines for p in (line.start, line.end) for v in p), default=0.0)
+    placed = []
+    along: dict[int, tuple[float, float]] = {}
+    for index, line in enumerate(lines):
+        if line.length <= SAME_PLACE:
+            continue
+        direction = _direction(line)
+        normal = (-direction[1], direction[0])
+        placed.append(((dot(line.start, normal), direction[0] * span, direction[1] * span), index))
+        low, high = sorted((dot(line.start, direction), dot(line.end, direction)))
+        along[index] = (low, high)
+    return sum(_overlap([along[i] for i in group]) for group in _clusters(placed))
+
+
+def _direction(line: Line) -> Point:
+    """Unit vector along a line, one of the two: the same for both ways of drawing it."""
+    length = line.length
+    x, y = (line.end[0] - line.start[0]) / length, (line.end[1] - line.start[1]) / length
+    if x < -1e-9 or (abs(x) <= 1e-9 and y < 0):
+        return -x, -y
+    return x, y
+
+
+def _overlap_of_arcs(arcs: Sequence[Arc]) -> float:
+    total = 0.0
+    placed = [((*arc.centre, arc.radius), index) for index, arc in enumerate(arcs)]
+    for group in _clusters(placed):
+        spans: list[tuple[float, float]] = []
+        for index in group:
+            arc = arcs[index]
+            low = min(arc.start_deg, arc.start_deg + arc.sweep_deg) % 360.0
+            high = low + abs(arc.sweep_deg)
+            spans.append((low, min(high, 360.0)))
+            if high > 360.0:
+                spans.append((0.0, high - 360.0))
+        total += _overlap(spans) * pi / 180.0 * arcs[group[0]].radius
+    return total
+
+
+def _length_of_repeats(curves: Sequence[Curve]) -> float:
+    """Length of curves that are another one drawn again, in either direction."""
+    repeats: list[Curve] = []
+    signatures = [_signature(curve) for curve in curves]
+    by_kind: dict[tuple[str, int], list[int]] = defaultdict(list)
+    for index, curve in enumerate(curves):
+        by_kind[type(curve).__name__, len(signatures[index])].append(index)
+    for members in by_kind.values():
+        placed = [(signatures[i], i) for i in members]
+        for group in _clusters(placed):
+            repeats += (curves[i] for i in sorted(group)[1:])
+    return total_length(repeats)
+
+
+def _signature(curve: Curve) -> tuple[float, ...]:
+    """Numbers that are the same for both directions of a curve, and for no other curve."""
+    if isinstance(curve, EllipseArc) and abs(curve.sweep_deg) == 360.0:
+        angle = atan2(curve.axis[1], curve.axis[0]) % pi
+        # A full ellipse may begin anywhere: its axes say which one it is.
+        axes = (curve.major * cos(2 * angle), curve.major * sin(2 * angle), curve.minor)
+        return (*curve.centre, *axes, 0.0)
+    row: tuple[Point, ...]
+    match curve:
+        case Bezier():
+            row = curve.points
+        case BSpline():
+            row = (*curve.control[: len(curve.control) // 2], curve.point(0.5))
+            row += curve.control[len(curve.control) // 2 :]
+        case _:
+            row = (curve.start, curve.point(0.25), curve.point(0.5), curve.point(0.75), curve.end)
+    numbers: list[float] = []
+    for (x0, y0), (x1, y1) in zip(row[: (len(row) + 1) // 2], row[::-1], strict=False):
+        dx, dy = x1 - x0, y1 - y0
+        slant = dx * dy / (hypot(dx, dy) or 1.0)  # tells a rising from a falling diagonal
+        numbers += [(x0 + x1) / 2, (y0 + y1) / 2, abs(dx), abs(dy), slant]
+    return tuple(numbers)
