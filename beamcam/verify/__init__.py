@@ -1,0 +1,144 @@
+"""Programs read back: an interpreter for every controller family, and the part compared.
+
+Written from the controllers' documentation and the machine file; it shares no code with
+planning, motion or the emitters, so that a fault of theirs cannot hide in it.
+
+    text -> blocks -> events (codesys) -> Made (cell) -> compared with the parts
+"""
+
+from collections.abc import Callable, Collection, Sequence
+from dataclasses import dataclass
+
+from beamcam.errors import Diagnostic, VerifyError, errors_in
+from beamcam.machine.machine import Machine, NumberFormat
+from beamcam.model.part import Part, Profile
+from beamcam.verify import codesys
+from beamcam.verify.blocks import Block, read_blocks
+from beamcam.verify.cell import Cell
+from beamcam.verify.compare import compare
+from beamcam.verify.events import Event
+from beamcam.verify.made import Bore, Cut, Made
+from beamcam.verify.meaning import Meaning, meaning_of
+from beamcam.verify.need import FeatureRef, skippable
+from beamcam.verify.stations import Choice, choices_of
+
+__all__ = [
+    "Bore", "Cut", "FeatureRef", "Made", "Run", "events_of", "interpret", "run", "skippable",
+    "verify",
+]  # fmt: skip
+
+#: Interpreter of each controller family.
+INTERPRETERS: dict[
+    str, Callable[[list[Block], str, NumberFormat], tuple[list[Event], list[Diagnostic]]]
+] = {
+    "codesys": codesys.run,
+}
+
+
+@dataclass(frozen=True, slots=True)
+class Run:
+    """A program that was interpreted."""
+
+    made: Made
+    events: tuple[Event, ...]
+    diagnostics: tuple[Diagnostic, ...]  #: what is wrong with it by itself
+    meaning: Meaning
+    choices: dict[int, Choice]
+
+
+class _Known:
+    """What is worked out once for a machine and a section.
+
+    Machines are few and live as long as the process; they are told apart by identity, because a
+    record that holds a table has no hash.
+    """
+
+    def __init__(self, machine: Machine) -> None:
+        self.machine = machine
+        self.meaning = meaning_of(machine)
+        self.choices: dict[Profile | None, dict[int, Choice]] = {}
+
+    def choices_for(self, profile: Profile | None) -> dict[int, Choice]:
+        if profile not in self.choices:
+            if len(self.choices) >= 256:
+                self.choices.clear()
+            self.choices[profile] = choices_of(self.machine, profile)
+        return self.choices[profile]
+
+
+_known: list[_Known] = []
+
+
+def _known_of(machine: Machine) -> _Known:
+    for known in _known:
+        if known.machine is machine:
+            return known
+    known = _Known(machine)
+    _known.insert(0, known)
+    del _known[16:]
+    return known
+
+
+def events_of(
+    text: str, machine: Machine, name: str = "program"
+) -> tuple[list[Event], list[Diagnostic]]:
+    """What a program does, event by event, and what is wrong with its blocks."""
+    blocks, said = read_blocks(text, name, _known_of(machine).meaning.letters)
+    events, more = INTERPRETERS[machine.controller](blocks, name, machine.format)
+    return events, said + more
+
+
+def run(text: str, machine: Machine, profile: Profile | None = None, name: str = "program") -> Run:
+    """A program interpreted on a bar of `profile`; what material is in the way is known by it."""
+    known = _known_of(machine)
+    events, said = events_of(text, machine, name)
+    choices = known.choices_for(profile)
+    if profile is None:
+        # A program says a part of its section, enough to tell where its holes lie.
+        profile = _section_of(events, known.meaning)
+        choices = choices_of(machine, profile)
+        cell = Cell(machine, known.meaning, choices, None, name)
+    else:
+        cell = Cell(machine, known.meaning, choices, profile, name)
+    made = cell.run(events, text.count("\n"))
+    return Run(made, tuple(events), (*said, *cell.said), known.meaning, choices)
+
+
+def _section_of(events: Sequence[Event], meaning: Meaning) -> Profile:
+    """The section as far as a program says it."""
+    from beamcam.verify.events import Switch
+
+    said: dict[str, float] = {}
+    for event in events:
+        if type(event) is Switch:
+            word = meaning.m_words.get(event.number)
+            if word is not None and word.role == "section":
+                said |= {f: event.words[at] for at, f in word.fields if at in event.words}
+    return Profile("SO", "", said.get("height", 0.0), said.get("width", 0.0), 0.0, None)
+
+
+def interpret(text: str, machine: Machine, name: str = "program") -> Made:
+    """What a program makes. Raises VerifyError if something in it is wrong by itself."""
+    done = run(text, machine, None, name)
+    if errors_in(done.diagnostics):
+        raise VerifyError(done.diagnostics)
+    return done.made
+
+
+def verify(
+    text: str,
+    parts: Sequence[Part],
+    machine: Machine,
+    skipped: Collection[FeatureRef] = (),
+    name: str = "program",
+) -> tuple[Diagnostic, ...]:
+    """Everything that is wrong with a program, by itself and against the parts on its bar.
+
+    The parts are given in their order on the bar, `skipped` names features of them that may be
+    left out. Nothing comes back for a program that makes exactly the parts.
+    """
+    done = run(text, machine, parts[0].profile if parts else None, name)
+    if not parts:
+        return done.diagnostics
+    more = compare(done.made, parts, machine, done.meaning, done.choices, skipped, name)
+    return (*done.diagnostics, *more)

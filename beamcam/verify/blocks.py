@@ -1,0 +1,151 @@
+"""A program's text as blocks of words, by the syntax of CODESYS SoftMotion CNC (DIN 66025).
+
+    N10 G01 X100.5 Y-20 F40      a block: number, one command, then its words
+    N20 M40 K13 L14              K and L are the command's parameters
+    % JOB    (a comment)         the program's name, and what the controller does not read
+
+Words are separated by spaces or tabs; case, leading zeros and the block numbers count for
+nothing. At most one G or M stands in a block, before its words. All numbers may be real except
+those of N, G, M and H. Source: CODESYS online help, "CNC: DIN 66025".
+"""
+
+import re
+from collections.abc import Set
+from typing import NamedTuple
+
+from beamcam.errors import Diagnostic, Source
+from beamcam.verify import rules
+
+#: Letters that the controller's help describes; a machine file may use more in its templates.
+LETTERS = frozenset("NGMXYZABCPQUVWDEFHIJKLORT")
+_WHOLE = frozenset("NGMH")
+_NUMBER = r"[+-]?(?:\d+\.?\d*|\.\d+)"
+_WORD = re.compile(rf"([A-Z])({_NUMBER})")
+_COMMENT = re.compile(r"\([^()]*\)")
+# What nearly every block of a program looks like; anything else takes the slower way below.
+_USUAL = re.compile(
+    rf"([GM])(\d+)(?: X({_NUMBER}))?(?: Y({_NUMBER}))?(?: Z({_NUMBER}))?(?: F({_NUMBER}))?"
+    rf"(?: K({_NUMBER}))?(?: L({_NUMBER}))?"
+)
+
+
+class Block(NamedTuple):
+    """One block. A plain tuple, because every run of `post` makes thousands of them."""
+
+    line: int  #: counted from 1
+    command: str  #: "G", "M", or "" where the last travel command goes on
+    number: int  #: of the command
+    words: dict[str, float]  #: the other words
+
+
+_Body = tuple[str, int, dict[str, float]]
+
+
+def read_blocks(
+    text: str, name: str, letters: Set[str] = LETTERS
+) -> tuple[list[Block], list[Diagnostic]]:
+    """The blocks of a program called `name`, and what is wrong with its syntax.
+
+    `letters` are the addresses that the controller knows.
+    """
+    lines = text.splitlines()
+    last = len(lines)
+    while last and not lines[last - 1].strip():
+        last -= 1
+    blocks: list[Block] = []
+    said: list[Diagnostic] = []
+    known: dict[str, _Body] = {}  # programs say the same thing over and over
+    begun = False
+    for number, raw in enumerate(lines, 1):
+        head, _, body = raw.partition(" ")
+        if head[:1] != "N" or not (head[1:].isascii() and head[1:].isdigit()):
+            body = raw
+        parsed = known.get(body)
+        if parsed is None:
+            usual = _USUAL.fullmatch(body)
+            if usual is not None:
+                parsed = _usual(usual)
+            else:
+                place = Source(name, number)
+                stripped = raw.strip()
+                if stripped.startswith("%"):
+                    if begun and number != last:
+                        said.append(
+                            rules.SYNTAX.at(
+                                place, found=stripped, expected="% on the first or the last line"
+                            )
+                        )
+                    continue
+                found = _any_body(raw, place, letters)
+                if isinstance(found, Diagnostic):
+                    said.append(found)
+                    continue
+                if found is None:
+                    continue
+                parsed = found
+                body = ""
+            if body:
+                known[body] = parsed
+        begun = True
+        blocks.append(Block(number, *parsed))
+    return blocks, said
+
+
+def _usual(match: re.Match[str]) -> _Body:
+    command, number, x, y, z, f, k, second = match.groups()
+    words: dict[str, float] = {}
+    if x is not None:
+        words["X"] = float(x)
+    if y is not None:
+        words["Y"] = float(y)
+    if z is not None:
+        words["Z"] = float(z)
+    if f is not None:
+        words["F"] = float(f)
+    if k is not None:
+        words["K"] = float(k)
+    if second is not None:
+        words["L"] = float(second)
+    return command, int(number), words
+
+
+def _any_body(raw: str, place: Source, letters: Set[str]) -> _Body | Diagnostic | None:
+    """The body of any block; None where the line has none; what is wrong with it."""
+
+    def wrong(found: str, expected: str) -> Diagnostic:
+        return rules.SYNTAX.at(place, found=found, expected=expected)
+
+    if not raw.isascii():
+        raw = "".join(c if ord(c) < 128 else "\N{REPLACEMENT CHARACTER}" for c in raw)
+    bare = _COMMENT.sub(" ", raw).upper()
+    if "(" in bare or ")" in bare:
+        return wrong(raw.strip(), "a comment that begins and ends on its line, none in another")
+    if bare.lstrip().startswith("/"):
+        return wrong(raw.strip(), "a block that always runs; `/` leaves that to a switch")
+    command, number = "", 0
+    words: dict[str, float] = {}
+    for index, word in enumerate(bare.split()):
+        match = _WORD.fullmatch(word)
+        if match is None:
+            return wrong(word, "a letter and a number, set off by spaces")
+        letter, digits = match.groups()
+        if letter not in letters:
+            return wrong(word, "a word that the controller knows")
+        if letter in _WHOLE and not digits.isdigit():
+            return wrong(word, f"a whole number behind {letter}")
+        if letter == "N":
+            if index:
+                return wrong(word, "the block number at the beginning")
+        elif letter in "GM":
+            if command:
+                return wrong(word, f"one command a block, {command}{number} stands there already")
+            if words:
+                return wrong(word, "the command before the other words")
+            command, number = letter, int(digits)
+        elif letter in words and letter != "E":  # two E: acceleration and deceleration
+            return wrong(word, f"{letter} once in a block")
+        else:
+            words[letter] = float(digits)
+    if not command and not words:
+        return None
+    return command, number, words

@@ -1,0 +1,37 @@
+"""What a program makes, in machine coordinates."""
+
+from dataclasses import dataclass
+from typing import NamedTuple
+
+
+class Cut(NamedTuple):
+    """One saw cut."""
+
+    line: int
+    x: float  #: machine X
+    angle: float  #: degrees, in the machine's counting
+    feed_mm_min: float
+
+
+class Bore(NamedTuple):
+    """One hole, as its spindle made it; a stroke of two spindles makes two."""
+
+    line: int  #: of the deepest feed
+    face: str
+    x: float  #: machine X
+    y: float  #: on the face
+    diameter: float  #: of the tool
+    tip_depth: float  #: of the tool's tip, from the surface of the face
+    spindle: int  #: number that the program chose it by
+    feed_mm_min: float
+    stroke: float  #: where the stroke axis turned back
+
+
+@dataclass(frozen=True, slots=True)
+class Made:
+    """All that a program makes, in its order."""
+
+    section: tuple[tuple[str, float], ...]  #: what it says about the bar, by field name
+    cuts: tuple[Cut, ...]
+    bores: tuple[Bore, ...]
+    order: tuple[Cut | Bore, ...]  #: both, as they follow one another

@@ -1,0 +1,118 @@
+"""Where a spindle's axes stand on a section: from the program's Y and Z to face, place and depth.
+
+The machine file gives both axes of a spindle as formulas: `across` in y of the face, `bottom` of
+the stroke in the depth of the hole. Both are straight lines, so two values of each give them:
+
+    across = across_0 + across_per_y * y          y = (across - across_0) / across_per_y
+    bottom = surface + way * (depth + tip)        the tip's depth = way * (stroke - surface)
+
+Where the stroke is the same for every hole the face lies `face_depth` behind 0, the outermost
+material on the spindle's side.
+"""
+
+from dataclasses import dataclass
+from math import inf
+
+from beamcam.machine.machine import ControlledAxis, Machine, Spindle
+from beamcam.model.part import Profile
+
+_AXIS_INDEX = {"X": 0, "Y": 1, "Z": 2}
+
+
+@dataclass(frozen=True, slots=True)
+class Station:
+    """One spindle over a section."""
+
+    number: int
+    face: str
+    across: int  #: index of its axis in X, Y, Z
+    stroke: int
+    across_0: float
+    across_per_y: float
+    surface: float  #: stroke coordinate at which the tip touches the face
+    outermost: float  #: and at which it touches the outermost material on that side
+    way: float  #: +1 if the stroke axis counts into the material, or -1
+    thickness: float  #: of the material behind the face; 0 if not known
+    clear_from: float  #: y between which only the face itself is in the way, flanges beyond
+    clear_to: float
+    limits: tuple[tuple[int, str, float, float], ...]  #: axis index, name, least and greatest
+
+    def y(self, across: float) -> float:
+        """y on the face for a place of the across axis."""
+        return (across - self.across_0) / self.across_per_y
+
+    def tip_depth(self, stroke: float) -> float:
+        """How deep the tip is in the material behind the face; negative before it."""
+        return self.way * (stroke - self.surface)
+
+
+@dataclass(frozen=True, slots=True)
+class Choice:
+    """What a spindle word chooses: one station, or two that move as one."""
+
+    number: int
+    stations: tuple[Station, ...]
+
+
+def choices_of(machine: Machine, profile: Profile | None) -> dict[int, Choice]:
+    """What each spindle number of the program chooses, on a section as far as it is known."""
+    stations: dict[str, Station] = {s.face: _station(s, machine, profile) for s in machine.spindles}
+    choices = {s.number: Choice(s.number, (stations[s.face],)) for s in machine.spindles}
+    for pair in machine.pairs:
+        choices[pair.number] = Choice(pair.number, tuple(stations[f] for f in pair.faces))
+    return choices
+
+
+def stroke_values(machine: Machine, profile: Profile | None, face: str) -> dict[str, float]:
+    """The names that the machine's formulas may use, for a face of a section."""
+    values = dict.fromkeys(("y", "depth", "tip", "clearance"), 0.0)
+    values["clearance"] = machine.drill.clearance if machine.drill else 0.0
+    values["height"] = profile.height if profile else 0.0
+    values["width"] = profile.width if profile else 0.0
+    values["flange_thickness"] = profile.flange_thickness if profile else 0.0
+    values["web_thickness"] = (profile.web_thickness or 0.0) if profile else 0.0
+    values["thickness"] = profile.thickness(face) if profile else 0.0
+    values["face_depth"] = profile.face_depth(face) if profile else 0.0
+    return values
+
+
+def _station(spindle: Spindle, machine: Machine, profile: Profile | None) -> Station:
+    values = stroke_values(machine, profile, spindle.face)
+    across_0 = spindle.across.position(values)
+    per_y = spindle.across.position({**values, "y": 1.0}) - across_0
+    bottom = spindle.stroke.bottom
+    shallow, deeper = bottom(values), bottom({**values, "depth": 1.0})
+    if deeper != shallow:
+        way = 1.0 if deeper > shallow else -1.0
+        surface = shallow
+    else:
+        way = 1.0 if shallow >= spindle.stroke.start(values) else -1.0
+        surface = way * values["face_depth"]
+    clear_from, clear_to = -inf, inf
+    if profile is not None and values["face_depth"] > 0 and profile.code in ("I", "U", "C", "L"):
+        clear_from = profile.flange_thickness
+        clear_to = inf if profile.code == "L" else profile.height - profile.flange_thickness
+    across, stroke = _AXIS_INDEX[spindle.across.axis], _AXIS_INDEX[spindle.stroke.axis]
+    limits = tuple(
+        (_AXIS_INDEX[a.moves], a.name, *_range(a))
+        for a in machine.axes
+        if a.spindle == spindle.number and a.moves in _AXIS_INDEX
+    )
+    return Station(
+        spindle.number, spindle.face, across, stroke, across_0, per_y, surface,
+        surface - way * values["face_depth"], way, values["thickness"], clear_from, clear_to,
+        limits,
+    )  # fmt: skip
+
+
+def _range(axis: ControlledAxis) -> tuple[float, float]:
+    least = -inf if axis.least is None else axis.least
+    return least, inf if axis.greatest is None else axis.greatest
+
+
+def limits_of(machine: Machine, moves: str) -> tuple[str, float, float]:
+    """Name, least and greatest place of the axis that is no spindle's and moves by `moves`."""
+    for axis in machine.axes:
+        if axis.moves == moves and axis.spindle is None:
+            return axis.name, *_range(axis)
+    return moves, -inf, inf
