@@ -11,7 +11,6 @@ those of N, G, M and H. Source: CODESYS online help, "CNC: DIN 66025".
 
 import re
 from collections.abc import Set
-from typing import NamedTuple
 
 from beamcam.errors import Diagnostic, Source
 from beamcam.verify import rules
@@ -29,16 +28,12 @@ _USUAL = re.compile(
 )
 
 
-class Block(NamedTuple):
-    """One block. A plain tuple, because every run of `post` makes thousands of them."""
-
-    line: int  #: counted from 1
-    command: str  #: "G", "M", or "" where the last travel command goes on
-    number: int  #: of the command
-    words: dict[str, float]  #: the other words
-
+#: Line (from 1), command ("G", "M", or "" where the last travel command goes on), its number, and
+#: the other words. A plain tuple, because every run of `post` makes thousands of them.
+Block = tuple[int, str, int, dict[str, float]]
 
 _Body = tuple[str, int, dict[str, float]]
+_BODIES = re.compile(r"^(?:N[0-9]+ )?(.*)$", re.MULTILINE)
 
 
 def read_blocks(
@@ -48,47 +43,38 @@ def read_blocks(
 
     `letters` are the addresses that the controller knows.
     """
-    lines = text.splitlines()
-    last = len(lines)
-    while last and not lines[last - 1].strip():
-        last -= 1
+    last = text.rstrip().count("\n") + 1
     blocks: list[Block] = []
     said: list[Diagnostic] = []
     known: dict[str, _Body] = {}  # programs say the same thing over and over
-    begun = False
-    for number, raw in enumerate(lines, 1):
-        head, _, body = raw.partition(" ")
-        if head[:1] != "N" or not (head[1:].isascii() and head[1:].isdigit()):
-            body = raw
+    for number, body in enumerate(_BODIES.findall(text), 1):
         parsed = known.get(body)
         if parsed is None:
             usual = _USUAL.fullmatch(body)
             if usual is not None:
-                parsed = _usual(usual)
+                known[body] = parsed = _usual(usual)
             else:
-                place = Source(name, number)
-                stripped = raw.strip()
-                if stripped.startswith("%"):
-                    if begun and number != last:
-                        said.append(
-                            rules.SYNTAX.at(
-                                place, found=stripped, expected="% on the first or the last line"
-                            )
-                        )
-                    continue
-                found = _any_body(raw, place, letters)
+                found = _unusual(body, Source(name, number), not blocks or number == last, letters)
                 if isinstance(found, Diagnostic):
                     said.append(found)
                     continue
                 if found is None:
                     continue
                 parsed = found
-                body = ""
-            if body:
-                known[body] = parsed
-        begun = True
-        blocks.append(Block(number, *parsed))
+        blocks.append((number, *parsed))
     return blocks, said
+
+
+def _unusual(
+    body: str, place: Source, outermost: bool, letters: Set[str]
+) -> _Body | Diagnostic | None:
+    """As `_any_body`, and `%` on the first or the last line."""
+    if not body.lstrip().startswith("%"):
+        return _any_body(body, place, letters)
+    if outermost:
+        return None
+    expected = "% on the first or the last line only"
+    return rules.SYNTAX.at(place, found=body.strip(), expected=expected)
 
 
 def _usual(match: re.Match[str]) -> _Body:

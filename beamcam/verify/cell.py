@@ -228,7 +228,7 @@ class Cell:
                 expected=f"a word of this machine: {self.meaning.shown()}",
             )  # fmt: skip
             return
-        values = self._values(switch, word)
+        values = self._values(switch, word) if word.fields or switch.words else {}
         role = word.role
         if role == "on":
             self.turning = True

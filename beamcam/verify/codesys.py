@@ -77,7 +77,8 @@ def run(blocks: list[Block], name: str, form: NumberFormat) -> tuple[list[Event]
                 feed = words["F"] * per_minute
             start = (x, y, z)
             if absolute:
-                x, y, z = words.get("X", x), words.get("Y", y), words.get("Z", z)
+                get = words.get
+                x, y, z = get("X", x), get("Y", y), get("Z", z)
             else:
                 x, y, z = x + words.get("X", 0), y + words.get("Y", 0), z + words.get("Z", 0)
                 if any(w in words and isnan(v) for w, v in zip("XYZ", (x, y, z), strict=True)):
@@ -95,7 +96,7 @@ def run(blocks: list[Block], name: str, form: NumberFormat) -> tuple[list[Event]
                 events.append(Move(line, travel == 0, start, end, feed))
                 stray = words.keys() - _STRAIGHT_WORDS
             else:
-                turn = _turn(Block(line, "G", travel, words), start, end, absolute_centre, form)
+                turn = _turn((line, "G", travel, words), start, end, absolute_centre, form)
                 if isinstance(turn, Turn):
                     events.append(turn._replace(feed_mm_min=feed))
                     in_a_row, too_many = 0, False
@@ -133,11 +134,11 @@ def _turn(
     block: Block, start: Place, end: Place, absolute_centre: bool, form: NumberFormat
 ) -> Turn | str:
     """The arc of a block, without its feed; what is wrong with it if there is none."""
-    words = block.words
+    line, _, number, words = block
     first, last = start[:2], end[:2]
     if any(isnan(v) for v in (*first, *last)):
         return "that starts nowhere"
-    clockwise = block.number == 2
+    clockwise = number == 2
     if "R" in words:
         if "I" in words or "J" in words:
             return "with R as well as I and J"
@@ -153,4 +154,4 @@ def _turn(
             return fault
     else:
         return "without I, J or R"
-    return Turn(block.line, start, end, centre, sweep_of(first, last, centre, clockwise), 0.0)
+    return Turn(line, start, end, centre, sweep_of(first, last, centre, clockwise), 0.0)

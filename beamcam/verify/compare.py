@@ -53,10 +53,21 @@ def compare(
         if isinstance(feature, Hole) and (p, f) not in skipped
     ]
     matches = list(_Matching(made.bores, wanted, parts, machine, drill, name).run(said))
+    fine: set[object] = set()  # most holes of a part are like another one of it
     for match in matches:
-        said += _depth_and_tool(match, parts, machine, drill, choices, name)
+        (part, hole, _), bore, size = match
+        alike = (part, hole.face, hole.kind, hole.diameter, hole.depth, size, *bore[4:])
+        if alike in fine:
+            continue
+        found = [*_depth_and_tool(match, parts, machine, drill, choices, name)]
+        if meaning.feeds:
+            found += _feed(bore, parts[part].grade, drill, name)
+        if found:
+            said += found
+        else:
+            fine.add(alike)
     if meaning.feeds:
-        said += _feeds(made, matches, parts, saw, drill, name)
+        said += _saw_feeds(made.cuts, saw, name)
     if machine.layout is not None and machine.layout.order == "drill-saw":
         said += _after_its_cut(matches, made, placing.last_cut, name)
     return tuple(said)
@@ -294,30 +305,29 @@ def _point_deg(diameter: float, machine: Machine) -> float:
     return 118.0
 
 
-def _feeds(
-    made: Made, matches: Sequence[Match], parts: Sequence[Part], saw: Saw, drill: Drill, name: str
-) -> Iterator[Diagnostic]:
-    """Feeds beyond what the stations can do, and those that are not the machine's own."""
-    for cut in made.cuts:
+def _saw_feeds(cuts: Sequence[Cut], saw: Saw, name: str) -> Iterator[Diagnostic]:
+    """Cuts that do not run at the saw's own feed."""
+    for cut in cuts:
         if abs(cut.feed_mm_min - saw.feed_mm_min) > 0.1:
             yield rules.FEED.at(
-                Source(name, cut.line), found=f"{cut.feed_mm_min:g}", what="the saw",
+                Source(name, cut.line),
+                found=f"{cut.feed_mm_min:g}",
+                what="the saw",
                 expected=f"{saw.feed_mm_min:g}",
-            )  # fmt: skip
-    for match in matches:
-        bore = match.bore
-        own = _drill_feed(bore.diameter, parts[match.wanted.part].grade, drill)
-        what = f"a drill {bore.diameter:g}"
-        if bore.feed_mm_min > drill.greatest_feed_mm_min + 0.1:
-            yield rules.FEED_LIMIT.at(
-                Source(name, bore.line), found=f"{bore.feed_mm_min:g}", what=what,
-                expected=f"{drill.greatest_feed_mm_min:g}",
-            )  # fmt: skip
-        elif abs(bore.feed_mm_min - own) > 0.1 + 0.001 * own:
-            yield rules.FEED.at(
-                Source(name, bore.line), found=f"{bore.feed_mm_min:g}", what=what,
-                expected=f"{own:.4g}",
-            )  # fmt: skip
+            )
+
+
+def _feed(bore: Bore, grade: str, drill: Drill, name: str) -> Iterator[Diagnostic]:
+    """A feed beyond what the station can do, or one that is not the machine's own."""
+    own = _drill_feed(bore.diameter, grade, drill)
+    found, what = f"{bore.feed_mm_min:g}", f"a drill {bore.diameter:g}"
+    if bore.feed_mm_min > drill.greatest_feed_mm_min + 0.1:
+        expected = f"{drill.greatest_feed_mm_min:g}"
+        yield rules.FEED_LIMIT.at(
+            Source(name, bore.line), found=found, what=what, expected=expected
+        )
+    elif abs(bore.feed_mm_min - own) > 0.1 + 0.001 * own:
+        yield rules.FEED.at(Source(name, bore.line), found=found, what=what, expected=f"{own:.4g}")
 
 
 def _drill_feed(diameter: float, grade: str, drill: Drill) -> float:
