@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 from math import asin, hypot, sin
 from typing import Literal
 
-from beamcam.errors import Source
+from beamcam.errors import Severity, Source
 from beamcam.geometry.curves import Arc, Curve, Line, Point, arc_through
 from beamcam.model.part import MIRRORED_FACES, Bevel, Contour, ContourKind, Notch, Process
 from beamcam.readers.dstv import rules
@@ -145,8 +145,7 @@ def _careful(
         radius = values[0] if values else 0.0
         pairs = _bevel_pairs(values[1:], row, line, log)
     except RowError:
-        error = rules.CONTOUR_FIELDS.severity
-        if not any(d.severity is error for d in log.diagnostics[before:]):
+        if not any(d.severity is Severity.ERROR for d in log.diagnostics[before:]):
             log.add(rules.CONTOUR_FIELDS, line, found=row)
         return None
     return x, edge, y, notch, radius, pairs

@@ -2,7 +2,6 @@
 
 import re
 from dataclasses import dataclass
-from pathlib import PurePath
 from typing import cast
 
 from beamcam.model.part import PROFILE_CODES, EndCuts, Profile, ProfileCode
@@ -67,14 +66,12 @@ def header_lines(lines: list[str], start: int) -> HeaderLines:
     values: list[str] = []
     numbers: list[int] = []
     comments: list[tuple[int, str]] = []
-    index = start
     for index in range(start, len(lines)):
         text = lines[index].strip()
-        count = len(values)
         if text[:2] == "**":
-            comments.append((count + 1, text[2:]))
+            comments.append((len(values) + 1, text[2:]))
             continue
-        if count >= LEAST_LINES:
+        if (count := len(values)) >= LEAST_LINES:
             if count >= MOST_LINES and not text:
                 continue
             if len(text) == 2 and _is_code(text, lines, index, indent, count):
@@ -123,9 +120,10 @@ def read_header(head: HeaderLines, log: Log) -> Header | None:
     if height <= 0:
         log.add(rules.HEIGHT, lines[9], found=height)
     texts = [_text(values[i]) for i in (0, 1, 2, 4)]
-    for i, value in enumerate(values):
-        if len(value) > TEXT_LIMIT:
-            log.add(rules.TEXT_LONG, lines[i], count=len(value), limit=TEXT_LIMIT)
+    if max(map(len, values)) > TEXT_LIMIT:
+        for i, value in enumerate(values):
+            if len(value) > TEXT_LIMIT:
+                log.add(rules.TEXT_LONG, lines[i], count=len(value), limit=TEXT_LIMIT)
     for i in range(MOST_LINES, len(values)):
         log.add(rules.HEADER_EXTRA, lines[i], found=values[i], number=i + 1)
     _warn_of_mark(values, lines, log)
@@ -165,7 +163,7 @@ def _notes(values: list[str]) -> tuple[str, ...]:
 
 
 def _quantity(text: str, line: int, log: Log) -> int | None:
-    if re.fullmatch(r"[+]?0*[0-9]{1,9}", text, re.ASCII):
+    if text.isdecimal() and text.isascii() and len(text) < 10:
         value = int(text)
         if value > 0:
             return value
@@ -235,5 +233,10 @@ def _warn_of_mark(values: list[str], lines: list[int], log: Log) -> None:
     mark = values[3]
     for position, field in ((1, "drawing"), (2, "phase")):
         name = values[position]
-        if len(name) > 1 and name != mark and PurePath(log.file).stem == name:
+        if len(name) > 1 and name != mark and name in log.file and _stem(log.file) == name:
             log.add(rules.MARK_ELSEWHERE, lines[3], found=mark, field=field, name=name)
+
+
+def _stem(file: str) -> str:
+    """The name of a file without its folder and suffix."""
+    return file.replace("\\", "/").rsplit("/", 1)[-1].rsplit(".", 1)[0]

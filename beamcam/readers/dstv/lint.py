@@ -1,9 +1,249 @@
-"""Cross-checks of a part that was read: does the file agree with itself?"""
+"""Cross-checks of a part that was read: does the file agree with itself?
 
-from beamcam.model.part import Part
-from beamcam.readers.dstv.contours import Rows
+Nothing here changes the part. Each check looks at two things that a file says twice: an end in the
+header and in the contour, a hole and the material around it.
+"""
+
+import re
+from dataclasses import dataclass
+from math import atan2, degrees, hypot, pi
+
+from beamcam.geometry.curves import Arc, Box, join_boxes
+from beamcam.model.part import MIRRORED_FACES, Contour, EndPlane, Hole, Part, Slot
+from beamcam.readers.dstv import rules
+from beamcam.readers.dstv.contours import Rows, polygon_area
 from beamcam.readers.dstv.tokens import Log
 
+LENGTH_TOLERANCE = 0.2  #: real files differ by up to 0.12
+EDGE_TOLERANCE = 0.2  #: a hole's centre this far out of the material is still in it
+NOISE_DEG = 0.1  #: real headers hold angles such as 0.07 for square ends
+ANGLE_TOLERANCE_DEG = 0.5
+LARGEST_MARK = 7.0  #: diameter; shops write punch marks as holes of 1, 2, 4, 5 or 7
 
-def check(part: Part, contours: list[Rows], log: Log) -> None:
-    """Add what contradicts itself in `part` to the log."""
+#: Header line of each cut angle, counted from the line ST.
+_CUT_LINES = {"web_start": 17, "web_end": 18, "flange_start": 19, "flange_end": 20}
+
+
+Edge = tuple[float, float, float, float]  #: x and y of its start and its end
+
+
+@dataclass(slots=True)
+class _Outline:
+    """An outer contour made ready for asking what lies inside."""
+
+    lines: list[Edge]
+    edges: list[Edge]  #: lines and the chords of arcs
+    box: Box
+    arcs: list[tuple[Arc, Edge]]
+
+
+def check(part: Part, contours: list[Rows], header: list[int], log: Log) -> None:
+    """Add to the log what contradicts itself in `part`.
+
+    `contours` are its contour rows and `header` the lines of the header's values.
+    """
+    outers: dict[str, list[_Outline]] = {}
+    for feature in part.features:
+        if isinstance(feature, Contour):
+            if feature.kind == "outer":
+                outers.setdefault(feature.face, []).append(_outline(feature))
+            elif feature.process == "cut":
+                _check_circle(feature, log)
+    if outers:
+        _check_directions(contours, log)
+        _check_extents(part, outers, header, log)
+        _check_ends(part, outers, header, log)
+        _check_end_planes(part, log)
+    if part.profile.code == "B":
+        _check_unrolled(part, header, log)
+    _check_holes(part, outers, log)
+
+
+def _outline(contour: Contour) -> _Outline:
+    lines: list[Edge] = []
+    arcs: list[tuple[Arc, Edge]] = []
+    boxes: list[Box] = []
+    for curve in contour.curves:
+        edge = (*curve.start, *curve.end)
+        if isinstance(curve, Arc):
+            arcs.append((curve, edge))
+            boxes.append(curve.bbox)
+        else:
+            lines.append(edge)
+    xs = [edge[0] for edge in lines] + [edge[2] for edge in lines]
+    ys = [edge[1] for edge in lines] + [edge[3] for edge in lines]
+    if arcs:
+        for box in boxes:
+            xs += box[::2]
+            ys += box[1::2]
+    box = (min(xs), min(ys), max(xs), max(ys))
+    return _Outline(lines, lines + [edge for _, edge in arcs], box, arcs)
+
+
+def _check_directions(contours: list[Rows], log: Log) -> None:
+    """Note outer contours that run otherwise in their numbers than the standard draws them."""
+    for rows in contours:
+        if rows.code == "A" and len(rows.face) == 1 and len(rows.points) > 2:
+            area = polygon_area(rows.points)
+            mirrored = rows.face in MIRRORED_FACES
+            if area > 0 if mirrored else area < 0:
+                names = ("counter-clockwise", "clockwise")
+                found, expected = names if mirrored else names[::-1]
+                log.add(rules.DIRECTION, rows.line, face=rows.face, found=found, expected=expected)
+
+
+def _check_extents(
+    part: Part, outers: dict[str, list[_Outline]], header: list[int], log: Log
+) -> None:
+    """Length and height against what the contours measure."""
+    boxes = [o.box for face, found in outers.items() if len(face) == 1 for o in found]
+    whole = join_boxes(boxes)
+    if whole is None:
+        return
+    # A round plate may hang over x = 0: then its extent is its length.
+    reach, extent = whole[2], whole[2] - whole[0]
+    lengths = (part.length, part.saw_length if part.saw_length is not None else part.length)
+    if all(abs(a - b) > LENGTH_TOLERANCE for a in lengths for b in (reach, extent)):
+        log.add(rules.LENGTH_CONTOUR, header[8], length=part.length, reach=reach)
+    web = join_boxes([outline.box for outline in outers.get("v", ())])
+    if web is not None and part.profile.height > 0:
+        height = web[3] - web[1]
+        excess = height - part.profile.height
+        # A beam may be coped along its whole length, a plate may not be narrower than itself.
+        if excess > LENGTH_TOLERANCE or (part.profile.code == "B" and excess < -LENGTH_TOLERANCE):
+            log.add(rules.HEIGHT_CONTOUR, header[9], height=part.profile.height, found=height)
+
+
+def _check_ends(part: Part, outers: dict[str, list[_Outline]], header: list[int], log: Log) -> None:
+    """The header's cut angles against ends of v and u that are one straight edge.
+
+    At either end the angle is atan2(x(lowest y) - x(highest y), y_high - y_low), the web's in v
+    and the flange's in u. Ends that are coped, notched or round say nothing about the cut.
+    """
+    cuts = part.cuts
+    for face, names in (("v", ("web_start", "web_end")), ("u", ("flange_start", "flange_end"))):
+        found = outers.get(face, ())
+        if len(found) != 1:
+            continue
+        for name, angle in zip(names, _end_angles(found[0]), strict=True):
+            given: float = getattr(cuts, name)
+            if angle is None or abs(angle - given) <= ANGLE_TOLERANCE_DEG:
+                continue
+            both = abs(given) > ANGLE_TOLERANCE_DEG and abs(angle) > ANGLE_TOLERANCE_DEG
+            rule = rules.CUT_ANGLE if both else rules.CUT_MISSING
+            line = header[_CUT_LINES[name] - 1]
+            text = name.replace("_", " ") + " cut"
+            log.add(rule, line, name=text, header=given, contour=angle + 0.0)
+
+
+def _end_angles(outline: _Outline) -> tuple[float | None, float | None]:
+    """Angles in degrees of the start and the end of an outline; None for one that is no edge."""
+    low, high = outline.box[1], outline.box[3]
+    # every corner starts one edge
+    bottom = [edge[0] for edge in outline.edges if edge[1] == low]
+    top = [edge[0] for edge in outline.edges if edge[1] == high]
+    if not bottom or not top or low == high:
+        return None, None
+    angles: list[float | None] = []
+    for pick in (min, max):
+        x_low, x_high = pick(bottom), pick(top)
+        straight = any(
+            edge in ((x_low, low, x_high, high), (x_high, high, x_low, low))
+            for edge in outline.lines
+        )
+        angles.append(degrees(atan2(x_low - x_high, high - low)) if straight else None)
+    return angles[0], angles[1]
+
+
+def _check_end_planes(part: Part, log: Log) -> None:
+    """Note cutting planes that the contour overrules."""
+    for feature in part.features:
+        if isinstance(feature, EndPlane):
+            log.add(rules.ENDPLANE_OVERRULED, feature.source.line or 0)
+            return
+
+
+def _check_unrolled(part: Part, header: list[int], log: Log) -> None:
+    """Note a plate that is as wide as a pipe, named with its diameter, is round about."""
+    for text in re.findall(r"[0-9]+(?:\.[0-9]+)?", part.profile.name):
+        diameter = float(text)
+        if diameter > 10 and abs(pi * diameter - part.profile.height) < 1.0:
+            log.add(rules.UNROLLED, header[6], height=part.profile.height, diameter=diameter)
+            return
+
+
+def _check_circle(contour: Contour, log: Log) -> None:
+    """Note a circle that is written as a contour."""
+    first = contour.curves[0]
+    if not isinstance(first, Arc) or not contour.closed:
+        return
+    sweep = 0.0
+    for curve in contour.curves:
+        if not isinstance(curve, Arc) or abs(curve.radius - first.radius) > 0.01:
+            return
+        if hypot(curve.centre[0] - first.centre[0], curve.centre[1] - first.centre[1]) > 0.05:
+            return
+        sweep += curve.sweep_deg
+    if abs(abs(sweep) - 360) < 1:
+        log.add(rules.CIRCLE_IN_IK, contour.source.line or 0, diameter=2 * first.radius)
+
+
+def _check_holes(part: Part, outers: dict[str, list[_Outline]], log: Log) -> None:
+    """Holes in the air, holes that are there twice, and those that are probably marks."""
+    seen: dict[object, int] = {}
+    for hole in part.features:
+        if isinstance(hole, Hole):
+            line = hole.source.line or 0
+            if hole.diameter <= LARGEST_MARK and hole.kind in ("through", "blind"):
+                log.add(rules.HOLE_SMALL, line, diameter=hole.diameter)
+            key = (hole.face, hole.x, hole.y, hole.diameter, hole.kind, hole.depth)
+            first = seen.setdefault(key, line)
+            if first != line:
+                place = {"x": hole.x, "y": hole.y, "diameter": hole.diameter}
+                log.add(rules.HOLE_DUPLICATE, line, first=first, **place)
+        elif not isinstance(hole, Slot):
+            continue
+        face = hole.face
+        if len(face) == 1 and not _in_material(part, outers.get(face), face, hole.x, hole.y):
+            what = "a hole" if isinstance(hole, Hole) else "a slot"
+            line = hole.source.line or 0
+            log.add(rules.HOLE_OUTSIDE, line, what=what, x=hole.x, y=hole.y, face=face)
+
+
+def _in_material(
+    part: Part, outlines: list[_Outline] | None, face: str, x: float, y: float
+) -> bool:
+    """Whether a point of a face lies in its outlines, or where it has none in the raw section."""
+    if outlines is not None:
+        return any(_contains(outline, x, y) for outline in outlines)
+    width = part.profile.face_width(face)
+    low, slack = -EDGE_TOLERANCE, EDGE_TOLERANCE
+    return low <= x <= part.length + slack and (not width or low <= y <= width + slack)
+
+
+def _contains(outline: _Outline, x: float, y: float) -> bool:
+    """Whether a point lies inside an outline or within `EDGE_TOLERANCE` of its edge.
+
+    A ray to the right crosses the boundary an odd number of times: first the polygon of the
+    corners, then each arc turns the answer for what lies between it and its chord.
+    """
+    inside = False
+    for x0, y0, x1, y1 in outline.edges:
+        if (y0 > y) != (y1 > y) and x < x0 + (y - y0) / (y1 - y0) * (x1 - x0):
+            inside = not inside
+    for arc, (x0, y0, x1, y1) in outline.arcs:
+        if hypot(x - arc.centre[0], y - arc.centre[1]) <= arc.radius:
+            side = (x1 - x0) * (y - y0) - (y1 - y0) * (x - x0)
+            # A counter-clockwise arc lies right of its chord.
+            if (side < 0) == (arc.sweep_deg > 0):
+                inside = not inside
+    return inside or any(_distance(edge, x, y) <= EDGE_TOLERANCE for edge in outline.edges)
+
+
+def _distance(edge: Edge, x: float, y: float) -> float:
+    """Distance of a point from an edge."""
+    x0, y0, x1, y1 = edge
+    dx, dy = x1 - x0, y1 - y0
+    square = dx * dx + dy * dy
+    t = 0.0 if square == 0 else min(1.0, max(0.0, ((x - x0) * dx + (y - y0) * dy) / square))
+    return hypot(x - x0 - t * dx, y - y0 - t * dy)

@@ -33,7 +33,9 @@ from beamcam.readers.dstv.rows import (
 from beamcam.readers.dstv.tokens import CODES, Block, Log, decode, split_lines
 from beamcam.readers.reading import Reading
 
-#: Rows of a cross-section and of IN come once for the whole part; their lines place comments.
+#: Blocks whose rows are texts, where two stars may stand for themselves.
+_TEXT_CODES = frozenset({"SI", "IN", *(f"S{digit}" for digit in range(10))})
+
 _CONTOURS = {"AK": "A", "IK": "I", "KO": "K", "PU": "P"}
 
 
@@ -128,8 +130,8 @@ def read_with_account(data: bytes, name: str) -> tuple[Reading, Account]:
         tuple(content.info),
         placed,
     )
-    check(part, content.contours, log)
-    data_lines = head.numbers
+    check(part, content.contours, head.numbers, log)
+    data_lines = [*head.numbers]
     for block in blocks:
         data_lines += block.numbers
     return _result(part, data_lines, log)
@@ -225,7 +227,7 @@ def _split_blocks(
             continue
         if not blocks:
             blocks.append(Block("", index + 1, rows, numbers))
-        if "**" in text and blocks[-1].code != "IN":
+        if "**" in text and blocks[-1].code not in _TEXT_CODES:
             text, comment = (part.strip() for part in text.split("**", 1))
             log.add(rules.COMMENT_INLINE, index + 1)
             comments.append((index, comment))

@@ -3,7 +3,7 @@
 import re
 from typing import Literal, cast
 
-from beamcam.errors import Rule, Source
+from beamcam.errors import Rule, Severity, Source
 from beamcam.geometry.curves import unit_vector
 from beamcam.model.part import (
     Bend,
@@ -30,6 +30,9 @@ from beamcam.readers.dstv.tokens import (
 )
 
 _FACE_LETTERS = frozenset("vouh")
+_NO_SLOT = (["0.0"] * 2, ["0.00"] * 3, ["0.00"] * 2, ["0.0"] * 3)  #: columns without the letter l
+
+Sizes = tuple[float, float, float, float, float]  #: diameter, depth, width, height, angle
 _SI_TEXT_LIMIT = 40  # DSTV NC, page 12
 
 # DSTV NC, page 10: the letter before the diameter.
@@ -93,72 +96,69 @@ def read_holes(block: Block, place: Place) -> list[Hole | Slot]:
     """The holes and slots of a block BO or Bn."""
     features: list[Hole | Slot] = []
     log = place.log
+    taken = log.taken
     for line, row in zip(block.numbers, block.rows, strict=True):
         # "  v   300.00s   50.00   18.00   0.00"   face, x + reference, y, diameter, depth
         # "  v   115.58s   46.80   31.78   0.00l   0.00   6.40   0.00"   ... a slot's b, h, angle
         tokens = row.split()
+        first = 0
+        if tokens[0] in _FACE_LETTERS:
+            first = 1
+            if not place.fixed:
+                place.face = tokens[0]
+        slotted = False
         try:
-            first = 0
-            if tokens[0] in _FACE_LETTERS:
-                first = 1
-                if not place.fixed:
-                    place.face = tokens[0]
-            elif not place.face:
-                raise RowError(row)
             x_text = tokens[first]
-            letter = x_text[-1]
-            if letter in EDGES:
-                place.edge = letter
-                x = float(x_text[:-1])
-            else:
-                x = float(x_text)
-            y = float(tokens[first + 1])
-            values = [float(t) for t in tokens[first + 2 : first + 4]]
-            if not -LARGEST < x + y + sum(values) < LARGEST or not values or "_" in row:
+            edge = x_text[-1]
+            x = float(x_text[:-1] if edge in EDGES else x_text)
+            sizes = tokens[first + 1 :]
+            if len(sizes) > 3:
+                slotted = sizes[2][-1] == "l"
+                if slotted:
+                    sizes[2] = sizes[2][:-1]
+                elif sizes[3:] not in _NO_SLOT:
+                    raise RowError(row)
+            y, diameter, *more = map(float, sizes)
+            if not (place.face and -LARGEST < x + sum(map(float, sizes)) < LARGEST):
                 raise RowError(row)
-            if len(tokens) > first + 4:
+            if "_" in row or (len(more) != 4 if slotted else len(more) > 3):
                 raise RowError(row)
         except (ValueError, IndexError):
-            before = len(log.diagnostics)
-            try:
-                feature = _hole(row, line, place)
-            except RowError:
-                if not any(
-                    d.severity is rules.HOLE_FIELDS.severity for d in log.diagnostics[before:]
-                ):
-                    log.add(rules.HOLE_FIELDS, line, found=row)
-                continue
-            if feature is None:
-                continue
-            features.append(feature)
+            feature = _hole(row, line, place)
         else:
-            diameter = values[0]
-            depth = values[1] if len(values) == 2 else 0.0
-            if diameter < 0 or depth < 0:
-                log.add(rules.HOLE_DIAMETER, line, diameter=diameter, depth=depth)
-                continue
-            kind: HoleKind = "mark" if diameter == 0 else "blind" if depth else "through"
-            features.append(
-                Hole(
-                    place.face,
-                    x,
-                    y,
-                    diameter,
-                    Source(log.file, line),
-                    depth or None,
-                    kind,
-                    None,
-                    place.edge,
-                )
+            if edge in EDGES:
+                place.edge = edge
+            depth, width, height, angle, *_ = (*more, 0.0, 0.0, 0.0, 0.0)
+            feature = _drilled(
+                place, line, x, y, "through", (diameter, depth, width, height, angle), slotted
             )
-        log.taken.append(line)
+        if feature is not None:
+            features.append(feature)
+            taken.append(line)
     return features
 
 
 def _hole(row: str, line: int, place: Place) -> Hole | Slot | None:
-    """The hole or slot of any row of BO, glued ones included.
+    """The hole or slot of any row of BO, glued ones included; None, with an error, for no such."""
+    before = len(place.log.diagnostics)
+    try:
+        x, y, kind, sizes, slotted = _hole_fields(row, line, place)
+    except RowError:
+        if not _said_error(place.log, before):
+            place.log.add(rules.HOLE_FIELDS, line, found=row)
+        return None
+    return _drilled(place, line, x, y, kind, sizes, slotted)
 
-    Raises RowError if no rule explains the row; None if its values are impossible.
+
+def _said_error(log: Log, before: int) -> bool:
+    """Whether an error was added to the log behind its first `before` diagnostics."""
+    return any(d.severity is Severity.ERROR for d in log.diagnostics[before:])
+
+
+def _hole_fields(row: str, line: int, place: Place) -> tuple[float, float, HoleKind, Sizes, bool]:
+    """x, y, kind, sizes, and whether the row has the letter of a slot.
+
+    Raises RowError if no rule explains the row.
     """
     log = place.log
     tokens = place.take(tokenise(row), line)
@@ -185,16 +185,25 @@ def _hole(row: str, line: int, place: Place) -> Hole | Slot | None:
         sizes = [*sizes, 0.0][:2] + numbers(tail, line, log)
     if not 1 <= len(sizes) <= 5:
         raise RowError(row)
-    diameter, depth, width, height, angle = (*sizes, 0.0, 0.0, 0.0, 0.0)[:5]
+    diameter, depth, width, height, angle, *_ = (*sizes, 0.0, 0.0, 0.0, 0.0)
+    return x, y, kind, (diameter, depth, width, height, angle), slotted
+
+
+def _drilled(
+    place: Place, line: int, x: float, y: float, kind: HoleKind, sizes: Sizes, slotted: bool
+) -> Hole | Slot | None:
+    """The hole or slot that the values of a row mean; None, with an error, if it cannot be."""
+    diameter, depth, width, height, angle = sizes
+    log = place.log
     if diameter < 0 or depth < 0:
         log.add(rules.HOLE_DIAMETER, line, diameter=diameter, depth=depth)
         return None
-    if kind == "through":
-        kind = "mark" if diameter == 0 and not (width or height) else "blind" if depth else kind
     source = Source(log.file, line)
     if width or height:
         if not slotted:
             log.add(rules.SLOT_LETTER, line, width=width, height=height)
+        if kind == "through" and depth:
+            kind = "blind"
         cx, cy = slot_centre(x, y, width, height, angle)
         return Slot(
             place.face,
@@ -209,11 +218,17 @@ def _hole(row: str, line: int, place: Place) -> Hole | Slot | None:
             kind,
             place.edge,
         )
+    if kind == "through":
+        # DSTV NC, page 10: depth 0 means through; a diameter of 0 can only be a mark.
+        kind = "mark" if diameter == 0 else "blind" if depth else kind
     if slotted:
         log.add(rules.SLOT_ROUND, line)
-    cone = angle if kind == "countersink" and angle else None
-    if angle and cone is None:
-        log.add(rules.HOLE_ANGLE, line, angle=angle)
+    cone = None
+    if angle:
+        if kind == "countersink":
+            cone = angle
+        else:
+            log.add(rules.HOLE_ANGLE, line, angle=angle)
     return Hole(place.face, x, y, diameter, source, depth or None, kind, cone, place.edge)
 
 
@@ -237,7 +252,7 @@ def read_texts(block: Block, place: Place) -> list[TextMark]:
         try:
             mark = _text_mark(row, line, place)
         except RowError:
-            if not any(d.severity is rules.TEXT_FIELDS.severity for d in log.diagnostics[before:]):
+            if not _said_error(log, before):
                 log.add(rules.TEXT_FIELDS, line, found=row)
             continue
         if mark is not None:
@@ -307,7 +322,7 @@ def read_cambers(block: Block, place: Place) -> list[Camber]:
                 raise RowError(row)
             x, y = numbers(tokens, line, log)
         except RowError:
-            if not any(d.severity is rules.FACE.severity for d in log.diagnostics[before:]):
+            if not _said_error(log, before):
                 log.add(rules.CAMBER_FIELDS, line, found=row)
             continue
         features.append(Camber(place.face, x, y, Source(log.file, line)))

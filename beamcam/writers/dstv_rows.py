@@ -1,0 +1,287 @@
+"""Features as rows of a DSTV file."""
+
+from itertools import pairwise
+from math import acos, ceil, hypot, pi, radians
+
+from beamcam.errors import BeamcamError
+from beamcam.geometry.curves import (
+    Arc,
+    Bezier,
+    Curve,
+    EllipseArc,
+    Line,
+    Point,
+    bezier_pieces,
+    signed_area,
+    unit_vector,
+)
+from beamcam.model.part import (
+    MIRRORED_FACES,
+    Bend,
+    Bevel,
+    Camber,
+    Contour,
+    EndPlane,
+    Hole,
+    Notch,
+    Plane,
+    SectionPoint,
+    Slot,
+    TextMark,
+)
+from beamcam.writers import dstv_rules as rules
+
+DECIMALS = 6  #: as many as are needed and no more than these; at least 2
+_WIDTH = 11  #: of a number's column
+
+_KIND_LETTERS = {"thread": "g", "left-thread": "l", "mark": "m", "countersink": "s"}
+
+
+def format_number(value: float, least: int = 2) -> str:
+    """`value` with `least` decimals or as many as it needs, without exponent or -0.00."""
+    text = f"{value:.{DECIMALS}f}"
+    whole, _, decimals = text.partition(".")
+    decimals = decimals.rstrip("0").ljust(least, "0")
+    if whole == "-0" and not decimals.strip("0"):
+        whole = "0"
+    return f"{whole}.{decimals}"
+
+
+def _column(text: str) -> str:
+    return " " + text.rjust(_WIDTH - 1)
+
+
+def _numbers(*values: float) -> str:
+    return "".join(_column(format_number(value)) for value in values)
+
+
+def _place(face: str, x: float, edge: str, y: str) -> str:
+    """Face, x with its reference letter, and y with what stands behind it."""
+    letter = face if len(face) == 1 else " "
+    return f"  {letter}{_column(format_number(x))}{edge or ' '}{_column(y)}"
+
+
+def hole_row(hole: Hole) -> str:
+    """The row of a hole in BO."""
+    # "  v      100.00u     100.00      s18.00       8.00       0.00       0.00      90.00"
+    size = _KIND_LETTERS.get(hole.kind, "") + format_number(hole.diameter)
+    row = _place(hole.face, hole.x, hole.edge, format_number(hole.y)) + _column(size)
+    row += _numbers(hole.depth or 0.0)
+    return row + _numbers(0.0, 0.0, hole.angle) if hole.angle else row
+
+
+def slot_row(slot: Slot) -> str:
+    """The row of a slot in BO, which begins at the centre of its first corner circle."""
+    # "  v      115.58s      46.80      31.78      0.00l       0.00       6.40       0.00"
+    cos_w, sin_w = unit_vector(slot.angle)
+    x = slot.x - (slot.length * cos_w - slot.height * sin_w) / 2
+    y = slot.y - (slot.length * sin_w + slot.height * cos_w) / 2
+    size = _KIND_LETTERS.get(slot.kind, "") + format_number(slot.diameter)
+    row = _place(slot.face, x, slot.edge, format_number(y)) + _column(size)
+    row += _column(format_number(slot.depth or 0.0) + "l")
+    return row + _numbers(slot.length, slot.height, slot.angle)
+
+
+def text_row(mark: TextMark) -> str:
+    """The row of a text in SI."""
+    # "  v       30.00u     134.44       0.00  25r pt56"
+    height = format_number(mark.height, 0).rstrip(".")
+    place = _place(mark.face, mark.x, mark.edge, format_number(mark.y))
+    return f"{place}{_numbers(mark.angle)} {height}{mark.option} {mark.text}"
+
+
+def bend_row(bend: Bend) -> str:
+    """The row of a bend in KA."""
+    row = " " + _numbers(*bend.start, *bend.end, bend.angle)
+    return row if bend.radius is None else row + _numbers(bend.radius)
+
+
+def end_plane_row(plane: EndPlane) -> str:
+    """The row of a cutting plane in SC."""
+    return " " + _numbers(*plane.point, *plane.normal)
+
+
+def camber_row(camber: Camber) -> str:
+    """The row of a point of the camber line in UE."""
+    return _place(camber.face, camber.x, "", format_number(camber.y))
+
+
+def plane_rows(plane: Plane) -> list[str]:
+    """The three rows of a plane in En."""
+    return [" " + _numbers(*point) for point in (plane.origin, plane.along_x, plane.along_y)]
+
+
+def section_row(point: SectionPoint) -> str:
+    """The row of a cross-section's corner in PR."""
+    return f"  {point.side}{_numbers(point.y, point.z, point.radius)}"
+
+
+def contour_rows(contour: Contour, tolerance: float | None) -> list[str]:
+    """The rows of a contour in its direction by the standard.
+
+    Raises BeamcamError for a curve that DSTV does not have, unless there is a `tolerance` (mm)
+    that its polyline may be away from it.
+    """
+    contour = _by_the_book(_in_dstv_curves(contour, tolerance))
+    sign = -1.0 if contour.face in MIRRORED_FACES else 1.0
+    bevels: dict[int, list[Bevel]] = {}
+    for bevel in contour.bevels:
+        bevels.setdefault(bevel.curve, []).append(bevel)
+    rows: list[str] = []
+
+    def add(point: Point, radius: float, letter: str = "", pairs: tuple[float, ...] = ()) -> None:
+        first = not rows
+        face, edge = (contour.face, contour.edge) if first else (" ", "")
+        place = _place(face, point[0], edge, format_number(point[1]))
+        rows.append(place + (letter or " ") + _numbers(radius, *pairs))
+
+    for i, curve in enumerate(contour.curves):
+        here = bevels.get(i, [])
+        if len(here) > 2:
+            raise BeamcamError(rules.WRITE_BEVELS.at(contour.source, count=len(here)))
+        pairs = tuple(value for bevel in here for value in (bevel.angle, bevel.land))
+        add(curve.start, sign * _radius(curve), pairs=pairs)
+        for notch in contour.notches:
+            if notch.curve == i:
+                add(notch.corner, sign * notch.radius, notch.kind)
+    start, end = contour.curves[0].start, contour.curves[-1].end
+    if contour.closed and hypot(start[0] - end[0], start[1] - end[1]) < 0.01:
+        end = start
+    add(end, 0.0)
+    if contour.closed and end != start:
+        add(start, 0.0)
+    return rows
+
+
+def _radius(curve: Curve) -> float:
+    """The radius of an arc, negative if it runs clockwise in the numbers; 0 of a line."""
+    if isinstance(curve, Arc):
+        return curve.radius if curve.sweep_deg > 0 else -curve.radius
+    return 0.0
+
+
+def _by_the_book(contour: Contour) -> Contour:
+    """`contour` running counter-clockwise seen from outside if it is an outer one, else clockwise.
+
+    On o and h a reader tells from the direction whether the numbers are mirrored.
+    """
+    if not contour.closed or contour.kind == "open":
+        return contour
+    positive = (contour.kind == "outer") != (contour.face in MIRRORED_FACES)
+    area = signed_area(contour.curves)
+    if area == 0.0 or (area > 0) == positive:
+        return contour
+    last = len(contour.curves) - 1
+    bevels = [Bevel(last - b.curve, b.angle, b.land) for b in contour.bevels]
+    notches = [
+        Notch(last - n.curve, n.kind, n.corner, -n.radius) for n in reversed(contour.notches)
+    ]
+    return Contour(
+        contour.face,
+        contour.kind,
+        tuple(curve.reversed() for curve in reversed(contour.curves)),
+        contour.source,
+        contour.process,
+        contour.closed,
+        tuple(sorted(bevels, key=lambda bevel: bevel.curve)),
+        tuple(notches),
+        contour.edge,
+    )
+
+
+def _in_dstv_curves(contour: Contour, tolerance: float | None) -> Contour:
+    """`contour` in lines and arcs of at most 180 degrees; bevels go with each piece."""
+    pieces: list[Curve] = []
+    first_of: list[int] = []
+    count_of: list[int] = []
+    for curve in contour.curves:
+        found = _pieces(curve, contour, tolerance)
+        first_of.append(len(pieces))
+        count_of.append(len(found))
+        pieces += found
+    if len(pieces) == len(contour.curves):
+        return contour if tuple(pieces) == contour.curves else _with(contour, pieces)
+    bevels = [
+        Bevel(first_of[b.curve] + k, b.angle, b.land)
+        for b in contour.bevels
+        for k in range(count_of[b.curve])
+    ]
+    notches = [Notch(first_of[n.curve], n.kind, n.corner, n.radius) for n in contour.notches]
+    return _with(contour, pieces, tuple(bevels), tuple(notches))
+
+
+def _with(
+    contour: Contour,
+    pieces: list[Curve],
+    bevels: tuple[Bevel, ...] | None = None,
+    notches: tuple[Notch, ...] | None = None,
+) -> Contour:
+    return Contour(
+        contour.face,
+        contour.kind,
+        tuple(pieces),
+        contour.source,
+        contour.process,
+        contour.closed,
+        contour.bevels if bevels is None else bevels,
+        contour.notches if notches is None else notches,
+        contour.edge,
+    )
+
+
+def _pieces(curve: Curve, contour: Contour, tolerance: float | None) -> list[Curve]:
+    """A curve as curves that DSTV has."""
+    match curve:
+        case Line():
+            return [curve]
+        case Arc():
+            count = ceil(abs(curve.sweep_deg) / 180.0 - 1e-12)
+            if count <= 1:
+                return [curve]
+            step = curve.sweep_deg / count
+            return [
+                Arc(curve.centre, curve.radius, curve.start_deg + k * step, step)
+                for k in range(count)
+            ]
+    if tolerance is None or tolerance <= 0:
+        kind = type(curve).__name__
+        raise BeamcamError(rules.WRITE_CURVE.at(contour.source, kind=kind))
+    if isinstance(curve, EllipseArc):
+        points = _ellipse_points(curve, tolerance)
+    else:
+        points = [curve.start]
+        for piece in bezier_pieces(curve):
+            points += _bezier_points(piece, tolerance)
+    return [Line(a, b) for a, b in pairwise(points) if a != b]
+
+
+def _ellipse_points(curve: EllipseArc, tolerance: float) -> list[Point]:
+    """Points whose chords stay within `tolerance` of an ellipse.
+
+    The ellipse is a circle of its major axis pressed flat, so its chords are no further away
+    than the circle's: step = 2 acos(1 - tolerance / major).
+    """
+    step = 2 * acos(max(0.0, 1 - tolerance / curve.major)) if tolerance < curve.major else pi / 2
+    count = max(2, ceil(abs(radians(curve.sweep_deg)) / min(step, pi / 2)))
+    return [curve.point(k / count) for k in range(count + 1)]
+
+
+def _bezier_points(curve: Bezier, tolerance: float, depth: int = 24) -> list[Point]:
+    """Points behind the start of a Bezier curve whose chords stay within `tolerance` of it.
+
+    A curve lies in the hull of its control points, so it is flat when they are; else it is
+    halved. `depth` bounds the halving of what has no direction.
+    """
+    (x0, y0), (x1, y1) = curve.start, curve.end
+    dx, dy = x1 - x0, y1 - y0
+    square = dx * dx + dy * dy
+    flat = True
+    for x, y in curve.points[1:-1]:
+        t = 0.0 if square == 0 else min(1.0, max(0.0, ((x - x0) * dx + (y - y0) * dy) / square))
+        flat = flat and hypot(x - x0 - t * dx, y - y0 - t * dy) <= tolerance
+    if flat or depth == 0:
+        return [curve.end]
+    first, second = curve.split(0.5)
+    return _bezier_points(first, tolerance, depth - 1) + _bezier_points(
+        second, tolerance, depth - 1
+    )
