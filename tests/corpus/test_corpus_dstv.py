@@ -3,6 +3,7 @@
 import json
 import os
 from collections import Counter
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -38,7 +39,7 @@ def part_of(name: str) -> Part:
 def summary(contour: Contour) -> list[Any]:
     """A contour as the truth tells it, without the sign of its area."""
     corners = [curve.start for curve in contour.curves] + [contour.curves[-1].end]
-    area = sum(x0 * y1 - x1 * y0 for (x0, y0), (x1, y1) in zip(corners, corners[1:], strict=False))
+    area = sum(x0 * y1 - x1 * y0 for (x0, y0), (x1, y1) in pairwise(corners))
     code = CODES.get((contour.kind, contour.process), "PU")
     return [
         "KO" if contour.process == "punch" else code,

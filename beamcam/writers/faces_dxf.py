@@ -1,0 +1,258 @@
+"""The writer of a part as a DXF drawing: each face on layers of its own, one above the other.
+
+    BEHIND   h   |  views are stacked along y with a gap between them, named at their left
+    TOP      o   |
+    FRONT    v   |  lengths run to the right on all of them
+    BOTTOM   u   |
+
+Geometry is written as it stands in the faces' numbers: o and h are seen as DSTV draws them. For
+looking at and for measuring; ezdxf is imported when it is needed.
+"""
+
+from __future__ import annotations
+
+import io
+from math import hypot, radians
+from typing import TYPE_CHECKING, Any
+
+from beamcam.geometry.curves import (
+    Arc,
+    Bezier,
+    Box,
+    BSpline,
+    Curve,
+    EllipseArc,
+    Line,
+    NewtonCurve,
+    bezier_pieces,
+    join_boxes,
+    unit_vector,
+)
+from beamcam.model.part import Bend, Camber, Contour, Face, Feature, Hole, Part, Slot, TextMark
+
+if TYPE_CHECKING:
+    from ezdxf.layouts.layout import Modelspace
+
+FACE_NAMES = {"h": "BEHIND", "o": "TOP", "v": "FRONT", "u": "BOTTOM"}
+GAP = 50.0  #: between the views
+_COLOURS = {"": 7, "HOLES": 1, "MARKS": 3, "TEXT": 5, "LABEL": 8}  #: AutoCAD colour index
+_MARK_ARM = 5.0  #: half of the cross that shows a punch mark
+_LABEL_HEIGHT = 20.0
+
+
+def write(part: Part) -> str:
+    """The faces of `part` as DXF text (R2010, mm): layers FACE_v, FACE_v_HOLES and the like.
+
+    A face is drawn when a feature lies on it; v always is, by its outline or as the rectangle of
+    the raw stock. Bends and points of the camber lie on v. Cutting planes have no face, so they
+    are named in the label only.
+    """
+    import ezdxf
+    from ezdxf import units
+    from ezdxf.filemanagement import new
+
+    document = new("R2010")
+    document.units = units.MM
+    space = document.modelspace()
+    shift = 0.0
+    for face in _drawn_faces(part):
+        features = [f for f in part.features if _face_of(f) == face]
+        layers = [f"FACE_{_layer_name(face)}" + suffix for suffix in ("", *_suffixes())]
+        for layer, colour in zip(layers, _COLOURS.values(), strict=True):
+            document.layers.add(layer, color=colour)
+        box = _box(part, face, features)
+        sheet = _View(space, layers[0], shift - box[1])
+        _draw_stock(part, face, features, sheet)
+        for feature in features:
+            _draw(feature, sheet)
+        sheet.label(_label(part, face), box)
+        shift += box[3] - box[1] + GAP
+    stream = io.StringIO()
+    # ezdxf stamps the time and random identities, which would differ from run to run
+    stamps = ezdxf.options.write_fixed_meta_data_for_testing
+    ezdxf.options.write_fixed_meta_data_for_testing = True
+    try:
+        document.write(stream)
+    finally:
+        ezdxf.options.write_fixed_meta_data_for_testing = stamps
+    return stream.getvalue()
+
+
+def _suffixes() -> list[str]:
+    return ["_" + name for name in _COLOURS if name]
+
+
+def _layer_name(face: Face) -> str:
+    return face.replace("#", "-")
+
+
+def _face_of(feature: Feature) -> Face | None:
+    """The face that a feature is drawn on; None of a cutting plane."""
+    if isinstance(feature, Bend):
+        return "v"
+    return getattr(feature, "face", None)
+
+
+def _drawn_faces(part: Part) -> list[Face]:
+    """Faces from the lowest view to the highest, planes above them."""
+    used = {_face_of(feature) for feature in part.features} | {"v"}
+    planes = [plane.name for plane in part.planes if plane.name in used]
+    return [face for face in ("u", "v", "o", "h") if face in used] + planes
+
+
+def _label(part: Part, face: Face) -> str:
+    cuts = sum(1 for f in part.features if _face_of(f) is None)
+    text = f"{face} {FACE_NAMES.get(face, 'PLANE')}  {part.mark}  {part.profile.name}"
+    return text + (f"  {cuts} cutting planes not drawn" if cuts and face == "v" else "")
+
+
+def _box(part: Part, face: Face, features: list[Feature]) -> Box:
+    """The box around a view."""
+    width = part.profile.face_width(face) if face in FACE_NAMES else 0.0
+    boxes: list[Box] = [(0.0, 0.0, part.length, width)] if width else []
+    for feature in features:
+        match feature:
+            case Contour():
+                boxes += [curve.bbox for curve in feature.curves]
+            case Hole() | Slot() | TextMark() | Camber():
+                boxes.append((feature.x, feature.y, feature.x, feature.y))
+            case Bend():
+                boxes += [(*feature.start, *feature.start), (*feature.end, *feature.end)]
+    return join_boxes(boxes) or (0.0, 0.0, part.length, 0.0)
+
+
+class _View:
+    """Draws on the layers of one face, shifted up by `shift`."""
+
+    def __init__(self, space: Modelspace, layer: str, shift: float) -> None:
+        self.space = space
+        self.layer = layer
+        self.shift = shift
+
+    def at(self, point: tuple[float, float]) -> tuple[float, float]:
+        return point[0], point[1] + self.shift
+
+    def on(self, suffix: str) -> dict[str, Any]:
+        return {"layer": self.layer + suffix}
+
+    def label(self, text: str, box: Box) -> None:
+        place = self.at((box[0], box[3] + GAP / 4 - _LABEL_HEIGHT / 4))
+        height = min(_LABEL_HEIGHT, GAP / 2)
+        self.space.add_text(text, height=height / 2, dxfattribs=self.on("_LABEL")).set_placement(
+            place
+        )
+
+    def line(self, a: tuple[float, float], b: tuple[float, float], suffix: str = "") -> None:
+        self.space.add_line(self.at(a), self.at(b), dxfattribs=self.on(suffix))
+
+    def cross(self, x: float, y: float) -> None:
+        self.line((x - _MARK_ARM, y), (x + _MARK_ARM, y), "_MARKS")
+        self.line((x, y - _MARK_ARM), (x, y + _MARK_ARM), "_MARKS")
+
+
+def _draw_stock(part: Part, face: Face, features: list[Feature], sheet: _View) -> None:
+    """The raw rectangle of a face that has no outer contour."""
+    if any(isinstance(f, Contour) and f.kind == "outer" for f in features):
+        return
+    width = part.profile.face_width(face) if face in FACE_NAMES else 0.0
+    if width:
+        corners = [(0.0, 0.0), (part.length, 0.0), (part.length, width), (0.0, width)]
+        for a, b in zip(corners, corners[1:] + corners[:1], strict=True):
+            sheet.line(a, b)
+
+
+def _draw(feature: Feature, sheet: _View) -> None:
+    match feature:
+        case Hole() if feature.kind == "mark" or feature.diameter == 0:
+            sheet.cross(feature.x, feature.y)
+        case Hole():
+            centre = sheet.at((feature.x, feature.y))
+            sheet.space.add_circle(centre, feature.diameter / 2, dxfattribs=sheet.on("_HOLES"))
+        case Slot():
+            _draw_slot(feature, sheet)
+        case Contour():
+            suffix = "" if feature.process == "cut" else "_MARKS"
+            for curve in feature.curves:
+                _draw_curve(curve, sheet, suffix)
+        case TextMark():
+            entity = sheet.space.add_text(
+                feature.text,
+                height=feature.height or 1.0,
+                rotation=feature.angle,
+                dxfattribs=sheet.on("_TEXT"),
+            )
+            entity.set_placement(sheet.at((feature.x, feature.y)))
+        case Bend():
+            sheet.line(feature.start, feature.end, "_MARKS")
+        case Camber():
+            sheet.cross(feature.x, feature.y)
+
+
+def _draw_slot(slot: Slot, sheet: _View) -> None:
+    """Straight sides and corner arcs; of no straight side where length or height is 0."""
+    radius = slot.diameter / 2
+    half = slot.length / 2, slot.height / 2
+    (c, s) = unit_vector(slot.angle)
+
+    def place(x: float, y: float) -> tuple[float, float]:
+        return slot.x + x * c - y * s, slot.y + x * s + y * c
+
+    corners = ((1, 1), (-1, 1), (-1, -1), (1, -1))
+    for k, (i, j) in enumerate(corners):
+        x, y = i * half[0], j * half[1]
+        turn = slot.angle + 90.0 * k
+        if radius:
+            _draw_curve(Arc(place(x, y), radius, turn, 90.0), sheet, "_HOLES")
+        # the side from the end of this corner to the start of the next one
+        i_next, j_next = corners[(k + 1) % 4]
+        out_x, out_y = ((0, radius), (-radius, 0), (0, -radius), (radius, 0))[k]
+        a = place(x + out_x, y + out_y)
+        b = place(i_next * half[0] + out_x, j_next * half[1] + out_y)
+        if hypot(a[0] - b[0], a[1] - b[1]) > 1e-9:
+            sheet.line(a, b, "_HOLES")
+
+
+def _draw_curve(curve: Curve, sheet: _View, suffix: str) -> None:
+    """A curve as the entity that is exactly it; a Newton polynomial as its Bezier curve."""
+    attributes = sheet.on(suffix)
+    match curve:
+        case Line():
+            sheet.line(curve.start, curve.end, suffix)
+        case Arc() if abs(curve.sweep_deg) >= 360.0:
+            sheet.space.add_circle(sheet.at(curve.centre), curve.radius, dxfattribs=attributes)
+        case Arc():
+            start, end = sorted((curve.start_deg, curve.start_deg + curve.sweep_deg))
+            centre = sheet.at(curve.centre)
+            sheet.space.add_arc(centre, curve.radius, start, end, dxfattribs=attributes)
+        case EllipseArc():
+            _draw_ellipse(curve, sheet, attributes)
+        case BSpline():
+            _draw_spline(curve, sheet, attributes)
+        case Bezier() | NewtonCurve():
+            for piece in bezier_pieces(curve):
+                degree = piece.degree
+                knots = (0.0,) * (degree + 1) + (1.0,) * (degree + 1)
+                spline = BSpline(degree, piece.points, knots, piece.weights)
+                _draw_spline(spline, sheet, attributes)
+
+
+def _draw_ellipse(curve: EllipseArc, sheet: _View, attributes: dict[str, Any]) -> None:
+    start, end = sorted((curve.start_deg, curve.start_deg + curve.sweep_deg))
+    sheet.space.add_ellipse(
+        sheet.at(curve.centre),
+        curve.axis,
+        curve.ratio,
+        radians(start),
+        radians(end),
+        dxfattribs=attributes,
+    )
+
+
+def _draw_spline(curve: BSpline, sheet: _View, attributes: dict[str, Any]) -> None:
+    control = [sheet.at(point) for point in curve.control]
+    spline = sheet.space.add_spline(dxfattribs=attributes)
+    spline.dxf.degree = curve.degree
+    spline.control_points = [(x, y, 0.0) for x, y in control]
+    spline.knots = list(curve.knots)
+    if curve.weights is not None:
+        spline.weights = list(curve.weights)
