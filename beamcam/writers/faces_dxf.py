@@ -47,7 +47,18 @@ def write(part: Part) -> str:
     the raw stock. Bends and points of the camber lie on v. Cutting planes have no face, so they
     are named in the label only.
     """
-    import ezdxf
+    from ezdxf._options import options
+
+    # ezdxf stamps the time and random identities, which would differ from run to run
+    stamps = options.write_fixed_meta_data_for_testing
+    options.write_fixed_meta_data_for_testing = True
+    try:
+        return _drawing(part)
+    finally:
+        options.write_fixed_meta_data_for_testing = stamps
+
+
+def _drawing(part: Part) -> str:
     from ezdxf import units
     from ezdxf.filemanagement import new
 
@@ -68,13 +79,7 @@ def write(part: Part) -> str:
         sheet.label(_label(part, face), box)
         shift += box[3] - box[1] + GAP
     stream = io.StringIO()
-    # ezdxf stamps the time and random identities, which would differ from run to run
-    stamps = ezdxf.options.write_fixed_meta_data_for_testing
-    ezdxf.options.write_fixed_meta_data_for_testing = True
-    try:
-        document.write(stream)
-    finally:
-        ezdxf.options.write_fixed_meta_data_for_testing = stamps
+    document.write(stream)
     return stream.getvalue()
 
 
