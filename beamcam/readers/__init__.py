@@ -35,6 +35,7 @@ class Format:
 
 FORMATS = (
     Format("dstv", (".nc", ".nc1"), "beamcam.readers.dstv"),
+    Format("dxf", (".dxf",), "beamcam.readers.dxf"),
     Format("part-json", (".json",), "beamcam.readers.part_json"),
 )
 

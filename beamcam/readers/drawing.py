@@ -1,0 +1,139 @@
+"""What the readers of drawings share: units of length, contours, and the part that holds them."""
+
+import re
+from collections.abc import Iterable
+from itertools import pairwise
+from math import hypot
+from pathlib import PurePath
+
+from beamcam.errors import Rule, Severity, Source
+from beamcam.geometry.conics import direction_deg
+from beamcam.geometry.curves import Arc, Curve, EllipseArc, Line
+from beamcam.model.drawing import Measures, extent
+from beamcam.model.part import Contour, Part, Profile
+
+#: Millimetres in a unit, by the words of `--units` and `--width`.
+MM_PER_UNIT = {
+    "um": 0.001,
+    "mil": 0.0254,
+    "q": 0.25,
+    "mm": 1.0,
+    "cm": 10.0,
+    "dm": 100.0,
+    "in": 25.4,
+    "ft": 304.8,
+    "yd": 914.4,
+    "m": 1000.0,
+    "pt": 25.4 / 72,
+    "pc": 25.4 / 6,
+    "px72": 25.4 / 72,
+    "px90": 25.4 / 90,
+    "px96": 25.4 / 96,
+}
+
+#: Ends of a chain that are nearer than this are one point; files carry 1e-6 mm and coarser.
+ONE_POINT = 1e-9
+
+#: A sheet larger than this leaves every machine: a sign that the unit is not what it says.
+LARGEST_SIZE = 50_000.0
+
+UNITS_OPTION = Rule(
+    "drawing-units-option",
+    Severity.ERROR,
+    "found unit {found!r}, expected one of {expected}",
+    "The option --units names the unit of the drawing's numbers.",
+)
+WIDTH_OPTION = Rule(
+    "drawing-width-option",
+    Severity.ERROR,
+    "found width {found!r}, expected a length above 0 such as 600mm or 24in",
+    "The option --width gives the width of the page, where the file does not say it.",
+)
+LAYER_OPTION = Rule(
+    "drawing-layer-option",
+    Severity.ERROR,
+    "found no layer {found!r}; the drawing has {expected}",
+    "The option --layers names the layers to read; a misspelt name would lose a part of them.",
+)
+NO_CURVES = Rule(
+    "drawing-empty",
+    Severity.ERROR,
+    "found no curve that a tool could follow ({found}), expected at least one",
+    "Everything is text, hidden, or on a sheet of paper space, or the export went wrong.",
+)
+TOO_LARGE = Rule(
+    "drawing-large",
+    Severity.WARNING,
+    "found a drawing of {width:.0f} x {height:.0f} mm in the unit {unit}; check the unit, "
+    "--units overrides it",
+    "Programs write metres as their default unit into drawings that are meant in mm.",
+)
+
+RULES = (UNITS_OPTION, WIDTH_OPTION, LAYER_OPTION, NO_CURVES, TOO_LARGE)
+
+_LENGTH = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*([a-zA-Z%]*\d*)\s*\Z")
+
+
+def split_length(text: str) -> tuple[float, str]:
+    """Number and unit of "24in", "100 %", "3": the unit in lower case, "" if there is none.
+
+    Raises ValueError if it is no such text.
+    """
+    found = _LENGTH.match(text)
+    if found is None:
+        raise ValueError(f"found {text!r}, expected a number and a unit")
+    return float(found[1]), found[2].lower()
+
+
+def joined(curves: Iterable[Curve]) -> bool:
+    """Whether the end of a chain is its start."""
+    chain = tuple(curves)
+    return bool(chain) and _apart(chain[-1].end, chain[0].start) <= ONE_POINT
+
+
+def _apart(a: tuple[float, float], b: tuple[float, float]) -> float:
+    return hypot(a[0] - b[0], a[1] - b[1])
+
+
+def lines_through(points: Iterable[tuple[float, float]]) -> tuple[Line, ...]:
+    """Lines from point to point, without those of no length."""
+    return tuple(Line(a, b) for a, b in pairwise(points) if a != b)
+
+
+def round_if_circle(curve: EllipseArc) -> Arc | EllipseArc:
+    """The arc that an ellipse of equal axes is, else the ellipse."""
+    if curve.ratio < 1.0 - 1e-12:
+        return curve
+    return Arc(
+        curve.centre, curve.major, direction_deg(curve.axis) + curve.start_deg, curve.sweep_deg
+    )
+
+
+def as_contour(
+    curves: tuple[Curve, ...], source: Source, layer: str | None, colour: str | None
+) -> Contour:
+    """A chain as it was drawn; one that ends where it starts is closed."""
+    closed = joined(curves)
+    return Contour(
+        face="v",
+        kind="outer" if closed else "open",
+        curves=curves,
+        source=source,
+        closed=closed,
+        layer=layer,
+        colour=colour,
+    )
+
+
+def drawing_part(name: str, contours: tuple[Contour, ...], measures: Measures) -> Part:
+    """A sheet of unknown thickness, as large as its contours, marked as the file is called."""
+    box = extent(curve for contour in contours for curve in contour.curves)
+    x0, y0, x1, y1 = box or (0.0, 0.0, 0.0, 0.0)
+    profile = Profile("B", "", y1 - y0, 0.0, 0.0, None)
+    mark = PurePath(name).stem
+    return Part(mark, profile, x1 - x0, Source(name), features=contours, measures=measures)
+
+
+def counted(counts: Iterable[tuple[str, int]]) -> str:
+    """ "3 TEXT, 1 HATCH"; "nothing else" if there is nothing."""
+    return ", ".join(f"{count} {name}" for name, count in counts) or "nothing else"

@@ -1,0 +1,103 @@
+"""Bytes to an ezdxf document: text or binary, sound or in need of repair."""
+
+import io
+import re
+from dataclasses import dataclass
+from typing import Any
+
+from beamcam.errors import Diagnostic, ReadError, Source
+from beamcam.readers.dxf import rules
+
+#: What ezdxf calls a document; it publishes no types that mypy can follow.
+Document = Any
+
+BINARY_MARK = b"AutoCAD Binary DXF\r\n\x1a\x00"
+_DWG = re.compile(rb"AC1\.\d|AC10\d\d")
+_START = re.compile(rb"(?:\s*999[^\r\n]*[\r\n]+[^\r\n]*[\r\n]+)*\s*0\s*[\r\n]+\s*SECTION\b")
+
+
+@dataclass(frozen=True, slots=True)
+class Loaded:
+    """A document and what is to be said about how it was read."""
+
+    document: Document
+    remarks: tuple[Diagnostic, ...] = ()
+
+
+def looks_like(data: bytes) -> bool:
+    """Whether the bytes begin as a DXF file, text or binary, or as a DWG file (to refuse it)."""
+    head = data[:4096].removeprefix(b"\xef\xbb\xbf")
+    return head.startswith(BINARY_MARK) or bool(_START.match(head) or _DWG.match(head))
+
+
+def is_binary(data: bytes) -> bool:
+    return data.startswith(BINARY_MARK)
+
+
+def load(data: bytes, source: Source) -> Loaded:
+    """The document in `data`. Raises ReadError where there is none, or only the start of one."""
+    if _DWG.match(data):
+        raise ReadError(rules.DWG.at(source, found=data[:6].decode("ascii")))
+    remarks = _check_end(data, source)
+    try:
+        document = _load_binary(data) if is_binary(data) else _load_text(data)
+    # ezdxf lets errors of every kind pass through for damaged files (ValueError, KeyError,
+    # AttributeError of half-read entities): whatever it is, the file is not sound.
+    except Exception as error:
+        if is_binary(data):
+            raise ReadError(rules.STRUCTURE.at(source, found=_said(error))) from error
+        document, repair = _recover(data, source, error)
+        remarks += (repair,)
+    return Loaded(document, remarks)
+
+
+def _check_end(data: bytes, source: Source) -> tuple[Diagnostic, ...]:
+    """A warning where EOF is missing behind a whole section. Raises ReadError for less."""
+    if is_binary(data):
+        if data.rstrip(b"\x00\x1a\r\n").endswith(b"EOF"):
+            return ()
+        raise ReadError(rules.TRUNCATED.at(source, found="binary data"))
+    if re.search(rb"[\r\n][ \t]*0[ \t]*(?:\r\n|\r|\n)[ \t]*EOF[ \t]*(?:[\r\n\x1a\x00]|\Z)", data):
+        return ()
+    last = data.rstrip().splitlines()[-1:] or [b""]
+    if last[0].strip() == b"ENDSEC":
+        return (rules.NO_EOF.at(source),)
+    raise ReadError(rules.TRUNCATED.at(source, found=last[0].decode("latin-1").strip()))
+
+
+def _load_text(data: bytes) -> Document:
+    from ezdxf.filemanagement import dxf_stream_info, read
+
+    data = data.removeprefix(b"\xef\xbb\xbf")
+    info = dxf_stream_info(_text(data, "utf-8", "ignore"))
+    return read(_text(data, info.encoding, "surrogateescape"))
+
+
+def _text(data: bytes, encoding: str, errors: str) -> io.TextIOWrapper:
+    return io.TextIOWrapper(io.BytesIO(data), encoding=encoding, errors=errors)
+
+
+def _load_binary(data: bytes) -> Document:
+    from ezdxf.document import Drawing
+    from ezdxf.lldxf.tagger import binary_tags_loader
+
+    return Drawing.load(binary_tags_loader(data))
+
+
+def _recover(data: bytes, source: Source, first: Exception) -> tuple[Document, Diagnostic]:
+    """The document as far as it can be repaired. Raises ReadError if it cannot."""
+    from ezdxf import recover
+
+    try:
+        document, auditor = recover.read(io.BytesIO(data))
+    except Exception as error:  # as above: any kind of error means that repair failed
+        raise ReadError(rules.STRUCTURE.at(source, found=_said(error))) from error
+    count = len(auditor.errors) + len(auditor.fixes)
+    return document, rules.RECOVERED.at(source, count=count, found=_said(first))
+
+
+def _said(error: Exception) -> str:
+    """One line that says what ezdxf stumbled over; ids of unread entities are left out, since
+    they are addresses in memory and differ from run to run."""
+    text = re.sub(r"\(#\d{9,}\)", "", " ".join(str(error).split()))
+    return text[:160] or type(error).__name__

@@ -1,0 +1,112 @@
+"""Reading a DXF file: bytes to a document, its entities to exact curves, those to one part."""
+
+from collections import Counter
+from collections.abc import Sequence
+from difflib import get_close_matches
+
+from beamcam.errors import Diagnostic, ReadError, Source
+from beamcam.model.drawing import Measures
+from beamcam.model.part import Part
+from beamcam.readers.drawing import (
+    LARGEST_SIZE,
+    LAYER_OPTION,
+    NO_CURVES,
+    TOO_LARGE,
+    counted,
+    drawing_part,
+)
+from beamcam.readers.dxf import rules
+from beamcam.readers.dxf.frame import scaled
+from beamcam.readers.dxf.layers import Layers, Look
+from beamcam.readers.dxf.load import load, looks_like
+from beamcam.readers.dxf.units import Unit, contradictions, find_unit
+from beamcam.readers.dxf.walk import Collected, Walk
+from beamcam.readers.reading import Reading
+
+__all__ = ["looks_like", "read"]
+
+#: Heights that differ by less are noise of the writer: files carry 1e-9 to 1e-7.
+FLAT = 1e-3
+
+
+def read(data: bytes, name: str, units: str | None = None, layers: Sequence[str] = ()) -> Reading:
+    """The part that a DXF file draws in model space, and what is to be said; never raises.
+
+    `units` ("mm", "in", ...) overrides what the file says about its unit. `layers` names the
+    layers to read, hidden ones too; by default those that are visible and plot.
+    """
+    source = Source(name)
+    unit, said = find_unit(data, units, source)
+    if unit is None:
+        return Reading("dxf", (), said)
+    try:
+        loaded = load(data, source)
+    except ReadError as error:
+        return Reading("dxf", (), error.diagnostics)
+    said = loaded.remarks + said
+    chosen = Layers(loaded.document, frozenset(n.lower() for n in layers) or None)
+    said += _unknown_layers(chosen, layers, source)
+    walk = Walk(name, chosen)
+    walk.entities(loaded.document.modelspace(), scaled(unit.mm), Look(), ())
+    part = _part(name, walk.found)
+    said += (
+        *contradictions(loaded.document, unit, name),
+        *walk.found.said,
+        *_remarks(walk.found, source),
+        *_verdict(part, walk.found, unit, source),
+    )
+    return Reading("dxf", (part,), said)
+
+
+def _part(name: str, found: Collected) -> Part:
+    not_cut = tuple(sorted(found.not_cut.items()))
+    return drawing_part(name, tuple(found.contours), Measures((), tuple(found.hidden), not_cut))
+
+
+def _unknown_layers(
+    layers: Layers, wanted: Sequence[str], source: Source
+) -> tuple[Diagnostic, ...]:
+    """An error for each layer that the user named and the drawing has not."""
+    names = {name.lower(): name for name in layers.names()}
+    said = []
+    for name in wanted:
+        if name.lower() not in names:
+            near = get_close_matches(name.lower(), names, 1)
+            expected = repr(names[near[0]]) if near else ", ".join(map(repr, names.values()))
+            said.append(LAYER_OPTION.at(source, found=name, expected=expected))
+    return tuple(said)
+
+
+def _remarks(found: Collected, source: Source) -> list[Diagnostic]:
+    """What was seen and is no contour, by kind and count."""
+    said = []
+    if found.not_cut:
+        said.append(rules.NOT_CUT.at(source, found=_list(found.not_cut)))
+    if found.edge_on:
+        said.append(rules.EDGE_ON.at(source, found=_list(found.edge_on)))
+    if found.empty:
+        said.append(rules.EMPTY_CURVES.at(source, found=_list(found.empty)))
+    if found.hidden_on:
+        count = sum(found.hidden_on.values())
+        said.append(rules.HIDDEN.at(source, count=count, found=_list(found.hidden_on)))
+    if found.heights:
+        low, high = min(found.heights), max(found.heights)
+        if high - low > FLAT:
+            said.append(rules.NOT_FLAT.at(source, low=low, high=high))
+    return said
+
+
+def _list(counts: Counter[str]) -> str:
+    return counted(sorted(counts.items()))
+
+
+def _verdict(part: Part, found: Collected, unit: Unit, source: Source) -> list[Diagnostic]:
+    """An error for a drawing without curves, a warning for one that no machine could hold."""
+    if not found.contours:
+        hidden = Counter({"hidden curves": sum(found.hidden_on.values())})
+        seen = +(hidden + found.not_cut)
+        return [NO_CURVES.at(source, found=_list(seen))]
+    width, height = part.length, part.profile.height
+    if max(width, height) > LARGEST_SIZE and not unit.given:
+        return [TOO_LARGE.at(source, width=width, height=height, unit=unit.name)]
+    return []

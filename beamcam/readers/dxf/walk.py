@@ -1,0 +1,132 @@
+"""Every entity of model space, inserts opened, sorted into what is read and what is not."""
+
+from collections import Counter
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+from typing import Any
+
+from beamcam.errors import Diagnostic, Source
+from beamcam.geometry.curves import Curve
+from beamcam.model.part import Contour
+from beamcam.readers.drawing import as_contour
+from beamcam.readers.dxf import rules
+from beamcam.readers.dxf.curves import (
+    CURVES,
+    Chain,
+    EdgeOnError,
+    Heights,
+    by_fit_points,
+    check_finite,
+    is_curve,
+)
+from beamcam.readers.dxf.frame import Frame
+from beamcam.readers.dxf.layers import Layers, Look
+
+#: More copies than this in one array are a damaged number.
+MOST_COPIES = 10_000
+
+# Ends a list of vertices or attributes; ezdxf hides it from sound files only.
+_STRUCTURE = frozenset(("SEQEND",))
+
+
+@dataclass(slots=True)
+class Collected:
+    """What the entities of a drawing gave."""
+
+    contours: list[Contour] = field(default_factory=list)
+    hidden: list[Curve] = field(default_factory=list)
+    hidden_on: Counter[str] = field(default_factory=Counter)  #: curves by layer
+    not_cut: Counter[str] = field(default_factory=Counter)  #: entities by kind
+    empty: Counter[str] = field(default_factory=Counter)
+    edge_on: Counter[str] = field(default_factory=Counter)
+    heights: Heights = field(default_factory=list)
+    said: list[Diagnostic] = field(default_factory=list)
+
+
+@dataclass(slots=True)
+class Walk:
+    """One pass over a document."""
+
+    name: str
+    layers: Layers
+    found: Collected = field(default_factory=Collected)
+
+    def entities(
+        self, entities: Iterable[Any], frame: Frame, above: Look, blocks: tuple[str, ...]
+    ) -> None:
+        """Sort `entities`, which stand in `frame` in the innermost of `blocks`."""
+        for entity in entities:
+            kind = entity.dxftype()
+            if kind == "INSERT":
+                self._insert(entity, frame, above, blocks)
+            elif is_curve(entity):
+                self._curve(entity, frame, self.layers.look(entity, above, bool(blocks)))
+            elif kind not in _STRUCTURE:
+                self._count(entity, kind, above, bool(blocks))
+
+    def _source(self, entity: Any) -> Source:
+        return Source(self.name, None, entity.dxf.get("handle"))
+
+    def _count(self, entity: Any, kind: str, above: Look, inside: bool) -> None:
+        """Count what is no curve, unless it is hidden anyway."""
+        if not self.layers.hides(self.layers.look(entity, above, inside)):
+            self.found.not_cut[kind] += 1
+
+    def _curve(self, entity: Any, frame: Frame, look: Look) -> None:
+        kind = entity.dxftype()
+        heights: Heights = []
+        hidden = self.layers.hides(look)
+        try:
+            chains = self._chains(entity, kind, frame, heights)
+        except EdgeOnError:
+            self.found.edge_on[kind] += not hidden
+            return
+        # ezdxf's own errors are ValueError and TypeError by kind; nothing else is expected here.
+        except (ValueError, TypeError, ArithmeticError, LookupError) as error:
+            if not hidden:
+                said = " ".join(str(error).split()) or type(error).__name__
+                self.found.said.append(rules.ENTITY.at(self._source(entity), kind=kind, found=said))
+            return
+        if hidden:
+            self.found.hidden += (curve for chain in chains for curve in chain)
+            self.found.hidden_on[look.layer] += 1
+            return
+        self.found.heights += heights
+        source = self._source(entity)
+        for chain in chains:
+            self.found.contours.append(as_contour(chain, source, look.layer, look.colour))
+        if chains and (count := by_fit_points(entity)):
+            self.found.said.append(rules.FIT_SPLINE.at(source, count=count))
+
+    def _chains(self, entity: Any, kind: str, frame: Frame, heights: Heights) -> list[Chain]:
+        chains = CURVES[kind](entity, frame, heights)
+        check_finite(chains)
+        if not chains:
+            self.found.empty[kind] += 1
+        return chains
+
+    def _insert(self, insert: Any, frame: Frame, above: Look, blocks: tuple[str, ...]) -> None:
+        """Open an insert: its block, once for each place of its array."""
+        look = self.layers.look(insert, above, bool(blocks))
+        source = self._source(insert)
+        name = str(insert.dxf.get("name", ""))
+        for attribute in insert.attribs:
+            self._count(attribute, "ATTRIB", look, True)
+        block = insert.block()
+        if block is None or block.block.is_xref:
+            self.found.said.append(rules.BLOCK_MISSING.at(source, found=name))
+            return
+        if name.lower() in blocks:
+            self.found.said.append(rules.BLOCK_CYCLE.at(source, found=name))
+            return
+        copies = insert.mcount
+        if copies > MOST_COPIES:
+            said = rules.BLOCK_COUNT.at(source, found=copies, expected=MOST_COPIES)
+            self.found.said.append(said)
+            return
+        before = len(self.found.contours)
+        for place in insert.multi_insert() if copies > 1 else (insert,):
+            inner = frame.inside(place.matrix44())
+            self.entities(block, inner, look, (*blocks, name.lower()))
+        if len(self.found.contours) > before and self.layers.hides(look):
+            self.found.said.append(rules.FROZEN_INSERT.at(source, layer=look.layer))
