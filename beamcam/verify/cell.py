@@ -110,7 +110,9 @@ class Cell:
             return
         outer = first.way * (stroke - first.outermost)
         was_out = first.way * (before[1] - first.outermost)
-        if (moved or across != before[0]) and (outer > _EPSILON or was_out > _EPSILON):
+        # The controller starts from its own last place, whichever spindle that was for.
+        aside = moved or across != before[0] or across != move.start[first.across]
+        if aside and (outer > _EPSILON or was_out > _EPSILON):
             letter = "X" if moved else _LETTERS[first.across]
             self._sideways(move.line, letter, first, before[1] if was_out > outer else stroke)
             return

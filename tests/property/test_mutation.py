@@ -1,0 +1,54 @@
+"""Faulty programs are caught, and programs that only look different are not."""
+
+import random
+
+import pytest
+
+from benchmarks.mutation import MUTATIONS, REWRITES, Case, Score, cases, changed, outcome, score
+
+MUTANTS = 2000
+
+
+@pytest.fixture(scope="module")
+def programs() -> list[Case]:
+    return list(cases())
+
+
+@pytest.fixture(scope="module")
+def result(programs: list[Case]) -> Score:
+    return score(MUTANTS, 3, programs)
+
+
+def test_every_program_passes_as_it_was_emitted(programs: list[Case]) -> None:
+    for case in programs:
+        assert case.said(case.text) == (), case.name
+
+
+def test_every_mutant_that_makes_something_else_is_caught(result: Score) -> None:
+    assert sum(result.made.values()) >= MUTANTS
+    assert [(name, mutation) for name, mutation, _ in result.missed] == []
+
+
+def test_every_kind_of_mutation_took_part(result: Score) -> None:
+    assert set(result.made) == {mutate.__name__ for mutate in MUTATIONS}
+
+
+def test_unchanged_meaning_raises_nothing(result: Score, programs: list[Case]) -> None:
+    assert result.rewrites == len(REWRITES) * len(programs)
+    assert result.false_alarms == []
+
+
+def test_rewrites_do_change_the_text(programs: list[Case]) -> None:
+    rng = random.Random(0)
+    for rewrite in REWRITES:
+        assert any(rewrite(case.text, rng) != case.text for case in programs), rewrite.__name__
+
+
+def test_the_outcome_tells_a_change_from_none(programs: list[Case]) -> None:
+    case = programs[0]
+    before, step = outcome(case.text), case.machine.format.resolution
+    drilled = next(line for line in case.text.splitlines() if " G01 " in line and " Z" in line)
+    shifted = case.text.replace(drilled, drilled.replace(" X", " X1", 1), 1)
+    assert changed(before, outcome(shifted), case.parts[0], step)
+    assert not changed(before, outcome(case.text), case.parts[0], step)
+    assert not changed(before, outcome(case.text.replace(" F1", " F2")), case.parts[0], step)
