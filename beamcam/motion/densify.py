@@ -1,0 +1,249 @@
+"""Curves to points: what a controller that knows lines only is given.
+
+Two rules meet here. The chord rule says how far apart points may be, so that their chords stay
+near the curve. The cycle rule says how far apart they must be, so that a controller that looks
+every T seconds sees each of them: at speed v no chord may be shorter than k v T. The points
+follow the chord rule, in equal steps as large as it allows; where the cycle rule forbids that,
+the speed of the stretch is lowered until it does not, and the certificate says so.
+
+            tolerance = chord error + rounding of the points + gaps between the curves
+"""
+
+import itertools
+from collections import defaultdict
+from collections.abc import Sequence
+from dataclasses import dataclass
+from math import inf
+
+import numpy as np
+from numpy.typing import NDArray
+
+from beamcam.geometry.bezier import Bezier
+from beamcam.geometry.curves import Arc, Curve, EllipseArc, Line, bezier_pieces
+from beamcam.geometry.plane import distance
+from beamcam.motion.drawing import Spans, draw
+from beamcam.motion.rounding import EXACT, Rounding
+from beamcam.motion.spans import (
+    bend_bounds,
+    divided,
+    homogeneous,
+    parts_for,
+    span_arc,
+    step_counts,
+)
+
+Floats = NDArray[np.float64]
+Counts = NDArray[np.int64]
+
+
+@dataclass(frozen=True, slots=True)
+class DensifyRules:
+    """How near the points must stay, and how fast they come."""
+
+    tolerance: float  #: greatest distance between the curves and the path that is put out
+    rounding: Rounding = EXACT
+    speed_mm_s: float = inf
+    cycle_s: float = 0.0  #: time between two looks of the controller; 0 for no cycle rule
+    cycles_per_chord: float = 3.0
+    quadrants: bool = False  #: a point wherever x or y turns
+
+    def __post_init__(self) -> None:
+        if not self.tolerance > 0.0:
+            raise ValueError(f"tolerance must be above 0, found {self.tolerance:g}")
+        if not self.speed_mm_s > 0.0:
+            raise ValueError(f"speed must be above 0, found {self.speed_mm_s:g}")
+        if self.cycle_s < 0.0 or not self.cycles_per_chord > 0.0:
+            raise ValueError(
+                f"no cycle rule: {self.cycles_per_chord:g} cycles of {self.cycle_s:g} s"
+            )
+
+
+@dataclass(frozen=True, slots=True)
+class Stretch:
+    """Points `first` to `last` are passed at a lower speed than was asked for."""
+
+    first: int
+    last: int
+    speed_mm_s: float
+
+
+@dataclass(frozen=True, slots=True)
+class Certificate:
+    """What is known about a densified path."""
+
+    deviation: float  #: no point of curve or path is farther from the other, rounding included
+    points: int
+    least_step: float
+    greatest_step: float
+    slowed: tuple[Stretch, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Densified:
+    """The points of a path, read-only, with the speed of each step between them."""
+
+    points: Floats  #: (n, 2)
+    speeds_mm_s: Floats  #: (n - 1,)
+    certificate: Certificate
+
+
+def densify(path: Sequence[Curve], rules: DensifyRules) -> Densified:
+    """The points of curves that follow one another, start and end included.
+
+    `certificate.deviation` bounds the distance between curves and polyline both ways and is at
+    most `rules.tolerance`. The number of points grows with 1 / sqrt(tolerance); time and memory
+    are linear in it. Points that rounding makes one are put out once.
+
+    Raises ValueError for an empty path, and where rounding and gaps between the curves leave
+    nothing of the tolerance.
+    """
+    if not path:
+        raise ValueError("a path needs one curve or more")
+    gaps = [distance(a.end, b.start) for a, b in itertools.pairwise(path)]
+    gap = max(gaps, default=0.0)
+    # Points are computed to some units in the last place of the largest coordinate.
+    blur = 64 * np.finfo(np.float64).eps * max(_reach(curve) for curve in path)
+    left = rules.tolerance - gap - rules.rounding.worst - blur
+    if not left > 0.0:
+        raise ValueError(
+            f"tolerance {rules.tolerance:g} is used up: rounding takes {rules.rounding.worst:g}, "
+            f"the widest gap {gap:g} (before curve {gaps.index(gap) + 2 if gaps else 1})"
+        )
+    spans = _collect_spans(path, left * (1 - 1e-8), rules.quadrants)
+    exact = draw(path[0].start, spans)
+    rounded = rules.rounding.apply(exact)
+    moved = 0.0
+    if rules.rounding.counts:
+        shift = rounded - exact
+        shift *= shift
+        moved = float(np.sqrt(np.max(shift[:, 0] + shift[:, 1])))
+    deviation = float(spans.deviation + moved + gap + blur)
+    return _finish(rounded, np.asarray(spans.steps), rules, deviation)
+
+
+def _reach(curve: Curve) -> float:
+    """A bound on the size of the numbers that a curve is computed with."""
+    match curve:
+        case Line():
+            return max(map(abs, (*curve.start, *curve.end)))
+        case Arc():
+            return max(map(abs, curve.centre)) + curve.radius
+        case EllipseArc():
+            return max(map(abs, curve.centre)) + curve.major
+        case _:
+            return max(abs(v) for piece in bezier_pieces(curve) for p in piece.points for v in p)
+
+
+def _collect_spans(path: Sequence[Curve], tolerance: float, quadrants: bool) -> Spans:
+    spans = Spans()
+    free: dict[tuple[int, bool], list[tuple[int, Bezier]]] = defaultdict(list)
+    slots: list[list[int]] = []  # steps of each curve's spans, in the order of the path
+    for curve in path:
+        match curve:
+            case Line(end=end):
+                spans.lines.append((len(slots), end))
+                slots.append([1])
+            case Arc() | EllipseArc():
+                for span in span_arc(curve, tolerance, quadrants):
+                    spans.arcs.append((len(slots), span))
+                    spans.deviation = max(spans.deviation, span.deviation)
+                    slots.append([span.steps])
+            case _:
+                for piece in _turning_pieces(bezier_pieces(curve), quadrants):
+                    free[piece.degree, piece.weights is not None].append((len(slots), piece))
+                    slots.append([])
+    for kind, pieces in free.items():
+        _span_free(kind, pieces, tolerance, spans, slots)
+    first = np.concatenate(([0], np.cumsum([len(s) for s in slots]))).tolist()
+    spans.steps = [n for slot in slots for n in slot]
+    spans.arcs = [(first[k], span) for k, span in spans.arcs]
+    spans.lines = [(first[k], end) for k, end in spans.lines]
+    for pieces_of_kind in spans.free.values():
+        pieces_of_kind[:] = [(first[k], c, n, end) for k, c, n, end in pieces_of_kind]
+    return spans
+
+
+def _turning_pieces(pieces: Sequence[Bezier], quadrants: bool) -> list[Bezier]:
+    """The curves, cut where x or y turns if `quadrants` asks for it."""
+    if not quadrants:
+        return list(pieces)
+    found: list[Bezier] = []
+    for piece in pieces:
+        done, rest = 0.0, piece
+        for t in piece.extremes():
+            left, rest = rest.split((t - done) / (1.0 - done))
+            found.append(left)
+            done = t
+        found.append(rest)
+    return found
+
+
+def _span_free(
+    kind: tuple[int, bool],
+    pieces: list[tuple[int, Bezier]],
+    tolerance: float,
+    spans: Spans,
+    slots: list[list[int]],
+) -> None:
+    """Cuts free curves of one degree in spans, all of them at once."""
+    control = np.stack([homogeneous(piece) for _, piece in pieces])
+    bend, smooth = bend_bounds(control)
+    parts = parts_for(step_counts(bend, smooth, tolerance), smooth)
+    for count in np.unique(parts).tolist():
+        mine = np.flatnonzero(parts == count)
+        fine = divided(control[mine], count)
+        bend, smooth = bend_bounds(fine)
+        steps = step_counts(bend, smooth, tolerance)
+        spans.deviation = max(spans.deviation, float(np.max(bend / (8 * steps**2))))
+        shaped = fine.reshape(len(mine), count, kind[0] + 1, 3)
+        for row, which in enumerate(mine.tolist()):
+            slot, piece = pieces[which]
+            n = steps[row * count : (row + 1) * count]
+            slots[slot] = n.tolist()
+            spans.free[kind].append((slot, shaped[row], n, piece.end))
+
+
+def _finish(points: Floats, steps: Counts, rules: DensifyRules, deviation: float) -> Densified:
+    """Drops steps of no length, lowers speeds by the cycle rule, writes the certificate."""
+    lengths = _step_lengths(points)
+    span = np.repeat(np.arange(len(steps)), steps) if rules.cycle_s > 0.0 else lengths
+    if np.min(lengths) == 0.0:
+        kept = lengths > 0.0
+        points = points[np.concatenate(([True], kept))]
+        lengths, span = lengths[kept], span[kept]
+    speeds = np.full(len(lengths), rules.speed_mm_s)
+    slowed: tuple[Stretch, ...] = ()
+    if rules.cycle_s > 0.0 and len(lengths):
+        starts = np.concatenate(([0], np.flatnonzero(np.diff(span)) + 1))
+        least = np.minimum.reduceat(lengths, starts)
+        allowed = np.minimum(rules.speed_mm_s, least / (rules.cycles_per_chord * rules.cycle_s))
+        speeds = np.repeat(allowed, np.diff(np.concatenate((starts, [len(lengths)]))))
+        slowed = _slowed_stretches(speeds, rules.speed_mm_s)
+    points.setflags(write=False)
+    speeds.setflags(write=False)
+    certificate = Certificate(
+        deviation,
+        len(points),
+        float(np.min(lengths, initial=inf)) if len(lengths) else 0.0,
+        float(np.max(lengths, initial=0.0)),
+        slowed,
+    )
+    return Densified(points, speeds, certificate)
+
+
+def _step_lengths(points: Floats) -> Floats:
+    """Distances of neighbours; np.hypot would guard against overflow and take thrice the time."""
+    step = points[1:] - points[:-1]
+    step *= step
+    squares: Floats = step[:, 0] + step[:, 1]
+    return np.sqrt(squares, out=squares)
+
+
+def _slowed_stretches(speeds: Floats, asked: float) -> tuple[Stretch, ...]:
+    changes = np.flatnonzero(np.abs(np.diff(speeds)) > 1e-9 * speeds[1:]) + 1
+    edges = [0, *changes.tolist(), len(speeds)]
+    return tuple(
+        Stretch(a, b, float(speeds[a]))
+        for a, b in itertools.pairwise(edges)
+        if speeds[a] < asked * (1 - 1e-12)
+    )

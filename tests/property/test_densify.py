@@ -1,0 +1,155 @@
+"""Laws of densified paths: they stay within the certificate, and that within the tolerance."""
+
+from math import acos, asin, ceil, pi
+
+import numpy as np
+import pytest
+import shapely
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from beamcam.geometry.curves import Arc, Line
+from beamcam.geometry.sampling import points_at
+from beamcam.motion.densify import DensifyRules, densify
+from beamcam.motion.rounding import BELT_ENCODER, EXACT, MICRON_TRUNCATED, decimals
+from tests.property.curve_strategies import (
+    arcs,
+    beziers,
+    curves,
+    ellipses,
+    newton_curves,
+    radii,
+    splines,
+)
+
+SAMPLES = 5000
+FAMILIES = {
+    "arcs": arcs,
+    "ellipses": ellipses(),
+    "beziers": beziers(),
+    "splines": splines(),
+    "polynomials": newton_curves(),
+}
+roundings = st.sampled_from([EXACT, decimals(2), decimals(3), MICRON_TRUNCATED, BELT_ENCODER])
+
+
+@st.composite
+def densify_rules(draw):
+    rounding = draw(roundings)
+    tolerance = draw(st.sampled_from([0.001, 0.01, 0.05, 0.5, 5.0])) + rounding.worst
+    return DensifyRules(
+        tolerance,
+        rounding,
+        draw(st.sampled_from([2.0, 20.0, 200.0])),
+        draw(st.sampled_from([0.0, 0.002, 0.025])),
+        quadrants=draw(st.booleans()),
+    )
+
+
+def as_line(points):
+    return shapely.LineString(points if len(points) > 1 else np.repeat(points, 2, axis=0))
+
+
+@pytest.mark.parametrize("family", FAMILIES)
+def test_no_point_of_a_curve_is_farther_than_certified(family):
+    measured = []
+
+    @settings(max_examples=40, deadline=None)
+    @given(FAMILIES[family], densify_rules(), st.integers(0, 2**32 - 1))
+    def check(curve, rules, seed):
+        result = densify((curve,), rules)
+        t = np.random.default_rng(seed).uniform(0, 1, SAMPLES)
+        away = shapely.distance(shapely.points(points_at(curve, t)), as_line(result.points))
+        assert np.max(away) <= result.certificate.deviation <= rules.tolerance
+        measured.append(len(t))
+
+    check()
+    assert sum(measured) >= 30 * SAMPLES
+
+
+@settings(max_examples=40, deadline=None)
+@given(curves, densify_rules())
+def test_no_point_of_the_path_is_farther_from_the_curve(curve, rules):
+    result = densify((curve,), rules)
+    fine = points_at(curve, np.linspace(0, 1, 5001))
+    slack = np.max(np.hypot(*np.diff(fine, axis=0).T)) ** 2 / 4 + 1e-4
+    share = np.linspace(0, 1, 7)[:, None, None]
+    between = result.points[:-1] + share * np.diff(result.points, axis=0)
+    chosen = between.reshape(-1, 2)[:: max(1, between.size // 1000)]
+    away = shapely.distance(shapely.points(chosen), as_line(fine))
+    assert np.max(away, initial=0.0) <= result.certificate.deviation + slack
+
+
+@settings(max_examples=100, deadline=None)
+@given(st.lists(curves, min_size=1, max_size=4), densify_rules())
+def test_a_path_of_several_curves_meets_every_joint(chosen, rules):
+    path = []
+    for curve in chosen:
+        if path and path[-1].end != curve.start:
+            path.append(Line(path[-1].end, curve.start))
+        path.append(curve)
+    result = densify(path, rules)
+    joints = rules.rounding.apply(np.array([path[0].start, *(c.end for c in path)]))
+    where = {tuple(p) for p in result.points.tolist()}
+    assert {tuple(p) for p in joints.tolist()} <= where
+    assert result.points[0].tolist() == joints[0].tolist()
+    assert result.points[-1].tolist() == joints[-1].tolist()
+
+
+@settings(max_examples=100, deadline=None)
+@given(curves, densify_rules())
+def test_no_step_is_shorter_than_the_cycle_allows(curve, rules):
+    result = densify((curve,), rules)
+    lengths = np.hypot(*np.diff(result.points, axis=0).T)
+    assert np.all(lengths > 0)
+    assert np.all(result.speeds_mm_s <= rules.speed_mm_s)
+    assert np.all(lengths >= 3 * result.speeds_mm_s * rules.cycle_s * (1 - 1e-12))
+    certificate = result.certificate
+    assert certificate.points == len(result.points)
+    if len(lengths):
+        assert certificate.least_step == pytest.approx(lengths.min(), rel=1e-12)
+        assert certificate.greatest_step == pytest.approx(lengths.max(), rel=1e-12)
+    for stretch in certificate.slowed:
+        inside = result.speeds_mm_s[stretch.first : stretch.last]
+        assert inside == pytest.approx(stretch.speed_mm_s)
+        assert stretch.speed_mm_s < rules.speed_mm_s
+    said = sum(s.last - s.first for s in certificate.slowed)
+    assert said == np.count_nonzero(result.speeds_mm_s < rules.speed_mm_s * (1 - 1e-12))
+
+
+@settings(max_examples=200, deadline=None)
+@given(radii, st.sampled_from([0.001, 0.01, 0.1]), st.sampled_from([360.0, -360.0, 77.7]))
+def test_circles_take_hardly_more_points_than_they_must(radius, tolerance, sweep):
+    result = densify((Arc((0.0, 0.0), radius, 0.0, sweep),), DensifyRules(tolerance))
+    step = min(pi / 2, 2 * acos(max(0.0, 1 - tolerance / radius)))
+    least = ceil(abs(np.radians(sweep)) / step * (1 - 1e-8))
+    assert least <= len(result.points) - 1 <= max(least, 1.02 * least)
+    lengths = np.hypot(*np.diff(result.points, axis=0).T)
+    assert np.ptp(lengths) <= 1e-10 * radius
+    assert np.all(2 * np.arcsin(np.minimum(1, lengths / (2 * radius))) <= pi / 2 + 1e-9)
+
+
+@settings(max_examples=100, deadline=None)
+@given(curves, roundings)
+def test_rounding_twice_changes_nothing(curve, rounding):
+    points = points_at(curve, np.linspace(0, 1, 50))
+    once = rounding.apply(points)
+    assert np.array_equal(rounding.apply(once), once)
+    assert np.max(np.hypot(*(once - points).T)) <= rounding.worst + 1e-9
+    assert not np.any(np.signbit(once) & (once == 0.0)) or rounding is EXACT
+
+
+@settings(max_examples=60, deadline=None)
+@given(curves)
+def test_vertices_where_x_or_y_turns(curve):
+    result = densify((curve,), DensifyRules(0.05, quadrants=True))
+    for t in curve.extremes():
+        gaps = np.hypot(*(result.points - np.array(curve.point(t))).T)
+        assert gaps.min() <= 1e-5
+
+
+def test_cycle_step_of_the_two_axis_table():
+    from beamcam.motion.spans import cycle_step_rad
+
+    assert cycle_step_rad(10, 3 * 8 * 0.025) == pytest.approx(2 * asin(3 * 8 * 0.025 / 20))
+    assert cycle_step_rad(1, 5) == pytest.approx(pi)

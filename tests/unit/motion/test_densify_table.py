@@ -1,0 +1,109 @@
+"""Tables of densified paths whose points are known."""
+
+import numpy as np
+import pytest
+
+from beamcam.geometry.curves import Arc, Bezier, EllipseArc, Line, NewtonCurve
+from beamcam.motion.densify import DensifyRules, densify
+from beamcam.motion.rounding import BELT_ENCODER, MICRON_TRUNCATED, Rounding, decimals
+from beamcam.motion.spans import chord_step_rad
+
+ELLIPSE = EllipseArc((0, 0), (9, 0), 0.5, 0, 90)
+
+
+@pytest.mark.parametrize(
+    ("radius", "tolerance", "points"),
+    [(5, 0.01, 50), (50, 0.01, 158), (500, 0.01, 497), (5, 0.001, 158), (500, 0.001, 1571)],
+)
+def test_points_of_a_circle(radius, tolerance, points):
+    result = densify((Arc((0, 0), radius, 0, 360),), DensifyRules(tolerance))
+    assert result.certificate.points == points + 1
+    assert result.points[0].tolist() == result.points[-1].tolist() == [radius, 0]
+
+
+def test_a_step_never_passes_90_degrees():
+    result = densify((Arc((0, 0), 1, 0, -360),), DensifyRules(10))
+    assert result.points == pytest.approx(np.array([(1, 0), (0, -1), (-1, 0), (0, 1), (1, 0)]))
+
+
+def test_lines_are_left_alone():
+    path = (Line((0, 0), (10, 0)), Line((10, 0), (10, 5)))
+    result = densify(path, DensifyRules(0.01))
+    assert result.points.tolist() == [[0, 0], [10, 0], [10, 5]]
+    assert result.certificate.greatest_step == 10
+
+
+def test_points_are_read_only():
+    result = densify((Line((0, 0), (10, 0)),), DensifyRules(0.01))
+    with pytest.raises(ValueError, match="read-only"):
+        result.points[0, 0] = 1
+
+
+def test_quadrant_points_of_a_circle_are_exact():
+    rules = DensifyRules(0.01, quadrants=True)
+    points = densify((Arc((1, 2), 7, 33.3, 360),), rules).points.tolist()
+    for corner in ([8, 2], [1, 9], [-6, 2], [1, -5]):
+        assert corner in points
+
+
+def test_newton_polynomial_ends_on_its_last_node():
+    curve = NewtonCurve(((10, 11), (40, 22), (60, 20), (90, 5)))
+    result = densify((curve,), DensifyRules(0.01, decimals(3)))
+    assert result.points[-1].tolist() == [90, 5]
+
+
+def test_speed_is_lowered_where_points_come_too_fast():
+    path = (Line((0, 0), (40, 0)), Arc((40, 10), 10, -90, 90), Line((50, 10), (50, 50)))
+    result = densify(path, DensifyRules(0.01, speed_mm_s=20, cycle_s=0.025))
+    (stretch,) = result.certificate.slowed
+    assert (stretch.first, stretch.last) == (1, len(result.points) - 2)
+    chord = 20 * np.sin(np.pi / 4 / (len(result.points) - 3))
+    assert stretch.speed_mm_s == pytest.approx(chord / (3 * 0.025))
+    assert result.speeds_mm_s[0] == result.speeds_mm_s[-1] == 20
+
+
+def test_straight_free_curves_cost_one_step():
+    cubic = Bezier(((0, 0), (1, 1), (5, 5), (9, 9)))
+    assert densify((cubic,), DensifyRules(0.001)).certificate.points == 2
+
+
+def test_points_that_rounding_makes_one_are_put_out_once():
+    path = (Line((0, 0), (0.01, 0)), Line((0.01, 0), (5, 0)))
+    result = densify(path, DensifyRules(0.2, BELT_ENCODER))
+    assert len(result.points) == 2
+    tiny = densify((Line((0, 0), (0.01, 0)),), DensifyRules(0.2, BELT_ENCODER)).certificate
+    assert (tiny.points, tiny.least_step, tiny.greatest_step) == (1, 0, 0)
+
+
+def test_a_gap_between_curves_is_paid_out_of_the_tolerance():
+    path = (Line((0, 0), (10, 0)), Line((10, 0.004), (20, 0)))
+    assert densify(path, DensifyRules(0.01)).certificate.deviation == pytest.approx(0.004)
+
+
+def test_truncation_knows_decimal_numbers():
+    points = np.array([[0.29, -0.29], [1.001, 0.0019999]])
+    assert MICRON_TRUNCATED.apply(points).tolist() == [[0.29, -0.29], [1.001, 0.001]]
+
+
+@pytest.mark.parametrize(
+    ("call", "message"),
+    [
+        (lambda: densify((), DensifyRules(0.01)), "one curve or more"),
+        (lambda: DensifyRules(0.0), "tolerance must be above 0, found 0"),
+        (lambda: DensifyRules(0.1, speed_mm_s=0.0), "speed must be above 0, found 0"),
+        (lambda: DensifyRules(0.1, cycle_s=-1.0), "no cycle rule: 3 cycles of -1 s"),
+        (lambda: Rounding(-1), "no grid: -1 counts on 1 mm"),
+        (lambda: chord_step_rad(0.0, 1.0), "radius 0 and tolerance 1 must be above 0"),
+        (
+            lambda: densify((ELLIPSE,), DensifyRules(0.01, BELT_ENCODER)),
+            "tolerance 0.01 is used up: rounding takes 0.0897694",
+        ),
+        (
+            lambda: densify((Line((0, 0), (1, 0)), Line((2, 0), (3, 0))), DensifyRules(0.01)),
+            r"the widest gap 1 \(before curve 2\)",
+        ),
+    ],
+)
+def test_what_cannot_be_densified_is_refused(call, message):
+    with pytest.raises(ValueError, match=message):
+        call()
