@@ -1,6 +1,7 @@
 """Files are written whole or not at all."""
 
 import os
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
@@ -55,3 +56,54 @@ def test_a_link_is_written_through(tmp_path: Path) -> None:
     write_whole(link, "new")
     assert link.is_symlink()
     assert target.read_text() == "new"
+
+
+@pytest.mark.parametrize("durable", [True, False])
+def test_pieces_are_joined(tmp_path: Path, durable: bool) -> None:
+    path = tmp_path / "a.gcode"
+    write_whole(path, (b"N%d\n" % n for n in range(3)), durable=durable)
+    assert path.read_bytes() == b"N0\nN1\nN2\n"
+
+
+def test_a_failure_in_a_piece_leaves_nothing(tmp_path: Path) -> None:
+    def pieces() -> Iterator[bytes]:
+        yield b"N1\n"
+        raise ValueError("no more")
+
+    with pytest.raises(ValueError, match="no more"):
+        write_whole(tmp_path / "a.gcode", pieces())
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_only_a_durable_file_waits_for_the_disk(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    waited: list[int] = []
+    monkeypatch.setattr(os, "fsync", waited.append)
+    write_whole(tmp_path / "a", "x", durable=False)
+    assert waited == []
+    write_whole(tmp_path / "a", "x")
+    assert len(waited) == 1
+
+
+def test_the_system_may_take_a_piece_in_parts(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    real = os.write
+    monkeypatch.setattr(os, "write", lambda file, data: real(file, bytes(data[:3])))
+    write_whole(tmp_path / "a", "0123456789")
+    monkeypatch.undo()
+    assert (tmp_path / "a").read_text() == "0123456789"
+
+
+def test_a_part_left_by_a_dead_process_is_replaced(tmp_path: Path) -> None:
+    (tmp_path / f".a.{os.getpid()}.part").write_text("half")
+    write_whole(tmp_path / "a", "whole")
+    assert [p.name for p in tmp_path.iterdir()] == ["a"]
+    assert (tmp_path / "a").read_text() == "whole"
+
+
+def test_a_dangling_link_gets_its_target(tmp_path: Path) -> None:
+    (tmp_path / "link").symlink_to(tmp_path / "target")
+    write_whole(tmp_path / "link", "new")
+    assert (tmp_path / "target").read_text() == "new"
