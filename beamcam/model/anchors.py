@@ -3,7 +3,7 @@
 An anchor names what the comment stands before:
 
     start                 the line ST
-    header:9              header line 9; one more than the last is the header's end
+    header:9              header line 9
     feature:4             the row of feature 4, or the first of its rows
     feature:4:2           row 2 of feature 4, counted from 0, notch rows included
     plane:0, plane:0:1    the rows of plane 0

@@ -55,7 +55,6 @@ def write(part: Part, tolerance: float | None = None) -> str:
     for i, text in enumerate(_header(part), 1):
         sheet.comments_at(f"header:{i}")
         sheet.lines.append("  " + text if text else "  ")
-    sheet.comments_at(f"header:{max(_TEXT_LINES, len(part.notes)) + 21}")
     for i, point in enumerate(part.section):
         sheet.row("PR", f"section:{i}", section_row(point))
     if part.tolerance is not None:

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from bisect import bisect_right
 from collections.abc import Sequence
+from itertools import zip_longest
 from typing import TYPE_CHECKING
 
 from beamcam.model.anchors import anchor_key, plane_positions
@@ -32,12 +34,14 @@ def place_comments(
     if not loose:
         return tuple(Comment(text, anchor) for _, anchor, text in placed)
     stops = _stops(blocks, features, content)
+    lines = [line for line, _ in stops]
     found = list(placed)
     for line, text in loose:
         if end and line > end:
             anchor = "after-end"
         else:
-            anchor = next((a for at, a in stops if at > line), "end")
+            at = bisect_right(lines, line)
+            anchor = stops[at][1] if at < len(stops) else "end"
         found.append((line, anchor, text))
     positions = plane_positions(content.planes, features)
     found.sort(key=lambda item: anchor_key(item[1], positions))
@@ -54,8 +58,9 @@ def _stops(blocks: list[Block], features: Sequence[Feature], content: Content) -
         rows = rows_of.get(line)
         if rows is not None and isinstance(feature, Contour):
             things += _row_stops(rows, i)
+    block_at = {block.line: block for block in blocks}
     for k, plane in enumerate(content.planes):
-        block = next(b for b in blocks if b.line == plane.source.line)
+        block = block_at[plane.source.line or 0]
         things += [
             (line, f"plane:{k}:{row}" if row else f"plane:{k}")
             for row, line in enumerate(block.numbers[:3])
@@ -70,11 +75,12 @@ def _stops(blocks: list[Block], features: Sequence[Feature], content: Content) -
         elif block.code == "TO" and block.numbers:
             things.append((block.numbers[0], "tolerance"))
     things.sort()
-    for i, block in enumerate(blocks):
-        limit = blocks[i + 1].line if i + 1 < len(blocks) else None
-        first = next((thing for thing in things if thing[0] > block.line), None)
-        if first is not None and (limit is None or first[0] < limit):
-            things.append((block.line, "block:" + first[1]))
+    lines = [line for line, _ in things]
+    limits = [block.line for block in blocks[1:]]
+    for block, limit in zip_longest(blocks, limits):
+        at = bisect_right(lines, block.line)
+        if at < len(lines) and (limit is None or lines[at] < limit):
+            things.append((block.line, "block:" + things[at][1]))
     things.sort()
     return things
 

@@ -7,7 +7,8 @@ direction of the face's outer contour tells.
 """
 
 from dataclasses import dataclass, field
-from math import asin, hypot, sin
+from itertools import pairwise
+from math import asin, hypot, inf, sin
 from typing import Literal
 
 from beamcam.errors import Severity, Source
@@ -184,23 +185,40 @@ def _split_closed(rows: Rows) -> list[Rows]:
     touches its start goes on.
     """
     points = rows.points
-    count = points.count(points[0]) if points else 0
-    if count < 2 or (count == 2 and points[-1] == points[0]):
+    if not points or points.count(points[0]) == 1 + (len(points) > 1 and points[-1] == points[0]):
         return [rows]
-    end = next((i for i in range(2, len(points)) if points[i] == points[0]), 0)
-    rest = points[end + 1 :]
-    if not end or len(rest) < 3 or rest[0] not in rest[1:] or rest[0] == points[0]:
+    ends: list[int] = []
+    last = {point: i for i, point in enumerate(points)}
+    start = 0
+    for i, point in enumerate(points):
+        if point != points[start] or i - start < 2 or i + 1 == len(points):
+            continue
+        following = points[i + 1]
+        if following != point and last[following] > i + 1:
+            ends.append(i + 1)
+            start = i + 1
+    if not ends:
         return [rows]
-    head = Rows(rows.code, rows.face, rows.edge, rows.line, edges=rows.edges)
-    tail = Rows(rows.code, rows.face, rows.edge, rows.lines[end + 1], edges=rows.edges)
-    for part, low, high in ((head, 0, end + 1), (tail, end + 1, len(points))):
-        part.points = points[low:high]
-        part.radii = rows.radii[low:high]
-        part.lines = rows.lines[low:high]
-        part.bevels = {i - low: b for i, b in rows.bevels.items() if low <= i < high}
-        part.notches = {i - low: n for i, n in rows.notches.items() if low <= i < high}
-        part.notch_lines = [n for n in rows.notch_lines if (n < tail.line) == (part is head)]
-    return [head, *_split_closed(tail)]
+    bounds = [0, *ends, len(points)]
+    return [_part_of(rows, low, high) for low, high in pairwise(bounds)]
+
+
+def _part_of(rows: Rows, low: int, high: int) -> Rows:
+    """The contour of the points from `low` to before `high`."""
+    first, behind = rows.lines[low], rows.lines[high] if high < len(rows.lines) else inf
+    return Rows(
+        rows.code,
+        rows.face,
+        rows.edge,
+        first,
+        rows.points[low:high],
+        rows.radii[low:high],
+        rows.lines[low:high],
+        {i - low: bevel for i, bevel in rows.bevels.items() if low <= i < high},
+        {i - low: notch for i, notch in rows.notches.items() if low <= max(i, 0) < high},
+        [n for n in rows.notch_lines if (first <= n or low == 0) and n < behind],
+        rows.edges,
+    )
 
 
 def polygon_area(points: list[Point]) -> float:

@@ -11,6 +11,9 @@ from beamcam.readers.dstv.tokens import CODES, LARGEST, PLAIN_CODES, Log, number
 LEAST_LINES, MOST_LINES = 20, 24
 TEXT_LIMIT = 80  # DSTV NC, page 6
 
+#: Data behind the header whose block code is missing: a face and a number, or a number.
+_ROW = re.compile(r"([vouh]\s*)?[+-]?[0-9]+\.[0-9]")
+
 #: Names of the header lines that are numbers, 10 to 20.
 NUMBER_NAMES = (
     "height",
@@ -53,6 +56,7 @@ class HeaderLines:
     values: list[str]
     numbers: list[int]
     comments: list[tuple[int, str]]  #: position of the value that the comment stands before, text
+    trailing: list[tuple[int, str]]  #: comments behind the last line that a header can have: line
     end: int  #: index of the line behind the header
 
 
@@ -66,19 +70,26 @@ def header_lines(lines: list[str], start: int) -> HeaderLines:
     values: list[str] = []
     numbers: list[int] = []
     comments: list[tuple[int, str]] = []
+    trailing: list[tuple[int, str]] = []
     for index in range(start, len(lines)):
         text = lines[index].strip()
         if text[:2] == "**":
-            comments.append((len(values) + 1, text[2:]))
+            if len(values) < MOST_LINES:
+                comments.append((len(values) + 1, text[2:]))
+            else:
+                trailing.append((index + 1, text[2:]))
             continue
         if (count := len(values)) >= LEAST_LINES:
-            if count >= MOST_LINES and not text:
-                continue
+            if count >= MOST_LINES:
+                if not text:
+                    continue
+                if _ROW.match(text):
+                    return HeaderLines(values, numbers, comments, trailing, index)
             if len(text) == 2 and _is_code(text, lines, index, indent, count):
-                return HeaderLines(values, numbers, comments, index)
+                return HeaderLines(values, numbers, comments, trailing, index)
         values.append(text)
         numbers.append(index + 1)
-    return HeaderLines(values, numbers, comments, len(lines))
+    return HeaderLines(values, numbers, comments, trailing, len(lines))
 
 
 def _indent(line: str) -> int:

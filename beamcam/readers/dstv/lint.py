@@ -16,8 +16,7 @@ from beamcam.readers.dstv.tokens import Log
 
 LENGTH_TOLERANCE = 0.2  #: real files differ by up to 0.12
 EDGE_TOLERANCE = 0.2  #: a hole's centre this far out of the material is still in it
-NOISE_DEG = 0.1  #: real headers hold angles such as 0.07 for square ends
-ANGLE_TOLERANCE_DEG = 0.5
+ANGLE_TOLERANCE_DEG = 0.5  #: real headers hold angles such as 0.07 for square ends
 LARGEST_MARK = 7.0  #: diameter; shops write punch marks as holes of 1, 2, 4, 5 or 7
 
 #: Header line of each cut angle, counted from the line ST.
@@ -129,8 +128,8 @@ def _check_ends(part: Part, outers: dict[str, list[_Outline]], header: list[int]
             given: float = getattr(cuts, name)
             if angle is None or abs(angle - given) <= ANGLE_TOLERANCE_DEG:
                 continue
-            both = abs(given) > ANGLE_TOLERANCE_DEG and abs(angle) > ANGLE_TOLERANCE_DEG
-            rule = rules.CUT_ANGLE if both else rules.CUT_MISSING
+            # Some programs leave the header 0 and draw the cut; none was seen to do the reverse.
+            rule = rules.CUT_ANGLE if abs(given) > ANGLE_TOLERANCE_DEG else rules.CUT_MISSING
             line = header[_CUT_LINES[name] - 1]
             text = name.replace("_", " ") + " cut"
             log.add(rule, line, name=text, header=given, contour=angle + 0.0)

@@ -97,6 +97,7 @@ def read_with_account(data: bytes, name: str) -> tuple[Reading, Account]:
         return _refused(lines, log)
     comments += [(0, f"header:{n}", text) for n, text in head.comments]
     blocks, loose, end = _split_blocks(lines, head.end, log)
+    loose = head.trailing + loose
     indented = [*head.numbers, *(n for block in blocks for n in block.numbers[:1])]
     _note_indent(lines, indented, lines[start - 1], log)
     content = Content()
@@ -315,8 +316,8 @@ def _has_faces(block: Block) -> bool:
 def _read_plane(block: Block, content: Content, log: Log) -> None:
     """Add the plane of a block En; a number that is used again names another plane."""
     base = block.code
-    used = sum(1 for plane in content.planes if plane.name.split("#")[0] == base)
-    name = base if not used else f"{base}#{used + 1}"
+    last = content.plane_names.get(base[1])
+    name = base if last is None else f"{base}#{int(last[3:] or 1) + 1}"
     plane = read_plane(block, name, log)
     if plane is not None:
         content.planes.append(plane)

@@ -45,7 +45,7 @@ _KINDS: dict[str, HoleKind] = {
 
 # "  v  30.00u  134.44  0.00 025  pt56"   face, x + reference, y, angle, height + r or z, text
 _SI_ROW = re.compile(
-    r"([a-zA-Z])?\s*([+-]?[0-9.,]+)\s*([a-zA-Z])?\s*([+-]?[0-9.,]+)\s+([+-]?[0-9.,]+)"
+    r"([a-zA-Z])?\s*([+-]?[0-9.,]+)(?:\s*([a-zA-Z])\s*|\s+)([+-]?[0-9.,]+)\s+([+-]?[0-9.,]+)"
     r"(?:\s+([0-9]+(?:\.[0-9]+)?)([rz])?\s*(.*))?",
     re.ASCII,
 )
