@@ -11,18 +11,20 @@ from dataclasses import dataclass, replace
 
 from beamcam import readers
 from beamcam.emitters import gcode
-from beamcam.errors import Diagnostic, ReadError, Severity, Source, errors_in
+from beamcam.errors import Diagnostic, ReadError, Severity, Source, VerifyError, errors_in
 from beamcam.machine.machine import Machine
 from beamcam.model.part import Part
 from beamcam.model.plan import Plan
-from beamcam.model.program import Program
+from beamcam.model.program import Comment, Program
 from beamcam.motion.beam import beam_program
 from beamcam.planning import plan_bar
 from beamcam.readers import rules
 from beamcam.readers.reading import Reading
+from beamcam.verify import verify
 
 DEFAULT_MACHINE = "beamline"
 STANDARD_INPUT = "-"
+NOT_READ_BACK = Comment("NOT VERIFIED: THIS PROGRAM WAS NOT READ BACK")
 
 
 @dataclass(frozen=True, slots=True)
@@ -94,9 +96,24 @@ def post(
     job: str = "JOB",
     bar: float | None = None,
     skips: Collection[str] = (),
+    read_back: bool = True,
 ) -> Posted:
-    """The program that makes `parts` from one bar. Raises PlanError if there is none."""
+    """The program that makes `parts` from one bar, read back and compared with them.
+
+    Without `read_back` a comment in the program says so. Raises PlanError if the machine cannot
+    make the parts, VerifyError if the program would make anything else than them.
+    """
     plan = plan_bar(parts, machine, bar, skips)
     kind = POSTS[machine.controller, machine.stock]
-    text = kind.emit(kind.motion(plan, machine, job), machine)
-    return Posted(text, plan, plan.remarks)
+    program = kind.motion(plan, machine, job)
+    if not read_back:
+        start, *work = program.commands
+        program = replace(program, commands=(start, NOT_READ_BACK, *work))
+    text = kind.emit(program, machine)
+    said: tuple[Diagnostic, ...] = ()
+    if read_back:
+        skipped = {o.feature for o in plan.outcomes if o.how == "skipped"}
+        said = verify(text, parts, machine, skipped, job)
+        if errors_in(said):
+            raise VerifyError(said)
+    return Posted(text, plan, (*plan.remarks, *said))

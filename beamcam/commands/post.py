@@ -22,6 +22,9 @@ from beamcam.planning import SKIP_NAMES
     type=click.Choice(SKIP_NAMES),
     help="Leave out what the machine cannot make, of this kind only; may be repeated.",
 )
+@click.option(
+    "--no-verify", is_flag=True, help="Do not read the program back; a comment in it says so."
+)
 @click.option("--strict", is_flag=True, help="Let warnings refuse a part as errors do.")
 @click.option("--json", "as_json", is_flag=True, help="Print messages as JSON.")
 def command(
@@ -31,6 +34,7 @@ def command(
     bar: float | None,
     job: str,
     skips: tuple[str, ...],
+    no_verify: bool,
     strict: bool,
     as_json: bool,
 ) -> None:
@@ -47,7 +51,7 @@ def command(
     try:
         loaded = load(machine)
         parts, said = parts_of(read_file(path, strict) for path in inputs)
-        posted = post(parts, loaded, job, bar, skips)
+        posted = post(parts, loaded, job, bar, skips, not no_verify)
         if strict and any(said.severity is Severity.WARNING for said in posted.remarks):
             raise PlanError(map(as_error, posted.remarks))
     except BeamcamError as error:
