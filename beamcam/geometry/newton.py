@@ -58,7 +58,7 @@ def newton_coefficients(u: Sequence[float], values: Sequence[float]) -> tuple[fl
 def newton_value(coefficients: Sequence[float], u: Sequence[float], at: float) -> float:
     """The polynomial of Newton's `coefficients` over the nodes `u`, by Horner's scheme."""
     total = coefficients[-1]
-    for c, node in zip(coefficients[-2::-1], u[len(coefficients) - 2 :: -1], strict=True):
+    for c, node in zip(coefficients[-2::-1], u[-2::-1], strict=True):
         total = total * (at - node) + c
     return total
 
@@ -68,7 +68,7 @@ def newton_derivatives(
 ) -> tuple[float, float, float]:
     """Value, first and second derivative at `at`, by Horner's scheme derived term by term."""
     value, first, second = coefficients[-1], 0.0, 0.0
-    for c, node in zip(coefficients[-2::-1], u[len(coefficients) - 2 :: -1], strict=True):
+    for c, node in zip(coefficients[-2::-1], u[-2::-1], strict=True):
         step = at - node
         second = second * step + 2 * first
         first = first * step + value
@@ -80,7 +80,7 @@ def monomial_coefficients(u: Sequence[float], values: Sequence[float]) -> tuple[
     """The polynomial through (u, values) as a0 + a1 x + a2 x^2 + ..."""
     coefficients = newton_coefficients(u, values)
     total = [coefficients[-1]]
-    for c, node in zip(coefficients[-2::-1], u[len(coefficients) - 2 :: -1], strict=True):
+    for c, node in zip(coefficients[-2::-1], u[-2::-1], strict=True):
         shifted = [0.0, *total]
         total = [a - node * b for a, b in zip(shifted, [*total, 0.0], strict=True)]
         total[0] += c

@@ -1,0 +1,153 @@
+"""Polynomials through nodes: tables whose answers are known."""
+
+import pytest
+
+from beamcam.geometry.approximation import bezier_of_monomial, curves_of_function
+from beamcam.geometry.curves import Bezier, Line, NewtonCurve
+from beamcam.geometry.newton import (
+    are_equidistant,
+    divided_differences,
+    find_oscillation,
+    forward_differences,
+    monomial_coefficients,
+    newton_coefficients,
+    newton_value,
+    parabola_of,
+)
+
+TABLE = ((10, 11), (40, 22), (60, 20), (90, 5))
+
+
+def runge(count):
+    xs = [-1 + 2 * k / (count - 1) for k in range(count)]
+    return NewtonCurve(tuple((x, 1 / (1 + 25 * x * x)) for x in xs))
+
+
+def test_nodes_that_are_not_equidistant_are_all_met():
+    curve = NewtonCurve(TABLE)
+    for t, node in zip(curve.parameters, TABLE, strict=True):
+        assert curve.point(t) == node
+        near = curve.point(t + (1e-9 if t < 1 else -1e-9))
+        assert near == pytest.approx(node, abs=1e-6)
+    assert curve.end == (90, 5)
+    assert not are_equidistant([x for x, _ in TABLE])
+
+
+def test_forward_and_divided_differences_are_one_polynomial():
+    xs, ys = (0.0, 30.0, 60.0, 90.0), (11.0, 22.0, 20.0, 5.0)
+    assert are_equidistant(xs)
+    assert forward_differences(30.0, ys) == pytest.approx(divided_differences(xs, ys), rel=1e-14)
+    coefficients = newton_coefficients(xs, ys)
+    assert [newton_value(coefficients, xs, x) for x in xs] == pytest.approx(ys)
+
+
+def test_forward_differences_over_uneven_nodes_miss_the_last_one():
+    wrong = forward_differences(30.0, [y for _, y in TABLE])
+    assert newton_value(wrong, (10, 40, 70, 100), 90) == pytest.approx(11.0, abs=0.5)
+
+
+def test_monomial_form():
+    xs = (1.0, 2.0, 4.0)
+    assert monomial_coefficients(xs, [3 - 2 * x + x * x for x in xs]) == pytest.approx((3, -2, 1))
+    assert monomial_coefficients((5.0,), (7.0,)) == (7.0,)
+
+
+def test_three_nodes_are_a_parabola_with_its_vertex():
+    curve = NewtonCurve(((0, 0), (10, 30), (40, 0)))
+    start, vertex, end = curve.as_parabola()
+    assert (start, end) == ((0, 0), (40, 0))
+    assert vertex == pytest.approx((20, 40))  # y = x (40 - x) / 10
+    assert curve.tangent(0.5) == pytest.approx((1, 0))
+
+
+def test_a_curve_that_is_no_function_of_x_is_parametric():
+    curve = NewtonCurve(((0, 0), (10, 10), (0, 20)))
+    assert not curve.is_function
+    assert curve.point(0.5) == (10, 10)
+    assert curve.tangent(0.5) == pytest.approx((0, 1), abs=1e-12)
+    assert curve.as_parabola()[1] == pytest.approx((10, 10))
+    closed = NewtonCurve(((0, 0), (10, 10), (0, 20), (-10, 10), (0, 0)))
+    assert closed.start == closed.end
+    assert [closed.point(t) for t in closed.parameters] == list(closed.nodes)
+
+
+def test_bezier_form_is_the_same_curve():
+    curve = NewtonCurve(TABLE)
+    form = curve.as_bezier()
+    assert form.degree == 3
+    for k in range(21):
+        assert form.point(k / 20) == pytest.approx(curve.point(k / 20), abs=1e-12)
+
+
+def test_a_turned_function_stays_the_same_curve():
+    curve = NewtonCurve(TABLE)
+    turned = curve.transformed(((0, -1, 3), (1, 0, 4)))
+    assert isinstance(turned, Bezier)
+    x, y = curve.point(0.37)
+    assert turned.point(0.37) == pytest.approx((3 - y, 4 + x))
+    assert isinstance(curve.transformed(((2, 0, 3), (1, 5, 4))), NewtonCurve)
+
+
+def test_many_nodes_oscillate_and_the_overshoot_is_measured():
+    found = find_oscillation(runge(11))
+    assert found is not None
+    assert found.nodes == 11
+    assert found.overshoot == pytest.approx(1.957 - 0.0588, abs=0.02)
+    assert abs(found.near[0]) > 0.8
+    assert str(found).startswith("the polynomial through 11 nodes leaves them by 1.")
+    assert str(found).endswith("expected at most 5 nodes")
+
+
+def test_few_or_calm_nodes_are_no_oscillation():
+    assert find_oscillation(runge(5)) is None
+    calm = NewtonCurve(tuple((float(x), x * x / 10.0) for x in range(8)))
+    assert find_oscillation(calm) is None
+
+
+@pytest.mark.parametrize("tolerance", [1.0, 0.01, 1e-5])
+@pytest.mark.parametrize(
+    ("text", "low", "high"),
+    [("25 * sin(x / 10)", 0, 100), ("sqrt(100 - x^2)", -9.9, 9.9), ("exp(-x)", 3, -2)],
+)
+def test_a_function_is_followed_within_its_tolerance(text, low, high, tolerance):
+    from beamcam.geometry.expression import compile_expression
+
+    fit = curves_of_function(text, low, high, tolerance)
+    value = compile_expression(text, ("x",))
+    assert fit.deviation <= tolerance / 2
+    assert fit.curves[0].start[0] == low
+    assert fit.curves[-1].end[0] == high
+    for a, b in zip(fit.curves, fit.curves[1:], strict=False):
+        assert a.end == b.start
+    for curve in fit.curves:
+        for k in range(41):
+            x, y = curve.point(k / 40)
+            assert abs(y - value({"x": x})) <= tolerance
+
+
+def test_a_straight_function_is_one_line():
+    assert curves_of_function("2 * x + 1", 0, 10, 0.01).curves == (Line((0, 1), (10, 21)),)
+
+
+def test_monomials_become_beziers():
+    curve = bezier_of_monomial((3.0, -2.0, 1.0), 0.0, 4.0)
+    assert curve.point(0.25) == pytest.approx((1.0, 2.0))
+    assert bezier_of_monomial((7.0,), 0.0, 1.0).points == ((0.0, 7.0), (1.0, 7.0))
+
+
+@pytest.mark.parametrize(
+    ("call", "message"),
+    [
+        (lambda: NewtonCurve(TABLE).as_parabola(), "a parabola has 3 nodes, found 4"),
+        (lambda: parabola_of(Bezier(((0, 0), (1, 1)))), "degree 2 without weights, found 1"),
+        (lambda: curves_of_function("x", 1, 1, 0.1), "two different ends, found 1 and 1"),
+        (lambda: curves_of_function("x", 0, 1, 0), "tolerance must be above 0, found 0"),
+        (lambda: curves_of_function("1 / x", 0, 1, 0.1), "'1 / x' has no value at x = 0"),
+        (lambda: curves_of_function("sqrt(x)", -1, 1, 0.1), "has no value at x = -1"),
+        (lambda: curves_of_function("floor(x)", 0.1, 1.9, 0.1), "jumps near x = "),
+        (lambda: curves_of_function("y", 0, 1, 0.1), "'y' is not understood"),
+    ],
+)
+def test_what_has_no_curve_is_refused(call, message):
+    with pytest.raises(ValueError, match=message):
+        call()
