@@ -5,7 +5,9 @@ import stat
 from collections.abc import Iterable
 from contextlib import suppress
 
-_FLAGS = os.O_WRONLY | os.O_CREAT | os.O_EXCL | getattr(os, "O_BINARY", 0)
+_NEW = os.O_CREAT | os.O_EXCL | os.O_WRONLY | getattr(os, "O_BINARY", 0)
+#: A file without a name, where the system has such: a process that dies leaves nothing of it.
+_UNNAMED = getattr(os, "O_TMPFILE", 0) if os.path.isdir("/proc/self/fd") else 0
 
 
 def write_whole(
@@ -13,10 +15,11 @@ def write_whole(
 ) -> None:
     """Write `data` to `path` so that no reader ever sees a part of it.
 
-    It goes to a temporary file beside the target, reaches the disk and is renamed over it; a
-    process that dies in between leaves the old file, or none. `durable=False` leaves the way to
-    the disk to the system: a process that dies still leaves no part, a power cut may. An iterable
-    of bytes is written piece by piece. Raises OSError.
+    It goes to a file beside the target that has no name yet, or a temporary one where the system
+    knows no other, reaches the disk and takes the target's name; a process that dies in between
+    leaves the old file, or none. `durable=False` leaves the way to the disk to the system: a
+    process that dies still leaves no part, a power cut may. An iterable of bytes is written piece
+    by piece. Raises OSError.
     """
     if isinstance(data, str):
         data = data.encode("utf-8")
@@ -31,26 +34,41 @@ def write_whole(
     folder, name = os.path.split(target)
     # The process's number keeps two writers apart; a name left by a dead one is used again.
     part = os.path.join(folder, f".{name[:40]}.{os.getpid()}.part")
-    try:
-        file = os.open(part, _FLAGS, 0o666)
-    except FileExistsError:
-        os.unlink(part)
-        file = os.open(part, _FLAGS, 0o666)
+    file, named = _open(folder or os.curdir, part)
     try:
         try:
             for piece in (data,) if isinstance(data, bytes) else data:
                 _write(file, piece)
+            if mode is not None:
+                os.chmod(part if named else file, mode & 0o777)
             if durable:
                 os.fsync(file)
+            if not named:
+                if mode is None and _link(file, target):
+                    return
+                named = True
+                if not _link(file, part):
+                    _copy(file, part, durable)
         finally:
             os.close(file)
-        if mode is not None:
-            os.chmod(part, mode & 0o777)
         os.replace(part, target)
     except BaseException:
-        with suppress(OSError):
-            os.unlink(part)
+        if named:
+            with suppress(OSError):
+                os.unlink(part)
         raise
+
+
+def _open(folder: str, part: str) -> tuple[int, bool]:
+    """A new file in `folder`, and whether it has the name `part` already."""
+    if _UNNAMED:
+        # Not every file system has unnamed files; where it is the folder that is wrong, the other
+        # way says so.
+        with suppress(OSError):
+            return os.open(folder, _UNNAMED | os.O_RDWR, 0o666), False
+    with suppress(FileNotFoundError):
+        os.unlink(part)
+    return os.open(part, _NEW, 0o666), True
 
 
 def _write(file: int, piece: bytes) -> None:
@@ -58,3 +76,27 @@ def _write(file: int, piece: bytes) -> None:
     done = os.write(file, piece)
     while done < len(piece):
         done += os.write(file, memoryview(piece)[done:])
+
+
+def _link(file: int, path: str) -> bool:
+    """Give an unnamed file its name, and whether that went well: the name may be taken."""
+    try:
+        os.link(f"/proc/self/fd/{file}", path, src_dir_fd=file, follow_symlinks=True)
+    except OSError:
+        return False
+    return True
+
+
+def _copy(file: int, path: str, durable: bool) -> None:
+    """Copy an unnamed file to a new one, where a system lets no name be given to it."""
+    os.lseek(file, 0, os.SEEK_SET)
+    with suppress(FileNotFoundError):
+        os.unlink(path)
+    copy = os.open(path, _NEW, os.fstat(file).st_mode & 0o777)
+    try:
+        while piece := os.read(file, 1 << 20):
+            _write(copy, piece)
+        if durable:
+            os.fsync(copy)
+    finally:
+        os.close(copy)

@@ -1,12 +1,28 @@
 """Files are written whole or not at all."""
 
 import os
+import signal
+import subprocess
+import sys
 from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
 
+from beamcam import files
 from beamcam.files import write_whole
+
+
+@pytest.fixture(params=["unnamed", "unnamed without links", "named"], autouse=True)
+def system(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> str:
+    """Each test runs on a system with unnamed files, on one that cannot name them, and without."""
+    if request.param == "named":
+        monkeypatch.setattr(files, "_UNNAMED", 0)
+    elif not files._UNNAMED:
+        pytest.skip("this system has no unnamed files")
+    elif request.param == "unnamed without links":
+        monkeypatch.setattr(files, "_link", lambda *_: False)
+    return str(request.param)
 
 
 def test_writes_and_replaces(tmp_path: Path) -> None:
@@ -27,6 +43,7 @@ def test_a_failure_leaves_the_old_file(tmp_path: Path, monkeypatch: pytest.Monke
     monkeypatch.setattr(os, "replace", fail)
     with pytest.raises(OSError, match="disk full"):
         write_whole(path, "new")
+    monkeypatch.undo()
     assert path.read_text() == "old"
     assert [p.name for p in tmp_path.iterdir()] == ["a.gcode"]
 
@@ -76,14 +93,14 @@ def test_a_failure_in_a_piece_leaves_nothing(tmp_path: Path) -> None:
 
 
 def test_only_a_durable_file_waits_for_the_disk(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, system: str
 ) -> None:
     waited: list[int] = []
     monkeypatch.setattr(os, "fsync", waited.append)
     write_whole(tmp_path / "a", "x", durable=False)
     assert waited == []
     write_whole(tmp_path / "a", "x")
-    assert len(waited) == 1
+    assert len(waited) == (2 if system == "unnamed without links" else 1)
 
 
 def test_the_system_may_take_a_piece_in_parts(
@@ -98,6 +115,7 @@ def test_the_system_may_take_a_piece_in_parts(
 
 def test_a_part_left_by_a_dead_process_is_replaced(tmp_path: Path) -> None:
     (tmp_path / f".a.{os.getpid()}.part").write_text("half")
+    (tmp_path / "a").write_text("old")
     write_whole(tmp_path / "a", "whole")
     assert [p.name for p in tmp_path.iterdir()] == ["a"]
     assert (tmp_path / "a").read_text() == "whole"
@@ -107,3 +125,23 @@ def test_a_dangling_link_gets_its_target(tmp_path: Path) -> None:
     (tmp_path / "link").symlink_to(tmp_path / "target")
     write_whole(tmp_path / "link", "new")
     assert (tmp_path / "target").read_text() == "new"
+
+
+def test_a_process_that_is_killed_leaves_nothing(tmp_path: Path, system: str) -> None:
+    if system != "unnamed":
+        return  # a temporary name stays behind where there are no unnamed files
+    code = (
+        "import os, signal, sys\n"
+        "from beamcam.files import write_whole\n"
+        "def pieces():\n"
+        "    yield b'half'\n"
+        "    os.kill(os.getpid(), signal.SIGKILL)\n"
+        "write_whole(sys.argv[1], pieces())\n"
+    )
+    path = tmp_path / "a.gcode"
+    for old in (None, "old"):
+        if old:
+            path.write_text(old)
+        done = subprocess.run([sys.executable, "-c", code, str(path)], check=False)
+        assert done.returncode == -signal.SIGKILL
+        assert [p.read_text() for p in tmp_path.iterdir()] == ([old] if old else [])
