@@ -119,7 +119,8 @@ def integrate(
     """Integral of a function that is smooth but for a few points, to about 1e-12 relative.
 
     Ten-point Gauss rule over the whole and over the halves; halves again where they differ by
-    more than rounding can (measured by the integral of the function's size) and by more than `floor`, what rounding makes of a 0.
+    more than rounding can (measured by the integral of the function's size) and by more than
+    `floor`, what rounding makes of a 0.
     """
 
     def rule(a: float, b: float) -> tuple[float, float]:
