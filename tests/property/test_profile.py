@@ -4,7 +4,7 @@ from math import inf
 
 import numpy as np
 import pytest
-from hypothesis import assume, given, settings
+from hypothesis import given, settings
 from hypothesis import strategies as st
 from ruckig import InputParameter, Ruckig, Trajectory
 
@@ -27,12 +27,12 @@ limits_of_axes = st.builds(Limits, amounts, amounts, st.one_of(amounts, st.just(
 
 
 @st.composite
-def tasks(draw, spare=1.0):
-    """Limits, a distance that is long enough (`spare` times), and the velocities at its ends."""
+def tasks(draw):
+    """Limits, a distance that is long enough, and the velocities at its ends."""
     limits = draw(limits_of_axes)
     v0, v1 = (limits.velocity * draw(st.sampled_from([0.0, 0.3, 1.0])) for _ in range(2))
     least = ramp_distance(v0, v1, limits)
-    return limits, spare * least + draw(st.floats(1e-6, 1e4)), v0, v1
+    return limits, least + draw(st.floats(1e-6, 1e4)), v0, v1
 
 
 def integral_of_velocity(profile):
@@ -86,15 +86,6 @@ def duration_by_ruckig(limits, distance, v0, v1):
     return answer.duration
 
 
-@settings(max_examples=300, deadline=None)
-@given(tasks(spare=1.05))  # ruckig gives up next to the least distance
-def test_fastest_profiles_take_no_longer_than_ruckigs(task):
-    limits, distance, v0, v1 = task
-    assume(limits.jerk < inf)
-    mine = fastest_profile(distance, limits, v0, v1).duration_s
-    assert mine <= 1.001 * duration_by_ruckig(limits, distance, v0, v1)
-
-
 @settings(max_examples=100, deadline=None)
 @given(tasks())
 def test_backwards_is_the_mirror_image(task):
@@ -141,6 +132,7 @@ def test_profiles_pass_through_their_points(steps, percent):
 def test_ten_thousand_profiles_arrive_and_take_no_longer_than_ruckigs():
     dice = np.random.default_rng(11)
     worst = slowest = 0.0
+    compared = 0
     for _ in range(RANDOM_PROFILES):
         v, a, j, way = 10.0 ** dice.uniform(-2, 4, 4)
         limits = Limits(v, a, j)
@@ -150,9 +142,12 @@ def test_ten_thousand_profiles_arrive_and_take_no_longer_than_ruckigs():
         worst = max(worst, abs(integral_of_velocity(profile) / distance - 1))
         peak = max(abs(p.acceleration) for p in profile.phases)
         assert peak <= a * (1 + 1e-12)
+        # Next to the least distance ruckig gives up.
         if distance >= 1.05 * (distance - way):
+            compared += 1
             slowest = max(
                 slowest, profile.duration_s / duration_by_ruckig(limits, distance, v0, v1)
             )
     assert worst <= 1e-9
+    assert compared > RANDOM_PROFILES / 2
     assert slowest <= 1.001
