@@ -15,6 +15,10 @@ COMMANDS = {
     "inspect": ("inspect", "Print what a file holds, and what is wrong with it."),
     "convert": ("convert", "Write a part as DSTV, JSON or a drawing of its faces."),
     "plan": ("plan", "Explain the work that makes parts, step by step."),
+    "verify": ("verify_", "Read a program back and compare it with its parts."),
+    "diff": ("diff", "Compare two programs, or two parts, by what they mean."),
+    "check": ("check", "Post a folder of golden programs again and compare."),
+    "simulate": ("simulate", "Write where the axes of the cell are when."),
     "machines": ("machines", "List the machines, or show one with all its values."),
     "codes": ("codes", "List the codes of all messages."),
 }

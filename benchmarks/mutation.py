@@ -105,13 +105,12 @@ def outcome(text: str) -> Outcome:
             turning = number if number < 5 else 0
         elif command == "M" and number in (8, 9):
             cooling = number == 8
-        elif command == "M":
-            done.append((command, number))
-        elif number != 90:
+        elif command == "M" or number != 90:
             done.append((command, number))
     # Of cuts at one place any may come first.
     ordered: Outcome = []
-    for cut, group in groupby(done, lambda d: d[2] if d[0] == "cut" else None):
+    for cut, run in groupby(done, lambda d: d[2] if d[0] == "cut" else None):
+        group = list(run)
         ordered += group if cut is None else sorted(group, key=str)
     return [*ordered, ("header", *sorted(header.items()))]
 

@@ -1,11 +1,12 @@
 """What a program makes against what its parts need: everything once, in its place, nothing else."""
 
 from collections.abc import Collection, Iterator, Sequence
+from dataclasses import replace
 from fnmatch import fnmatchcase
 from math import floor, isnan, pi, radians, tan
 from typing import NamedTuple
 
-from beamcam.errors import Diagnostic, Source
+from beamcam.errors import Diagnostic, Source, errors_in
 from beamcam.machine.machine import Drill, Machine, Saw
 from beamcam.model.part import Hole, Part, Profile
 from beamcam.verify import rules
@@ -59,9 +60,11 @@ def compare(
         alike = (part, hole.face, hole.kind, hole.diameter, hole.depth, size, *bore[4:])
         if alike in fine:
             continue
-        found = [*_depth_and_tool(match, parts, machine, drill, choices, name)]
-        if meaning.feeds:
-            found += _feed(bore, parts[part].grade, drill, name)
+        found = [*_tool(match, parts, machine, name)]
+        if not errors_in(found):  # another tool has another depth and feed, of course
+            found += _depth(match, parts, machine, drill, choices, name)
+            if meaning.feeds:
+                found += _feed(bore, parts[part].grade, drill, name)
         if found:
             said += found
         else:
@@ -235,44 +238,53 @@ class _Matching:
         )  # fmt: skip
 
 
-def _depth_and_tool(
-    match: Match, parts: Sequence[Part], machine: Machine, drill: Drill,
-    choices: dict[int, Choice], name: str,
-) -> Iterator[Diagnostic]:  # fmt: skip
-    """What is wrong with the depth of a hole, or with the tool that makes it."""
-    (part, hole, _), bore, size = match
-    described = {
+def _described(match: Match, parts: Sequence[Part]) -> dict[str, object]:
+    """How messages name a hole."""
+    part, hole, _ = match.wanted
+    return {
         "diameter": f"{hole.diameter:g}", "face": hole.face, "mark": parts[part].mark,
         "x": f"{hole.x:g}", "y": f"{hole.y:g}",
     }  # fmt: skip
+
+
+def _tool(match: Match, parts: Sequence[Part], machine: Machine, name: str) -> Iterator[Diagnostic]:
+    """What is wrong with the tool that makes a hole."""
+    (_, hole, _), bore, size = match
+    described = _described(match, parts)
     place = Source(name, bore.line)
-    own = tool_for(hole if size == hole.diameter else _sized(hole, size), machine)
+    own = tool_for(hole if size == hole.diameter else replace(hole, diameter=size), machine)
     limits = fit(size, machine)
+    found = f"a drill {bore.diameter:g}"
     if hole.kind not in HOLE_TOOLS or limits is None or own is None:
-        yield rules.TOOL.at(
-            place, found=f"a drill {bore.diameter:g}", expected="another tool, or none", **described
-        )
+        yield rules.TOOL.at(place, found=found, expected="another tool, or none", **described)
     elif not limits[0] - 1e-6 <= bore.diameter <= limits[1] + 1e-6:
-        yield rules.TOOL.at(
-            place, found=f"a drill {bore.diameter:g}", expected=f"a drill {own:g}", **described
-        )
+        yield rules.TOOL.at(place, found=found, expected=f"a drill {own:g}", **described)
+    elif not any(bore.diameter in tools.sizes for tools in machine.tools):
+        expected = f"a drill {own:g}, the shop has none of that size"
+        yield rules.TOOL.at(place, found=found, expected=expected, **described)
     elif bore.diameter != own:
-        rule = rules.TOOL_NEARER if _has(bore.diameter, machine) else rules.TOOL
-        found = f"{bore.diameter:g}" if rule is rules.TOOL_NEARER else f"a drill {bore.diameter:g}"
-        yield rule.at(
-            place, found=found, expected=f"{own:g}" if rule is rules.TOOL_NEARER else
-            f"a drill {own:g}, that size is none of the shop's", **described,
-        )  # fmt: skip
+        yield rules.TOOL_NEARER.at(
+            place, found=f"{bore.diameter:g}", expected=f"{own:g}", **described
+        )
+
+
+def _depth(
+    match: Match, parts: Sequence[Part], machine: Machine, drill: Drill,
+    choices: dict[int, Choice], name: str,
+) -> Iterator[Diagnostic]:  # fmt: skip
+    """What is wrong with the depth of a hole."""
+    (part, hole, _), bore, _ = match
+    described = _described(match, parts)
+    place = Source(name, bore.line)
     tip = bore.diameter / 2 / tan(radians(_point_deg(bore.diameter, machine)) / 2)
     profile = parts[part].profile
     thickness = profile.thickness(hole.face)
     full = bore.tip_depth - tip
     slack = machine.format.resolution + 1e-6
+    found = f"{full:.3f}"
     if hole.depth is not None:
         if abs(full - hole.depth) > slack:
-            yield rules.DEPTH.at(
-                place, found=f"{full:.3f}", expected=f"{hole.depth:g}", **described
-            )
+            yield rules.DEPTH.at(place, found=found, expected=f"{hole.depth:g}", **described)
         return
     spindle = next(s for s in machine.spindles if s.face == hole.face)
     values = stroke_values(machine, profile, hole.face)
@@ -281,26 +293,15 @@ def _depth_and_tool(
     deepest = station.tip_depth(spindle.stroke.bottom(values)) - tip
     if full < thickness - slack:
         expected = f"at least the {thickness:g} mm of the material"
-        yield rules.DEPTH.at(place, found=f"{full:.3f}", expected=expected, **described)
+        yield rules.DEPTH.at(place, found=found, expected=expected, **described)
     elif full > deepest + slack:
-        expected = f"at most {deepest:.3f}"
-        yield rules.DEPTH.at(place, found=f"{full:.3f}", expected=expected, **described)
-
-
-def _sized(hole: Hole, diameter: float) -> Hole:
-    from dataclasses import replace
-
-    return replace(hole, diameter=diameter)
-
-
-def _has(diameter: float, machine: Machine) -> bool:
-    return any(diameter in tools.diameters for tools in machine.tools)
+        yield rules.DEPTH.at(place, found=found, expected=f"at most {deepest:.3f}", **described)
 
 
 def _point_deg(diameter: float, machine: Machine) -> float:
     """Angle of the point of the shop's drill of a diameter."""
     for tools in machine.tools:
-        if tools.kind == "drill" and diameter in tools.diameters:
+        if tools.kind == "drill" and diameter in tools.sizes:
             return tools.point_deg
     return 118.0
 

@@ -160,7 +160,7 @@ def tool_for(hole: Hole, machine: Machine) -> float | None:
         (abs(d - hole.diameter), d)
         for tools in machine.tools
         if tools.kind == kind
-        for d in tools.diameters
+        for d in tools.sizes
         if least - 1e-9 <= d <= greatest + 1e-9
     ]
     return min(sizes)[1] if sizes else None

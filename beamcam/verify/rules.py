@@ -190,9 +190,16 @@ NOT_MADE = Rule(
     "Nothing is left out in silence.",
 )
 
+MODBUS = Rule(
+    "verify-modbus",
+    _E,
+    "found {found}; expected a Modbus TCP server that takes the registers",
+    "The trace could not be sent; the server may be down, or its register map too small.",
+)
+
 RULES = (
     SYNTAX, WORD, NO_END, M_QUEUE, ARC, LIMIT, STOP_BACK, CUT_OFF, NO_SPINDLE, SPINDLE_OFF,
     SPINDLE_ON, COOLANT, RAPID, SIDEWAYS, NO_FEED, FEED, FEED_LIMIT, SECTION, CUT_MISSING,
     CUT_PLACE, CUT_ANGLE, CUT_EXTRA, OUTLINE, HOLE_MISSING, HOLE_PLACE, HOLE_EXTRA, DEPTH, TOOL,
-    TOOL_NEARER, NOT_MADE,
+    TOOL_NEARER, NOT_MADE, MODBUS,
 )  # fmt: skip

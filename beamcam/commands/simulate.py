@@ -1,0 +1,92 @@
+"""`beamcam simulate`: the axes of the cell over time, from a program."""
+
+import re
+
+import click
+
+from beamcam.commands.common import stop, write
+from beamcam.commands.programs import read_program, shown_name
+from beamcam.errors import BeamcamError, VerifyError, errors_in
+from beamcam.machine import load
+from beamcam.pipeline import DEFAULT_MACHINE
+from beamcam.verify import run
+from beamcam.verify.simulate import rows, stretches, trace
+
+_UNITS_S = {"ms": 0.001, "s": 1.0}
+
+
+class Duration(click.ParamType[float]):
+    """A time such as 10ms or 0.5s, in seconds."""
+
+    name = "time"
+
+    def convert(
+        self, value: object, param: click.Parameter | None, ctx: click.Context | None
+    ) -> float:
+        match = re.fullmatch(r"(\d+(?:\.\d+)?)(ms|s)", str(value))
+        if match is None or float(match[1]) <= 0:
+            self.fail(f"found {value!r}; expected a time above 0 such as 10ms or 0.5s", param, ctx)
+        return float(match[1]) * _UNITS_S[match[2]]
+
+
+class Address(click.ParamType[tuple[str, int]]):
+    """HOST:PORT."""
+
+    name = "host:port"
+
+    def convert(
+        self, value: object, param: click.Parameter | None, ctx: click.Context | None
+    ) -> tuple[str, int]:
+        host, colon, port = str(value).rpartition(":")
+        if not (colon and host and port.isdigit() and 0 < int(port) < 65536):
+            self.fail(f"found {value!r}; expected HOST:PORT such as localhost:502", param, ctx)
+        return host.strip("[]"), int(port)
+
+
+@click.command("simulate")
+@click.argument("program")
+@click.option("--machine", default=DEFAULT_MACHINE, show_default=True, help="Name or TOML file.")
+@click.option("-o", "--output", help="The trace's CSV file; - is standard output.")
+@click.option("--every", type=Duration(), help="Sample at this step, such as 10ms; else by event.")
+@click.option("--modbus", type=Address(), help="Send the trace to this Modbus TCP server.")
+@click.option(
+    "--pace",
+    type=click.FloatRange(min=0),
+    default=0.0,
+    show_default=True,
+    help="Seconds to send a second of the cell in; 0 is as fast as it goes.",
+)
+@click.option("--json", "as_json", is_flag=True, help="Print messages as JSON.")
+def command(
+    program: str,
+    machine: str,
+    output: str | None,
+    every: float | None,
+    modbus: tuple[str, int] | None,
+    pace: float,
+    as_json: bool,
+) -> None:
+    """Run PROGRAM on a model of the cell and write where its axes are when.
+
+    \b
+    beamcam simulate job.gcode --machine beamline -o trace.csv
+    beamcam simulate job.gcode -o trace.csv --every 10ms
+    beamcam simulate job.gcode --every 100ms --modbus localhost:502 --pace 1
+    """
+    if output is None and modbus is None:
+        raise click.UsageError("Say where the trace goes: -o FILE or --modbus HOST:PORT.")
+    try:
+        loaded = load(machine)
+        done = run(read_program(program), loaded, None, shown_name(program))
+        if errors_in(done.diagnostics):
+            raise VerifyError(done.diagnostics)
+        course = stretches(done, loaded)
+        if modbus is not None:
+            from beamcam.verify.modbus import send
+
+            sent = send(rows(course, every), *modbus, pace)
+            click.echo(f"{sent} rows sent to {modbus[0]}:{modbus[1]}", err=True)
+    except BeamcamError as error:
+        stop(error.diagnostics, as_json)
+    if output is not None:
+        write(output, trace(course, loaded, every))

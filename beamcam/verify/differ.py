@@ -1,0 +1,308 @@
+"""Two programs, or two parts, compared by what they mean.
+
+Numbering, comments, spacing and the order of holes in a part's file count for nothing. Each
+difference is a sentence: "hole v at x 1200.0 moved by 2.0 mm, drill 18 to 22".
+"""
+
+from collections import Counter
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import dataclass, fields
+from math import hypot, isnan
+from typing import Literal, TypeVar
+
+from beamcam.errors import Source
+from beamcam.geometry.curves import Curve
+from beamcam.model.part import (
+    Bend,
+    Camber,
+    Contour,
+    EndPlane,
+    Feature,
+    Hole,
+    Part,
+    Slot,
+    TextMark,
+)  # fmt: skip
+from beamcam.verify.made import Bore, Cut, Made
+
+NEAR = 60.0  #: mm; what lies nearer is taken to have moved, what lies further to be another thing
+
+T = TypeVar("T")
+
+
+@dataclass(frozen=True, slots=True)
+class Difference:
+    """One difference between A and B."""
+
+    what: Literal["section", "cut", "hole", "order", "part", "feature"]
+    how: Literal["changed", "only in A", "only in B"]
+    text: str
+
+
+def diff_programs(a: Made, b: Made, resolution: float) -> tuple[Difference, ...]:
+    """What program B makes otherwise than program A; lengths nearer than `resolution` are one."""
+    step = resolution / 2 + 1e-9
+    found = [*_section(a, b)]
+    found += _lists("cut", a.cuts, b.cuts, _cut_place, _cut_name, lambda x, y: _cut(x, y, step))
+    for face in sorted({h.face for h in (*a.bores, *b.bores)}):
+        found += _lists(
+            "hole",
+            [h for h in a.bores if h.face == face],
+            [h for h in b.bores if h.face == face],
+            _bore_place,
+            _bore_name,
+            lambda x, y: _bore(x, y, step),
+        )
+    if not found and _order(a) != _order(b):
+        found.append(Difference("order", "changed", "the same cuts and holes in another order"))
+    return tuple(found)
+
+
+def diff_parts(a: Sequence[Part], b: Sequence[Part]) -> tuple[Difference, ...]:
+    """What the parts of B are otherwise than those of A, taken one after another."""
+    found: list[Difference] = []
+    for first, second in zip(a, b, strict=False):
+        found += _part(first, second)
+    found += [Difference("part", "only in A", f"part {p.mark} only in A") for p in a[len(b) :]]
+    found += [Difference("part", "only in B", f"part {p.mark} only in B") for p in b[len(a) :]]
+    return tuple(found)
+
+
+# Programs
+
+
+def _section(a: Made, b: Made) -> Iterator[Difference]:
+    first, second = dict(a.section), dict(b.section)
+    for name in sorted(first.keys() | second.keys()):
+        old, new = first.get(name), second.get(name)
+        if old != new and not (old is not None and new is not None and isnan(old) and isnan(new)):
+            text = f"{name} {_shown(old)} to {_shown(new)}"
+            yield Difference("section", "changed", text)
+
+
+def _order(made: Made) -> list[tuple[object, ...]]:
+    return [op[1:3] if type(op) is Cut else op[1:5] for op in made.order]
+
+
+def _cut_place(cut: Cut) -> tuple[float, float]:
+    return cut.x, cut.angle / 10  # of cuts at one place those of like angle belong together
+
+
+def _cut_name(cut: Cut) -> str:
+    return f"cut at x {cut.x:.1f}"
+
+
+def _cut(a: Cut, b: Cut, step: float) -> list[str]:
+    changes = _moved(b.x - a.x, 0.0, step)
+    if abs(a.angle - b.angle) > 1e-9:
+        changes.append(f"angle {a.angle:g} to {b.angle:g}")
+    return changes + _feed(a, b)
+
+
+def _feed(a: Cut | Bore, b: Cut | Bore) -> list[str]:
+    if abs(a.feed_mm_min - b.feed_mm_min) > 1e-6:
+        return [f"feed {a.feed_mm_min:.6g} to {b.feed_mm_min:.6g} mm/min"]
+    return []
+
+
+def _bore_place(bore: Bore) -> tuple[float, float]:
+    return bore.x, bore.y
+
+
+def _bore_name(bore: Bore) -> str:
+    return f"hole {bore.face} at x {bore.x:.1f}"
+
+
+def _bore(a: Bore, b: Bore, step: float) -> list[str]:
+    changes = _moved(b.x - a.x, b.y - a.y, step)
+    if a.diameter != b.diameter:
+        changes.append(f"drill {a.diameter:g} to {b.diameter:g}")
+    if abs(a.stroke - b.stroke) > step:
+        changes.append(f"stroke {a.stroke:g} to {b.stroke:g}")
+    if a.spindle != b.spindle:
+        changes.append(f"spindle {a.spindle} to {b.spindle}")
+    return changes + _feed(a, b)
+
+
+# Parts
+
+
+_HEADER = (
+    "mark", "length", "saw_length", "quantity", "order", "drawing", "phase", "grade",
+)  # fmt: skip
+_KINDS: tuple[type[Feature], ...] = (Hole, Slot, Contour, TextMark, Bend, EndPlane, Camber)
+_NAMES = {
+    Hole: "hole", Slot: "slot", Contour: "contour", TextMark: "text", Bend: "bend",
+    EndPlane: "end plane", Camber: "camber",
+}  # fmt: skip
+
+
+def _part(a: Part, b: Part) -> Iterator[Difference]:
+    for name in _HEADER:
+        yield from _value("part", name.replace("_", " "), getattr(a, name), getattr(b, name))
+    for field in fields(a.profile):
+        name = "profile" if field.name == "name" else field.name.replace("_", " ")
+        yield from _value(
+            "part", name, getattr(a.profile, field.name), getattr(b.profile, field.name)
+        )
+    for field in fields(a.cuts):
+        name = f"{field.name.replace('_', ' ')} cut"
+        yield from _value("part", name, getattr(a.cuts, field.name), getattr(b.cuts, field.name))
+    for kind in _KINDS:
+        faces = sorted({_face(f) for f in (*a.features, *b.features) if isinstance(f, kind)})
+        for face in faces:
+            yield from _lists(
+                "hole" if kind is Hole else "feature",
+                [f for f in a.features if isinstance(f, kind) and _face(f) == face],
+                [f for f in b.features if isinstance(f, kind) and _face(f) == face],
+                _place,
+                _name,
+                _feature,
+            )
+
+
+def _value(what: Literal["part"], name: str, a: object, b: object) -> Iterator[Difference]:
+    if a != b:
+        yield Difference(what, "changed", f"{name} {_shown(a)} to {_shown(b)}")
+
+
+def _face(feature: Feature) -> str:
+    return getattr(feature, "face", "")
+
+
+def _place(feature: Feature) -> tuple[float, float]:
+    match feature:
+        case Hole() | Slot() | TextMark() | Camber():
+            return feature.x, feature.y
+        case Contour():
+            boxes = [curve.bbox for curve in feature.curves]
+            return (
+                (min(b[0] for b in boxes) + max(b[2] for b in boxes)) / 2,
+                (min(b[1] for b in boxes) + max(b[3] for b in boxes)) / 2,
+            )
+        case Bend():
+            return feature.start
+        case EndPlane():
+            return feature.point[0], feature.point[1]
+
+
+def _name(feature: Feature) -> str:
+    kind = _NAMES[type(feature)]
+    if isinstance(feature, Contour):
+        kind = {"outer": "outline", "inner": "cut-out", "open": "line"}[feature.kind]
+    if isinstance(feature, TextMark):
+        kind = f"text {feature.text!r}"
+    face = f" {_face(feature)}" if _face(feature) else ""
+    return f"{kind}{face} at x {_place(feature)[0]:.1f}"
+
+
+_PLACES = ("x", "y")
+
+
+def _feature(a: Feature, b: Feature) -> list[str]:
+    """What two features of one kind differ in, wherever they stand in their files."""
+    (ax, ay), (bx, by) = _place(a), _place(b)
+    changes = _moved(bx - ax, by - ay, 1e-9)
+    for field in fields(a):
+        old, new = getattr(a, field.name), getattr(b, field.name)
+        if isinstance(old, Source) or field.name in _PLACES:
+            continue
+        if field.name == "curves":
+            if _chain(a, b, bx - ax, by - ay):
+                changes.append("another course")
+        elif old != new:
+            changes.append(f"{field.name.replace('_', ' ')} {_shown(old)} to {_shown(new)}")
+    return changes
+
+
+def _chain(a: Feature, b: Feature, dx: float, dy: float) -> bool:
+    """Whether two contours have another course, moved onto each other and begun anywhere."""
+    if not isinstance(a, Contour) or not isinstance(b, Contour):
+        return False
+    first, second = [_key(c, dx, dy) for c in a.curves], [_key(c, 0.0, 0.0) for c in b.curves]
+    if not (a.closed and b.closed):
+        return first != second
+    return all(first[i:] + first[:i] != second for i in range(max(1, len(first))))
+
+
+def _key(curve: Curve, dx: float, dy: float) -> tuple[object, ...]:
+    """A curve's kind and five points of it, to a thousandth of a millimetre."""
+    points = [curve.point(t / 4) for t in range(5)]
+    return type(curve).__name__, *(
+        (round(x + dx, 3) + 0.0, round(y + dy, 3) + 0.0) for x, y in points
+    )
+
+
+# Both
+
+
+def _moved(dx: float, dy: float, step: float) -> list[str]:
+    far = hypot(dx, dy)
+    if abs(dx) <= step and abs(dy) <= step:
+        return []
+    way = "" if abs(dy) <= step else " across" if abs(dx) <= step else " askew"
+    return [f"moved by {_length(far)} mm{way}"]
+
+
+def _length(value: float) -> str:
+    return f"{value:.1f}" if abs(value * 10 - round(value * 10)) < 1e-6 else f"{value:.3f}"
+
+
+def _shown(value: object) -> str:
+    if isinstance(value, float):
+        return f"{value:g}"
+    return "none" if value is None or value == "" else str(value)
+
+
+def _lists(
+    what: Literal["cut", "hole", "feature"],
+    a: Iterable[T],
+    b: Iterable[T],
+    place: Callable[[T], tuple[float, float]],
+    name: Callable[[T], str],
+    changes: Callable[[T, T], list[str]],
+) -> Iterator[Difference]:
+    """Things of A and B paired: first those that are the same, then the nearest ones."""
+    left, right = list(a), list(b)
+    crowds = Counter(map(name, left)), Counter(map(name, right))
+
+    def called(thing: T, side: int) -> str:
+        """The thing's name, with its y where others on its side have the same name."""
+        shown = name(thing)
+        return f"{shown}, y {place(thing)[1]:.1f}" if crowds[side][shown] > 1 else shown
+
+    index: dict[tuple[float, float], list[int]] = {}
+    for i, thing in enumerate(right):
+        index.setdefault(place(thing), []).append(i)
+    taken: set[int] = set()
+    rest: list[T] = []
+    for thing in left:
+        same = next(
+            (i for i in index.get(place(thing), ()) if i not in taken
+             and not changes(thing, right[i])), None,
+        )  # fmt: skip
+        if same is None:
+            rest.append(thing)
+        else:
+            taken.add(same)
+    free = [t for i, t in enumerate(right) if i not in taken]
+    pairs = sorted(
+        (hypot(place(x)[0] - place(y)[0], place(x)[1] - place(y)[1]), len(changes(x, y)), i, j)
+        for i, x in enumerate(rest)
+        for j, y in enumerate(free)
+        if abs(place(x)[0] - place(y)[0]) <= NEAR
+    )
+    mine: dict[int, int] = {}
+    theirs: set[int] = set()
+    for distance, _, i, j in pairs:
+        if distance <= NEAR and i not in mine and j not in theirs:
+            mine[i] = j
+            theirs.add(j)
+    for i, thing in enumerate(rest):
+        if i not in mine:
+            yield Difference(what, "only in A", f"{called(thing, 0)} only in A")
+        elif said := changes(thing, free[mine[i]]):
+            yield Difference(what, "changed", f"{called(thing, 0)} {', '.join(said)}")
+    for j, thing in enumerate(free):
+        if j not in theirs:
+            yield Difference(what, "only in B", f"{called(thing, 1)} only in B")
