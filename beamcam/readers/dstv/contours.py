@@ -283,15 +283,13 @@ def build_contour(rows: Rows, mirrored: bool, thickness: float, log: Log) -> Con
     if any(map(tuple.__eq__, points, points[1:])):
         points, radii, lines, bevels, notches = _drop_repeated(rows, radii, log)
     if len(points) < 2:
-        for line in lines or [rows.line]:
+        for line in lines + rows.notch_lines:
             log.add(rules.CONTOUR_EMPTY, line, count=len(points))
         return None
     closed = points[0] == points[-1]
     if not closed and rows.code in "AI":
         points, radii = _close(points, radii, lines, log)
         closed = True
-    log.taken.extend(rows.lines)
-    log.taken.extend(rows.notch_lines)
     kind: ContourKind = "outer" if rows.code == "A" else "inner" if closed else "open"
     turned = False
     if closed:
@@ -318,7 +316,10 @@ def build_contour(rows: Rows, mirrored: bool, thickness: float, log: Log) -> Con
         ]
     curves = _curves(points, radii, lines, log)
     if curves is None:
+        log.left_out.extend(rows.lines + rows.notch_lines)
         return None
+    log.taken.extend(rows.lines)
+    log.taken.extend(rows.notch_lines)
     process: Process = "punch" if rows.code == "K" else "powder" if rows.code == "P" else "cut"
     rows.turned = turned
     return Contour(
@@ -427,7 +428,7 @@ def _curves(
         if radius == 0.0:
             curves.append(Line(points[i], points[i + 1]))
             continue
-        arc = _arc(points[i], points[i + 1], radius, lines[min(i, len(lines) - 1)], log)
+        arc = _arc(points[i], points[i + 1], radius, lines[min(i, len(lines) - 1)], len(lines), log)
         if arc is None:
             failed = True
         else:
@@ -435,7 +436,7 @@ def _curves(
     return None if failed else tuple(curves)
 
 
-def _arc(start: Point, end: Point, radius: float, line: int, log: Log) -> Arc | None:
+def _arc(start: Point, end: Point, radius: float, line: int, count: int, log: Log) -> Arc | None:
     """The arc between two points; None, with an error, if no circle of `radius` fits them."""
     try:
         return arc_through(start, end, radius)
@@ -445,5 +446,5 @@ def _arc(start: Point, end: Point, radius: float, line: int, log: Log) -> Arc | 
         if half <= abs(radius) * (1 + _ARC_SLACK):
             log.add(rules.ARC_STRETCHED, line, radius=radius, chord=chord)
             return arc_through(start, end, half if radius > 0 else -half)
-        log.add(rules.ARC_RADIUS, line, radius=radius, chord=chord, least=half)
+        log.add(rules.ARC_RADIUS, line, radius=radius, chord=chord, least=half, count=count)
         return None

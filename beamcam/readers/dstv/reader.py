@@ -142,47 +142,46 @@ def _result(part: Part, data_lines: list[int], log: Log) -> tuple[Reading, Accou
     diagnostics = log.diagnostics
     if len(diagnostics) > 1:
         diagnostics.sort(key=lambda d: d.source.line or 0)
-    reported = [d.source.line or 0 for d in diagnostics]
+    reported = [d.source.line or 0 for d in diagnostics] + log.left_out
     return Reading("dstv", (part,), tuple(diagnostics)), Account(data_lines, log.taken, reported)
 
 
 def _refused(lines: list[str], log: Log) -> tuple[Reading, Account]:
     """No part, and a note of how many lines were not looked at."""
     said = {d.source.line for d in log.diagnostics}
-    unread = [
-        i
-        for i, line in enumerate(lines, 1)
-        if line.strip() and not line.lstrip().startswith("**") and i not in said
+    data_lines = [
+        i for i, line in enumerate(lines, 1) if line.strip() and line.lstrip()[:2] != "**"
     ]
+    unread = [i for i in data_lines if i not in said]
     if unread:
         log.add(rules.UNREAD, unread[-1], count=len(unread))
     log.diagnostics.sort(key=lambda d: d.source.line or 0)
-    account = Account(unread, [], unread)
+    account = Account(data_lines, [], data_lines)
     return Reading("dstv", (), tuple(log.diagnostics)), account
 
 
 def _find_start(lines: list[str], log: Log) -> tuple[int | None, list[Placed]]:
     """Index behind the line ST, and the comments before it; None if there is none."""
     comments: list[Placed] = []
-    first: tuple[int, str] | None = None
+    data: list[tuple[int, str]] = []
     for index, line in enumerate(lines):
         text = line.strip()
-        if text == "ST":
-            if first is not None:
-                log.add(rules.BEFORE_ST, first[0], found=_short(first[1]))
-            return index + 1, comments
-        if text == "st" and first is None:
-            log.add(rules.CODE_CASE, index + 1, found=text, block="ST")
+        if text == "ST" or (text == "st" and not data):
+            if data:
+                log.add(rules.BEFORE_ST, data[0][0], found=_short(data[0][1]), count=len(data))
+                log.left_out.extend(number for number, _ in data)
+            if text == "st":
+                log.add(rules.CODE_CASE, index + 1, found=text, block="ST")
             return index + 1, comments
         if text[:2] == "**":
             comments.append((index + 1, "start", text[2:]))
-        elif text and first is None:
-            first = index + 1, text
+        elif text:
+            data.append((index + 1, text))
     if any(line.strip() in CODES for line in lines):
-        line_number, found = first or (1, "")
+        line_number, found = data[0]
         log.add(rules.NO_ST, line_number, found=_short(found))
     else:
-        line_number, found = first or (1, "nothing")
+        line_number, found = data[0] if data else (1, "nothing")
         log.add(rules.NOT_DSTV, line_number, found=_short(found))
     return None, comments
 

@@ -333,11 +333,11 @@ def read_cambers(block: Block, place: Place) -> list[Camber]:
 def read_end_planes(block: Block, log: Log) -> list[EndPlane]:
     """The cutting planes of block SC; six numbers each, on any lines."""
     features: list[EndPlane] = []
-    groups = _groups(block, 6, log, rules.ENDPLANE_FIELDS)
-    for line, values in groups:
+    for line, values in _groups(block, 6, 0, log, rules.ENDPLANE_FIELDS):
         x, y, z, nx, ny, nz = values
         if nx == ny == nz == 0.0:
-            log.add(rules.ENDPLANE_FIELDS, line, found="a normal without length")
+            found = "a normal without length"
+            log.add(rules.ENDPLANE_FIELDS, line, found=found, count=1)
             continue
         features.append(EndPlane((x, y, z), (nx, ny, nz), Source(log.file, line)))
     return features
@@ -345,51 +345,45 @@ def read_end_planes(block: Block, log: Log) -> list[EndPlane]:
 
 def read_plane(block: Block, name: str, log: Log) -> Plane | None:
     """The plane of a block En: three rows of three numbers, or all nine on fewer lines."""
-    groups = _groups(block, 9, log, rules.PLANE_FIELDS)
-    if len(groups) != 1:
-        if not block.rows or len(groups) > 1:
-            log.add(rules.PLANE_FIELDS, block.line, found=f"{9 * len(groups)} numbers")
+    groups = _groups(block, 9, 1, log, rules.PLANE_FIELDS)
+    if not groups:
         return None
-    _, v = groups[0]
-    return Plane(
-        name,
-        (v[0], v[1], v[2]),
-        (v[3], v[4], v[5]),
-        (v[6], v[7], v[8]),
-        Source(log.file, block.line),
-    )
+    a, b, c, d, e, f, g, h, i = groups[0][1]
+    return Plane(name, (a, b, c), (d, e, f), (g, h, i), Source(log.file, block.line))
 
 
 def read_tolerance(block: Block, log: Log) -> tuple[float, float] | None:
     """Least and greatest deviation of the length (TO)."""
-    groups = _groups(block, 2, log, rules.TOLERANCE_FIELDS)
-    if len(groups) != 1:
-        if not block.rows or len(groups) > 1:
-            log.add(rules.TOLERANCE_FIELDS, block.line, found=f"{2 * len(groups)} numbers")
+    groups = _groups(block, 2, 1, log, rules.TOLERANCE_FIELDS)
+    if not groups:
         return None
     least, greatest = groups[0][1]
     return least, greatest
 
 
-def _groups(block: Block, size: int, log: Log, rule: Rule) -> list[tuple[int, list[float]]]:
+def _groups(
+    block: Block, size: int, count: int, log: Log, rule: Rule
+) -> list[tuple[int, list[float]]]:
     """The numbers of a block by `size`, each group with its first line.
 
-    Numbers count and lines do not, since some programs join the three rows of a plane.
+    Numbers count and lines do not, since some programs join the three rows of a plane. `count`
+    groups are expected, any number if it is 0. Otherwise there are none, and one error that says
+    how many rows that leaves out.
     """
     values: list[tuple[int, float]] = []
-    lines: list[int] = []
+    wrong: tuple[int, str] | None = None
     for line, row in zip(block.numbers, block.rows, strict=True):
         try:
             values.extend((line, value) for value in plain_numbers(row, line, log))
         except RowError:
-            log.add(rule, line, found=row)
-            return []
-        lines.append(line)
-    if len(values) % size:
-        for line in lines:
-            log.add(rule, line, found=f"{len(values)} numbers")
+            wrong = wrong or (line, row)
+    if wrong is None and (len(values) % size or (count and len(values) != size * count)):
+        wrong = block.numbers[0] if block.numbers else block.line, f"{len(values)} numbers"
+    if wrong is not None:
+        log.add(rule, wrong[0], found=wrong[1], count=len(block.rows))
+        log.left_out.extend(block.numbers)
         return []
-    log.taken.extend(lines)
+    log.taken.extend(block.numbers)
     groups = [values[i : i + size] for i in range(0, len(values), size)]
     return [(group[0][0], [value for _, value in group]) for group in groups]
 

@@ -28,7 +28,7 @@ NO_ST = _error(
 )
 BEFORE_ST = _error(
     "before-st",
-    "found {found!r} before ST, expected nothing but comments there",
+    "found {count} lines of data before ST, the first {found!r}; expected comments only",
     "Data before the header belongs to no part; the file was joined or damaged.",
 )
 SECOND_ST = _error(
@@ -191,7 +191,8 @@ TEXT_FIELDS = _error(
 )
 PLANE_FIELDS = _error(
     "plane-fields",
-    "found {found!r}, expected nine numbers: origin, a point on x, a point on y",
+    "found {found!r}, expected nine numbers: origin, a point on x, a point on y; {count} rows of "
+    "the block are left out",
     "A plane needs three points.",
 )
 BEND_FIELDS = _error(
@@ -201,11 +202,14 @@ BEND_FIELDS = _error(
 )
 ENDPLANE_FIELDS = _error(
     "endplane-fields",
-    "found {found!r}, expected six numbers: a point and the outward normal",
+    "found {found!r}, expected six numbers: a point and the outward normal; {count} rows of the "
+    "block are left out",
     "No rule of block SC explains the row.",
 )
 TOLERANCE_FIELDS = _error(
-    "tolerance-fields", "found {found!r}, expected two numbers", "Block TO is `least greatest`."
+    "tolerance-fields",
+    "found {found!r}, expected two numbers; {count} rows of the block are left out",
+    "Block TO is `least greatest`.",
 )
 CAMBER_FIELDS = _error(
     "camber-fields", "found {found!r}, expected `face x y`", "Block UE is points of a camber line."
@@ -295,7 +299,8 @@ REPEATED_POINT = _note(
 )
 ARC_RADIUS = _error(
     "arc-radius",
-    "found radius {radius:g} between points {chord:.3f} apart, expected at least {least:.3f}",
+    "found radius {radius:g} between points {chord:.3f} apart, expected at least {least:.3f}; "
+    "the contour's {count} rows are left out",
     "No circle of this radius passes through both points; the shape is not known.",
 )
 ARC_STRETCHED = _warning(

@@ -30,6 +30,7 @@ class Log:
     file: str
     diagnostics: list[Diagnostic] = field(default_factory=list)
     taken: list[int] = field(default_factory=list)  #: lines whose content is in the part
+    left_out: list[int] = field(default_factory=list)  #: lines that a diagnostic elsewhere counts
 
     def add(self, rule: Rule, line: int, **values: object) -> None:
         self.diagnostics.append(rule.at(Source(self.file, line), **values))

@@ -1,0 +1,57 @@
+"""Writing a part and reading it back gives the same part."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+from hypothesis import HealthCheck, given, settings
+
+from beamcam.errors import Source
+from beamcam.model.part import Part
+from beamcam.readers import part_json
+from beamcam.readers.dstv import read, read_with_account
+from beamcam.writers import dstv as dstv_writer
+from beamcam.writers import part_json as json_writer
+from tests.property.part_strategies import parts
+
+SAMPLES = sorted((Path(__file__).parents[2] / "samples" / "dstv").glob("*.nc1"))
+NOWHERE = Source("")
+
+SETTINGS = settings(max_examples=120, deadline=None, suppress_health_check=[HealthCheck.too_slow])
+
+
+def without_places(part: Part) -> Part:
+    """The part without the files and lines that it came from."""
+    return replace(
+        part,
+        source=NOWHERE,
+        features=tuple(replace(feature, source=NOWHERE) for feature in part.features),
+        planes=tuple(replace(plane, source=NOWHERE) for plane in part.planes),
+    )
+
+
+@SETTINGS
+@given(parts())
+def test_reading_what_was_written_gives_the_part(part):
+    text = dstv_writer.write(part)
+    reading, account = read_with_account(text.encode(), "written.nc1")
+    (again,) = reading.parts
+    assert without_places(again) == without_places(part)
+    assert dstv_writer.write(again) == text
+    assert account.lost == []
+
+
+@SETTINGS
+@given(parts())
+def test_json_gives_the_part_to_the_last_bit(part):
+    reading = part_json.read(json_writer.write(part).encode(), "part.json")
+    assert reading.diagnostics == ()
+    assert reading.parts == (part,)
+
+
+@pytest.mark.parametrize("path", SAMPLES, ids=lambda path: path.stem)
+def test_samples_come_back(path):
+    (part,) = read(path.read_bytes(), path.name).parts
+    (again,) = read(dstv_writer.write(part).encode(), "written.nc1").parts
+    assert without_places(again) == without_places(part)
+    assert part_json.read(json_writer.write(part).encode(), "part.json").parts == (part,)
