@@ -36,6 +36,7 @@ class Format:
 FORMATS = (
     Format("dstv", (".nc", ".nc1"), "beamcam.readers.dstv"),
     Format("dxf", (".dxf",), "beamcam.readers.dxf"),
+    Format("svg", (".svg",), "beamcam.readers.svg"),
     Format("part-json", (".json",), "beamcam.readers.part_json"),
 )
 

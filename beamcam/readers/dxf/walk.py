@@ -79,7 +79,8 @@ class Walk:
         try:
             chains = self._chains(entity, kind, frame, heights)
         except EdgeOnError:
-            self.found.edge_on[kind] += not hidden
+            if not hidden:
+                self.found.edge_on[kind] += 1
             return
         # ezdxf's own errors are ValueError and TypeError by kind; nothing else is expected here.
         except (ValueError, TypeError, ArithmeticError, LookupError) as error:

@@ -1,0 +1,140 @@
+"""Style sheets as drawing programs write them, and the style of one element below another.
+
+Selectors are element names, classes and ids, also joined (`rect.fil0`) and in lists; rules with
+others (`g > path`, `:hover`) are named and left out.
+"""
+
+import re
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
+
+from beamcam.readers.svg.tree import Element
+
+#: Properties that this reader looks at and that an element passes on to its content.
+INHERITED = (
+    "stroke",
+    "stroke-width",
+    "stroke-opacity",
+    "stroke-dasharray",
+    "fill",
+    "fill-opacity",
+    "color",
+    "visibility",
+)
+OWN = ("display", "clip-path", "mask")
+
+#: What holds where nothing is said. Source: SVG 1.1, property index.
+INITIAL: Mapping[str, str] = {
+    "stroke": "none",
+    "stroke-width": "1",
+    "stroke-opacity": "1",
+    "stroke-dasharray": "none",
+    "fill": "black",
+    "fill-opacity": "1",
+    "color": "black",
+    "visibility": "visible",
+}
+
+Style = dict[str, str]
+
+_COMMENT = re.compile(r"/\*.*?\*/|<!--|-->", re.DOTALL)
+_RULE = re.compile(r"([^{}]*)\{([^{}]*)\}", re.DOTALL)
+_SELECTOR = re.compile(r"(\*|[A-Za-z][\w-]*)?((?:[.#][^\s.#:>+~\[\]*]+)*)\Z")
+_IMPORTANT = re.compile(r"\s*!\s*important\s*\Z", re.IGNORECASE)
+
+
+@dataclass(frozen=True, slots=True)
+class CssRule:
+    """One selector and what it sets."""
+
+    tag: str  #: "" for any
+    identity: str
+    classes: frozenset[str]
+    order: int
+    style: tuple[tuple[str, str, bool], ...]  #: property, value, important
+
+    @property
+    def weight(self) -> tuple[bool, int, bool, int]:
+        """Order of precedence: ids before classes before names, later ones before earlier."""
+        return bool(self.identity), len(self.classes), bool(self.tag), self.order
+
+
+@dataclass(slots=True)
+class StyleSheet:
+    """The rules of a file, found by the class, id or name that they ask for."""
+
+    by_key: dict[str, list[CssRule]] = field(default_factory=dict)
+    ignored: list[str] = field(default_factory=list)  #: selectors that are not understood
+    _count: int = 0
+
+    def add(self, text: str) -> None:
+        """Take in the rules of one element `style`."""
+        text = _COMMENT.sub(" ", text)
+        text = re.sub(r"@(?:import|charset|namespace)[^;{]*;", " ", text)
+        for head, body in _RULE.findall(text):
+            if "@" in head:  # @font-face: nothing that a shape could look like
+                continue
+            style = tuple(declarations(body))
+            for selector in head.split(","):
+                self._add_rule(selector.strip(), style)
+
+    def _add_rule(self, selector: str, style: tuple[tuple[str, str, bool], ...]) -> None:
+        found = _SELECTOR.match(selector)
+        if not selector or found is None:
+            if any(name in INHERITED or name in OWN for name, _, _ in style):
+                self.ignored.append(selector)
+            return
+        tag = "" if found[1] in (None, "*") else found[1]
+        parts = re.findall(r"([.#])([^.#]+)", found[2])
+        classes = frozenset(name for mark, name in parts if mark == ".")
+        identity = next((name for mark, name in parts if mark == "#"), "")
+        self._count += 1
+        rule = CssRule(tag, identity, classes, self._count, style)
+        key = f"#{identity}" if identity else f".{min(classes)}" if classes else tag
+        self.by_key.setdefault(key, []).append(rule)
+
+    def rules_for(self, element: Element) -> list[CssRule]:
+        """The rules that fit `element`, the weightiest last."""
+        if not self.by_key:
+            return []
+        classes = (element.get("class") or "").split()
+        keys = ["", element.tag, f"#{element.get('id')}", *(f".{name}" for name in classes)]
+        found = [
+            rule
+            for key in dict.fromkeys(keys)
+            for rule in self.by_key.get(key, ())
+            if rule.tag in ("", element.tag)
+            and rule.identity in ("", element.get("id"))
+            and rule.classes.issubset(classes)
+        ]
+        return sorted(found, key=lambda rule: rule.weight)
+
+
+def declarations(text: str) -> Iterable[tuple[str, str, bool]]:
+    """Property, value and importance of "stroke:red; fill: none !important"."""
+    for part in text.split(";"):
+        name, colon, value = part.partition(":")
+        if colon:
+            plain = _IMPORTANT.sub("", value)
+            yield name.strip().lower(), plain.strip(), plain != value
+
+
+def style_of(element: Element, above: Style, sheet: StyleSheet) -> Style:
+    """The style of `element` in an element of style `above`.
+
+    Attributes weigh least, then the style sheet, then the attribute `style`; what is important
+    weighs most. What is not said is inherited.
+    """
+    style = {name: above[name] for name in INHERITED}
+    settings: list[tuple[str, str, bool]] = [
+        (name, value, False) for name, value in element.attributes.items()
+    ]
+    for rule in sheet.rules_for(element):
+        settings += rule.style
+    if inline := element.get("style"):
+        settings += declarations(inline)
+    for important in (False, True):
+        for name, value, marked in settings:
+            if marked == important and (name in INHERITED or name in OWN) and value != "inherit":
+                style[name] = value.strip()
+    return style

@@ -1,0 +1,264 @@
+"""The page: how long a unit of the drawing is, and where its origin lies."""
+
+import re
+from dataclasses import dataclass
+
+from beamcam.errors import Diagnostic, ReadError, Source
+from beamcam.geometry.plane import Matrix
+from beamcam.readers.drawing import MM_PER_UNIT, UNITS_OPTION, WIDTH_OPTION, split_length
+from beamcam.readers.svg import rules
+from beamcam.readers.svg.css import declarations
+from beamcam.readers.svg.tree import Document
+
+#: CSS fixes the px at 1/96 inch; lengths with units inside a drawing are counted in these.
+CSS_PX = MM_PER_UNIT["px96"]
+
+#: Scales by width and by height that differ more than this deny each other. CorelDRAW rounds the
+#: viewBox, which was found to cost up to 1e-3.
+SCALE_SLACK = 0.01
+
+_PX = ("", "px")
+_ABSOLUTE = ("mm", "cm", "in", "pt", "pc", "q")
+
+
+@dataclass(frozen=True, slots=True)
+class ViewBox:
+    """The part of the drawing's plane that the page shows."""
+
+    x: float
+    y: float
+    width: float
+    height: float
+
+
+@dataclass(frozen=True, slots=True)
+class Page:
+    """The map from the drawing's units, y down, to mm from the lower left corner, y up."""
+
+    matrix: Matrix
+    unit: float  #: mm in a unit of the drawing, the smaller one if x and y differ
+    view: tuple[float, float]  #: width and height that percentages count from, in units
+    remarks: tuple[Diagnostic, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class _Size:
+    """One side of the page as the file gives it."""
+
+    text: str
+    number: float
+    unit: str  #: "" or "px" is no length by itself
+
+    @property
+    def mm(self) -> float | None:
+        return self.number * MM_PER_UNIT[self.unit] if self.unit in _ABSOLUTE else None
+
+
+def find_page(document: Document, name: str, units: str | None, width: str | float | None) -> Page:
+    """The page of a drawing, from the file or from what the user says.
+
+    `units` names the unit of plain numbers: "px90" that of a px, "mm" that of the drawing.
+    `width` is the width of the page. Raises ReadError where nothing says how long a unit is.
+    """
+    finder = _Finder(document, name)
+    if units is not None and units.lower() not in MM_PER_UNIT:
+        expected = ", ".join(MM_PER_UNIT)
+        raise ReadError(UNITS_OPTION.at(Source(name), found=units, expected=expected))
+    if width is not None:
+        return finder.by_width(_given_width(width, name))
+    if units is not None:
+        return finder.by_units(units.lower())
+    return finder.by_file()
+
+
+def _given_width(width: str | float, name: str) -> float:
+    try:
+        number, unit = (width, "mm") if isinstance(width, int | float) else split_length(width)
+        mm = number * MM_PER_UNIT[unit or "mm"]
+    except (ValueError, KeyError):
+        mm = 0.0
+    if not 0.0 < mm < float("inf"):
+        raise ReadError(WIDTH_OPTION.at(Source(name), found=width))
+    return mm
+
+
+class _Finder:
+    """The sizes that the root element gives, and the ways to a scale."""
+
+    def __init__(self, document: Document, name: str) -> None:
+        self.document = document
+        self.source = Source(name, document.root.line)
+        style = {key: value for key, value, _ in declarations(document.root.get("style") or "")}
+        self.width = self._size("width", style)
+        self.height = self._size("height", style)
+        self.box = self._view_box()
+
+    def _refuse(self, found: str, expected: str) -> ReadError:
+        return ReadError(rules.SIZE.at(self.source, found=found, expected=expected))
+
+    def _size(self, side: str, style: dict[str, str]) -> _Size | None:
+        text = style.get(side) or self.document.root.get(side)
+        if text is None or text.strip() in ("", "auto"):
+            return None
+        try:
+            number, unit = split_length(text)
+        except ValueError as error:
+            raise self._refuse(f"{side}={text!r}", "a number and a unit") from error
+        if unit not in (*_PX, *_ABSOLUTE, "%"):
+            expected = f"mm, cm, in, pt, pc, px or none, not {unit!r}"
+            raise self._refuse(f"{side}={text!r}", expected)
+        if not 0.0 < number < float("inf"):
+            raise self._refuse(f"{side}={text!r}", "a length above 0")
+        return _Size(text, number, unit)
+
+    def _view_box(self) -> ViewBox | None:
+        text = self.document.root.get("viewBox")
+        if text is None:
+            return None
+        try:
+            x, y, width, height = map(float, re.split(r"[\s,]+", text.strip()))
+        except ValueError as error:
+            raise self._refuse(f"viewBox={text!r}", "four numbers") from error
+        if not (0.0 < width < float("inf") and 0.0 < height < float("inf")):
+            raise self._refuse(f"viewBox={text!r}", "a width and a height above 0")
+        return ViewBox(x, y, width, height)
+
+    def by_width(self, mm: float) -> Page:
+        """The page, `mm` wide."""
+        if self.box is not None:
+            return self._uniform(mm / self.box.width)
+        if self.width is None or self.width.unit == "%":
+            raise ReadError(rules.NO_SIZE.at(self.source, found="viewBox"))
+        return self._uniform(mm / (self.width.mm or self.width.number * CSS_PX) * CSS_PX)
+
+    def by_units(self, units: str) -> Page:
+        """The page, where the user says what a plain number is."""
+        unit = MM_PER_UNIT[units]
+        if not units.startswith("px"):
+            return self._uniform(unit)
+        absolute = [side for side in (self.width, self.height) if side and side.mm is not None]
+        if self.box is None or absolute:
+            return self.by_file() if absolute and self.box else self._uniform(unit)
+        for side, length in ((self.width, self.box.width), (self.height, self.box.height)):
+            if side is not None and side.unit in _PX:
+                return self._uniform(side.number * unit / length)
+        return self._uniform(unit)
+
+    def by_file(self) -> Page:
+        """The page as the file says it."""
+        for side in (self.width, self.height):
+            if side is not None and side.unit == "%":
+                raise ReadError(rules.PERCENT.at(self.source, found=side.text))
+        if self.width is None and self.height is None:
+            missing = "width and height" if self.box else "width, height and viewBox"
+            raise ReadError(rules.NO_SIZE.at(self.source, found=missing))
+        sides = [side for side in (self.width, self.height) if side is not None]
+        if self.box is None:
+            return self._by_pixels("no viewBox", 1.0)
+        if any(side.mm is None for side in sides):
+            if any(side.mm is not None for side in sides):
+                both = " and ".join(side.text for side in sides)
+                raise self._refuse(f"the size {both}", "one kind of unit for both")
+            ratios = self._ratios([side.number for side in sides])
+            return self._by_pixels(sides[0].text, min(ratios))
+        ratios = self._ratios([side.mm or 0.0 for side in sides])
+        if self._stretched and len(ratios) == 2:
+            return self._page(ratios[0], ratios[1], CSS_PX)
+        return self._uniform(min(ratios), CSS_PX)
+
+    @property
+    def _stretched(self) -> bool:
+        return (self.document.root.get("preserveAspectRatio") or "").strip() == "none"
+
+    def _ratios(self, lengths: list[float]) -> list[float]:
+        """Length of a unit by width and by height; one of them where the file has one.
+
+        Raises ReadError if they deny each other.
+        """
+        assert self.box is not None
+        by = [("width", self.box.width), ("height", self.box.height)]
+        if len(lengths) == 1:
+            by = [by[0] if self.width is not None else by[1]]
+        ratios = [length / side for length, (_, side) in zip(lengths, by, strict=True)]
+        if len(ratios) == 2 and not self._stretched:
+            slack = SCALE_SLACK
+            if all(side == round(side) for _, side in by):
+                slack += 0.5 / self.box.width + 0.5 / self.box.height  # rounded to whole units
+            if abs(ratios[0] / ratios[1] - 1.0) > slack:
+                raise ReadError(
+                    rules.CONTRADICT.at(
+                        self.source,
+                        first=f"{ratios[0]:g}",
+                        first_by=f"{by[0][0]} and viewBox",
+                        second=f"{ratios[1]:g}",
+                        second_by=f"{by[1][0]} and viewBox",
+                    )
+                )
+        return ratios
+
+    def _by_pixels(self, found: str, pixels: float) -> Page:
+        """The page where a unit is `pixels` px, if something says how long a px is."""
+        known = _writer(self.document)
+        if known is None:
+            raise ReadError(rules.PIXELS.at(self.source, found=found))
+        writer, dpi = known
+        said = rules.PIXELS_BY_WRITER.at(self.source, found=found, dpi=dpi, writer=writer)
+        return self._uniform(pixels * 25.4 / dpi, 25.4 / dpi, (said,))
+
+    def _uniform(
+        self, unit: float, px: float | None = None, remarks: tuple[Diagnostic, ...] = ()
+    ) -> Page:
+        return self._page(unit, unit, px, remarks)
+
+    def _page(
+        self, sx: float, sy: float, px: float | None, remarks: tuple[Diagnostic, ...] = ()
+    ) -> Page:
+        """The page of scales `sx` and `sy`, the drawing in its middle, y turned up.
+
+        `px` is the length of a px in mm that the page's own size counts by; with None the page is
+        as large as the viewBox, since the user gave the scale. What sticks out of it stays.
+        Source: SVG 1.1, section 7.8: preserveAspectRatio is xMidYMid meet unless said otherwise.
+        """
+        box = self.box
+        if box is None:
+            view = (self._pixels(self.width), self._pixels(self.height))
+            matrix = ((sx, 0.0, 0.0), (0.0, -sy, view[1] * sy))
+            return Page(matrix, min(sx, sy), view, remarks)
+        width, height = box.width * sx, box.height * sy
+        if px is not None:
+            width = self._pixels(self.width) * px or width
+            height = self._pixels(self.height) * px or height
+        share_x, share_y = _alignment(self.document.root.get("preserveAspectRatio") or "")
+        left = share_x * (width - box.width * sx) - box.x * sx
+        top = share_y * (height - box.height * sy) - box.y * sy
+        matrix = ((sx, 0.0, left), (0.0, -sy, height - top))
+        return Page(matrix, min(sx, sy), (box.width, box.height), remarks)
+
+    def _pixels(self, side: _Size | None) -> float:
+        """A side of the page in px; 0 if it is not known."""
+        if side is None or side.unit == "%":
+            return 0.0
+        return side.number if side.mm is None else side.mm / CSS_PX
+
+
+def _alignment(text: str) -> tuple[float, float]:
+    """Share of the free space that lies left of and above the drawing."""
+    found = re.match(r"\s*(?:defer\s+)?x(Min|Mid|Max)Y(Min|Mid|Max)", text)
+    shares = {"Min": 0.0, "Mid": 0.5, "Max": 1.0}
+    return (shares[found[1]], shares[found[2]]) if found else (0.5, 0.5)
+
+
+def _writer(document: Document) -> tuple[str, int] | None:
+    """The program that wrote a file and how many px it counts to an inch; None if not known."""
+    comments = " ".join(document.comments)
+    foreign = " ".join(sorted(document.foreign))
+    if "Adobe Illustrator" in comments:
+        return "Adobe Illustrator", 72
+    if found := re.search(r"inkscape:version=(\d+)\.(\d+)", foreign):
+        old = (int(found[1]), int(found[2])) < (0, 92)
+        return f"Inkscape {found[1]}.{found[2]}", 90 if old else 96
+    if "CorelDRAW" in comments or "corel.com/coreldraw" in foreign:
+        return "CorelDRAW", 96
+    if any(identity.startswith("CorelCorpID") for identity in document.ids):
+        return "CorelDRAW", 96
+    return None

@@ -1,0 +1,212 @@
+"""Path data to exact curves, in the units of the drawing.
+
+`d` is a row of commands, each with numbers: M moves, L H V draw lines, C S Q T Bezier curves, A
+ellipse arcs, Z closes; small letters count from the current point. Source: SVG 1.1, section 8.3.
+"""
+
+import re
+from dataclasses import dataclass
+from math import cos, hypot, radians, sin, sqrt
+
+from beamcam.geometry.conics import direction_deg, ellipse_of
+from beamcam.geometry.curves import Bezier, Curve, Line
+from beamcam.geometry.plane import Point
+from beamcam.readers.drawing import round_if_circle
+
+_COMMANDS = re.compile(r"([MmZzLlHhVvCcSsQqTtAa])")
+_NUMBER = re.compile(r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?")
+_SEPARATORS = " \t\r\n\f,"
+#: How many numbers a command takes; those of an arc hold two flags, which may stand glued.
+_TAKES = {"M": 2, "L": 2, "H": 1, "V": 1, "C": 6, "S": 4, "Q": 4, "T": 2, "A": 7}
+_N = r"([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)"
+_S = r"[\s,]*"
+_ARC = re.compile(f"{_S}{_N}{_S}{_N}{_S}{_N}{_S}([01]){_S}([01]){_S}{_N}{_S}{_N}{_S}")
+
+
+class PathError(ValueError):
+    """Path data that cannot be read: what was found, and what was expected."""
+
+    def __init__(self, found: str, expected: str) -> None:
+        self.found, self.expected = found, expected
+        super().__init__(f"found {found!r}, expected {expected}")
+
+
+@dataclass(frozen=True, slots=True)
+class Subpath:
+    """A chain of curves; one that is not closed may still end where it began."""
+
+    curves: tuple[Curve, ...]  #: empty if it has no length
+
+
+def parse_path(d: str) -> list[Subpath]:
+    """The subpaths of path data, each closed one with the line that closes it.
+
+    Raises PathError where the data breaks off or holds something else.
+    """
+    pen = _Pen()
+    pieces = _COMMANDS.split(d)
+    if pieces[0].strip():
+        raise PathError(_short(pieces[0]), "a command (M)")
+    for command, text in zip(pieces[1::2], pieces[2::2], strict=True):
+        pen.draw(command, _numbers(command, text))
+    pen.finish()
+    return pen.done
+
+
+def _numbers(command: str, text: str) -> list[float]:
+    """The numbers behind a command. Raises PathError for anything else, or too few."""
+    name = command.upper()
+    if name == "A":
+        numbers = _arc_numbers(text)
+    else:
+        numbers = [float(n) for n in _NUMBER.findall(text)]
+        rest = _NUMBER.sub(" ", text).strip(_SEPARATORS)
+        if rest:
+            raise PathError(_short(rest), "a number")
+    if name == "Z":
+        if numbers:
+            raise PathError(_short(text), "a command after Z")
+    elif not numbers or len(numbers) % _TAKES[name]:
+        expected = f"{_TAKES[name]} numbers, or a multiple of them"
+        raise PathError(_short(command + text), expected)
+    return numbers
+
+
+def _arc_numbers(text: str) -> list[float]:
+    numbers: list[float] = []
+    position = 0
+    while position < len(text) and text[position:].strip(_SEPARATORS):
+        found = _ARC.match(text, position)
+        if found is None:
+            raise PathError(_short("A" + text[position:]), "two radii, a turn, two flags, a point")
+        numbers += map(float, found.groups())
+        position = found.end()
+    return numbers
+
+
+def _short(text: str) -> str:
+    text = " ".join(text.split())
+    return text if len(text) <= 40 else text[:37] + "..."
+
+
+class _Pen:
+    """The current point and what was drawn so far."""
+
+    def __init__(self) -> None:
+        self.done: list[Subpath] = []
+        self.curves: list[Curve] = []
+        self.moved = False  #: whether a subpath is open
+        self.at: Point = (0.0, 0.0)
+        self.first: Point = (0.0, 0.0)  #: where the subpath began, which Z returns to
+        self.handle: tuple[str, Point] | None = None  #: kind and last control point, for S and T
+
+    def draw(self, command: str, numbers: list[float]) -> None:
+        name, relative = command.upper(), command.islower()
+        if name == "Z":
+            self._close()
+            return
+        if name == "M":
+            self.finish()
+            x, y = self._points(numbers[:2], relative)[0]
+            self.at = self.first = (x, y)
+            self.moved, self.handle = True, None
+            numbers, name = numbers[2:], "L"
+        elif not self.done and not self.moved:
+            raise PathError(command, "M before anything else")
+        self.moved = True
+        takes = _TAKES[name]
+        for k in range(0, len(numbers), takes):
+            self._segment(name, relative, numbers[k : k + takes])
+
+    def _points(self, numbers: list[float], relative: bool) -> list[Point]:
+        x0, y0 = self.at if relative else (0.0, 0.0)
+        return [(x0 + x, y0 + y) for x, y in zip(numbers[::2], numbers[1::2], strict=True)]
+
+    def _segment(self, name: str, relative: bool, numbers: list[float]) -> None:
+        x0, y0 = self.at
+        handle = None
+        match name:
+            case "L":
+                end = self._points(numbers, relative)[0]
+                self._line(end)
+            case "H":
+                end = (numbers[0] + (x0 if relative else 0.0), y0)
+                self._line(end)
+            case "V":
+                end = (x0, numbers[0] + (y0 if relative else 0.0))
+                self._line(end)
+            case "A":
+                end = self._points(numbers[5:], relative)[0]
+                self.curves += arc_curves(self.at, end, numbers[:5])
+            case _:
+                points = self._points(numbers, relative)
+                if name in "ST":
+                    points.insert(0, self._reflected("C" if name == "S" else "Q"))
+                end = points[-1]
+                handle = ("C" if name in "CS" else "Q", points[-2])
+                if any(p != self.at for p in points):
+                    self.curves.append(Bezier((self.at, *points)))
+        self.at, self.handle = end, handle
+
+    def _line(self, end: Point) -> None:
+        if end != self.at:
+            self.curves.append(Line(self.at, end))
+
+    def _reflected(self, kind: str) -> Point:
+        """The control point that continues the curve before smoothly."""
+        if self.handle is None or self.handle[0] != kind:
+            return self.at
+        x, y = self.handle[1]
+        return 2 * self.at[0] - x, 2 * self.at[1] - y
+
+    def _close(self) -> None:
+        if not self.moved and not self.done:
+            raise PathError("z", "M before anything else")
+        self._line(self.first)
+        self.at, self.handle = self.first, None
+        self.finish()
+
+    def finish(self) -> None:
+        if self.moved:
+            self.done.append(Subpath(tuple(self.curves)))
+        self.curves, self.moved = [], False
+
+
+def arc_curves(start: Point, end: Point, numbers: list[float]) -> list[Curve]:
+    """The arc of command A from `start` to `end`: none, a line, or one arc.
+
+    `numbers` are both radii, the turn of the ellipse in degrees, and the flags for the long way
+    round and for a sweep in the direction of growing angles. Radii that are too small are grown.
+    Source: SVG 1.1, appendix F.6.5 and F.6.6.
+    """
+    if start == end:
+        return []
+    rx, ry, turn_deg, large, sweep = abs(numbers[0]), abs(numbers[1]), *numbers[2:]
+    if rx == 0.0 or ry == 0.0:
+        return [Line(start, end)]
+    c, s = cos(radians(turn_deg)), sin(radians(turn_deg))
+    dx, dy = (start[0] - end[0]) / 2, (start[1] - end[1]) / 2
+    # Half of the chord, in a frame where the ellipse is the unit circle.
+    x, y = (c * dx + s * dy) / rx, (c * dy - s * dx) / ry
+    half = hypot(x, y)
+    if half > 1.0:
+        rx, ry, x, y, half = rx * half, ry * half, x / half, y / half, 1.0
+    rise = sqrt(max(0.0, 1.0 - half * half)) / half
+    side = -1.0 if bool(large) == bool(sweep) else 1.0
+    u, v = side * rise * y, -side * rise * x  # the centre, in that frame
+    centre = (
+        (start[0] + end[0]) / 2 + c * rx * u - s * ry * v,
+        (start[1] + end[1]) / 2 + s * rx * u + c * ry * v,
+    )
+    first = direction_deg((x - u, y - v))
+    around = (direction_deg((-x - u, -y - v)) - first) % 360.0
+    sweep_deg = around if sweep else around - 360.0
+    if abs(sweep_deg) in (0.0, 360.0):  # ends so near that their angles are one
+        return [Line(start, end)]
+    axes = ((rx * c, rx * s), (-ry * s, ry * c))
+    return [round_if_circle(ellipse_of(centre, *axes, first, sweep_deg))]
+
+
+def decimals(text: str) -> int:
+    """The most digits behind a point in `text`."""
+    return max((len(digits) for digits in re.findall(r"\.(\d+)", text)), default=0)

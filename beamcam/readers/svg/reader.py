@@ -1,0 +1,101 @@
+"""Reading an SVG file: XML to elements, shapes to exact curves, those to one part."""
+
+from beamcam.errors import Diagnostic, ReadError, Rule, Source
+from beamcam.model.drawing import Measures
+from beamcam.model.part import Part
+from beamcam.readers.drawing import LARGEST_SIZE, NO_CURVES, TOO_LARGE, counted, drawing_part
+from beamcam.readers.reading import Reading
+from beamcam.readers.svg import rules
+from beamcam.readers.svg.css import INITIAL, StyleSheet, style_of
+from beamcam.readers.svg.page import Page, find_page
+from beamcam.readers.svg.tree import Element, looks_like, parse
+from beamcam.readers.svg.walk import Collected, Place, Walk
+
+__all__ = ["looks_like", "read"]
+
+
+def read(
+    data: bytes, name: str, units: str | None = None, width: str | float | None = None
+) -> Reading:
+    """The part that an SVG file draws, and what is to be said about it; never raises.
+
+    `units` names the unit of plain numbers ("mm", "px90"), `width` is the width of the page
+    ("600mm"; a number is mm): for files that do not say their size, or say it wrong.
+    """
+    try:
+        document = parse(data, name)
+        page = find_page(document, name, units, width)
+        sheet = _style_sheet(document.root)
+        walk = Walk(name, document, page, sheet)
+        style = style_of(document.root, dict(INITIAL), sheet)
+        hidden = style.get("display") == "none"
+        walk.elements(document.root.children, Place(page.matrix, style, hidden=hidden))
+    except ReadError as error:
+        return Reading("svg", (), error.diagnostics)
+    part = _part(name, walk.found, page)
+    source = Source(name)
+    said = (
+        *page.remarks,
+        *(rules.SELECTOR.at(source, found=s) for s in sheet.ignored),
+        *walk.found.said,
+        *_remarks(walk.found, source),
+        *_verdict(part, walk.found, units is not None or width is not None, source),
+    )
+    return Reading("svg", (part,), said)
+
+
+def _style_sheet(root: Element) -> StyleSheet:
+    """The rules of all elements `style`, wherever they stand."""
+    sheet = StyleSheet()
+    waiting = [root]
+    while waiting:
+        element = waiting.pop()
+        if element.tag == "style":
+            sheet.add(element.text)
+        waiting.extend(reversed(element.children))
+    return sheet
+
+
+def _part(name: str, found: Collected, page: Page) -> Part:
+    grid = page.unit * 10.0**-found.decimals if found.contours else None
+    not_cut = tuple(sorted(found.not_cut.items()))
+    measures = Measures(tuple(found.filled), tuple(found.hidden), not_cut, grid)
+    return drawing_part(name, tuple(found.contours), measures)
+
+
+#: What is said about shapes that were counted, in this order.
+_COUNTED: tuple[tuple[str, Rule], ...] = (
+    ("filled", rules.FILL_ONLY),
+    ("clipped", rules.CLIPPED),
+    ("flattened", rules.FLATTENED),
+    ("invisible", rules.INVISIBLE),
+    ("dashed", rules.DASHED),
+    ("hairline", rules.HAIRLINE),
+    ("degenerate", rules.DEGENERATE),
+)
+
+
+def _remarks(found: Collected, source: Source) -> list[Diagnostic]:
+    """What was seen and is no contour, by kind and count."""
+    said = []
+    if found.not_cut["text"]:
+        said.append(rules.TEXT.at(source, count=found.not_cut["text"]))
+    others = [(tag, count) for tag, count in sorted(found.not_cut.items()) if tag != "text"]
+    if others:
+        said.append(rules.NOT_CUT.at(source, found=counted(others)))
+    for key, rule in _COUNTED:
+        if found.counts[key]:
+            said.append(rule.at(source, count=found.counts[key]))
+    return said
+
+
+def _verdict(part: Part, found: Collected, given: bool, source: Source) -> list[Diagnostic]:
+    """An error for a drawing without curves, a warning for one that no machine could hold."""
+    if not found.contours and not found.filled:
+        seen = [*found.not_cut.items(), ("hidden shapes", found.counts["invisible"])]
+        shown = counted((tag, count) for tag, count in seen if count)
+        return [NO_CURVES.at(source, found=shown)]
+    width, height = part.length, part.profile.height
+    if max(width, height) > LARGEST_SIZE and not given:
+        return [TOO_LARGE.at(source, width=width, height=height, unit="of the page")]
+    return []

@@ -1,0 +1,157 @@
+"""What can be wrong with an SVG file: every code that this reader gives, with its reason."""
+
+from beamcam.errors import Rule, Severity
+
+
+def _error(code: str, message: str, reason: str) -> Rule:
+    return Rule(f"svg-{code}", Severity.ERROR, message, reason)
+
+
+def _warning(code: str, message: str, reason: str) -> Rule:
+    return Rule(f"svg-{code}", Severity.WARNING, message, reason)
+
+
+def _note(code: str, message: str, reason: str) -> Rule:
+    return Rule(f"svg-{code}", Severity.NOTE, message, reason)
+
+
+# --- the file -------------------------------------------------------------------------------------
+XML = _error(
+    "xml",
+    "found text that is no XML ({found}), expected an SVG drawing",
+    "The file was cut short or damaged; what comes after that place is lost.",
+)
+NOT_SVG = _error(
+    "not-svg",
+    "found the element {found!r}, expected svg",
+    "The file is XML, but no drawing.",
+)
+DEPTH = _error(
+    "depth",
+    "found elements more than {expected} deep inside one another",
+    "No drawing program nests so deep; the file is damaged, or an element uses itself.",
+)
+
+# --- size -----------------------------------------------------------------------------------------
+PERCENT = _error(
+    "percent",
+    "found the size {found!r}, which is no length, expected mm or inches: give --width or export "
+    "with a size",
+    "A page as wide as its window has no size of its own.",
+)
+NO_SIZE = _error(
+    "no-size",
+    "found no {found}, expected the size of the page: give --width or --units",
+    "Without it nothing says how long a unit of the drawing is.",
+)
+SIZE = _error(
+    "size",
+    "found {found}, expected {expected}",
+    "The size of the page or of what it shows cannot be read.",
+)
+CONTRADICT = _error(
+    "size-contradict",
+    "found {first} mm for a unit by {first_by} and {second} mm by {second_by}, expected one "
+    "scale: give --units or --width",
+    "Two sizes of the file deny each other; either of them could be the wrong one.",
+)
+PIXELS = _error(
+    "px",
+    "found a drawing in px ({found}) and nothing that says how many make an inch: give --units "
+    "px96, px90 or px72, or --width",
+    "Programs wrote 72, 90 and 96 px an inch; the part would come out up to a third too small.",
+)
+PIXELS_BY_WRITER = _warning(
+    "px-writer",
+    "found a drawing in px ({found}); {dpi} px an inch, as {writer} writes it; --units px96, px90 "
+    "or px72 says another",
+    "A px is no length by itself; check a known length.",
+)
+
+# --- elements -------------------------------------------------------------------------------------
+PATH = _error(
+    "path",
+    "found {found!r} in path data, expected {expected}",
+    "What follows in the path would be missing.",
+)
+NUMBER = _error(
+    "number",
+    "found {attribute}={found!r}, expected {expected}",
+    "The shape would be missing or have another size.",
+)
+TRANSFORM = _error(
+    "transform",
+    "found transform {found!r}, expected {expected}",
+    "The shape would lie in another place.",
+)
+SELECTOR = _warning(
+    "css-selector",
+    "found the style rule {found!r}, expected element, .class or #id; the rule is ignored",
+    "A stroke that only this rule gives is not seen.",
+)
+COLOUR = _warning(
+    "colour",
+    "found stroke {found!r}, expected a colour; the contour is read without one",
+    "A colour that cannot be read cannot say what is to be done.",
+)
+USE = _warning(
+    "use",
+    "found a use of {found!r}, which the file does not hold",
+    "What it shows is not read.",
+)
+USES = _error(
+    "uses",
+    "found more than {expected} uses of elements",
+    "Such a drawing multiplies itself until no computer holds it.",
+)
+CLIPPED = _warning(
+    "clip",
+    "found {count} elements that are clipped or masked; their paths are read whole",
+    "A tool follows the path, not the part of it that a picture shows.",
+)
+
+# --- what is cut ----------------------------------------------------------------------------------
+TEXT = _warning(
+    "text",
+    "found {count} texts, which no tool follows; convert text to curves to have it made",
+    "A text holds no curves, only the name of a font.",
+)
+NOT_CUT = _warning(
+    "not-cut",
+    "found {found}, which no tool follows; expected curves only",
+    "Images and foreign objects are no paths.",
+)
+FILL_ONLY = _warning(
+    "fill-only",
+    "found {count} shapes with a fill and no stroke, which are not cut",
+    "A fill is engraved by a raster or means nothing; give shapes that shall be cut a stroke.",
+)
+INVISIBLE = _note(
+    "invisible",
+    "found {count} shapes that do not show (hidden, or without stroke and fill); they are not read",
+    "What is not seen is not cut.",
+)
+DASHED = _note(
+    "dashed",
+    "found {count} dashed strokes, which are read as whole lines",
+    "Dashes often mean a bend line; give those a colour of their own.",
+)
+HAIRLINE = _note(
+    "hairline",
+    "found {count} strokes of width 0, which are read as hairlines",
+    "A browser shows no such line, a laser driver cuts it.",
+)
+DEGENERATE = _note(
+    "empty-curves",
+    "found {count} paths of no length and left them out",
+    "Drawing programs leave such points behind.",
+)
+FLATTENED = _warning(
+    "flattened",
+    "found {count} shapes whose transform presses them to a line; they are left out",
+    "A scale of 0 leaves nothing to cut.",
+)
+
+RULES: tuple[Rule, ...] = tuple(
+    value for value in list(globals().values()) if isinstance(value, Rule)
+)

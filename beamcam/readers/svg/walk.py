@@ -1,0 +1,282 @@
+"""Every shape of a drawing, groups and uses opened, sorted into what is read and what is not."""
+
+from collections import Counter
+from collections.abc import Iterable
+from dataclasses import dataclass, field, replace
+
+from beamcam.errors import Diagnostic, ReadError, Source
+from beamcam.geometry.curves import Curve
+from beamcam.geometry.plane import Matrix
+from beamcam.model.colour import parse_colour
+from beamcam.model.part import Contour
+from beamcam.readers.drawing import as_contour, split_length
+from beamcam.readers.svg import rules
+from beamcam.readers.svg.css import Style, StyleSheet, style_of
+from beamcam.readers.svg.layers import layer_of
+from beamcam.readers.svg.page import Page
+from beamcam.readers.svg.path import PathError, Subpath, decimals
+from beamcam.readers.svg.shapes import SHAPES, NumberError, length_of, subpaths_of, view_box
+from beamcam.readers.svg.transform import parse_transform, product, scale, shift
+from beamcam.readers.svg.tree import MOST_DEEP, Document, Element
+
+_GROUPS = ("g", "a")
+_TEXTS = ("text", "flowRoot")
+_NOT_CUT = ("image", "foreignObject", "video", "audio", "iframe", "canvas")
+
+#: A drawing that opens more uses than this multiplies itself.
+MOST_USES = 100_000
+
+
+@dataclass(slots=True)
+class Collected:
+    """What the elements of a drawing gave."""
+
+    contours: list[Contour] = field(default_factory=list)
+    filled: list[Curve] = field(default_factory=list)
+    hidden: list[Curve] = field(default_factory=list)
+    counts: Counter[str] = field(default_factory=Counter)  #: of shapes, by what is to be said
+    not_cut: Counter[str] = field(default_factory=Counter)  #: elements by tag
+    decimals: int = 0  #: the most digits behind a point in coordinates
+    said: list[Diagnostic] = field(default_factory=list)
+
+
+@dataclass(frozen=True, slots=True)
+class Place:
+    """Where an element stands."""
+
+    matrix: Matrix  #: to mm
+    style: Style
+    layer: str | None = None
+    hidden: bool = False  #: in something with display none
+    depth: int = 0
+
+
+@dataclass(slots=True)
+class Walk:
+    """One pass over a document."""
+
+    name: str
+    document: Document
+    page: Page
+    sheet: StyleSheet
+    found: Collected = field(default_factory=Collected)
+
+    def elements(self, elements: Iterable[Element], place: Place) -> None:
+        for element in elements:
+            self.element(element, place)
+
+    def element(self, element: Element, place: Place) -> None:
+        """Sort one element and its content; what only defines something is passed over."""
+        tag = element.tag
+        if tag in SHAPES or tag in _GROUPS or tag in ("svg", "use", "switch"):
+            inner = self._inside(element, place)
+            if inner is None:
+                return
+            if tag in SHAPES:
+                self._shape(element, inner)
+            elif tag == "use":
+                self._use(element, inner)
+            elif tag == "switch":
+                self.elements(_chosen(element), inner)
+            else:
+                self.elements(element.children, inner)
+        elif tag in _TEXTS or tag in _NOT_CUT:
+            style = style_of(element, place.style, self.sheet)
+            if not place.hidden and not _is_hidden(style):
+                self.found.not_cut["text" if tag in _TEXTS else tag] += 1
+
+    def _source(self, element: Element) -> Source:
+        return Source(self.name, element.line, element.get("id"))
+
+    def _inside(self, element: Element, place: Place) -> Place | None:
+        """Where the content of `element` stands; None if its transform cannot be read."""
+        if place.depth > MOST_DEEP:
+            raise ReadError(rules.DEPTH.at(self._source(element), expected=MOST_DEEP))
+        style = style_of(element, place.style, self.sheet)
+        matrix = place.matrix
+        text = element.get("transform")
+        try:
+            if element.tag == "svg":
+                matrix = product(matrix, self._viewport(element))
+            if text is not None:
+                matrix = product(matrix, parse_transform(text))
+        except NumberError as error:
+            self._say_number(element, error)
+            return None
+        except ValueError as error:
+            said = rules.TRANSFORM.at(self._source(element), found=text, expected=error)
+            self.found.said.append(said)
+            return None
+        layer = layer_of(element, place.depth) if element.tag == "g" else None
+        hidden = place.hidden or style.get("display") == "none"
+        for name in ("clip-path", "mask"):
+            if style.get(name, "none") != "none":
+                self.found.counts["clipped"] += 1
+        return Place(matrix, style, layer or place.layer, hidden, place.depth + 1)
+
+    def _viewport(self, element: Element) -> Matrix:
+        """The map of an svg inside the drawing: its place, and its viewBox onto its size."""
+        x, y, width, height = (
+            self._length(element, side) for side in ("x", "y", "width", "height")
+        )
+        text = element.get("viewBox")
+        if text is None or not width or not height:
+            return shift(x, y)
+        left, top, across, down = view_box(text)
+        unit = min(width / across, height / down)
+        x += (width - across * unit) / 2 - left * unit
+        y += (height - down * unit) / 2 - top * unit
+        return product(shift(x, y), scale(unit, unit))
+
+    def _length(self, element: Element, side: str) -> float:
+        """A side of an element in units of the drawing; 0 if it is not given.
+
+        Raises ValueError if it is no length.
+        """
+        return length_of(element, side, self.page.view)
+
+    # --- uses -------------------------------------------------------------------------------------
+
+    def _use(self, element: Element, place: Place) -> None:
+        """What a use shows: the element that it names, moved by its x and y."""
+        wanted = element.get("href") or element.get("xlink:href") or ""
+        target = self.document.ids.get(wanted[1:]) if wanted.startswith("#") else None
+        if target is None:
+            self.found.said.append(rules.USE.at(self._source(element), found=wanted))
+            return
+        self.found.counts["uses"] += 1
+        if self.found.counts["uses"] > MOST_USES:
+            raise ReadError(rules.USES.at(self._source(element), expected=MOST_USES))
+        try:
+            x, y = self._length(element, "x"), self._length(element, "y")
+        except NumberError as error:
+            self._say_number(element, error)
+            return
+        moved = replace(place, matrix=product(place.matrix, shift(x, y)))
+        if target.tag == "symbol":
+            size = {k: v for k in ("width", "height") if (v := element.get(k))}
+            view = {k: v for k in ("viewBox", "style", "class") if (v := target.get(k))}
+            shown = Element("svg", {**size, **view}, target.line, target.children)
+            self.element(shown, moved)
+        else:
+            self.element(target, moved)
+
+    # --- shapes -----------------------------------------------------------------------------------
+
+    def _shape(self, element: Element, place: Place) -> None:
+        source = self._source(element)
+        try:
+            subpaths = subpaths_of(element, self.page.view)
+        except PathError as error:
+            said = rules.PATH.at(source, found=error.found, expected=error.expected)
+            self.found.said.append(said)
+            return
+        except NumberError as error:
+            self._say_number(element, error)
+            return
+        chains = self._placed(subpaths, place.matrix)
+        if not chains:
+            return
+        self._sort(element, chains, place, source)
+
+    def _say_number(self, element: Element, error: NumberError) -> None:
+        said = rules.NUMBER.at(
+            self._source(element),
+            attribute=error.attribute,
+            found=error.found,
+            expected=error.expected,
+        )
+        self.found.said.append(said)
+
+    def _placed(self, subpaths: Iterable[Subpath], matrix: Matrix) -> list[tuple[Curve, ...]]:
+        """The chains in mm, without those of no length."""
+        chains: list[tuple[Curve, ...]] = []
+        for subpath in subpaths:
+            try:
+                chain = tuple(curve.transformed(matrix) for curve in subpath.curves)
+            except ValueError:  # circles have no image if the map presses them to a line
+                self.found.counts["flattened"] += 1
+                continue
+            if any(curve.start != curve.end or curve.bbox[:2] != curve.bbox[2:] for curve in chain):
+                chains.append(chain)
+            else:
+                self.found.counts["degenerate"] += 1
+        return chains
+
+    def _sort(
+        self, element: Element, chains: list[tuple[Curve, ...]], place: Place, source: Source
+    ) -> None:
+        """Contours if the shape has a stroke, else filled, or hidden."""
+        style = place.style
+        if place.hidden or _is_hidden(style):
+            return self._hide(chains)
+        if _is_painted(style, "stroke"):
+            colour = self._colour(style, source)
+            self._note_stroke(element, style)
+            self.found.contours += (
+                as_contour(chain, source, place.layer, colour) for chain in chains
+            )
+        elif _is_painted(style, "fill"):
+            self.found.counts["filled"] += 1
+            self.found.filled += (curve for chain in chains for curve in chain)
+        else:
+            self._hide(chains)
+        return None
+
+    def _hide(self, chains: list[tuple[Curve, ...]]) -> None:
+        self.found.counts["invisible"] += 1
+        self.found.hidden += (curve for chain in chains for curve in chain)
+
+    def _note_stroke(self, element: Element, style: Style) -> None:
+        """What is to be said about a stroked shape: hairlines, dashes, its grid."""
+        try:
+            self.found.counts["hairline"] += split_length(style["stroke-width"])[0] == 0.0
+        except ValueError:  # browsers draw such a stroke 1 px wide
+            self.found.counts["hairline"] += 0
+        self.found.counts["dashed"] += style["stroke-dasharray"] not in ("none", "")
+        numbers = element.get("d") or element.get("points")
+        if numbers is None:
+            numbers = " ".join(v for k, v in element.attributes.items() if k in _COORDINATES)
+        self.found.decimals = max(self.found.decimals, decimals(numbers))
+
+    def _colour(self, style: Style, source: Source) -> str | None:
+        """The stroke as "#rrggbb"; None for a pattern, or where it cannot be read."""
+        text = style["stroke"]
+        if text.lower() == "currentcolor":
+            text = style["color"]
+        if text.startswith("url("):
+            text = text.partition(")")[2].strip()
+            if not text:
+                return None
+        try:
+            return parse_colour(text.split(" icc-color")[0])
+        except ValueError:
+            self.found.said.append(rules.COLOUR.at(source, found=text))
+            return None
+
+
+_COORDINATES = frozenset(
+    ("x", "y", "width", "height", "rx", "ry", "cx", "cy", "r", "x1", "y1", "x2", "y2")
+)
+
+
+def _chosen(switch: Element) -> list[Element]:
+    """The child of a switch that shows: the first that asks for nothing special."""
+    asking = ("requiredExtensions", "requiredFeatures", "systemLanguage")
+    plain = (c for c in switch.children if not any(c.get(name) is not None for name in asking))
+    return list(plain)[:1]
+
+
+def _is_hidden(style: Style) -> bool:
+    return style.get("display") == "none" or style["visibility"] in ("hidden", "collapse")
+
+
+def _is_painted(style: Style, paint: str) -> bool:
+    """Whether a stroke or a fill shows; a width of 0 is a hairline and does."""
+    if style[paint].lower() in ("none", "transparent", ""):
+        return False
+    try:
+        opacity = split_length(style[f"{paint}-opacity"])[0]
+    except ValueError:  # a value that browsers ignore
+        return True
+    return opacity > 0.0
