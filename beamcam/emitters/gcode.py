@@ -3,8 +3,16 @@
 from collections.abc import Iterable, Iterator
 
 from beamcam.emitters.numbers import number
-from beamcam.machine.machine import Machine, NumberFormat
-from beamcam.model.program import Comment, DrillCycle, Program, SawStroke, StartBar
+from beamcam.machine.machine import Machine, NumberFormat, Words
+from beamcam.model.program import (
+    Comment,
+    DrillCycle,
+    PathCycle,
+    PathPoint,
+    Program,
+    SawStroke,
+    StartBar,
+)
 
 SECONDS_PER_MINUTE = 60
 
@@ -46,12 +54,15 @@ def _blocks(program: Program, machine: Machine) -> Iterator[str]:
                 values = {
                     "x": number(command.x, form.length_decimals),
                     "angle": number(command.angle, form.angle_decimals),
+                    "tilt": number(command.tilt, form.angle_decimals),
                     "feed": _feed(command.feed_mm_min, form),
                 }
                 yield from (line.format_map(values) for line in words.saw)
             case DrillCycle():
                 values = _drill_values(command, form)
-                yield from (line.format_map(values) for line in words.drill)
+                yield from (line.format_map(values) for line in getattr(words, command.kind))
+            case PathCycle():
+                yield from _path_blocks(command, words, form)
             case Comment():
                 yield words.comment.format(text=command.text)
     if started:
@@ -59,23 +70,45 @@ def _blocks(program: Program, machine: Machine) -> Iterator[str]:
 
 
 def _drill_values(command: DrillCycle, form: NumberFormat) -> dict[str, str]:
+    point = PathPoint(command.x, command.start, command.near, command.bottom)
+    values = _point_values(point, form)
+    values["spindle"] = str(command.spindle)
+    values["diameter"] = number(command.diameter, 3)
+    values["feed"] = _feed(command.feed_mm_min, form)
+    values["speed"] = number(command.speed_rpm, 0)
+    values["pitch"] = number(command.pitch, 3)
+    return values
+
+
+def _path_blocks(command: PathCycle, words: Words, form: NumberFormat) -> Iterator[str]:
+    """The words of a mill or scribe: down at the first point, to each other one, and up."""
+    down, along, up = (getattr(words, command.kind + end) for end in ("", "_to", "_end"))
+    values = {
+        "spindle": str(command.spindle),
+        "diameter": number(command.diameter, 3),
+        "feed": _feed(command.feed_mm_min, form),
+        "speed": number(command.speed_rpm, 0),
+    }
+    for index, point in enumerate(command.points):
+        values.update(_point_values(point, form))
+        yield from (line.format_map(values) for line in (along if index else down))
+    yield from (line.format_map(values) for line in up)
+
+
+def _point_values(point: PathPoint, form: NumberFormat) -> dict[str, str]:
     def length(value: float) -> str:
         return number(value, form.length_decimals)
 
-    (y, z), (near_y, near_z) = map(length, command.start), map(length, command.near)
-    bottom_y, bottom_z = map(length, command.bottom)
+    (y, z), (near_y, near_z) = map(length, point.start), map(length, point.near)
+    bottom_y, bottom_z = map(length, point.bottom)
     return {
-        "spindle": str(command.spindle),
-        "diameter": number(command.diameter, 3),
-        "x": length(command.x),
+        "x": length(point.x),
         "y": y,
         "z": z,
         "near_y": near_y,
         "near_z": near_z,
         "bottom_y": bottom_y,
         "bottom_z": bottom_z,
-        "feed": _feed(command.feed_mm_min, form),
-        "speed": number(command.speed_rpm, 0),
     }
 
 

@@ -8,14 +8,17 @@ from beamcam.machine.machine import Tool
 from beamcam.model.part import Face, Part, Profile
 
 FeatureRef = tuple[int, int]  #: index of the piece on the bar, index of its feature
+AS_GIVEN = "as given"  #: how a part lies that was not turned
 
 
 @dataclass(frozen=True, slots=True)
 class Piece:
     """One part laid on the bar."""
 
-    part: Part
+    part: Part  #: as it lies: turned, if it was turned
     start: float  #: bar x of the part's x 0
+    given: int = 0  #: which of the parts that were handed in
+    turn: str = AS_GIVEN  #: how it was turned to lie so
 
     @property
     def end(self) -> float:
@@ -24,13 +27,20 @@ class Piece:
 
 @dataclass(frozen=True, slots=True)
 class Bar:
-    """The account of a bar: its stretches add up to its length."""
+    """The account of a bar: its stretches add up to its length, `nested` taken off."""
 
     length: float
     front_trim: float
     parts: float
     kerfs: float
-    rest: float  #: what is left over behind the last cut
+    rest: float  #: what is left over behind the last cut and before the end trim
+    nested: float = 0.0  #: by which parts that share a mitre overlap
+    end_trim: float = 0.0
+
+    @property
+    def total(self) -> float:
+        """The sum of the stretches."""
+        return self.front_trim + self.parts + self.kerfs - self.nested + self.rest + self.end_trim
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,27 +49,51 @@ class SawOp:
 
     x: float  #: machine X, of the blade's middle on the pivot edge
     angle: float  #: degrees in the machine's own counting
-    purpose: Literal["trim", "mitre", "parting"]
+    purpose: Literal["trim", "mitre", "parting", "common"]
     pieces: tuple[int, ...]  #: those that get an end by it
     source: Source
+    tilt: float = 0.0  #: of the blade, degrees in the machine's own counting
+    at: Literal["start", "end"] = "end"  #: of the first of `pieces`
+    reasons: tuple[str, ...] = ()  #: codes of `planning.reasons`
 
 
 @dataclass(frozen=True, slots=True)
 class DrillOp:
-    """One stroke of a spindle, or of two at once."""
+    """One stroke of a spindle, or of two at once, with any tool that makes a round place."""
 
     x: float  #: machine X
     spindle: int  #: what the program calls the spindle, or the pair of them
     tool: Tool
     faces: tuple[Face, ...]
     y: float  #: on the face
-    depth: float | None  #: None is through
+    depth: float | None  #: of a drill's full diameter, of other tools' point; None is through
     features: tuple[FeatureRef, ...]
-    reason: str  #: why this tool, why merged
+    reasons: tuple[str, ...]  #: why this tool, why merged: codes of `planning.reasons`
     source: Source
 
 
-Operation = SawOp | DrillOp
+@dataclass(frozen=True, slots=True)
+class PathOp:
+    """A tool led along a path: a slot or a large hole milled, a line scribed."""
+
+    x: float  #: machine X of the first point
+    spindle: int
+    tool: Tool
+    faces: tuple[Face, ...]  #: one
+    path: tuple[tuple[float, float], ...]  #: machine X and y on the face, two points at least
+    depth: float | None  #: of the tool's point; None is through
+    features: tuple[FeatureRef, ...]
+    reasons: tuple[str, ...]
+    source: Source
+
+    @property
+    def y(self) -> float:
+        """y of the first point."""
+        return self.path[0][1]
+
+
+SpindleOp = DrillOp | PathOp
+Operation = SawOp | DrillOp | PathOp
 
 
 @dataclass(frozen=True, slots=True)
@@ -67,8 +101,8 @@ class Outcome:
     """What became of one feature."""
 
     feature: FeatureRef
-    how: Literal["made", "merged", "skipped"]
-    by: str  #: the operation that makes it, or the code that it was skipped by
+    how: Literal["made", "merged", "duplicate", "skipped"]
+    by: str  #: what makes it (a kind of tool, or saw), or the code that it was left out by
 
 
 @dataclass(frozen=True, slots=True)

@@ -5,6 +5,7 @@ Lengths are mm in machine coordinates, feeds mm/min, speeds rpm.
 """
 
 from dataclasses import dataclass
+from typing import Literal
 
 from beamcam.errors import Source
 
@@ -26,11 +27,12 @@ class SawStroke:
     angle: float  #: degrees, in the machine's counting
     feed_mm_min: float
     source: Source
+    tilt: float = 0.0  #: of the blade, degrees, in the machine's counting
 
 
 @dataclass(frozen=True, slots=True)
 class DrillCycle:
-    """Bring the bar to `x`, choose the spindle and drill one stroke."""
+    """Bring the bar to `x`, choose the spindle and its tool, and make one stroke."""
 
     spindle: int
     diameter: float
@@ -38,6 +40,31 @@ class DrillCycle:
     start: tuple[float, float]  #: Y and Z where the spindle may travel
     near: tuple[float, float]  #: Y and Z where the rapid approach ends
     bottom: tuple[float, float]  #: Y and Z at the end of the stroke
+    feed_mm_min: float
+    speed_rpm: float
+    source: Source
+    kind: Literal["drill", "tap", "countersink", "punch"] = "drill"
+    pitch: float = 0.0  #: of a tap
+
+
+@dataclass(frozen=True, slots=True)
+class PathPoint:
+    """A point of a path in machine coordinates, with what stands above it."""
+
+    x: float
+    start: tuple[float, float]  #: Y and Z where the spindle may travel
+    near: tuple[float, float]
+    bottom: tuple[float, float]  #: Y and Z of the tool's point at work
+
+
+@dataclass(frozen=True, slots=True)
+class PathCycle:
+    """Choose the spindle and its tool, go down at the first point and along the others."""
+
+    kind: Literal["mill", "scribe"]
+    spindle: int
+    diameter: float
+    points: tuple[PathPoint, ...]
     feed_mm_min: float
     speed_rpm: float
     source: Source
@@ -50,7 +77,7 @@ class Comment:
     text: str
 
 
-Command = StartBar | SawStroke | DrillCycle | Comment
+Command = StartBar | SawStroke | DrillCycle | PathCycle | Comment
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,13 +1,22 @@
 """The motion of a saw and drilling line: strokes and feeds in machine coordinates."""
 
 from collections.abc import Iterator
-from fnmatch import fnmatchcase
-from math import pi
+from typing import cast
 
-from beamcam.machine.machine import Cutting, Drill, Formula, Machine, Spindle, Tool
-from beamcam.model.part import Face, Profile
-from beamcam.model.plan import DrillOp, Plan, SawOp
-from beamcam.model.program import Command, DrillCycle, Program, SawStroke, StartBar
+from beamcam.machine.cutting import speed_and_feed
+from beamcam.machine.machine import Axis, Machine, Tool
+from beamcam.model.plan import AS_GIVEN, DrillOp, PathOp, Plan, SawOp, SpindleOp
+from beamcam.model.program import (
+    Command,
+    Comment,
+    DrillCycle,
+    PathCycle,
+    PathPoint,
+    Program,
+    SawStroke,
+    StartBar,
+)
+from beamcam.model.stroke import Stroke, Strokes
 
 
 def beam_program(plan: Plan, machine: Machine, job: str) -> Program:
@@ -21,72 +30,69 @@ def _commands(plan: Plan, machine: Machine) -> Iterator[Command]:
         raise TypeError(f"{machine.name} has no saw and drill")
     profile = plan.profile
     yield StartBar(machine.sections[profile.code], profile.width, profile.height)
-    spindles: dict[Face, Spindle] = {s.face: s for s in machine.spindles}
-    sections = {face: _section_values(profile, face, drill) for face in spindles}
+    for index, piece in enumerate(plan.pieces):
+        if piece.turn != AS_GIVEN:
+            # Whoever loads the bar cannot see it in the figures, since the part is not marked yet.
+            yield Comment(f"part {index + 1}, {piece.part.mark}: {piece.turn}")
+    strokes = Strokes(profile, machine)
+    feeds: dict[tuple[Tool, str], tuple[float, float]] = {}
     for op in plan.operations:
         if isinstance(op, SawOp):
-            yield SawStroke(op.x, op.angle, saw.feed_mm_min, op.source)
+            yield SawStroke(op.x, op.angle, saw.feed_mm_min, op.source, op.tilt)
+            continue
+        grade = plan.pieces[op.features[0][0]].part.grade
+        key = op.tool, grade
+        if key not in feeds:
+            feeds[key] = speed_and_feed(op.tool, drill, grade)
+        if isinstance(op, DrillOp):
+            yield _drill_cycle(op, strokes, *feeds[key])
         else:
-            spindle = spindles[op.faces[0]]
-            grade = plan.pieces[op.features[0][0]].part.grade
-            yield _drill_cycle(op, spindle, sections[op.faces[0]], drill, grade)
+            yield _path_cycle(op, strokes, *feeds[key])
 
 
-def _section_values(profile: Profile, face: Face, drill: Drill) -> dict[str, float]:
-    """The names that a machine's formulas may use, as far as the section gives them."""
-    return {
-        "height": profile.height,
-        "width": profile.width,
-        "flange_thickness": profile.flange_thickness,
-        "web_thickness": profile.web_thickness or 0.0,
-        "thickness": profile.thickness(face),
-        "face_depth": profile.face_depth(face),
-        "clearance": drill.clearance,
-    }
-
-
-def _drill_cycle(
-    op: DrillOp, spindle: Spindle, section: dict[str, float], drill: Drill, grade: str
-) -> DrillCycle:
-    through = section["thickness"] + drill.breakthrough
-    values = {
-        **section,
-        "y": op.y,
-        "depth": through if op.depth is None else op.depth,
-        "tip": op.tool.tip,
-    }
-    across, stroke = spindle.across, spindle.stroke
-    position = across.position(values)
-
-    def place(formula: Formula) -> tuple[float, float]:
-        at = {across.axis: position, stroke.axis: formula(values)}
-        return at["Y"], at["Z"]
-
-    speed_rpm, feed_mm_min = speed_and_feed(op.tool, drill, grade)
+def _drill_cycle(op: DrillOp, strokes: Strokes, speed_rpm: float, feed_mm_min: float) -> DrillCycle:
+    point = _point(op, strokes, op.x, op.y)
     return DrillCycle(
         op.spindle,
         op.tool.diameter,
         op.x,
-        place(stroke.start),
-        place(stroke.near or stroke.start),
-        place(stroke.bottom),
+        point.start,
+        point.near,
+        point.bottom,
+        feed_mm_min,
+        speed_rpm,
+        op.source,
+        cast("str", op.tool.kind),  # type: ignore[arg-type]
+        op.tool.pitch,
+    )
+
+
+def _path_cycle(op: PathOp, strokes: Strokes, speed_rpm: float, feed_mm_min: float) -> PathCycle:
+    points = tuple(_point(op, strokes, x, y) for x, y in op.path)
+    return PathCycle(
+        "mill" if op.tool.kind == "mill" else "scribe",
+        op.spindle,
+        op.tool.diameter,
+        points,
         feed_mm_min,
         speed_rpm,
         op.source,
     )
 
 
-def speed_and_feed(tool: Tool, drill: Drill, grade: str) -> tuple[float, float]:
-    """Spindle speed in rpm and feed in mm/min for a drill, within the machine's limits.
+def _point(op: SpindleOp, strokes: Strokes, x: float, y: float) -> PathPoint:
+    """A point of an operation in machine coordinates."""
+    stroke = strokes(op, y)
+    axes = strokes.axes(op)
+    return PathPoint(
+        x,
+        _yz(axes, stroke, stroke.start),
+        _yz(axes, stroke, stroke.near),
+        _yz(axes, stroke, stroke.bottom),
+    )
 
-    n = 1000 v / (pi d), v the cutting speed in m/min; feed = n * feed per turn. The table's first
-    row that fits the grade and the diameter counts, its last one for anything beyond.
-    """
-    row = next((r for r in drill.cutting if _fits(r, tool, grade)), drill.cutting[-1])
-    speed = 1000 * row.speed_m_min / (pi * tool.diameter)
-    speed = min(max(speed, drill.least_speed_rpm), drill.greatest_speed_rpm)
-    return speed, min(speed * row.feed_per_turn, drill.greatest_feed_mm_min)
 
-
-def _fits(row: Cutting, tool: Tool, grade: str) -> bool:
-    return tool.diameter <= row.up_to and fnmatchcase(grade.upper(), row.grade.upper())
+def _yz(axes: tuple[Axis, Axis], stroke: Stroke, along: float) -> tuple[float, float]:
+    """Y and Z of a spindle across the bar and along its stroke."""
+    at = {axes[0]: stroke.across, axes[1]: along}
+    return at["Y"], at["Z"]

@@ -1,8 +1,9 @@
 """The ends of a part: where a saw has to cut, and what of the contours that explains.
 
-Both end planes follow one formula (reference: DSTV 7th edition, header lines 17 to 20):
+An end is a plane. Its angles are DSTV's (7th edition, header lines 17 to 20), the web's in the
+view of v and the flange's in the view of u, and both follow one formula:
 
-    x(y) = c - y * tan(web angle)
+    x(y, z) = c - y * tan(web angle) - z * tan(flange angle)
 
     y = height  o  +--------------------+         web angle > 0 at the start: top edge longest
                   /                    /          web angle > 0 at the end: bottom edge longest
@@ -12,11 +13,12 @@ Both end planes follow one formula (reference: DSTV 7th edition, header lines 17
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from math import atan2, degrees, radians, tan
+from math import atan2, degrees, hypot, radians, tan
+from typing import Literal
 
 from beamcam.errors import Diagnostic, PlanError
 from beamcam.geometry.curves import Line, Point
-from beamcam.model.part import Contour, Part
+from beamcam.model.part import Contour, Part, Profile
 from beamcam.planning import rules
 
 CONTOUR_TOLERANCE = 1.0  #: mm between contour and header that exporters leave; no cope is smaller
@@ -25,52 +27,117 @@ ANGLE_TOLERANCE_DEG = 0.2  #: between header and contour
 
 @dataclass(frozen=True, slots=True)
 class End:
-    """The plane of one end: x on the part as a function of y on the web."""
+    """The plane of one end: x on the part as a function of y and z in the section."""
 
-    at: str  #: "start" or "end", for messages
+    at: Literal["start", "end"]
     web_deg: float
-    x0: float  #: x at y = 0
+    x0: float  #: x at y = 0, z = 0
+    flange_deg: float = 0.0
 
-    def x(self, y: float) -> float:
-        return self.x0 - y * tan(radians(self.web_deg))
+    @property
+    def is_square(self) -> bool:
+        return not (self.web_deg or self.flange_deg)
+
+    @property
+    def slant(self) -> float:
+        """Length along the part of a plate of thickness 1 that is parallel to the end."""
+        if self.is_square:
+            return 1.0
+        return hypot(1.0, tan(radians(self.web_deg)), tan(radians(self.flange_deg)))
+
+    def x(self, y: float, z: float = 0.0) -> float:
+        if self.is_square:
+            return self.x0
+        return self.x0 - y * tan(radians(self.web_deg)) - z * tan(radians(self.flange_deg))
 
 
 def ends_of(part: Part, least_mitre: float) -> tuple[tuple[End, End], tuple[Diagnostic, ...]]:
     """The start and the end plane of a part, and remarks about them.
 
     Header and contour have to agree; where the header says nothing the contour decides. An angle
-    below `least_mitre` degrees is square. Raises PlanError for a flange cut, and where the two
-    contradict each other.
+    below `least_mitre` degrees is square. Raises PlanError where the two contradict each other.
     """
-    cuts, remarks = part.cuts, []
-    drawn = _drawn_angles(part)
-    found = []
-    for at, web, flange, seen in (
-        ("start", cuts.web_start, cuts.flange_start, drawn[0] if drawn else None),
-        ("end", cuts.web_end, cuts.flange_end, drawn[1] if drawn else None),
-    ):
-        if abs(flange) >= least_mitre:
-            raise PlanError(rules.FLANGE_CUT.at(part.source, found=f"{flange:g}", end=at))
-        if seen is not None and abs(seen - web) > ANGLE_TOLERANCE_DEG:
-            if abs(web) >= least_mitre:
-                raise PlanError(
-                    rules.CUT_DENIED.at(
-                        part.source, found=f"{web:g}", end=at, expected=f"{seen:.3f}"
-                    )
-                )
-            remarks.append(rules.CUT_FROM_CONTOUR.at(part.source, found=f"{seen:.3f}", end=at))
-            web = seen
-        found.append(web if abs(web) >= least_mitre else 0.0)
-    height = part.profile.height
-    lean = [height * tan(radians(angle)) for angle in found]
-    start = End("start", found[0], max(0.0, lean[0]))
-    end = End("end", found[1], part.length + min(0.0, lean[1]))
+    cuts = part.cuts
+    header = ((cuts.web_start, cuts.web_end), (cuts.flange_start, cuts.flange_end))
+    drawn: tuple[tuple[float, float] | None, ...] = (None, None)
+    if any(f.__class__ is Contour for f in part.features):
+        drawn = (_drawn_angles(part, "v"), _drawn_flange_angles(part))
+    elif header == ((0.0, 0.0), (0.0, 0.0)):
+        return (End("start", 0.0, 0.0), End("end", 0.0, part.length)), ()
+    remarks: list[Diagnostic] = []
+    web, flange = (
+        _agreed(part, name, said, seen, least_mitre, remarks)
+        for name, said, seen in zip(("web", "flange"), header, drawn, strict=True)
+    )
+    leans = [[y * t + z * s for y, z in corners(part.profile)] for t, s in _tangents(web, flange)]
+    start = End("start", web[0], max(leans[0]), flange[0])
+    end = End("end", web[1], part.length + min(leans[1]), flange[1])
     return (start, end), tuple(remarks)
 
 
-def _drawn_angles(part: Part) -> tuple[float, float] | None:
-    """Web angles of the outer contour on v; None if there is none, or it is no trapezoid."""
-    outer = [c for c in part.contours if c.face == "v" and c.kind == "outer"]
+def _tangents(
+    web: tuple[float, float], flange: tuple[float, float]
+) -> Iterator[tuple[float, float]]:
+    for w, f in zip(web, flange, strict=True):
+        yield tan(radians(w)), tan(radians(f))
+
+
+def corners(profile: Profile) -> tuple[tuple[float, float], ...]:
+    """The outermost places (y, z) of a section that hold material."""
+    height, width = profile.height, profile.width
+    if profile.code == "L":
+        return (0.0, 0.0), (height, 0.0), (0.0, width)
+    if profile.code == "T":
+        return (0.0, 0.0), (height, 0.0), (height / 2, width)
+    return (0.0, 0.0), (height, 0.0), (0.0, width), (height, width)
+
+
+def _agreed(
+    part: Part,
+    name: str,
+    header: tuple[float, float],
+    drawn: tuple[float, float] | None,
+    least_mitre: float,
+    remarks: list[Diagnostic],
+) -> tuple[float, float]:
+    """The angles of both ends on which header and contour agree."""
+    found = []
+    for at, said, seen in zip(("start", "end"), header, drawn or (None, None), strict=True):
+        angle = said
+        if seen is not None and abs(seen - said) > ANGLE_TOLERANCE_DEG:
+            if abs(said) >= least_mitre:
+                raise PlanError(
+                    rules.CUT_DENIED.at(
+                        part.source, kind=name, found=f"{said:g}", end=at, expected=f"{seen:.3f}"
+                    )
+                )
+            remarks.append(
+                rules.CUT_FROM_CONTOUR.at(part.source, kind=name, found=f"{seen:.3f}", end=at)
+            )
+            angle = seen
+        found.append(angle if abs(angle) >= least_mitre else 0.0)
+    return found[0], found[1]
+
+
+def _drawn_flange_angles(part: Part) -> tuple[float, float] | None:
+    """Flange angles that the contours of all flanges agree on; None where they do not.
+
+    One flange alone that is drawn skew is a preparation of that flange and no saw cut.
+    """
+    faces = ("u",) if part.profile.code == "L" else ("o", "u")
+    seen = [_drawn_angles(part, face) for face in faces]
+    first = seen[0]
+    for other in seen:
+        if first is None or other is None:
+            return None
+        if any(abs(a - b) > ANGLE_TOLERANCE_DEG for a, b in zip(first, other, strict=True)):
+            return None
+    return first
+
+
+def _drawn_angles(part: Part, face: str) -> tuple[float, float] | None:
+    """End angles of the outer contour on a face; None if there is none, or it is no trapezoid."""
+    outer = [c for c in part.contours if c.face == face and c.kind == "outer"]
     if len(outer) != 1 or not all(isinstance(c, Line) for c in outer[0].curves):
         return None
     points = [c.start for c in outer[0].curves]
@@ -109,19 +176,34 @@ def leaves_stock(contour: Contour, part: Part, ends: tuple[End, End]) -> Point |
             if not any(
                 abs(vy - y) <= CONTOUR_TOLERANCE and least <= vx <= greatest for vx, vy in vertices
             ):
-                return end.x(y), y
+                return (least + greatest) / 2, y
     return None
 
 
-def _reach(end: End, face: str, part: Part, y: float) -> tuple[float, float]:
+def _reach(end: End, face: str, part: Part, q: float) -> tuple[float, float]:
     """Least and greatest x that a contour may have at an end, the tolerance included.
 
-    A flange ends skew through its thickness, and is drawn as long as either of its surfaces.
+    `q` is the contour's second coordinate: z on the flanges, y on the web. A plate ends skew
+    through its thickness, and is drawn as long as either of its surfaces.
     """
-    height, inner = part.profile.height, part.profile.flange_thickness
-    at = {"o": (height - inner, height), "u": (0.0, inner)}.get(face, (y,))
-    xs = [end.x(border) for border in at]
+    profile = part.profile
+    if face in ("o", "u"):
+        inner = profile.flange_thickness
+        borders = (profile.height - inner, profile.height) if face == "o" else (0.0, inner)
+        xs = [end.x(y, q) for y in borders]
+    else:
+        xs = [end.x(q, z) for z in (web_borders(profile, face) if end.flange_deg else (0.0,))]
     return min(xs) - CONTOUR_TOLERANCE, max(xs) + CONTOUR_TOLERANCE
+
+
+def web_borders(profile: Profile, face: str) -> tuple[float, float]:
+    """z of the two surfaces of the plate behind face v or h."""
+    thickness = profile.web_thickness or 0.0
+    if profile.code == "I":
+        return (profile.width - thickness) / 2, (profile.width + thickness) / 2
+    if profile.code in ("M", "B", "RO", "RU", "SO") and face == "v":
+        return profile.width - thickness, profile.width
+    return 0.0, thickness
 
 
 def _vertices(contour: Contour) -> Iterator[Point]:

@@ -37,19 +37,26 @@ SAW_ANGLE = Rule(
 FLANGE_CUT = Rule(
     "plan-flange-cut",
     _E,
-    "found a flange cut of {found} degrees at the {end}; expected 0, the blade does not tilt",
-    "The saw turns about one axis only, across the web.",
+    "found a flange cut of {found} degrees at the {end}; expected {expected}",
+    "The blade does not tilt, or it tilts one way only; a part that is turned may need that way.",
+)
+COMPOUND = Rule(
+    "plan-compound",
+    _E,
+    "found a cut of {web} degrees on the web and {flange} on the flange at the {end}; "
+    "expected one of them, the saw cannot turn and tilt at once",
+    "A compound mitre needs a saw whose blade tilts while the saw is turned.",
 )
 CUT_DENIED = Rule(
     "plan-cut-denied",
     _E,
-    "found a web cut of {found} degrees at the {end} where the contour has {expected}",
+    "found a {kind} cut of {found} degrees at the {end} where the contour has {expected}",
     "Header and contour describe different ends, and only one can be right.",
 )
 CUT_FROM_CONTOUR = Rule(
     "plan-cut-from-contour",
     _W,
-    "found no web cut in the header at the {end}; the contour's {found} degrees are sawn",
+    "found no {kind} cut in the header at the {end}; the contour's {found} degrees are sawn",
     "Some exporters leave the header's angle at 0 though the contour is skew.",
 )
 BAR_SHORT = Rule(
@@ -67,14 +74,55 @@ BAR_LONG = Rule(
 BAR_FULL = Rule(
     "plan-bar-full",
     _E,
-    "found parts, kerfs and trim of {found} mm; expected at most the bar's {expected} mm",
-    "The parts do not fit on the bar.",
+    "found parts, kerfs, trims and dead zone of {found} mm; expected at most the bar's "
+    "{expected} mm",
+    "The parts do not fit on the bar. `--order best` nests mitres, where they can be.",
+)
+PART_SHORT = Rule(
+    "plan-part-short",
+    _E,
+    "found a part of {found} mm; expected at least {expected} mm",
+    "A shorter part falls between the rollers or cannot be held.",
+)
+REMNANT = Rule(
+    "plan-remnant",
+    _N,
+    "a rest of {found} mm is long enough to go back to the store",
+    "The machine's file says from which length a rest is a remnant (`layout.least_remnant`).",
 )
 NO_TOOL = Rule(
     "plan-tool",
     _E,
     "found a {kind} hole of diameter {found} on face {face}; expected {expected}",
     "No tool of the machine makes the hole within the tolerance of its file.",
+)
+NO_PILOT = Rule(
+    "plan-countersink",
+    _E,
+    "found a countersink of diameter {found} on face {face} at x {x}, y {y}; "
+    "expected a hole to sink at that place",
+    "DSTV gives a countersunk hole in two rows, the sink and the hole; one of them is missing.",
+)
+SINK_DEPTH = Rule(
+    "plan-sink-depth",
+    _E,
+    "found a countersink of diameter {found} and depth {depth} on face {face}; "
+    "expected a depth of at least {expected} for that cone and hole",
+    "Diameter, depth, cone and hole contradict each other, and only three of them can be right.",
+)
+THREAD_DEPTH = Rule(
+    "plan-thread-depth",
+    _E,
+    "found a thread of depth {found} on face {face}; "
+    "expected at most {expected}, the tapping drill would come through",
+    "The drill before a blind tap goes deeper than the thread by the tap's run-out.",
+)
+DUPLICATE = Rule(
+    "plan-duplicate",
+    _W,
+    "found a hole of diameter {found} on face {face} at x {x}, y {y} a second time; "
+    "it is drilled once, for {first}",
+    "Some exporters write a hole of two bolted plates, or of both sides of a web, twice.",
 )
 NO_SPINDLE = Rule(
     "plan-face",
@@ -91,8 +139,9 @@ OFF_FACE = Rule(
 SLOT = Rule(
     "plan-slot",
     _E,
-    "found a slot of {found} mm on face {face}; expected no slot, the machine has no mill",
-    "A drill cannot make a slot. `--allow-skips slot` leaves it to another machine.",
+    "found a slot of {found} mm on face {face}; expected {expected}",
+    "A drill cannot make a slot, and a mill none narrower than itself. "
+    "`--allow-skips slot` leaves it to another machine.",
 )
 COPE = Rule(
     "plan-cope",
@@ -110,7 +159,7 @@ CUTOUT = Rule(
 MARK = Rule(
     "plan-mark",
     _E,
-    "found {found} to mark on face {face}; expected none, the machine has no marking tool",
+    "found {found} to mark on face {face}; expected none, the machine has no {tool} for it",
     "`--allow-skips mark` leaves marks and scribe lines to another machine.",
 )
 BEVEL = Rule(
@@ -131,12 +180,41 @@ QUANTITY = Rule(
     "found a quantity of {found}; this program makes {made}",
     "A part is laid on the bar as often as its file is named, whatever quantity it states.",
 )
+TURNED = Rule(
+    "plan-turned",
+    _N,
+    "the part is {found}: {reason}",
+    "A part may be laid on the rollers in eight ways; `--turn` takes the one that costs least.",
+)
+TURN_HELPS = Rule(
+    "plan-turn-helps",
+    _N,
+    "the machine can make the part {found}; allow it by --turn",
+    "The way that the part lies is what the machine cannot do, and not the part itself.",
+)
+ORDER = Rule(
+    "plan-order",
+    _N,
+    "the parts lie in the order {found}: {reason}",
+    "`--order best` puts parts side by side that share a cut, so that less of the bar is lost.",
+)
+RELOAD = Rule(
+    "plan-reload",
+    _W,
+    "found {found} tools for the {stations} stations of spindle {spindle}; "
+    "{changes} must be changed by hand during the work",
+    "The bar needs more tools than the spindle holds at once; `beamcam plan` lists the changes.",
+)
 
 RULES = (
-    NO_PARTS, STOCK, MIXED_PROFILES, SECTION_SIZE, SAW_ANGLE, FLANGE_CUT, CUT_DENIED,
-    CUT_FROM_CONTOUR, BAR_SHORT, BAR_LONG, BAR_FULL, NO_TOOL, NO_SPINDLE, OFF_FACE, SLOT, COPE,
-    CUTOUT, MARK, BEVEL, OTHER, QUANTITY,
+    NO_PARTS, STOCK, MIXED_PROFILES, SECTION_SIZE, SAW_ANGLE, FLANGE_CUT, COMPOUND, CUT_DENIED,
+    CUT_FROM_CONTOUR, BAR_SHORT, BAR_LONG, BAR_FULL, PART_SHORT, REMNANT, NO_TOOL, NO_PILOT,
+    SINK_DEPTH, THREAD_DEPTH, DUPLICATE, NO_SPINDLE, OFF_FACE, SLOT, COPE, CUTOUT, MARK, BEVEL,
+    OTHER, QUANTITY, TURNED, TURN_HELPS, ORDER, RELOAD,
 )  # fmt: skip
 
-SKIPPABLE = (NO_TOOL, NO_SPINDLE, OFF_FACE, SLOT, COPE, CUTOUT, MARK, BEVEL, OTHER)
+SKIPPABLE = (
+    NO_TOOL, NO_PILOT, SINK_DEPTH, THREAD_DEPTH, NO_SPINDLE, OFF_FACE, SLOT, COPE, CUTOUT, MARK,
+    BEVEL, OTHER,
+)  # fmt: skip
 SKIP_NAMES = tuple(rule.code.removeprefix("plan-") for rule in SKIPPABLE)

@@ -1,0 +1,71 @@
+"""Where a spindle goes for an operation, by the machine's formulas."""
+
+from dataclasses import dataclass
+
+from beamcam.machine.machine import Axis, Drill, Machine, Spindle
+from beamcam.model.part import Face, Profile
+from beamcam.model.plan import SpindleOp
+
+
+@dataclass(frozen=True, slots=True)
+class Stroke:
+    """One stroke in machine coordinates, along the axis that drives the spindle in."""
+
+    across: float  #: place of the axis across the bar
+    start: float  #: free of the section
+    near: float  #: where the rapid approach ends
+    bottom: float
+
+
+class Strokes:
+    """The strokes of a machine's spindles on one section. Raises TypeError without a drill."""
+
+    def __init__(self, profile: Profile, machine: Machine) -> None:
+        if machine.drill is None:
+            raise TypeError(f"{machine.name} has no drill")
+        self._drill = machine.drill
+        self.spindles: dict[Face, Spindle] = {s.face: s for s in machine.spindles}
+        self._values = {face: _values(profile, face, machine.drill) for face in self.spindles}
+
+    def spindle(self, op: SpindleOp) -> Spindle:
+        """The spindle that an operation is counted by: the first of a pair."""
+        return self.spindles[op.faces[0]]
+
+    def axes(self, op: SpindleOp) -> tuple[Axis, Axis]:
+        """The axis across the bar and the one that strokes."""
+        spindle = self.spindles[op.faces[0]]
+        return spindle.across.axis, spindle.stroke.axis
+
+    def __call__(self, op: SpindleOp, y: float) -> Stroke:
+        """The stroke of an operation at `y` on its face.
+
+        The depth of a drill counts to its full diameter, and the tip goes beyond; the depth of
+        other tools is that of their point. Through goes beyond the far side by the breakthrough.
+        """
+        face = op.faces[0]
+        across, stroke = self.spindles[face].across, self.spindles[face].stroke
+        values = dict(self._values[face])
+        values["y"] = y
+        through = values["thickness"] + self._drill.breakthrough
+        values["depth"] = through if op.depth is None else op.depth
+        values["tip"] = op.tool.tip if op.tool.kind == "drill" else 0.0
+        start = stroke.start(values)
+        return Stroke(
+            across.position(values),
+            start,
+            start if stroke.near is None else stroke.near(values),
+            stroke.bottom(values),
+        )
+
+
+def _values(profile: Profile, face: Face, drill: Drill) -> dict[str, float]:
+    """The names that a machine's formulas may use, as far as the section gives them."""
+    return {
+        "height": profile.height,
+        "width": profile.width,
+        "flange_thickness": profile.flange_thickness,
+        "web_thickness": profile.web_thickness or 0.0,
+        "thickness": profile.thickness(face),
+        "face_depth": profile.face_depth(face),
+        "clearance": drill.clearance,
+    }

@@ -1,0 +1,75 @@
+"""Which tool stands in which station, and which have to be changed during the work.
+
+A spindle changes by itself among the tools of its stations. If the work needs more tools than
+there are stations, someone has to put another one in. Loading the stations before the work is
+free; after that each load of a tool that is not there throws one out. The fewest loads come from
+throwing out the tool that is needed again last, or never:
+
+    L. A. Belady, A study of replacement algorithms for a virtual-storage computer,
+    IBM Systems Journal 5 (1966): no other choice loads less often for a given order of work.
+"""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+from beamcam.errors import Diagnostic, Source
+from beamcam.machine.machine import Machine, Spindle, Tool
+from beamcam.model.plan import Operation, SawOp
+from beamcam.planning import rules
+
+
+@dataclass(frozen=True, slots=True)
+class Load:
+    """A tool put into a station."""
+
+    before: int  #: index of the operation that needs it; 0 and no `out`: before the work
+    spindle: str  #: name
+    station: int  #: counted from 1
+    tool: Tool
+    out: Tool | None = None  #: what it takes the place of
+
+
+def tool_loads(operations: Sequence[Operation], machine: Machine) -> tuple[Load, ...]:
+    """Every load, those before the work first and the others in the order of work."""
+    loads = [load for s in machine.spindles for load in _loads_of(operations, s)]
+    return tuple(sorted(loads, key=lambda load: (load.out is not None, load.before)))
+
+
+def _loads_of(operations: Sequence[Operation], spindle: Spindle) -> Iterator[Load]:
+    needs = [
+        (index, op.tool)
+        for index, op in enumerate(operations)
+        if not isinstance(op, SawOp) and spindle.face in op.faces
+    ]
+    stations: list[Tool] = []
+    for at, (index, tool) in enumerate(needs):
+        if tool in stations:
+            continue
+        if len(stations) < spindle.stations:
+            stations.append(tool)
+            yield Load(0, spindle.name, len(stations), tool)
+            continue
+        later = [t for _, t in needs[at:]]
+        again = [later.index(t) if t in later else len(later) for t in stations]
+        station = again.index(max(again))
+        yield Load(index, spindle.name, station + 1, tool, stations[station])
+        stations[station] = tool
+
+
+def reload_remarks(
+    operations: Sequence[Operation], machine: Machine, source: Source
+) -> Iterator[Diagnostic]:
+    """A warning for each spindle whose stations do not hold all the tools of the work."""
+    worked = [op for op in operations if op.__class__ is not SawOp]
+    # Tools come from one rack, so there are no more tools than there are objects.
+    objects = {id(op.tool) for op in worked}  # type: ignore[union-attr]
+    if len(objects) <= min((s.stations for s in machine.spindles), default=0):
+        return
+    for spindle in machine.spindles:
+        count = len({op.tool for op in worked if spindle.face in op.faces})  # type: ignore[union-attr]
+        if count > spindle.stations:
+            changes = sum(load.out is not None for load in _loads_of(operations, spindle))
+            yield rules.RELOAD.at(
+                source, found=count, stations=spindle.stations, spindle=spindle.name,
+                changes=changes,
+            )  # fmt: skip

@@ -1,0 +1,147 @@
+"""What a line cannot make of a bar or a part, and why."""
+
+from collections.abc import Iterator, Sequence
+
+from beamcam.errors import Diagnostic
+from beamcam.machine.machine import Drill, Layout, Machine, Saw
+from beamcam.model.part import (
+    Bend,
+    Camber,
+    Contour,
+    EndPlane,
+    Face,
+    Feature,
+    Hole,
+    Part,
+    Profile,
+    Slot,
+    TextMark,
+)
+from beamcam.planning import rules
+from beamcam.planning.ends import End, leaves_stock
+from beamcam.planning.tools import Rack
+
+#: Sections with one plate behind v and h, so that a through hole is the same from either side.
+ONE_WEB = ("I", "U", "C", "L", "T", "B")
+BEHIND = {"v": "h", "h": "v"}
+
+
+def refuse_stock(
+    parts: Sequence[Part], machine: Machine, saw: Saw, drill: Drill, layout: Layout
+) -> Iterator[Diagnostic]:
+    """What is wrong with the section of the bar."""
+    profile = parts[0].profile
+    for part in parts:
+        mine = part.profile
+        if mine.code not in layout.profiles or mine.code not in machine.sections:
+            yield rules.STOCK.at(
+                part.source, found=mine.code, machine=machine.name,
+                expected=", ".join(layout.profiles),
+            )  # fmt: skip
+        elif mine is not profile and mine != profile:
+            yield rules.MIXED_PROFILES.at(part.source, found=mine.name, expected=profile.name)
+        for station, size in (("saw", saw), ("drill", drill)):
+            if mine.height > size.greatest_height or mine.width > size.greatest_width:
+                yield rules.SECTION_SIZE.at(
+                    part.source, found=f"{mine.height:g} x {mine.width:g}", station=station,
+                    expected=f"{size.greatest_height:g} x {size.greatest_width:g}",
+                )  # fmt: skip
+
+
+def face_at_work(face: Face, is_through: bool, profile: Profile, reached: Sequence[Face]) -> Face:
+    """The face that a hole is made from: its own, or for a through hole the plate's other side."""
+    if face in reached or not is_through or profile.code not in ONE_WEB:
+        return face
+    behind = BEHIND.get(face, face)
+    return behind if behind in reached else face
+
+
+def refuse_place(
+    hole: Hole | Slot, face: Face, part: Part, reached: Sequence[Face]
+) -> Diagnostic | None:
+    """Why no spindle comes to a hole; None if one does. A slot's corner circles count."""
+    if face not in reached:
+        kind = "slot" if isinstance(hole, Slot) else hole.kind
+        return rules.NO_SPINDLE.at(
+            hole.source, kind=f"{kind} hole", found=hole.face, expected=", ".join(reached) or "none"
+        )
+    width = part.profile.face_width(face)
+    if not (0 <= hole.x <= part.length and 0 <= hole.y <= width):
+        return rules.OFF_FACE.at(
+            hole.source, x=f"{hole.x:g}", y=f"{hole.y:g}", face=hole.face,
+            length=f"{part.length:g}", width=f"{width:g}",
+        )  # fmt: skip
+    return None
+
+
+def refuse_slot(slot: Slot, face: Face, rack: Rack) -> Diagnostic | None:
+    """Why no mill makes a slot; None if one does."""
+    size = f"{slot.length + slot.diameter:g} x {slot.height + slot.diameter:g}"
+    if slot.kind not in ("through", "blind"):
+        return rules.SLOT.at(
+            slot.source, found=size, face=slot.face, expected=f"a slot without a {slot.kind}"
+        )
+    if not rack.slot_mill(slot.diameter, (face,)):
+        mills = rack.of_kind("mill", (face,))
+        expected = "no slot, the machine has no mill"
+        if mills:
+            expected = f"one at least {mills[0].diameter:g} wide, as the smallest mill"
+        return rules.SLOT.at(slot.source, found=size, face=slot.face, expected=expected)
+    return None
+
+
+def refuse_other(
+    feature: Feature, part: Part, ends: tuple[End, End], rack: Rack, reached: Sequence[Face]
+) -> Diagnostic | None:
+    """Why the line cannot make a feature that is no hole or slot; None if it can."""
+    match feature:
+        case TextMark():
+            return _refuse_mark(f"the text {feature.text!r}", feature, rack, reached, True)
+        case Contour():
+            return _refuse_contour(feature, part, ends, rack, reached)
+        case Bend() | EndPlane() | Camber():
+            names = {Bend: "a bend", EndPlane: "an end plane", Camber: "a camber"}
+            return rules.OTHER.at(feature.source, found=names[type(feature)])
+        case Hole() | Slot():
+            return None
+
+
+def _refuse_mark(
+    found: str, mark: TextMark | Contour, rack: Rack, reached: Sequence[Face], is_text: bool
+) -> Diagnostic | None:
+    if mark.face not in reached or not rack.of_kind("scribe", (mark.face,)):
+        return rules.MARK.at(mark.source, found=found, face=mark.face, tool="scribe")
+    if is_text:
+        return rules.MARK.at(mark.source, found=found, face=mark.face, tool="stamp")
+    return None
+
+
+def _refuse_contour(
+    contour: Contour, part: Part, ends: tuple[End, End], rack: Rack, reached: Sequence[Face]
+) -> Diagnostic | None:
+    if contour.process != "cut":
+        length = sum(curve.length for curve in contour.curves)
+        return _refuse_mark(f"{length:g} mm of line", contour, rack, reached, False)
+    if contour.kind != "outer":
+        boxes = [curve.bbox for curve in contour.curves]
+        size = (
+            f"{max(b[2] for b in boxes) - min(b[0] for b in boxes):g} x "
+            f"{max(b[3] for b in boxes) - min(b[1] for b in boxes):g}"
+        )
+        return rules.CUTOUT.at(contour.source, found=size, face=contour.face)
+    corner = leaves_stock(contour, part, ends)
+    if corner is not None:
+        return rules.COPE.at(
+            contour.source, face=contour.face, x=f"{corner[0]:g}", y=f"{corner[1]:g}"
+        )
+    for bevel in contour.bevels:
+        if not _is_sawn(bevel.angle, contour.face, ends):
+            return rules.BEVEL.at(contour.source, found=f"{bevel.angle:g}", face=contour.face)
+    return None
+
+
+def _is_sawn(bevel_deg: float, face: Face, ends: tuple[End, End]) -> bool:
+    """Whether an end cut leaves this bevel: a web's mitre on the flanges, a flange's on the web."""
+    on_web = face in ("v", "h")
+    leaves = (end.flange_deg if on_web else end.web_deg for end in ends)
+    return any(angle and abs(abs(bevel_deg) - abs(angle)) <= 0.2 for angle in leaves)

@@ -1,0 +1,196 @@
+"""Which tool of a machine makes a hole of a given diameter.
+
+A drill fits if it differs from the hole by no more than the machine's tolerance for that
+diameter; of those that fit the nearest is taken. Tools that differ by less than `drill.twin` are
+one tool to the shop (20.64 and 13/16 in), so several may be equally near; which of them is taken
+is settled over the whole bar, so that it needs as few tools as it can:
+
+    hole 26.99    drills 26.9875 (1 1/16 in) and 27.00    both within 0.02 of the nearest
+    hole 27.00    the same two                            one drill for both holes
+"""
+
+from collections.abc import Iterable
+from functools import lru_cache
+
+from beamcam.machine.machine import Drill, Fit, Machine, Tool, ToolKind, ToolSet
+from beamcam.model.part import Face
+
+Tools = tuple[Tool, ...]  #: equally good ones, the nearest first
+ROUNDING = 1e-9  #: of decimal tolerances in binary numbers
+MILL_ROOM = 0.98  #: a mill that leads round a circle is smaller than it by this at least
+
+
+class Rack:
+    """The tools of a machine by kind and face. It keeps what it was asked, and is otherwise
+    immutable; `rack_of` gives the same one for the same tools."""
+
+    def __init__(self, sets: tuple[ToolSet, ...], drill: Drill) -> None:
+        self.drill = drill
+        self._sets = sets
+        self._drills: dict[tuple[tuple[float, ...], tuple[Face, ...]], Tools] = {}
+        self.recipes: dict[object, object] = {}  #: for `holes.recipe`
+
+    def of_kind(self, kind: ToolKind, faces: tuple[Face, ...]) -> Tools:
+        """All tools of a kind that the spindles of all of `faces` take, by diameter."""
+        found = (
+            tool
+            for tools in self._sets
+            if tools.kind == kind and set(faces) <= set(tools.faces)
+            for tool in _tools(tools)
+        )
+        return tuple(sorted(found, key=lambda t: (t.diameter, t.point_deg, t.pitch, t.hand)))
+
+    def drills(self, diameters: tuple[float, ...], faces: tuple[Face, ...]) -> Tools:
+        """The drills for holes of all of `diameters` on all of `faces`; none if nothing fits."""
+        key = diameters, faces
+        known = self._drills.get(key)
+        if known is None:
+            known = self._drills[key] = nearest(
+                self.fitting(diameters, faces), diameters, self.drill.twin
+            )
+        return known
+
+    def fitting(self, diameters: tuple[float, ...], faces: tuple[Face, ...]) -> Tools:
+        """All drills within the tolerance of every one of `diameters`."""
+        fits = [fit_of(diameter, self.drill.fits) for diameter in diameters]
+        if None in fits:
+            return ()
+        return tuple(
+            tool
+            for tool in self.of_kind("drill", faces)
+            if all(
+                fit is not None and is_within(tool.diameter - diameter, fit)
+                for diameter, fit in zip(diameters, fits, strict=True)
+            )
+        )
+
+    def sinks(
+        self, diameter: float, point_deg: float, whole: bool, faces: tuple[Face, ...]
+    ) -> Tools:
+        """Countersinks for an outer diameter; `whole` asks for a tool of that very diameter.
+
+        A cone that ends at its outer diameter may be made with any larger tool, one that stands
+        below the surface or a flat counterbore only with a tool that fits the diameter.
+        """
+        fit = fit_of(diameter, self.drill.fits)
+        cones = [
+            t
+            for t in self.of_kind("countersink", faces)
+            if abs(t.point_deg - point_deg) <= ROUNDING
+        ]
+        if whole:
+            fitting = [t for t in cones if fit and is_within(t.diameter - diameter, fit)]
+            return nearest(tuple(fitting), (diameter,), self.drill.twin)
+        return tuple(t for t in cones if t.diameter >= diameter - ROUNDING)[:1]
+
+    def taps(self, diameter: float, left: bool, faces: tuple[Face, ...]) -> Tools:
+        """The tap of a nominal diameter."""
+        hand = "left" if left else "right"
+        taps = (t for t in self.of_kind("tap", faces) if t.hand == hand)
+        return tuple(t for t in taps if abs(t.diameter - diameter) <= self.drill.twin)[:1]
+
+    def pre_drill(self, tap: Tool) -> float:
+        """Diameter of the drill before a tap."""
+        return next(
+            before
+            for tools in self._sets
+            if tools.kind == "tap" and tools.hand == tap.hand
+            for size, before, pitch in zip(
+                tools.sizes, tools.pre_drills, tools.pitches, strict=True
+            )
+            if size == tap.diameter and pitch == tap.pitch
+        )
+
+    def ring_mill(self, diameter: float, faces: tuple[Face, ...]) -> Tools:
+        """The largest mill that may make a hole of `diameter` as a circle."""
+        largest = max(
+            (t.largest_hole for t in self._sets if t.kind == "mill" and set(faces) <= set(t.faces)),
+            default=0.0,
+        )
+        if diameter > largest:
+            return ()
+        fitting = (t for t in self.of_kind("mill", faces) if t.diameter <= MILL_ROOM * diameter)
+        return tuple(fitting)[-1:]
+
+    def slot_mill(self, diameter: float, faces: tuple[Face, ...]) -> Tools:
+        """The largest mill that is no wider than a slot."""
+        limit = diameter + self.drill.twin
+        return tuple(t for t in self.of_kind("mill", faces) if t.diameter <= limit)[-1:]
+
+    def largest_drill(self, faces: tuple[Face, ...]) -> float:
+        """Diameter of the largest drill; 0 if there is none."""
+        return max((t.diameter for t in self.of_kind("drill", faces)), default=0.0)
+
+
+def rack_of(machine: Machine) -> Rack:
+    """The tools of a machine that drills. Raises TypeError if it does not."""
+    if machine.drill is None:
+        raise TypeError(f"{machine.name} has no drill")
+    return _rack(machine.tools, machine.drill)
+
+
+@lru_cache(maxsize=16)
+def _rack(sets: tuple[ToolSet, ...], drill: Drill) -> Rack:
+    return Rack(sets, drill)
+
+
+def _tools(tools: ToolSet) -> Iterable[Tool]:
+    pitches = tools.pitches or (0.0,) * len(tools.sizes)
+    for diameter, pitch in zip(tools.sizes, pitches, strict=True):
+        yield Tool(tools.kind, diameter, tools.point_deg, pitch, tools.hand)
+
+
+def fit_of(diameter: float, fits: tuple[Fit, ...]) -> Fit | None:
+    """The tolerance for holes of a diameter; None beyond the last row."""
+    return next((f for f in fits if diameter <= f.up_to), None)
+
+
+def is_within(difference: float, fit: Fit) -> bool:
+    """Whether a drill may differ from its hole by this."""
+    return -fit.minus - ROUNDING <= difference <= fit.plus + ROUNDING
+
+
+def nearest(fitting: Tools, diameters: tuple[float, ...], twin: float) -> Tools:
+    """Those of `fitting` that are nearest, and those that are as near but for a twin's difference.
+
+    Of two that are exactly as near the smaller comes first: a hole can be reamed and not filled.
+    """
+    ranked = sorted(
+        (max(abs(t.diameter - d) for d in diameters), t.diameter, i) for i, t in enumerate(fitting)
+    )
+    if not ranked:
+        return ()
+    limit = ranked[0][0] + twin + ROUNDING
+    return tuple(fitting[i] for distance, _, i in ranked if distance <= limit)
+
+
+def choose_drill(diameter: float, machine: Machine, face: Face = "v") -> Tool | None:
+    """The drill nearest to a hole's diameter within the machine's fit; None if there is none."""
+    return next(iter(rack_of(machine).drills((diameter,), (face,))), None)
+
+
+def settle(choices: Iterable[Tools]) -> dict[Tools, Tool]:
+    """For each choice of equally good tools the one to take, so that few tools are needed.
+
+    A tool that another choice leaves no way around is taken where it is as good; what is left is
+    shared out, the tool that serves most choices first. Of equally useful ones the nearest.
+    """
+    open_choices = set(choices)
+    taken = {choice[0] for choice in open_choices if len(choice) == 1}
+    settled: dict[Tools, Tool] = {}
+    for choice in list(open_choices):
+        known = next((tool for tool in choice if tool in taken), None)
+        if known is not None:
+            settled[choice] = known
+            open_choices.discard(choice)
+    while open_choices:
+        counts: dict[Tool, tuple[int, int, float]] = {}
+        for choice in open_choices:
+            for rank, tool in enumerate(choice):
+                serves, distance, _ = counts.get(tool, (0, 0, 0.0))
+                counts[tool] = (serves - 1, distance + rank, tool.diameter)
+        best = min(counts, key=lambda tool: counts[tool])
+        for choice in [c for c in open_choices if best in c]:
+            settled[choice] = best
+            open_choices.discard(choice)
+    return settled

@@ -1,0 +1,333 @@
+"""A part turned on the rollers: the eight rotations that keep it along the bar, and no mirror.
+
+Section axes are DSTV's (7th edition, page 7): X along the part, Y up the web from the u side, Z
+across from the h side. A rotation that keeps the bar's axis maps the section's box to itself; it
+is one of the eight signed exchanges of Y and Z, and the part is turned end for end exactly where
+that exchange alone would mirror it, so that the determinant of the whole is always +1:
+
+      o                u                 o                u              quarter turns
+    h   v            v   h             v   h            h   v            likewise, with
+      u                o                 u                o              v o h u for h v ...
+    as given      about X 180        about Y 180      about Z 180
+    X ->          X ->               X <-             X <-
+
+A mirrored part is another part: no sequence of these turns gives it.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from math import isclose
+
+from beamcam.geometry.curves import Matrix, Point
+from beamcam.model.part import (
+    Bend,
+    Camber,
+    Contour,
+    EndCuts,
+    EndPlane,
+    Face,
+    Feature,
+    Hole,
+    Part,
+    Plane,
+    Profile,
+    Slot,
+    TextMark,
+    Vector,
+)
+from beamcam.model.plan import AS_GIVEN
+
+
+@dataclass(frozen=True, slots=True)
+class Turn:
+    """One of the eight rotations: where the section's axes go, and which end leads."""
+
+    name: str
+    swap: bool  #: whether Y and Z are exchanged, after the reversals
+    reverse_y: bool  #: y becomes height - y
+    reverse_z: bool  #: z becomes width - z
+
+    @property
+    def reverse_x(self) -> bool:
+        """Whether x becomes length - x: where the section's map alone would mirror the part."""
+        return self.swap ^ self.reverse_y ^ self.reverse_z
+
+    @property
+    def matrix(self) -> tuple[Vector, Vector, Vector]:
+        """The rotation's matrix."""
+        x, y, z = (-1.0 if r else 1.0 for r in (self.reverse_x, self.reverse_y, self.reverse_z))
+        if self.swap:
+            return (x, 0.0, 0.0), (0.0, 0.0, z), (0.0, y, 0.0)
+        return (x, 0.0, 0.0), (0.0, y, 0.0), (0.0, 0.0, z)
+
+    @property
+    def undo(self) -> "Turn":
+        """The turn that brings the part back."""
+        if self.swap and self.reverse_y != self.reverse_z:
+            return next(t for t in TURNS if t.swap and t.reverse_y != t.reverse_z and t is not self)
+        return self
+
+
+TURNS = (
+    Turn(AS_GIVEN, False, False, False),
+    Turn("turned 180 about its length", False, True, True),
+    Turn("turned end for end, web up", False, True, False),
+    Turn("turned end for end, upright", False, False, True),
+    Turn("turned 90 about its length", True, True, False),
+    Turn("turned 270 about its length", True, False, True),
+    Turn("turned end for end and 90", True, False, False),
+    Turn("turned end for end and 270", True, True, True),
+)
+
+#: Section codes and the turns of which each lies on the rollers as its DSTV axes have it.
+_LIES: dict[str, frozenset[tuple[bool, bool, bool]]] = {
+    code: frozenset(turns)
+    for code, turns in {
+        "I": [(False, a, b) for a in (False, True) for b in (False, True)],
+        "B": [(False, a, b) for a in (False, True) for b in (False, True)],
+        "M": [(s, a, b) for s in (False, True) for a in (False, True) for b in (False, True)],
+        "U": [(False, False, False), (False, True, False)],
+        "C": [(False, False, False), (False, True, False)],
+        "T": [(False, False, False), (False, True, False)],
+        "L": [(False, False, False), (True, False, False)],
+        "RO": [(False, False, False), (False, True, False)],
+        "RU": [(False, False, False), (False, True, False)],
+        "SO": [(False, False, False)],
+    }.items()
+}
+
+
+def lies(profile: Profile, turn: Turn) -> bool:
+    """Whether the turned section lies on the rollers as the machine takes its kind.
+
+    A U lies on its web with the trough up, an angle on its two legs, a T on its flange.
+    """
+    return (turn.swap, turn.reverse_y, turn.reverse_z) in _LIES[profile.code]
+
+
+def turned(part: Part, turn: Turn) -> Part:
+    """The same part as it stands in the machine's axes after a turn, features in their order."""
+    if turn.name == AS_GIVEN:
+        return part
+    mapper = _Mapper(part, turn)
+    return replace(
+        part,
+        profile=mapper.profile(),
+        cuts=mapper.cuts(),
+        features=tuple(mapper.feature(f) for f in part.features),
+        planes=tuple(mapper.plane(p) for p in part.planes),
+        section=tuple(
+            replace(p, y=y, z=z)
+            for p in part.section
+            for _, y, z in (mapper.point((0.0, p.y, p.z)),)
+        ),
+    )
+
+
+def turn_between(part: Part, other: Part, tolerance: float = 1e-6) -> Turn | None:
+    """The turn that makes `part` the same piece of steel as `other`; None if there is none.
+
+    Only what is made counts: length, section, end cuts and features, in any order. Parts that
+    are mirror images of each other have no such turn, unless they are symmetrical.
+    """
+    return next((t for t in TURNS if _alike(turned(part, t), other, tolerance)), None)
+
+
+def _alike(a: Part, b: Part, tolerance: float) -> bool:
+    if a.profile.code != b.profile.code or len(a.features) != len(b.features):
+        return False
+    mine, theirs = _figures(a), _figures(b)
+    return len(mine) == len(theirs) and all(
+        p == q
+        if isinstance(p, str) or isinstance(q, str)
+        else isclose(p, q, rel_tol=0, abs_tol=tolerance)
+        for p, q in zip(mine, theirs, strict=True)
+    )
+
+
+def _figures(part: Part) -> list[float | str]:
+    """The numbers and words that say what a part is, in an order of their own."""
+    p, c = part.profile, part.cuts
+    size = [p.height, p.width, p.flange_thickness, p.web_thickness or 0.0]
+    cuts = [c.web_start, c.web_end, c.flange_start, c.flange_end]
+    rows = sorted((_row(f) for f in part.features), key=lambda row: [_sort_key(v) for v in row])
+    return [part.length, *size, *cuts, *(value for row in rows for value in row)]
+
+
+def _sort_key(value: float | str) -> tuple[str, float]:
+    return (value, 0.0) if isinstance(value, str) else ("", round(value, 4))
+
+
+def _row(feature: Feature) -> list[float | str]:
+    match feature:
+        case Hole():
+            depth = -1.0 if feature.depth is None else feature.depth
+            return ["hole", feature.face, feature.kind, feature.x, feature.y, feature.diameter,
+                    depth, feature.angle or 0.0]  # fmt: skip
+        case Slot():
+            depth = -1.0 if feature.depth is None else feature.depth
+            half_turn = 90.0 if feature.length == feature.height else 180.0
+            return ["slot", feature.face, feature.kind, feature.x, feature.y, feature.diameter,
+                    depth, feature.length, feature.height, feature.angle % half_turn]  # fmt: skip
+        case Contour():
+            points = sorted(c.point(t) for c in feature.curves for t in (0.0, 0.5))
+            flat = [value for point in points for value in point]
+            bevels = sorted(v for b in feature.bevels for v in (b.angle, b.land))
+            return ["contour", feature.face, feature.kind, feature.process, *flat, *bevels]
+        case TextMark():
+            return ["text", feature.face, feature.text, feature.x, feature.y,
+                    feature.angle % 360.0, feature.height]  # fmt: skip
+        case Bend():
+            return ["bend", *feature.start, *feature.end, feature.angle, feature.radius or 0.0]
+        case EndPlane():
+            return ["plane", *feature.point, *feature.normal]
+        case Camber():
+            return ["camber", feature.face, feature.x, feature.y]
+
+
+class _Mapper:
+    """Maps everything of one part by one turn; it holds no more than those two."""
+
+    def __init__(self, part: Part, turn: Turn) -> None:
+        self._part, self._turn = part, turn
+        profile = part.profile
+        self._box = (part.length, profile.height, profile.width)
+        self._faces = {
+            face: self._face(axis, high)
+            for face, axis, high in (
+                ("v", 2, True),
+                ("h", 2, False),
+                ("o", 1, True),
+                ("u", 1, False),
+            )
+        }
+
+    def _face(self, axis: int, high: bool) -> tuple[Face, Matrix]:
+        """Where a face goes, and the map of its numbers (x and y of web, x and z of flange)."""
+        turn, other = self._turn, 3 - axis
+        reverse = (turn.reverse_x, turn.reverse_y, turn.reverse_z)
+        stays_high = high ^ reverse[axis]
+        to_axis = other if turn.swap else axis
+        face = {(2, True): "v", (2, False): "h", (1, True): "o", (1, False): "u"}[
+            to_axis, stays_high
+        ]
+        x = (-1.0, 0.0, self._box[0]) if reverse[0] else (1.0, 0.0, 0.0)
+        q = (0.0, -1.0, self._box[other]) if reverse[other] else (0.0, 1.0, 0.0)
+        return face, (x, q)
+
+    def point(self, at: Vector) -> Vector:
+        """A place in space."""
+        reverse = (self._turn.reverse_x, self._turn.reverse_y, self._turn.reverse_z)
+        x, y, z = (
+            size - value if back else value
+            for value, size, back in zip(at, self._box, reverse, strict=True)
+        )
+        return (x, z, y) if self._turn.swap else (x, y, z)
+
+    def vector(self, along: Vector) -> Vector:
+        """A direction in space."""
+        return tuple(  # type: ignore[return-value]
+            sum(m * v for m, v in zip(row, along, strict=True)) + 0.0 for row in self._turn.matrix
+        )
+
+    def profile(self) -> Profile:
+        profile = self._part.profile
+        if not self._turn.swap:
+            return profile
+        web = profile.web_thickness
+        return replace(
+            profile,
+            height=profile.width,
+            width=profile.height,
+            flange_thickness=profile.flange_thickness if web is None else web,
+            web_thickness=None if web is None else profile.flange_thickness,
+        )
+
+    def cuts(self) -> EndCuts:
+        """The angles as they are seen then: a slope changes its sign with x and with y."""
+        cuts, turn = self._part.cuts, self._turn
+        web, flange = (cuts.web_start, cuts.web_end), (cuts.flange_start, cuts.flange_end)
+        if turn.reverse_x ^ turn.reverse_y:
+            web = (-web[0], -web[1])
+        if turn.reverse_x ^ turn.reverse_z:
+            flange = (-flange[0], -flange[1])
+        if turn.reverse_x:
+            web, flange = web[::-1], flange[::-1]
+        if turn.swap:
+            web, flange = flange, web
+        return EndCuts(web[0] + 0.0, web[1] + 0.0, flange[0] + 0.0, flange[1] + 0.0)
+
+    def feature(self, feature: Feature) -> Feature:
+        match feature:
+            case Hole() | Camber():
+                face, (x, y) = self._place(feature.face, feature.x, feature.y)
+                if isinstance(feature, Camber):
+                    return replace(feature, face=face, x=x, y=y)
+                return replace(feature, face=face, x=x, y=y, edge=self._edge(feature))
+            case Slot() | TextMark():
+                face, (x, y) = self._place(feature.face, feature.x, feature.y)
+                angle = self._angle(feature.face, feature.angle)
+                return replace(feature, face=face, x=x, y=y, angle=angle, edge=self._edge(feature))
+            case Contour():
+                face, matrix = self._on(feature.face)
+                return replace(
+                    feature,
+                    face=face,
+                    curves=tuple(curve.transformed(matrix) for curve in feature.curves),
+                    notches=tuple(
+                        replace(n, corner=_mapped(matrix, n.corner)) for n in feature.notches
+                    ),
+                    edge=self._edge(feature),
+                )
+            case Bend():
+                # Both ends of the line are on face v, or h once it lies upside down.
+                _, matrix = self._on("v")
+                sign = -1.0 if self._turn.reverse_z else 1.0
+                ends = (_mapped(matrix, p) for p in (feature.start, feature.end))
+                start, end = ends
+                return replace(feature, start=start, end=end, angle=sign * feature.angle)
+            case EndPlane():
+                return replace(
+                    feature, point=self.point(feature.point), normal=self.vector(feature.normal)
+                )
+
+    def plane(self, plane: Plane) -> Plane:
+        """A plane of its own turns with the part; what lies on it keeps its numbers."""
+        return replace(
+            plane,
+            origin=self.point(plane.origin),
+            along_x=self.point(plane.along_x),
+            along_y=self.point(plane.along_y),
+        )
+
+    def _on(self, face: Face) -> tuple[Face, Matrix]:
+        """Where a face goes and the map of its numbers; planes of a part's own keep theirs."""
+        return self._faces.get(face, (face, ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0))))
+
+    def _place(self, face: Face, x: float, y: float) -> tuple[Face, Point]:
+        to, matrix = self._on(face)
+        return to, _mapped(matrix, (x, y))
+
+    def _angle(self, face: Face, angle: float) -> float:
+        """An angle in the face's numbers."""
+        _, ((along, _, _), (_, across, _)) = self._on(face)
+        if along == across:
+            return angle if along > 0 else (angle + 180.0 if angle <= 0 else angle - 180.0)
+        return -angle + 0.0 if along > 0 else 180.0 - angle
+
+    def _edge(self, feature: Hole | Slot | Contour | TextMark) -> str:
+        """The edge that rolling tolerances count from, seen in the face's numbers."""
+        _, (_, (_, across, _)) = self._on(feature.face)
+        return {"u": "o", "o": "u"}.get(feature.edge, feature.edge) if across < 0 else feature.edge
+
+
+def _mapped(matrix: Matrix, point: Point) -> Point:
+    (a, _, c), (_, e, f) = matrix
+    return a * point[0] + c, e * point[1] + f
+
+
+def turns_of(part: Part) -> Iterator[tuple[Turn, Part]]:
+    """The turns in which a part lies on the rollers, and how it stands then."""
+    for turn in TURNS:
+        if lies(part.profile, turn):
+            yield turn, turned(part, turn)
