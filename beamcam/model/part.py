@@ -249,7 +249,8 @@ class Part:
     info: tuple[tuple[str, str], ...] = ()  #: word and text (IN)
     comments: tuple[Comment, ...] = ()
     guid: str | None = None  #: IFC GlobalId
-    measures: Measures | None = None  #: of a drawing: what was seen and is no feature
+    #: Of a drawing: what was seen and is no feature, and so makes no difference between parts.
+    measures: Measures | None = field(default=None, compare=False)
 
     @property
     def holes(self) -> Iterator[Hole]:

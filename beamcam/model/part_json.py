@@ -5,13 +5,13 @@ kind; the key `feature` says which place each has among all, since comments name
 `bbox` and `path_length` are written for those who read the file and ignored on reading.
 """
 
-from collections import Counter
-from collections.abc import Iterable
 from typing import Any
 
 from beamcam.errors import Source
-from beamcam.geometry.curves import Arc, Curve, Line, join_boxes
+from beamcam.geometry.curves import Curve
 from beamcam.model.curve_json import curve_to_json
+from beamcam.model.drawing import Measures, extent
+from beamcam.model.lengths import duplicate_length, total_length
 from beamcam.model.part import (
     Bend,
     Camber,
@@ -156,14 +156,14 @@ def _feature(feature: Feature) -> tuple[str, Json]:
 
 
 def _contour(contour: Contour) -> Json:
-    box = join_boxes([curve.bbox for curve in contour.curves])
+    box = extent(contour.curves)
     return {
         "face": contour.face,
         "kind": contour.kind,
         "process": contour.process,
         "closed": contour.closed,
         "curves": [curve_to_json(curve) for curve in contour.curves],
-        "length": sum(curve.length for curve in contour.curves),
+        "length": total_length(contour.curves),
         "bbox": None if box is None else list(box),
         "layer": contour.layer,
         "colour": contour.colour,
@@ -187,41 +187,17 @@ def _plane(plane: Plane, file: str) -> Json:
 
 
 def _sums(part: Part) -> Json:
-    """The box of what lies on face v, and the lengths of all curves and of those met twice."""
-    curves = [curve for contour in part.contours for curve in contour.curves]
-    on_v = [curve.bbox for c in part.contours if c.face == "v" for curve in c.curves]
-    box = join_boxes(on_v)
+    """The box of what lies on face v, the lengths of all curves, and what a drawing also held."""
+    curves: dict[str, list[Curve]] = {}
+    for contour in part.contours:
+        curves.setdefault(contour.face, []).extend(contour.curves)
+    box = extent(curves.get("v", ()))
+    measures = part.measures or Measures()
     return {
         "bbox": None if box is None else list(box),
-        "path_length": sum(curve.length for curve in curves),
-        "duplicate_length": _duplicate_length(part.contours),
+        "path_length": sum(total_length(on_face) for on_face in curves.values()),
+        "duplicate_length": sum(duplicate_length(on_face) for on_face in curves.values()),
+        "filled_length": measures.filled_length,
+        "hidden_length": measures.hidden_length,
+        "not_cut": dict(measures.not_cut),
     }
-
-
-def _duplicate_length(contours: Iterable[Contour]) -> float:
-    """Length of the curves that run along another one of their face, end to end.
-
-    Of n curves along one another n - 1 count. Lines and arcs are one where their ends and
-    middles agree within a hundredth of a millimetre, in whichever direction they run.
-    """
-    seen: Counter[object] = Counter()
-    total = 0.0
-    for contour in contours:
-        for curve in contour.curves:
-            key = (contour.face, _outline(curve))
-            if seen[key]:
-                total += curve.length
-            seen[key] += 1
-    return total
-
-
-def _outline(curve: Curve) -> object:
-    """What two curves along one another have in common."""
-    if isinstance(curve, Line | Arc):
-        ends = sorted((_rounded(curve.start), _rounded(curve.end)))
-        return ends[0], ends[1], _rounded(curve.point(0.5))
-    return min(repr(curve), repr(curve.reversed()))
-
-
-def _rounded(point: tuple[float, float]) -> tuple[float, float]:
-    return round(point[0], 2) + 0.0, round(point[1], 2) + 0.0
