@@ -327,7 +327,10 @@ class Cell:
         if isnan(self.x):
             self.say(rules.WORD, switch.line, found="a cut", expected="an X before")
             return
-        self.order.append(Cut(switch.line, self.x, angle, self.feed_mm_min))
+        tilt = values.get("tilt", 0.0)
+        if saw is not None and not saw.least_tilt <= tilt <= saw.greatest_tilt:
+            self._beyond(switch.line, "the blade's tilt", tilt, saw.least_tilt, saw.greatest_tilt)
+        self.order.append(Cut(switch.line, self.x, angle, self.feed_mm_min, tilt))
         self.peck = None
 
     def _describe_first(self, line: int) -> None:

@@ -12,7 +12,7 @@ from beamcam.model.part import Hole, Part, Profile
 from beamcam.verify import rules
 from beamcam.verify.made import Bore, Cut, Made
 from beamcam.verify.meaning import Meaning
-from beamcam.verify.need import HOLE_TOOLS, FeatureRef, ends_of, fit, tool_for, unsawn
+from beamcam.verify.need import HOLE_TOOLS, FeatureRef, ends_of, fit, holes_of, tool_for, unsawn
 from beamcam.verify.placing import NEAR, Placing
 from beamcam.verify.stations import Choice, stroke_values
 
@@ -48,10 +48,9 @@ def compare(
     said += placing.said
     said += _not_made(parts, saw, skipped)
     wanted = [
-        Wanted(p, feature, drill.x + placing.starts[p] + feature.x)
+        Wanted(p, hole, drill.x + placing.starts[p] + hole.x)
         for p, part in enumerate(parts)
-        for f, feature in enumerate(part.features)
-        if isinstance(feature, Hole) and (p, f) not in skipped
+        for hole in holes_of(part, p, machine, skipped)
     ]
     matches = list(_Matching(made.bores, wanted, parts, machine, drill, name).run(said))
     fine: set[object] = set()  # most holes of a part are like another one of it

@@ -11,6 +11,7 @@ class Cut(NamedTuple):
     x: float  #: machine X
     angle: float  #: degrees, in the machine's counting
     feed_mm_min: float
+    tilt: float = 0.0  #: degrees, in the machine's counting
 
 
 class Bore(NamedTuple):

@@ -15,6 +15,7 @@ from beamcam.verify import rules
 from beamcam.verify.made import Cut
 from beamcam.verify.need import End, ends_of
 
+COMMON_DEG = 0.01  #: ends that differ by no more may share a cut
 NEAR = 60.0  #: mm; a cut this near to where it should be is taken for it, in the wrong place
 
 
@@ -33,86 +34,113 @@ class Placing:
     def place(self, parts: Sequence[Part]) -> None:
         """Find every part's cuts, in the order given; what is left over is too much."""
         ends = [ends_of(part, self.saw) for part in parts]
-        begin: float | None = None  #: where the last parting cut lets the next part begin
+        begin: float | None = None  #: where the cut before lets the next part begin
+        shared = False  #: whether that cut made the next start, skew as it may be
         for index, part in enumerate(parts):
             following = ends[index + 1][0] if index + 1 < len(parts) else None
-            begin = self._place(part, ends[index], following, begin)
+            begin, shared = self._place(part, ends[index], following, begin, shared)
         for cut in self.left:
             self.said.append(
                 rules.CUT_EXTRA.at(
-                    Source(self.name, cut.line), angle=f"{cut.angle:g}", x=f"{cut.x:g}"
+                    Source(self.name, cut.line), angle=_shown(cut.angle, cut.tilt), x=f"{cut.x:g}"
                 )
             )
 
     def _place(
-        self, part: Part, ends: tuple[End, End], following: End | None, begin: float | None
-    ) -> float:
+        self,
+        part: Part,
+        ends: tuple[End, End],
+        following: End | None,
+        begin: float | None,
+        shared: bool,
+    ) -> tuple[float, bool]:
+        """One part's cuts; where the next part begins, and whether its start is made already."""
         first, last = ends
-        height, kerf = part.profile.height, self.saw.kerf
-        if begin is not None and not first.angle:
+        saw, height = self.saw, part.profile.height
+        if begin is not None and (first.square or shared):
             start = begin
         else:
             start = self._start(part, ends, begin)
-            self._take(first, start + first.blade(self.saw, height), first.angle, part)
+            self._take(first, start + first.blade(saw, height), part)
         self.starts.append(start)
-        square = end_of_wedge = start + part.length + kerf / 2
-        parting: Cut | None = None
-        if last.angle:
-            self._take(last, start + last.blade(self.saw, height), last.angle, part)
-            if following is not None and not following.angle:
-                # It makes the next start too, which may lie further on to spare the mitre.
-                behind = [
-                    c for c in self._with_angle(0.0)
-                    if c.x - self.saw.x >= square - self.tolerance
-                ]  # fmt: skip
-                end_of_wedge = behind[0].x - self.saw.x if behind else square
-        parting = self._take(last._replace(angle=0.0), end_of_wedge, 0.0, part)
+        end = start + part.length
+        if last.square:
+            cut = self._take(last, end + saw.kerf / 2, part)
+            self.last_cut.append(cut.line if cut else None)
+            return (cut.x - saw.x if cut else end + saw.kerf / 2) + saw.kerf / 2, False
+        cut = self._take(last, start + last.blade(saw, height), part)
+        square = last._replace(web=0.0, flange=0.0, x_0=part.length)
+        # A square cut removes the wedge; it spares the mitre, or stands right behind the part.
+        behind = [end + saw.kerf / 2, end + last.kerf(saw) / 2]
+        if following is not None and following.square:
+            # It makes the next start too, so it says where that is.
+            behind += [
+                c.x - saw.x for c in self._like(square) if c.x - saw.x >= behind[0] - self.tolerance
+            ][:1]
+        at = next((x for x in behind if self._stands(square, x)), None)
+        if (
+            at is None
+            and cut is not None
+            and following is not None
+            and self._common(last, following)
+        ):
+            self.last_cut.append(cut.line)
+            return cut.x - saw.x - following.blade(saw, height), True
+        parting = self._take(square, behind[1] if at is None else at, part)
         self.last_cut.append(parting.line if parting else None)
-        at = parting.x - self.saw.x if parting else square
-        return at + kerf / 2
+        return (parting.x - saw.x if parting else behind[1]) + saw.kerf / 2, False
 
-    def _with_angle(self, angle: float) -> Iterator[Cut]:
-        """The cuts that are left and have DSTV's `angle`, in order of X."""
-        counted = self._counted(angle)
-        return (c for c in self.left if abs(c.angle - counted) <= self.angle_tolerance)
+    def _common(self, end: End, start: End) -> bool:
+        """Whether one cut can make an end and the next start."""
+        return (
+            self.saw.common_cuts
+            and abs(end.web - start.web) <= COMMON_DEG
+            and abs(end.flange - start.flange) <= COMMON_DEG
+        )
 
-    def _counted(self, angle: float) -> float:
-        return self.saw.square + self.saw.angle_sign * angle
+    def _like(self, end: End) -> Iterator[Cut]:
+        """The cuts that are left and have an end's angles, in order of X."""
+        angle, tilt = end.saw_angles(self.saw)
+        limit = self.angle_tolerance
+        return (
+            c for c in self.left if abs(c.angle - angle) <= limit and abs(c.tilt - tilt) <= limit
+        )
+
+    def _stands(self, end: End, bar_x: float) -> bool:
+        """Whether there is a cut for an end at a place."""
+        return any(abs(c.x - self.saw.x - bar_x) <= self.tolerance for c in self._like(end))
 
     def _start(self, part: Part, ends: tuple[End, End], begin: float | None) -> float:
         """The start of a part: where its first cut fits one at its other end, if there is any."""
         height = part.profile.height
         at, reach = (e.blade(self.saw, height) for e in ends)
-        found = [c.x - self.saw.x - at for c in self._with_angle(ends[0].angle)]
-        for start in found:
-            if any(
-                abs(c.x - self.saw.x - start - reach) <= self.tolerance
-                for c in self._with_angle(ends[1].angle)
-            ):
-                return start
-        others = [c.x - self.saw.x - reach for c in self._with_angle(ends[1].angle)]
+        found = [c.x - self.saw.x - at for c in self._like(ends[0])]
+        fitting = [start for start in found if self._stands(ends[1], start + reach)]
+        if fitting:
+            return fitting[0]
+        others = [c.x - self.saw.x - reach for c in self._like(ends[1])]
         near = begin
         if near is None and self.machine.layout is not None:
             near = self.machine.layout.front_trim
         return min((*found, *others), key=lambda s: abs(s - (near or 0.0)), default=near or 0.0)
 
-    def _take(self, end: End, bar_x: float, angle: float, part: Part) -> Cut | None:
+    def _take(self, end: End, bar_x: float, part: Part) -> Cut | None:
         """The cut at `bar_x`, taken from those that are left; what is wrong with it is said."""
         x = bar_x + self.saw.x
-        counted = self._counted(angle)
-        right = [c for c in self._with_angle(angle) if abs(c.x - x) <= NEAR]
+        angles = end.saw_angles(self.saw)
+        right = [c for c in self._like(end) if abs(c.x - x) <= NEAR]
         best = min(right, key=lambda c: abs(c.x - x), default=None)
         if best is None or abs(best.x - x) > self.tolerance:
             here = [c for c in self.left if abs(c.x - x) <= self.tolerance]
             if here:
-                best = min(here, key=lambda c: abs(c.angle - counted))
+                best = min(here, key=lambda c: abs(c.angle - angles[0]))
                 self.said.append(
                     rules.CUT_ANGLE.at(
                         Source(self.name, best.line),
-                        found=f"{best.angle:g}",
+                        found=_shown(best.angle, best.tilt),
                         end=end.name,
                         mark=part.mark,
-                        expected=f"{counted:g}",
+                        expected=_shown(*angles),
                     )
                 )
             elif best is not None:
@@ -129,7 +157,7 @@ class Placing:
                 self.said.append(
                     rules.CUT_MISSING.at(
                         part.source,
-                        angle=f"{counted:g}",
+                        angle=_shown(*angles),
                         x=f"{x:.6g}",
                         end=end.name,
                         mark=part.mark,
@@ -138,3 +166,7 @@ class Placing:
         if best is not None:
             self.left.remove(best)
         return best
+
+
+def _shown(angle: float, tilt: float) -> str:
+    return f"{angle:g}" if not tilt else f"{angle:g}, tilted {tilt:g}"
