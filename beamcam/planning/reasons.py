@@ -26,5 +26,5 @@ REASONS = {
     "place-x": "its place along the bar",
     "place-tool": "at the same X, the tool is in the spindle already",
     "place-after": "at the same X, and made in the hole that comes before",
-    "place-together": "at the same X as the operation before, and at the same time",
+    "place-changes": "at the same X, in the order of fewest changes of spindle and tool",
 }
