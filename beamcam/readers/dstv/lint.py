@@ -9,7 +9,16 @@ from dataclasses import dataclass
 from math import atan2, degrees, hypot, pi
 
 from beamcam.geometry.curves import Arc, Box, join_boxes
-from beamcam.model.part import MIRRORED_FACES, Contour, EndPlane, Hole, Part, Slot
+from beamcam.model.part import (
+    MIRRORED_FACES,
+    Contour,
+    EndPlane,
+    Hole,
+    Part,
+    Profile,
+    Slot,
+    TextMark,
+)
 from beamcam.readers.dstv import rules
 from beamcam.readers.dstv.contours import Rows, polygon_area
 from beamcam.readers.dstv.tokens import Log
@@ -105,12 +114,13 @@ def _check_extents(
     if all(abs(a - b) > LENGTH_TOLERANCE for a in lengths for b in (reach, extent)):
         log.add(rules.LENGTH_CONTOUR, header[8], length=part.length, reach=reach)
     web = join_boxes([outline.box for outline in outers.get("v", ())])
-    if web is not None and part.profile.height > 0:
+    given = _face_width(part.profile, "v")
+    if web is not None and given > 0:
         height = web[3] - web[1]
-        excess = height - part.profile.height
+        excess = height - given
         # A beam may be coped along its whole length, a plate may not be narrower than itself.
         if excess > LENGTH_TOLERANCE or (part.profile.code == "B" and excess < -LENGTH_TOLERANCE):
-            log.add(rules.HEIGHT_CONTOUR, header[9], height=part.profile.height, found=height)
+            log.add(rules.HEIGHT_CONTOUR, header[9], height=given, found=height)
 
 
 def _check_ends(part: Part, outers: dict[str, list[_Outline]], header: list[int], log: Log) -> None:
@@ -188,7 +198,7 @@ def _check_circle(contour: Contour, log: Log) -> None:
 
 
 def _check_holes(part: Part, outers: dict[str, list[_Outline]], log: Log) -> None:
-    """Holes in the air, holes that are there twice, and those that are probably marks."""
+    """Holes and texts in the air, holes that are there twice, those that are probably marks."""
     seen: dict[object, int] = {}
     for hole in part.features:
         if isinstance(hole, Hole):
@@ -201,6 +211,8 @@ def _check_holes(part: Part, outers: dict[str, list[_Outline]], log: Log) -> Non
                 place = {"x": hole.x, "y": hole.y, "diameter": hole.diameter}
                 log.add(rules.HOLE_DUPLICATE, line, first=first, **place)
         elif not isinstance(hole, Slot):
+            if isinstance(hole, TextMark) and len(hole.face) == 1:
+                _check_text(part, outers.get(hole.face), hole, log)
             continue
         face = hole.face
         if len(face) == 1 and not _in_material(part, outers.get(face), face, hole.x, hole.y):
@@ -215,9 +227,34 @@ def _in_material(
     """Whether a point of a face lies in its outlines, or where it has none in the raw section."""
     if outlines is not None:
         return any(_contains(outline, x, y) for outline in outlines)
-    width = part.profile.face_width(face)
-    low, slack = -EDGE_TOLERANCE, EDGE_TOLERANCE
-    return low <= x <= part.length + slack and (not width or low <= y <= width + slack)
+    return _in_box((0.0, 0.0, part.length, _face_width(part.profile, face)), x, y)
+
+
+def _in_box(box: Box, x: float, y: float) -> bool:
+    """Whether a point lies in a box or close to it; one without height says nothing about y."""
+    x0, y0, x1, y1 = box
+    slack = EDGE_TOLERANCE
+    return x0 - slack <= x <= x1 + slack and (y0 == y1 or y0 - slack <= y <= y1 + slack)
+
+
+def _face_width(profile: Profile, face: str) -> float:
+    """Extent of a face across the part; round sections are unrolled in v (page 14)."""
+    if profile.code in ("RO", "RU"):
+        return pi * profile.height
+    width = profile.face_width(face)
+    if profile.code == "B" and face in ("o", "u"):  # the edge of a plate; its width is often 0
+        return max(width, profile.web_thickness or 0.0)
+    return width
+
+
+def _check_text(part: Part, outlines: list[_Outline] | None, mark: TextMark, log: Log) -> None:
+    """Note a text that begins off its face."""
+    box = (0.0, 0.0, part.length, _face_width(part.profile, mark.face))
+    if outlines is not None:
+        box = join_boxes([outline.box for outline in outlines]) or box
+    if not _in_box(box, mark.x, mark.y):
+        line = mark.source.line or 0
+        log.add(rules.TEXT_OUTSIDE, line, x=mark.x, y=mark.y, face=mark.face)
 
 
 def _contains(outline: _Outline, x: float, y: float) -> bool:

@@ -356,6 +356,11 @@ HOLE_OUTSIDE = _warning(
     "found {what} at x {x:g} y {y:g}, outside the material of face {face}",
     "A hole in the air is drilled by nobody: its place, its face or the contour is wrong.",
 )
+TEXT_OUTSIDE = _note(
+    "text-outside",
+    "found a text at x {x:g} y {y:g}, off face {face}",
+    "A text that begins off its face cannot be marked there; pipes written as plates have such.",
+)
 HOLE_DUPLICATE = _warning(
     "hole-duplicate",
     "found the hole of line {first} again (x {x:g} y {y:g} diameter {diameter:g})",

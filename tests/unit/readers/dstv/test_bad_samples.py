@@ -79,6 +79,7 @@ LINES = {
     "dstv-slot-round": 33,
     "dstv-text-fields": 33,
     "dstv-text-long": 2,
+    "dstv-text-outside": 33,
     "dstv-tolerance-fields": 33,
     "dstv-unread": 2,
     "dstv-unrolled": 8,
