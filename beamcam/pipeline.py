@@ -11,13 +11,13 @@ from dataclasses import dataclass, replace
 
 from beamcam import readers
 from beamcam.emitters import gcode
-from beamcam.errors import Diagnostic, ReadError, Severity, Source, VerifyError, errors_in
+from beamcam.errors import Diagnostic, PlanError, ReadError, Severity, Source, VerifyError, errors_in
 from beamcam.machine.machine import Machine
 from beamcam.model.part import Part
 from beamcam.model.plan import Plan
 from beamcam.model.program import Comment, Program
 from beamcam.motion.beam import beam_program
-from beamcam.planning import plan_bar
+from beamcam.planning import Order, plan_bar
 from beamcam.readers import rules
 from beamcam.readers.reading import Reading
 from beamcam.verify import verify
@@ -97,13 +97,19 @@ def post(
     bar: float | None = None,
     skips: Collection[str] = (),
     read_back: bool = True,
+    order: Order = "given",
+    turn: bool = False,
+    strict: bool = False,
 ) -> Posted:
     """The program that makes `parts` from one bar, read back and compared with them.
 
     Without `read_back` a comment in the program says so. Raises PlanError if the machine cannot
-    make the parts, VerifyError if the program would make anything else than them.
+    make the parts, or under `strict` if there is a warning; VerifyError if the program would make
+    anything else than the parts.
     """
-    plan = plan_bar(parts, machine, bar, skips)
+    plan = plan_bar(parts, machine, bar, skips, order, turn)
+    if strict and any(said.severity is Severity.WARNING for said in plan.remarks):
+        raise PlanError(map(as_error, plan.remarks))
     kind = POSTS[machine.controller, machine.stock]
     program = kind.motion(plan, machine, job)
     if not read_back:
@@ -113,7 +119,7 @@ def post(
     said: tuple[Diagnostic, ...] = ()
     if read_back:
         skipped = {o.feature for o in plan.outcomes if o.how == "skipped"}
-        said = verify(text, parts, machine, skipped, job)
+        said = verify(text, [piece.part for piece in plan.pieces], machine, skipped, job)
         if errors_in(said):
             raise VerifyError(said)
     return Posted(text, plan, (*plan.remarks, *said))

@@ -3,10 +3,10 @@
 import click
 
 from beamcam.commands.common import say, stop, write
-from beamcam.errors import BeamcamError, PlanError, Severity
+from beamcam.errors import BeamcamError
 from beamcam.machine import load
-from beamcam.pipeline import DEFAULT_MACHINE, as_error, parts_of, post, read_file
-from beamcam.planning import SKIP_NAMES
+from beamcam.pipeline import DEFAULT_MACHINE, parts_of, post, read_file
+from beamcam.planning import SKIP_NAMES, Order
 
 
 @click.command("post")
@@ -23,6 +23,14 @@ from beamcam.planning import SKIP_NAMES
     help="Leave out what the machine cannot make, of this kind only; may be repeated.",
 )
 @click.option(
+    "--order",
+    type=click.Choice(["given", "best"]),
+    default="given",
+    show_default=True,
+    help="Whether parts lie as named, or so that mitres nest.",
+)
+@click.option("--turn", is_flag=True, help="Let parts be turned on the rollers.")
+@click.option(
     "--no-verify", is_flag=True, help="Do not read the program back; a comment in it says so."
 )
 @click.option("--strict", is_flag=True, help="Let warnings refuse a part as errors do.")
@@ -34,6 +42,8 @@ def command(
     bar: float | None,
     job: str,
     skips: tuple[str, ...],
+    order: Order,
+    turn: bool,
     no_verify: bool,
     strict: bool,
     as_json: bool,
@@ -51,9 +61,7 @@ def command(
     try:
         loaded = load(machine)
         parts, said = parts_of(read_file(path, strict) for path in inputs)
-        posted = post(parts, loaded, job, bar, skips, not no_verify)
-        if strict and any(said.severity is Severity.WARNING for said in posted.remarks):
-            raise PlanError(map(as_error, posted.remarks))
+        posted = post(parts, loaded, job, bar, skips, not no_verify, order, turn, strict)
     except BeamcamError as error:
         stop(error.diagnostics, as_json)
     write(output, posted.text)
