@@ -2,11 +2,12 @@
 
 import re
 from collections.abc import Iterable
+from difflib import get_close_matches
 from itertools import pairwise
 from math import hypot
 from pathlib import PurePath
 
-from beamcam.errors import Rule, Severity, Source
+from beamcam.errors import Diagnostic, Rule, Severity, Source
 from beamcam.geometry.conics import direction_deg
 from beamcam.geometry.curves import Arc, Curve, EllipseArc, Line
 from beamcam.model.drawing import Measures, extent
@@ -137,3 +138,17 @@ def drawing_part(name: str, contours: tuple[Contour, ...], measures: Measures) -
 def counted(counts: Iterable[tuple[str, int]]) -> str:
     """ "3 TEXT, 1 HATCH"; "nothing else" if there is nothing."""
     return ", ".join(f"{count} {name}" for name, count in counts) or "nothing else"
+
+
+def unknown_layers(
+    known: Iterable[str], wanted: Iterable[str], source: Source
+) -> tuple[Diagnostic, ...]:
+    """An error for each layer that the user named and the drawing has not."""
+    names = {name.lower(): name for name in known}
+    said = []
+    for name in wanted:
+        if name.lower() not in names:
+            near = get_close_matches(name.lower(), names, 1)
+            expected = repr(names[near[0]]) if near else ", ".join(map(repr, names.values()))
+            said.append(LAYER_OPTION.at(source, found=name, expected=expected or "none"))
+    return tuple(said)

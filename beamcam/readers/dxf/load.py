@@ -14,6 +14,8 @@ Document = Any
 BINARY_MARK = b"AutoCAD Binary DXF\r\n\x1a\x00"
 _DWG = re.compile(rb"AC1\.\d|AC10\d\d")
 _START = re.compile(rb"(?:\s*999[^\r\n]*[\r\n]+[^\r\n]*[\r\n]+)*\s*0\s*[\r\n]+\s*SECTION\b")
+# Group 5 holds the handle of an entity, a hexadecimal number; R12 may go without.
+_HANDLE = re.compile(rb"[\r\n][ \t]*5[ \t]*(?:\r\n|\r|\n)[ \t]*[0-9A-Fa-f]+[ \t]*[\r\n]")
 
 
 @dataclass(frozen=True, slots=True)
@@ -21,6 +23,7 @@ class Loaded:
     """A document and what is to be said about how it was read."""
 
     document: Document
+    handles: bool  #: whether the file names its entities; ezdxf invents names where it does not
     remarks: tuple[Diagnostic, ...] = ()
 
 
@@ -48,7 +51,7 @@ def load(data: bytes, source: Source) -> Loaded:
             raise ReadError(rules.STRUCTURE.at(source, found=_said(error))) from error
         document, repair = _recover(data, source, error)
         remarks += (repair,)
-    return Loaded(document, remarks)
+    return Loaded(document, is_binary(data) or bool(_HANDLE.search(data)), remarks)
 
 
 def _check_end(data: bytes, source: Source) -> tuple[Diagnostic, ...]:

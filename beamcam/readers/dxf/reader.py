@@ -2,18 +2,17 @@
 
 from collections import Counter
 from collections.abc import Sequence
-from difflib import get_close_matches
 
 from beamcam.errors import Diagnostic, ReadError, Source
 from beamcam.model.drawing import Measures
 from beamcam.model.part import Part
 from beamcam.readers.drawing import (
     LARGEST_SIZE,
-    LAYER_OPTION,
     NO_CURVES,
     TOO_LARGE,
     counted,
     drawing_part,
+    unknown_layers,
 )
 from beamcam.readers.dxf import rules
 from beamcam.readers.dxf.frame import scaled
@@ -45,8 +44,8 @@ def read(data: bytes, name: str, units: str | None = None, layers: Sequence[str]
         return Reading("dxf", (), error.diagnostics)
     said = loaded.remarks + said
     chosen = Layers(loaded.document, frozenset(n.lower() for n in layers) or None)
-    said += _unknown_layers(chosen, layers, source)
-    walk = Walk(name, chosen)
+    said += unknown_layers(chosen.names(), layers, source)
+    walk = Walk(name, chosen, loaded.handles)
     walk.entities(loaded.document.modelspace(), scaled(unit.mm), Look(), ())
     part = _part(name, walk.found)
     said += (
@@ -61,20 +60,6 @@ def read(data: bytes, name: str, units: str | None = None, layers: Sequence[str]
 def _part(name: str, found: Collected) -> Part:
     not_cut = tuple(sorted(found.not_cut.items()))
     return drawing_part(name, tuple(found.contours), Measures((), tuple(found.hidden), not_cut))
-
-
-def _unknown_layers(
-    layers: Layers, wanted: Sequence[str], source: Source
-) -> tuple[Diagnostic, ...]:
-    """An error for each layer that the user named and the drawing has not."""
-    names = {name.lower(): name for name in layers.names()}
-    said = []
-    for name in wanted:
-        if name.lower() not in names:
-            near = get_close_matches(name.lower(), names, 1)
-            expected = repr(names[near[0]]) if near else ", ".join(map(repr, names.values()))
-            said.append(LAYER_OPTION.at(source, found=name, expected=expected))
-    return tuple(said)
 
 
 def _remarks(found: Collected, source: Source) -> list[Diagnostic]:

@@ -49,7 +49,9 @@ class Walk:
 
     name: str
     layers: Layers
+    handles: bool  #: whether entities have names of their own
     found: Collected = field(default_factory=Collected)
+    _seen: Counter[str] = field(default_factory=Counter)
 
     def entities(
         self, entities: Iterable[Any], frame: Frame, above: Look, blocks: tuple[str, ...]
@@ -65,7 +67,12 @@ class Walk:
                 self._count(entity, kind, above, bool(blocks))
 
     def _source(self, entity: Any) -> Source:
-        return Source(self.name, None, entity.dxf.get("handle"))
+        """The entity's handle, or else its kind and number in the order of reading."""
+        if self.handles:
+            return Source(self.name, None, entity.dxf.get("handle"))
+        kind = entity.dxftype()
+        self._seen[kind] += 1
+        return Source(self.name, None, f"{kind} {self._seen[kind]}")
 
     def _count(self, entity: Any, kind: str, above: Look, inside: bool) -> None:
         """Count what is no curve, unless it is hidden anyway."""
@@ -74,6 +81,7 @@ class Walk:
 
     def _curve(self, entity: Any, frame: Frame, look: Look) -> None:
         kind = entity.dxftype()
+        source = self._source(entity)
         heights: Heights = []
         hidden = self.layers.hides(look)
         try:
@@ -86,14 +94,13 @@ class Walk:
         except (ValueError, TypeError, ArithmeticError, LookupError) as error:
             if not hidden:
                 said = " ".join(str(error).split()) or type(error).__name__
-                self.found.said.append(rules.ENTITY.at(self._source(entity), kind=kind, found=said))
+                self.found.said.append(rules.ENTITY.at(source, kind=kind, found=said))
             return
         if hidden:
             self.found.hidden += (curve for chain in chains for curve in chain)
             self.found.hidden_on[look.layer] += 1
             return
         self.found.heights += heights
-        source = self._source(entity)
         for chain in chains:
             self.found.contours.append(as_contour(chain, source, look.layer, look.colour))
         if chains and (count := by_fit_points(entity)):

@@ -1,9 +1,18 @@
 """Reading an SVG file: XML to elements, shapes to exact curves, those to one part."""
 
+from collections.abc import Sequence
+
 from beamcam.errors import Diagnostic, ReadError, Rule, Source
 from beamcam.model.drawing import Measures
 from beamcam.model.part import Part
-from beamcam.readers.drawing import LARGEST_SIZE, NO_CURVES, TOO_LARGE, counted, drawing_part
+from beamcam.readers.drawing import (
+    LARGEST_SIZE,
+    NO_CURVES,
+    TOO_LARGE,
+    counted,
+    drawing_part,
+    unknown_layers,
+)
 from beamcam.readers.reading import Reading
 from beamcam.readers.svg import rules
 from beamcam.readers.svg.css import INITIAL, StyleSheet, style_of
@@ -15,18 +24,23 @@ __all__ = ["looks_like", "read"]
 
 
 def read(
-    data: bytes, name: str, units: str | None = None, width: str | float | None = None
+    data: bytes,
+    name: str,
+    units: str | None = None,
+    width: str | float | None = None,
+    layers: Sequence[str] = (),
 ) -> Reading:
     """The part that an SVG file draws, and what is to be said about it; never raises.
 
     `units` names the unit of plain numbers ("mm", "px90"), `width` is the width of the page
-    ("600mm"; a number is mm): for files that do not say their size, or say it wrong.
+    ("600mm"; a number is mm): for files that do not say their size, or say it wrong. `layers`
+    names the layers to read; by default those that show.
     """
     try:
         document = parse(data, name)
         page = find_page(document, name, units, width)
         sheet = _style_sheet(document.root)
-        walk = Walk(name, document, page, sheet)
+        walk = Walk(name, document, page, sheet, frozenset(n.lower() for n in layers) or None)
         style = style_of(document.root, dict(INITIAL), sheet)
         hidden = style.get("display") == "none"
         walk.elements(document.root.children, Place(page.matrix, style, hidden=hidden))
@@ -37,6 +51,7 @@ def read(
     said = (
         *page.remarks,
         *(rules.SELECTOR.at(source, found=s) for s in sheet.ignored),
+        *unknown_layers(sorted(walk.found.layers - {""}), layers, source),
         *walk.found.said,
         *_remarks(walk.found, source),
         *_verdict(part, walk.found, units is not None or width is not None, source),

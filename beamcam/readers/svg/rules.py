@@ -128,7 +128,8 @@ FILL_ONLY = _warning(
 )
 INVISIBLE = _note(
     "invisible",
-    "found {count} shapes that do not show (hidden, or without stroke and fill); they are not read",
+    "found {count} shapes that do not show (hidden, of another layer, without stroke and fill) "
+    "and are not read",
     "What is not seen is not cut.",
 )
 DASHED = _note(

@@ -24,7 +24,7 @@ _TEXTS = ("text", "flowRoot")
 _NOT_CUT = ("image", "foreignObject", "video", "audio", "iframe", "canvas")
 
 #: A drawing that opens more uses than this multiplies itself.
-MOST_USES = 100_000
+MOST_USES = 10_000
 
 
 @dataclass(slots=True)
@@ -36,6 +36,7 @@ class Collected:
     hidden: list[Curve] = field(default_factory=list)
     counts: Counter[str] = field(default_factory=Counter)  #: of shapes, by what is to be said
     not_cut: Counter[str] = field(default_factory=Counter)  #: elements by tag
+    layers: set[str] = field(default_factory=set)  #: names of those with shapes, "" for none
     decimals: int = 0  #: the most digits behind a point in coordinates
     said: list[Diagnostic] = field(default_factory=list)
 
@@ -59,6 +60,7 @@ class Walk:
     document: Document
     page: Page
     sheet: StyleSheet
+    chosen: frozenset[str] | None = None  #: layers to read, in lower case; None is all
     found: Collected = field(default_factory=Collected)
 
     def elements(self, elements: Iterable[Element], place: Place) -> None:
@@ -208,7 +210,9 @@ class Walk:
     ) -> None:
         """Contours if the shape has a stroke, else filled, or hidden."""
         style = place.style
-        if place.hidden or _is_hidden(style):
+        self.found.layers.add(place.layer or "")
+        unwanted = self.chosen is not None and (place.layer or "").lower() not in self.chosen
+        if unwanted or place.hidden or _is_hidden(style):
             return self._hide(chains)
         if _is_painted(style, "stroke"):
             colour = self._colour(style, source)
