@@ -83,7 +83,9 @@ def header_lines(lines: list[str], start: int) -> HeaderLines:
             if count >= MOST_LINES:
                 if not text:
                     continue
-                if _ROW.match(text):
+                # the texts stand further in than ST: a line that does not is none of them
+                outside = _indent(lines[index]) <= indent < _indent(lines[numbers[8] - 1])
+                if _ROW.match(text) or outside:
                     return HeaderLines(values, numbers, comments, trailing, index)
             if len(text) == 2 and _is_code(text, lines, index, indent, count):
                 return HeaderLines(values, numbers, comments, trailing, index)
