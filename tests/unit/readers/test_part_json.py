@@ -1,0 +1,274 @@
+"""The JSON form of parts as people write it, and what is said when they err."""
+
+import json
+
+import pytest
+
+from beamcam.errors import Source
+from beamcam.geometry.curves import (
+    Arc,
+    Bezier,
+    BSpline,
+    EllipseArc,
+    Line,
+    NewtonCurve,
+    signed_area,
+)
+from beamcam.model.part import Contour, Part, Profile
+from beamcam.model.part_json import part_to_json
+from beamcam.readers.part_json import RULES, looks_like, read
+from beamcam.writers.part_json import write
+
+PROFILE = {"code": "B", "name": "PL10", "height": 200, "web_thickness": 10}
+
+
+def part_with(**keys):
+    return {"schema": "beamcam/part/1", "mark": "P1", "profile": PROFILE, "length": 300, **keys}
+
+
+def read_value(value):
+    return read(json.dumps(value).encode(), "part.json")
+
+
+def curves_of(*curves, kind="open", face="v"):
+    reading = read_value(part_with(contours=[{"kind": kind, "face": face, "curves": [*curves]}]))
+    assert reading.diagnostics == (), reading.diagnostics
+    (contour,) = reading.parts[0].contours
+    return contour
+
+
+def test_least_part():
+    (part,) = read_value({"mark": "P1", "profile": PROFILE, "length": 300}).parts
+    assert part == Part("P1", Profile("B", "PL10", 200, 0, 0, 10), 300, Source("part.json"))
+
+
+def test_features_by_hand():
+    value = part_with(
+        holes=[{"x": 10, "y": 20, "diameter": 18}, {"x": 1, "y": 2, "diameter": 6, "depth": 4}],
+        slots=[{"face": "v", "x": 100, "y": 50, "diameter": 18, "length": 30}],
+        texts=[{"x": 5, "y": 5, "height": 10, "text": "P1"}],
+        bends=[{"start": [0, 100], "end": [300, 100], "angle": 90}],
+        planes=[
+            {"name": "E1", "origin": [0, 0, 0], "along_x": [100, 0, 0], "along_y": [0, 100, 0]}
+        ],
+    )
+    (part,) = read_value(value).parts
+    a, b, slot, text, bend = part.features
+    assert (a.face, a.kind, a.depth, b.kind, b.depth) == ("v", "through", None, "blind", 4)
+    assert (slot.length, slot.height, slot.angle) == (30, 0, 0)
+    assert (text.text, text.angle, bend.radius) == ("P1", 0, None)
+    assert a.source == Source("part.json", None, "holes[0]")
+
+
+def test_order_of_features_is_kept_by_their_number():
+    value = part_with(
+        holes=[{"x": 1, "y": 1, "diameter": 5, "feature": 1}, {"x": 9, "y": 9, "diameter": 5}],
+        texts=[{"x": 5, "y": 5, "height": 10, "text": "first", "feature": 0}],
+    )
+    (part,) = read_value(value).parts
+    assert [type(f).__name__ for f in part.features] == ["TextMark", "Hole", "Hole"]
+    assert part.features[2].x == 9
+
+
+def test_polygon_runs_as_its_kind_asks():
+    square = {"polygon": [[0, 0], [0, 10], [10, 10], [10, 0]]}
+    for kind, face, positive in (
+        ("outer", "v", True),
+        ("inner", "v", False),
+        ("outer", "o", False),
+        ("inner", "h", True),
+    ):
+        contour = curves_of(square, kind=kind, face=face)
+        assert contour.closed
+        assert len(contour.curves) == 4
+        assert (signed_area(contour.curves) > 0) == positive
+
+
+def test_circle():
+    contour = curves_of({"circle": {"centre": [5, 6], "radius": 2}}, kind="inner")
+    assert contour.curves == (Arc((5, 6), 2, 360, -360),)
+    assert contour.closed
+
+
+def test_tangent_arc():
+    (left,) = curves_of(
+        {"tangent_arc": {"from": [0, 0], "to": [10, 10], "radius": 10, "side": "left"}}
+    ).curves
+    (right,) = curves_of(
+        {"tangent_arc": {"from": [0, 0], "to": [10, 10], "radius": 10, "side": "right"}}
+    ).curves
+    assert left.centre == pytest.approx((0, 10))
+    assert left.sweep_deg == pytest.approx(90)
+    assert right.centre == pytest.approx((10, 0))
+    assert right.sweep_deg == pytest.approx(-90)
+
+
+CURVES = (
+    Line((0.1, 0.2), (1 / 3, 5.0)),
+    Arc((0.0, 1e-7), 2.5, 30.0, -300.0),
+    EllipseArc((1.0, 2.0), (3.0, 0.1), 0.3, 10.0, 90.0),
+    Bezier(((0.0, 0.0), (1.0, 2.0), (3.0, 1 / 7))),
+    Bezier(((0.0, 0.0), (1.0, 2.0), (3.0, 1.0)), (1.0, 0.5, 1.0)),
+    BSpline(2, ((0.0, 0.0), (1.0, 2.0), (3.0, 1.0)), (0.0, 0.0, 0.0, 1.0, 1.0, 1.0)),
+    BSpline(1, ((0.0, 0.0), (1.0, 2.0), (3.0, 1.0)), (0.0, 0.0, 0.3, 1.0, 1.0), (1.0, 2.0, 0.1)),
+    NewtonCurve(((0.0, 0.0), (1.0, 2.0), (2.0, 1.0))),
+)
+
+
+@pytest.mark.parametrize("curve", CURVES, ids=lambda curve: type(curve).__name__)
+def test_curves_come_back_to_the_last_bit(curve):
+    part = Part(
+        "P1",
+        Profile("B", "", 200, 0, 0, None),
+        300,
+        Source("a.dxf"),
+        features=(
+            Contour("v", "open", (curve,), Source("a.dxf", None, "2F"), closed=False, layer="0"),
+        ),
+    )
+    assert read(write(part).encode(), "b.json").parts == (part,)
+
+
+def test_sums():
+    line = Line((0.0, 0.0), (100.0, 0.0))
+    contours = tuple(
+        Contour("v", "open", (curve,), Source("a"), closed=False)
+        for curve in (line, line.reversed(), line, Line((0.0, 0.0), (0.0, 30.0)))
+    )
+    part = Part("", Profile("B", "", 1, 0, 0, None), 100, Source("a"), features=contours)
+    value = part_to_json(part)
+    assert value["path_length"] == 330
+    assert value["duplicate_length"] == 200
+    assert value["bbox"] == [0, 0, 100, 30]
+    assert value["contours"][0]["length"] == 100
+    assert value["contours"][3]["bbox"] == [0, 0, 0, 30]
+    assert part_to_json(Part("", part.profile, 1, Source("a")))["bbox"] is None
+
+
+def test_looks_like():
+    assert looks_like(b'\xef\xbb\xbf {"schema": "beamcam/part/1"}')
+    assert looks_like(json.dumps(part_with()).encode())
+    assert not looks_like(b'{"type": "FeatureCollection"}')
+    assert not looks_like(b"ST\nEN\n")
+
+
+FLAWED = [
+    (b"{", "json-syntax", 1, None),
+    (b'{"mark": NaN}', "json-syntax", None, None),
+    (b"\xff\xfe", "json-syntax", None, None),
+    (b"[" * 100_000, "json-syntax", None, None),
+    (b'{"mark": "a", "mark": "b"}', "json-key-twice", None, None),
+    ([], "json-type", None, "$"),
+    (part_with(schema="beamcam/part/9"), "json-schema", None, "schema"),
+    ({"mark": "P1", "length": 3}, "json-key-missing", None, "profile"),
+    (part_with(lenght=3), "json-key-unknown", None, "lenght"),
+    (part_with(mark=5), "json-type", None, "mark"),
+    (part_with(quantity=1.5), "json-type", None, "quantity"),
+    (part_with(quantity=True), "json-type", None, "quantity"),
+    (part_with(length=0), "json-value", None, "length"),
+    (part_with(length=10**400), "json-value", None, "length"),
+    (part_with(length="3"), "json-type", None, "length"),
+    (part_with(profile={**PROFILE, "code": "Q"}), "json-value", None, "profile.code"),
+    (part_with(profile={**PROFILE, "colour": 1}), "json-key-unknown", None, "profile.colour"),
+    (part_with(holes={}), "json-type", None, "holes"),
+    (part_with(holes=[{"x": 1, "y": 2}]), "json-key-missing", None, "holes[0].diameter"),
+    (
+        part_with(holes=[{"x": 1, "y": 2, "diameter": -1}]),
+        *("json-value", None, "holes[0].diameter"),
+    ),
+    (
+        part_with(holes=[{"face": "W", "x": 1, "y": 2, "diameter": 1}]),
+        *("json-face", None, "holes[0].face"),
+    ),
+    (part_with(notes=[1]), "json-value", None, "notes[0]"),
+    (part_with(info=[["a"]]), "json-value", None, "info[0]"),
+    (part_with(tolerance=[1]), "json-type", None, "tolerance"),
+    (part_with(contours=[{"kind": "open"}]), "json-value", None, "contours[0].curves"),
+    (part_with(contours=[{"curves": []}]), "json-key-missing", None, "contours[0].kind"),
+]
+
+
+def flawed_curve(**curve):
+    return part_with(contours=[{"kind": "open", "curves": [curve]}])
+
+
+AT = "contours[0].curves[0]"
+FLAWED_CURVES = [
+    ({"lines": []}, "json-key-unknown", AT + ".lines"),
+    ({}, "json-value", AT),
+    ({"line": [[0, 0]]}, "json-value", AT + ".line"),
+    ({"line": [[0, 0], [1, 1], [2, 2]]}, "json-value", AT + ".line"),
+    ({"line": [[0, 0], [1, "a"]]}, "json-type", AT + ".line[1][1]"),
+    ({"line": [[0, 0], [1]]}, "json-type", AT + ".line[1]"),
+    ({"line": [[0, 0], [1, 1]], "arc": {}}, "json-key-unknown", AT + ".arc"),
+    ({"polygon": [[0, 0], [1, 1]]}, "json-value", AT + ".polygon"),
+    ({"circle": {"centre": [0, 0], "radius": 0}}, "json-value", AT + ".circle.radius"),
+    (
+        {"arc": {"centre": [0, 0], "radius": 1, "start": 0, "sweep": 0}},
+        *("json-value", AT + ".arc.sweep"),
+    ),
+    (
+        {"ellipse": {"centre": [0, 0], "axis": [0, 0], "ratio": 1}},
+        *("json-value", AT + ".ellipse.axis"),
+    ),
+    (
+        {"ellipse": {"centre": [0, 0], "axis": [1, 0], "ratio": 2}},
+        *("json-value", AT + ".ellipse.ratio"),
+    ),
+    (
+        {"tangent_arc": {"from": [0, 0], "to": [10, 0], "radius": 2, "side": "left"}},
+        *("json-curve", AT + ".tangent_arc"),
+    ),
+    (
+        {"tangent_arc": {"from": [0, 0], "to": [10, 0], "radius": 20, "side": "up"}},
+        *("json-value", AT + ".tangent_arc.side"),
+    ),
+    (
+        {"bspline": {"degree": 2, "control": [[0, 0], [1, 1], [2, 2]], "knots": [0, 1]}},
+        *("json-curve", AT + ".bspline"),
+    ),
+    ({"newton": [[0, 0]]}, "json-value", AT + ".newton"),
+]
+
+
+@pytest.mark.parametrize(("value", "code", "line", "where"), FLAWED)
+def test_flaws(value, code, line, where):
+    reading = read(value, "p.json") if isinstance(value, bytes) else read_value(value)
+    (diagnostic,) = reading.diagnostics
+    assert (diagnostic.code, diagnostic.source.line, diagnostic.source.where) == (code, line, where)
+    assert reading.parts == ()
+    assert reading.refused
+
+
+@pytest.mark.parametrize(("curve", "code", "where"), FLAWED_CURVES)
+def test_flawed_curves(curve, code, where):
+    (diagnostic,) = read_value(flawed_curve(**curve)).diagnostics
+    assert (diagnostic.code, diagnostic.source.where) == (code, where)
+
+
+def test_flawed_bevel():
+    contour = {
+        "kind": "open",
+        "curves": [{"line": [[0, 0], [1, 1]]}],
+        "bevels": [{"curve": 1, "angle": 30, "land": 0}],
+    }
+    (diagnostic,) = read_value(part_with(contours=[contour])).diagnostics
+    assert str(diagnostic) == (
+        "part.json:contours[0].bevels[0].curve: error json-index: "
+        "found 1, expected the index of one of 1 curves"
+    )
+
+
+def test_unknown_key_names_the_nearest():
+    (diagnostic,) = read_value(part_with(holes=[{"x": 1, "y": 1, "diamter": 5}])).diagnostics
+    assert diagnostic.code == "json-key-missing"
+    (diagnostic,) = read_value(
+        part_with(holes=[{"x": 1, "y": 1, "diameter": 5, "dept": 3}])
+    ).diagnostics
+    assert "'dept'" in diagnostic.message
+    assert diagnostic.message.endswith("nearest is 'depth'")
+
+
+def test_every_code_is_met():
+    met = {code for _, code, *_ in FLAWED} | {code for _, code, _ in FLAWED_CURVES}
+    assert {rule.code for rule in RULES} == met | {"json-index"}
