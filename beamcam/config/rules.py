@@ -1,0 +1,36 @@
+"""What can be wrong with a configuration."""
+
+from beamcam.errors import Rule, Severity
+
+UNREADABLE = Rule(
+    "config-file",
+    Severity.ERROR,
+    "found no configuration that can be read ({found})",
+    "The file given by --config does not exist, or the system does not let it be read.",
+)
+NOT_TOML = Rule(
+    "config-toml",
+    Severity.ERROR,
+    "not a TOML file: {found}",
+    "The file breaks the rules of TOML at that line.",
+)
+UNKNOWN_KEY = Rule(
+    "config-key",
+    Severity.ERROR,
+    "found unknown key {found!r}; expected {expected}",
+    "A misspelt key would leave its default in force, so no key is ignored.",
+)
+WRONG_VALUE = Rule(
+    "config-value",
+    Severity.ERROR,
+    "found {found} for {key!r}; expected {expected}",
+    "The value is of the wrong kind, out of its range, or names something that does not exist.",
+)
+NO_DRILL = Rule(
+    "config-tolerance",
+    Severity.ERROR,
+    "found a value for {key!r}, but {machine} has no drill; expected none",
+    "A tolerance without effect would promise what is not done.",
+)
+
+RULES = (UNREADABLE, NOT_TOML, UNKNOWN_KEY, WRONG_VALUE, NO_DRILL)
