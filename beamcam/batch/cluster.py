@@ -1,0 +1,89 @@
+"""Workers on a Dask cluster, for shops with more than one machine.
+
+The bytes of the files go to the workers and the programs come back, so that they need no common
+disk; they need the same beamcam.
+"""
+
+from collections.abc import Iterator
+from typing import Any
+
+from beamcam.batch import rules
+from beamcam.batch.pool import Chunk, Result
+from beamcam.batch.work import Made, Shop, Task, make_all, thaw
+from beamcam.errors import BeamcamError, Source
+
+CONNECT_S = 10  #: for the scheduler to answer
+
+
+class SchedulerError(BeamcamError):
+    """A cluster that cannot be worked with."""
+
+
+class Cluster:
+    """Work on the cluster of a running Dask scheduler."""
+
+    PER_THREAD = 2  #: chunks that each thread of the cluster has at most
+
+    def __init__(self, shop: Shop, address: str) -> None:
+        """Raises SchedulerError if there is none at `address`, or it has no worker."""
+        self._address = address
+        self._frozen = shop.freeze
+        self._chunks: dict[Any, Chunk] = {}
+        try:
+            import distributed
+        except ImportError as error:
+            raise self._error("the package distributed is not installed") from error
+        library: Any = distributed  # it has no types
+        self._wait, self._killed = library.wait, library.KilledWorker
+        try:
+            self._client = library.Client(address, timeout=CONNECT_S, set_as_default=False)
+        except (OSError, ValueError, TypeError) as error:
+            raise self._error(str(error) or type(error).__name__) from error
+        self.at_once: int = sum(self._client.nthreads().values())
+        if not self.at_once:
+            self._client.close()
+            raise self._error("it has no worker")
+
+    def _error(self, found: str) -> SchedulerError:
+        from beamcam import __version__
+
+        return SchedulerError(
+            rules.SCHEDULER.at(
+                Source("--scheduler"), address=self._address, found=found, version=__version__
+            )
+        )
+
+    def has_room(self) -> bool:
+        return len(self._chunks) < self.PER_THREAD * self.at_once
+
+    def submit(self, chunk: Chunk) -> None:
+        # Each call is a task of its own: `pure` would let equal chunks share a result.
+        future = self._client.submit(make_there, self._frozen, chunk, pure=False)
+        self._chunks[future] = chunk
+
+    def wait(self) -> Iterator[Result]:
+        done = self._wait(list(self._chunks), return_when="FIRST_COMPLETED").done
+        for future in [f for f in self._chunks if f in done]:
+            chunk = self._chunks.pop(future)
+            if future.status == "finished":
+                yield Result(chunk, "made", future.result())
+                continue
+            error = future.exception()
+            if not isinstance(error, self._killed):
+                raise self._error(f"{type(error).__name__}: {error}")
+            yield Result(chunk, "suspected")
+
+    def close(self) -> None:
+        self._client.cancel(list(self._chunks))
+        self._client.close()
+        self._chunks.clear()
+
+
+def make_there(frozen: bytes, chunk: tuple[Task, ...]) -> list[Made]:
+    """`make_all` on a worker. Raises RuntimeError if its beamcam is another than the shop's."""
+    from beamcam import __version__
+
+    shop = thaw(frozen)
+    if shop.version != __version__:
+        raise RuntimeError(f"a worker has beamcam {__version__}, not {shop.version}")
+    return make_all(chunk, shop)

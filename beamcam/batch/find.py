@@ -1,0 +1,165 @@
+"""Which files a batch is about: folders, patterns and files in, a list of inputs out.
+
+    jobs/A/M1.nc1  jobs/B/M1.nc1     two files: the folder they share is jobs,
+         \\_ tree A/M1.nc1  \\_ B/M1.nc1    and below it their names differ
+
+A folder gives the files below it whose suffix a reader knows, in order of their names; what
+starts with a dot is left alone. A file met twice is taken once.
+"""
+
+import glob
+import os
+import stat
+from collections.abc import Collection, Iterable, Iterator, Sequence
+from dataclasses import dataclass
+
+from beamcam.batch import rules
+from beamcam.errors import Diagnostic, Source
+from beamcam.readers import FORMATS
+from beamcam.readers.rules import UNREADABLE
+
+#: What every input of a batch may end with.
+SUFFIXES = tuple(suffix for known in FORMATS for suffix in known.suffixes)
+
+_PIECE = 1 << 20
+_ZEROS = bytes(_PIECE)
+
+
+@dataclass(frozen=True, slots=True)
+class Input:
+    """One file of a batch."""
+
+    path: str  #: as it was named, or found below a folder that was
+    tree: str  #: its path below the folder that all inputs share, with "/"
+
+
+@dataclass(frozen=True, slots=True)
+class Found:
+    """The inputs in order, and what is to be said about where they were looked for."""
+
+    inputs: tuple[Input, ...]
+    diagnostics: tuple[Diagnostic, ...] = ()
+
+
+def find_inputs(names: Sequence[str], leave_out: Collection[str] = ()) -> Found:
+    """The files that `names` stand for, below folders without those below `leave_out`."""
+    said: list[Diagnostic] = []
+    places: list[tuple[str, str]] = []  # path, and the folder that it was looked for in
+    without = {identity for path in leave_out if (identity := _identity(path)) is not None}
+    for name in names:
+        before = len(places), len(said)
+        if os.path.isdir(name):
+            places += ((path, name) for path in _walk(name, without, said))
+        elif os.path.lexists(name) or not glob.has_magic(name):
+            places.append((name, os.path.dirname(name)))
+        else:
+            root = _fixed_folder(name)
+            for path in sorted(glob.glob(name, recursive=True)):
+                if os.path.isdir(path):
+                    places += ((inner, root) for inner in _walk(path, without, said))
+                else:
+                    places.append((path, root))
+        if (len(places), len(said)) == before:
+            said.append(rules.NOTHING.at(Source(name), found=name))
+    return Found(tuple(_inputs(places)), tuple(said))
+
+
+def _inputs(places: Iterable[tuple[str, str]]) -> Iterator[Input]:
+    """The inputs, each once, with their paths below the folder that all of them share."""
+    places = list(places)
+    folders = {folder: os.path.abspath(folder) for _, folder in places}
+    base = _common(folders.values())
+    seen: set[str] = set()
+    below: dict[str, tuple[str, str]] = {}  # folder of a file -> its absolute path, and below base
+    for path, _ in places:
+        folder, name = os.path.split(path)
+        if folder not in below:
+            whole = os.path.abspath(folder)
+            relative = os.path.relpath(whole, base) if base else ""
+            below[folder] = whole, "" if relative == os.curdir else relative.replace(os.sep, "/")
+        whole, relative = below[folder]
+        if (whole_path := os.path.join(whole, name)) not in seen:
+            seen.add(whole_path)
+            yield Input(path, f"{relative}/{name}" if relative else name)
+
+
+def _common(folders: Iterable[str]) -> str:
+    """The folder that all of `folders` lie in; "" where there is none, as on two drives."""
+    try:
+        return os.path.commonpath(folders)
+    except ValueError:
+        return ""
+
+
+def _fixed_folder(pattern: str) -> str:
+    """The folder of a pattern as far as it has no magic."""
+    folder = os.path.dirname(pattern)
+    while glob.has_magic(folder):
+        folder = os.path.dirname(folder)
+    return folder
+
+
+def _identity(path: str) -> tuple[int, int] | None:
+    try:
+        found = os.stat(path)
+    except OSError:
+        return None  # what is not there cannot be met
+    return found.st_dev, found.st_ino
+
+
+def _walk(
+    folder: str,
+    without: Collection[tuple[int, int]],
+    said: list[Diagnostic],
+    above: tuple[tuple[tuple[int, int], str], ...] = (),
+) -> Iterator[str]:
+    """The files below a folder, in order of their names; links are followed, but never back."""
+    identity = _identity(folder) or (0, 0)
+    back = [path for known, path in above if known == identity]
+    if back:
+        said.append(rules.LOOP.at(Source(folder), found=back[0]))
+        return
+    if above and identity in without:  # a folder that is named is meant
+        return
+    try:
+        with os.scandir(folder) as listing:
+            entries = sorted(listing, key=lambda entry: entry.name)
+    except OSError as error:
+        said.append(rules.FOLDER.at(Source(folder), found=error.strerror or error))
+        return
+    for entry in entries:
+        if entry.name.startswith(".") or entry.name == "beamcam.toml":
+            continue
+        try:
+            is_folder = entry.is_dir()
+        except OSError as error:  # a link to itself
+            said.append(UNREADABLE.at(Source(entry.path), found=error.strerror or error))
+            continue
+        if is_folder:
+            yield from _walk(entry.path, without, said, (*above, (identity, folder)))
+        elif entry.name.lower().endswith(SUFFIXES):
+            yield entry.path
+
+
+def read_input(path: str) -> bytes | Diagnostic:
+    """The content of an input, or why it cannot be had."""
+    source = Source(path)
+    try:
+        kind = os.stat(path).st_mode
+        if not stat.S_ISREG(kind):
+            what = "a folder" if stat.S_ISDIR(kind) else "a pipe or a device"
+            return rules.NOT_A_FILE.at(source, found=what)
+        with open(path, "rb") as file:
+            head = file.read(_PIECE)
+            if head and head == _ZEROS[: len(head)]:
+                # Read piece by piece: such files are often as large as the disk had room.
+                size = len(head)
+                while piece := file.read(_PIECE):
+                    size += len(piece)
+                    if piece != _ZEROS[: len(piece)]:
+                        file.seek(0)
+                        return file.read()
+                return rules.ZEROS.at(source, found=f"{size:,}".replace(",", " "))
+            return head + file.read() if len(head) == _PIECE else head
+    except OSError as error:
+        return UNREADABLE.at(source, found=error.strerror or error)

@@ -1,0 +1,94 @@
+"""The names of a batch's outputs: from a template, and no two alike.
+
+    "{mark}_{quantity}.gcode"      M58_4.gcode
+    "{profile}/{mark}{suffix}"     IPE300/M58.gcode: a slash of the template makes a folder
+
+Without a template an output is called after its input, and where that holds several parts, after
+the part's mark too.
+"""
+
+import unicodedata
+from collections.abc import Collection, Mapping
+from string import Formatter
+
+from beamcam.machine.machine import Machine
+from beamcam.model.part import Part
+
+#: What a template may name, with a value to try it out.
+FIELDS: Mapping[str, str | int] = {
+    "stem": "M58",  # the input's name without its suffix
+    "mark": "M58",
+    "quantity": 4,
+    "number": 1,  # of the part in its file, from 1
+    "profile": "IPE300",
+    "grade": "S355",
+    "order": "1",
+    "drawing": "1",
+    "phase": "1",
+    "machine": "beamline",
+    "suffix": ".gcode",  # the machine's
+}
+
+
+def check_template(template: str) -> None:
+    """Raises ValueError, saying what was expected, if no output can be called after a template."""
+    try:
+        names = [name for _, name, _, _ in Formatter().parse(template) if name is not None]
+        for name in names:
+            if name not in FIELDS:
+                known = ", ".join("{" + field + "}" for field in FIELDS)
+                raise ValueError(f"found {{{name}}} in {template!r}; expected one of {known}")
+        made = template.format_map(FIELDS)
+    except (IndexError, KeyError, AttributeError) as error:
+        raise ValueError(f"found {template!r}; expected a template ({error})") from error
+    if made.startswith("/") or "\\" in made or ":" in made.partition("/")[0]:
+        raise ValueError(f"found {template!r}; expected a path below the output folder")
+    if not all(word.strip(". ") for word in made.split("/")):
+        raise ValueError(f"found {template!r}; expected names between the slashes")
+
+
+def cleaned(text: str) -> str:
+    """`text` as a part of a file's name: letters, digits and `-_.+`, everything else as `_`."""
+    return "".join(c if c.isalnum() or c in "-_.+" else "_" for c in text).strip(".")
+
+
+def output_name(
+    template: str | None, stem: str, part: Part, number: int, several: bool, machine: Machine
+) -> str:
+    """What the output of a part is called, below the folder of its input.
+
+    `number` counts the parts of the file from 1, `several` says whether there are more.
+    """
+    mark = cleaned(part.mark) or "part"
+    if template is None:
+        return f"{stem}_{mark}{machine.suffix}" if several else f"{stem}{machine.suffix}"
+    values: dict[str, str | int] = {
+        "stem": stem,
+        "mark": mark,
+        "quantity": part.quantity,
+        "number": number,
+        "profile": cleaned(part.profile.name) or part.profile.code,
+        "grade": cleaned(part.grade) or "_",
+        "order": cleaned(part.order) or "_",
+        "drawing": cleaned(part.drawing) or "_",
+        "phase": cleaned(part.phase) or "_",
+        "machine": cleaned(machine.name),
+        "suffix": machine.suffix,
+    }
+    return template.format_map(values)
+
+
+def numbered(name: str, taken: Collection[str]) -> str:
+    """`name`, with -2, -3, ... before its suffix if one that reads the same is taken."""
+    if folded(name) not in taken:
+        return name
+    stem, dot, suffix = name.rpartition(".")
+    count = 2
+    while folded(f"{stem}-{count}{dot}{suffix}") in taken:
+        count += 1
+    return f"{stem}-{count}{dot}{suffix}"
+
+
+def folded(name: str) -> str:
+    """What two names have in common that are one file on some system or other."""
+    return unicodedata.normalize("NFC", name).casefold()

@@ -1,0 +1,177 @@
+"""Workers: chunks of files in, what came of them out, in any order.
+
+    this process                          worker 1, worker 2, ...
+      submit(chunk) ----- pipe ----> queue -> make_all -> results
+      wait() <----------- pipe ---------------------------'
+
+Each worker has up to two chunks, so that it finds the next one when it is done with the first. A
+worker that dies loses its chunks: the first of them is suspected, since workers keep the order,
+and the second is innocent.
+"""
+
+import contextlib
+import gc
+import multiprocessing
+import signal
+import sys
+import threading
+from collections import deque
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field
+from multiprocessing.connection import Connection, wait
+from queue import SimpleQueue
+from typing import Literal, Protocol
+
+from beamcam.batch.work import Made, Shop, Task, make_all, thaw
+
+Chunk = tuple[Task, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Result:
+    """What became of a chunk: made, lost with a worker through no fault of its own, or suspected
+    of having killed it."""
+
+    chunk: Chunk
+    how: Literal["made", "lost", "suspected"]
+    made: Sequence[Made] = ()
+
+
+class Workers(Protocol):
+    """Whoever does the work."""
+
+    @property
+    def at_once(self) -> int:
+        """How many files are worked on at one time, so that chunks are not too large."""
+
+    def has_room(self) -> bool:
+        """Whether another chunk may be submitted now."""
+
+    def submit(self, chunk: Chunk) -> None:
+        """Hand over a chunk; there has to be room."""
+
+    def wait(self) -> Iterator[Result]:
+        """Wait until something is done, and give it; there has to be something under way."""
+
+    def close(self) -> None:
+        """End the work, whatever is under way."""
+
+
+class Here:
+    """Work in this process, at once."""
+
+    at_once = 1
+
+    def __init__(self, shop: Shop) -> None:
+        self._shop = shop
+        self._done: Result | None = None
+
+    def has_room(self) -> bool:
+        return self._done is None
+
+    def submit(self, chunk: Chunk) -> None:
+        self._done = Result(chunk, "made", make_all(chunk, self._shop))
+
+    def wait(self) -> Iterator[Result]:
+        if self._done is not None:
+            done, self._done = self._done, None
+            yield done
+
+    def close(self) -> None:
+        self._done = None
+
+
+@dataclass(slots=True)
+class _Worker:
+    process: multiprocessing.process.BaseProcess
+    tasks: "Connection[Chunk, None]"
+    results: "Connection[None, list[Made]]"
+    chunks: deque[Chunk] = field(default_factory=deque)
+
+
+class Processes:
+    """Work in processes of this machine, started as they are needed."""
+
+    PER_WORKER = 2  #: chunks that each worker has at most
+
+    def __init__(self, shop: Shop, jobs: int) -> None:
+        self.at_once = jobs
+        self._frozen = shop.freeze
+        self._workers: list[_Worker] = []
+        # Forking is the quickest where it is safe; other systems start afresh.
+        self._context = multiprocessing.get_context("fork" if sys.platform == "linux" else None)
+
+    def has_room(self) -> bool:
+        return sum(len(w.chunks) for w in self._workers) < self.at_once * self.PER_WORKER
+
+    def submit(self, chunk: Chunk) -> None:
+        worker = min(self._workers, key=lambda w: len(w.chunks), default=None)
+        if worker is None or (worker.chunks and len(self._workers) < self.at_once):
+            worker = self._start()
+            self._workers.append(worker)
+        worker.chunks.append(chunk)
+        # A worker that is dead already is seen by `wait`, which knows its chunks.
+        with contextlib.suppress(OSError):
+            worker.tasks.send(chunk)
+
+    def wait(self) -> Iterator[Result]:
+        ready = wait([w.results for w in self._workers if w.chunks])
+        for worker in [w for w in self._workers if w.results in ready]:
+            try:
+                made = worker.results.recv()
+            except (EOFError, OSError):
+                self._workers.remove(worker)
+                self._bury(worker)
+                for number, chunk in enumerate(worker.chunks):
+                    yield Result(chunk, "lost" if number else "suspected")
+            else:
+                yield Result(worker.chunks.popleft(), "made", made)
+
+    def close(self) -> None:
+        for worker in self._workers:
+            worker.process.kill()  # it holds nothing that could be left half done
+        for worker in self._workers:
+            self._bury(worker)
+        self._workers.clear()
+
+    def _start(self) -> _Worker:
+        their_tasks, tasks = self._context.Pipe(duplex=False)
+        results, their_results = self._context.Pipe(duplex=False)
+        process = self._context.Process(
+            target=serve, args=(their_tasks, their_results, self._frozen), daemon=True
+        )
+        process.start()
+        # With this end closed here the worker's death is the end of the pipe.
+        their_tasks.close()
+        their_results.close()
+        return _Worker(process, tasks, results)
+
+    @staticmethod
+    def _bury(worker: _Worker) -> None:
+        worker.tasks.close()
+        worker.results.close()
+        worker.process.join()
+        worker.process.close()
+
+
+def serve(
+    tasks: "Connection[None, Chunk]", results: "Connection[list[Made], None]", frozen: bytes
+) -> None:
+    """What a worker does until the other end of its pipe is closed, or its process gone."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is for the process that started it
+    signal.signal(signal.SIGTERM, signal.SIG_DFL)
+    shop = thaw(frozen)
+    gc.freeze()  # what is there now stays, and need not be looked through again and again
+    queue: SimpleQueue[Chunk | None] = SimpleQueue()
+    threading.Thread(target=_receive, args=(tasks, queue), daemon=True).start()
+    with contextlib.suppress(BrokenPipeError, ConnectionResetError):
+        while (chunk := queue.get()) is not None:
+            results.send(make_all(chunk, shop))
+
+
+def _receive(tasks: "Connection[None, Chunk]", queue: "SimpleQueue[Chunk | None]") -> None:
+    """Take chunks as they come, so that the other side never waits for this one to read."""
+    with contextlib.suppress(EOFError, OSError):
+        while True:
+            queue.put(tasks.recv())
+    queue.put(None)

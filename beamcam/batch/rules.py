@@ -1,0 +1,96 @@
+"""What can be wrong with a batch, apart from the parts in it."""
+
+from beamcam.errors import Rule, Severity
+
+NOTHING = Rule(
+    "batch-nothing",
+    Severity.ERROR,
+    "found no input for {found!r}; expected a file, a folder that holds one, or a pattern",
+    "A pattern that matches nothing is often a wrong folder.",
+)
+NOT_A_FILE = Rule(
+    "batch-not-a-file",
+    Severity.ERROR,
+    "found {found}; expected a plain file",
+    "A pipe or a device has no end that could be waited for in a batch.",
+)
+ZEROS = Rule(
+    "batch-zeros",
+    Severity.ERROR,
+    "found {found} bytes that are all zero; expected a part or a drawing",
+    "A copy that was broken off leaves such a file; copy it again.",
+)
+LOOP = Rule(
+    "batch-loop",
+    Severity.WARNING,
+    "found a link back to {found}; its files are taken once",
+    "A folder that lies within itself has no end.",
+)
+FOLDER = Rule(
+    "batch-folder",
+    Severity.ERROR,
+    "found a folder that cannot be listed ({found}); expected one that can be read",
+    "Files in it would be left out without a word.",
+)
+NO_PART = Rule(
+    "batch-no-part",
+    Severity.ERROR,
+    "found no part in the file; expected at least one",
+    "An export of an empty selection leaves such a file.",
+)
+SAME_NAME = Rule(
+    "batch-same-name",
+    Severity.ERROR,
+    "found {found!r} for the output's name, which {other} has; expected a name of its own, "
+    "by --tree or --name",
+    "One program would be written over by the other.",
+)
+OVER_INPUT = Rule(
+    "batch-over-input",
+    Severity.ERROR,
+    "found {found!r} for the output's name, which is an input; expected another name or folder",
+    "The program would be written over the part.",
+)
+WRITE = Rule(
+    "batch-write",
+    Severity.ERROR,
+    "{found!r} cannot be written ({reason}); expected a folder with room that may be written to",
+    "The disk is full, or the folder may not be written to. The old file, if any, still stands.",
+)
+RECORD = Rule(
+    "batch-record",
+    Severity.WARNING,
+    "the record of the batch cannot be kept ({found}); the next run does these files again",
+    "Without its record a batch does not know which inputs are unchanged.",
+)
+STALE = Rule(
+    "batch-stale",
+    Severity.WARNING,
+    "{found!r} still stands from an earlier run; expected it to be of this input",
+    "The input was posted before and is refused now; a machine should not run the older program.",
+)
+DIED = Rule(
+    "batch-worker",
+    Severity.ERROR,
+    "found a worker dead at this file, twice; expected it to live (memory, or a fault in a "
+    "library)",
+    "The process was ended by the system, most often for its memory. Other files are not touched.",
+)
+INTERNAL = Rule(
+    "batch-internal",
+    Severity.ERROR,
+    "found a fault of beamcam: {found}; expected none, please report it with the file",
+    "The part was not posted. Other files are not touched.",
+)
+SCHEDULER = Rule(
+    "batch-scheduler",
+    Severity.ERROR,
+    "found no cluster that works at {address} ({found}); expected a Dask scheduler with workers "
+    "that have beamcam {version}",
+    "Install the extra `dask` here, and the same beamcam on every worker.",
+)
+
+RULES = (
+    NOTHING, NOT_A_FILE, ZEROS, LOOP, FOLDER, NO_PART, SAME_NAME, OVER_INPUT, WRITE, RECORD, STALE,
+    DIED, INTERNAL, SCHEDULER,
+)  # fmt: skip

@@ -1,0 +1,303 @@
+"""A batch from one end to the other: rows in the order of the inputs, outputs in their folder.
+
+    inputs -> read, hashed -> unchanged? ------------------------> row
+                                 \\_ no: chunk -> workers -> made -> written -> row
+
+Only this process reads and writes, so that workers may be anywhere and a run that is ended leaves
+whole files. Rows come out in the order of the inputs whatever the order of finishing: what is
+done early is held back, up to a limit, and so is who may have a name that two would have.
+"""
+
+import os
+from collections import Counter as Tally
+from collections import deque
+from collections.abc import Collection, Generator, Iterator, Sequence
+from contextlib import suppress
+from dataclasses import dataclass
+from functools import cached_property
+from hashlib import sha256
+
+from beamcam.batch import rules
+from beamcam.batch.find import SUFFIXES, Input, read_input
+from beamcam.batch.names import folded
+from beamcam.batch.pool import Chunk, Result, Workers
+from beamcam.batch.record import RECORD_NAME, Record
+from beamcam.batch.work import Made, Shop, Task
+from beamcam.errors import BeamcamError, Diagnostic, Source
+from beamcam.files import write_whole
+from beamcam.report.run import PartRow, Row, Status, as_message
+
+CHUNK_FILES = 16  #: most files that a worker gets at once
+CHUNK_BYTES = 256 * 1024  #: a chunk of more is closed
+MOST_HELD = 64 * 1024 * 1024  #: bytes of programs that wait for an earlier one
+MOST_FLYING = 256 * 1024 * 1024  #: bytes of inputs that workers have
+DEATHS = 2  #: of workers at one file alone, until it is given up
+
+
+class BatchError(BeamcamError):
+    """A batch that cannot be begun."""
+
+
+@dataclass(slots=True)
+class _Slot:
+    """One input on its way to its row."""
+
+    index: int
+    input: Input
+    key: bytes = b""
+    size: int = 0
+    row: Row | None = None  #: of an input that needs no work
+    made: Made | None = None
+
+    @property
+    def is_done(self) -> bool:
+        return self.row is not None or self.made is not None
+
+
+def run(
+    inputs: Sequence[Input],
+    folder: str,
+    shop: Shop,
+    workers: Workers,
+    flat: bool = False,
+    force: bool = False,
+    claims: dict[str, str] | None = None,
+) -> Generator[Row, None, None]:
+    """Post every input into `folder` and give its row, in the order of the inputs.
+
+    `flat` puts all outputs into one folder, else they lie as their inputs do. `force` does again
+    what is unchanged. `claims` keeps names apart over several runs: it holds which input has which,
+    and is added to. Raises BatchError if the folder cannot be used; closes the workers.
+    """
+    try:
+        os.makedirs(folder, exist_ok=True)
+        record = Record(folder)
+    except OSError as error:
+        workers.close()
+        reason = error.strerror or str(error)
+        raise BatchError(rules.WRITE.at(Source(folder), found=folder, reason=reason)) from error
+    try:
+        yield from _Run(inputs, folder, shop, workers, record, flat, force, claims).rows()
+    finally:
+        workers.close()
+        record.close()
+        if hasattr(os, "sync"):
+            os.sync()  # once for all, in place of waiting for the disk after each file
+
+
+class _Run:
+    def __init__(
+        self,
+        inputs: Sequence[Input],
+        folder: str,
+        shop: Shop,
+        workers: Workers,
+        record: Record,
+        flat: bool,
+        force: bool,
+        claims: dict[str, str] | None,
+    ) -> None:
+        self._inputs, self._folder, self._shop = inputs, folder, shop
+        self._workers, self._record, self._flat, self._force = workers, record, flat, force
+        self._settings = sha256(shop.settings).digest()
+        self._next = 0
+        self._slots: deque[_Slot] = deque()
+        self._away: dict[int, _Slot] = {}  #: what workers have or are about to get, by index
+        self._chunk: list[Task] = []
+        self._again: deque[Chunk] = deque()
+        self._deaths: Tally[int] = Tally()
+        self._held = self._flying = 0
+        self._under_way = 0  #: chunks
+        self._claims = {} if claims is None else claims  #: name of an output -> input that has it
+        self._folders: set[str] = {""}
+        self._keeps_record = True
+        at_once = workers.at_once
+        self._most_files = max(1, min(CHUNK_FILES, len(inputs) // (4 * at_once)))
+        if at_once == 1:
+            self._most_files = 1  # nothing is gained by waiting for more
+
+    def rows(self) -> Iterator[Row]:
+        while True:
+            fed = self._feed()
+            while self._slots and self._slots[0].is_done:
+                yield self._finish(self._slots.popleft())
+            if self._next == len(self._inputs) and not self._slots:
+                return
+            if not fed:
+                for result in self._workers.wait():
+                    self._under_way -= 1
+                    self._take(result)
+
+    def _feed(self) -> bool:
+        """Take a step with the next input, if there is room for it, and say whether it was."""
+        if not self._workers.has_room():
+            return False
+        if self._again:
+            self._submit(self._again.popleft())
+            return True
+        ended = self._next == len(self._inputs)
+        if self._chunk and (
+            ended
+            or len(self._chunk) >= self._most_files
+            or sum(len(task.data) for task in self._chunk) >= CHUNK_BYTES
+        ):
+            chunk, self._chunk = tuple(self._chunk), []
+            self._submit(chunk)
+            return True
+        if ended or self._held >= MOST_HELD or self._flying >= MOST_FLYING:
+            return False
+        self._read(self._next)
+        self._next += 1
+        return True
+
+    def _submit(self, chunk: Chunk) -> None:
+        self._under_way += 1
+        self._workers.submit(chunk)
+
+    def _read(self, index: int) -> None:
+        """Read an input; hand it on unless there is nothing to do for it."""
+        found = self._inputs[index]
+        slot = _Slot(index, found)
+        self._slots.append(slot)
+        data = read_input(found.path)
+        if isinstance(data, Diagnostic):
+            slot.row = _row(found.path, "refused", data)
+            return
+        about = f"{found.path}\0{'' if self._flat else found.tree}\0"
+        about_bytes = about.encode("utf-8", "surrogateescape")
+        slot.key = sha256(self._settings + about_bytes + data).digest()
+        done = None if self._force else self._record.find(slot.key)
+        if done is not None:
+            slot.row = {**done, "status": "unchanged", "seconds": 0.0}
+            return
+        slot.size = len(data)
+        self._flying += slot.size
+        self._away[index] = slot
+        self._chunk.append(Task(index, found.path, data))
+
+    def _take(self, result: Result) -> None:
+        """What workers have done, or the loss of it."""
+        if result.how == "made":
+            for made in result.made:
+                slot = self._land(made.index)
+                slot.made = made
+                self._held += _weight(made)
+        elif result.how == "lost":
+            self._again.append(result.chunk)
+        elif len(result.chunk) > 1:
+            self._again.extend((task,) for task in result.chunk)
+        else:
+            (task,) = result.chunk
+            self._deaths[task.index] += 1
+            if self._deaths[task.index] < DEATHS:
+                self._again.append(result.chunk)
+            else:
+                slot = self._land(task.index)
+                slot.row = _row(task.name, "failed", rules.DIED.at(Source(task.name)))
+
+    def _land(self, index: int) -> _Slot:
+        slot = self._away.pop(index)
+        self._flying -= slot.size
+        return slot
+
+    def _finish(self, slot: _Slot) -> Row:
+        """The row of an input that is done, its outputs written and noted."""
+        if slot.made is None:
+            row = slot.row
+            if row is None:
+                raise AssertionError("a slot that is done has a row or what was made")
+            if row["status"] == "unchanged":
+                row = self._still_its_own(row)
+        else:
+            row = slot.made.row
+            self._held -= _weight(slot.made)
+            self._write_all(slot, slot.made, row)
+            if row["status"] == "posted" and self._keeps_record:
+                try:
+                    self._record.add(slot.key, row)
+                except OSError as error:
+                    self._keeps_record = False
+                    source = Source(os.path.join(self._folder, RECORD_NAME))
+                    said = rules.RECORD.at(source, found=error.strerror or error)
+                    row["messages"].append(as_message(said))
+        if row["status"] in ("refused", "failed") and not row["parts"]:
+            self._warn_of_older(slot, row)
+        return row
+
+    def _still_its_own(self, row: Row) -> Row:
+        """The row of an unchanged input, unless an earlier one has taken its output's name."""
+        for part in row["parts"]:
+            clash = self._claim(part["output"], row["file"])
+            if clash is not None:
+                return {**_row(row["file"], "refused", clash), "format": row["format"]}
+        return row
+
+    def _write_all(self, slot: _Slot, made: Made, row: Row) -> None:
+        """Write the outputs of an input; keep in its row those that stand."""
+        below = "" if self._flat else slot.input.tree.rpartition("/")[0]
+        written: list[PartRow] = []
+        for part, (name, content) in zip(row["parts"], made.outputs, strict=True):
+            output = f"{below}/{name}" if below else name
+            said = self._claim(output, slot.input.path)
+            status: Status = "refused"
+            if said is None:
+                said, status = self._write(output, content, slot.input.path), "failed"
+            if said is None:
+                part["output"] = output
+                written.append(part)
+            else:
+                row["status"] = status
+                row["messages"].append(as_message(said))
+        row["parts"] = written
+
+    def _claim(self, output: str, path: str) -> Diagnostic | None:
+        """Take a name for the output of an input, or say why it cannot have it."""
+        other = self._claims.setdefault(folded(output), path)
+        if other != path:
+            return rules.SAME_NAME.at(Source(path), found=output, other=other)
+        if output.lower().endswith(SUFFIXES) and self._real(output) in self._real_inputs:
+            return rules.OVER_INPUT.at(Source(path), found=output)
+        return None
+
+    def _real(self, output: str) -> str:
+        return os.path.realpath(os.path.join(self._folder, output))
+
+    @cached_property
+    def _real_inputs(self) -> Collection[str]:
+        return {os.path.realpath(found.path) for found in self._inputs}
+
+    def _write(self, output: str, content: bytes, path: str) -> Diagnostic | None:
+        below = output.rpartition("/")[0]
+        try:
+            if below not in self._folders:
+                os.makedirs(os.path.join(self._folder, below), exist_ok=True)
+                self._folders.add(below)
+            write_whole(os.path.join(self._folder, output), content, durable=False)
+        except OSError as error:
+            return rules.WRITE.at(Source(path), found=output, reason=error.strerror or error)
+        return None
+
+    def _warn_of_older(self, slot: _Slot, row: Row) -> None:
+        """Say so if an output of an earlier run stands where this input's would be."""
+        if self._shop.name is not None:
+            return  # without the part there is no name to look for
+        tree = os.path.basename(slot.input.tree) if self._flat else slot.input.tree
+        output = os.path.splitext(tree)[0] + self._shop.machine.suffix
+        stands = False
+        with suppress(OSError):
+            stands = os.path.lexists(os.path.join(self._folder, output))
+        if stands and folded(output) not in self._claims:
+            said = rules.STALE.at(Source(slot.input.path), found=output)
+            row["messages"].append(as_message(said))
+
+
+def _row(path: str, status: Status, said: Diagnostic) -> Row:
+    """The row of a file that was not worked on."""
+    return {
+        "file": path, "status": status, "format": "", "seconds": 0.0, "parts": [],
+        "messages": [as_message(said)],
+    }  # fmt: skip
+
+
+def _weight(made: Made) -> int:
+    return sum(len(content) for _, content in made.outputs)

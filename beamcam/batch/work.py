@@ -1,0 +1,219 @@
+"""The work on one file, as a worker does it: bytes in, programs and an account out.
+
+It opens no file and knows no other file, so that it is the same in this process, in another one
+and on another machine. What it needs besides the bytes is a `Shop`, which goes to each worker
+once, frozen.
+"""
+
+import copyreg
+import os
+import pickle
+import traceback
+from collections import Counter
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass, field, replace
+from functools import lru_cache
+from hashlib import sha256
+from typing import cast
+
+from beamcam import __version__
+from beamcam.batch import rules
+from beamcam.batch.names import folded, numbered, output_name
+from beamcam.config import apply_map
+from beamcam.errors import BeamcamError, Diagnostic, PlanError, ReadError, Source, errors_in
+from beamcam.machine.machine import Formula, Machine
+from beamcam.model.part import Part, Process
+from beamcam.pipeline import Posted, as_error, parts_of, post
+from beamcam.planning.rules import BAR_FULL, BAR_SHORT
+from beamcam.planning.times import work_time
+from beamcam.readers import read
+from beamcam.report.run import Ledger, PartRow, Row, as_message
+
+# A formula that was used holds compiled code; its text is all that another process needs.
+copyreg.pickle(Formula, lambda formula: (Formula, (formula.text,)))
+
+
+@dataclass(frozen=True, slots=True)
+class Shop:
+    """All that decides what becomes of a file's bytes."""
+
+    machine: Machine
+    job: str = "JOB"
+    bar: float | None = None
+    stock_lengths: tuple[float, ...] = ()  #: rising; a part takes the first that it fits on
+    skips: tuple[str, ...] = ()
+    strict: bool = False
+    read_back: bool = True
+    name: str | None = None  #: template of the outputs' names
+    table: tuple[tuple[str, Process], ...] = ()  #: what is done with layers and colours
+    version: str = __version__
+    clock: Callable[[], float] | None = field(default=None, repr=False, compare=False)
+
+    @property
+    def freeze(self) -> bytes:
+        """The shop for a worker; `thaw` gives it back."""
+        return pickle.dumps(self)
+
+    @property
+    def settings(self) -> bytes:
+        """What outputs depend on besides the input, as bytes to be hashed."""
+        return repr(self).encode("utf-8", "backslashreplace")
+
+
+@lru_cache(maxsize=4)
+def thaw(frozen: bytes) -> Shop:
+    """The shop that was frozen; the same object each time, so that what is known of it is kept."""
+    shop: Shop = pickle.loads(frozen)
+    return shop
+
+
+@dataclass(frozen=True, slots=True)
+class Task:
+    """One file to be worked on."""
+
+    index: int  #: place in the order of the inputs
+    name: str  #: of the file, for messages
+    data: bytes
+
+
+@dataclass(frozen=True, slots=True)
+class Made:
+    """What came of one file: its programs by name, and its row in the account."""
+
+    index: int
+    row: Row
+    outputs: tuple[tuple[str, bytes], ...]  #: names below the input's folder, and contents
+
+
+def make_all(tasks: Iterable[Task], shop: Shop) -> list[Made]:
+    """`make` for several files."""
+    return [make(task, shop) for task in tasks]
+
+
+def make(task: Task, shop: Shop) -> Made:
+    """The programs of one file; a fault of any kind is told in the row and never raised."""
+    clock = shop.clock or _no_clock
+    begun = clock()
+    row: Row = {
+        "file": task.name, "status": "posted", "format": "", "seconds": 0.0, "parts": [],
+        "messages": [],
+    }  # fmt: skip
+    outputs: tuple[tuple[str, bytes], ...] = ()
+    try:
+        outputs = _post_all(task, shop, row)
+    except BeamcamError as error:
+        row["status"] = "refused"
+        row["messages"] += map(as_message, error.diagnostics)
+    except Exception as error:
+        row["status"] = "failed"
+        frame = traceback.extract_tb(error.__traceback__)[-1]
+        found = f"{type(error).__name__} at {os.path.basename(frame.filename)}:{frame.lineno}"
+        said = rules.INTERNAL.at(
+            Source(task.name), found=f"{found}: {error}" if str(error) else found
+        )
+        row["messages"].append(as_message(said))
+        row["parts"], outputs = [], ()
+    row["seconds"] = round(clock() - begun, 6)
+    return Made(task.index, row, outputs)
+
+
+def _no_clock() -> float:
+    return 0.0
+
+
+def _post_all(task: Task, shop: Shop, row: Row) -> tuple[tuple[str, bytes], ...]:
+    """The programs of all parts of a file that can be made; the others refuse the file."""
+    reading = read(task.data, task.name)
+    row["format"] = reading.format
+    if shop.strict:
+        reading = replace(reading, diagnostics=tuple(map(as_error, reading.diagnostics)))
+    parts, said = parts_of((reading,))
+    row["messages"] += map(as_message, said)
+    if not parts:
+        raise ReadError(rules.NO_PART.at(Source(task.name)))
+    table = dict(shop.table)
+    stem = os.path.splitext(os.path.basename(task.name))[0]
+    outputs: list[tuple[str, bytes]] = []
+    taken: dict[str, str] = {}
+    for number, part in enumerate(parts, 1):
+        try:
+            posted = post_part(apply_map(part, table), shop)
+        except BeamcamError as error:
+            row["status"] = "refused"
+            row["messages"] += map(as_message, error.diagnostics)
+            continue
+        row["messages"] += map(as_message, posted.remarks)
+        name = output_name(shop.name, stem, part, number, len(parts) > 1, shop.machine)
+        if shop.name is None:
+            name = numbered(name, taken)
+        elif folded(name) in taken:
+            row["status"] = "refused"
+            clash = rules.SAME_NAME.at(part.source, found=name, other=f"part {taken[folded(name)]}")
+            row["messages"].append(as_message(clash))
+            continue
+        taken[folded(name)] = part.mark
+        content = posted.text.encode("utf-8")
+        outputs.append((name, content))
+        row["parts"].append(_part_row(part, posted, name, content, shop.machine))
+    return tuple(outputs)
+
+
+def post_part(part: Part, shop: Shop) -> Posted:
+    """The program of one part, from the shop's bar or the shortest one in stock that takes it.
+
+    Raises PlanError and VerifyError as `post` does; of bars that are all too short for the longest.
+    """
+
+    def made(bar: float | None) -> Posted:
+        posted = post((part,), shop.machine, shop.job, bar, shop.skips, shop.read_back)
+        if shop.strict:
+            remarks = tuple(map(as_error, posted.remarks))
+            if errors_in(remarks):
+                raise PlanError(remarks)
+        return posted
+
+    if shop.bar is not None or not shop.stock_lengths:
+        return made(shop.bar)
+    *shorter, longest = shop.stock_lengths
+    for length in shorter:
+        if length < part.length:
+            continue
+        try:
+            return made(length)
+        except PlanError as error:
+            if not _is_too_short(error.diagnostics):
+                raise
+    return made(longest)
+
+
+def _is_too_short(said: Sequence[Diagnostic]) -> bool:
+    """Whether a longer bar would help."""
+    return {d.code for d in errors_in(said)} <= {BAR_FULL.code, BAR_SHORT.code}
+
+
+def _part_row(part: Part, posted: Posted, name: str, content: bytes, machine: Machine) -> PartRow:
+    plan = posted.plan
+    how = Counter(outcome.how for outcome in plan.outcomes)
+    ledger = {"read": len(plan.outcomes)} | {
+        word: how[word] for word in ("made", "merged", "duplicate", "skipped")
+    }
+    skipped_by = Counter(o.by for o in plan.outcomes if o.how == "skipped")
+    return {
+        "mark": part.mark,
+        "quantity": part.quantity,
+        "profile": part.profile.name,
+        "length": part.length,
+        "output": name,
+        "sha256": sha256(content).hexdigest(),
+        "bar": plan.bar.length,
+        "ledger": cast(Ledger, ledger),
+        "skipped_by": dict(sorted(skipped_by.items())),
+        "tools": sorted({_tool_name(op) for op in plan.operations}),
+        "operations": len(plan.operations),
+        "machine_time_s": round(work_time(plan, machine).total_s, 3),
+    }
+
+
+def _tool_name(operation: object) -> str:
+    tool = getattr(operation, "tool", None)
+    return f"{tool.kind} {tool.diameter:g}" if tool is not None else "saw"

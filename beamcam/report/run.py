@@ -1,0 +1,132 @@
+"""The account of a run over many files: what became of each, as data and as JSON.
+
+The rows are plain data, so that they pass between processes and into a report as they are.
+"""
+
+import json
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+from typing import Literal, TypedDict
+
+from beamcam.errors import Diagnostic
+
+SCHEMA = "beamcam/run/1"
+
+#: What can become of a file: posted; nothing to do, since its outputs stand as they were made;
+#: refused for what is in it; failed for what is around it (the disk, a process, a fault here).
+Status = Literal["posted", "unchanged", "refused", "failed"]
+STATUSES: tuple[Status, ...] = ("posted", "unchanged", "refused", "failed")
+
+
+class Message(TypedDict):
+    """A diagnostic as data."""
+
+    file: str
+    line: int | None
+    where: str | None
+    severity: str
+    code: str
+    message: str
+
+
+class Ledger(TypedDict):
+    """What became of a part's features; `read` is the sum of the others."""
+
+    read: int
+    made: int
+    merged: int
+    duplicate: int
+    skipped: int
+
+
+class PartRow(TypedDict):
+    """One part that was posted."""
+
+    mark: str
+    quantity: int
+    profile: str
+    length: float
+    output: str  #: below the output folder, with "/"
+    sha256: str  #: of the output
+    bar: float  #: length of the bar, mm
+    ledger: Ledger
+    skipped_by: dict[str, int]  #: code -> number of features
+    tools: list[str]
+    operations: int
+    machine_time_s: float
+
+
+class Row(TypedDict):
+    """One file."""
+
+    file: str
+    status: Status
+    format: str
+    seconds: float  #: that the work took; 0 for a file with nothing to do
+    parts: list[PartRow]
+    messages: list[Message]
+
+
+@dataclass(slots=True)
+class Counts:
+    """How many files of a run came out how, and what is to be said about the run as a whole."""
+
+    posted: int = 0
+    unchanged: int = 0
+    refused: int = 0
+    failed: int = 0
+
+    def add(self, row: Row) -> None:
+        """Count one file."""
+        setattr(self, row["status"], getattr(self, row["status"]) + 1)
+
+    @property
+    def total(self) -> int:
+        return self.posted + self.unchanged + self.refused + self.failed
+
+    def __str__(self) -> str:
+        return ", ".join(f"{getattr(self, status)} {status}" for status in STATUSES)
+
+
+def as_message(said: Diagnostic) -> Message:
+    """A diagnostic as data."""
+    source = said.source
+    return {
+        "file": source.file,
+        "line": source.line,
+        "where": source.where,
+        "severity": said.severity.value,
+        "code": said.code,
+        "message": said.message,
+    }
+
+
+def message_line(said: Message) -> str:
+    """A message as the one line that it is printed as."""
+    place = [said["file"], said["line"], said["where"]]
+    shown = ":".join(str(word) for word in place if word is not None)
+    return f"{shown}: {said['severity']} {said['code']}: {said['message']}"
+
+
+def dumped(data: object) -> str:
+    """`data` as JSON on one line, in UTF-8 even where a file's name is not."""
+    return json.dumps(data, ensure_ascii=False, separators=(",", ":"))
+
+
+def encoded(text: str) -> bytes:
+    """`text` as UTF-8; what a file's name has beyond it as `\\udcXX`, which JSON reads."""
+    return text.encode("utf-8", "backslashreplace")
+
+
+def as_json(rows: Iterable[Row], counts: Counts, said: Iterable[Message]) -> Iterator[bytes]:
+    """The report as JSON, piece by piece: a row a line, so that rows are found by line too."""
+    head = {status: getattr(counts, status) for status in STATUSES}
+    yield encoded(
+        f'{{"schema": "{SCHEMA}", "counts": {json.dumps(head)}, '
+        f'"messages": {json.dumps(list(said), ensure_ascii=False)},\n"files": ['
+    )
+    comma = ""
+    for row in rows:
+        yield encoded(f"{comma}\n{dumped(row)}")
+        comma = ","
+    yield b"\n]}\n"

@@ -1,0 +1,76 @@
+"""The account of a run as a page for a browser: one file, no script, nothing fetched."""
+
+from collections.abc import Iterable, Iterator
+from html import escape
+
+from beamcam.report.run import STATUSES, Counts, Message, PartRow, Row, encoded
+
+_STYLE = """
+body { font: 15px/1.4 system-ui, sans-serif; margin: 2em; color: #222 }
+table { border-collapse: collapse; width: 100% }
+th, td { text-align: left; vertical-align: top; padding: .3em .6em; border-bottom: 1px solid #ddd }
+td.n { text-align: right; font-variant-numeric: tabular-nums }
+.posted { color: #176b2c } .unchanged { color: #667 } .refused, .failed { color: #b3211b }
+.error { color: #b3211b } .warning { color: #8a5a00 } .note { color: #667 }
+.messages { font: 13px/1.4 ui-monospace, monospace }
+"""
+
+
+def as_html(rows: Iterable[Row], counts: Counts, said: Iterable[Message]) -> Iterator[bytes]:
+    """The report as HTML, piece by piece."""
+    yield encoded(
+        '<!doctype html>\n<html lang="en"><meta charset="utf-8">'
+        '<meta name="viewport" content="width=device-width">'
+        f"<title>beamcam: {escape(str(counts))}</title><style>{_STYLE}</style>\n<h1>beamcam</h1>\n"
+        + "<p>"
+        + ", ".join(f'<b class="{s}">{getattr(counts, s)}</b> {s}' for s in STATUSES)
+        + "</p>\n"
+    )
+    yield encoded(f'<div class="messages">{"".join(map(_message, said))}</div>\n')
+    yield encoded(
+        "<table>\n<tr><th>file<th>result<th>part<th>features<th>tools<th>machine time"
+        "<th>messages</tr>\n"
+    )
+    for row in rows:
+        yield encoded(_row(row))
+    yield b"</table>\n</html>\n"
+
+
+def _row(row: Row) -> str:
+    parts = row["parts"]
+    seconds = sum(part["machine_time_s"] * part["quantity"] for part in parts)
+    return (
+        f"<tr><td>{escape(row['file'])}<td class={row['status']}>{row['status']}"
+        f"<td>{'<br>'.join(map(_part, parts))}"
+        f"<td>{'<br>'.join(map(_ledger, parts))}"
+        f"<td>{'<br>'.join(escape(', '.join(part['tools'])) for part in parts)}"
+        f'<td class="n">{_clock(seconds) if parts else ""}'
+        f'<td class="messages">{"".join(map(_message, row["messages"]))}</tr>\n'
+    )
+
+
+def _part(part: PartRow) -> str:
+    times = f" ×{part['quantity']}" if part["quantity"] != 1 else ""
+    return escape(f"{part['mark']}{times} {part['profile']} {part['length']:g} → {part['output']}")
+
+
+def _ledger(part: PartRow) -> str:
+    ledger = part["ledger"]
+    words = [f"{ledger['read']} read", f"{ledger['made']} made"]
+    words += [f"{ledger[how]} {how}" for how in ("merged", "duplicate", "skipped") if ledger[how]]
+    words += [f"{count} × {code}" for code, count in part["skipped_by"].items()]
+    return escape(", ".join(words))
+
+
+def _message(said: Message) -> str:
+    line = "" if said["line"] is None else f"{said['line']}: "
+    text = f"{line}{said['severity']} {said['code']}: {said['message']}"
+    return f'<div class="{said["severity"]}">{escape(text)}</div>'
+
+
+def _clock(seconds: float) -> str:
+    """Hours, minutes and seconds, as far as there are any."""
+    whole = round(seconds)
+    if whole < 3600:
+        return f"{whole // 60}:{whole % 60:02d} min"
+    return f"{whole // 3600}:{whole % 3600 // 60:02d}:{whole % 60:02d} h"
