@@ -20,6 +20,10 @@ COMMANDS = {
     "check": ("check", "Post a folder of golden programs again and compare."),
     "simulate": ("simulate", "Write where the axes of the cell are when."),
     "machines": ("machines", "List the machines, or show one with all its values."),
+    "batch": ("batch", "Turn folders of parts into folders of programs."),
+    "watch": ("watch", "Post what is put into a folder, as it comes."),
+    "config": ("config", "Show the configuration and where each value comes from."),
+    "completion": ("completion", "Print what makes a shell complete the commands."),
     "codes": ("codes", "List the codes of all messages."),
 }
 

@@ -1,0 +1,138 @@
+"""`beamcam watch`: a hot folder."""
+
+import os
+import time
+
+import click
+
+from beamcam.batch import BatchError, Input, find_inputs, run
+from beamcam.batch.rules import NOTHING, WRITE
+from beamcam.commands.common import REFUSED, stop
+from beamcam.commands.running import (
+    Screen,
+    ended_by_term,
+    run_options,
+    settled,
+    shop_of,
+    workers_of,
+)
+from beamcam.errors import BeamcamError, Diagnostic, Source
+from beamcam.report.run import Row, as_message
+from beamcam.watch import HotFolder, file_away, look
+
+
+@click.command("watch")
+@click.argument("folder", metavar="IN_FOLDER", type=click.Path(exists=True, file_okay=False))
+@run_options
+@click.option("--done", metavar="FOLDER", help="Move inputs there when they are posted.")
+@click.option("--refused", metavar="FOLDER", help="Move refused inputs there, with a .txt each.")
+@click.option(
+    "--settle", default=2.0, show_default=True, type=click.FloatRange(min=0),
+    help="Seconds that a file has to stay the same.",
+)  # fmt: skip
+@click.option(
+    "--every", default=1.0, show_default=True, type=click.FloatRange(min=0.01),
+    help="Seconds between two looks.",
+)  # fmt: skip
+@click.option("--once", is_flag=True, help="End when everything that is there has been posted.")
+def command(
+    folder: str,
+    output: str,
+    machine: str | None,
+    config_file: str | None,
+    bar: float | None,
+    job: str | None,
+    name: str | None,
+    flat: bool | None,
+    skips: tuple[str, ...],
+    strict: bool,
+    no_verify: bool,
+    jobs: int | None,
+    scheduler: str | None,
+    quiet: bool,
+    verbose: bool,
+    done: str | None,
+    refused: str | None,
+    settle: float,
+    every: float,
+    once: bool,
+) -> None:
+    """Post what is put into IN_FOLDER, as it comes, until Ctrl-C.
+
+    A file that is still being written is left until it stays the same for a while; one that
+    changes later is posted again. What was posted before the command began is known and not done
+    again. Exit status 1 if a file was refused.
+
+    \b
+    beamcam watch hot -o programs
+    beamcam watch hot -o programs --done hot/done --refused hot/refused
+    beamcam watch hot -o programs --once --settle 0
+    """
+    try:
+        config = settled(config_file, (folder,))
+        shop = shop_of(config, machine, bar, job, name, skips, strict, no_verify)
+        for place in (output, done, refused):
+            if place is not None:
+                _make(place)
+    except BeamcamError as error:
+        stop(error.diagnostics)
+    hot = HotFolder(settle)
+    leave_out = tuple(place for place in (output, done, refused) if place is not None)
+    in_one = config.flat if flat is None else flat
+    claims: dict[str, str] = {}
+    told: tuple[Diagnostic, ...] = ()
+    with Screen(None, quiet, verbose) as screen, ended_by_term():
+        try:
+            while True:
+                found = find_inputs((folder,), leave_out)
+                # An empty folder is nothing wrong; what else there is to say is said once.
+                said = tuple(d for d in found.diagnostics if d.code != NOTHING.code)
+                if said != told:
+                    screen.say(map(as_message, said))
+                    told = said
+                ready = hot.take(look(found.inputs), time.monotonic())
+                if ready:
+                    workers = workers_of(shop, jobs or config.jobs, scheduler, len(ready))
+                    rows = run(ready, output, shop, workers, in_one, claims=claims)
+                    try:
+                        for one, row in zip(ready, rows, strict=True):
+                            screen.show(row)
+                            _file_away(one, row, hot, done, refused, screen)
+                    finally:
+                        rows.close()
+                elif once and not hot.is_waiting:
+                    break
+                else:
+                    time.sleep(every)
+        except KeyboardInterrupt:
+            pass  # the way to end it
+        except BeamcamError as error:
+            stop(error.diagnostics)
+        screen.end()
+    if screen.counts.refused or screen.counts.failed:
+        raise SystemExit(REFUSED)
+
+
+def _make(folder: str) -> None:
+    try:
+        os.makedirs(folder, exist_ok=True)
+    except OSError as error:
+        reason = error.strerror or str(error)
+        raise BatchError(WRITE.at(Source(folder), found=folder, reason=reason)) from error
+
+
+def _file_away(
+    found: Input, row: Row, hot: HotFolder, done: str | None, refused: str | None, screen: Screen
+) -> None:
+    """Move an input to where it belongs now; one that failed is tried again later."""
+    if row["status"] == "failed":
+        hot.again(found, time.monotonic())
+        return
+    place = refused if row["status"] == "refused" else done
+    if place is None or not hot.is_as_seen(found):
+        return
+    try:
+        file_away(found, place, row if row["status"] == "refused" else None)
+    except OSError as error:
+        said = WRITE.at(Source(found.path), found=place, reason=error.strerror or str(error))
+        screen.say([as_message(said)])
