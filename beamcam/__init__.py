@@ -1,3 +1,52 @@
-"""Steel members and drawings in, verified machine programs out."""
+"""Steel members and drawings in, verified machine programs out.
+
+From Python: `beamcam.read`, `beamcam.plan`, `beamcam.post` and `beamcam.verify`, which are the
+functions of `beamcam.api`, imported when they are first asked for.
+"""
+
+import sys
+from types import ModuleType
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from beamcam.api import plan, post, read, verify
 
 __version__ = "0.1.0"
+
+__all__ = ["__version__", "plan", "post", "read", "verify"]
+
+
+class _Verify(ModuleType):
+    """The sub-package `beamcam.verify`, which can be called as the function of that name."""
+
+    def __call__(self, *args: Any, **kwargs: Any) -> Any:
+        from beamcam.api import verify as function
+
+        return function(*args, **kwargs)
+
+
+class _Package(ModuleType):
+    """This package. An import of its sub-package `verify` binds that to the name of the function;
+    so that either is meant rightly, whichever comes first, the sub-package is made callable."""
+
+    def __setattr__(self, name: str, value: object) -> None:
+        if name == "verify" and isinstance(value, ModuleType):
+            value.__class__ = _Verify
+        super().__setattr__(name, value)
+
+
+sys.modules[__name__].__class__ = _Package
+
+
+def __getattr__(name: str) -> Any:
+    if name in ("plan", "post", "read", "verify"):
+        from beamcam import api
+
+        if name == "verify":
+            return sys.modules["beamcam.verify"]  # which `api` has imported
+        return getattr(api, name)
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+
+
+def __dir__() -> list[str]:
+    return sorted({*globals(), *__all__})

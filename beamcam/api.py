@@ -1,0 +1,110 @@
+"""beamcam from Python: read a part, plan the work, post the program, verify any program.
+
+    import beamcam
+
+    reading = beamcam.read("samples/dstv/channel.nc1")
+    posted = beamcam.post(reading.parts, "beamline")
+    assert not beamcam.verify(posted.text, reading.parts, "beamline")
+    print(posted.text)
+
+These four functions and what they give back are stable. A machine is the name of a shipped one,
+the path of a TOML file, or a `Machine`. What cannot be done raises a `BeamcamError` that carries
+its diagnostics; what is only to be said comes back as diagnostics beside the result.
+"""
+
+import os
+from collections.abc import Collection, Iterable
+from dataclasses import replace
+
+from beamcam.errors import Diagnostic, ReadError
+from beamcam.machine import Machine, load
+from beamcam.model.part import Part
+from beamcam.model.plan import FeatureRef, Plan
+from beamcam.pipeline import DEFAULT_MACHINE, Posted, as_error, read_file
+from beamcam.pipeline import post as post_bar
+from beamcam.planning import plan_bar
+from beamcam.readers import read as read_bytes
+from beamcam.readers.reading import Reading
+from beamcam.verify import verify as verify_program
+
+__all__ = ["plan", "post", "read", "verify"]
+
+AnyMachine = str | os.PathLike[str] | Machine
+
+
+def read(
+    source: str | os.PathLike[str] | bytes, *, name: str = "part", strict: bool = False
+) -> Reading:
+    """What is in a file of any format, or in its bytes: `parts` and `diagnostics`.
+
+    `name` is what bytes are called in messages; its suffix, if any, says which format is tried
+    first. `strict` makes warnings errors. Raises ReadError if there is an error; its diagnostics
+    are all of them.
+    """
+    if isinstance(source, bytes):
+        reading = read_bytes(source, name)
+        if strict:
+            reading = replace(reading, diagnostics=tuple(map(as_error, reading.diagnostics)))
+    else:
+        reading = read_file(os.fspath(source), strict)
+    if reading.refused:
+        raise ReadError(reading.diagnostics)
+    return reading
+
+
+def plan(
+    parts: Part | Iterable[Part],
+    machine: AnyMachine = DEFAULT_MACHINE,
+    *,
+    bar: float | None = None,
+    skips: Collection[str] = (),
+) -> Plan:
+    """The work that makes `parts` from one bar, in the order given.
+
+    `bar` is its length in mm; without it the bar is as long as the parts need. `skips` names what
+    may be left out, as `--allow-skips` does. Raises PlanError and MachineError.
+    """
+    return plan_bar(_parts(parts), _machine(machine), bar, skips)
+
+
+def post(
+    parts: Part | Iterable[Part],
+    machine: AnyMachine = DEFAULT_MACHINE,
+    *,
+    job: str = "JOB",
+    bar: float | None = None,
+    skips: Collection[str] = (),
+    read_back: bool = True,
+) -> Posted:
+    """The program that makes `parts` from one bar: its `text`, the `plan`, and `remarks`.
+
+    It was read back and compared with the parts, unless `read_back` is False, which the program
+    then says. Raises PlanError, MachineError, and VerifyError for a program that would make
+    anything else.
+    """
+    return post_bar(_parts(parts), _machine(machine), job, bar, skips, read_back)
+
+
+def verify(
+    program: str,
+    parts: Part | Iterable[Part],
+    machine: AnyMachine = DEFAULT_MACHINE,
+    *,
+    skipped: Collection[FeatureRef] = (),
+    name: str = "program",
+) -> tuple[Diagnostic, ...]:
+    """Everything that is wrong with the text of a program, by itself and against `parts`.
+
+    Nothing comes back for a program that makes exactly the parts, in their order on the bar.
+    `skipped` are features, each as (index of the part, index of its feature), that may be missing.
+    Raises MachineError.
+    """
+    return verify_program(program, _parts(parts), _machine(machine), skipped, name)
+
+
+def _parts(parts: Part | Iterable[Part]) -> tuple[Part, ...]:
+    return (parts,) if isinstance(parts, Part) else tuple(parts)
+
+
+def _machine(machine: AnyMachine) -> Machine:
+    return machine if isinstance(machine, Machine) else load(os.fspath(machine))
