@@ -1,0 +1,145 @@
+"""A path with its motion: phases of constant jerk, each within one segment."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from beamcam.motion.profile import Phase
+from beamcam.motion.reach import peak_rises, ramp_phases
+from beamcam.motion.stretches import Stretch
+
+Floats = NDArray[np.float64]
+Counts = NDArray[np.int64]
+
+
+@dataclass(frozen=True, slots=True)
+class PlannedPath:
+    """The motion along a path, as arrays. A phase has constant jerk and lies in one segment."""
+
+    points: Floats  #: (n + 1, axes)
+    lengths: Floats  #: (n,)
+    directions: Floats  #: (n, axes)
+    entry_mm_s: Floats  #: (n,)
+    exit_mm_s: Floats  #: (n,)
+    duration_s: float
+    phase_segment: Counts  #: (m,), the segment of each phase
+    phase_start_s: Floats  #: (m,), from the start of the path
+    phase_duration_s: Floats  #: (m,)
+    phase_position: Floats  #: (m,), way from the start of the segment
+    phase_velocity: Floats  #: (m,)
+    phase_acceleration: Floats  #: (m,)
+    phase_jerk: Floats  #: (m,)
+
+    def phases_of(self, segment: int) -> tuple[Phase, ...]:
+        """The phases of one segment; positions are from its start, times from the path's."""
+        low, high = np.searchsorted(self.phase_segment, [segment, segment + 1]).tolist()
+        columns = (
+            self.phase_start_s, self.phase_duration_s, self.phase_position,
+            self.phase_velocity, self.phase_acceleration, self.phase_jerk,
+        )  # fmt: skip
+        return tuple(Phase(*(float(c[k]) for c in columns)) for k in range(low, high))
+
+    def sample(self, t_s: ArrayLike) -> tuple[Floats, Floats, Floats]:
+        """Position, velocity and acceleration of the axes at times `t_s`: (k, axes) each."""
+        t = np.clip(np.asarray(t_s, dtype=np.float64), 0.0, self.duration_s)
+        k = np.clip(
+            np.searchsorted(self.phase_start_s, t, side="right") - 1, 0, len(self.phase_jerk) - 1
+        )
+        s = np.minimum(t - self.phase_start_s[k], self.phase_duration_s[k])
+        v0, a0, j = self.phase_velocity[k], self.phase_acceleration[k], self.phase_jerk[k]
+        way = self.phase_position[k] + s * (v0 + s * (a0 / 2 + s * j / 6))
+        segment = self.phase_segment[k]
+        along = self.directions[segment]
+        position = self.points[segment] + along * way[:, None]
+        velocity = along * (v0 + s * (a0 + s * j / 2))[:, None]
+        return position, velocity, along * (a0 + s * j)[:, None]
+
+
+def cut_phases(
+    points: Floats, lengths: Floats, along: Floats, moving: list[Stretch], speeds: Floats
+) -> PlannedPath:
+    """Phases of all stretches, cut at the ends of segments."""
+    way = np.array([s.length for s in moving])
+    limit = np.array([s.limit for s in moving])
+    acceleration = np.array([s.acceleration for s in moving])
+    jerk = np.array([s.jerk for s in moving])
+    first = np.array([s.first for s in moving])
+    v0, v1 = speeds[:-1], speeds[1:]
+    low, high = np.minimum(v0, v1), np.maximum(v0, v1)
+    rise = peak_rises(way, low, high, limit, acceleration, jerk)
+    up = ramp_phases(high + rise - v0, acceleration, jerk)
+    down = ramp_phases(-(high + rise - v1), acceleration, jerk)
+    ramps = [(high + rise + s) / 2 * np.sum(d, axis=1) for s, (d, _, _) in ((v0, up), (v1, down))]
+    peak = np.where(high + rise > 0.0, high + rise, 1.0)
+    cruise = np.maximum(0.0, way - ramps[0] - ramps[1]) / peak
+    still = np.zeros((len(way), 1))
+    duration = np.concatenate((up[0], cruise[:, None], down[0]), axis=1)
+    start_a = np.concatenate((up[1], still, down[1]), axis=1)
+    held_j = np.concatenate((up[2], still, down[2]), axis=1)
+    # State at the start of each phase, from the stretch's start.
+    t = np.cumsum(duration, axis=1)
+    gain = duration * (start_a + duration * held_j / 2)
+    v = v0[:, None] + np.cumsum(gain, axis=1) - gain
+    gone = duration * (v + duration * (start_a / 2 + duration * held_j / 6))
+    x = np.cumsum(gone, axis=1) - gone
+    start_t = np.concatenate((still, t[:, :-1]), axis=1)
+    # Where segments begin inside a stretch, and when that is.
+    which = np.repeat(np.arange(len(moving)), [s.last - s.first for s in moving])
+    before = np.cumsum(lengths) - lengths
+    inside = np.flatnonzero(np.arange(len(lengths)) != first[which])
+    run = which[inside]
+    offset = before[inside] - before[first[run]]
+    # Stretches shrink to their phases, which rounding leaves a hair shorter or longer.
+    offset = offset * (x[run, -1] + gone[run, -1]) / way[run]
+    k = np.clip(np.sum(offset[:, None] >= x[run], axis=1) - 1, 0, 6)
+    at = run, k
+    local = _time_at(offset - x[at], v[at], start_a[at], held_j[at], duration[at])
+    # All starts of phases and of segments in order; of one time the phase comes first.
+    stretch = np.concatenate((np.repeat(np.arange(len(moving)), 7), run))
+    time = np.concatenate((start_t.reshape(-1), np.minimum(start_t[at] + local, t[at])))
+    phase = np.concatenate((np.tile(np.arange(7), len(moving)), k))
+    segment_starts = np.concatenate((np.zeros(7 * len(moving), int), np.ones(len(run), int)))
+    order = np.lexsort((segment_starts, time, phase, stretch))
+    stretch, time, phase = stretch[order], time[order], phase[order]
+    segment = first[stretch] + _count_within(segment_starts[order], stretch)
+    last = np.append(stretch[1:] != stretch[:-1], True)
+    until = np.where(last, t[stretch, 6], np.append(time[1:], 0.0))
+    spent = until - time
+    s = np.maximum(0.0, time - start_t[stretch, phase])
+    a = start_a[stretch, phase] + s * held_j[stretch, phase]
+    speed = v[stretch, phase] + s * (start_a[stretch, phase] + s * held_j[stretch, phase] / 2)
+    came = x[stretch, phase] + s * (
+        v[stretch, phase] + s * (start_a[stretch, phase] / 2 + s * held_j[stretch, phase] / 6)
+    )
+    came = np.maximum(0.0, came - (before[segment] - before[first[stretch]]))
+    kept = spent > 0.0
+    opens = np.flatnonzero(segment_starts[order] == 1)
+    entry = np.empty(len(lengths))
+    entry[first] = v0
+    entry[segment[opens]] = speed[opens]
+    exits = np.append(entry[1:], v1[-1])
+    base = np.cumsum(t[:, 6]) - t[:, 6]
+    return PlannedPath(
+        points, lengths, along, entry, exits, float(np.sum(t[:, 6])),
+        segment[kept], (base[stretch] + time)[kept], spent[kept], came[kept],
+        np.maximum(0.0, speed[kept]), a[kept], held_j[stretch, phase][kept],
+    )  # fmt: skip
+
+
+def _count_within(flags: Counts, groups: Counts) -> Counts:
+    """Running sum of `flags` that starts anew in each group of equal neighbours."""
+    total = np.cumsum(flags)
+    opens = np.append(True, groups[1:] != groups[:-1])
+    start = np.where(opens, total - flags, 0)
+    return np.asarray(total - np.maximum.accumulate(start), dtype=np.int64)
+
+
+def _time_at(way: Floats, v: Floats, a: Floats, j: Floats, longest: Floats) -> Floats:
+    """Times at which phases have made `way`: the way only grows, so halving finds it."""
+    low, high = np.zeros_like(way), longest.copy()
+    for _ in range(54):
+        t = (low + high) / 2
+        short = t * (v + t * (a / 2 + t * j / 6)) < way
+        low, high = np.where(short, t, low), np.where(short, high, t)
+    return (low + high) / 2
