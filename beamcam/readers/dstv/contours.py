@@ -46,6 +46,7 @@ class Rows:
     notch_lines: list[int] = field(default_factory=list)
     edges: str = ""  #: all reference letters met
     turned: bool = False  #: whether the contour runs against its rows
+    area: float = 0.0  #: of the polygon of its corners, as the rows draw it
     left_out: list[int] = field(default_factory=list)  #: lines that repeat a point
 
 
@@ -293,7 +294,9 @@ def build_contour(rows: Rows, mirrored: bool, thickness: float, log: Log) -> Con
     kind: ContourKind = "outer" if rows.code == "A" else "inner" if closed else "open"
     turned = False
     if closed:
-        area = polygon_area(points) + (segments_area(points, radii) if any(radii) else 0.0)
+        rows.area = area = polygon_area(points)
+        if any(radii):
+            area += segments_area(points, radii)
         if area == 0.0:
             log.add(rules.CONTOUR_AREA, rows.line)
         wants_positive = (kind == "outer") != (rows.face in MIRRORED_FACES)

@@ -30,7 +30,7 @@ NUMBER_NAMES = (
 )
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(slots=True)
 class Header:
     """The header's values under the names of the part."""
 
@@ -118,10 +118,10 @@ def read_header(head: HeaderLines, log: Log) -> Header | None:
         last = lines[-1] if lines else head.end
         log.add(rules.HEADER_SHORT, last, found="the end of the file", count=len(values))
         return None
-    for position in range(8, LEAST_LINES):
-        if values[position] in CODES:  # a number stands here, so the header ended too early
-            log.add(rules.HEADER_SHORT, lines[position], found=values[position], count=position)
-            return None
+    if not CODES.isdisjoint(values[8:LEAST_LINES]):  # numbers stand here: it ended too early
+        position = next(i for i in range(8, LEAST_LINES) if values[i] in CODES)
+        log.add(rules.HEADER_SHORT, lines[position], found=values[position], count=position)
+        return None
     before = len(log.diagnostics)
     quantity = _quantity(values[5], lines[5], log)
     code = _profile_code(values[7], lines[7], log)

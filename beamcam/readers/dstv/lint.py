@@ -5,10 +5,12 @@ header and in the contour, a hole and the material around it.
 """
 
 import re
+from collections.abc import Iterator
 from dataclasses import dataclass
+from itertools import pairwise
 from math import atan2, degrees, hypot, pi
 
-from beamcam.geometry.curves import Arc, Box, join_boxes
+from beamcam.geometry.curves import Arc, Box, Point, join_boxes
 from beamcam.model.part import (
     MIRRORED_FACES,
     Contour,
@@ -20,7 +22,7 @@ from beamcam.model.part import (
     TextMark,
 )
 from beamcam.readers.dstv import rules
-from beamcam.readers.dstv.contours import Rows, polygon_area
+from beamcam.readers.dstv.contours import Rows
 from beamcam.readers.dstv.tokens import Log
 
 LENGTH_TOLERANCE = 0.2  #: real files differ by up to 0.12
@@ -32,17 +34,18 @@ LARGEST_MARK = 7.0  #: diameter; shops write punch marks as holes of 1, 2, 4, 5 
 _CUT_LINES = {"web_start": 17, "web_end": 18, "flange_start": 19, "flange_end": 20}
 
 
-Edge = tuple[float, float, float, float]  #: x and y of its start and its end
-
-
 @dataclass(slots=True)
 class _Outline:
     """An outer contour made ready for asking what lies inside."""
 
-    lines: list[Edge]
-    edges: list[Edge]  #: lines and the chords of arcs
+    points: list[Point]  #: corners, the first one again at the end
     box: Box
-    arcs: list[tuple[Arc, Edge]]
+    arcs: list[Arc]
+
+    @property
+    def edges(self) -> Iterator[tuple[Point, Point]]:
+        """Lines and the chords of arcs."""
+        return pairwise(self.points)
 
 
 def check(part: Part, contours: list[Rows], header: list[int], log: Log) -> None:
@@ -68,31 +71,25 @@ def check(part: Part, contours: list[Rows], header: list[int], log: Log) -> None
 
 
 def _outline(contour: Contour) -> _Outline:
-    lines: list[Edge] = []
-    arcs: list[tuple[Arc, Edge]] = []
-    boxes: list[Box] = []
-    for curve in contour.curves:
-        edge = (*curve.start, *curve.end)
-        if isinstance(curve, Arc):
-            arcs.append((curve, edge))
-            boxes.append(curve.bbox)
-        else:
-            lines.append(edge)
-    xs = [edge[0] for edge in lines] + [edge[2] for edge in lines]
-    ys = [edge[1] for edge in lines] + [edge[3] for edge in lines]
-    if arcs:
-        for box in boxes:
-            xs += box[::2]
-            ys += box[1::2]
+    curves = contour.curves
+    points = [curve.start for curve in curves]
+    xs, ys = zip(*points, strict=True)
     box = (min(xs), min(ys), max(xs), max(ys))
-    return _Outline(lines, lines + [edge for _, edge in arcs], box, arcs)
+    arcs = [curve for curve in curves if isinstance(curve, Arc)]
+    for arc in arcs:
+        (x, y), r = arc.centre, arc.radius
+        # most arcs are small and lie within the corners: only others are worth their own box
+        if x - r < box[0] or y - r < box[1] or x + r > box[2] or y + r > box[3]:
+            box = join_boxes([box, arc.bbox]) or box
+    points.append(points[0])
+    return _Outline(points, box, arcs)
 
 
 def _check_directions(contours: list[Rows], log: Log) -> None:
     """Note outer contours that run otherwise in their numbers than the standard draws them."""
     for rows in contours:
         if rows.code == "A" and len(rows.face) == 1 and len(rows.points) > 2:
-            area = polygon_area(rows.points)
+            area = rows.area
             mirrored = rows.face in MIRRORED_FACES
             if area > 0 if mirrored else area < 0:
                 names = ("counter-clockwise", "clockwise")
@@ -147,19 +144,16 @@ def _check_ends(part: Part, outers: dict[str, list[_Outline]], header: list[int]
 
 def _end_angles(outline: _Outline) -> tuple[float | None, float | None]:
     """Angles in degrees of the start and the end of an outline; None for one that is no edge."""
-    low, high = outline.box[1], outline.box[3]
-    # every corner starts one edge
-    bottom = [edge[0] for edge in outline.edges if edge[1] == low]
-    top = [edge[0] for edge in outline.edges if edge[1] == high]
+    _, low, _, high = outline.box
+    bottom = [x for x, y in outline.points if y == low]
+    top = [x for x, y in outline.points if y == high]
     if not bottom or not top or low == high:
         return None, None
     angles: list[float | None] = []
     for pick in (min, max):
         x_low, x_high = pick(bottom), pick(top)
-        straight = any(
-            edge in ((x_low, low, x_high, high), (x_high, high, x_low, low))
-            for edge in outline.lines
-        )
+        ends = {(x_low, low), (x_high, high)}
+        straight = any(a in ends and b in ends for a, b in outline.edges)
         angles.append(degrees(atan2(x_low - x_high, high - low)) if straight else None)
     return angles[0], angles[1]
 
@@ -264,21 +258,24 @@ def _contains(outline: _Outline, x: float, y: float) -> bool:
     corners, then each arc turns the answer for what lies between it and its chord.
     """
     inside = False
-    for x0, y0, x1, y1 in outline.edges:
+    x0, y0 = outline.points[0]
+    for x1, y1 in outline.points:
         if (y0 > y) != (y1 > y) and x < x0 + (y - y0) / (y1 - y0) * (x1 - x0):
             inside = not inside
-    for arc, (x0, y0, x1, y1) in outline.arcs:
+        x0, y0 = x1, y1
+    for arc in outline.arcs:
         if hypot(x - arc.centre[0], y - arc.centre[1]) <= arc.radius:
+            (x0, y0), (x1, y1) = arc.start, arc.end
             side = (x1 - x0) * (y - y0) - (y1 - y0) * (x - x0)
             # A counter-clockwise arc lies right of its chord.
             if (side < 0) == (arc.sweep_deg > 0):
                 inside = not inside
-    return inside or any(_distance(edge, x, y) <= EDGE_TOLERANCE for edge in outline.edges)
+    return inside or any(_distance(a, b, x, y) <= EDGE_TOLERANCE for a, b in outline.edges)
 
 
-def _distance(edge: Edge, x: float, y: float) -> float:
-    """Distance of a point from an edge."""
-    x0, y0, x1, y1 = edge
+def _distance(a: Point, b: Point, x: float, y: float) -> float:
+    """Distance of a point from the edge between `a` and `b`."""
+    (x0, y0), (x1, y1) = a, b
     dx, dy = x1 - x0, y1 - y0
     square = dx * dx + dy * dy
     t = 0.0 if square == 0 else min(1.0, max(0.0, ((x - x0) * dx + (y - y0) * dy) / square))

@@ -118,8 +118,9 @@ def read_holes(block: Block, place: Place) -> list[Hole | Slot]:
                     sizes[2] = sizes[2][:-1]
                 elif sizes[3:] not in _NO_SLOT:
                     raise RowError(row)
-            y, diameter, *more = map(float, sizes)
-            if not (place.face and -LARGEST < x + sum(map(float, sizes)) < LARGEST):
+            values = [float(size) for size in sizes]
+            y, diameter, *more = values
+            if not (place.face and -LARGEST < x + sum(values) < LARGEST):
                 raise RowError(row)
             if "_" in row or (len(more) != 4 if slotted else len(more) > 3):
                 raise RowError(row)

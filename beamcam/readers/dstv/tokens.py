@@ -15,7 +15,6 @@ LARGEST = 1e12  #: no coordinate is as large; also keeps nan and inf out
 
 # DSTV NC, page 5: a change from digit to letter or back separates as a blank does.
 _TOKEN = re.compile(r"[+-]?(?:[0-9]+(?:[.,][0-9]*)?|[.,][0-9]+)|[A-Za-z]|\S", re.ASCII)
-_NUMBER = re.compile(r"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?", re.ASCII)
 _COMMA = re.compile(r"[+-]?(?:[0-9]+,[0-9]*|,[0-9]+)", re.ASCII)
 
 
@@ -81,14 +80,15 @@ def tokenise(row: str) -> list[str]:
 
 def number(text: str, line: int, log: Log) -> float | None:
     """The number that `text` writes, a decimal comma allowed with a warning; None if it is none."""
-    if _NUMBER.fullmatch(text):
+    try:
         value = float(text)
-    elif _COMMA.fullmatch(text):
+    except ValueError:
+        if not _COMMA.fullmatch(text):
+            return None
         value = float(text.replace(",", "."))
         log.add(DECIMAL_COMMA, line, found=text, value=value)
-    else:
-        return None
-    return value if -LARGEST < value < LARGEST else None
+    # float also takes underscores between digits, nan and inf, which no file means as numbers
+    return value if "_" not in text and -LARGEST < value < LARGEST else None
 
 
 def numbers(tokens: list[str], line: int, log: Log) -> list[float]:
