@@ -19,7 +19,7 @@ from beamcam.verify.compare import compare
 from beamcam.verify.events import Event
 from beamcam.verify.made import Bore, Cut, Made
 from beamcam.verify.meaning import Meaning, meaning_of
-from beamcam.verify.need import FeatureRef, skippable
+from beamcam.verify.needs import FeatureRef, Rack, skippable
 from beamcam.verify.stations import Choice, choices_of
 
 __all__ = [
@@ -57,6 +57,7 @@ class _Known:
         self.machine = machine
         self.meaning = meaning_of(machine)
         self.choices: dict[Profile | None, dict[int, Choice]] = {}
+        self.rack = Rack(machine, machine.drill) if machine.drill else None
 
     def choices_for(self, profile: Profile | None) -> dict[int, Choice]:
         if profile not in self.choices:
@@ -140,5 +141,8 @@ def verify(
     done = run(text, machine, parts[0].profile if parts else None, name)
     if not parts:
         return done.diagnostics
-    more = compare(done.made, parts, machine, done.meaning, done.choices, skipped, name)
+    rack = _known_of(machine).rack
+    if rack is None:
+        raise TypeError(f"{machine.name} has no drill")
+    more = compare(done.made, parts, machine, rack, done.meaning, done.choices, skipped, name)
     return (*done.diagnostics, *more)

@@ -17,12 +17,14 @@ from beamcam.machine.machine import Machine
 from beamcam.model.part import Profile
 from beamcam.verify import rules
 from beamcam.verify.events import Event, Move, Pause, Switch, Turn
-from beamcam.verify.made import Bore, Cut, Made
-from beamcam.verify.meaning import Meaning, MWord
+from beamcam.verify.made import Bore, Cut, Made, Trail
+from beamcam.verify.meaning import Cycle, Meaning, MWord
 from beamcam.verify.stations import Choice, Station, limits_of
 
 _EPSILON = 1e-6
 _LETTERS = "XYZ"
+_OTHER_WAY = {3: 4, 4: 3}
+_NO_CYCLE = Cycle("drill", 0, False, False)
 
 
 class Cell:
@@ -39,10 +41,13 @@ class Cell:
         self.name = name
         self.said: list[Diagnostic] = []
         self.section: dict[str, float] = {}
-        self.order: list[Cut | Bore] = []
+        self.order: list[Cut | Bore | Trail] = []
         self.choice: Choice | None = None
         self.diameter = 0.0
-        self.turning = self.cooling = False
+        self.cycle = _NO_CYCLE  #: of the tool that is chosen
+        self.pitch = 0.0
+        self.turning = 0  #: the M word that started the spindle
+        self.cooling = False
         self.x = self.furthest = self.feed_mm_min = nan
         self.at: dict[int, tuple[float, float]] = {}  #: across and stroke of each spindle
         self.peck: tuple[float, float] | None = None  #: X and across of the hole being drilled
@@ -75,6 +80,7 @@ class Cell:
             tuple(self.section.items()),
             tuple(o for o in order if type(o) is Cut),
             tuple(o for o in order if type(o) is Bore),
+            tuple(o for o in order if type(o) is Trail),
             order,
         )
 
@@ -84,7 +90,7 @@ class Cell:
         x = move.end[0]
         moved = x != self.x and not isnan(x)
         if moved:
-            self._move_bar(x, move)
+            self._move_bar(x, move, self._in_work(move))
         self.feed_mm_min = move.feed_mm_min
         if not move.rapid and self.meaning.feeds and move.feed_mm_min <= 0:
             self.say(rules.NO_FEED, move.line, found="feed")
@@ -113,24 +119,75 @@ class Cell:
         # The controller starts from its own last place, whichever spindle that was for.
         aside = moved or across != before[0] or across != move.start[first.across]
         if aside and (outer > _EPSILON or was_out > _EPSILON):
+            if self._in_work(move) and was_out > _EPSILON:
+                self._lead(move, first, across, stroke)
+                return
             letter = "X" if moved else _LETTERS[first.across]
-            self._sideways(move.line, letter, first, before[1] if was_out > outer else stroke)
+            self._sideways(
+                move.line, f"a move of {letter}", first, before[1] if was_out > outer else stroke
+            )
             return
         for station in choice.stations:
             self._enter(move, station, choice, across, stroke, before[1])
 
-    def _move_bar(self, x: float, move: Move) -> None:
+    def _in_work(self, move: Move) -> bool:
+        """Whether the tool that is chosen may be led along a path, and is."""
+        if not self.cycle.along or move.rapid or self.choice is None:
+            return False
+        first = self.choice.stations[0]
+        _, stroke = self.at.get(first.number, (nan, nan))
+        return first.tip_depth(stroke) > _EPSILON
+
+    def _lead(self, move: Move, station: Station, across: float, stroke: float) -> None:
+        """A tool led on in the material; the point that it went in at is the path's first."""
+        self._ready(move, station)
+        depth = station.tip_depth(stroke)
+        point = (move.end[0], station.y(across))
+        last = self.order[-1] if self.order else None
+        if type(last) is Bore and last.kind == self.cycle.kind:
+            self.order[-1] = Trail(
+                last.line,
+                last.face,
+                last.kind,
+                ((last.x, last.y), point),
+                last.diameter,
+                min(last.tip_depth, depth),
+                max(last.tip_depth, depth),
+                last.spindle,
+                last.feed_mm_min,
+            )
+        elif type(last) is Trail and self.peck is not None:
+            self.order[-1] = last._replace(
+                points=(*last.points, point),
+                least_depth=min(last.least_depth, depth),
+                greatest_depth=max(last.greatest_depth, depth),
+                feed_mm_min=max(last.feed_mm_min, move.feed_mm_min),
+            )
+        self.peck = (self.x, across)
+
+    def _ready(self, move: Move, station: Station) -> None:
+        """Say what is missing for a feed into the material."""
+        if self.cycle.turns and not self.turning:
+            self.say(rules.SPINDLE_OFF, move.line, face=station.face)
+        elif self.turning != self.cycle.turns and self.known:
+            self.say(rules.TURN, move.line, found=self.turning, expected=self.cycle.turns)
+        if self.cycle.cools and not self.cooling:
+            self.say(rules.COOLANT, move.line, found="a feed into the material", expected="on")
+
+    def _move_bar(self, x: float, move: Move, in_work: bool) -> None:
         name, least, greatest = self.stop_limits
         if not least <= x <= greatest:
             self._beyond(move.line, name, x, least, greatest)
         if self.never_back and x < self.furthest - _EPSILON:
             self.say(rules.STOP_BACK, move.line, found=f"{x:g}", before=f"{self.furthest:g}")
         self.furthest = x if isnan(self.furthest) else max(x, self.furthest)
+        self.x = x
+        if in_work:
+            return
         if self.turning:
             self.say(rules.SPINDLE_ON, move.line, found="a move of the bar")
         if self.cooling:
             self.say(rules.COOLANT, move.line, found="a move of the bar", expected="off")
-        self.x = x
         self.peck = None
 
     def _beyond(self, line: int, axis: str, at: float, least: float, greatest: float) -> None:
@@ -151,6 +208,11 @@ class Cell:
     ) -> None:  # fmt: skip
         """One station's stroke axis on its way into the bar, or out of it."""
         depth = station.tip_depth(stroke)
+        if self.cycle.kind == "tap" and station.tip_depth(before) > max(depth, 0.0) + _EPSILON:
+            back = _OTHER_WAY.get(self.cycle.turns, 0)
+            if move.rapid or self.turning != back:  # it has to be screwed out as it was in
+                found = 0 if move.rapid else self.turning
+                self.say(rules.TURN, move.line, found=found, expected=back)
         if move.rapid:
             y = station.y(across)
             if not station.clear_from <= y <= station.clear_to:  # through the flange's edge
@@ -180,14 +242,11 @@ class Cell:
         self, move: Move, station: Station, choice: Choice, across: float, stroke: float,
         depth: float,
     ) -> None:  # fmt: skip
-        if not self.turning:
-            self.say(rules.SPINDLE_OFF, move.line, face=station.face)
-        if self.meaning.coolant and not self.cooling:
-            self.say(rules.COOLANT, move.line, found="a feed into the material", expected="on")
+        self._ready(move, station)
         self._describe_first(move.line)
         bore = Bore(
             move.line, station.face, self.x, station.y(across), self.diameter, depth,
-            choice.number, move.feed_mm_min, stroke,
+            choice.number, move.feed_mm_min, stroke, self.cycle.kind, self.turning, self.pitch,
         )  # fmt: skip
         if self.peck == (self.x, across):  # deeper in the same hole
             for index in range(len(self.order) - self.pecked, len(self.order)):
@@ -233,11 +292,11 @@ class Cell:
         values = self._values(switch, word) if word.fields or switch.words else {}
         role = word.role
         if role == "on":
-            self.turning = True
+            self.turning = switch.number
             if self.choice is None:
                 self.say(rules.NO_SPINDLE, switch.line, found="a spindle that starts")
         elif role == "off":
-            self.turning = False
+            self.turning = 0
         elif role == "coolant-on":
             self.cooling = True
         elif role == "coolant-off":
@@ -245,11 +304,13 @@ class Cell:
         elif values is None:
             return
         elif role == "choose":
-            self._choose(switch, values)
+            self._choose(switch, values, word.cycle or _NO_CYCLE)
         elif role == "saw":
             self._saw(switch, values)
         elif role == "section":
             self.section.update(values)
+        elif role == "other":
+            self.pitch = values.get("pitch", self.pitch)
         elif role == "end":
             self._at_rest(switch.line, "the end of the program")
             self.ended = True
@@ -297,12 +358,13 @@ class Cell:
                 if station.way * (stroke - station.outermost) > _EPSILON:
                     self._sideways(line, what, station, stroke)
 
-    def _choose(self, switch: Switch, values: dict[str, float]) -> None:
+    def _choose(self, switch: Switch, values: dict[str, float], cycle: Cycle) -> None:
         self._at_rest(switch.line, "the choice of a spindle")
         number = values["spindle"]
         self.choice = self.choices.get(int(number)) if number == int(number) else None
         self.peck = None
-        self.diameter = values.get("diameter", 0.0)
+        self.diameter = self.meaning.size(values.get("diameter", 0.0))
+        self.cycle, self.pitch = cycle, values.get("pitch", 0.0)
         if self.choice is None:
             numbers = ", ".join(str(n) for n in self.choices)
             self.say(
@@ -317,7 +379,7 @@ class Cell:
         name, least, greatest = limits_of(self.machine, "angle")
         if saw is not None:
             least, greatest = max(least, saw.least_angle), min(greatest, saw.greatest_angle)
-            if self.feed_mm_min > saw.feed_mm_min + 0.1:
+            if self.meaning.saw_feeds and self.feed_mm_min > saw.feed_mm_min + 0.1:
                 self.say(
                     rules.FEED_LIMIT, switch.line, found=f"{self.feed_mm_min:g}",
                     what="the saw", expected=f"{saw.feed_mm_min:g}",

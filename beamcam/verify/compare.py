@@ -1,34 +1,45 @@
 """What a program makes against what its parts need: everything once, in its place, nothing else."""
 
 from collections.abc import Collection, Iterator, Sequence
-from dataclasses import replace
+from dataclasses import dataclass
 from fnmatch import fnmatchcase
-from math import floor, isnan, pi, radians, tan
-from typing import NamedTuple
+from math import isnan, pi, radians, tan
 
 from beamcam.errors import Diagnostic, Source, errors_in
-from beamcam.machine.machine import Drill, Machine, Saw
-from beamcam.model.part import Hole, Part, Profile
+from beamcam.machine.machine import FLAT_DEG, Machine, Saw
+from beamcam.model.part import Part, Profile
 from beamcam.verify import rules
-from beamcam.verify.made import Bore, Cut, Made
+from beamcam.verify.depths import REACHES, Reach, path_reach
+from beamcam.verify.made import Bore, Cut, Made, Trail
+from beamcam.verify.matching import Match, Matching, Wanted
 from beamcam.verify.meaning import Meaning
-from beamcam.verify.need import HOLE_TOOLS, FeatureRef, ends_of, fit, holes_of, tool_for, unsawn
+from beamcam.verify.needs import Course, FeatureRef, Lack, Pocket, Rack, Stroke, needs_of
+from beamcam.verify.paths import line_error, pocket_error
 from beamcam.verify.placing import NEAR, Placing
 from beamcam.verify.stations import Choice, stroke_values
 
 
-class Wanted(NamedTuple):
-    """One hole that a part needs."""
+@dataclass(frozen=True, slots=True)
+class Task:
+    """What a comparison works with."""
 
-    part: int  #: index on the bar
-    hole: Hole
-    x: float  #: machine X
+    parts: Sequence[Part]
+    machine: Machine
+    rack: Rack
+    meaning: Meaning
+    choices: dict[int, Choice]
+    name: str  #: of the program
+    starts: Sequence[float]  #: of the parts on the bar
+
+    def at(self, line: int) -> Source:
+        return Source(self.name, line)
 
 
 def compare(
     made: Made,
     parts: Sequence[Part],
     machine: Machine,
+    rack: Rack,
     meaning: Meaning,
     choices: dict[int, Choice],
     skipped: Collection[FeatureRef] = (),
@@ -46,30 +57,40 @@ def compare(
     placing = Placing(made.cuts, machine, saw, name)
     placing.place(parts)
     said += placing.said
-    said += _not_made(parts, saw, skipped)
-    wanted = [
-        Wanted(p, hole, drill.x + placing.starts[p] + hole.x)
-        for p, part in enumerate(parts)
-        for hole in holes_of(part, p, machine, skipped)
-    ]
-    matches = list(_Matching(made.bores, wanted, parts, machine, drill, name).run(said))
+    if meaning.saw_feeds:
+        said += _saw_feeds(made.cuts, saw, name)
+    task = Task(parts, machine, rack, meaning, choices, name, placing.starts)
+    wanted: list[Wanted] = []
+    paths: list[Pocket | Course] = []
+    for _, need in needs_of(parts, machine, saw, rack, skipped):
+        if isinstance(need, Stroke):
+            wanted.append(Wanted(need, drill.x + placing.starts[need.part] + need.x))
+        elif isinstance(need, Lack):
+            said.append(_lack(need, parts))
+        else:
+            paths.append(need)
+    matching = Matching(wanted, parts, machine.format.resolution, drill.merge_tolerance, name)
+    matches = list(matching.run(made.bores, said))
     fine: set[object] = set()  # most holes of a part are like another one of it
     for match in matches:
-        (part, hole, _), bore, size = match
-        alike = (part, hole.face, hole.kind, hole.diameter, hole.depth, size, *bore[4:])
+        need, bore, size = match
+        hole = need.hole
+        alike = (
+            need.part, need.kind, hole.face, hole.kind, hole.diameter, hole.depth, hole.angle,
+            need.pilot, size, *bore[4:],
+        )  # fmt: skip
         if alike in fine:
             continue
-        found = [*_tool(match, parts, machine, name)]
+        found = [*_tool(match, task)]
         if not errors_in(found):  # another tool has another depth and feed, of course
-            found += _depth(match, parts, machine, drill, choices, name)
-            if meaning.feeds:
-                found += _feed(bore, parts[part].grade, drill, name)
+            found += _depth(match, task)
+            found += _feed(bore, parts[need.part].grade, task)
         if found:
             said += found
         else:
             fine.add(alike)
-    if meaning.feeds:
-        said += _saw_feeds(made.cuts, saw, name)
+    if made.trails or paths:
+        said += _paths(made.trails, paths, task)
     if machine.layout is not None and machine.layout.order == "drill-saw":
         said += _after_its_cut(matches, made, placing.last_cut, name)
     return tuple(said)
@@ -89,220 +110,126 @@ def _section(made: Made, profile: Profile, machine: Machine, name: str) -> Itera
             )
 
 
-def _not_made(
-    parts: Sequence[Part], saw: Saw, skipped: Collection[FeatureRef]
-) -> Iterator[Diagnostic]:
-    """The features that no cut and no stroke makes."""
-    for p, part in enumerate(parts):
-        ends = ends_of(part, saw)
-        for f, feature in enumerate(part.features):
-            found = None if (p, f) in skipped else unsawn(feature, part, ends)
-            if found is None:
-                continue
-            what, off = found
-            if off is not None:
-                yield rules.OUTLINE.at(
-                    feature.source, face=getattr(feature, "face", ""), mark=part.mark,
-                    x=f"{off[0]:g}", y=f"{off[1]:g}",
-                )  # fmt: skip
-            else:
-                yield rules.NOT_MADE.at(feature.source, found=f"the {what}", mark=part.mark)
+def _lack(need: Lack, parts: Sequence[Part]) -> Diagnostic:
+    mark = parts[need.part].mark
+    if need.place is None:
+        return rules.NOT_MADE.at(need.feature.source, found=need.what, mark=mark)
+    x, y = need.place
+    face = getattr(need.feature, "face", "")
+    return rules.OUTLINE.at(need.feature.source, face=face, mark=mark, x=f"{x:g}", y=f"{y:g}")
 
 
-class Match(NamedTuple):
-    """A hole that is wanted and the bore that makes it."""
-
-    wanted: Wanted
-    bore: Bore
-    size: float  #: the hole's diameter, of two that are drilled at once the greater
-
-
-class _Matching:
-    """Bores and holes, each to at most one of the others.
-
-    Holes wait in pockets of 1 mm of X by face, so that a bore looks at two pockets at most.
-    """
-
-    def __init__(
-        self, bores: Sequence[Bore], wanted: Sequence[Wanted], parts: Sequence[Part],
-        machine: Machine, drill: Drill, name: str,
-    ) -> None:  # fmt: skip
-        self.bores, self.wanted, self.parts, self.name = bores, wanted, parts, name
-        self.drill = drill
-        self.x_tolerance = machine.format.resolution + 1e-6  # of the start's cut, and its own
-        self.y_tolerance = 0.75 * machine.format.resolution + 1e-6
-        self.pockets: dict[tuple[str, int], list[Wanted]] = {}
-        for want in wanted:
-            self.pockets.setdefault((want.hole.face, floor(want.x)), []).append(want)
-
-    def run(self, said: list[Diagnostic]) -> Iterator[Match]:
-        """The matches; what lies elsewhere, is missing or too much goes to `said`."""
-        pairs: dict[tuple[int, int], list[Bore]] = {}
-        for bore in self.bores:
-            pairs.setdefault((bore.line, bore.spindle), []).append(bore)
-        astray: list[Bore] = []
-        for group in pairs.values():
-            reach = self.drill.merge_tolerance if len(group) > 1 else 0.0
-            found = [self._take(bore, reach) for bore in group]
-            holes = [w for w in found if w is not None]
-            size = max((w.hole.diameter for w in holes), default=0.0)
-            for bore, want in zip(group, found, strict=True):
-                if want is None:
-                    astray.append(bore)
-                    continue
-                if not self._between(bore, holes):
-                    said.append(self._elsewhere(bore, want))
-                yield Match(want, bore, size)
-        for bore in astray:
-            want = self._nearest(bore)
-            if want is None:
-                said.append(
-                    rules.HOLE_EXTRA.at(
-                        Source(self.name, bore.line),
-                        diameter=f"{bore.diameter:g}",
-                        face=bore.face,
-                        x=f"{bore.x:g}",
-                        y=f"{bore.y:g}",
-                    )
-                )
-            else:
-                self._remove(want)
-                said.append(self._elsewhere(bore, want))
-                yield Match(want, bore, want.hole.diameter)
-        for left in self.pockets.values():
-            for want in left:
-                hole = want.hole
-                said.append(
-                    rules.HOLE_MISSING.at(
-                        hole.source,
-                        diameter=f"{hole.diameter:g}",
-                        face=hole.face,
-                        mark=self.parts[want.part].mark,
-                        x=f"{hole.x:g}",
-                        y=f"{hole.y:g}",
-                        machine_x=f"{want.x:g}",
-                    )
-                )
-
-    def _take(self, bore: Bore, reach: float) -> Wanted | None:
-        """The nearest hole within reach of a bore, of those that are left; it is taken."""
-        x_reach, y_reach = reach + self.x_tolerance, reach + self.y_tolerance
-        best: Wanted | None = None
-        distance = x_reach + y_reach
-        pocket = floor(bore.x - x_reach)
-        for key in {pocket, floor(bore.x + x_reach)}:
-            for want in self.pockets.get((bore.face, key), ()):
-                dx, dy = abs(want.x - bore.x), abs(want.hole.y - bore.y)
-                if dx <= x_reach and dy <= y_reach and dx + dy <= distance:
-                    if best is not None and dx + dy == distance and self._worse(want, best, bore):
-                        continue
-                    best, distance = want, dx + dy
-        if best is not None:
-            self._remove(best)
-        return best
-
-    @staticmethod
-    def _worse(want: Wanted, best: Wanted, bore: Bore) -> bool:
-        """Of two holes in one place the one of the tool's diameter is meant."""
-        return abs(want.hole.diameter - bore.diameter) >= abs(best.hole.diameter - bore.diameter)
-
-    def _remove(self, want: Wanted) -> None:
-        self.pockets[want.hole.face, floor(want.x)].remove(want)
-
-    def _between(self, bore: Bore, holes: Sequence[Wanted]) -> bool:
-        """Whether a stroke lies on its hole, or between the two that it makes at once."""
-        xs, ys = [w.x for w in holes], [w.hole.y for w in holes]
-        return (
-            min(xs) - self.x_tolerance <= bore.x <= max(xs) + self.x_tolerance
-            and min(ys) - self.y_tolerance <= bore.y <= max(ys) + self.y_tolerance
-        )
-
-    def _nearest(self, bore: Bore) -> Wanted | None:
-        """The hole of its face that a bore may have been meant for."""
-        near = [
-            (abs(w.x - bore.x) + abs(w.hole.y - bore.y), i, w)
-            for (face, _), left in self.pockets.items()
-            if face == bore.face
-            for i, w in enumerate(left)
-            if abs(w.x - bore.x) <= NEAR and abs(w.hole.y - bore.y) <= NEAR
-        ]
-        return min(near)[2] if near else None
-
-    def _elsewhere(self, bore: Bore, want: Wanted) -> Diagnostic:
-        hole = want.hole
-        return rules.HOLE_PLACE.at(
-            Source(self.name, bore.line), diameter=f"{hole.diameter:g}", face=hole.face,
-            mark=self.parts[want.part].mark, found_x=f"{hole.x + bore.x - want.x:.6g}",
-            found_y=f"{bore.y:.6g}", x=f"{hole.x:g}", y=f"{hole.y:g}",
-        )  # fmt: skip
-
-
-def _described(match: Match, parts: Sequence[Part]) -> dict[str, object]:
+def _described(need: Stroke, parts: Sequence[Part]) -> dict[str, object]:
     """How messages name a hole."""
-    part, hole, _ = match.wanted
+    hole = need.hole
     return {
-        "diameter": f"{hole.diameter:g}", "face": hole.face, "mark": parts[part].mark,
+        "what": need.what, "face": hole.face, "mark": parts[need.part].mark,
         "x": f"{hole.x:g}", "y": f"{hole.y:g}",
     }  # fmt: skip
 
 
-def _tool(match: Match, parts: Sequence[Part], machine: Machine, name: str) -> Iterator[Diagnostic]:
+def _tool(match: Match, task: Task) -> Iterator[Diagnostic]:
     """What is wrong with the tool that makes a hole."""
-    (_, hole, _), bore, size = match
-    described = _described(match, parts)
-    place = Source(name, bore.line)
-    own = tool_for(hole if size == hole.diameter else replace(hole, diameter=size), machine)
-    limits = fit(size, machine)
-    found = f"a drill {bore.diameter:g}"
-    if hole.kind not in HOLE_TOOLS or limits is None or own is None:
-        yield rules.TOOL.at(place, found=found, expected="another tool, or none", **described)
-    elif not limits[0] - 1e-6 <= bore.diameter <= limits[1] + 1e-6:
-        yield rules.TOOL.at(place, found=found, expected=f"a drill {own:g}", **described)
-    elif not any(bore.diameter in tools.sizes for tools in machine.tools):
-        expected = f"a drill {own:g}, the shop has none of that size"
-        yield rules.TOOL.at(place, found=found, expected=expected, **described)
-    elif bore.diameter != own:
+    need, bore, size = match
+    rack, face = task.rack, need.hole.face
+    sizes = {d for tools in rack.of(need.kind, face) for d in tools.sizes}
+    own, fit = _own_tool(match, rack)
+    found = f"a {need.kind} {bore.diameter:g}"
+    described = _described(need, task.parts)
+    if fit is not None and not fit[0] <= bore.diameter <= fit[1]:
+        expected = f"a {need.kind} {own:g}"
+        yield rules.TOOL.at(task.at(bore.line), found=found, expected=expected, **described)
+    elif bore.diameter not in sizes:
+        expected = f"a {need.kind} {own:g}, the shop has none of that size"
+        yield rules.TOOL.at(task.at(bore.line), found=found, expected=expected, **described)
+    elif need.kind == "drill" and not _as_good(bore.diameter, own, size, rack):
         yield rules.TOOL_NEARER.at(
-            place, found=f"{bore.diameter:g}", expected=f"{own:g}", **described
+            task.at(bore.line), found=f"{bore.diameter:g}", expected=f"{own:g}", **described
         )
+    if need.kind == "tap":
+        tap = rack.tap(need.hole)
+        if tap is not None and abs(bore.pitch - tap[1]) > 1e-6:
+            found, expected = f"a tap of pitch {bore.pitch:g}", f"pitch {tap[1]:g}"
+            yield rules.TOOL.at(task.at(bore.line), found=found, expected=expected, **described)
+    if need.kind == "countersink" and rack.point_deg("countersink", bore.diameter, face) != (
+        need.hole.angle or FLAT_DEG
+    ):
+        cones = {t.point_deg for t in rack.of("countersink", face) if bore.diameter in t.sizes}
+        if (need.hole.angle or FLAT_DEG) not in cones:
+            yield rules.TOOL.at(
+                task.at(bore.line), found=found,
+                expected=f"a cone of {need.hole.angle or FLAT_DEG:g} degrees", **described,
+            )  # fmt: skip
 
 
-def _depth(
-    match: Match, parts: Sequence[Part], machine: Machine, drill: Drill,
-    choices: dict[int, Choice], name: str,
-) -> Iterator[Diagnostic]:  # fmt: skip
+def _own_tool(match: Match, rack: Rack) -> tuple[float, tuple[float, float] | None]:
+    """The diameter that a stroke wants, and from which to which any would do; None is any."""
+    need, _, size = match
+    hole = need.hole
+    if need.kind == "drill":
+        wanted = size if need.diameter == rack.drills(hole.diameter, hole.face) else need.diameter
+        return rack.drills(wanted, hole.face) or need.diameter, rack.fit(wanted)
+    if need.kind == "tap":
+        return need.diameter, (need.diameter, need.diameter)
+    if need.kind == "countersink":
+        cone = hole.angle or FLAT_DEG
+        if cone < FLAT_DEG and REACHES["countersink"](need, hole.diameter, 0.0, rack).least <= (
+            hole.diameter / 2 / _slope(cone) + 1e-9
+        ):
+            return hole.diameter, (hole.diameter - 1e-6, float("inf"))
+        return hole.diameter, rack.fit(hole.diameter)
+    return next((d for t in rack.of(need.kind, hole.face) for d in t.sizes), 0.0), None
+
+
+def _slope(cone_deg: float) -> float:
+    return tan(radians(cone_deg) / 2)
+
+
+def _as_good(found: float, own: float, size: float, rack: Rack) -> bool:
+    """Whether a drill is as good as the nearest one, but for what counts as one tool."""
+    return abs(found - size) - abs(own - size) <= rack.drill.twin + 1e-6
+
+
+def _depth(match: Match, task: Task) -> Iterator[Diagnostic]:
     """What is wrong with the depth of a hole."""
-    (part, hole, _), bore, _ = match
-    described = _described(match, parts)
-    place = Source(name, bore.line)
-    tip = bore.diameter / 2 / tan(radians(_point_deg(bore.diameter, machine)) / 2)
-    profile = parts[part].profile
-    thickness = profile.thickness(hole.face)
-    full = bore.tip_depth - tip
-    slack = machine.format.resolution + 1e-6
-    found = f"{full:.3f}"
-    if hole.depth is not None:
-        if abs(full - hole.depth) > slack:
-            yield rules.DEPTH.at(place, found=found, expected=f"{hole.depth:g}", **described)
-        return
-    spindle = next(s for s in machine.spindles if s.face == hole.face)
-    values = stroke_values(machine, profile, hole.face)
-    values |= {"depth": thickness + drill.breakthrough, "tip": tip, "y": hole.y}
-    station = next(s for s in choices[bore.spindle].stations if s.face == hole.face)
-    deepest = station.tip_depth(spindle.stroke.bottom(values)) - tip
-    if full < thickness - slack:
-        expected = f"at least the {thickness:g} mm of the material"
-        yield rules.DEPTH.at(place, found=found, expected=expected, **described)
-    elif full > deepest + slack:
-        yield rules.DEPTH.at(place, found=found, expected=f"at most {deepest:.3f}", **described)
+    need, bore, _ = match
+    profile = task.parts[need.part].profile
+    face = need.hole.face
+    thickness = profile.thickness(face)
+    reach = REACHES[need.kind](need, bore.diameter, thickness, task.rack)
+    if need.hole.depth is None and need.kind in ("drill", "tap"):
+        reach = Reach(reach.least, max(reach.greatest, _stroke_end(bore, thickness, profile, task)))
+    yield from _off_reach(bore.tip_depth, bore.tip_depth, reach, _described(need, task.parts),
+                          bore, task)  # fmt: skip
 
 
-def _point_deg(diameter: float, machine: Machine) -> float:
-    """Angle of the point of the shop's drill of a diameter."""
-    for tools in machine.tools:
-        if tools.kind == "drill" and diameter in tools.sizes:
-            return tools.point_deg
-    return 118.0
+def _stroke_end(bore: Bore, thickness: float, profile: Profile, task: Task) -> float:
+    """How deep the machine's own stroke goes, which may be one for all holes."""
+    spindle = next(s for s in task.machine.spindles if s.face == bore.face)
+    values = stroke_values(task.machine, profile, bore.face)
+    tip = task.rack.tip(bore.kind, bore.diameter, bore.face)
+    values |= {"depth": thickness + task.rack.drill.breakthrough, "tip": tip, "y": bore.y}
+    station = next(s for s in task.choices[bore.spindle].stations if s.face == bore.face)
+    return station.tip_depth(spindle.stroke.bottom(values))
+
+
+def _off_reach(
+    least: float, greatest: float, reach: Reach, described: dict[str, object],
+    op: Bore | Trail, task: Task,
+) -> Iterator[Diagnostic]:  # fmt: skip
+    slack = task.machine.format.resolution + 1e-6
+    tip = 0.0 if op.kind != "drill" else task.rack.tip("drill", op.diameter, op.face)
+    found, expected = 0.0, ""
+    if least < reach.least - slack:
+        found, expected = least, f"at least {reach.least - tip:.3f}"
+    elif greatest > reach.greatest + slack:
+        found, expected = greatest, f"at most {reach.greatest - tip:.3f}"
+    if expected:
+        if reach.least == reach.greatest:
+            expected = f"{reach.least - tip:.3f}"
+        yield rules.DEPTH.at(
+            task.at(op.line), found=f"{found - tip:.3f}", expected=expected, **described
+        )
 
 
 def _saw_feeds(cuts: Sequence[Cut], saw: Saw, name: str) -> Iterator[Diagnostic]:
@@ -317,32 +244,112 @@ def _saw_feeds(cuts: Sequence[Cut], saw: Saw, name: str) -> Iterator[Diagnostic]
             )
 
 
-def _feed(bore: Bore, grade: str, drill: Drill, name: str) -> Iterator[Diagnostic]:
+def _feed(op: Bore | Trail, grade: str, task: Task) -> Iterator[Diagnostic]:
     """A feed beyond what the station can do, or one that is not the machine's own."""
-    own = _drill_feed(bore.diameter, grade, drill)
-    found, what = f"{bore.feed_mm_min:g}", f"a drill {bore.diameter:g}"
-    if bore.feed_mm_min > drill.greatest_feed_mm_min + 0.1:
-        expected = f"{drill.greatest_feed_mm_min:g}"
-        yield rules.FEED_LIMIT.at(
-            Source(name, bore.line), found=found, what=what, expected=expected
-        )
-    elif abs(bore.feed_mm_min - own) > 0.1 + 0.001 * own:
-        yield rules.FEED.at(Source(name, bore.line), found=found, what=what, expected=f"{own:.4g}")
+    if not task.meaning.feeds:
+        return
+    pitch = op.pitch if isinstance(op, Bore) else 0.0
+    own = _own_feed(op.kind, op.diameter, pitch, grade, task)
+    found, what = f"{op.feed_mm_min:g}", f"a {op.kind} {op.diameter:g}"
+    limit = task.rack.drill.greatest_feed_mm_min
+    if op.feed_mm_min > limit + 0.1:
+        yield rules.FEED_LIMIT.at(task.at(op.line), found=found, what=what, expected=f"{limit:g}")
+    elif own is not None and abs(op.feed_mm_min - own) > 0.1 + 0.001 * own:
+        yield rules.FEED.at(task.at(op.line), found=found, what=what, expected=f"{own:.4g}")
 
 
-def _drill_feed(diameter: float, grade: str, drill: Drill) -> float:
-    """The machine's feed in mm/min for a drill: turns times feed per turn.
+def _own_feed(kind: str, diameter: float, pitch: float, grade: str, task: Task) -> float | None:
+    """The machine's feed in mm/min for a tool: turns times feed per turn, of a tap its pitch.
 
-    The speed at the edge gives the turns, n = 1000 v / (pi d), within the spindle's range.
+    The speed at the edge gives the turns, n = 1000 v / (pi d), within the spindle's range; what
+    does not turn is fed at that speed. None if the machine has no row for the kind.
     """
-    rows = [
-        c for c in drill.cutting
-        if diameter <= c.up_to and fnmatchcase(grade.upper(), c.grade.upper())
-    ]  # fmt: skip
-    row = rows[0] if rows else drill.cutting[-1]
+    drill = task.rack.drill
+    rows = [row for row in drill.cutting if row.kind == kind]
+    if not rows:
+        return None
+    row = next(
+        (r for r in rows if diameter <= r.up_to and fnmatchcase(grade.upper(), r.grade.upper())),
+        rows[-1],
+    )
+    limit = drill.greatest_feed_mm_min
+    if kind in ("punch", "scribe"):
+        return min(1000 * row.speed_m_min, limit)
     turns = 1000 * row.speed_m_min / (pi * diameter)
     turns = max(drill.least_speed_rpm, min(drill.greatest_speed_rpm, turns))
-    return min(turns * row.feed_per_turn, drill.greatest_feed_mm_min)
+    return min(turns * (pitch if kind == "tap" else row.feed_per_turn), limit)
+
+
+def _paths(
+    trails: Sequence[Trail], wanted: Sequence[Pocket | Course], task: Task
+) -> Iterator[Diagnostic]:
+    """What is wrong with the paths: each pocket and line once, by the path that fits it best."""
+    drill_x, resolution = task.rack.drill.x, task.machine.format.resolution
+    allowed = task.rack.drill.path_tolerance + 2 * resolution
+    left = list(trails)
+    for need in wanted:
+        kind = "mill" if isinstance(need, Pocket) else "scribe"
+        from_x = drill_x + task.starts[need.part]
+        measured = []
+        for trail in left:
+            if trail.kind == kind and trail.face == need.face:
+                points = [(x - from_x, y) for x, y in trail.points]
+                if _near(points, need):
+                    measured.append((_error(need, points, trail), trail.line, trail))
+        mark = task.parts[need.part].mark
+        what = need.what if isinstance(need, Pocket) else "line to mark"
+        if not measured:
+            yield rules.NOT_MADE.at(need.source.source, found=f"the {what}", mark=mark)
+            continue
+        off, _, trail = min(measured, key=lambda m: m[:2])
+        left.remove(trail)
+        if off > allowed:
+            yield rules.PATH.at(
+                task.at(trail.line), what=f"the {what}", mark=mark, found=f"{off:.3f}",
+                expected=f"{allowed:g}",
+            )  # fmt: skip
+        yield from _trail(trail, need, what, task)
+    for trail in left:
+        x, y = trail.points[0]
+        yield rules.PATH_EXTRA.at(
+            task.at(trail.line), kind=trail.kind, face=trail.face, x=f"{x:g}", y=f"{y:g}"
+        )
+
+
+def _near(points: Sequence[tuple[float, float]], need: Pocket | Course) -> bool:
+    """Whether a path may be meant for a pocket or a line at all."""
+    x, y = (need.x, need.y) if isinstance(need, Pocket) else need.curves[0].start
+    size = max(need.length, need.height, need.diameter) if isinstance(need, Pocket) else 0.0
+    return any(abs(px - x) <= size + NEAR and abs(py - y) <= size + NEAR for px, py in points)
+
+
+def _error(need: Pocket | Course, points: Sequence[tuple[float, float]], trail: Trail) -> float:
+    if isinstance(need, Pocket):
+        return pocket_error(need, points, trail.diameter)
+    return line_error(need.curves, points)
+
+
+def _trail(trail: Trail, need: Pocket | Course, what: str, task: Task) -> Iterator[Diagnostic]:
+    """What is wrong with the tool, the depth and the feed of a path."""
+    part = task.parts[need.part]
+    x, y = (need.x, need.y) if isinstance(need, Pocket) else need.curves[0].start
+    described: dict[str, object] = {
+        "what": what, "face": need.face, "mark": part.mark, "x": f"{x:g}", "y": f"{y:g}",
+    }  # fmt: skip
+    sizes = sorted({d for t in task.rack.of(trail.kind, need.face) for d in t.sizes})
+    if trail.diameter not in sizes:
+        shown = ", ".join(f"{d:g}" for d in sizes)
+        yield rules.TOOL.at(
+            task.at(trail.line), found=f"a {trail.kind} {trail.diameter:g}",
+            expected=f"one of {shown}", **described,
+        )  # fmt: skip
+        return
+    if isinstance(need, Pocket):
+        reach = path_reach(need.depth, part.profile.thickness(need.face), task.rack)
+    else:
+        reach = Reach(task.rack.drill.mark_depth, task.rack.drill.mark_depth)
+    yield from _off_reach(trail.least_depth, trail.greatest_depth, reach, described, trail, task)
+    yield from _feed(trail, part.grade, task)
 
 
 def _after_its_cut(
@@ -354,7 +361,7 @@ def _after_its_cut(
     for index, op in enumerate(made.order):
         (parted if type(op) is Cut else place)[op.line] = index
     for match in matches:
-        line = last_cuts[match.wanted.part]
+        line = last_cuts[match.need.part]
         if line is not None and place[match.bore.line] > parted[line]:
             yield rules.CUT_OFF.at(
                 Source(name, match.bore.line), found=f"{match.bore.x:g}", cut=line

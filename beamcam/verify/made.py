@@ -26,6 +26,23 @@ class Bore(NamedTuple):
     spindle: int  #: number that the program chose it by
     feed_mm_min: float
     stroke: float  #: where the stroke axis turned back
+    kind: str = "drill"  #: of the tool
+    turning: int = 0  #: the M word that started the spindle; 0 if it stands
+    pitch: float = 0.0  #: that was chosen for a tap
+
+
+class Trail(NamedTuple):
+    """A path that a tool was led along in the material."""
+
+    line: int  #: of its first point
+    face: str
+    kind: str  #: of the tool
+    points: tuple[tuple[float, float], ...]  #: machine X and y on the face
+    diameter: float  #: of the tool
+    least_depth: float  #: of the tool's tip, from the surface of the face
+    greatest_depth: float
+    spindle: int
+    feed_mm_min: float
 
 
 @dataclass(frozen=True, slots=True)
@@ -35,4 +52,5 @@ class Made:
     section: tuple[tuple[str, float], ...]  #: what it says about the bar, by field name
     cuts: tuple[Cut, ...]
     bores: tuple[Bore, ...]
-    order: tuple[Cut | Bore, ...]  #: both, as they follow one another
+    trails: tuple[Trail, ...]
+    order: tuple[Cut | Bore | Trail, ...]  #: all of them, as they follow one another

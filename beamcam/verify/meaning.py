@@ -20,6 +20,7 @@ Role = Literal["saw", "choose", "section", "on", "coolant-on", "coolant-off", "o
 DOCUMENTED: dict[int, Role] = {
     3: "on", 4: "on", 5: "off", 7: "coolant-on", 8: "coolant-on", 9: "coolant-off", 30: "end",
 }  # fmt: skip
+WRITTEN = 0.0006  #: mm; diameters are written to 0.001
 _SAYS: dict[str, Role] = {
     "angle": "saw", "spindle": "choose", "section": "section", "width": "section",
     "height": "section",
@@ -28,12 +29,27 @@ _COMMAND = re.compile(r"\s*([GM])0*(\d+)\b")
 _FIELD = re.compile(r"\b([A-Z])\{(\w+)\}")
 
 
+#: Tools that work along a path, so that the bar and the spindle move while they are in it.
+ALONG_A_PATH = ("mill", "scribe")
+
+
+@dataclass(frozen=True, slots=True)
+class Cycle:
+    """How the machine works with one kind of tool: the template of its name says it."""
+
+    kind: str
+    turns: int  #: the M word that starts the spindle, 0 if it does not turn
+    cools: bool
+    along: bool  #: whether it is led along a path
+
+
 @dataclass(frozen=True, slots=True)
 class MWord:
     """One M word of a machine."""
 
     role: Role
     fields: tuple[tuple[str, str], ...]  #: letter and what it carries
+    cycle: Cycle | None = None  #: of the tool that it chooses, of a choosing word
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,7 +60,13 @@ class Meaning:
     letters: frozenset[str]  #: addresses that its programs may use
     section_fields: frozenset[str]  #: what a program has to say about its bar
     feeds: bool  #: whether its programs carry feeds
-    coolant: bool  #: whether its cycles cool
+    saw_feeds: bool  #: whether its cuts do
+    sizes: tuple[float, ...]  #: diameters of the shop's tools
+
+    def size(self, diameter: float) -> float:
+        """The shop's tool that a diameter means: programs write three decimals of an inch size."""
+        near = (d for d in self.sizes if abs(d - diameter) < WRITTEN)
+        return next(near, diameter)
 
     def shown(self) -> str:
         """Its M words, for messages."""
@@ -55,26 +77,41 @@ def meaning_of(machine: Machine) -> Meaning:
     """The words of a machine, read off its templates."""
     m_words: dict[int, MWord] = {30: MWord("end", ())}
     letters = set(LETTERS)
-    feeds = False
-    for line in _templates(machine):
-        carried = tuple(_FIELD.findall(line))
-        letters.update(letter for letter, _ in carried)
-        feeds = feeds or any(name == "feed" for _, name in carried)
-        match = _COMMAND.match(line)
-        if match is None or match[1] != "M":
-            continue
-        number = int(match[2])
-        role = next((_SAYS[n] for _, n in carried if n in _SAYS), DOCUMENTED.get(number, "other"))
-        before = m_words.get(number, MWord(role, ()))
-        m_words[number] = MWord(role, tuple(dict.fromkeys((*before.fields, *carried))))
+    feeding: set[str] = set()
+    for name, lines in _templates(machine):
+        cycle = _cycle(name, lines)
+        for line in lines:
+            carried = tuple(_FIELD.findall(line))
+            letters.update(letter for letter, _ in carried)
+            if any(field == "feed" for _, field in carried):
+                feeding.add(name)
+            match = _COMMAND.match(line)
+            if match is None or match[1] != "M":
+                continue
+            number = int(match[2])
+            documented = DOCUMENTED.get(number, "other")
+            role = next((_SAYS[n] for _, n in carried if n in _SAYS), documented)
+            before = m_words.get(number, MWord(role, ()))
+            fields_ = tuple(dict.fromkeys((*before.fields, *carried)))
+            chooses = cycle if role == "choose" and before.cycle is None else before.cycle
+            m_words[number] = MWord(role, fields_, chooses)
     said = {name for w in m_words.values() if w.role == "section" for _, name in w.fields}
-    cools = any(w.role == "coolant-on" for w in m_words.values())
-    return Meaning(m_words, frozenset(letters), frozenset(said), feeds, cools)
+    sizes = tuple(sorted({d for tools in machine.tools for d in tools.sizes}))
+    return Meaning(
+        m_words, frozenset(letters), frozenset(said), bool(feeding), "saw" in feeding, sizes
+    )
 
 
-def _templates(machine: Machine) -> Iterator[str]:
-    """Every line of every template but the comment."""
+def _templates(machine: Machine) -> Iterator[tuple[str, tuple[str, ...]]]:
+    """Name and lines of every template but the comment."""
     for field in fields(machine.words):
         value = getattr(machine.words, field.name)
         if isinstance(value, tuple):
-            yield from value
+            yield field.name, value
+
+
+def _cycle(name: str, lines: tuple[str, ...]) -> Cycle:
+    numbers = [int(m[2]) for line in lines if (m := _COMMAND.match(line)) and m[1] == "M"]
+    roles = [DOCUMENTED.get(n, "other") for n in numbers]
+    turns = next((n for n, role in zip(numbers, roles, strict=True) if role == "on"), 0)
+    return Cycle(name, turns, "coolant-on" in roles, name in ALONG_A_PATH)

@@ -12,8 +12,8 @@ from beamcam.errors import Diagnostic, Source
 from beamcam.machine.machine import Machine, Saw
 from beamcam.model.part import Part
 from beamcam.verify import rules
+from beamcam.verify.ends import End, ends_of
 from beamcam.verify.made import Cut
-from beamcam.verify.need import End, ends_of
 
 COMMON_DEG = 0.01  #: ends that differ by no more may share a cut
 NEAR = 60.0  #: mm; a cut this near to where it should be is taken for it, in the wrong place
@@ -70,13 +70,12 @@ class Placing:
             return (cut.x - saw.x if cut else end + saw.kerf / 2) + saw.kerf / 2, False
         cut = self._take(last, start + last.blade(saw, height), part)
         square = last._replace(web=0.0, flange=0.0, x_0=part.length)
-        # A square cut removes the wedge; it spares the mitre, or stands right behind the part.
-        behind = [end + saw.kerf / 2, end + last.kerf(saw) / 2]
+        # A square cut removes the wedge; it never stands before the middle of the mitre.
+        behind = [end + last.kerf(saw) / 2]
         if following is not None and following.square:
             # It makes the next start too, so it says where that is.
-            behind += [
-                c.x - saw.x for c in self._like(square) if c.x - saw.x >= behind[0] - self.tolerance
-            ][:1]
+            least = end + saw.kerf / 2 - self.tolerance
+            behind += [c.x - saw.x for c in self._like(square) if c.x - saw.x >= least][:1]
         at = next((x for x in behind if self._stands(square, x)), None)
         if (
             at is None
@@ -86,9 +85,9 @@ class Placing:
         ):
             self.last_cut.append(cut.line)
             return cut.x - saw.x - following.blade(saw, height), True
-        parting = self._take(square, behind[1] if at is None else at, part)
+        parting = self._take(square, behind[0] if at is None else at, part)
         self.last_cut.append(parting.line if parting else None)
-        return (parting.x - saw.x if parting else behind[1]) + saw.kerf / 2, False
+        return (parting.x - saw.x if parting else behind[0]) + saw.kerf / 2, False
 
     def _common(self, end: End, start: End) -> bool:
         """Whether one cut can make an end and the next start."""

@@ -85,7 +85,7 @@ RAPID = Rule(
 SIDEWAYS = Rule(
     "verify-sideways",
     _E,
-    "found a move of {found} with the tool of face {face} at {axis} {at}; expected it drawn back",
+    "found {found} with the tool of face {face} at {axis} {at}; expected it drawn back",
     "A drill that is still in the material breaks when the bar or the spindle moves sideways.",
 )
 NO_FEED = Rule(
@@ -145,41 +145,57 @@ OUTLINE = Rule(
 HOLE_MISSING = Rule(
     "verify-hole-missing",
     _E,
-    "found no hole {diameter} on face {face} of {mark} at x {x}, y {y}; "
-    "expected one at X {machine_x}",
+    "found no {what} on face {face} of {mark} at x {x}, y {y}; expected one at X {machine_x}",
     "A missing hole is found on the building site.",
 )
 HOLE_PLACE = Rule(
     "verify-hole-place",
     _E,
-    "found the hole {diameter} on face {face} of {mark} at x {found_x}, y {found_y}; "
+    "found the {what} on face {face} of {mark} at x {found_x}, y {found_y}; "
     "expected it at x {x}, y {y}",
     "The hole would lie elsewhere by more than the output's resolution.",
 )
 HOLE_EXTRA = Rule(
     "verify-hole-extra",
     _E,
-    "found a hole {diameter} on face {face} at X {x}, y {y}; expected none there",
+    "found a {what} on face {face} at X {x}, y {y}; expected none there",
     "It belongs to no part, or is drilled twice.",
 )
 DEPTH = Rule(
     "verify-depth",
     _E,
-    "found the hole {diameter} on face {face} of {mark} at x {x}, y {y} drilled {found} mm deep; "
+    "found the {what} on face {face} of {mark} at x {x}, y {y} made {found} mm deep; "
     "expected {expected}",
     "The hole would be blind, too deep, or the drill would run into what lies behind.",
 )
 TOOL = Rule(
     "verify-tool",
     _E,
-    "found {found} for the hole {diameter} on face {face} of {mark} at x {x}, y {y}; "
-    "expected {expected}",
-    "The tool does not make that hole.",
+    "found {found} for the {what} on face {face} of {mark} at x {x}, y {y}; expected {expected}",
+    "The tool does not make that.",
+)
+TURN = Rule(
+    "verify-turn",
+    _E,
+    "found a feed into the material with M{found:02}; expected M{expected:02}",
+    "A tool that turns the wrong way cuts nothing and breaks.",
+)
+PATH = Rule(
+    "verify-path",
+    _E,
+    "found the path of {what} of {mark} {found} mm off; expected it within {expected} mm",
+    "The outline that the tool leaves would not be the part's.",
+)
+PATH_EXTRA = Rule(
+    "verify-path-extra",
+    _E,
+    "found a path of a {kind} on face {face} from X {x}, y {y}; expected none there",
+    "It belongs to no part, or is gone twice.",
 )
 TOOL_NEARER = Rule(
     "verify-tool-nearer",
     _W,
-    "found a drill {found} for the hole {diameter} on face {face} of {mark} at x {x}, y {y}; "
+    "found a drill {found} for the {what} on face {face} of {mark} at x {x}, y {y}; "
     "expected {expected}, which is nearer",
     "The drill is within the fit, but the shop has a better one.",
 )
@@ -201,5 +217,5 @@ RULES = (
     SYNTAX, WORD, NO_END, M_QUEUE, ARC, LIMIT, STOP_BACK, CUT_OFF, NO_SPINDLE, SPINDLE_OFF,
     SPINDLE_ON, COOLANT, RAPID, SIDEWAYS, NO_FEED, FEED, FEED_LIMIT, SECTION, CUT_MISSING,
     CUT_PLACE, CUT_ANGLE, CUT_EXTRA, OUTLINE, HOLE_MISSING, HOLE_PLACE, HOLE_EXTRA, DEPTH, TOOL,
-    TOOL_NEARER, NOT_MADE, MODBUS,
+    TURN, PATH, PATH_EXTRA, TOOL_NEARER, NOT_MADE, MODBUS,
 )  # fmt: skip

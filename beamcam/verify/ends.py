@@ -1,4 +1,4 @@
-"""What a part needs: where its ends lie and which of its features want an operation.
+"""Where the ends of a part lie, and which outlines they explain.
 
 Computed from the part alone, and not by the planner. Both ends follow DSTV's formula, of the web
 in y and of the flange in z (across, from the h side):
@@ -8,32 +8,15 @@ in y and of the flange in z (across, from the h side):
 and touch x = 0 and x = length at their furthest points.
 """
 
-from collections.abc import Collection, Iterator
-from dataclasses import replace
 from math import atan, atan2, cos, degrees, hypot, radians, tan
 from typing import NamedTuple
 
 from beamcam.geometry.curves import Line, Point
-from beamcam.machine.machine import Machine, Saw
-from beamcam.model.part import (
-    Bend,
-    Camber,
-    Contour,
-    EndPlane,
-    Face,
-    Feature,
-    Hole,
-    Part,
-    Profile,
-    Slot,
-    TextMark,
-)
-
-FeatureRef = tuple[int, int]  #: index of the part on the bar, index of its feature
+from beamcam.machine.machine import Saw
+from beamcam.model.part import Contour, Face, Part, Profile
 
 OUTLINE_TOLERANCE = 1.0  #: mm that exporters leave between outline and header
 ANGLE_TOLERANCE_DEG = 0.2  #: between header and outline, and between a bevel and its mitre
-ONE_WEB = ("I", "U", "L", "C", "T", "B")  #: sections whose v and h are two sides of one plate
 
 
 class End(NamedTuple):
@@ -170,118 +153,3 @@ def _span(end: End, face: Face, profile: Profile, q: float) -> tuple[float, floa
         whole = profile.code in ("M", "SO", "RO", "RU")
         xs = [end.x(q, z) for z in ((0.0, profile.width) if whole else (middle, middle + web))]
     return min(xs) - OUTLINE_TOLERANCE, max(xs) + OUTLINE_TOLERANCE
-
-
-def unsawn(feature: Feature, part: Part, ends: tuple[End, End]) -> tuple[str, Point | None] | None:
-    """What of a feature neither saw nor drill makes: its name, and a place of an outline.
-
-    None for holes, which are compared one by one, and for outlines that the saw cuts give.
-    """
-    match feature:
-        case Hole():
-            return None
-        case Contour(process="cut", kind="outer"):
-            off = off_outline(feature, part, ends)
-            if off is not None:
-                return "cope", off
-            for bevel in feature.bevels:
-                angles = [e.flange if feature.face in ("v", "h") else e.web for e in ends]
-                if not any(
-                    a and abs(abs(bevel.angle) - abs(a)) <= ANGLE_TOLERANCE_DEG for a in angles
-                ):
-                    return "bevel", None
-            return None
-        case Contour(process="cut"):
-            return "cutout", None
-        case Slot():
-            return "slot", None
-        case Contour() | TextMark():
-            return "mark", None
-        case Bend() | EndPlane() | Camber():
-            return "other", None
-
-
-def holes_of(
-    part: Part, index: int, machine: Machine, skipped: Collection[FeatureRef]
-) -> list[Hole]:
-    """The holes that the part at `index` needs, those that are written twice once.
-
-    A through hole in the far side of the web is the same hole in its near side, where the machine
-    reaches only that.
-    """
-    faces = {s.face for s in machine.spindles}
-    tolerance = machine.drill.duplicate_tolerance + 1e-9 if machine.drill else 0.0
-    found: dict[tuple[object, ...], list[Hole]] = {}
-    for f, hole in enumerate(part.features):
-        if not isinstance(hole, Hole) or (index, f) in skipped:
-            continue
-        behind = hole.face == "h" and hole.depth is None and part.profile.code in ONE_WEB
-        if behind and "h" not in faces and "v" in faces:
-            hole = replace(hole, face="v")
-        alike = found.setdefault((hole.face, hole.kind, hole.diameter, hole.depth, hole.angle), [])
-        if not any(
-            abs(h.x - hole.x) <= tolerance and abs(h.y - hole.y) <= tolerance for h in alike
-        ):
-            alike.append(hole)
-    return [hole for alike in found.values() for hole in alike]
-
-
-def tool_for(hole: Hole, machine: Machine) -> float | None:
-    """Diameter of the machine's tool that a hole wants; None if there is none within the fit.
-
-    The nearest one, of two equally near the smaller.
-    """
-    kind = HOLE_TOOLS.get(hole.kind)
-    limits = fit(hole.diameter, machine)
-    if kind is None or limits is None:
-        return None
-    least, greatest = limits
-    sizes = [
-        (abs(d - hole.diameter), d)
-        for tools in machine.tools
-        if tools.kind == kind
-        for d in tools.sizes
-        if least - 1e-9 <= d <= greatest + 1e-9
-    ]
-    return min(sizes)[1] if sizes else None
-
-
-def fit(diameter: float, machine: Machine) -> tuple[float, float] | None:
-    """Least and greatest tool for a hole; None if the machine says nothing about that size."""
-    for row in machine.drill.fits if machine.drill else ():
-        if diameter <= row.up_to:
-            return diameter - row.minus, diameter + row.plus
-    return None
-
-
-#: Which kind of tool makes which kind of hole.
-HOLE_TOOLS = {"through": "drill", "blind": "drill"}
-
-
-def skippable(
-    parts: Collection[Part], machine: Machine, names: Collection[str]
-) -> frozenset[FeatureRef]:
-    """The features that may be left out under the names that `--allow-skips` takes."""
-    if machine.saw is None:
-        raise TypeError(f"{machine.name} has no saw")
-    return frozenset(
-        (p, f)
-        for p, part in enumerate(parts)
-        for ends in (ends_of(part, machine.saw),)
-        for f, feature in enumerate(part.features)
-        if not set(_names(feature, part, ends, machine)).isdisjoint(names)
-    )
-
-
-def _names(feature: Feature, part: Part, ends: tuple[End, End], machine: Machine) -> Iterator[str]:
-    found = unsawn(feature, part, ends)
-    if found is not None:
-        yield found[0]
-    if isinstance(feature, Hole):
-        if all(s.face != feature.face for s in machine.spindles):
-            yield "face"
-        elif tool_for(feature, machine) is None:
-            yield "tool"
-        width = part.profile.face_width(feature.face)
-        if not (0 <= feature.x <= part.length and 0 <= feature.y <= width):
-            yield "off-face"

@@ -1,0 +1,381 @@
+"""What the features of a part need, feature by feature, computed without the planner.
+
+hole               drill; larger than any drill: a mill led round
+thread             the drill before the tap, and the tap
+countersink        a sink in the hole that it widens
+mark of a punch    a punch
+slot               a mill led round; its ends may be drilled before
+line to mark       a scribe led along it
+outer contour      nothing, where the ends of the stock give it
+"""
+
+from collections.abc import Collection, Iterator, Sequence
+from dataclasses import dataclass, replace
+from functools import lru_cache
+from math import cos, radians, sin, tan
+from typing import NamedTuple
+
+from beamcam.geometry.curves import Curve
+from beamcam.machine.machine import FLAT_DEG, Drill, Machine, Saw, ToolSet
+from beamcam.model.part import (
+    Bend,
+    Camber,
+    Contour,
+    EndPlane,
+    Face,
+    Feature,
+    Hole,
+    Part,
+    Slot,
+    TextMark,
+)
+from beamcam.verify.ends import ANGLE_TOLERANCE_DEG, End, ends_of, off_outline
+
+FeatureRef = tuple[int, int]  #: index of the part on the bar, index of its feature
+
+ONE_WEB = ("I", "U", "L", "C", "T", "B")  #: sections whose v and h are two sides of one plate
+USUAL_POINT_DEG = 118.0
+THREADS = ("thread", "left-thread")
+
+
+class Stroke(NamedTuple):
+    """A stroke of a tool that a feature needs."""
+
+    part: int
+    hole: Hole  #: that it makes or helps to make; a slot's end as a hole
+    kind: str  #: of the tool
+    x: float  #: on the part; of two that are made at once each its own
+    what: str  #: for messages
+    diameter: float  #: of the tool wanted
+    pilot: float = 0.0  #: diameter of the hole that a countersink widens
+    optional: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class Pocket:
+    """A hole or slot that a mill is led round in: a rectangle with round corners."""
+
+    part: int
+    face: Face
+    x: float  #: of the centre, on the part
+    y: float
+    length: float  #: between the corner circles' centres, along the angle
+    height: float  #: and across
+    angle: float  #: degrees
+    diameter: float  #: of the corner circles
+    depth: float | None
+    what: str
+    source: Hole | Slot
+
+
+@dataclass(frozen=True, slots=True)
+class Course:
+    """A line that a scribe is led along."""
+
+    part: int
+    face: Face
+    curves: tuple[Curve, ...]
+    source: Contour
+
+
+@dataclass(frozen=True, slots=True)
+class Lack:
+    """A feature, or something of it, that the machine's program has no way to make."""
+
+    part: int
+    what: str
+    name: str  #: that `--allow-skips` calls it by
+    feature: Feature
+    place: tuple[float, float] | None = None  #: of an outline
+
+
+Need = Stroke | Pocket | Course | Lack
+
+
+class Rack:
+    """The tools of a machine, by kind."""
+
+    def __init__(self, machine: Machine, drill: Drill) -> None:
+        self.drill = drill
+        self.kinds: dict[str, tuple[ToolSet, ...]] = {}
+        for tools in machine.tools:
+            self.kinds[tools.kind] = (*self.kinds.get(tools.kind, ()), tools)
+        self.faces = tuple(s.face for s in machine.spindles)
+        self.drills = lru_cache(4096)(self._drill)
+
+    def of(self, kind: str, face: Face) -> Iterator[ToolSet]:
+        return (t for t in self.kinds.get(kind, ()) if face in t.faces)
+
+    def fit(self, diameter: float) -> tuple[float, float] | None:
+        """Least and greatest drill for a hole; None if the machine says nothing of that size."""
+        for row in self.drill.fits:
+            if diameter <= row.up_to:
+                return diameter - row.minus - 1e-6, diameter + row.plus + 1e-6
+        return None
+
+    def _drill(self, diameter: float, face: Face) -> float | None:
+        """The drill that a hole wants: the nearest, of two equally near the smaller."""
+        limits = self.fit(diameter)
+        if limits is None:
+            return None
+        sizes = [
+            (abs(d - diameter), d)
+            for tools in self.of("drill", face)
+            for d in tools.sizes
+            if limits[0] <= d <= limits[1]
+        ]
+        return min(sizes)[1] if sizes else None
+
+    def tap(self, hole: Hole) -> tuple[float, float, float] | None:
+        """Diameter and pitch of the tap that a thread wants, and the drill before it."""
+        hand = "left" if hole.kind == "left-thread" else "right"
+        for tools in self.of("tap", hole.face):
+            if tools.hand == hand:
+                for size, pitch, before in zip(
+                    tools.sizes, tools.pitches, tools.pre_drills, strict=True
+                ):
+                    if abs(size - hole.diameter) <= self.drill.twin:
+                        return size, pitch, before
+        return None
+
+    def tip(self, kind: str, diameter: float, face: Face) -> float:
+        """Length of a tool's point: radius / tan(half the angle); 0 of a flat one."""
+        angle = self.point_deg(kind, diameter, face)
+        return 0.0 if angle >= FLAT_DEG else diameter / 2 / tan(radians(angle) / 2)
+
+    def point_deg(self, kind: str, diameter: float, face: Face) -> float:
+        """Angle of the point of the shop's tool of a diameter; a usual drill's if it has none."""
+        angles = (t.point_deg for t in self.of(kind, face) if diameter in t.sizes)
+        return next(angles, USUAL_POINT_DEG)
+
+    def milled(self, diameter: float, face: Face) -> bool:
+        """Whether a hole is milled as a circle: no drill is as large, and a mill may."""
+        drills = [d for tools in self.of("drill", face) for d in tools.sizes]
+        largest = max((t.largest_hole for t in self.of("mill", face)), default=0.0)
+        return max(drills, default=0.0) < diameter <= largest
+
+
+def needs_of(
+    parts: Sequence[Part], machine: Machine, saw: Saw, rack: Rack, skipped: Collection[FeatureRef]
+) -> list[tuple[FeatureRef, Need]]:
+    """What every feature needs that is not skipped, part by part; a hole written twice once."""
+    found: list[tuple[FeatureRef, Need]] = []
+    seen: dict[int, list[tuple[int, Need]]] = {}
+    for p, part in enumerate(parts):
+        known = seen.get(id(part))
+        if known is None or skipped:
+            ends = ends_of(part, saw)
+            left = [(f, x) for f, x in enumerate(part.features) if (p, f) not in skipped]
+            known = [
+                (f, n) for f, x in _once(left, part, rack) for n in _needs(x, p, part, ends, rack)
+            ]
+            seen[id(part)] = known
+            found += (((p, f), need) for f, need in known)
+        else:  # the same part again
+            found += (((p, f), _moved(need, p)) for f, need in known)
+    return found
+
+
+def _moved(need: Need, part: int) -> Need:
+    """The same need of another piece."""
+    return need._replace(part=part) if isinstance(need, Stroke) else replace(need, part=part)
+
+
+def _once(
+    features: Sequence[tuple[int, Feature]], part: Part, rack: Rack
+) -> Iterator[tuple[int, Feature]]:
+    """The features, those made from the plate's other side there, holes written twice once."""
+    tolerance = rack.drill.duplicate_tolerance + 1e-9
+    seen: dict[tuple[object, ...], list[Hole]] = {}
+    for f, feature in features:
+        if isinstance(feature, Hole | Slot):
+            through = feature.kind == "through" and feature.depth is None
+            behind = feature.face == "h" and "h" not in rack.faces and "v" in rack.faces
+            if behind and through and part.profile.code in ONE_WEB:
+                feature = replace(feature, face="v")
+        if isinstance(feature, Hole):
+            key = (feature.face, feature.kind, feature.diameter, feature.depth, feature.angle)
+            alike = seen.setdefault(key, [])
+            if any(
+                abs(h.x - feature.x) <= tolerance and abs(h.y - feature.y) <= tolerance
+                for h in alike
+            ):
+                continue
+            alike.append(feature)
+        yield f, feature
+
+
+def _needs(
+    feature: Feature, p: int, part: Part, ends: tuple[End, End], rack: Rack
+) -> Iterator[Need]:
+    match feature:
+        case Hole():
+            yield from _hole(feature, p, part, rack)
+        case Slot():
+            yield from _slot(feature, p, rack)
+        case Contour(process="cut", kind="outer"):
+            off = off_outline(feature, part, ends)
+            if off is not None:
+                yield Lack(p, "the outline", "cope", feature, off)
+            elif _unsawn_bevel(feature, ends):
+                yield Lack(p, "the bevel", "bevel", feature)
+        case Contour(process="cut"):
+            yield Lack(p, "the cut-out", "cutout", feature)
+        case Contour():
+            if feature.face in rack.faces and any(True for _ in rack.of("scribe", feature.face)):
+                yield Course(p, feature.face, feature.curves, feature)
+            else:
+                yield Lack(p, "the line to mark", "mark", feature)
+        case TextMark():
+            yield Lack(p, f"the text {feature.text!r}", "mark", feature)
+        case Bend():
+            yield Lack(p, "the bend", "other", feature)
+        case EndPlane():
+            yield Lack(p, "the end plane", "other", feature)
+        case Camber():
+            yield Lack(p, "the camber", "other", feature)
+
+
+def _unsawn_bevel(contour: Contour, ends: tuple[End, End]) -> bool:
+    """Whether a contour has a weld preparation that no skew end of the part makes."""
+    angles = [e.flange if contour.face in ("v", "h") else e.web for e in ends]
+    return any(
+        all(not a or abs(abs(bevel.angle) - abs(a)) > ANGLE_TOLERANCE_DEG for a in angles)
+        for bevel in contour.bevels
+    )
+
+
+def _hole(hole: Hole, p: int, part: Part, rack: Rack) -> Iterator[Need]:
+    size = f"{hole.diameter:g}"
+    if hole.face not in rack.faces:
+        yield Lack(p, f"the hole {size}", "face", hole)
+    elif hole.kind in ("through", "blind"):
+        drill = rack.drills(hole.diameter, hole.face)
+        if drill is not None:
+            yield Stroke(p, hole, "drill", hole.x, f"hole {size}", drill)
+        elif rack.milled(hole.diameter, hole.face):
+            yield Pocket(
+                p, hole.face, hole.x, hole.y, 0.0, 0.0, 0.0, hole.diameter, hole.depth,
+                f"hole {size}", hole,
+            )  # fmt: skip
+        else:
+            yield Lack(p, f"the hole {size}", "tool", hole)
+    elif hole.kind in THREADS:
+        tap = rack.tap(hole)
+        drill = tap and rack.drills(tap[2], hole.face)
+        if tap is None or not drill:
+            yield Lack(p, f"the thread M{size}", "tool", hole)
+        elif _too_deep(hole, part, tap, drill, rack):
+            yield Lack(p, f"the thread M{size}", "thread-depth", hole)
+        else:
+            yield Stroke(p, hole, "drill", hole.x, f"hole before the thread M{size}", drill)
+            yield Stroke(p, hole, "tap", hole.x, f"thread M{size}", tap[0])
+    elif hole.kind == "countersink":
+        pilot = _pilot(hole, part, rack.drill.merge_tolerance + 1e-9)
+        lack = _no_sink(hole, pilot, rack)
+        if pilot is None or lack:
+            yield Lack(p, f"the countersink {size}", lack, hole)
+        else:
+            yield Stroke(
+                p, hole, "countersink", hole.x, f"countersink {size}", hole.diameter, pilot
+            )
+    elif any(True for _ in rack.of("punch", hole.face)):
+        yield Stroke(p, hole, "punch", hole.x, "punch mark", 0.0)
+    else:
+        yield Lack(p, "the punch mark", "mark", hole)
+
+
+def _too_deep(
+    hole: Hole, part: Part, tap: tuple[float, float, float], drill: float, rack: Rack
+) -> bool:
+    """Whether the drill before a blind thread would come out on the other side."""
+    thickness = part.profile.thickness(hole.face)
+    if hole.depth is None or not thickness:
+        return False
+    reach = hole.depth + rack.drill.runout_pitches * tap[1] + rack.tip("drill", drill, hole.face)
+    return reach > thickness + 1e-9
+
+
+def _no_sink(hole: Hole, pilot: float | None, rack: Rack) -> str:
+    """Why a countersink cannot be made, as `--allow-skips` calls it; "" if it can."""
+    if pilot is None:
+        return "countersink"
+    cone = hole.angle or FLAT_DEG
+    fit = rack.fit(hole.diameter)
+    sizes = [d for t in rack.of("countersink", hole.face) if t.point_deg == cone for d in t.sizes]
+    exact = fit is not None and any(fit[0] <= d <= fit[1] for d in sizes)
+    if cone >= FLAT_DEG:
+        return "" if exact and hole.depth else "tool"
+    alone = (hole.diameter - pilot) / 2 / tan(radians(cone) / 2)
+    deep = hole.depth or alone
+    if deep < alone - rack.drill.sink_tolerance:
+        return "sink-depth"
+    below = deep > alone + rack.drill.sink_tolerance
+    return "" if (exact if below else any(d >= hole.diameter - 1e-9 for d in sizes)) else "tool"
+
+
+def _pilot(sink: Hole, part: Part, tolerance: float) -> float | None:
+    """Diameter of the widest hole that a countersink stands on; None if there is none."""
+    below = [
+        h.diameter
+        for h in part.holes
+        if h.kind in ("through", "blind", *THREADS)
+        and h.face == sink.face
+        and h.diameter < sink.diameter
+        and abs(h.x - sink.x) <= tolerance
+        and abs(h.y - sink.y) <= tolerance
+    ]
+    return max(below, default=None)
+
+
+def _slot(slot: Slot, p: int, rack: Rack) -> Iterator[Need]:
+    along, across = slot.length + slot.diameter, slot.height + slot.diameter
+    what = f"slot {along:g} x {across:g}"
+    mills = [d for t in rack.of("mill", slot.face) for d in t.sizes]
+    fits = min(mills, default=slot.diameter + 1) <= slot.diameter + rack.drill.twin
+    if slot.kind not in ("through", "blind") or slot.face not in rack.faces or not fits:
+        yield Lack(p, f"the {what}", "slot", slot)
+        return
+    yield Pocket(
+        p, slot.face, slot.x, slot.y, slot.length, slot.height, slot.angle, slot.diameter,
+        slot.depth, what, slot,
+    )  # fmt: skip
+    drill = rack.drills(slot.diameter, slot.face)
+    if drill is None:
+        return
+    c, s = cos(radians(slot.angle)), sin(radians(slot.angle))
+    corners = dict.fromkeys(
+        (a * slot.length / 2, b * slot.height / 2) for a in (-1, 1) for b in (-1, 1)
+    )
+    for a, b in corners:
+        x, y = slot.x + c * a - s * b, slot.y + s * a + c * b
+        end = Hole(slot.face, x, y, slot.diameter, slot.source, slot.depth)
+        yield Stroke(p, end, "drill", x, f"end of the {what}", drill, 0.0, True)
+
+
+def skippable(
+    parts: Sequence[Part], machine: Machine, names: Collection[str]
+) -> frozenset[FeatureRef]:
+    """The features that may be left out under the names that `--allow-skips` takes.
+
+    Raises TypeError for a machine without saw and drill.
+    """
+    if machine.saw is None or machine.drill is None:
+        raise TypeError(f"{machine.name} has no saw and drill")
+    rack = Rack(machine, machine.drill)
+    left = {
+        ref
+        for ref, need in needs_of(parts, machine, machine.saw, rack, ())
+        if isinstance(need, Lack) and need.name in names
+    }
+    if "off-face" in names:
+        left |= {
+            (p, f)
+            for p, part in enumerate(parts)
+            for f, hole in enumerate(part.features)
+            if isinstance(hole, Hole)
+            and not (
+                0 <= hole.x <= part.length and 0 <= hole.y <= part.profile.face_width(hole.face)
+            )
+        }
+    return frozenset(left)

@@ -1,0 +1,111 @@
+"""Whether a path makes a pocket, or follows a line.
+
+A mill of radius m leaves a pocket if its path never leaves the pocket drawn in by m, and if every
+point of the outline lies within m of the path; a blind pocket has to be cleared inside as well.
+Both are measured on points so close that what lies between them cannot matter.
+"""
+
+from collections.abc import Iterator, Sequence
+from itertools import pairwise
+from math import ceil, cos, hypot, pi, radians, sin
+
+from beamcam.geometry.curves import Curve, Point
+from beamcam.verify.needs import Pocket
+
+STEP = 0.5  #: mm between the points that are measured
+
+
+def pocket_error(pocket: Pocket, path: Sequence[Point], mill: float) -> float:
+    """How far the pocket that a path makes is off, in mm, on the part's x and y.
+
+    The greater of what is cut beyond the outline and what of it is left standing.
+    """
+    c, s = cos(radians(pocket.angle)), sin(radians(pocket.angle))
+    own = [
+        (c * (x - pocket.x) + s * (y - pocket.y), c * (y - pocket.y) - s * (x - pocket.x))
+        for x, y in path
+    ]
+    half_x, half_y = pocket.length / 2, pocket.height / 2
+    radius, cutter = pocket.diameter / 2, mill / 2
+    beyond = max(_from_core(p, half_x, half_y) for p in own) + cutter - radius
+    left = max(
+        distance_to(p, own) - cutter
+        for p in _to_clear(half_x, half_y, radius, cutter, pocket.depth is not None)
+    )
+    return max(beyond, left, 0.0)
+
+
+def _from_core(point: Point, half_x: float, half_y: float) -> float:
+    """Distance from the rectangle of the corner circles' centres; 0 inside."""
+    return hypot(max(abs(point[0]) - half_x, 0.0), max(abs(point[1]) - half_y, 0.0))
+
+
+def _to_clear(
+    half_x: float, half_y: float, radius: float, cutter: float, blind: bool
+) -> Iterator[Point]:
+    """Points of the outline; of a blind pocket those inside too."""
+    insets = [radius]
+    if blind:
+        depth = radius + max(half_x, half_y)
+        count = max(1, ceil(depth / max(cutter / 2, STEP)))
+        insets += [radius - depth * (i + 1) / count for i in range(count)]
+    for inset in insets:
+        yield from _outline(
+            max(0.0, half_x + min(inset, 0.0)), max(0.0, half_y + min(inset, 0.0)), max(inset, 0.0)
+        )
+
+
+def _outline(half_x: float, half_y: float, radius: float) -> Iterator[Point]:
+    """Points of a rectangle with round corners about 0, 0."""
+    corners = [(half_x, half_y), (-half_x, half_y), (-half_x, -half_y), (half_x, -half_y)]
+    count = max(1, ceil(radius * pi / 2 / STEP))
+    points = [
+        (x + radius * cos(pi / 2 * (quarter + i / count)),
+         y + radius * sin(pi / 2 * (quarter + i / count)))
+        for quarter, (x, y) in enumerate(corners)
+        for i in range(count + 1)
+    ]  # fmt: skip
+    for a, b in pairwise([*points, points[0]]):
+        yield a
+        steps = ceil(hypot(b[0] - a[0], b[1] - a[1]) / (4 * STEP))
+        for i in range(1, steps):
+            yield a[0] + (b[0] - a[0]) * i / steps, a[1] + (b[1] - a[1]) * i / steps
+
+
+def line_error(curves: Sequence[Curve], path: Sequence[Point]) -> float:
+    """How far a path and a chain of curves are from each other at most, in mm.
+
+    Measured both ways, and at both ends, whichever way round the path is gone.
+    """
+    drawn = [curves[0].start]
+    for curve in curves:
+        count = max(4, min(400, ceil(curve.length / STEP)))
+        drawn += [curve.point(i / count) for i in range(1, count + 1)]
+    off = max(distance_to(p, path) for p in drawn)
+    back = max(distance_to(p, drawn) for p in _between(path))
+    (a, b), (c, d) = (drawn[0], drawn[-1]), (path[0], path[-1])
+    ends = min(max(_far(a, c), _far(b, d)), max(_far(a, d), _far(b, c)))
+    return max(off, back, ends)
+
+
+def _between(path: Sequence[Point]) -> Iterator[Point]:
+    for a, b in pairwise(path):
+        yield a
+        yield (a[0] + b[0]) / 2, (a[1] + b[1]) / 2
+    yield path[-1]
+
+
+def _far(a: Point, b: Point) -> float:
+    return hypot(a[0] - b[0], a[1] - b[1])
+
+
+def distance_to(point: Point, path: Sequence[Point]) -> float:
+    """Distance of a point from a polyline."""
+    x, y = point
+    best = hypot(path[0][0] - x, path[0][1] - y)
+    for (ax, ay), (bx, by) in pairwise(path):
+        dx, dy = bx - ax, by - ay
+        square = dx * dx + dy * dy
+        t = min(max(((x - ax) * dx + (y - ay) * dy) / square, 0.0), 1.0) if square else 0.0
+        best = min(best, hypot(ax + t * dx - x, ay + t * dy - y))
+    return best
