@@ -37,6 +37,7 @@ FORMATS = (
     Format("dstv", (".nc", ".nc1"), "beamcam.readers.dstv"),
     Format("dxf", (".dxf",), "beamcam.readers.dxf"),
     Format("svg", (".svg",), "beamcam.readers.svg"),
+    Format("ifc", (".ifc", ".ifczip"), "beamcam.readers.ifc"),
     Format("part-json", (".json",), "beamcam.readers.part_json"),
 )
 

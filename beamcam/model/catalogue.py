@@ -1,0 +1,74 @@
+"""Rolled sections by name and by their measures.
+
+The measures are facts of the standards: I and H of EN 10365 (IPE, HE A, B, M), channels of
+EN 10365 (UPN of DIN 1026-1, UPE of DIN 1026-2), angles of EN 10056-1, hollow sections of
+EN 10210-2 and EN 10219-2.
+"""
+
+import json
+import re
+from functools import cache
+from importlib.resources import files
+
+from beamcam.model.part import Profile, ProfileCode
+
+TOLERANCE = 0.3  #: mm that a section may differ from the standard's measures in any of them
+
+Sizes = tuple[float, float, float, float, float]  #: height, width, flange, web, radius
+
+
+@cache
+def sections() -> dict[str, tuple[ProfileCode, Sizes]]:
+    """Code and measures of every section, by its name in capitals without blanks."""
+    text = files("beamcam.model").joinpath("sections.json").read_text("utf-8")
+    table: dict[str, tuple[ProfileCode, Sizes]] = {}
+    for group in json.loads(text)["groups"]:
+        for name, sizes in group["sections"].items():
+            h, b, tf, tw, r = sizes
+            table[plain_name(name)] = (group["code"], (h, b, tf, tw, r))
+    return table
+
+
+@cache
+def _by_code() -> dict[str, tuple[tuple[str, Sizes], ...]]:
+    grouped: dict[str, list[tuple[str, Sizes]]] = {}
+    for name, (code, sizes) in sections().items():
+        grouped.setdefault(code, []).append((name, sizes))
+    return {code: tuple(rows) for code, rows in grouped.items()}
+
+
+def plain_name(name: str) -> str:
+    """A section's name in one spelling: HE 200 B, HEB-200 and heb200 are HEB200."""
+    text = name.upper().replace(",", ".").replace("*", "X").replace("×", "X")
+    text = re.sub(r"[\s_-]", "", text)
+    swapped = re.fullmatch(r"HE(\d+)([ABM])", text)
+    return f"HE{swapped[2]}{swapped[1]}" if swapped else text
+
+
+def measures_of(name: str) -> tuple[ProfileCode, Sizes] | None:
+    """Code and measures of a section by its name; None if the catalogue has none of that name."""
+    return sections().get(plain_name(name))
+
+
+def name_of(profile: Profile) -> str | None:
+    """The catalogue's name of a section with these measures, the nearest within the tolerance."""
+    best: tuple[float, str] | None = None
+    for name, sizes in _by_code().get(profile.code, ()):
+        off = difference(profile, sizes)
+        if off <= TOLERANCE and (best is None or off < best[0]):
+            best = (off, name)
+    return best[1] if best else None
+
+
+def difference(profile: Profile, sizes: Sizes) -> float:
+    """The largest difference in mm of a profile from height, width and thicknesses of a section.
+
+    The radius does not count: exporters leave fillets out.
+    """
+    h, b, tf, tw, _ = sizes
+    return max(
+        abs(profile.height - h),
+        abs(profile.width - b),
+        abs(profile.flange_thickness - tf),
+        abs((profile.web_thickness or 0.0) - tw),
+    )

@@ -1,0 +1,204 @@
+"""Holes from bolts, for models whose solids have none.
+
+A bolt is an axis from its head along its shank. It drills a wall that its axis crosses squarely,
+within the wall's outline, if the shank reaches through. The hole is wider than the bolt by the
+clearance of the bolt's standard.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from math import acos, degrees
+
+from beamcam.errors import Diagnostic, Source
+from beamcam.model.part import Hole, Part, Slot
+from beamcam.readers.ifc import rules
+from beamcam.readers.ifc.body import body_representation
+from beamcam.readers.ifc.entities import Entity, Model, Unreadable
+from beamcam.readers.ifc.finish import Shaped, sorted_features
+from beamcam.readers.ifc.options import Options
+from beamcam.readers.ifc.space import Frame, Vec, add, dot, scale, size, sub, unit
+from beamcam.readers.ifc.walls import Wall, walls_of
+
+SQUARE_DEG = 1.0  #: by which a bolt may be off square to its wall and still be drilled square
+NEAR_DEG = 30.0  #: a bolt that leans more than this does not clamp the wall
+REACH = 0.5  #: mm that a shank may fall short of a surface
+IN_LINE = 0.05  #: mm within which two bolts make one hole
+INCH = 25.4
+
+
+@dataclass(frozen=True, slots=True)
+class Bolt:
+    """A bolt in the world: its axis from under the head, and the diameter of its shank."""
+
+    guid: str
+    head: Vec
+    along: Vec  #: unit vector
+    length: float
+    diameter: float
+
+
+def bolts_of(model: Model) -> list[Bolt]:
+    """The bolts of a model that have an axis and a diameter."""
+    found = []
+    for element in model.file.by_type("IfcMechanicalFastener"):
+        try:
+            bolt = _bolt(model, element)
+        except Unreadable:
+            continue  # nuts, washers and weld symbols have no shank
+        if bolt is not None:
+            found.append(bolt)
+    return found
+
+
+def _bolt(model: Model, element: Entity) -> Bolt | None:
+    frame = model.placement(element.ObjectPlacement)
+    nominal = getattr(element, "NominalDiameter", None)
+    diameter = nominal * model.mm if nominal else 0.0
+    best: tuple[float, Vec, Vec, float] | None = None
+    for item in body_representation(element).Items if element.Representation else ():
+        for o, along, radius in _axes(model, item, frame):
+            length = size(along)
+            # The shank is the longest piece; the head is wider and shorter.
+            if length > 0 and (best is None or length > best[0]):
+                best = (length, o, along, radius)
+    if best is None:
+        return None
+    length, o, along, radius = best
+    diameter = diameter or 2 * radius
+    if diameter <= 0:
+        return None
+    return Bolt(element.GlobalId, o, unit(along), length, diameter)
+
+
+def _axes(model: Model, item: Entity, frame: Frame) -> list[tuple[Vec, Vec, float]]:
+    """Axes of the round extrusions, or of the lines that stand for a bolt."""
+    from beamcam.readers.ifc.body import mapping
+    from beamcam.readers.ifc.entities import ratios
+
+    if item.is_a("IfcMappedItem"):
+        inner, source = mapping(model, item, frame)
+        return [axis for one in source for axis in _axes(model, one, inner)]
+    if item.is_a("IfcBooleanResult"):
+        return [*_axes(model, item.FirstOperand, frame), *_axes(model, item.SecondOperand, frame)]
+    if item.is_a() == "IfcExtrudedAreaSolid":
+        position = frame.times(model.axes(item.Position))
+        way = unit(ratios(item.ExtrudedDirection) or (0.0, 0.0, 1.0))
+        along = position.vector(scale(way, item.Depth * model.mm))
+        profile = item.SweptArea
+        if profile.is_a("IfcCircleProfileDef"):
+            centre = model.axes(profile.Position).o
+            return [(position.point(centre), along, profile.Radius * model.mm)]
+        return []
+    if item.is_a("IfcSweptDiskSolid") and item.Directrix.is_a("IfcPolyline"):
+        points = [frame.point(model.point(p)) for p in item.Directrix.Points]
+        return [(points[0], sub(points[-1], points[0]), item.Radius * model.mm)]
+    if item.is_a("IfcPolyline"):
+        points = [frame.point(model.point(p)) for p in item.Points]
+        return [(points[0], sub(points[-1], points[0]), 0.0)]
+    return []
+
+
+def hole_for(diameter: float, clearance: float | None) -> float:
+    """The diameter of the hole for a bolt, in mm.
+
+    EN 1090-2, table 11, normal round holes: 1 mm up to M14, 2 mm up to M24, 3 mm above. Inch
+    bolts by AISC 360, table J3.3: 1/16 in up to 7/8 in, 1/8 in above.
+    """
+    if clearance is not None:
+        return diameter + clearance
+    sixteenths = diameter / INCH * 16
+    if abs(sixteenths - round(sixteenths)) < 0.01 and abs(diameter - round(diameter)) > 0.01:
+        return diameter + (INCH / 16 if diameter < 23 else INCH / 8)
+    return diameter + (1.0 if diameter < 15 else 2.0 if diameter < 26 else 3.0)
+
+
+def drill_bolt_holes(
+    model: Model, members: Sequence[tuple[Entity, Part, Shaped]], options: Options, name: str
+) -> tuple[list[Part], list[Diagnostic]]:
+    """The parts in order, those without holes drilled where bolts go through, and remarks."""
+    bolts = bolts_of(model)
+    parts = [part for _, part, _ in members]
+    said: list[Diagnostic] = []
+    if not bolts:
+        return parts, said
+    for i, (element, part, shaped) in enumerate(members):
+        if any(isinstance(f, (Hole, Slot)) for f in part.features) or not walls_of(shaped.section):
+            continue
+        world = model.placement(element.ObjectPlacement).times(shaped.frame)
+        holes, skew = _through_member(bolts, world, part, shaped, options, name)
+        said += skew
+        if not holes:
+            continue
+        contours = [f for f in part.features if not isinstance(f, (Hole, Slot))]
+        drilled = sorted_features(holes)
+        parts[i] = replace(part, features=(*contours, *drilled))
+        through = {h.source.where for h in holes}
+        sizes = ", ".join(f"{d:g}" for d in sorted({round(h.diameter, 3) for h in holes}))
+        said.append(
+            rules.BOLT_HOLES.at(part.source, found=len(through), made=len(drilled), sizes=sizes)
+        )
+    return parts, said
+
+
+def _through_member(
+    bolts: Sequence[Bolt],
+    world: Frame,
+    part: Part,
+    shaped: Shaped,
+    options: Options,
+    name: str,
+) -> tuple[list[Hole], list[Diagnostic]]:
+    section = shaped.section
+    holes: list[Hole] = []
+    skew: list[Diagnostic] = []
+    for bolt in bolts:
+        off = sub(bolt.head, world.o)
+        x = dot(off, world.x)
+        if not -bolt.length <= x <= part.length + bolt.length:
+            continue
+        head = (x, dot(off, world.y), dot(off, world.z))
+        if not all(
+            -bolt.length <= v <= wide + bolt.length
+            for v, wide in ((head[1], section.height), (head[2], section.width))
+        ):
+            continue
+        along = (dot(bolt.along, world.x), dot(bolt.along, world.y), dot(bolt.along, world.z))
+        source = Source(name, where=bolt.guid)
+        for wall in walls_of(section):
+            lean = degrees(acos(min(1.0, abs(dot(along, wall.direction)))))
+            at = _crossing(head, along, bolt, wall, part) if lean < NEAR_DEG else None
+            if at is None:
+                continue
+            if lean > SQUARE_DEG:
+                skew.append(
+                    rules.BOLT_SKEW.at(
+                        part.source, found=bolt.guid, angle=f"{lean:.1f}", face=wall.face
+                    )
+                )
+                continue
+            diameter = hole_for(bolt.diameter, options.clearance)
+            hole = Hole(wall.face, at[0], at[1], round(diameter, 6), source)
+            if not any(_one(hole, known) for known in holes):
+                holes.append(hole)
+    return holes, skew
+
+
+def _one(a: Hole, b: Hole) -> bool:
+    return a.face == b.face and abs(a.x - b.x) < IN_LINE and abs(a.y - b.y) < IN_LINE
+
+
+def _crossing(
+    head: Vec, along: Vec, bolt: Bolt, wall: Wall, part: Part
+) -> tuple[float, float] | None:
+    """x and q where a shank goes through a wall; None if it does not go through."""
+    _, c0 = wall.split(head)
+    _, rate = wall.split(along)
+    near, far = sorted(((wall.low - c0) / rate, (wall.high - c0) / rate))
+    if near < -REACH or far > bolt.length + REACH:
+        return None
+    p = add(head, scale(along, (near + far) / 2))
+    q = wall.split(p)[0]
+    r = bolt.diameter / 2
+    if not (r < q < wall.width - r and r < p[0] < part.length - r):
+        return None
+    return p[0], q

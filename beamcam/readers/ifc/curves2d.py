@@ -1,0 +1,146 @@
+"""The curves of profiles and of cuts' outlines, exact: lines and arcs in mm."""
+
+import itertools
+from math import degrees, hypot, pi
+
+from beamcam.geometry.curves import Arc, Curve, Line, Point
+from beamcam.readers.ifc.entities import Entity, Model, Unreadable
+
+Chain = tuple[Curve, ...]
+SAME_POINT = 1e-4  #: mm between the end of a curve and the start of the next
+
+
+def chain_of(model: Model, entity: Entity) -> Chain:
+    """A closed chain of lines and arcs of an IFC curve. Raises Unreadable for other curves."""
+    chain = tuple(c for c in _curve(model, entity) if c.length > SAME_POINT)
+    if not chain:
+        raise Unreadable(f"an empty {entity.is_a()}")
+    first, last = chain[0].start, chain[-1].end
+    gap = hypot(first[0] - last[0], first[1] - last[1])
+    if gap > SAME_POINT and len(chain) > 1:
+        chain = (*chain, Line(last, first))
+    return chain
+
+
+def points_chain(points: list[Point]) -> Chain:
+    """The polygon of `points`, closed."""
+    ring = [p for i, p in enumerate(points) if i == 0 or _apart(p, points[i - 1])]
+    while len(ring) > 1 and not _apart(ring[0], ring[-1]):
+        ring.pop()
+    return tuple(Line(a, b) for a, b in zip(ring, ring[1:] + ring[:1], strict=True))
+
+
+def _apart(a: Point, b: Point) -> bool:
+    return hypot(a[0] - b[0], a[1] - b[1]) > SAME_POINT
+
+
+def _curve(model: Model, entity: Entity) -> list[Curve]:
+    kind = entity.is_a()
+    if kind == "IfcPolyline":
+        mm = model.mm
+        coordinates = [p[0] for p in entity[0]]
+        return _polyline([(c[0] * mm, c[1] * mm) for c in coordinates])
+    if kind == "IfcCompositeCurve" or entity.is_a("IfcCompositeCurve"):
+        chain: list[Curve] = []
+        for segment in entity.Segments:
+            if segment.is_a("IfcReparametrisedCompositeCurveSegment") or not segment.is_a(
+                "IfcCompositeCurveSegment"
+            ):
+                raise Unreadable(f"a curve segment {segment.is_a()}")
+            pieces = _curve(model, segment.ParentCurve)
+            if not segment.SameSense:
+                pieces = [c.reversed() for c in reversed(pieces)]
+            chain += pieces
+        return chain
+    if kind == "IfcIndexedPolyCurve":
+        return _indexed(model, entity)
+    if kind == "IfcTrimmedCurve":
+        return [_trimmed(model, entity)]
+    if kind == "IfcCircle":
+        frame = model.axes(entity.Position)
+        start = degrees(_angle(frame.x[0], frame.x[1]))
+        return [Arc((frame.o[0], frame.o[1]), entity.Radius * model.mm, start, 360.0)]
+    raise Unreadable(f"an outline by {kind}")
+
+
+def _polyline(points: list[Point]) -> list[Curve]:
+    return [Line(a, b) for a, b in itertools.pairwise(points) if _apart(a, b)]
+
+
+def _indexed(model: Model, entity: Entity) -> list[Curve]:
+    points = [(c[0] * model.mm, c[1] * model.mm) for c in entity.Points.CoordList]
+    if entity.Segments is None:
+        return _polyline(points)
+    chain: list[Curve] = []
+    for segment in entity.Segments:
+        run = [points[i - 1] for i in segment.wrappedValue]
+        if segment.is_a("IfcArcIndex"):
+            chain.append(arc_by_points(run[0], run[1], run[2]))
+        else:
+            chain += _polyline(run)
+    return chain
+
+
+def arc_by_points(a: Point, b: Point, c: Point) -> Curve:
+    """The arc from `a` through `b` to `c`; a line where they lie on one."""
+    bx, by, cx, cy = b[0] - a[0], b[1] - a[1], c[0] - a[0], c[1] - a[1]
+    d = 2 * (bx * cy - by * cx)
+    if abs(d) < 1e-9 * max(hypot(bx, by), hypot(cx, cy), 1e-9) ** 2:
+        return Line(a, c)
+    ux = (cy * (bx * bx + by * by) - by * (cx * cx + cy * cy)) / d
+    uy = (bx * (cx * cx + cy * cy) - cx * (bx * bx + by * by)) / d
+    start, end = _angle(-ux, -uy), _angle(cx - ux, cy - uy)
+    turn = (end - start) % (2 * pi) if d > 0 else -((start - end) % (2 * pi))
+    return Arc((a[0] + ux, a[1] + uy), hypot(ux, uy), degrees(start), degrees(turn))
+
+
+def _angle(x: float, y: float) -> float:
+    from math import atan2
+
+    return atan2(y, x)
+
+
+def _trimmed(model: Model, entity: Entity) -> Curve:
+    basis = entity.BasisCurve
+    ends = [_trim(model, entity, trim) for trim in (entity.Trim1, entity.Trim2)]
+    if basis.is_a("IfcLine"):
+        return Line(*(_on_line(model, basis, end) for end in ends))
+    if not basis.is_a("IfcCircle"):
+        raise Unreadable(f"an outline by a trimmed {basis.is_a()}")
+    frame = model.axes(basis.Position)
+    radius = basis.Radius * model.mm
+    angles = []
+    for end in ends:
+        if isinstance(end, float):
+            angles.append(end * model.radians)
+            continue
+        dx, dy = end[0] - frame.o[0], end[1] - frame.o[1]
+        angles.append(_angle(dx * frame.x[0] + dy * frame.x[1], dx * frame.y[0] + dy * frame.y[1]))
+    start, end = angles
+    turn = (end - start) % (2 * pi) if entity.SenseAgreement else -((start - end) % (2 * pi))
+    if abs(turn) < 1e-9:
+        turn = 2 * pi if entity.SenseAgreement else -2 * pi
+    tilt = _angle(frame.x[0], frame.x[1])
+    return Arc((frame.o[0], frame.o[1]), radius, degrees(start + tilt), degrees(turn))
+
+
+def _trim(model: Model, entity: Entity, trim: tuple[Entity, ...]) -> Point | float:
+    """Where a curve is trimmed: a parameter, or a point if the file has one."""
+    points = [t for t in trim if hasattr(t, "Coordinates")]
+    values = [float(t.wrappedValue) for t in trim if not hasattr(t, "Coordinates")]
+    if values and (entity.MasterRepresentation != "CARTESIAN" or not points):
+        return values[0]
+    if points:
+        x, y, _ = model.point(points[0])
+        return x, y
+    raise Unreadable("a trimmed curve without trims")
+
+
+def _on_line(model: Model, basis: Entity, at: Point | float) -> Point:
+    if not isinstance(at, float):
+        return at
+    x, y, _ = model.point(basis.Pnt)
+    vector = basis.Dir
+    dx, dy = vector.Orientation.DirectionRatios[:2]
+    by = vector.Magnitude * model.mm * at / hypot(dx, dy)
+    return x + dx * by, y + dy * by

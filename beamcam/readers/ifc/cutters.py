@@ -1,0 +1,217 @@
+"""What is taken away from a member: half-spaces, prisms and what is made of them.
+
+Every cutter stands in the member's coordinates (x along it, Y, Z) and tells its `slice` on a
+wall: the region of the plane c = const that it removes.
+"""
+
+from dataclasses import dataclass, field
+from typing import Any, Protocol
+
+from beamcam.geometry.curves import Point
+from beamcam.readers.ifc.outline import Round, Slotted, shape_of
+from beamcam.readers.ifc.profiles import Outline
+from beamcam.readers.ifc.region import Circles, Shape, half_plane, polygon_of
+from beamcam.readers.ifc.space import Frame, Vec, across, add, cross, dot, scale, size, unit
+from beamcam.readers.ifc.walls import Wall
+
+Box3 = tuple[Vec, Vec]
+LEVEL = 1e-6  #: sine below which a direction counts as lying in a plane
+EVERYWHERE: Box3 = ((-1e9, -1e9, -1e9), (1e9, 1e9, 1e9))
+
+
+class Cutter(Protocol):
+    """A solid that is subtracted."""
+
+    @property
+    def where(self) -> str | None: ...
+    @property
+    def box(self) -> Box3: ...
+    def moved(self, by: Frame) -> "Cutter": ...
+    def slice(self, wall: Wall, c: float, circles: Circles) -> Shape: ...
+
+
+@dataclass(frozen=True, slots=True)
+class HalfSpace:
+    """All that lies on one side of a plane."""
+
+    point: Vec
+    normal: Vec  #: unit vector into the side that is removed
+    where: str | None = None
+
+    @property
+    def box(self) -> Box3:
+        return EVERYWHERE
+
+    def moved(self, by: Frame) -> "HalfSpace":
+        # A normal goes with the two directions in its plane, so that scales and mirrors are right.
+        a, b = _in_plane(self.normal)
+        normal = unit(cross(by.vector(a), by.vector(b)))
+        if dot(normal, by.vector(self.normal)) < 0:
+            normal = scale(normal, -1.0)
+        return HalfSpace(by.point(self.point), normal, self.where)
+
+    def slice(self, wall: Wall, c: float, circles: Circles) -> Shape:
+        """The half of the wall's plane that is removed."""
+        nq, nc = wall.split(self.normal)
+        d = dot(self.normal, self.point) - nc * c
+        if abs(self.normal[0]) < LEVEL and abs(nq) < LEVEL:
+            return half_plane(1.0, 0.0, -1e7) if d < 0 else _nothing()
+        return half_plane(self.normal[0], nq, d)
+
+    def x_at(self, y: float, z: float) -> float:
+        """Where the plane crosses the line along the member at (y, z)."""
+        n = self.normal
+        return self.point[0] - (n[1] * (y - self.point[1]) + n[2] * (z - self.point[2])) / n[0]
+
+
+@dataclass(frozen=True, slots=True)
+class Prism:
+    """An outline pushed along a vector: frame.o + s x + t y + k z, k from 0 to 1."""
+
+    frame: Frame
+    outline: Outline
+    where: str | None = None
+    shape: Round | Slotted | None = field(default=None)
+
+    @property
+    def box(self) -> Box3:
+        boxes = [c.bbox for c in self.outline.outer]
+        s = min(b[0] for b in boxes), max(b[2] for b in boxes)
+        t = min(b[1] for b in boxes), max(b[3] for b in boxes)
+        points = [self.frame.point((a, b, k)) for a in s for b in t for k in (0.0, 1.0)]
+        low = (min(p[0] for p in points), min(p[1] for p in points), min(p[2] for p in points))
+        high = (max(p[0] for p in points), max(p[1] for p in points), max(p[2] for p in points))
+        return low, high
+
+    def moved(self, by: Frame) -> "Prism":
+        return Prism(by.times(self.frame), self.outline, self.where, self.shape)
+
+    def slice(self, wall: Wall, c: float, circles: Circles) -> Shape:
+        """The prism's section by the wall's plane at `c`."""
+        f, n = self.frame, wall.direction
+        u, v, e = dot(f.x, n), dot(f.y, n), dot(f.z, n)
+        at = c - dot(f.o, n)
+        if abs(e) > LEVEL * size(f.z):
+            return self._across(wall, at, (u, v, e), circles)
+        return self._along(wall, at, (u, v), circles)
+
+    def _across(self, wall: Wall, at: float, by: Vec, circles: Circles) -> Shape:
+        """Where every ruling of the prism meets the plane once: an affine image of the outline."""
+        u, v, e = by
+        f = self.frame
+
+        def image(s: float, t: float) -> Point:
+            p = f.point((s, t, (at - s * u - t * v) / e))
+            return p[0], wall.split(p)[0]
+
+        o, s1, t1 = image(0.0, 0.0), image(1.0, 0.0), image(0.0, 1.0)
+        matrix = (
+            (s1[0] - o[0], t1[0] - o[0], o[0]),
+            (s1[1] - o[1], t1[1] - o[1], o[1]),
+        )
+        flat = abs(u) < LEVEL and abs(v) < LEVEL
+        if flat and not -1e-9 <= at / e <= 1 + 1e-9:
+            return _nothing()
+        if abs(matrix[0][0] * matrix[1][1] - matrix[0][1] * matrix[1][0]) < 1e-9:
+            return _nothing()
+        outer = tuple(c.transformed(matrix) for c in self.outline.outer)
+        inner = tuple(tuple(c.transformed(matrix) for c in hole) for hole in self.outline.inner)
+        shape = polygon_of(outer, inner, circles)
+        if flat:
+            return shape
+        return shape.intersection(self._between_caps(wall, at, by))
+
+    def _between_caps(self, wall: Wall, at: float, by: Vec) -> Shape:
+        """The strip of the wall's plane between the two end planes of the prism."""
+        f = self.frame
+        normal = cross(f.x, f.y)
+        normal = scale(normal, 1 / dot(normal, f.z))  # k = normal . (p - o)
+        nq, nc = wall.split(normal)
+        c = at + dot(f.o, wall.direction)
+        base = dot(normal, f.o) - nc * c
+        low = half_plane(normal[0], nq, base)
+        return low.intersection(half_plane(-normal[0], -nq, -(base + 1.0)))
+
+    def _along(self, wall: Wall, at: float, by: Point, circles: Circles) -> Shape:
+        """Where the plane runs along the rulings: a strip for each stretch of the outline."""
+        from shapely import LineString, Polygon, union_all
+
+        u, v = by
+        grade = u * u + v * v
+        if grade < LEVEL * LEVEL:
+            return _nothing()
+        s0, t0 = u * at / grade, v * at / grade
+        far = 1e6 / grade**0.5
+        line = LineString([(s0 - v * far, t0 + u * far), (s0 + v * far, t0 - u * far)])
+        inside = polygon_of(self.outline.outer, self.outline.inner, Circles()).intersection(line)
+        strips = []
+        for piece in getattr(inside, "geoms", (inside,)):
+            if piece.geom_type != "LineString" or piece.length < 1e-6:
+                continue
+            ends = [self.frame.point((s, t, 0.0)) for s, t in (piece.coords[0], piece.coords[-1])]
+            ring = [*ends, *(add(p, self.frame.z) for p in reversed(ends))]
+            strips.append(Polygon([(p[0], wall.split(p)[0]) for p in ring]))
+        return union_all(strips) if strips else _nothing()
+
+
+@dataclass(frozen=True, slots=True)
+class Bounded:
+    """What two cutters have in common: a half-space within a prism."""
+
+    first: Cutter
+    second: Cutter
+    where: str | None = None
+
+    @property
+    def box(self) -> Box3:
+        (a, b), (c, d) = self.first.box, self.second.box
+        low = (max(a[0], c[0]), max(a[1], c[1]), max(a[2], c[2]))
+        high = (min(b[0], d[0]), min(b[1], d[1]), min(b[2], d[2]))
+        return low, high
+
+    def moved(self, by: Frame) -> "Bounded":
+        return Bounded(self.first.moved(by), self.second.moved(by), self.where)
+
+    def slice(self, wall: Wall, c: float, circles: Circles) -> Shape:
+        return self.first.slice(wall, c, circles).intersection(self.second.slice(wall, c, circles))
+
+
+@dataclass(frozen=True, slots=True)
+class Less:
+    """A cutter that is itself cut: what is taken from it stays on the member."""
+
+    first: Cutter
+    taken: tuple[Cutter, ...]
+    where: str | None = None
+
+    @property
+    def box(self) -> Box3:
+        return self.first.box
+
+    def moved(self, by: Frame) -> "Less":
+        return Less(self.first.moved(by), tuple(t.moved(by) for t in self.taken), self.where)
+
+    def slice(self, wall: Wall, c: float, circles: Circles) -> Shape:
+        shape = self.first.slice(wall, c, circles)
+        for one in self.taken:
+            shape = shape.difference(one.slice(wall, c, circles))
+        return shape
+
+
+def prism(frame: Frame, along: Vec, outline: Outline, where: str | None) -> Prism:
+    """The prism over an outline in the plane of `frame`, pushed by the vector `along`."""
+    shape = None if outline.inner else shape_of(outline.outer)
+    if isinstance(shape, Slotted) and shape.height > 0:
+        shape = None  # a cut-out with round corners, not a slot for a bolt
+    return Prism(Frame(frame.o, frame.x, frame.y, along), outline, where, shape)
+
+
+def _in_plane(normal: Vec) -> tuple[Vec, Vec]:
+    a = across(normal)
+    return a, cross(normal, a)
+
+
+def _nothing() -> Any:
+    from shapely import Polygon
+
+    return Polygon()

@@ -1,0 +1,174 @@
+"""The ends of a member: which plane cuts each, and its angles in DSTV's signs.
+
+    x = a Y + b Z + c        web angle = -atan a, flange angle = -atan b
+
+which is DSTV's atan2(x(lowest y) - x(highest y), y_high - y_low) at either end. Where several
+planes or cuts form an end, the plane that holds most of the end's height and width counts, and
+what it does not explain stays in the contours.
+"""
+
+import itertools
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from math import atan, degrees, hypot
+
+from beamcam.readers.ifc.cutters import HalfSpace
+from beamcam.readers.ifc.region import Shape, half_plane, pieces_of
+from beamcam.readers.ifc.walls import Wall
+
+LEAST_LEAN = 0.17  #: of a normal along the member; a plane nearer to the axis is no end
+LEAST_EDGE = 1.0  #: mm across the member of an edge that counts for an end
+SAME_SLOPE = 2e-4
+SAME_PLANE = 0.3  #: mm
+
+
+@dataclass(frozen=True, slots=True)
+class End:
+    """The plane of an end; `side` is 1 at the end and -1 at the start."""
+
+    side: int
+    a: float
+    b: float
+    c: float
+
+    def x(self, y: float, z: float) -> float:
+        return self.a * y + self.b * z + self.c
+
+    @property
+    def web_deg(self) -> float:
+        return round(-degrees(atan(self.a)), 9) + 0.0
+
+    @property
+    def flange_deg(self) -> float:
+        return round(-degrees(atan(self.b)), 9) + 0.0
+
+    def removed(self, wall: Wall, c: float) -> Shape:
+        """What lies beyond the end on the wall's plane at `c`."""
+        slope_q, slope_c = (self.b, self.a) if wall.normal == "y" else (self.a, self.b)
+        # side (x - slope_q q) >= side (slope_c c + self.c)
+        return half_plane(self.side, -self.side * slope_q, self.side * (slope_c * c + self.c))
+
+
+def of_plane(half: HalfSpace) -> End:
+    """The end that a half-space cuts."""
+    n = half.normal
+    return End(1 if n[0] > 0 else -1, -n[1] / n[0], -n[2] / n[0], half.x_at(0.0, 0.0))
+
+
+def sole_end(ends: Sequence[End], corners: Iterable[tuple[float, float]]) -> End | None:
+    """The one of `ends` on one side that cuts the whole section; None if several share it."""
+    points = tuple(corners)
+    for one in ends:
+        mine = [one.side * one.x(y, z) for y, z in points]
+        others = [[o.side * o.x(y, z) for y, z in points] for o in ends if o is not one]
+        if all(m <= x + 1e-4 for other in others for m, x in zip(mine, other, strict=True)):
+            return one
+    return None
+
+
+@dataclass(frozen=True, slots=True)
+class _Edge:
+    """A piece of a wall's border that faces an end."""
+
+    wall: Wall
+    level: float  #: c
+    x: float  #: of its middle
+    q: float
+    slope: float  #: dx / dq
+    weight: float  #: how much of q it takes
+
+
+Level = tuple[Wall, float, Shape]  #: a wall, c, and its region there
+
+
+def fitted_end(side: int, levels: Sequence[Level]) -> End | None:
+    """The plane that most of an end lies in; None where no edge faces that way."""
+    edges = [e for wall, c, shape in levels for e in _facing(side, wall, c, shape)]
+    web = [e for e in edges if e.wall.normal == "z"]
+    flange = [e for e in edges if e.wall.normal == "y"]
+    if not edges:
+        return None
+    candidates = [
+        _through(side, edges, a, b)
+        for a in (_chief_slope(web), _lean(web, "a"), 0.0)
+        for b in (_chief_slope(flange), _lean(web, "b"), 0.0)
+        if a is not None and b is not None
+    ]
+    best = max(candidates, key=lambda found: round(found[1], 1))
+    return best[0]
+
+
+def _facing(side: int, wall: Wall, c: float, shape: Shape) -> list[_Edge]:
+    """The border edges of a region that nothing hides from an observer beyond the end."""
+    found = []
+    raw: list[tuple[float, float, float, float]] = []
+    for piece in pieces_of(shape):
+        points = [(float(x), float(y)) for x, y in piece.exterior.coords]
+        if not piece.exterior.is_ccw:
+            points.reverse()
+        for (x0, q0), (x1, q1) in itertools.pairwise(points):
+            # Counter-clockwise, the outward normal is (dq, -dx).
+            if side * (q1 - q0) > 0.1 * hypot(x1 - x0, q1 - q0):
+                raw.append((x0, q0, x1, q1))
+    for x0, q0, x1, q1 in raw:
+        low, high = min(q0, q1), max(q0, q1)
+        if high - low < LEAST_EDGE:
+            continue
+        middle = (low + high) / 2
+        x = (x0 + x1) / 2
+        if any(
+            min(a, b) < middle < max(a, b)
+            and side * (u + (middle - a) * (v - u) / (b - a)) > side * x + 0.01
+            for u, a, v, b in raw
+        ):
+            continue
+        found.append(_Edge(wall, c, x, middle, (x1 - x0) / (q1 - q0), high - low))
+    return found
+
+
+def _chief_slope(edges: Sequence[_Edge]) -> float | None:
+    """The slope that most of the edges' width has."""
+    best: tuple[float, float] | None = None
+    for one in edges:
+        weight = sum(e.weight for e in edges if abs(e.slope - one.slope) < SAME_SLOPE)
+        if best is None or weight > best[0] + 1e-6:
+            best = (weight, one.slope)
+    return best[1] if best else None
+
+
+def _lean(edges: Sequence[_Edge], of: str) -> float | None:
+    """How an end leans through the thickness of the webs, by edges at two levels of one wall."""
+    if of == "a" or not edges:
+        return None
+    chief = _chief_slope(edges)
+    along = [e for e in edges if chief is not None and abs(e.slope - chief) < SAME_SLOPE]
+    levels = sorted({e.level for e in along if e.wall == along[0].wall})
+    if len(levels) < 2 or chief is None:
+        return None
+    first, last = (
+        max((e for e in along if e.level == at), key=lambda e: e.weight)
+        for at in (levels[0], levels[-1])
+    )
+    rise = (last.x - chief * last.q) - (first.x - chief * first.q)
+    lean = rise / (levels[-1] - levels[0])
+    return lean if abs(lean) > 1e-3 else None
+
+
+def _through(side: int, edges: Sequence[_Edge], a: float, b: float) -> tuple[End, float]:
+    """The plane of slopes a and b that most of the edges lie in, and how much that is."""
+    best: tuple[float, float] | None = None
+    heights = []
+    for edge in edges:
+        y, z = (edge.level, edge.q) if edge.wall.normal == "y" else (edge.q, edge.level)
+        slope = b if edge.wall.normal == "y" else a
+        fits = abs(edge.slope - slope) < SAME_SLOPE
+        heights.append((edge.x - a * y - b * z, edge.weight if fits else 0.0))
+    for c, _ in heights:
+        weight = sum(w for d, w in heights if abs(d - c) < SAME_PLANE)
+        if best is None or weight > best[0] + 1e-6:
+            best = (weight, c)
+    assert best is not None
+    return End(side, a, b, best[1]), best[0]
+
+
+__all__ = ["End", "Level", "fitted_end", "of_plane", "sole_end"]

@@ -1,0 +1,313 @@
+"""From walls and what is left of them to a part's features: both routes end here."""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from math import atan2, degrees, hypot
+
+from beamcam.errors import Source
+from beamcam.geometry.curves import Curve, Line
+from beamcam.model.part import (
+    MIRRORED_FACES,
+    Bevel,
+    Contour,
+    EndCuts,
+    EndPlane,
+    Feature,
+    Hole,
+    Slot,
+)
+from beamcam.readers.ifc.curves2d import Chain
+from beamcam.readers.ifc.ends import End, Level, fitted_end
+from beamcam.readers.ifc.entities import Unreadable
+from beamcam.readers.ifc.outline import Round, Slotted, shape_of
+from beamcam.readers.ifc.region import Circles, Shape, chains_of, cleaned, pieces_of, rectangle
+from beamcam.readers.ifc.section import Section
+from beamcam.readers.ifc.space import IDENTITY, Frame
+from beamcam.readers.ifc.walls import Wall, corner_points, walls_of
+
+SQUARE_DEG = 0.005  #: an end that is less off square is square
+COMPOUND_DEG = 0.05  #: web and flange angle above which an end needs a plane of its own
+UNEXPLAINED = 0.05  #: mm, the mean width of what no end plane explains
+
+
+@dataclass(frozen=True, slots=True)
+class Shaped:
+    """A member as DSTV sees it."""
+
+    section: Section
+    length: float
+    cuts: EndCuts
+    features: tuple[Feature, ...]
+    volume: float  #: mm3, of the material that is left
+    gross: float  #: mm, of the stock before the cuts
+    remarks: tuple[str, ...] = ()
+    x0: float = 0.0  #: where the part's start lies on the stock
+    frame: Frame = IDENTITY  #: the part's coordinates in the element's
+
+
+Regions = dict[Wall, tuple[tuple[float, Shape], tuple[float, Shape]]]
+
+
+def cuts_of(start: End, end: End) -> EndCuts:
+    """The angles of both ends; what is square within tolerance is 0."""
+
+    def clean(angle: float) -> float:
+        return 0.0 if abs(angle) < SQUARE_DEG else angle
+
+    return EndCuts(
+        clean(start.web_deg), clean(end.web_deg), clean(start.flange_deg), clean(end.flange_deg)
+    )
+
+
+def reach(section: Section, start: End, end: End) -> tuple[float, float]:
+    """Least and greatest x of the stock between two end planes."""
+    corners = corner_points(section)
+    return min(start.x(y, z) for y, z in corners), max(end.x(y, z) for y, z in corners)
+
+
+def end_planes(start: End, end: End, shift: float, source: Source) -> tuple[EndPlane, ...]:
+    """Ends that lean both ways, as planes: point and outward normal."""
+    found = []
+    for one in (start, end):
+        if min(abs(one.web_deg), abs(one.flange_deg)) > COMPOUND_DEG:
+            by = one.side / hypot(1.0, one.a, one.b)
+            normal = (by, -one.a * by, -one.b * by)
+            found.append(EndPlane((one.x(0.0, 0.0) - shift, 0.0, 0.0), normal, source))
+    return tuple(found)
+
+
+def from_regions(
+    section: Section,
+    regions: Regions,
+    holes: Sequence[Hole | Slot],
+    circles: Circles,
+    source: Source,
+    gross: float,
+    sole: tuple[End | None, End | None] = (None, None),
+) -> Shaped:
+    """The member whose walls are `regions`, at two levels each, with `holes` beside.
+
+    `sole` are the single planes that the stock ends in where there is one; the cuts decide whether
+    they are still the ends. Raises Unreadable if nothing is left.
+    """
+    levels: list[Level] = [(w, c, s) for w, pair in regions.items() for c, s in pair]
+    if not any(pieces_of(s) for _, _, s in levels):
+        raise Unreadable("cuts that leave nothing")
+    start, end = fitted_end(-1, levels), fitted_end(1, levels)
+    if start is None or end is None:
+        raise Unreadable("ends that no plane describes")
+    x0, x1 = _extents(levels, section, sole)
+    found: list[Hole | Slot | Contour] = list(holes)
+    remarks: list[str] = []
+    for wall, pair in regions.items():
+        found += _wall_features(section, wall, pair, (start, end), circles, source, remarks)
+    moved = tuple(shifted(f, -x0) for f in found)
+    planes = end_planes(start, end, x0, source)
+    volume = _volume(section, regions, holes)
+    features = (*sorted_features(moved), *planes)
+    cuts = cuts_of(start, end)
+    return Shaped(section, x1 - x0, cuts, features, volume, gross, tuple(remarks), x0)
+
+
+def _extents(
+    levels: Sequence[Level], section: Section, sole: tuple[End | None, End | None]
+) -> tuple[float, float]:
+    """The member's least and greatest x; exact where an end is one plane."""
+    bounds = [p.bounds for _, _, s in levels for p in pieces_of(s)]
+    x0, x1 = min(b[0] for b in bounds), max(b[2] for b in bounds)
+    corners = corner_points(section)
+    # A level lies a little inside its wall, and a leaning end reaches further at the surface.
+    if sole[0] is not None:
+        reached = min(sole[0].x(y, z) for y, z in corners)
+        x0 = reached if abs(reached - x0) < 1.0 else x0
+    if sole[1] is not None:
+        reached = max(sole[1].x(y, z) for y, z in corners)
+        x1 = reached if abs(reached - x1) < 1.0 else x1
+    return x0, x1
+
+
+def _wall_features(
+    section: Section,
+    wall: Wall,
+    pair: tuple[tuple[float, Shape], tuple[float, Shape]],
+    ends: tuple[End, End],
+    circles: Circles,
+    source: Source,
+    remarks: list[str],
+) -> Iterator[Hole | Slot | Contour]:
+    (_, low), (_, high) = pair
+    differ = low.symmetric_difference(high)
+    plain = [_plain(wall, c, ends, shape) for c, shape in pair]
+    explained = all(_alike(p, _filled(shape)) for p, (_, shape) in zip(plain, pair, strict=True))
+    # Where the two surfaces differ only as the leaning ends make them, the longer one counts.
+    skew = not explained and not _alike_through(differ, plain)
+    joint = low.union(high) if not low.equals(high) else low
+    pieces = pieces_of(cleaned(joint))
+    if not pieces:
+        return
+    if len(pieces) > 1:
+        remarks.append(f"face {wall.face} is left in {len(pieces)} pieces")
+    flat_stock = section.code == "B"
+    box = rectangle(joint.bounds[0], 0.0, joint.bounds[2], wall.width)
+    needs_outline = not explained or (flat_stock and not _alike(box, _filled(joint)))
+    for piece in pieces:
+        outer, inner = chains_of(piece, circles)
+        if needs_outline or len(pieces) > 1:
+            bevels = _bevels(outer, wall, low, high) if skew else ()
+            yield contour(wall.face, "outer", outer, source, bevels)
+        for chain in inner:
+            yield opening(wall, chain, source)
+
+
+def _filled(shape: Shape) -> Shape:
+    """A region without its hollows."""
+    from shapely import MultiPolygon, Polygon
+
+    return MultiPolygon([Polygon(p.exterior) for p in pieces_of(shape)])
+
+
+def _plain(wall: Wall, c: float, ends: tuple[End, End], shape: Shape) -> Shape:
+    """What the stock and the two end planes alone would leave of a wall at a level."""
+    if shape.is_empty:
+        return rectangle(0.0, 0.0, 0.0, 0.0)
+    x0, _, x1, _ = shape.bounds
+    plain = rectangle(x0 - 10.0, 0.0, x1 + 10.0, wall.width)
+    for end in ends:
+        plain = plain.difference(end.removed(wall, c))
+    return plain
+
+
+def _alike(a: Shape, b: Shape) -> bool:
+    differ = a.symmetric_difference(b)
+    return float(differ.area) < UNEXPLAINED * max(1.0, float(a.length) / 2)
+
+
+def _alike_through(differ: Shape, plain: Sequence[Shape]) -> bool:
+    """Whether two levels of a wall differ no more than the ends alone explain."""
+    expected = plain[0].symmetric_difference(plain[1])
+    beyond = differ.difference(expected.buffer(UNEXPLAINED))
+    return float(beyond.area) < UNEXPLAINED * max(1.0, float(plain[0].length) / 2) / 4
+
+
+def _bevels(outer: Chain, wall: Wall, low: Shape, high: Shape) -> tuple[Bevel, ...]:
+    """The edges of a contour where the other surface of the wall stands back."""
+    from shapely import Point
+
+    found = []
+    near, far = (high, low) if wall.outer else (low, high)
+    for i, curve in enumerate(outer):
+        if not isinstance(curve, Line) or curve.length < 1.0:
+            continue
+        middle = Point(curve.point(0.5))
+        back = [float(s.distance(middle)) if not s.is_empty else 0.0 for s in (near, far)]
+        # The levels lie inside the wall; what they differ by is for the depth between them.
+        if max(back) > UNEXPLAINED:
+            angle = degrees(atan2(max(back), 0.8 * wall.thickness))
+            found.append(Bevel(i, angle if back[0] > back[1] else -angle, 0.0))
+    return tuple(found)
+
+
+def opening(wall: Wall, chain: Chain, source: Source) -> Hole | Slot | Contour:
+    """A hole, a slot or an inner contour, by its outline."""
+    shape = shape_of(chain)
+    if isinstance(shape, Round):
+        return Hole(wall.face, *shape.centre, shape.diameter, source)
+    if isinstance(shape, Slotted) and shape.height == 0:
+        return slot(wall, shape, source)
+    return contour(wall.face, "inner", chain, source)
+
+
+def slot(wall: Wall, shape: Slotted, source: Source, depth: float | None = None) -> Slot:
+    return Slot(
+        wall.face,
+        *shape.centre,
+        shape.diameter,
+        shape.length,
+        shape.height,
+        shape.angle,
+        source,
+        depth,
+    )
+
+
+def contour(
+    face: str, kind: str, chain: Chain, source: Source, bevels: tuple[Bevel, ...] = ()
+) -> Contour:
+    """A contour from a chain that is counter-clockwise in the face's numbers.
+
+    Outer ones run counter-clockwise seen from outside, inner ones clockwise; the numbers of o and
+    h are mirrored.
+    """
+    outer = kind == "outer"
+    if outer == (face not in MIRRORED_FACES):
+        return Contour(face, "outer" if outer else "inner", chain, source, bevels=bevels)
+    last = len(chain) - 1
+    turned = tuple(replace(b, curve=last - b.curve) for b in bevels)
+    back = tuple(c.reversed() for c in reversed(chain))
+    return Contour(face, "outer" if outer else "inner", back, source, bevels=turned)
+
+
+def shifted(feature: Hole | Slot | Contour, by: float) -> Hole | Slot | Contour:
+    """A feature moved along the part."""
+    if isinstance(feature, Contour):
+        matrix = ((1.0, 0.0, by), (0.0, 1.0, 0.0))
+        curves: tuple[Curve, ...] = tuple(c.transformed(matrix) for c in feature.curves)
+        return replace(feature, curves=curves)
+    return replace(feature, x=feature.x + by)
+
+
+def sorted_features(
+    features: Sequence[Hole | Slot | Contour],
+) -> tuple[Hole | Slot | Contour, ...]:
+    """Contours, then holes and slots, face by face along the part, each once."""
+
+    def key(f: Hole | Slot | Contour) -> tuple[object, ...]:
+        face = "voUh".find(f.face.upper() if f.face == "u" else f.face)
+        if isinstance(f, Contour):
+            (x0, y0) = f.curves[0].start
+            return (0, face, f.kind != "outer", round(x0, 3), round(y0, 3))
+        return (1, face, isinstance(f, Slot), round(f.x, 3), round(f.y, 3))
+
+    out: list[Hole | Slot | Contour] = []
+    for feature in sorted(features, key=key):
+        if not any(_same(feature, known) for known in out[-4:]):
+            out.append(feature)
+    return tuple(out)
+
+
+def _same(a: Hole | Slot | Contour, b: Hole | Slot | Contour) -> bool:
+    """Whether two features are one and the same, modelled twice."""
+    if isinstance(a, Contour) or isinstance(b, Contour) or type(a) is not type(b):
+        return False
+    apart = max(abs(a.x - b.x), abs(a.y - b.y), abs(a.diameter - b.diameter))
+    same = a.face == b.face and apart < 0.01 and a.depth == b.depth
+    if isinstance(a, Slot) and isinstance(b, Slot):
+        return same and abs(a.length - b.length) < 0.01 and abs(a.angle - b.angle) < 0.01
+    return same
+
+
+def _volume(section: Section, regions: Regions, holes: Sequence[Hole | Slot]) -> float:
+    """Volume of the walls that are left, with the section's fillets in proportion."""
+    walls = walls_of(section)
+    flat = sum(w.width * w.thickness for w in walls)
+    total = 0.0
+    for wall, pair in regions.items():
+        total += wall.thickness * sum(float(s.area) for _, s in pair) / 2
+    return total * (section.area / flat if flat else 1.0) - hole_volume(section, holes)
+
+
+def hole_volume(section: Section, holes: Sequence[Hole | Slot]) -> float:
+    """What holes take off the weight."""
+    from math import pi
+
+    by_face = {w.face: w.thickness for w in walls_of(section)}
+    total = 0.0
+    for hole in holes:
+        deep = (
+            hole.depth if hole.depth is not None else by_face.get(hole.face, section.web_thickness)
+        )
+        area = pi * hole.diameter**2 / 4
+        if isinstance(hole, Slot):
+            area += hole.diameter * (hole.length + hole.height) + hole.length * hole.height
+        total += area * deep
+    return total

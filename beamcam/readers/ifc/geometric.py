@@ -1,0 +1,299 @@
+"""The geometric route: a shell of faces, from a Brep, a mesh or the kernel, read as a member.
+
+1. The axis is the direction that most edge length runs along; a plate's is its longer side.
+2. Sections across the axis are taken along it; the fullest that is a rolled form is the stock.
+3. Each wall of the stock is cut through at two levels; what is there is the wall's outline, and
+   its hollows are holes. A polygon whose vertices lie on a circle is that circle.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+from beamcam.errors import Source
+from beamcam.geometry.curves import Point
+from beamcam.model.part import Contour, Hole, Slot
+from beamcam.readers.ifc.curves2d import Chain
+from beamcam.readers.ifc.cutters import Cutter
+from beamcam.readers.ifc.ends import LEAST_LEAN, End
+from beamcam.readers.ifc.entities import Entity, Model, Unreadable
+from beamcam.readers.ifc.finish import (
+    Regions,
+    Shaped,
+    cuts_of,
+    end_planes,
+    from_regions,
+    reach,
+    shifted,
+)
+from beamcam.readers.ifc.kernel import Built, build
+from beamcam.readers.ifc.plates import box_of, into
+from beamcam.readers.ifc.region import Circles, Shape, chains_of, cleaned, pieces_of, points_of
+from beamcam.readers.ifc.section import Section, classify
+from beamcam.readers.ifc.semantic import LEVEL_IN, Stock, cut, in_place
+from beamcam.readers.ifc.shell import (
+    Shell,
+    broadest_normal,
+    extent,
+    longest_direction,
+    section,
+)
+from beamcam.readers.ifc.space import Frame, Vec, across, add, cross, dot, scale, size, unit
+from beamcam.readers.ifc.walls import Wall, walls_of
+
+STATIONS = (0.5, 0.31, 0.69, 0.17, 0.83, 0.08, 0.92, 0.42, 0.58, 0.03, 0.97)
+PRISMATIC = 0.01  #: share by which a plate's volume may differ from outline times thickness
+EDGE = 0.02  #: mm within which a section point lies on a wall's long edge
+EXPLAINED = 0.03  #: share by which the volume may differ from what the walls explain
+
+
+def read_kernel(
+    model: Model, element: Entity, source: Source, built: Built | None = None
+) -> Shaped:
+    """The member of the kernel's solid. Raises Unreadable, also for errors in the kernel's log."""
+    built = built or build(model, element)
+    errors = [line for line in built.log if "[error]" in line.lower()]
+    if errors:
+        raise Unreadable(f"an error of the geometry kernel ({errors[0][:160]})")
+    return read_shell(built.shell, (), source)
+
+
+def read_shell(shell: Shell, cutters: Sequence[Cutter], source: Source) -> Shaped:
+    """The member of a shell. Raises Unreadable, which says what was found."""
+    found = _plate(shell, cutters, source)
+    if found is not None:
+        return found
+    along = longest_direction(shell)
+    tried = []
+    for axis in (along, *_other_axes(shell, along)):
+        stock = _stock(shell, axis)
+        if stock is None:
+            tried.append(axis)
+            continue
+        return in_place(_member(shell, cutters, stock, source), stock.frame)
+    raise Unreadable(f"a shell of {len(shell.faces)} faces without a constant section")
+
+
+@dataclass(frozen=True, slots=True)
+class _Stock:
+    section: Section
+    frame: Frame
+    x0: float
+    x1: float
+    outline: tuple[Point, ...]  #: (Y, Z) of the section's border
+
+
+def _other_axes(shell: Shell, along: Vec) -> list[Vec]:
+    """Square to the chief direction, for members shorter than their section is wide."""
+    normal = broadest_normal(shell)
+    if abs(dot(normal, along)) > 0.05:
+        normal = across(along)
+    return [unit(cross(along, normal)), normal]
+
+
+def _stock(shell: Shell, axis: Vec) -> _Stock | None:
+    """The section of a shell along an axis; None if no station shows a rolled form."""
+    u = _reference(shell, axis)
+    v = cross(axis, u)
+    low, high = extent(shell, axis)
+    best: tuple[float, Section, Chain] | None = None
+    for share in STATIONS:
+        at = low + share * (high - low)
+        shape = section(shell, scale(axis, at), axis, u, v)
+        pieces = pieces_of(shape)
+        if len(pieces) != 1:
+            continue
+        outer, inner = chains_of(pieces[0], Circles())
+        found = classify(outer, inner) if outer else None
+        if found is None or found.code == "SO" or (found.code == "B" and found.width > 200):
+            continue
+        if best is None or found.area > best[0] * 1.0005:
+            best = (found.area, found, outer)
+    if best is None:
+        return None
+    found = best[1]
+    o = add(scale(u, found.origin[0]), scale(v, found.origin[1]))
+    y = add(scale(u, found.y[0]), scale(v, found.y[1]))
+    z = add(scale(u, found.z[0]), scale(v, found.z[1]))
+    x = cross(y, z)
+    frame = Frame(o, x, y, z)
+    x0, x1 = extent(shell, x)
+    (ox, oy), sy, sz = found.origin, found.y, found.z
+    border = tuple(
+        ((p - ox) * sy[0] + (q - oy) * sy[1], (p - ox) * sz[0] + (q - oy) * sz[1])
+        for p, q in points_of(best[2], Circles())
+    )
+    return _Stock(found, frame, x0, x1, border)
+
+
+def _reference(shell: Shell, axis: Vec) -> Vec:
+    """A direction square to the axis in which sections lie straight."""
+    best, most = across(axis), 0.0
+    for face in shell.faces:
+        area = size(face.area_normal)
+        if area > most and abs(dot(face.area_normal, axis)) < 1e-3 * area:
+            best, most = cross(axis, unit(face.area_normal)), area
+    return unit(best)
+
+
+def _member(shell: Shell, cutters: Sequence[Cutter], stock: _Stock, source: Source) -> Shaped:
+    inverse = stock.frame.inverse()
+    local = shell.moved(inverse)
+    taken = [c.moved(inverse) for c in cutters]
+    walls = walls_of(stock.section)
+    if not walls:
+        if taken:
+            raise Unreadable("cuts in a faceted round section")
+        return _round(local, stock, source)
+    circles = Circles()
+    regions: Regions = {}
+    for wall in walls:
+        levels: list[tuple[float, Shape]] = []
+        for share in (LEVEL_IN, 1 - LEVEL_IN):
+            c = wall.low + share * wall.thickness
+            shape = local.slice(wall, c, circles)
+            for one in taken:
+                shape = shape.difference(one.slice(wall, c, circles))
+            levels.append((c, _full_width(cleaned(shape), wall, c, stock.outline)))
+        regions[wall] = (levels[0], levels[1])
+    found = from_regions(stock.section, regions, (), circles, source, stock.x1 - stock.x0)
+    if not taken:
+        # The levels lie inside the walls; only the shell itself knows how far the tips reach.
+        found = _reached(found, stock, regions)
+        _explained(found, local)
+    return found
+
+
+def _full_width(shape: Shape, wall: Wall, c: float, outline: tuple[Point, ...]) -> Shape:
+    """A wall's region with its long edges at its full width, which rounded corners take off.
+
+    A level a little inside a tube's wall, or near the toe of an angle, is narrower than the wall.
+    """
+    from shapely import transform
+
+    at = 0 if wall.normal == "y" else 1
+    crossed = []
+    for i, p in enumerate(outline):
+        a, b = (outline[i - 1], p)
+        if (a[at] > c) != (b[at] > c):
+            share = (c - a[at]) / (b[at] - a[at])
+            crossed.append(a[1 - at] + share * (b[1 - at] - a[1 - at]))
+    if len(crossed) < 2:
+        return shape
+    low, high = min(crossed), max(crossed)
+
+    def widened(points: Any) -> Any:
+        points = points.copy()
+        q = points[:, 1]
+        q[abs(q - low) < EDGE] = 0.0
+        q[abs(q - high) < EDGE] = wall.width
+        return points
+
+    return transform(shape, widened)
+
+
+def _reached(found: Shaped, stock: _Stock, regions: Regions) -> Shaped:
+    """The member with the length of its shell, its features moved as much."""
+    bounds = [p.bounds for pair in regions.values() for _, s in pair for p in pieces_of(s)]
+    x0 = min(b[0] for b in bounds)
+    shift = x0 - stock.x0
+    if abs(shift) < 1e-6:
+        return replace(found, length=stock.x1 - stock.x0, x0=stock.x0)
+    features = tuple(
+        shifted(f, shift) if isinstance(f, (Hole, Slot, Contour)) else f for f in found.features
+    )
+    return replace(found, length=stock.x1 - stock.x0, features=features, x0=stock.x0)
+
+
+def _explained(found: Shaped, shell: Shell) -> None:
+    """Raise Unreadable if the walls are not all that the shell is."""
+    volume = shell.volume
+    if volume <= 0:
+        return
+    off = abs(volume - found.volume) / volume
+    if off > EXPLAINED:
+        raise Unreadable(
+            f"a shell of {volume / 1e3:.1f} cm3 whose section and cuts explain "
+            f"{found.volume / 1e3:.1f} cm3"
+        )
+
+
+def _plate(shell: Shell, cutters: Sequence[Cutter], source: Source) -> Shaped | None:
+    """The plate that a shell is; None if it is none."""
+    normal = broadest_normal(shell)
+    low, high = extent(shell, normal)
+    thickness = high - low
+    u = _reference(shell, normal)
+    v = cross(normal, u)
+    spans = [extent(shell, d) for d in (u, v)]
+    if thickness <= 0 or thickness > min(b - a for a, b in spans) * 0.999:
+        return None
+    shapes = [
+        section(shell, scale(normal, low + share * thickness), normal, u, v)
+        for share in (0.5, LEVEL_IN)
+    ]
+    area = float(shapes[0].area)
+    volume = shell.volume
+    if len(pieces_of(shapes[0])) != 1 or abs(area * thickness - volume) > PRISMATIC * volume:
+        return None
+    if float(shapes[0].symmetric_difference(shapes[1]).area) > PRISMATIC * area:
+        return None
+    outer, inner = chains_of(pieces_of(shapes[0])[0], Circles())
+    box = box_of(outer)
+    x = add(scale(u, box.x[0]), scale(v, box.x[1]))
+    y = add(scale(u, box.y[0]), scale(v, box.y[1]))
+    z = cross(x, y)
+    base = low if dot(z, normal) > 0 else -high
+    o = add(add(scale(u, box.origin[0]), scale(v, box.origin[1])), scale(z, base))
+    width = box.width
+    made = Section(
+        "B", width, thickness, 0.0, thickness, 0.0, (0.0, 0.0), (0.0, 1.0), (1.0, 0.0),
+        True, True, width * thickness,
+    )  # fmt: skip
+    frame = Frame(o, x, y, z)
+    hollows = tuple(into(h, box) for h in inner)
+    stock = Stock(made, frame, 0.0, box.length, box.outline, hollows)
+    inverse = frame.inverse()
+    return in_place(cut(stock, [c.moved(inverse) for c in cutters], source), frame)
+
+
+def _round(local: Shell, stock: _Stock, source: Source) -> Shaped:
+    """A round bar or pipe by its shell: two plane ends, nothing else."""
+    ends = [_flat_end(local, side) for side in (-1, 1)]
+    start, end = ends
+    x0, x1 = reach(stock.section, start, end)
+    middle = stock.section.height / 2
+    length = end.x(middle, middle) - start.x(middle, middle)
+    found = Shaped(
+        stock.section,
+        x1 - x0,
+        cuts_of(start, end),
+        end_planes(start, end, x0, source),
+        stock.section.area * length,
+        x1 - x0,
+        (),
+        x0,
+    )
+    _explained(found, local)
+    return found
+
+
+def _flat_end(local: Shell, side: int) -> End:
+    """The plane that most of an end's area lies in."""
+    best: tuple[float, Vec, Vec] | None = None
+    for face in local.faces:
+        area = size(face.area_normal)
+        normal = scale(face.area_normal, 1 / area)
+        if abs(normal[0]) < LEAST_LEAN:
+            continue
+        middle = sum(p[0] for p in face.rings[0]) / len(face.rings[0])
+        low, high = extent(local, (1.0, 0.0, 0.0))
+        if (middle - (low + high) / 2) * side <= 0:
+            continue
+        if best is None or area > best[0]:
+            best = (area, face.rings[0][0], normal)
+    if best is None:
+        raise Unreadable("a round section without plane ends")
+    _, p, n = best
+    a, b = -n[1] / n[0], -n[2] / n[0]
+    return End(side, a, b, p[0] - a * p[1] - b * p[2])

@@ -1,0 +1,74 @@
+"""What the geometry kernel builds of an element: a fine shell in mm, and the kernel's log."""
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from typing import Any
+
+from beamcam.readers.ifc.entities import Entity, Model, Unreadable
+from beamcam.readers.ifc.shell import Face3, Shell, planar_face
+from beamcam.readers.ifc.space import Vec
+
+CHORD = 0.0002  #: m between a curve and its facets
+ANGLE = 0.25  #: rad between two facets, 26 on a circle; every vertex lies on the curve
+ROUNDER = 0.9999  #: of a slot's corner radius that the kernel can build; half the side it cannot
+
+
+@dataclass(frozen=True, slots=True)
+class Built:
+    """A shell in the element's coordinates and what the kernel said while making it."""
+
+    shell: Shell
+    log: tuple[str, ...]
+
+
+def build(model: Model, element: Entity) -> Built:
+    """The kernel's solid of an element, openings taken off. Raises Unreadable if it has none."""
+    import ifcopenshell
+    import ifcopenshell.geom
+
+    geom: Any = ifcopenshell.geom
+    settings = geom.settings()
+    settings.set("mesher-linear-deflection", CHORD)
+    settings.set("mesher-angular-deflection", ANGLE)
+    settings.set("weld-vertices", True)
+    kernel: Any = ifcopenshell
+    kernel.get_log()  # what earlier shapes left
+    with _buildable_slots(model):
+        try:
+            shape: Any = geom.create_shape(settings, element, geometry_library="opencascade")
+        except RuntimeError as fault:
+            raise Unreadable(f"no solid by the kernel ({fault})") from fault
+    log = tuple(line for line in str(kernel.get_log()).splitlines() if line.strip())
+    geometry = shape.geometry
+    verts, faces = geometry.verts, geometry.faces
+    points: list[Vec] = [
+        (verts[i] * 1e3, verts[i + 1] * 1e3, verts[i + 2] * 1e3) for i in range(0, len(verts), 3)
+    ]
+    found: list[Face3] = []
+    for i in range(0, len(faces), 3):
+        face = planar_face([[points[faces[i]], points[faces[i + 1]], points[faces[i + 2]]]])
+        if face is not None:
+            found.append(face)
+    if len(found) < 4:
+        raise Unreadable("an empty solid by the kernel")
+    return Built(Shell(tuple(found)), log)
+
+
+@contextmanager
+def _buildable_slots(model: Model) -> Iterator[None]:
+    """Rounded rectangles whose radius is half of a side, a hair less round for the while.
+
+    The kernel leaves such slots out of the solid without an error to its caller.
+    """
+    changed = []
+    for profile in model.file.by_type("IfcRoundedRectangleProfileDef"):
+        radius = profile.RoundingRadius
+        if radius >= min(profile.XDim, profile.YDim) / 2 * ROUNDER:
+            changed.append((profile, radius))
+            profile.RoundingRadius = min(profile.XDim, profile.YDim) / 2 * ROUNDER
+    try:
+        yield
+    finally:
+        for profile, radius in changed:
+            profile.RoundingRadius = radius

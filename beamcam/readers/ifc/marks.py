@@ -1,0 +1,196 @@
+"""What the file says about a member beside its geometry: marks, grade, weights."""
+
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+
+from beamcam.readers.ifc.entities import Entity, Model
+
+Value = str | float
+
+_SETS = re.compile(
+    r"AISC|Tekla|Common$|^Qto_|Quantit|Fabrication|PieceIdent|SteelFab", re.IGNORECASE
+)
+_MARKS = ("PieceMark", "Piece Mark", "Part Mark", "PartMark", "Part position", "Position number")
+_ASSEMBLY_MARKS = ("Assembly/Cast unit Mark", "Assembly mark", "AssemblyMark", "Assembly Mark")
+_NOT_STEEL = (
+    ("concrete", re.compile(r"concrete|beton|b[ée]ton|hormig|\bC\d\d/\d\d|precast", re.IGNORECASE)),
+    ("timber", re.compile(r"timber|wood|holz|glulam|lumber|\bGL\d\d|bois|plywood", re.IGNORECASE)),
+    ("masonry", re.compile(r"masonry|brick|mauerwerk", re.IGNORECASE)),
+)
+_GUID_TAG = re.compile(r"^(ID)?[0-9A-Fa-f]{8}-|^ID[0-9a-zA-Z]{6,}|^\d{5,}$")
+_PROFILE = re.compile(r"^[A-Za-z]{1,8}[ _.\-]?\d|^\d[\d./xX*]*[ ]?[A-Za-z]{1,4}")
+
+
+@dataclass(frozen=True, slots=True)
+class Data:
+    """The property sets of a member that matter here, by set and property."""
+
+    sets: dict[str, dict[str, Value]] = field(default_factory=dict)
+
+    def text(self, *names: str) -> str:
+        """The first of the properties `names` that some set has and that is not empty."""
+        for name in names:
+            for values in self.sets.values():
+                value = values.get(name)
+                if value is not None and str(value).strip():
+                    return str(value).strip()
+        return ""
+
+    def number(self, *names: str) -> tuple[str, float] | None:
+        """The first of the properties that is a number above 0, and where it stands."""
+        for name in names:
+            for of, values in self.sets.items():
+                value = values.get(name)
+                if isinstance(value, (int, float)) and value > 0:
+                    return f"{of}.{name}", float(value)
+        return None
+
+
+def data_of(model: Model, element: Entity) -> Data:
+    """The property sets and quantities of an element, those of its type behind them."""
+    found: dict[str, dict[str, Value]] = {}
+    for definition in _definitions(element):
+        name = definition.Name or ""
+        if _SETS.search(name):
+            known = model.psets.get(definition.id())
+            if known is None:
+                known = model.psets[definition.id()] = dict(_values(model, definition))
+            found.setdefault(name, known)
+    return Data(found)
+
+
+def _definitions(element: Entity) -> Iterator[Entity]:
+    for relation in getattr(element, "IsDefinedBy", ()):
+        if relation.is_a("IfcRelDefinesByProperties"):
+            definition = relation[5]
+            if definition.is_a("IfcPropertySetDefinition"):
+                yield definition
+
+
+def _values(model: Model, definition: Entity) -> Iterator[tuple[str, Value]]:
+    if definition.is_a("IfcPropertySet"):
+        for one in definition.HasProperties:
+            if one.is_a("IfcPropertySingleValue") and one.NominalValue is not None:
+                yield one.Name, _value(model, one.NominalValue)
+    elif definition.is_a("IfcElementQuantity"):
+        for one in definition.Quantities:
+            if one.is_a("IfcQuantityLength"):
+                yield one.Name, one.LengthValue * model.mm
+            elif one.is_a("IfcQuantityWeight"):
+                yield one.Name, one.WeightValue * model.kilograms
+
+
+def _value(model: Model, value: Entity) -> Value:
+    raw = value.wrappedValue
+    if value.is_a() in ("IfcLengthMeasure", "IfcPositiveLengthMeasure"):
+        return float(raw) * model.mm
+    if value.is_a() == "IfcMassMeasure":
+        return float(raw) * model.kilograms
+    return float(raw) if isinstance(raw, (int, float)) and not isinstance(raw, bool) else str(raw)
+
+
+def mark_of(element: Entity, data: Data) -> tuple[str, bool]:
+    """The piece mark, and whether the file means it as one.
+
+    Fabrication sets come first, then a Tag that is no database key, a Reference that is no
+    section, and the Name.
+    """
+    mark = data.text(*_MARKS)
+    if mark:
+        return mark, True
+    tag = (getattr(element, "Tag", None) or "").strip()
+    if tag and not _GUID_TAG.search(tag) and tag != element.GlobalId:
+        return tag, True
+    reference = data.text("Reference")
+    if reference and not _PROFILE.search(reference.replace("(?)", "")):
+        return reference, True
+    if reference and re.fullmatch(r"[A-Za-z]{1,3}/?\d{1,5}(\(\?\))?", reference):
+        return reference, True
+    return tag or (element.Name or "").strip() or element.GlobalId, False
+
+
+def assembly_of(element: Entity, data: Data) -> str:
+    """The mark of the assembly that an element is part of; empty if there is none."""
+    mark = data.text(*_ASSEMBLY_MARKS)
+    if mark:
+        return mark
+    for relation in getattr(element, "Decomposes", ()):
+        whole = relation.RelatingObject
+        if whole.is_a("IfcElementAssembly"):
+            return str(whole.Tag or whole.Name or whole.GlobalId).strip()
+    return ""
+
+
+def material_of(model: Model, element: Entity) -> str:
+    """The name of an element's material; empty if it has none."""
+    for relation in getattr(element, "HasAssociations", ()):
+        if relation.is_a("IfcRelAssociatesMaterial"):
+            return _material_name(model, relation.RelatingMaterial)
+    for one in _type_of(element):
+        for relation in getattr(one, "HasAssociations", ()):
+            if relation.is_a("IfcRelAssociatesMaterial"):
+                return _material_name(model, relation.RelatingMaterial)
+    return ""
+
+
+def _type_of(element: Entity) -> Iterator[Entity]:
+    for relation in getattr(element, "IsTypedBy", ()) or ():
+        yield relation.RelatingType
+    for relation in getattr(element, "IsDefinedBy", ()):
+        if relation.is_a("IfcRelDefinesByType"):
+            yield relation.RelatingType
+
+
+def _material_name(model: Model, material: Entity) -> str:
+    known = model.materials.get(material.id())
+    if known is None:
+        known = model.materials[material.id()] = _name_of(material)
+    return known
+
+
+def _name_of(material: Entity) -> str:
+    kind = material.is_a()
+    if kind == "IfcMaterial":
+        return (material.Name or "").strip()
+    for path in ("ForProfileSet", "ForLayerSet", "MaterialProfiles", "MaterialLayers", "Materials",
+                 "MaterialConstituents", "Material"):  # fmt: skip
+        inner = getattr(material, path, None)
+        if inner:
+            return _name_of(inner[0] if isinstance(inner, tuple) else inner)
+    return (getattr(material, "Name", None) or "").strip()
+
+
+def not_steel(material: str) -> str | None:
+    """What a material is if it is no steel: concrete, timber, masonry."""
+    for what, words in _NOT_STEEL:
+        if words.search(material):
+            return what
+    return None
+
+
+def grade_of(material: str, data: Data) -> str:
+    """The steel grade: what follows the slash in Tekla's STEEL/S235JR."""
+    grade = data.text("Grade", "Material grade", "MaterialGrade")
+    if grade:
+        return grade
+    return (
+        material.rsplit("/", 1)[-1].strip() if material.upper().startswith("STEEL/") else material
+    )
+
+
+def label_of(element: Entity, profile: Entity | None, data: Data) -> str:
+    """What the file calls the section; empty if nothing looks like the name of one."""
+    named = (getattr(profile, "ProfileName", None) or "").strip() if profile is not None else ""
+    candidates = [
+        named,
+        data.text("Profile", "ProfileName", "Profile name"),
+        element.ObjectType or "",
+        element.Description or "",
+        element.Name or "",
+    ]
+    for text in candidates:
+        text = text.rsplit(":", 1)[-1].strip()
+        if text and _PROFILE.search(text):
+            return text
+    return named

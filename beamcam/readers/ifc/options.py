@@ -1,0 +1,33 @@
+"""What a caller may ask of the reader of models."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+Progress = Callable[[int, int], None]  #: members done, members in all
+
+
+@dataclass(frozen=True, slots=True)
+class Selection:
+    """Which members are meant; of each kind any of the values, and every kind that is given."""
+
+    marks: frozenset[str] = frozenset()
+    guids: frozenset[str] = frozenset()
+    classes: frozenset[str] = frozenset()  #: IfcBeam or beam; naming a class also reads proxies
+    assemblies: frozenset[str] = frozenset()
+
+    @property
+    def everything(self) -> bool:
+        return not (self.marks or self.guids or self.classes or self.assemblies)
+
+
+ALL = Selection()
+
+
+@dataclass(frozen=True, slots=True)
+class Options:
+    """How members are read."""
+
+    force: bool = False  #: contradictions are warnings
+    kernel: bool = False  #: every distinct member is also built by the geometry kernel and compared
+    bolts: bool = True  #: holes from bolts where the solids have none
+    clearance: float | None = None  #: mm of a hole over its bolt; None is by the bolt's standard

@@ -1,0 +1,287 @@
+"""What a closed chain of curves is: a circle, a slot, or a polygon with rounded corners.
+
+Exporters write arcs as polygons whose vertices lie on the circle; `with_arcs` takes such runs
+back to arcs before anything is measured.
+"""
+
+from dataclasses import dataclass
+from math import atan2, degrees, hypot, pi, radians, sin
+
+from beamcam.geometry.curves import Arc, Curve, Line, Point
+from beamcam.readers.ifc.curves2d import Chain, arc_by_points
+
+LEAST_CORNERS = 12  #: of a polygon that stands for a circle; fewer are meant as they are
+LEAST_RUN = 3  #: chords of a polygon that stand for an arc
+ON_CIRCLE = 0.02  #: mm that a vertex may lie off its circle
+PARALLEL_RAD = 1e-4
+STRAIGHT = 0.002  #: mm that a point may lie off the line between its neighbours
+SHARP_RAD = 0.3  #: by which a rounding may be off the side it runs into
+
+
+@dataclass(frozen=True, slots=True)
+class Round:
+    """A circle."""
+
+    centre: Point
+    diameter: float
+
+
+@dataclass(frozen=True, slots=True)
+class Slotted:
+    """A rectangle with round corners, a slot where one side has no straight piece."""
+
+    centre: Point
+    diameter: float  #: of the corners
+    length: float  #: centre to centre along `angle`, the longer
+    height: float  #: centre to centre across `angle`
+    angle: float  #: degrees, from 0 to below 180
+
+
+def with_arcs(chain: Chain) -> Chain:
+    """The chain with polygon runs on a circle as arcs, and pieces of one curve joined."""
+    if not all(isinstance(c, Line) for c in chain):
+        return joined(chain)
+    lines = joined(chain)
+    n = len(lines)
+    if n < LEAST_RUN + 1:
+        return lines
+    whole = _regular(lines)
+    if whole is not None:
+        return whole
+    fits = [_alike(lines[i - 1], lines[i]) for i in range(n)]
+    breaks = [i for i in range(n) if not fits[i]]
+    if not breaks:
+        return lines
+    out: list[Curve] = []
+    for k, first in enumerate(breaks):
+        last = breaks[(k + 1) % len(breaks)]
+        run = [lines[(first + j) % n] for j in range((last - first - 1) % n + 1)]
+        arc = _arc_of(run) if len(run) >= LEAST_RUN else None
+        out += [arc] if arc is not None else run
+    return tuple(out)
+
+
+def joined(chain: Chain) -> Chain:
+    """The chain with neighbours joined that lie on one line or on one circle."""
+    out: list[Curve] = []
+    for curve in chain:
+        both = _join(out[-1], curve) if out else None
+        if both is not None:
+            out[-1] = both
+        else:
+            out.append(curve)
+    if len(out) > 1:
+        both = _join(out[-1], out[0])
+        if both is not None:
+            out[0] = both
+            out.pop()
+    return tuple(out)
+
+
+def _join(a: Curve, b: Curve) -> Curve | None:
+    if isinstance(a, Line) and isinstance(b, Line):
+        angle = abs(turn(a, b))
+        off = angle * a.length * b.length / (a.length + b.length)
+        straight = angle < PARALLEL_RAD or (angle < SHARP_RAD and off < STRAIGHT)
+        return Line(a.start, b.end) if straight else None
+    if isinstance(a, Arc) and isinstance(b, Arc):
+        apart = hypot(a.centre[0] - b.centre[0], a.centre[1] - b.centre[1])
+        same_way = a.sweep_deg * b.sweep_deg > 0
+        if apart < 1e-3 and abs(a.radius - b.radius) < 1e-3 and same_way:
+            sweep = a.sweep_deg + b.sweep_deg
+            if abs(sweep) <= 360.0 + 1e-6:
+                return Arc(a.centre, a.radius, a.start_deg, max(-360.0, min(360.0, sweep)))
+    return None
+
+
+def turn(a: Curve, b: Curve) -> float:
+    """Angle from the end of `a` to the start of `b` in radians, from -pi to pi."""
+    (ax, ay), (bx, by) = a.tangent(1.0), b.tangent(0.0)
+    return atan2(ax * by - ay * bx, ax * bx + ay * by)
+
+
+def _alike(a: Curve, b: Curve) -> bool:
+    """Whether two lines may be neighbouring chords of one circle."""
+    angle = abs(turn(a, b))
+    return (
+        radians(2) < angle < 2 * pi / LEAST_CORNERS + 0.02
+        and abs(a.length - b.length) < 0.02 * a.length + 0.01
+    )
+
+
+def _regular(lines: Chain) -> Chain | None:
+    """The full circle that all vertices of a polygon lie on."""
+    if len(lines) < LEAST_CORNERS:
+        return None
+    points = [c.start for c in lines]
+    n = len(points)
+    third = arc_by_points(points[0], points[n // 3], points[2 * n // 3])
+    if not isinstance(third, Arc) or not all(_on(third, p) for p in points):
+        return None
+    if max(c.length for c in lines) > 2 * third.radius * sin(pi / LEAST_CORNERS) + ON_CIRCLE:
+        return None
+    return (
+        Arc(third.centre, third.radius, third.start_deg, 360.0 if third.sweep_deg > 0 else -360.0),
+    )
+
+
+def _on(arc: Arc, p: Point) -> bool:
+    return abs(hypot(p[0] - arc.centre[0], p[1] - arc.centre[1]) - arc.radius) < ON_CIRCLE
+
+
+def _arc_of(run: list[Curve]) -> Arc | None:
+    middle = run[len(run) // 2].start
+    arc = arc_by_points(run[0].start, middle, run[-1].end)
+    if isinstance(arc, Arc) and all(_on(arc, c.start) for c in run):
+        return arc
+    return None
+
+
+def shape_of(chain: Chain) -> Round | Slotted | None:
+    """A circle or a slot where the chain is one; None for everything else."""
+    curves = with_arcs(chain)
+    arcs = [c for c in curves if isinstance(c, Arc)]
+    lines = [c for c in curves if isinstance(c, Line)]
+    if len(arcs) + len(lines) != len(curves) or not arcs:
+        return None
+    first = arcs[0]
+    if any(abs(a.radius - first.radius) > ON_CIRCLE for a in arcs):
+        return None
+    if not lines:
+        same = all(
+            hypot(a.centre[0] - first.centre[0], a.centre[1] - first.centre[1]) < ON_CIRCLE
+            for a in arcs
+        )
+        full = abs(abs(sum(a.sweep_deg for a in arcs)) - 360.0) < 0.5
+        return Round(first.centre, 2 * first.radius) if same and full else None
+    sweep = {2: 180.0, 4: 90.0}.get(len(arcs))
+    if len(lines) != len(arcs) or sweep is None:
+        return None
+    turns = [a.sweep_deg for a in arcs]
+    if any(abs(abs(t) - sweep) > 0.5 for t in turns) or min(turns) * max(turns) < 0:
+        return None
+    return _slotted([a.centre for a in arcs], 2 * first.radius)
+
+
+def _slotted(centres: list[Point], diameter: float) -> Slotted | None:
+    middle = (sum(c[0] for c in centres) / len(centres), sum(c[1] for c in centres) / len(centres))
+    sides = [
+        (b[0] - a[0], b[1] - a[1]) for a, b in zip(centres, centres[1:] + centres[:1], strict=True)
+    ]
+    longest = max(sides[:2], key=lambda s: hypot(*s))
+    length = hypot(*longest)
+    height = 0.0
+    if len(centres) == 4:
+        if any(abs(hypot(*sides[i]) - hypot(*sides[i + 2])) > ON_CIRCLE for i in (0, 1)):
+            return None
+        skew = sides[0][0] * sides[1][0] + sides[0][1] * sides[1][1]
+        if abs(skew) > ON_CIRCLE * length:
+            return None
+        height = min(hypot(*sides[0]), hypot(*sides[1]))
+    angle = degrees(atan2(longest[1], longest[0])) % 180.0
+    if angle > 180.0 - 1e-9 or angle < 1e-9:
+        angle = 0.0
+    return Slotted(middle, diameter, length, height if height > 1e-6 else 0.0, angle)
+
+
+@dataclass(frozen=True, slots=True)
+class Corner:
+    """A corner of a polygon, counter-clockwise, and the rounding it had."""
+
+    at: Point
+    radius: float
+    reflex: bool  #: an inner corner, as where web and flange meet
+
+
+def corners_of(chain: Chain) -> tuple[Corner, ...] | None:
+    """The sharp corners of a chain of lines and roundings; None if it is not such a polygon.
+
+    Chamfers at inner corners, as coarse tessellations have them, count as roundings.
+    """
+    curves = with_arcs(chain)
+    if not all(isinstance(c, (Line, Arc)) for c in curves):
+        return None
+    start = next((i for i, c in enumerate(curves) if isinstance(c, Line)), None)
+    if start is None:
+        return None
+    curves = curves[start:] + curves[:start]
+    sides: list[_Side] = []
+    for i, curve in enumerate(curves):
+        if isinstance(curve, Line):
+            sides.append(_Side(curve.start, curve.tangent(0.5)))
+            continue
+        assert isinstance(curve, Arc)
+        # A toe as round as the leg is thick starts at a sharp edge: its tip is a side of length 0.
+        if abs(turn(curves[i - 1], curve)) > SHARP_RAD:
+            sides.append(_Side(curve.start, curve.tangent(0.0)))
+        sides[-1].radius = max(sides[-1].radius, curve.radius)
+        if abs(turn(curve, curves[(i + 1) % len(curves)])) > SHARP_RAD:
+            sides.append(_Side(curve.end, curve.tangent(1.0)))
+    points: list[Point] = []
+    for i, side in enumerate(sides):
+        at = _meet(side, sides[(i + 1) % len(sides)])
+        if at is None:
+            return None
+        points.append(at)
+    return _unchamfered(_oriented(points, [s.radius for s in sides]))
+
+
+@dataclass(slots=True)
+class _Side:
+    """A side of a polygon, and the radius of the rounding that follows it."""
+
+    at: Point
+    way: Point
+    radius: float = 0.0
+
+
+def _side(line: Line) -> _Side:
+    return _Side(line.start, line.tangent(0.5))
+
+
+def _meet(a: _Side, b: _Side) -> Point | None:
+    """Where two sides meet when both are made longer."""
+    (px, py), (qx, qy) = a.at, b.at
+    (dx, dy), (ex, ey) = a.way, b.way
+    det = dx * ey - dy * ex
+    if abs(det) < 0.02:
+        return None
+    t = ((qx - px) * ey - (qy - py) * ex) / det
+    return px + t * dx, py + t * dy
+
+
+def _oriented(points: list[Point], radii: list[float]) -> list[Corner]:
+    n = len(points)
+    area = sum(points[i - 1][0] * points[i][1] - points[i - 1][1] * points[i][0] for i in range(n))
+    if area < 0:
+        points, radii = points[::-1], radii[::-1]
+    out = []
+    for i, (p, r) in enumerate(zip(points, radii, strict=True)):
+        a, b = points[i - 1], points[(i + 1) % n]
+        bend = (p[0] - a[0]) * (b[1] - p[1]) - (p[1] - a[1]) * (b[0] - p[0])
+        out.append(Corner(p, r, bend < 0))
+    return out
+
+
+def _unchamfered(corners: list[Corner]) -> tuple[Corner, ...]:
+    """The corners with each pair of inner ones that a chamfer joins as the corner it cuts off."""
+    n = len(corners)
+    if n < 8:
+        return tuple(corners)
+    for i in range(n):
+        a, b = corners[i], corners[(i + 1) % n]
+        if not (a.reflex and b.reflex):
+            continue
+        before, after = corners[i - 1], corners[(i + 2) % n]
+        legs = Line(before.at, a.at), Line(a.at, b.at), Line(b.at, after.at)
+        first, second = turn(legs[0], legs[1]), turn(legs[1], legs[2])
+        if abs(first - second) < 0.02 and abs(first + pi / 4) < 0.25:
+            at = _meet(_side(legs[0]), _side(legs[2]))
+            if at is None:
+                continue
+            leg = hypot(at[0] - a.at[0], at[1] - a.at[1])
+            merged = Corner(at, leg, True)
+            rest = [c for j, c in enumerate(corners) if j not in (i, (i + 1) % n)]
+            rest.insert(i if i + 1 < n else 0, merged)
+            return _unchamfered(rest)
+    return tuple(corners)

@@ -1,0 +1,304 @@
+"""Profile definitions of IFC as sections: parameterised ones by their numbers, others by form."""
+
+from dataclasses import dataclass, replace
+from math import hypot, pi
+from typing import Any
+
+from beamcam.geometry.curves import Arc, Point
+from beamcam.model.part import ProfileCode
+from beamcam.readers.ifc.curves2d import Chain, chain_of, points_chain
+from beamcam.readers.ifc.entities import Entity, Model, Unreadable
+from beamcam.readers.ifc.section import Section, classify, placed, special
+from beamcam.readers.ifc.space import Frame
+
+
+@dataclass(frozen=True, slots=True)
+class Outline:
+    """A region of the profile's plane: its border and its hollows."""
+
+    outer: Chain
+    inner: tuple[Chain, ...] = ()
+
+
+def section_of(model: Model, entity: Entity) -> Section:
+    """The section of an IfcProfileDef. Raises Unreadable where it has none."""
+    known: Section | None = model.sections.get(entity.id())
+    if known is None:
+        known = model.sections[entity.id()] = _section(model, entity)
+    return known
+
+
+def _section(model: Model, entity: Entity) -> Section:
+    if entity.is_a("IfcDerivedProfileDef"):
+        return _mapped(section_of(model, entity.ParentProfile), _operator(model, entity))
+    if entity.is_a("IfcParameterizedProfileDef"):
+        found = _parameterised(model, entity)
+        if found is not None:
+            return found
+    outline = outline_of(model, entity)
+    found = classify(outline.outer, outline.inner)
+    if found is None:
+        raise Unreadable(f"a section that is no rolled form ({entity.is_a()})")
+    return found
+
+
+def outline_of(model: Model, entity: Entity) -> Outline:
+    """The outline of an IfcProfileDef, as exact curves. Raises Unreadable."""
+    known: Outline | None = model.outlines.get(entity.id())
+    if known is None:
+        known = model.outlines[entity.id()] = _outline(model, entity)
+    return known
+
+
+def _outline(model: Model, entity: Entity) -> Outline:
+    kind = entity.is_a()
+    if entity.is_a("IfcDerivedProfileDef"):
+        parent = outline_of(model, entity.ParentProfile)
+        by = _operator(model, entity)
+        return Outline(_moved(parent.outer, by), tuple(_moved(c, by) for c in parent.inner))
+    if entity.is_a("IfcArbitraryProfileDefWithVoids"):
+        inner = tuple(chain_of(model, c) for c in entity.InnerCurves)
+        return Outline(chain_of(model, entity.OuterCurve), inner)
+    if entity.is_a("IfcArbitraryClosedProfileDef"):
+        return Outline(chain_of(model, entity.OuterCurve))
+    frame = model.axes(getattr(entity, "Position", None))
+    mm = model.mm
+    if entity.is_a("IfcCircleProfileDef"):
+        outer = _circle(entity.Radius * mm)
+        bore: tuple[Chain, ...] = ()
+        if entity.is_a("IfcCircleHollowProfileDef"):
+            bore = (_moved(_circle((entity.Radius - entity.WallThickness) * mm), frame),)
+        return Outline(_moved(outer, frame), bore)
+    if entity.is_a("IfcRectangleProfileDef"):
+        radius = 0.0
+        if entity.is_a("IfcRoundedRectangleProfileDef"):
+            radius = entity.RoundingRadius * mm
+        chain = rounded_box(entity.XDim * mm, entity.YDim * mm, radius)
+        return Outline(_moved(chain, frame))
+    if entity.is_a("IfcTrapeziumProfileDef"):
+        x, top, up = entity.BottomXDim * mm, entity.TopXDim * mm, entity.YDim * mm
+        shift = entity.TopXOffset * mm - x / 2
+        corners = [(-x / 2, -up / 2), (x / 2, -up / 2), (shift + top, up / 2), (shift, up / 2)]
+        return Outline(_moved(points_chain(corners), frame))
+    if entity.is_a("IfcParameterizedProfileDef"):
+        sharp = _sharp(model, entity)
+        if sharp is not None:
+            return Outline(_moved(points_chain(sharp), frame))
+    raise Unreadable(f"a profile by {kind}")
+
+
+def rounded_box(x: float, y: float, radius: float) -> Chain:
+    """A rectangle about the origin with round corners; a circle or a slot where nothing is left."""
+    r = min(radius, x / 2, y / 2)
+    if r <= 0:
+        return points_chain([(-x / 2, -y / 2), (x / 2, -y / 2), (x / 2, y / 2), (-x / 2, y / 2)])
+    a, b = x / 2 - r, y / 2 - r
+    from beamcam.geometry.curves import Line
+
+    arcs = [
+        Arc((a, -b), r, -90.0, 90.0),
+        Arc((a, b), r, 0.0, 90.0),
+        Arc((-a, b), r, 90.0, 90.0),
+        Arc((-a, -b), r, 180.0, 90.0),
+    ]
+    out: list[Any] = []
+    for i, arc in enumerate(arcs):
+        before = arcs[i - 1]
+        side = Line(before.end, arc.start)
+        if side.length > 1e-9:
+            out.append(side)
+        out.append(arc)
+    return tuple(out)
+
+
+def _circle(radius: float) -> Chain:
+    return (Arc((0.0, 0.0), radius, 0.0, 360.0),)
+
+
+def _moved(chain: Chain, by: Frame) -> Chain:
+    matrix = ((by.x[0], by.y[0], by.o[0]), (by.x[1], by.y[1], by.o[1]))
+    return tuple(c.transformed(matrix) for c in chain)
+
+
+def _operator(model: Model, entity: Entity) -> Frame:
+    """The map of a derived profile; a mirrored one turns about the y axis."""
+    if entity.is_a("IfcMirroredProfileDef"):
+        return Frame(x=(-1.0, 0.0, 0.0))
+    return model.operator(entity.Operator)
+
+
+def _mapped(section: Section, by: Frame) -> Section:
+    """A section under a map that keeps its form."""
+    x, y = hypot(by.x[0], by.x[1]), hypot(by.y[0], by.y[1])
+    if abs(x - y) > 1e-6 or abs(by.x[0] * by.y[0] + by.x[1] * by.y[1]) > 1e-6 or x == 0:
+        raise Unreadable("a derived profile that is stretched unevenly")
+
+    def direction(v: Point) -> Point:
+        return (
+            (by.x[0] * v[0] + by.y[0] * v[1]) / x,
+            (by.x[1] * v[0] + by.y[1] * v[1]) / x,
+        )
+
+    o = section.origin
+    origin = (
+        by.x[0] * o[0] + by.y[0] * o[1] + by.o[0],
+        by.x[1] * o[0] + by.y[1] * o[1] + by.o[1],
+    )
+    return replace(
+        section,
+        height=section.height * x,
+        width=section.width * x,
+        flange_thickness=section.flange_thickness * x,
+        web_thickness=section.web_thickness * x,
+        radius=section.radius * x,
+        origin=origin,
+        y=direction(section.y),
+        z=direction(section.z),
+        area=section.area * x * x,
+        outline=_moved(section.outline, by),
+    ).right_way()
+
+
+def _parameterised(model: Model, entity: Entity) -> Section | None:
+    """A section by the numbers of its definition; None for forms that only their outline tells."""
+    frame = model.axes(entity.Position)
+    mm = model.mm
+    centre = (frame.o[0], frame.o[1])
+    ex, ey = (frame.x[0], frame.x[1]), (frame.y[0], frame.y[1])
+
+    def number(name: str) -> float:
+        value = getattr(entity, name, None)
+        return 0.0 if value is None else value * mm
+
+    def made(code: ProfileCode, *sizes: float, y: Point = ey, z: Point = ex) -> Section:
+        h, b, tf, tw, r = sizes
+        if min(h, b, tw) <= 0 or r < 0:
+            raise Unreadable(f"a profile of impossible size {h:g} x {b:g} x {tw:g}")
+        return placed(code, (h, b, tf, tw, r), centre, y, z, _area(code, *sizes))
+
+    if entity.is_a("IfcAsymmetricIShapeProfileDef"):
+        return _asymmetric(entity, mm, made)
+    if entity.is_a("IfcIShapeProfileDef"):
+        return made(
+            "I", number("OverallDepth"), number("OverallWidth"), number("FlangeThickness"),
+            number("WebThickness"), number("FilletRadius"),
+        )  # fmt: skip
+    if entity.is_a("IfcUShapeProfileDef"):
+        return made(
+            "U", number("Depth"), number("FlangeWidth"), number("FlangeThickness"),
+            number("WebThickness"), number("FilletRadius"),
+        )  # fmt: skip
+    if entity.is_a("IfcCShapeProfileDef"):
+        wall = number("WallThickness")
+        return made(
+            "C", number("Depth"), number("Width"), wall, wall, number("InternalFilletRadius")
+        )
+    if entity.is_a("IfcTShapeProfileDef"):
+        down = (-ey[0], -ey[1])
+        return made(
+            "T", number("FlangeWidth"), number("Depth"), number("WebThickness"),
+            number("FlangeThickness"), number("FilletRadius"), y=ex, z=down,
+        )  # fmt: skip
+    if entity.is_a("IfcLShapeProfileDef"):
+        depth, thick, radius = number("Depth"), number("Thickness"), number("FilletRadius")
+        width = number("Width") or depth
+        if depth >= width:
+            return made("L", depth, width, thick, thick, radius)
+        return made("L", width, depth, thick, thick, radius, y=ex, z=ey)
+    if entity.is_a("IfcRectangleHollowProfileDef"):
+        wall = number("WallThickness")
+        x, y = number("XDim"), number("YDim")
+        radius = number("OuterFilletRadius")
+        if y >= x:
+            return made("M", y, x, wall, wall, radius)
+        return made("M", x, y, wall, wall, radius, y=ex, z=ey)
+    if entity.is_a() == "IfcRectangleProfileDef":
+        x, y = number("XDim"), number("YDim")
+        if y >= x:
+            return made("B", y, x, 0.0, x, 0.0)
+        return made("B", x, y, 0.0, y, 0.0, y=ex, z=ey)
+    if entity.is_a("IfcCircleHollowProfileDef"):
+        d, wall = 2 * number("Radius"), number("WallThickness")
+        return made("RO", d, d, wall, wall, 0.0)
+    if entity.is_a("IfcCircleProfileDef"):
+        d = 2 * number("Radius")
+        return made("RU", d, d, 0.0, d, 0.0)
+    if entity.is_a("IfcZShapeProfileDef"):
+        corners = _sharp(model, entity)
+        if corners is not None:
+            sizes = [number(n) for n in ("Depth", "FlangeWidth", "FlangeThickness", "WebThickness")]
+            return special(
+                _moved(points_chain(corners), frame),
+                _area("C", sizes[0], sizes[1], sizes[2], sizes[3], 0.0),
+            )
+    return None
+
+
+def _asymmetric(entity: Entity, mm: float, made: Any) -> Section:
+    """An I of two flanges, where these are alike."""
+    names = ("BottomFlangeWidth", "TopFlangeWidth", "BottomFlangeThickness", "TopFlangeThickness")
+    if entity.is_a("IfcIShapeProfileDef"):  # IFC2X3: the bottom flange has the inherited names
+        bottom, thick = entity.OverallWidth, entity.FlangeThickness
+        radius = entity.FilletRadius
+    else:
+        bottom, thick = getattr(entity, names[0]), getattr(entity, names[2])
+        radius = entity.BottomFlangeFilletRadius
+    top = entity.TopFlangeWidth
+    thick_top = entity.TopFlangeThickness
+    if thick_top is None:
+        thick_top = thick
+    if abs(bottom - top) * mm > 0.2 or abs(thick - thick_top) * mm > 0.2:
+        raise Unreadable("an I section of two different flanges")
+    sizes = (entity.OverallDepth, bottom, thick, entity.WebThickness, radius or 0.0)
+    found: Section = made("I", *(v * mm for v in sizes))
+    return found
+
+
+def _area(code: ProfileCode, h: float, b: float, tf: float, tw: float, r: float) -> float:
+    """Area of a section in mm2; fillets add (1 - pi/4) r2 each, rounded corners take as much."""
+    corner = (1 - pi / 4) * r * r
+    if code == "I":
+        return 2 * b * tf + (h - 2 * tf) * tw + 4 * corner
+    if code in ("U", "C"):
+        return 2 * b * tf + (h - 2 * tf) * tw + 2 * corner
+    if code == "L":
+        return h * tw + (b - tw) * tf + corner
+    if code == "T":
+        return h * tw + (b - tw) * tf + 2 * corner
+    if code == "M":
+        inner = max(0.0, r - tw)
+        return h * b - (h - 2 * tf) * (b - 2 * tw) - 4 * (corner - (1 - pi / 4) * inner * inner)
+    if code == "RO":
+        return pi * (h - tw) * tw
+    if code == "RU":
+        return pi * h * h / 4
+    return h * b
+
+
+def _sharp(model: Model, entity: Entity) -> list[Point] | None:
+    """The corners of an open parameterised profile without its fillets."""
+    mm = model.mm
+
+    def number(name: str) -> float:
+        value = getattr(entity, name, None)
+        return 0.0 if value is None else value * mm
+
+    if entity.is_a("IfcIShapeProfileDef"):
+        h, b = number("OverallDepth") / 2, number("OverallWidth") / 2
+        t, w = number("FlangeThickness"), number("WebThickness") / 2
+        half = [(b, -h), (b, t - h), (w, t - h), (w, h - t), (b, h - t), (b, h)]
+        return half + [(-x, -y) for x, y in half]
+    if entity.is_a("IfcUShapeProfileDef"):
+        h, b = number("Depth") / 2, number("FlangeWidth") / 2
+        t, w = number("FlangeThickness"), number("WebThickness") - number("FlangeWidth") / 2
+        return [(-b, -h), (b, -h), (b, t - h), (w, t - h), (w, h - t), (b, h - t), (b, h), (-b, h)]
+    if entity.is_a("IfcLShapeProfileDef"):
+        h, b, t = number("Depth"), number("Width") or number("Depth"), number("Thickness")
+        x, y = -b / 2, -h / 2
+        return [(x, y), (-x, y), (-x, y + t), (x + t, y + t), (x + t, -y), (x, -y)]
+    if entity.is_a("IfcZShapeProfileDef"):
+        h, b = number("Depth") / 2, number("FlangeWidth")
+        t, w = number("FlangeThickness"), number("WebThickness") / 2
+        half = [(-w, -h), (b - w, -h), (b - w, t - h), (w, t - h)]
+        return half + [(-x, -y) for x, y in half]
+    return None

@@ -1,0 +1,167 @@
+"""Regions of a wall: cut and joined as fine polygons, given back as lines and arcs.
+
+Arcs become polygons whose sagitta is SAGITTA; every circle is remembered, and after cutting the
+edges that lie on it become arcs again, with the centre and radius that came in.
+"""
+
+from dataclasses import dataclass, field
+from math import acos, atan2, ceil, degrees, hypot, pi, radians
+from typing import Any
+
+from beamcam.geometry.curves import Arc, Curve, Line, Point
+from beamcam.readers.ifc.curves2d import Chain
+from beamcam.readers.ifc.outline import joined, with_arcs
+
+SAGITTA = 2e-4  #: mm between an arc and its polygon
+ON_CIRCLE = 1e-3
+ELLIPSE_POINTS = 180  #: on a stretch of an ellipse, which only a skew cut leaves
+FAR = 1e7  #: mm; beyond any member
+TINY_AREA = 0.01  #: mm2 of a scrap that cutting leaves
+
+Shape = Any  #: a shapely polygon or a collection of them
+
+
+@dataclass(slots=True)
+class Circles:
+    """The circles that arcs of a member's regions lie on."""
+
+    known: list[tuple[Point, float]] = field(default_factory=list)
+
+    def add(self, centre: Point, radius: float) -> None:
+        for (x, y), r in self.known:
+            if abs(r - radius) < 1e-4 and hypot(x - centre[0], y - centre[1]) < 1e-4:
+                return
+        self.known.append((centre, radius))
+
+
+def points_of(chain: Chain, circles: Circles) -> list[Point]:
+    """The vertices of a chain's polygon; its circles are remembered."""
+    points: list[Point] = []
+    for curve in chain:
+        if isinstance(curve, Line):
+            points.append(curve.start)
+        elif isinstance(curve, Arc):
+            circles.add(curve.centre, curve.radius)
+            step = 2 * acos(max(0.0, 1 - SAGITTA / curve.radius))
+            count = max(2, ceil(radians(abs(curve.sweep_deg)) / step))
+            points += [curve.point(i / count) for i in range(count)]
+        else:
+            points += [curve.point(i / ELLIPSE_POINTS) for i in range(ELLIPSE_POINTS)]
+    return points
+
+
+def polygon_of(chain: Chain, holes: tuple[Chain, ...], circles: Circles) -> Shape:
+    """The region inside a chain, without its hollows."""
+    from shapely import Polygon
+
+    shape = Polygon(points_of(chain, circles), [points_of(h, circles) for h in holes])
+    return shape if shape.is_valid else shape.buffer(0)
+
+
+def half_plane(a: float, b: float, d: float) -> Shape:
+    """The region where a x + b y >= d, as far as any member reaches."""
+    from shapely import Polygon
+
+    by = hypot(a, b)
+    nx, ny = a / by, b / by
+    ox, oy = nx * d / by, ny * d / by
+    tx, ty = -ny * FAR, nx * FAR
+    ux, uy = nx * FAR, ny * FAR
+    return Polygon(
+        [
+            (ox - tx, oy - ty),
+            (ox - tx + ux, oy - ty + uy),
+            (ox + tx + ux, oy + ty + uy),
+            (ox + tx, oy + ty),
+        ]
+    )
+
+
+def rectangle(x0: float, y0: float, x1: float, y1: float) -> Shape:
+    from shapely import box
+
+    return box(x0, y0, x1, y1)
+
+
+def pieces_of(shape: Shape) -> list[Any]:
+    """The polygons of a region that are more than scraps, the largest first."""
+    parts = [shape] if shape.geom_type == "Polygon" else list(getattr(shape, "geoms", ()))
+    found = [p for p in parts if p.geom_type == "Polygon" and p.area > TINY_AREA]
+    return sorted(found, key=lambda p: -float(p.area))
+
+
+def cleaned(shape: Shape) -> Shape:
+    """The region without slivers thinner than 0.02 mm that touching cuts leave."""
+    from shapely import MultiPolygon
+
+    solid = [p for p in pieces_of(shape) if p.area > 0.01 * p.length]
+    return MultiPolygon(solid)
+
+
+def chain_of_ring(ring: Any, circles: Circles) -> Chain:
+    """The lines and arcs of a ring, counter-clockwise."""
+    coordinates = [(float(x), float(y)) for x, y in ring.coords][:-1]
+    points = [p for i, p in enumerate(coordinates) if _apart(p, coordinates[i - 1])]
+    n = len(points)
+    if n < 3:
+        return ()
+    area = sum(points[i - 1][0] * points[i][1] - points[i - 1][1] * points[i][0] for i in range(n))
+    if area < 0:
+        points.reverse()
+    on = [_circle_of(points[i], points[(i + 1) % n], circles) for i in range(n)]
+    start = next((i for i in range(n) if on[i] is None or on[i] != on[i - 1]), None)
+    if start is None and on[0] is not None:
+        centre, radius = circles.known[on[0]]
+        return (Arc(centre, radius, 0.0, 360.0),)
+    first = start or 0
+    out: list[Curve] = []
+    i = 0
+    while i < n:
+        k = (first + i) % n
+        kind = on[k]
+        count = 1
+        while kind is not None and i + count < n and on[(first + i + count) % n] == kind:
+            count += 1
+        a, b = points[k], points[(k + count) % n]
+        if kind is None:
+            out.append(Line(a, b))
+        else:
+            out.append(_arc(circles.known[kind], a, points[(k + 1) % n], b))
+        i += count
+    return joined(tuple(out))
+
+
+def _apart(a: Point, b: Point) -> bool:
+    return hypot(a[0] - b[0], a[1] - b[1]) > 1e-5
+
+
+def _circle_of(a: Point, b: Point, circles: Circles) -> int | None:
+    """The circle that an edge is a chord of."""
+    mx, my = (a[0] + b[0]) / 2, (a[1] + b[1]) / 2
+    for i, ((x, y), r) in enumerate(circles.known):
+        if (
+            abs(hypot(a[0] - x, a[1] - y) - r) < ON_CIRCLE
+            and abs(hypot(b[0] - x, b[1] - y) - r) < ON_CIRCLE
+            and abs(hypot(mx - x, my - y) - r) < 2 * ON_CIRCLE
+            and hypot(a[0] - b[0], a[1] - b[1]) <= 2 * r
+        ):
+            return i
+    return None
+
+
+def _arc(circle: tuple[Point, float], a: Point, then: Point, b: Point) -> Curve:
+    (x, y), r = circle
+    start = atan2(a[1] - y, a[0] - x)
+    way = (a[0] - x) * (then[1] - y) - (a[1] - y) * (then[0] - x)
+    end = atan2(b[1] - y, b[0] - x)
+    turn = (end - start) % (2 * pi) if way > 0 else -((start - end) % (2 * pi))
+    if abs(turn) * r < 0.05:  # too short to tell from a chord
+        return Line(a, b)
+    return Arc((x, y), r, degrees(start), degrees(turn))
+
+
+def chains_of(polygon: Any, circles: Circles) -> tuple[Chain, tuple[Chain, ...]]:
+    """The border of a polygon and its hollows, with arcs, each counter-clockwise."""
+    outer = with_arcs(chain_of_ring(polygon.exterior, circles))
+    inner = tuple(with_arcs(chain_of_ring(r, circles)) for r in polygon.interiors)
+    return outer, tuple(c for c in inner if c)

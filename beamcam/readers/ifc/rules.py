@@ -1,0 +1,133 @@
+"""What can be wrong with an IFC model and its members."""
+
+from beamcam.errors import Rule, Severity
+
+_E, _W, _N = Severity.ERROR, Severity.WARNING, Severity.NOTE
+
+SYNTAX = Rule(
+    "ifc-syntax",
+    _E,
+    "found no IFC model ({found}); expected a STEP file with a DATA section",
+    "The file is cut short, or is a pointer or an archive instead of the model.",
+)
+SCHEMA = Rule(
+    "ifc-schema",
+    _E,
+    "found schema {found}; expected IFC2X3, IFC4 or IFC4X3",
+    "Files of other schemas have other entities. Export the model again.",
+)
+NO_MEMBERS = Rule(
+    "ifc-no-members",
+    _W,
+    "found no steel member; expected beams, columns, members, plates or accessories",
+    "The model holds other things only. Proxies are read on request, by --class.",
+)
+NOT_FOUND = Rule(
+    "ifc-selection",
+    _E,
+    "found no member with {kind} {found}; expected one of the file's, such as {expected}",
+    "The selection names a member that is not there, perhaps by a slip of the pen.",
+)
+LEDGER = Rule(
+    "ifc-ledger",
+    _N,
+    "found {found} members: {read} read, {refused} refused, {left_out} left out, "
+    "{unselected} not selected",
+    "Every member of the file is in one of the four numbers.",
+)
+LEFT_OUT = Rule(
+    "ifc-left-out",
+    _N,
+    "found {found} members of {what}; left out, they are no steel",
+    "Concrete and timber share the classes of steel and are told by their material.",
+)
+CURVED = Rule(
+    "ifc-curved",
+    _E,
+    "found a curved member ({found}); expected a straight one",
+    "A saw line takes straight bars. Bend the member by other means, and cut it beforehand.",
+)
+TAPERED = Rule(
+    "ifc-tapered",
+    _E,
+    "found a tapered member ({found}); expected one section from end to end",
+    "A member of changing section is welded of plates; its plates are the parts.",
+)
+GEOMETRY = Rule(
+    "ifc-geometry",
+    _E,
+    "found {found}; expected a straight member with holes and cuts square to its faces",
+    "The reader takes no geometry that it does not understand as a whole.",
+)
+SECTION = Rule(
+    "ifc-section",
+    _E,
+    "found {found}; expected a rolled section, a tube or a plate",
+    "A casting, a welded group or a coarse mesh has no section that a bar of stock could have.",
+)
+PROFILE_NAME = Rule(
+    "ifc-profile-name",
+    _W,
+    "found the name {found} on a section of {size}; expected {expected} by its measures",
+    "The element's name is often left from an earlier section; the geometry counts.",
+)
+LENGTH = Rule(
+    "ifc-length",
+    _E,
+    "found a length of {found} mm in {where}; expected {expected} mm as modelled",
+    "The model's data and its geometry contradict each other. --force takes the geometry.",
+)
+WEIGHT = Rule(
+    "ifc-weight",
+    _E,
+    "found a net weight of {found} kg in {where}; expected {expected} kg by the volume",
+    "The weight differs by more than what roundings explain. --force takes the geometry.",
+)
+KERNEL = Rule(
+    "ifc-kernel",
+    _E,
+    "found {found} by the geometry kernel; expected {expected} by the definition of the member",
+    "Two ways of reading the member disagree. --force takes its definition.",
+)
+KERNEL_LOG = Rule(
+    "ifc-kernel-log",
+    _E,
+    "found an error of the geometry kernel ({found}); expected a solid without one",
+    "The kernel leaves out what it cannot build. --force takes the member as defined.",
+)
+KERNEL_DENIED = Rule(
+    "ifc-kernel-denied",
+    _W,
+    "found {found} by the geometry kernel; kept {expected}, which {witness} confirms",
+    "The kernel fails on some solids without saying so; the file's own data decides.",
+)
+PIECES = Rule(
+    "ifc-pieces",
+    _W,
+    "found {found}; expected one piece",
+    "A cut goes through a wall from edge to edge. Look whether the cut is meant.",
+)
+BOLT_HOLES = Rule(
+    "ifc-bolt-holes",
+    _W,
+    "found no holes but {found} bolts through the member; made {made} holes of {sizes}",
+    "The exporter leaves the holes to the bolts. Their diameter is the bolt's with clearance.",
+)
+BOLT_SKEW = Rule(
+    "ifc-bolt-skew",
+    _E,
+    "found a bolt {found} at {angle} degrees to face {face}; expected it square to the face",
+    "A drill comes square to the face; where the bolt is meant to go cannot be guessed.",
+)
+MARKS = Rule(
+    "ifc-mark",
+    _N,
+    "found no piece mark; took {found}",
+    "Tag, Reference and the fabrication property sets are empty.",
+)
+
+RULES = (
+    SYNTAX, SCHEMA, NO_MEMBERS, NOT_FOUND, LEDGER, LEFT_OUT, CURVED, TAPERED, GEOMETRY, SECTION,
+    PROFILE_NAME, LENGTH, WEIGHT, KERNEL, KERNEL_LOG, KERNEL_DENIED, PIECES, BOLT_HOLES, BOLT_SKEW,
+    MARKS,
+)  # fmt: skip

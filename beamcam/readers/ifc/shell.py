@@ -1,0 +1,221 @@
+"""A closed shell of planar faces: its sections, its extents, its volume.
+
+A section is cut out face by face, and what is inside is told by counting crossings, so that the
+way faces are turned does not matter and faces that lie twice on each other vanish, as they have
+to where an exporter let boxes touch in one shell.
+"""
+
+import itertools
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from beamcam.geometry.curves import Point
+from beamcam.readers.ifc.region import Circles, Shape, chains_of, cleaned, polygon_of
+from beamcam.readers.ifc.space import ORIGIN, Frame, Vec, add, cross, dot, scale, size, sub, unit
+from beamcam.readers.ifc.walls import Wall
+
+GRID = 1e-3  #: mm of the grid that section lines are joined on; cracks are narrower
+
+
+@dataclass(frozen=True, slots=True)
+class Face3:
+    """A planar face: its border, then its hollows, and its normal times its area."""
+
+    rings: tuple[tuple[Vec, ...], ...]
+    area_normal: Vec
+
+
+@dataclass(frozen=True, slots=True)
+class Shell:
+    """A solid by its faces; also a cutter."""
+
+    faces: tuple[Face3, ...]
+    where: str | None = None
+
+    @property
+    def points(self) -> list[Vec]:
+        return [p for face in self.faces for p in face.rings[0]]
+
+    @property
+    def box(self) -> tuple[Vec, Vec]:
+        points = self.points
+        low = tuple(min(p[i] for p in points) for i in range(3))
+        high = tuple(max(p[i] for p in points) for i in range(3))
+        return (low[0], low[1], low[2]), (high[0], high[1], high[2])
+
+    @property
+    def volume(self) -> float:
+        """mm3, if all faces are turned alike."""
+        return abs(sum(dot(f.rings[0][0], f.area_normal) for f in self.faces)) / 3
+
+    def moved(self, by: Frame) -> "Shell":
+        faces = []
+        for face in self.faces:
+            rings = tuple(tuple(by.point(p) for p in ring) for ring in face.rings)
+            faces.append(Face3(rings, _area_normal(rings)))
+        return Shell(tuple(faces), self.where)
+
+    def slice(self, wall: Wall, c: float, circles: Circles) -> Shape:
+        """The shell's section by the wall's plane at `c`, its arcs found again."""
+        n = wall.direction
+        across = (0.0, 0.0, 1.0) if wall.normal == "y" else (0.0, 1.0, 0.0)
+        raw = section(self, scale(n, c), n, (1.0, 0.0, 0.0), across)
+        return with_circles(raw, circles)
+
+
+def with_circles(shape: Shape, circles: Circles) -> Shape:
+    """A region whose polygon runs on circles are arcs, remembered in `circles`."""
+    from shapely import union_all
+
+    out = []
+    for piece in getattr(shape, "geoms", (shape,)):
+        if piece.is_empty:
+            continue
+        outer, inner = chains_of(piece, Circles())
+        if outer:
+            out.append(polygon_of(outer, inner, circles))
+    return union_all(out) if out else shape
+
+
+def planar_face(rings: Sequence[Sequence[Vec]]) -> Face3 | None:
+    """The face of rings in space; None where they hold no area."""
+    kept = tuple(tuple(_without_repeats(ring)) for ring in rings)
+    kept = tuple(ring for ring in kept if len(ring) >= 3)
+    if not kept:
+        return None
+    normal = _area_normal(kept)
+    return Face3(kept, normal) if size(normal) > 1e-9 else None
+
+
+def _without_repeats(ring: Sequence[Vec]) -> list[Vec]:
+    return [p for i, p in enumerate(ring) if p != ring[i - 1] or len(ring) == 1]
+
+
+def _area_normal(rings: tuple[tuple[Vec, ...], ...]) -> Vec:
+    """The normal of a face times its area, hollows taken off whichever way they run."""
+    total = _ring_normal(rings[0])
+    if size(total) == 0.0:
+        return ORIGIN
+    for ring in rings[1:]:
+        hollow = _ring_normal(ring)
+        total = sub(total, scale(hollow, 1.0 if dot(hollow, total) > 0 else -1.0))
+    return total
+
+
+def _ring_normal(ring: tuple[Vec, ...]) -> Vec:
+    total = ORIGIN
+    first = ring[0]
+    for a, b in itertools.pairwise(ring):
+        total = add(total, cross(sub(a, first), sub(b, first)))
+    return scale(total, 0.5)
+
+
+def section(shell: Shell, at: Vec, normal: Vec, u: Vec, v: Vec) -> Shape:
+    """The region in which the plane through `at` cuts the shell, in (u, v)."""
+    from shapely import union_all
+
+    segments = _segments(shell, at, normal, u, v)
+    kept: dict[tuple[Point, Point], int] = {}
+    for a, b in segments:
+        key = (a, b) if a < b else (b, a)
+        kept[key] = kept.get(key, 0) + 1
+    odd = [key for key, count in kept.items() if count % 2]
+    if not odd:
+        return union_all([])
+    inside = [c for c in _cells(list(kept)) if _crossings(odd, c.representative_point()) % 2]
+    return cleaned(union_all(inside)) if inside else union_all([])
+
+
+def _cells(lines: list[tuple[Point, Point]]) -> list[Any]:
+    """The cells that lines enclose; across cracks narrower than the grid if there are any."""
+    from shapely import LineString, polygonize_full, union_all
+
+    drawn = [LineString(key) for key in lines]
+    cells, cuts, dangles, rings = polygonize_full([union_all(drawn)])
+    if not (cuts.is_empty and dangles.is_empty and rings.is_empty):
+        cells = polygonize_full([union_all(drawn, grid_size=GRID)])[0]
+    return [c for c in cells.geoms if c.area > 1e-3]
+
+
+def _segments(shell: Shell, at: Vec, normal: Vec, u: Vec, v: Vec) -> list[tuple[Point, Point]]:
+    """Where a plane cuts the faces; a vertex on the plane counts as just above it."""
+    found: list[tuple[Point, Point]] = []
+    for face in shell.faces:
+        hits: list[Vec] = []
+        for ring in face.rings:
+            heights = [dot(sub(p, at), normal) for p in ring]
+            for i, (p, h) in enumerate(zip(ring, heights, strict=True)):
+                q, g = ring[i - 1], heights[i - 1]
+                if (h >= 0) != (g >= 0):
+                    # Both faces of an edge have to give the very same point.
+                    if g < 0:
+                        p, q, h, g = q, p, g, h
+                    hits.append(add(q, scale(sub(p, q), g / (g - h))))
+        if len(hits) < 2:
+            continue
+        along = cross(face.area_normal, normal)
+        hits.sort(key=lambda p: dot(p, along))
+        for p, q in zip(hits[::2], hits[1::2], strict=False):
+            a, b = _flat(p, at, u, v), _flat(q, at, u, v)
+            if a != b:
+                found.append((a, b))
+    return found
+
+
+def _flat(p: Vec, at: Vec, u: Vec, v: Vec) -> Point:
+    return dot(p, u) + 0.0, dot(p, v) + 0.0
+
+
+def _crossings(segments: list[tuple[Point, Point]], point: Any) -> int:
+    """How many segments a ray from a point to the right crosses."""
+    x, y = float(point.x), float(point.y)
+    count = 0
+    for (ax, ay), (bx, by) in segments:
+        if (ay > y) != (by > y) and ax + (y - ay) * (bx - ax) / (by - ay) > x:
+            count += 1
+    return count
+
+
+def longest_direction(shell: Shell) -> Vec:
+    """The direction that most of the shell's edges run along, by their length."""
+    sums: list[tuple[Vec, float]] = []
+    for face in shell.faces:
+        for ring in face.rings:
+            for i, p in enumerate(ring):
+                edge = sub(p, ring[i - 1])
+                length = size(edge)
+                if length < 1e-6:
+                    continue
+                way = scale(edge, 1 / length)
+                for k, (known, total) in enumerate(sums):
+                    if abs(dot(known, way)) > 1 - 1e-7:
+                        sums[k] = (known, total + length)
+                        break
+                else:
+                    if len(sums) < 400:
+                        sums.append((way, length))
+    if not sums:
+        return (1.0, 0.0, 0.0)
+    return max(sums, key=lambda s: s[1])[0]
+
+
+def broadest_normal(shell: Shell) -> Vec:
+    """The normal of the planes that hold most of the shell's area."""
+    sums: list[tuple[Vec, float]] = []
+    for face in shell.faces:
+        area = size(face.area_normal)
+        way = unit(face.area_normal)
+        for k, (known, total) in enumerate(sums):
+            if abs(dot(known, way)) > 1 - 1e-6:
+                sums[k] = (known, total + area)
+                break
+        else:
+            sums.append((way, area))
+    return max(sums, key=lambda s: s[1])[0]
+
+
+def extent(shell: Shell, direction: Vec) -> tuple[float, float]:
+    """Least and greatest coordinate of the shell along a unit vector."""
+    values = [dot(p, direction) for p in shell.points]
+    return min(values), max(values)
