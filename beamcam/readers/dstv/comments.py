@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 from beamcam.model.anchors import anchor_key, plane_positions
 from beamcam.model.part import Comment, Contour, Feature
-from beamcam.readers.dstv.contours import Rows
+from beamcam.readers.dstv.contour_rows import Rows
 from beamcam.readers.dstv.tokens import Block
 
 if TYPE_CHECKING:

@@ -6,220 +6,17 @@ clockwise in the numbers, unless the program that wrote the file draws them unmi
 direction of the face's outer contour tells.
 """
 
-from dataclasses import dataclass, field
-from itertools import pairwise
-from math import asin, hypot, inf, sin
-from typing import Literal
+from math import asin, hypot, sin
 
-from beamcam.errors import Severity, Source
+from beamcam.errors import Source
 from beamcam.geometry.curves import Arc, Curve, Line, Point, arc_through
 from beamcam.model.part import MIRRORED_FACES, Bevel, Contour, ContourKind, Notch, Process
 from beamcam.readers.dstv import rules
-from beamcam.readers.dstv.rows import Place
-from beamcam.readers.dstv.tokens import EDGES, LARGEST, Block, Log, RowError, numbers, tokenise
+from beamcam.readers.dstv.contour_rows import BevelPair, NotchRow, Rows
+from beamcam.readers.dstv.tokens import Log
 
-_FACE_LETTERS = frozenset("vouh")
-_NO_BEVEL = (["0.00"] * 4, ["0.00"] * 2)  #: the columns as most programs write them
-
-#: A notch corner this many radii from its arc comes of tangents that are (nearly) parallel.
-_FARTHEST_CORNER = 1000.0
 _SNAP = 0.011  #: ends this close are one point that was rounded twice
 _ARC_SLACK = 0.01  #: a radius too small by this part of itself is read as a half circle
-
-BevelPair = tuple[float, float]  #: angle in degrees, land
-NotchRow = tuple[Literal["t", "w"], Point, float]
-
-
-@dataclass(slots=True)
-class Rows:
-    """One contour as its rows say it; item i of each list belongs to the edge from point i on."""
-
-    code: str  #: A, I, K or P
-    face: str
-    edge: str
-    line: int
-    points: list[Point] = field(default_factory=list)
-    radii: list[float] = field(default_factory=list)
-    lines: list[int] = field(default_factory=list)
-    bevels: dict[int, tuple[BevelPair, ...]] = field(default_factory=dict)
-    notches: dict[int, list[NotchRow]] = field(default_factory=dict)
-    notch_lines: list[int] = field(default_factory=list)
-    edges: str = ""  #: all reference letters met
-    turned: bool = False  #: whether the contour runs against its rows
-    area: float = 0.0  #: of the polygon of its corners, as the rows draw it
-    left_out: list[int] = field(default_factory=list)  #: lines that repeat a point
-
-
-def read_contour_rows(block: Block, code: str, place: Place) -> list[Rows]:
-    """The contours of one block; a row that changes the face, or follows a closed one, begins
-    another."""
-    log = place.log
-    found: list[Rows] = []
-    rows: Rows | None = None
-    points: list[Point] = []
-    radii: list[float] = []
-    lines: list[int] = []
-    for line, row in zip(block.numbers, block.rows, strict=True):
-        # "  v   0.00u   20.00   0.00   0.00   0.00   0.00   0.00"
-        #   face, x + reference, y + t or w, radius, bevel angle, land, second angle, land
-        tokens = row.split()
-        try:
-            first = 0
-            face = tokens[0]
-            if face in _FACE_LETTERS:
-                first = 1
-                if place.fixed or face == place.face:
-                    pass
-                else:
-                    place.face = face
-                    rows = None
-            elif not place.face:
-                raise RowError(row)
-            text = tokens[first]
-            edge = text[-1]
-            if edge in EDGES:
-                x = float(text[:-1])
-            else:
-                x, edge = float(text), ""
-            y = float(tokens[first + 1])
-            rest = tokens[first + 2 :]
-            radius = float(rest[0]) if rest else 0.0
-            bevel = rest[1:]
-            if not -LARGEST < x + y + radius < LARGEST or "_" in row:
-                raise RowError(row)
-            if bevel and bevel not in _NO_BEVEL:
-                raise RowError(row)
-        except (ValueError, IndexError):
-            fields = _careful(row, line, place)
-            if fields is None:
-                continue
-            x, edge, y, notch, radius, pairs = fields
-            if rows is not None and rows.face != place.face:
-                rows = None
-        else:
-            notch, pairs = "", ()
-        if rows is None:
-            rows = Rows(code, place.face, edge, line)
-            points, radii, lines = rows.points, rows.radii, rows.lines
-            found.append(rows)
-        if edge and edge not in rows.edges:
-            rows.edges += edge
-        if notch:
-            _add_notch(rows, notch, (x, y), radius, line, log)
-            continue
-        if pairs:
-            rows.bevels[len(points)] = pairs
-        points.append((x, y))
-        radii.append(radius)
-        lines.append(line)
-    if code in "AI":
-        found = [part for rows in found for part in _split_closed(rows)]
-    return found
-
-
-def _careful(
-    row: str, line: int, place: Place
-) -> tuple[float, str, float, str, float, tuple[BevelPair, ...]] | None:
-    """x, reference, y, notch letter, radius and bevels of any row; None if no rule explains it."""
-    log = place.log
-    before = len(log.diagnostics)
-    try:
-        tokens = place.take(tokenise(row), line)
-        if len(tokens) < 2:
-            raise RowError(row)
-        rest = tokens[1:]
-        (x,) = numbers(tokens[:1], line, log)
-        edge = ""
-        if rest[0].isalpha():
-            place.refer(rest[0], line)
-            edge = rest[0] if rest[0] in EDGES else ""
-            rest = rest[1:]
-        if not rest:
-            raise RowError(row)
-        (y,) = numbers(rest[:1], line, log)
-        rest = rest[1:]
-        notch = ""
-        if rest and rest[0] in ("t", "w"):
-            notch, rest = rest[0], rest[1:]
-        values = numbers(rest, line, log)
-        if len(values) > 5:
-            raise RowError(row)
-        radius = values[0] if values else 0.0
-        pairs = _bevel_pairs(values[1:], row, line, log)
-    except RowError:
-        if not any(d.severity is Severity.ERROR for d in log.diagnostics[before:]):
-            log.add(rules.CONTOUR_FIELDS, line, found=row)
-        return None
-    return x, edge, y, notch, radius, pairs
-
-
-def _bevel_pairs(values: list[float], row: str, line: int, log: Log) -> tuple[BevelPair, ...]:
-    """Angle and land of up to two bevels. Raises RowError for an angle without its land."""
-    pairs = []
-    for i in range(0, len(values), 2):
-        angle = values[i]
-        if angle:
-            if i + 1 == len(values):
-                raise RowError(row)
-            pairs.append((angle, values[i + 1]))
-        elif values[i + 1 : i + 2] not in ([], [0.0]):
-            log.add(rules.BEVEL_ANGLE, line, land=values[i + 1])
-    return tuple(pairs)
-
-
-def _add_notch(rows: Rows, letter: str, corner: Point, radius: float, line: int, log: Log) -> None:
-    """Keep a notch row with the edge that it stands on, unless its corner lies far away."""
-    kind: Literal["t", "w"] = "t" if letter == "t" else "w"
-    near = rows.points[-1] if rows.points else corner
-    far = hypot(corner[0] - near[0], corner[1] - near[1])
-    if far > _FARTHEST_CORNER * (abs(radius) + 1):
-        log.add(rules.NOTCH_CORNER, line, x=corner[0], y=corner[1])
-        return
-    rows.notches.setdefault(len(rows.points) - 1, []).append((kind, corner, radius))
-    rows.notch_lines.append(line)
-
-
-def _split_closed(rows: Rows) -> list[Rows]:
-    """The contours of a block that holds several, one behind the other.
-
-    A contour ends where it comes back to its start, if another closed one follows; one that only
-    touches its start goes on.
-    """
-    points = rows.points
-    if not points or points.count(points[0]) == 1 + (len(points) > 1 and points[-1] == points[0]):
-        return [rows]
-    ends: list[int] = []
-    last = {point: i for i, point in enumerate(points)}
-    start = 0
-    for i, point in enumerate(points):
-        if point != points[start] or i - start < 2 or i + 1 == len(points):
-            continue
-        following = points[i + 1]
-        if following != point and last[following] > i + 1:
-            ends.append(i + 1)
-            start = i + 1
-    if not ends:
-        return [rows]
-    bounds = [0, *ends, len(points)]
-    return [_part_of(rows, low, high) for low, high in pairwise(bounds)]
-
-
-def _part_of(rows: Rows, low: int, high: int) -> Rows:
-    """The contour of the points from `low` to before `high`."""
-    first, behind = rows.lines[low], rows.lines[high] if high < len(rows.lines) else inf
-    return Rows(
-        rows.code,
-        rows.face,
-        rows.edge,
-        first,
-        rows.points[low:high],
-        rows.radii[low:high],
-        rows.lines[low:high],
-        {i - low: bevel for i, bevel in rows.bevels.items() if low <= i < high},
-        {i - low: notch for i, notch in rows.notches.items() if low <= max(i, 0) < high},
-        [n for n in rows.notch_lines if (first <= n or low == 0) and n < behind],
-        rows.edges,
-    )
 
 
 def polygon_area(points: list[Point]) -> float:
@@ -276,6 +73,9 @@ def build_contour(rows: Rows, mirrored: bool, thickness: float, log: Log) -> Con
     """
     points, radii, lines = rows.points, rows.radii, rows.lines
     bevels, notches = rows.bevels, rows.notches
+    if len(set(points)) < 2:
+        _refuse_point(rows, log)
+        return None
     if len(rows.edges) > 1:
         log.add(rules.EDGE_MIXED, rows.line, found=" ".join(rows.edges), kept=rows.edge)
     if mirrored:
@@ -283,10 +83,6 @@ def build_contour(rows: Rows, mirrored: bool, thickness: float, log: Log) -> Con
     # most contours: no point twice in a row, so that nothing is to be left out
     if any(map(tuple.__eq__, points, points[1:])):
         points, radii, lines, bevels, notches = _drop_repeated(rows, radii, log)
-    if len(points) < 2:
-        for line in lines + rows.notch_lines:
-            log.add(rules.CONTOUR_EMPTY, line, count=len(points))
-        return None
     closed = points[0] == points[-1]
     if not closed and rows.code in "AI":
         points, radii = _close(points, radii, lines, log)
@@ -309,9 +105,9 @@ def build_contour(rows: Rows, mirrored: bool, thickness: float, log: Log) -> Con
         for kind_, corner, radius in group
     ]
     if turned:
+        lines = lines[: len(points) - 1][::-1]  # of each edge, the row that it began on
         points = points[::-1]
         radii = [-r for r in radii[-2::-1]] + [0.0]
-        lines = lines[::-1]
         bevel_list = [Bevel(last - b.curve, b.angle, b.land) for b in bevel_list]
         bevel_list.sort(key=lambda b: b.curve)
         notch_list = [
@@ -336,6 +132,17 @@ def build_contour(rows: Rows, mirrored: bool, thickness: float, log: Log) -> Con
         tuple(notch_list),
         rows.edge,
     )
+
+
+def _refuse_point(rows: Rows, log: Log) -> None:
+    """Say that a contour is one point only, which is an error where an arc is asked for."""
+    lines = rows.lines + rows.notch_lines
+    radius = next((r for r in rows.radii[:-1] if r), 0.0)
+    if radius:
+        log.add(rules.CIRCLE_POINTS, rows.line, radius=radius, count=len(lines))
+    else:
+        log.add(rules.CONTOUR_EMPTY, rows.line, points=len(rows.points[:1]), count=len(lines))
+    log.left_out.extend(lines)
 
 
 def _drop_repeated(

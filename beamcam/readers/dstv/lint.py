@@ -22,7 +22,7 @@ from beamcam.model.part import (
     TextMark,
 )
 from beamcam.readers.dstv import rules
-from beamcam.readers.dstv.contours import Rows
+from beamcam.readers.dstv.contour_rows import Rows
 from beamcam.readers.dstv.tokens import Log
 
 LENGTH_TOLERANCE = 0.2  #: real files differ by up to 0.12

@@ -15,15 +15,16 @@ from beamcam.model.part import (
 )
 from beamcam.readers.dstv import rules
 from beamcam.readers.dstv.comments import Placed, place_comments
-from beamcam.readers.dstv.contours import Rows, build_contour, is_mirrored, read_contour_rows
+from beamcam.readers.dstv.contour_rows import Rows, read_contour_rows
+from beamcam.readers.dstv.contours import build_contour, is_mirrored
 from beamcam.readers.dstv.header import header_lines, read_header
+from beamcam.readers.dstv.holes import read_holes
 from beamcam.readers.dstv.lint import check
+from beamcam.readers.dstv.place import Place
 from beamcam.readers.dstv.rows import (
-    Place,
     read_bends,
     read_cambers,
     read_end_planes,
-    read_holes,
     read_info,
     read_plane,
     read_section,

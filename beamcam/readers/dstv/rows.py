@@ -1,25 +1,20 @@
-"""Rows of the blocks that are not contours: BO, SI, KA, SC, TO, UE, PR, IN and planes."""
+"""Rows of the smaller blocks: SI, KA, SC, TO, UE, PR, IN and planes."""
 
 import re
 from typing import Literal, cast
 
-from beamcam.errors import Rule, Severity, Source
-from beamcam.geometry.curves import unit_vector
+from beamcam.errors import Rule, Source
 from beamcam.model.part import (
     Bend,
     Camber,
     EndPlane,
-    Hole,
-    HoleKind,
     Plane,
     SectionPoint,
-    Slot,
     TextMark,
 )
 from beamcam.readers.dstv import rules
+from beamcam.readers.dstv.place import Place, said_error
 from beamcam.readers.dstv.tokens import (
-    EDGES,
-    LARGEST,
     Block,
     Log,
     RowError,
@@ -29,19 +24,7 @@ from beamcam.readers.dstv.tokens import (
     tokenise,
 )
 
-_FACE_LETTERS = frozenset("vouh")
-_NO_SLOT = (["0.0"] * 2, ["0.00"] * 3, ["0.00"] * 2, ["0.0"] * 3)  #: columns without the letter l
-
-Sizes = tuple[float, float, float, float, float]  #: diameter, depth, width, height, angle
 _SI_TEXT_LIMIT = 40  # DSTV NC, page 12
-
-# DSTV NC, page 10: the letter before the diameter.
-_KINDS: dict[str, HoleKind] = {
-    "g": "thread",
-    "l": "left-thread",
-    "m": "mark",
-    "s": "countersink",
-}
 
 # "  v  30.00u  134.44  0.00 025  pt56"   face, x + reference, y, angle, height + r or z, text
 _SI_ROW = re.compile(
@@ -49,199 +32,6 @@ _SI_ROW = re.compile(
     r"(?:\s+([0-9]+(?:\.[0-9]+)?)([rz])?\s*(.*))?",
     re.ASCII,
 )
-
-
-class Place:
-    """Face and reference letter of the rows of a block, each inherited from the row before."""
-
-    __slots__ = ("edge", "face", "fixed", "log", "plate")
-
-    def __init__(self, log: Log, plane: str | None, plate: bool) -> None:
-        self.log = log
-        self.fixed = plane is not None
-        self.face = plane or ""
-        self.edge = ""
-        self.plate = plate
-
-    def take(self, tokens: list[str], line: int) -> list[str]:
-        """`tokens` without the face that they may begin with. Raises RowError if none is known."""
-        if tokens and tokens[0] in _FACE_LETTERS:
-            if not self.fixed:
-                self.face = tokens[0]
-            return tokens[1:]
-        self.need(line, " ".join(tokens))
-        return tokens
-
-    def need(self, line: int, found: str) -> None:
-        """Assume v on a plate where no row named a face. Raises RowError on other sections."""
-        if self.face and not found[:1].isalpha():
-            return
-        if not self.plate or found[:1].isalpha():
-            self.log.add(rules.FACE, line, found=found)
-            raise RowError(found)
-        self.log.add(rules.FACE_ASSUMED, line)
-        self.face = "v"
-
-    def refer(self, letter: str, line: int) -> None:
-        """Note the reference letter behind x."""
-        if letter in EDGES:
-            self.edge = letter
-        elif letter in _FACE_LETTERS:
-            self.log.add(rules.EDGE, line, found=letter)
-        else:
-            raise RowError(letter)
-
-
-def read_holes(block: Block, place: Place) -> list[Hole | Slot]:
-    """The holes and slots of a block BO or Bn."""
-    features: list[Hole | Slot] = []
-    log = place.log
-    taken = log.taken
-    for line, row in zip(block.numbers, block.rows, strict=True):
-        # "  v   300.00s   50.00   18.00   0.00"   face, x + reference, y, diameter, depth
-        # "  v   115.58s   46.80   31.78   0.00l   0.00   6.40   0.00"   ... a slot's b, h, angle
-        tokens = row.split()
-        first = 0
-        if tokens[0] in _FACE_LETTERS:
-            first = 1
-            if not place.fixed:
-                place.face = tokens[0]
-        slotted = False
-        try:
-            x_text = tokens[first]
-            edge = x_text[-1]
-            x = float(x_text[:-1] if edge in EDGES else x_text)
-            sizes = tokens[first + 1 :]
-            if len(sizes) > 3:
-                slotted = sizes[2][-1] == "l"
-                if slotted:
-                    sizes[2] = sizes[2][:-1]
-                elif sizes[3:] not in _NO_SLOT:
-                    raise RowError(row)
-            values = [float(size) for size in sizes]
-            y, diameter, *more = values
-            if not (place.face and -LARGEST < x + sum(values) < LARGEST):
-                raise RowError(row)
-            if "_" in row or (len(more) != 4 if slotted else len(more) > 3):
-                raise RowError(row)
-        except (ValueError, IndexError):
-            feature = _hole(row, line, place)
-        else:
-            if edge in EDGES:
-                place.edge = edge
-            depth, width, height, angle, *_ = (*more, 0.0, 0.0, 0.0, 0.0)
-            feature = _drilled(
-                place, line, x, y, "through", (diameter, depth, width, height, angle), slotted
-            )
-        if feature is not None:
-            features.append(feature)
-            taken.append(line)
-    return features
-
-
-def _hole(row: str, line: int, place: Place) -> Hole | Slot | None:
-    """The hole or slot of any row of BO, glued ones included; None, with an error, for no such."""
-    before = len(place.log.diagnostics)
-    try:
-        x, y, kind, sizes, slotted = _hole_fields(row, line, place)
-    except RowError:
-        if not _said_error(place.log, before):
-            place.log.add(rules.HOLE_FIELDS, line, found=row)
-        return None
-    return _drilled(place, line, x, y, kind, sizes, slotted)
-
-
-def _said_error(log: Log, before: int) -> bool:
-    """Whether an error was added to the log behind its first `before` diagnostics."""
-    return any(d.severity is Severity.ERROR for d in log.diagnostics[before:])
-
-
-def _hole_fields(row: str, line: int, place: Place) -> tuple[float, float, HoleKind, Sizes, bool]:
-    """x, y, kind, sizes, and whether the row has the letter of a slot.
-
-    Raises RowError if no rule explains the row.
-    """
-    log = place.log
-    tokens = place.take(tokenise(row), line)
-    if len(tokens) < 3:
-        raise RowError(row)
-    (x,) = numbers(tokens[:1], line, log)
-    rest = tokens[1:]
-    if rest[0].isalpha():
-        place.refer(rest[0], line)
-        rest = rest[1:]
-    if len(rest) < 2:
-        raise RowError(row)
-    (y,) = numbers(rest[:1], line, log)
-    rest = rest[1:]
-    kind: HoleKind = "through"
-    if rest[0] in _KINDS:
-        kind, rest = _KINDS[rest[0]], rest[1:]
-    slotted = "l" in rest
-    head, tail = (rest[: rest.index("l")], rest[rest.index("l") + 1 :]) if slotted else (rest, [])
-    sizes = numbers(head, line, log)
-    if slotted:
-        if not 1 <= len(sizes) <= 2 or not 1 <= len(tail) <= 3:
-            raise RowError(row)
-        sizes = [*sizes, 0.0][:2] + numbers(tail, line, log)
-    if not 1 <= len(sizes) <= 5:
-        raise RowError(row)
-    diameter, depth, width, height, angle, *_ = (*sizes, 0.0, 0.0, 0.0, 0.0)
-    return x, y, kind, (diameter, depth, width, height, angle), slotted
-
-
-def _drilled(
-    place: Place, line: int, x: float, y: float, kind: HoleKind, sizes: Sizes, slotted: bool
-) -> Hole | Slot | None:
-    """The hole or slot that the values of a row mean; None, with an error, if it cannot be."""
-    diameter, depth, width, height, angle = sizes
-    log = place.log
-    if diameter < 0 or depth < 0:
-        log.add(rules.HOLE_DIAMETER, line, diameter=diameter, depth=depth)
-        return None
-    source = Source(log.file, line)
-    if width or height:
-        if not slotted:
-            log.add(rules.SLOT_LETTER, line, width=width, height=height)
-        if kind == "through" and depth:
-            kind = "blind"
-        cx, cy = slot_centre(x, y, width, height, angle)
-        return Slot(
-            place.face,
-            cx,
-            cy,
-            diameter,
-            width,
-            height,
-            angle,
-            source,
-            depth or None,
-            kind,
-            place.edge,
-        )
-    if kind == "through":
-        # DSTV NC, page 10: depth 0 means through; a diameter of 0 can only be a mark.
-        kind = "mark" if diameter == 0 else "blind" if depth else kind
-    if slotted:
-        log.add(rules.SLOT_ROUND, line)
-    cone = None
-    if angle:
-        if kind == "countersink":
-            cone = angle
-        else:
-            log.add(rules.HOLE_ANGLE, line, angle=angle)
-    return Hole(place.face, x, y, diameter, source, depth or None, kind, cone, place.edge)
-
-
-def slot_centre(
-    x: float, y: float, width: float, height: float, angle_deg: float
-) -> tuple[float, float]:
-    """Centre of a slot whose first corner circle is at x, y; sizes are between circle centres.
-
-    DSTV NC, page 11: x and y are those of the first corner circle.
-    """
-    cos_w, sin_w = unit_vector(angle_deg)
-    return x + (width * cos_w - height * sin_w) / 2, y + (width * sin_w + height * cos_w) / 2
 
 
 def read_texts(block: Block, place: Place) -> list[TextMark]:
@@ -253,7 +43,7 @@ def read_texts(block: Block, place: Place) -> list[TextMark]:
         try:
             mark = _text_mark(row, line, place)
         except RowError:
-            if not _said_error(log, before):
+            if not said_error(log, before):
                 log.add(rules.TEXT_FIELDS, line, found=row)
             continue
         if mark is not None:
@@ -323,7 +113,7 @@ def read_cambers(block: Block, place: Place) -> list[Camber]:
                 raise RowError(row)
             x, y = numbers(tokens, line, log)
         except RowError:
-            if not _said_error(log, before):
+            if not said_error(log, before):
                 log.add(rules.CAMBER_FIELDS, line, found=row)
             continue
         features.append(Camber(place.face, x, y, Source(log.file, line)))

@@ -274,8 +274,14 @@ NO_MARKING = _note(
 )
 CONTOUR_EMPTY = _warning(
     "contour-empty",
-    "found {count} different points, expected at least 2; the block makes nothing",
+    "found {points} different points, expected at least 2; {count} rows make nothing",
     "One point is no contour.",
+)
+CIRCLE_POINTS = _error(
+    "circle-points",
+    "found radius {radius:g} on a contour of one point, expected two half circles; its {count} "
+    "rows are left out",
+    "An arc from a point to itself has no centre.",
 )
 CONTOUR_OPEN = _warning(
     "contour-open",

@@ -54,7 +54,7 @@ def decode(data: bytes) -> tuple[str, str | None]:
     try:
         return data.decode("utf-8-sig"), "UTF-8"
     except UnicodeDecodeError:
-        return data.decode("latin-1"), "Latin-1"
+        return data.removeprefix(b"\xef\xbb\xbf").decode("latin-1"), "Latin-1"
 
 
 def split_lines(text: str) -> list[str]:

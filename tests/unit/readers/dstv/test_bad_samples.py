@@ -11,8 +11,8 @@ FOLDER = Path(__file__).parents[4] / "samples" / "bad" / "dstv"
 
 LINES = {
     "dstv-after-en": 35,
-    "dstv-arc-radius": 34,
-    "dstv-arc-stretched": 34,
+    "dstv-arc-radius": 33,
+    "dstv-arc-stretched": 33,
     "dstv-before-st": 1,
     "dstv-bend-fields": 33,
     "dstv-bevel-angle": 27,
@@ -22,6 +22,7 @@ LINES = {
     "dstv-block-unknown": 32,
     "dstv-camber-fields": 27,
     "dstv-circle-in-ik": 33,
+    "dstv-circle-points": 33,
     "dstv-code-case": 32,
     "dstv-code-indent": 32,
     "dstv-code-zero": 32,

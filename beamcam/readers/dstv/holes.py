@@ -1,0 +1,167 @@
+"""Holes and slots: block BO, and Bn on planes."""
+
+from beamcam.errors import Source
+from beamcam.geometry.curves import unit_vector
+from beamcam.model.part import Hole, HoleKind, Slot
+from beamcam.readers.dstv import rules
+from beamcam.readers.dstv.place import FACE_LETTERS, Place, said_error
+from beamcam.readers.dstv.tokens import EDGES, LARGEST, Block, RowError, numbers, tokenise
+
+_NO_SLOT = (["0.0"] * 2, ["0.00"] * 3, ["0.00"] * 2, ["0.0"] * 3)  #: columns without the letter l
+
+Sizes = tuple[float, float, float, float, float]  #: diameter, depth, width, height, angle
+
+# DSTV NC, page 10: the letter before the diameter.
+_KINDS: dict[str, HoleKind] = {
+    "g": "thread",
+    "l": "left-thread",
+    "m": "mark",
+    "s": "countersink",
+}
+
+
+def read_holes(block: Block, place: Place) -> list[Hole | Slot]:
+    """The holes and slots of a block BO or Bn."""
+    features: list[Hole | Slot] = []
+    log = place.log
+    taken = log.taken
+    for line, row in zip(block.numbers, block.rows, strict=True):
+        # "  v   300.00s   50.00   18.00   0.00"   face, x + reference, y, diameter, depth
+        # "  v   115.58s   46.80   31.78   0.00l   0.00   6.40   0.00"   ... a slot's b, h, angle
+        tokens = row.split()
+        first = 0
+        if tokens[0] in FACE_LETTERS:
+            first = 1
+            if not place.fixed:
+                place.face = tokens[0]
+        slotted = False
+        try:
+            x_text = tokens[first]
+            edge = x_text[-1]
+            x = float(x_text[:-1] if edge in EDGES else x_text)
+            sizes = tokens[first + 1 :]
+            if len(sizes) > 3:
+                slotted = sizes[2][-1] == "l"
+                if slotted:
+                    sizes[2] = sizes[2][:-1]
+                elif sizes[3:] not in _NO_SLOT:
+                    raise RowError(row)
+            values = [float(size) for size in sizes]
+            y, diameter, *more = values
+            if not (place.face and -LARGEST < x + sum(values) < LARGEST):
+                raise RowError(row)
+            if "_" in row or (len(more) != 4 if slotted else len(more) > 3):
+                raise RowError(row)
+        except (ValueError, IndexError):
+            feature = _hole(row, line, place)
+        else:
+            if edge in EDGES:
+                place.edge = edge
+            depth, width, height, angle, *_ = (*more, 0.0, 0.0, 0.0, 0.0)
+            feature = _drilled(
+                place, line, x, y, "through", (diameter, depth, width, height, angle), slotted
+            )
+        if feature is not None:
+            features.append(feature)
+            taken.append(line)
+    return features
+
+
+def _hole(row: str, line: int, place: Place) -> Hole | Slot | None:
+    """The hole or slot of any row of BO, glued ones included; None, with an error, for no such."""
+    before = len(place.log.diagnostics)
+    try:
+        x, y, kind, sizes, slotted = _hole_fields(row, line, place)
+    except RowError:
+        if not said_error(place.log, before):
+            place.log.add(rules.HOLE_FIELDS, line, found=row)
+        return None
+    return _drilled(place, line, x, y, kind, sizes, slotted)
+
+
+def _hole_fields(row: str, line: int, place: Place) -> tuple[float, float, HoleKind, Sizes, bool]:
+    """x, y, kind, sizes, and whether the row has the letter of a slot.
+
+    Raises RowError if no rule explains the row.
+    """
+    log = place.log
+    tokens = place.take(tokenise(row), line)
+    if len(tokens) < 3:
+        raise RowError(row)
+    (x,) = numbers(tokens[:1], line, log)
+    rest = tokens[1:]
+    if rest[0].isalpha():
+        place.refer(rest[0], line)
+        rest = rest[1:]
+    if len(rest) < 2:
+        raise RowError(row)
+    (y,) = numbers(rest[:1], line, log)
+    rest = rest[1:]
+    kind: HoleKind = "through"
+    if rest[0] in _KINDS:
+        kind, rest = _KINDS[rest[0]], rest[1:]
+    slotted = "l" in rest
+    head, tail = (rest[: rest.index("l")], rest[rest.index("l") + 1 :]) if slotted else (rest, [])
+    sizes = numbers(head, line, log)
+    if slotted:
+        if not 1 <= len(sizes) <= 2 or not 1 <= len(tail) <= 3:
+            raise RowError(row)
+        sizes = [*sizes, 0.0][:2] + numbers(tail, line, log)
+    if not 1 <= len(sizes) <= 5:
+        raise RowError(row)
+    diameter, depth, width, height, angle, *_ = (*sizes, 0.0, 0.0, 0.0, 0.0)
+    return x, y, kind, (diameter, depth, width, height, angle), slotted
+
+
+def _drilled(
+    place: Place, line: int, x: float, y: float, kind: HoleKind, sizes: Sizes, slotted: bool
+) -> Hole | Slot | None:
+    """The hole or slot that the values of a row mean; None, with an error, if it cannot be."""
+    diameter, depth, width, height, angle = sizes
+    log = place.log
+    if diameter < 0 or depth < 0:
+        log.add(rules.HOLE_DIAMETER, line, diameter=diameter, depth=depth)
+        return None
+    source = Source(log.file, line)
+    if width or height:
+        if not slotted:
+            log.add(rules.SLOT_LETTER, line, width=width, height=height)
+        if kind == "through" and depth:
+            kind = "blind"
+        cx, cy = slot_centre(x, y, width, height, angle)
+        return Slot(
+            place.face,
+            cx,
+            cy,
+            diameter,
+            width,
+            height,
+            angle,
+            source,
+            depth or None,
+            kind,
+            place.edge,
+        )
+    if kind == "through":
+        # DSTV NC, page 10: depth 0 means through; a diameter of 0 can only be a mark.
+        kind = "mark" if diameter == 0 else "blind" if depth else kind
+    if slotted:
+        log.add(rules.SLOT_ROUND, line)
+    cone = None
+    if angle:
+        if kind == "countersink":
+            cone = angle
+        else:
+            log.add(rules.HOLE_ANGLE, line, angle=angle)
+    return Hole(place.face, x, y, diameter, source, depth or None, kind, cone, place.edge)
+
+
+def slot_centre(
+    x: float, y: float, width: float, height: float, angle_deg: float
+) -> tuple[float, float]:
+    """Centre of a slot whose first corner circle is at x, y; sizes are between circle centres.
+
+    DSTV NC, page 11: x and y are those of the first corner circle.
+    """
+    cos_w, sin_w = unit_vector(angle_deg)
+    return x + (width * cos_w - height * sin_w) / 2, y + (width * sin_w + height * cos_w) / 2
