@@ -21,9 +21,15 @@ from beamcam.planning import rules
 from beamcam.planning.ends import End, leaves_stock
 from beamcam.planning.tools import Rack
 
-#: Sections with one plate behind v and h, so that a through hole is the same from either side.
-ONE_WEB = ("I", "U", "C", "L", "T", "B")
-BEHIND = {"v": "h", "h": "v"}
+#: The other side of the plate behind a face, by section: a through hole is the same from there.
+_WEB = {"v": "h", "h": "v"}
+BEHIND = {
+    **dict.fromkeys(("I", "U", "C", "T", "B"), _WEB),
+    "L": {**_WEB, "o": "u", "u": "o"},
+}
+#: Faces that a spindle has nothing or no known depth before it on: an angle has no upper flange,
+#: and a T's stem stands somewhere amid its flange.
+NOT_WORKED = {"L": ("o",), "T": ("o", "u")}
 
 
 def refuse_stock(
@@ -48,11 +54,17 @@ def refuse_stock(
                 )  # fmt: skip
 
 
+def faces_at_work(machine: Machine, profile: Profile) -> tuple[Face, ...]:
+    """The faces of a section that the machine's spindles reach."""
+    out = NOT_WORKED.get(profile.code, ())
+    return tuple(s.face for s in machine.spindles if s.face not in out)
+
+
 def face_at_work(face: Face, is_through: bool, profile: Profile, reached: Sequence[Face]) -> Face:
     """The face that a hole is made from: its own, or for a through hole the plate's other side."""
-    if face in reached or not is_through or profile.code not in ONE_WEB:
+    if face in reached or not is_through:
         return face
-    behind = BEHIND.get(face, face)
+    behind = BEHIND.get(profile.code, {}).get(face, face)
     return behind if behind in reached else face
 
 

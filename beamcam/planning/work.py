@@ -20,7 +20,13 @@ from beamcam.planning.ends import End, ends_of
 from beamcam.planning.holes import Refusal, Step, recipe
 from beamcam.planning.merging import Group, Placed, drop_duplicates, merge_pairs
 from beamcam.planning.paths import line_points, pocket_path
-from beamcam.planning.refuse import face_at_work, refuse_other, refuse_place, refuse_slot
+from beamcam.planning.refuse import (
+    face_at_work,
+    faces_at_work,
+    refuse_other,
+    refuse_place,
+    refuse_slot,
+)
 from beamcam.planning.tools import Rack, Tools
 
 SQUARE: Ends = (End("start", 0.0, 0.0), End("end", 0.0, 0.0))
@@ -98,7 +104,7 @@ class _Bench:
         self.jobs: list[Job] = []
         self.refused: dict[int, Diagnostic] = {}
         self._spindles: dict[Face, int] = {s.face: s.number for s in machine.spindles}
-        self._reached = tuple(self._spindles)
+        self._reached = faces_at_work(machine, part.profile)
         self._behind: set[int] = set()  #: features that are made from the other side
         self._places: dict[int, Point] = {}  #: where a hole is made, which a merge may move
 
