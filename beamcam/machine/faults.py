@@ -71,3 +71,37 @@ def _set_faults(key: str, tools: ToolSet) -> Iterator[Fault]:
         for size, before in zip(tools.sizes, tools.pre_drills, strict=False):
             if before >= size:
                 yield f"{key}.pre_drills", before, f"less than the thread's {size:g}"
+
+
+#: Words that a machine with a torch cannot do without.
+_TORCH_WORDS = ("traverse", "feed", "cut_on", "cut_off")
+
+
+def torch_faults(machine: Machine) -> Iterator[Fault]:
+    """Each key of a torch that contradicts another."""
+    torch, words = machine.torch, machine.words
+    if torch is None:
+        return
+    for name in _TORCH_WORDS:
+        if not getattr(words, name):
+            yield f"words.{name}", [], "a template, since there is a torch"
+    for one, other in (("arc_cw", "arc_ccw"), ("ellipse_cw", "ellipse_ccw"), ("left", "right")):
+        if bool(getattr(words, one)) != bool(getattr(words, other)):
+            yield f"words.{one}", list(getattr(words, one)), f"both {one} and {other}, or neither"
+    if not torch.rows:
+        yield "torch.rows", [], "a row for each process"
+    for process in {row.process for row in torch.rows}:
+        for name in (f"{process}_on", f"{process}_off"):
+            if not getattr(words, name):
+                yield f"words.{name}", [], f"a template, since there is a row for {process}"
+    if not any(row.process == "cut" for row in torch.rows):
+        yield "torch.rows", [row.process for row in torch.rows], "a row for cut"
+    for colour, meaning in torch.colours.items():
+        if meaning != "ignore" and not any(row.process == meaning for row in torch.rows):
+            yield f"torch.colours.{colour}", meaning, "ignore, or what has a row in torch.rows"
+    if torch.kerf_by == "machine" and not words.left:
+        yield "torch.kerf_by", torch.kerf_by, "none or offset, as there are no words for left"
+    if torch.lead != "none" and not torch.lead_in:
+        yield "torch.lead_in", torch.lead_in, "a length, since there is a lead"
+    if torch.tabs < 0:
+        yield "torch.tabs", torch.tabs, "0 or more"

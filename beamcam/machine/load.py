@@ -10,7 +10,7 @@ from typing import Any
 
 from beamcam.errors import MachineError, Source
 from beamcam.machine import rules
-from beamcam.machine.faults import tool_faults
+from beamcam.machine.faults import tool_faults, torch_faults
 from beamcam.machine.machine import WORD_NAMES, Machine
 from beamcam.machine.schema import Place, build, nearest
 
@@ -181,14 +181,18 @@ def _check(machine: Machine, place: Place) -> None:
             raise wrong(key, value, "more than 0")
         if key.endswith(_NOT_NEGATIVE) and isinstance(value, float) and value < 0:
             raise wrong(key, value, "0 or more")
-    for key, found, expected in tool_faults(machine):
+    for key, found, expected in (*tool_faults(machine), *torch_faults(machine)):
         raise wrong(key, found, expected)
     if machine.stock == "beam" and machine.layout is None:
         raise MachineError(rules.MISSING_KEY.at(place.source, expected="layout"))
+    if machine.stock == "sheet" and machine.torch is None:
+        raise MachineError(rules.MISSING_KEY.at(place.source, expected="torch"))
 
 
 _POSITIVE = ("up_to", "speed_m_min", "feed_per_turn", "_mm_min", "_rpm", "point_deg",
-             "greatest_height", "greatest_width")  # fmt: skip
+             "greatest_height", "greatest_width", "torch.length", "torch.width", "torch.tolerance",
+             "torch.gap", "torch.tab_width", "_radius", "arc_limit")  # fmt: skip
 _NOT_NEGATIVE = ("kerf", "tolerance", "clearance", "breakthrough", "_trim", "least_bar",
                  "plus", "minus", "dead_zone", "least_part", "least_remnant", "twin",
-                 "runout_pitches", "_depth", "_s")  # fmt: skip
+                 "runout_pitches", "_depth", "_s", "torch.thickness", "torch.margin",
+                 "torch.lead_in", "torch.lead_out", "least_hole", "power")  # fmt: skip

@@ -116,6 +116,16 @@ class Tool:
     hand: Literal["right", "left"] = "right"  #: of a tap
 
     @property
+    def name(self) -> str:
+        """What the shop calls it."""
+        if self.kind == "tap":
+            left = " left" if self.hand == "left" else ""
+            return f"tap M{self.diameter:g} x {self.pitch:g}{left}"
+        if self.kind == "countersink":
+            return f"countersink {self.diameter:g} at {self.point_deg:g} deg"
+        return f"{self.kind} {self.diameter:g}"
+
+    @property
     def tip(self) -> float:
         """Length of the point: radius / tan(half the point angle); 0 of a flat one."""
         if self.point_deg >= FLAT_DEG:
@@ -271,6 +281,23 @@ class Words:
     scribe_end: tuple[str, ...] = ()
     comment: str = "({text})"
 
+    traverse: tuple[str, ...] = ()  #: the head to a place, its tool off
+    feed: tuple[str, ...] = ()  #: the tool along a line
+    arc_cw: tuple[str, ...] = ()
+    arc_ccw: tuple[str, ...] = ()
+    parabola: tuple[str, ...] = ()
+    ellipse_cw: tuple[str, ...] = ()
+    ellipse_ccw: tuple[str, ...] = ()
+    cut_on: tuple[str, ...] = ()
+    cut_off: tuple[str, ...] = ()
+    mark_on: tuple[str, ...] = ()
+    mark_off: tuple[str, ...] = ()
+    engrave_on: tuple[str, ...] = ()
+    engrave_off: tuple[str, ...] = ()
+    left: tuple[str, ...] = ()  #: the controller keeps left of the contour by half a kerf
+    right: tuple[str, ...] = ()
+    straight: tuple[str, ...] = ()  #: the controller keeps on the contour again
+
 
 _STROKE_NAMES = frozenset(
     {
@@ -278,6 +305,12 @@ _STROKE_NAMES = frozenset(
         "speed",
     }
 )  # fmt: skip
+
+_TO_NAMES = frozenset({"x", "y", "feed"})
+_ARC_NAMES = _TO_NAMES | {"i", "j"}
+_ELLIPSE_NAMES = _ARC_NAMES | {"angle", "ratio"}
+_TORCH_NAMES = frozenset({"power", "pierce", "feed"})
+_SIDE_NAMES = frozenset({"kerf", "half_kerf"})
 
 #: What each template of `Words` may name.
 WORD_NAMES: dict[str, frozenset[str]] = {
@@ -294,6 +327,22 @@ WORD_NAMES: dict[str, frozenset[str]] = {
     "scribe": _STROKE_NAMES,
     "scribe_to": _STROKE_NAMES,
     "scribe_end": _STROKE_NAMES,
+    "traverse": frozenset({"x", "y"}),
+    "feed": _TO_NAMES,
+    "arc_cw": _ARC_NAMES,
+    "arc_ccw": _ARC_NAMES,
+    "parabola": _ARC_NAMES,
+    "ellipse_cw": _ELLIPSE_NAMES,
+    "ellipse_ccw": _ELLIPSE_NAMES,
+    "cut_on": _TORCH_NAMES,
+    "cut_off": frozenset(),
+    "mark_on": _TORCH_NAMES,
+    "mark_off": frozenset(),
+    "engrave_on": _TORCH_NAMES,
+    "engrave_off": frozenset(),
+    "left": _SIDE_NAMES,
+    "right": _SIDE_NAMES,
+    "straight": frozenset(),
     "comment": frozenset({"text"}),
 }
 
@@ -316,13 +365,60 @@ class ControlledAxis:
     park: float = 0.0  #: where it stands when a program begins
 
 
+TorchProcess = Literal["cut", "mark", "engrave"]
+
+
+@dataclass(frozen=True, slots=True)
+class TorchRow:
+    """How a process runs on one material up to a thickness."""
+
+    process: TorchProcess
+    up_to: float  #: thickness of the sheet
+    feed_mm_min: float
+    material: str = "*"  #: grade of the sheet, as a shell pattern
+    power: float = 0.0  #: what the words call {power}
+    pierce_s: float = 0.0  #: between the tool's start and the first move
+    kerf: float = 0.0
+
+
+@dataclass(frozen=True, slots=True)
+class Torch:
+    """The head of a machine that follows contours: a torch, a laser, an engraver.
+
+    A sheet lies with its lower left corner at X 0, Y 0.
+    """
+
+    length: float  #: of the work area, along X
+    width: float  #: along Y
+    rows: tuple[TorchRow, ...]
+    colours: Mapping[str, Literal["cut", "mark", "engrave", "ignore"]]  #: of lines, or their layers
+    thickness: float = 0.0  #: of a sheet that does not say; 0 asks for it
+    material: str = ""  #: of a sheet that does not say
+    place: Literal["corner", "drawn"] = "corner"  #: moved to the corner, or left where it is drawn
+    margin: float = 0.0  #: between the corner and the part
+    tolerance: float = 0.01  #: greatest distance of the path from the contour
+    gap: float = 0.01  #: ends of curves as near as this belong together
+    kerf_by: Literal["none", "offset", "machine"] = "none"  #: who keeps half a kerf off the contour
+    lead: Literal["none", "line", "arc"] = "none"  #: the way from the pierced hole to the contour
+    lead_in: float = 0.0
+    lead_out: float = 0.0
+    start: Literal["nearest", "drawn", "straight"] = "nearest"  #: straight: away from corners
+    direction: Literal["drawn", "climb", "conventional"] = "drawn"  #: climb: material at the right
+    tabs: int = 0  #: bridges that hold a part in the sheet
+    tab_width: float = 1.0
+    least_hole: float = 0.0  #: smallest diameter that can be cut
+    least_radius: float = 0.01  #: smallest arc that the controller takes
+    greatest_radius: float = 10000.0  #: an arc beyond is written as lines
+    arc_limit: float = 0.005  #: radii at both ends of an arc may differ by this
+
+
 @dataclass(frozen=True, slots=True)
 class Machine:
     """A machine: `beamcam machines show NAME` prints every value and where it comes from."""
 
     name: str
     title: str
-    controller: Literal["codesys"]
+    controller: Literal["codesys", "linuxcnc", "grbl"]
     stock: Literal["beam", "sheet"]
     format: NumberFormat
     words: Words
@@ -335,4 +431,5 @@ class Machine:
     pairs: tuple[Pair, ...] = ()
     tools: tuple[ToolSet, ...] = ()
     axes: tuple[ControlledAxis, ...] = ()
+    torch: Torch | None = None
     sections: Mapping[str, int] = field(default_factory=dict)  #: the program's section codes
