@@ -4,7 +4,8 @@ from dataclasses import dataclass
 from typing import Literal
 
 from beamcam.errors import Diagnostic, Source
-from beamcam.machine.machine import Tool
+from beamcam.geometry.curves import Curve, Point
+from beamcam.machine.machine import Tool, TorchRow
 from beamcam.model.part import Face, Part, Profile
 
 FeatureRef = tuple[int, int]  #: index of the piece on the bar, index of its feature
@@ -97,6 +98,17 @@ Operation = SawOp | DrillOp | PathOp
 
 
 @dataclass(frozen=True, slots=True)
+class ToolLoad:
+    """A tool put into a station."""
+
+    before: int  #: index of the operation that needs it; 0 and no `out`: before the work
+    spindle: str  #: name
+    station: int  #: counted from 1
+    tool: Tool
+    out: Tool | None = None  #: what it takes the place of
+
+
+@dataclass(frozen=True, slots=True)
 class Outcome:
     """What became of one feature."""
 
@@ -115,3 +127,54 @@ class Plan:
     operations: tuple[Operation, ...]
     outcomes: tuple[Outcome, ...]  #: one for every feature of every piece
     remarks: tuple[Diagnostic, ...] = ()
+    reloads: tuple[ToolLoad, ...] = ()  #: by hand during the work, in its order
+
+
+@dataclass(frozen=True, slots=True)
+class Pass:
+    """What the head does between one start of its tool and the end."""
+
+    lead_in: tuple[Curve, ...]  #: from the pierced hole to the contour
+    curves: tuple[Curve, ...]  #: along it
+    lead_out: tuple[Curve, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class ContourOp:
+    """A contour cut, marked or engraved, in one pass, or in several with bridges between them."""
+
+    row: TorchRow  #: the process and how it runs
+    passes: tuple[Pass, ...]  #: machine coordinates
+    closed: bool
+    depth: int  #: how many cut contours lie around it
+    side: Literal["on", "left", "right"]  #: where the controller keeps the tool, by half a kerf
+    kerf: float  #: what is compensated, by whomever
+    features: tuple[FeatureRef, ...]
+    source: Source
+
+    @property
+    def start(self) -> Point:
+        """Where the tool is started first."""
+        first = self.passes[0]
+        return (first.lead_in or first.curves)[0].start
+
+    @property
+    def end(self) -> Point:
+        """Where the tool is stopped last."""
+        last = self.passes[-1]
+        return (last.lead_out or last.curves)[-1].end
+
+
+@dataclass(frozen=True, slots=True)
+class SheetPlan:
+    """The work on one sheet, in order."""
+
+    profile: Profile
+    pieces: tuple[Piece, ...]  #: one
+    shift: Point  #: machine coordinates of the part's x 0, y 0
+    thickness: float
+    operations: tuple[ContourOp, ...]
+    outcomes: tuple[Outcome, ...]  #: one for every feature
+    remarks: tuple[Diagnostic, ...] = ()
+    reloads: tuple[ToolLoad, ...] = ()  #: by hand during the work, in its order
+    notes: tuple[str, ...] = ()  #: for whoever stands at the machine

@@ -5,7 +5,7 @@ Lengths are mm in machine coordinates, feeds mm/min, speeds rpm.
 """
 
 from dataclasses import dataclass
-from typing import Literal
+from typing import Literal, NamedTuple
 
 from beamcam.errors import Source
 
@@ -77,7 +77,89 @@ class Comment:
     text: str
 
 
-Command = StartBar | SawStroke | DrillCycle | PathCycle | Comment
+@dataclass(frozen=True, slots=True)
+class StartSheet:
+    """The sheet that the following commands work on."""
+
+    thickness: float
+
+
+@dataclass(frozen=True, slots=True)
+class ToolOn:
+    """Start the tool of a process where the head stands, and wait until it is through."""
+
+    process: Literal["cut", "mark", "engrave"]
+    feed_mm_min: float
+    power: float
+    pierce_s: float
+    source: Source
+
+
+@dataclass(frozen=True, slots=True)
+class ToolOff:
+    """Stop the tool of a process."""
+
+    process: Literal["cut", "mark", "engrave"]
+
+
+@dataclass(frozen=True, slots=True)
+class Compensate:
+    """From the next move on the controller keeps beside the contour by half the kerf."""
+
+    side: Literal["left", "right", "on"]
+    kerf: float
+
+
+class Traverse(NamedTuple):
+    """The head to a place, its tool off. A plain tuple, as a drawing has tens of thousands."""
+
+    x: float
+    y: float
+
+
+class Feed(NamedTuple):
+    """The tool along a line to a place."""
+
+    x: float
+    y: float
+
+
+class ArcFeed(NamedTuple):
+    """The tool along an arc; its centre counts from where the arc starts."""
+
+    x: float
+    y: float
+    i: float
+    j: float
+    clockwise: bool
+
+
+class ParabolaFeed(NamedTuple):
+    """The tool along a parabola, whose tangent is parallel to the chord at the vertex (i, j)."""
+
+    x: float
+    y: float
+    i: float  #: from where the parabola starts
+    j: float
+
+
+class EllipseFeed(NamedTuple):
+    """The tool along an ellipse; its centre counts from where it starts."""
+
+    x: float
+    y: float
+    i: float
+    j: float
+    angle: float  #: of the major axis, degrees
+    ratio: float  #: minor by major axis
+    clockwise: bool
+
+
+Movement = Feed | ArcFeed | ParabolaFeed | EllipseFeed
+Command = (
+    StartBar | SawStroke | DrillCycle | PathCycle | Comment
+    | StartSheet | ToolOn | ToolOff | Compensate | Traverse | Movement
+)  # fmt: skip
 
 
 @dataclass(frozen=True, slots=True)
