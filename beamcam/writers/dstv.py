@@ -47,6 +47,7 @@ def write(part: Part, tolerance: float | None = None) -> str:
 
     Numbers are rounded to 6 decimals. Curves that DSTV does not have are refused, or written as
     polylines no further than `tolerance` (mm) from them. Arcs beyond 180 degrees become several.
+    Layers, colours and a GlobalId have no place in the format and are left out.
     Raises BeamcamError for what the format cannot hold.
     """
     sheet = _Sheet(part)

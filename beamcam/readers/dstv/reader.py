@@ -1,5 +1,6 @@
 """Reading a DSTV file: lines to blocks, blocks to features, features to a part."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 
 from beamcam.errors import Source
@@ -100,12 +101,11 @@ def read_with_account(data: bytes, name: str) -> tuple[Reading, Account]:
     blocks, loose, end = _split_blocks(lines, head.end, log)
     loose = head.trailing + loose
     indented = [*head.numbers, *(n for block in blocks for n in block.numbers[:1])]
-    _note_indent(lines, indented, lines[start - 1], log)
+    _note_indent(lines, indented, log)
     content = Content()
     for block in blocks:
         _read_block(block, content, header.profile, log)
-    kept = _finish_contours(content, header.profile, log)
-    features = tuple(f for f in kept if f is not None)
+    features = tuple(_finish_contours(content, header.profile, log))
     if comments or loose:
         placed = place_comments(comments, loose, blocks, end, features, content)
     else:
@@ -169,7 +169,7 @@ def _find_start(lines: list[str], log: Log) -> tuple[int | None, list[Placed]]:
         text = line.strip()
         if text == "ST" or (text == "st" and not data):
             if data:
-                log.add(rules.BEFORE_ST, data[0][0], found=_short(data[0][1]), count=len(data))
+                log.add(rules.BEFORE_ST, data[0][0], found=data[0][1], count=len(data))
                 log.left_out.extend(number for number, _ in data)
             if text == "st":
                 log.add(rules.CODE_CASE, index + 1, found=text, block="ST")
@@ -180,15 +180,11 @@ def _find_start(lines: list[str], log: Log) -> tuple[int | None, list[Placed]]:
             data.append((index + 1, text))
     if any(line.strip() in CODES for line in lines):
         line_number, found = data[0]
-        log.add(rules.NO_ST, line_number, found=_short(found))
+        log.add(rules.NO_ST, line_number, found=found)
     else:
         line_number, found = data[0] if data else (1, "nothing")
-        log.add(rules.NOT_DSTV, line_number, found=_short(found))
+        log.add(rules.NOT_DSTV, line_number, found=found)
     return None, comments
-
-
-def _short(text: str) -> str:
-    return text if len(text) <= 40 else text[:37] + "..."
 
 
 def _split_blocks(
@@ -224,7 +220,7 @@ def _split_blocks(
                 blocks.append(Block(code, index + 1, rows, numbers))
                 continue
         if after:
-            log.add(rules.AFTER_EN, index + 1, found=_short(text))
+            log.add(rules.AFTER_EN, index + 1, found=text)
             continue
         if not blocks:
             blocks.append(Block("", index + 1, rows, numbers))
@@ -254,7 +250,7 @@ def _code(text: str, line: str, number: int, log: Log) -> str | None:
     return text if text.isupper() and line[0] not in " \t" else None
 
 
-def _note_indent(lines: list[str], numbers: list[int], start: str, log: Log) -> None:
+def _note_indent(lines: list[str], numbers: list[int], log: Log) -> None:
     """Say so at the first data line that begins without two blanks."""
     for number in numbers:
         line = lines[number - 1]
@@ -331,29 +327,26 @@ def _refuse_block(block: Block, log: Log) -> None:
     elif block.code:
         log.add(rules.BLOCK_UNKNOWN, block.line, found=block.code, count=len(block.rows))
     for line, row in zip(block.numbers, block.rows, strict=True):
-        log.add(rules.ROW_LOST, line, found=_short(row), block=block.code or "the header")
+        log.add(rules.ROW_LOST, line, found=row, block=block.code or "the header")
 
 
-def _finish_contours(content: Content, profile: Profile, log: Log) -> list[Feature | None]:
-    """The features in order, contour rows made into contours; None where one makes nothing."""
-    contours = content.contours
-    if not contours:
-        return content.features  # type: ignore[return-value]
+def _finish_contours(content: Content, profile: Profile, log: Log) -> Iterator[Feature]:
+    """The features in order, contour rows made into contours where they make one."""
     mirrored: dict[str, bool] = {}
-    for rows in contours:
+    for rows in content.contours:
         if rows.face in MIRRORED_FACES and rows.code == "A" and rows.face not in mirrored:
             mirrored[rows.face] = bool(rows.points) and is_mirrored(rows)
-    finished: list[Feature | None] = []
     for item in content.features:
         if not isinstance(item, Rows):
-            finished.append(item)
+            yield item
             continue
         flip = False
         if item.face in MIRRORED_FACES and item.points:
             known = mirrored.get(item.face)
             flip = known if known is not None else item.code in "KP" or is_mirrored(item)
-        finished.append(_contour_or_mark(item, flip, profile, log))
-    return finished
+        feature = _contour_or_mark(item, flip, profile, log)
+        if feature is not None:
+            yield feature
 
 
 def _contour_or_mark(rows: Rows, flip: bool, profile: Profile, log: Log) -> Contour | Hole | None:

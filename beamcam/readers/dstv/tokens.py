@@ -11,6 +11,7 @@ PLANE_CODES = tuple(letter + digit for letter in "EBSAIPK" for digit in "0123456
 CODES = frozenset(PLAIN_CODES + PLANE_CODES)
 
 EDGES = ("u", "o", "s")  #: reference letters of x
+_SHOWN = 80  #: characters of a row that a message shows
 LARGEST = 1e12  #: no coordinate is as large; also keeps nan and inf out
 
 # DSTV NC, page 5: a change from digit to letter or back separates as a blank does.
@@ -32,6 +33,10 @@ class Log:
     left_out: list[int] = field(default_factory=list)  #: lines that a diagnostic elsewhere counts
 
     def add(self, rule: Rule, line: int, **values: object) -> None:
+        """Say `rule` of a line, with what was found cut to a length that can be read."""
+        found = values.get("found")
+        if isinstance(found, str) and len(found) > _SHOWN:
+            values["found"] = found[: _SHOWN - 3] + "..."
         self.diagnostics.append(rule.at(Source(self.file, line), **values))
 
 

@@ -85,6 +85,11 @@ def test_end_mark_of_dos():
     assert not read(text().encode() + b"\r\n\x1a", "p.nc1").refused
 
 
+def test_messages_stay_readable():
+    (said,) = reading_of("BO", "  v " + "1 " * 10_000).diagnostics
+    assert len(str(said)) < 300
+
+
 def test_looks_like():
     assert looks_like(text().encode())
     assert looks_like(text("BO").replace("ST", "T", 1).encode())
