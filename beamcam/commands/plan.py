@@ -10,12 +10,11 @@ from beamcam.errors import BeamcamError, Diagnostic
 from beamcam.machine import load
 from beamcam.machine.machine import Machine
 from beamcam.model.part import Part
-from beamcam.model.plan import Plan
+from beamcam.model.plan import Plan, ToolLoad
 from beamcam.pipeline import DEFAULT_MACHINE, parts_of, read_file
 from beamcam.planning import SKIP_NAMES, plan_bar
 from beamcam.planning.choose import Trial, try_turns
-from beamcam.planning.explain import Explanation, explain, tool_name
-from beamcam.planning.magazine import Load
+from beamcam.planning.explain import Explanation, explain
 
 
 @click.command("plan")
@@ -133,11 +132,11 @@ def plan_lines(
     )
 
 
-def _load_line(loaded: Load) -> str:
-    into = f"{loaded.spindle} station {loaded.station}: {tool_name(loaded.tool)}"
+def _load_line(loaded: ToolLoad) -> str:
+    into = f"{loaded.spindle} station {loaded.station}: {loaded.tool.name}"
     if loaded.out is None:
         return f"tool {into}"
-    return f"change before step {loaded.before + 1}, {into} for {tool_name(loaded.out)}"
+    return f"change before step {loaded.before + 1}, {into} for {loaded.out.name}"
 
 
 def plan_record(
@@ -180,8 +179,8 @@ def plan_record(
                 "before": loaded.before,
                 "spindle": loaded.spindle,
                 "station": loaded.station,
-                "tool": tool_name(loaded.tool),
-                "out": None if loaded.out is None else tool_name(loaded.out),
+                "tool": loaded.tool.name,
+                "out": None if loaded.out is None else loaded.out.name,
             }
             for loaded in explained.loads
         ],

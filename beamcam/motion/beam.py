@@ -5,7 +5,7 @@ from typing import cast
 
 from beamcam.machine.cutting import speed_and_feed
 from beamcam.machine.machine import Axis, Machine, Tool
-from beamcam.model.plan import AS_GIVEN, DrillOp, PathOp, Plan, SawOp, SpindleOp
+from beamcam.model.plan import AS_GIVEN, DrillOp, PathOp, Plan, SawOp, SpindleOp, ToolLoad
 from beamcam.model.program import (
     Command,
     Comment,
@@ -36,7 +36,10 @@ def _commands(plan: Plan, machine: Machine) -> Iterator[Command]:
             yield Comment(f"part {index + 1}, {piece.part.mark}: {piece.turn}")
     strokes = Strokes(profile, machine)
     feeds: dict[tuple[Tool, str], tuple[float, float]] = {}
-    for op in plan.operations:
+    waiting = list(plan.reloads)
+    for index, op in enumerate(plan.operations):
+        while waiting and waiting[0].before == index:
+            yield _reload_comment(waiting.pop(0))
         if isinstance(op, SawOp):
             yield SawStroke(op.x, op.angle, saw.feed_mm_min, op.source, op.tilt)
             continue
@@ -48,6 +51,12 @@ def _commands(plan: Plan, machine: Machine) -> Iterator[Command]:
             yield _drill_cycle(op, strokes, *feeds[key])
         else:
             yield _path_cycle(op, strokes, *feeds[key])
+
+
+def _reload_comment(load: ToolLoad) -> Comment:
+    """What to put into a station by hand before the next operation."""
+    out = f" for {load.out.name}" if load.out else ""
+    return Comment(f"{load.spindle} station {load.station}: {load.tool.name}{out}")
 
 
 def _drill_cycle(op: DrillOp, strokes: Strokes, speed_rpm: float, feed_mm_min: float) -> DrillCycle:

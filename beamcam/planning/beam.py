@@ -22,7 +22,7 @@ from beamcam.model.plan import (
 from beamcam.planning import rules
 from beamcam.planning.bar import cuts_of, lay_on_bar
 from beamcam.planning.choose import best_order, choose_turn, turn_that_helps
-from beamcam.planning.magazine import reload_remarks
+from beamcam.planning.magazine import reloads
 from beamcam.planning.operations import spindle_operations
 from beamcam.planning.order import sort_along_x
 from beamcam.planning.refuse import refuse_stock
@@ -100,7 +100,8 @@ def plan_bar(
     spindle_ops = list(spindle_operations(pieces, works, drill))
     operations: list[Operation] = [*cuts_of(pieces, ends, saw), *spindle_ops]
     ordered = sort_along_x(operations, machine.format.resolution, layout.order)
-    remarks += reload_remarks(ordered, machine, parts[0].source)
+    by_hand, said = reloads(ordered, machine, parts[0].source)
+    remarks += said
     plan = Plan(
         laid[0].profile,
         pieces,
@@ -108,6 +109,7 @@ def plan_bar(
         ordered,
         tuple(_outcomes(pieces, works, spindle_ops)),
         tuple(remarks),
+        by_hand,
     )
     _balance(plan)
     return plan

@@ -3,10 +3,19 @@
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from beamcam.machine.machine import Machine, Tool
+from beamcam.machine.machine import Machine
 from beamcam.model.part import Hole
-from beamcam.model.plan import DrillOp, FeatureRef, Operation, PathOp, Plan, SawOp, SpindleOp
-from beamcam.planning.magazine import Load, tool_loads
+from beamcam.model.plan import (
+    DrillOp,
+    FeatureRef,
+    Operation,
+    PathOp,
+    Plan,
+    SawOp,
+    SpindleOp,
+    ToolLoad,
+)
+from beamcam.planning.magazine import tool_loads
 from beamcam.planning.merging import unmerged_because
 from beamcam.planning.order import changes, setup_of, travel, waits_for
 from beamcam.planning.reasons import REASONS
@@ -32,7 +41,7 @@ class Explanation:
     """A plan explained."""
 
     steps: tuple[Step, ...]
-    loads: tuple[Load, ...]  #: tools put into stations, before the work and during it
+    loads: tuple[ToolLoad, ...]  #: tools put into stations, before the work and during it
     changes: int  #: of spindle and tool
     forward: float  #: travel of the bar, mm
     back: float
@@ -69,20 +78,11 @@ def explain(plan: Plan, machine: Machine) -> Explanation:
     )
 
 
-def tool_name(tool: Tool) -> str:
-    """A tool as the shop calls it."""
-    if tool.kind == "tap":
-        return f"tap M{tool.diameter:g} x {tool.pitch:g}" + (" left" if tool.hand == "left" else "")
-    if tool.kind == "countersink":
-        return f"countersink {tool.diameter:g} at {tool.point_deg:g} deg"
-    return f"{tool.kind} {tool.diameter:g}"
-
-
 def _what(op: Operation) -> str:
     if isinstance(op, SawOp):
         tilt = f", tilt {op.tilt:g}" if op.tilt else ""
         return f"{op.purpose} cut at {op.angle:g} deg{tilt}"
-    return tool_name(op.tool)
+    return op.tool.name
 
 
 def _where(op: Operation, plan: Plan) -> str:
@@ -138,7 +138,7 @@ def _other_drills(op: DrillOp, plan: Plan, rack: Rack) -> Iterator[str]:
             off = max(abs(tool.diameter - d) for d in diameters)
             used = max(abs(op.tool.diameter - d) for d in diameters)
             because = "no nearer" if off - used <= rack.drill.twin + 1e-9 else "further off"
-            yield f"{tool_name(tool)}: {off:g} mm off, {because}"
+            yield f"{tool.name}: {off:g} mm off, {because}"
 
 
 DRILL_CODES = ("drill-exact", "drill-nearest", "drill-twin")

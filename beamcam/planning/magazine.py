@@ -10,32 +10,20 @@ throwing out the tool that is needed again last, or never:
 """
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 
 from beamcam.errors import Diagnostic, Source
 from beamcam.machine.machine import Machine, Spindle, Tool
-from beamcam.model.plan import Operation, SawOp
+from beamcam.model.plan import Operation, SawOp, ToolLoad
 from beamcam.planning import rules
 
 
-@dataclass(frozen=True, slots=True)
-class Load:
-    """A tool put into a station."""
-
-    before: int  #: index of the operation that needs it; 0 and no `out`: before the work
-    spindle: str  #: name
-    station: int  #: counted from 1
-    tool: Tool
-    out: Tool | None = None  #: what it takes the place of
-
-
-def tool_loads(operations: Sequence[Operation], machine: Machine) -> tuple[Load, ...]:
+def tool_loads(operations: Sequence[Operation], machine: Machine) -> tuple[ToolLoad, ...]:
     """Every load, those before the work first and the others in the order of work."""
     loads = [load for s in machine.spindles for load in _loads_of(operations, s)]
     return tuple(sorted(loads, key=lambda load: (load.out is not None, load.before)))
 
 
-def _loads_of(operations: Sequence[Operation], spindle: Spindle) -> Iterator[Load]:
+def _loads_of(operations: Sequence[Operation], spindle: Spindle) -> Iterator[ToolLoad]:
     needs = [
         (index, op.tool)
         for index, op in enumerate(operations)
@@ -47,29 +35,34 @@ def _loads_of(operations: Sequence[Operation], spindle: Spindle) -> Iterator[Loa
             continue
         if len(stations) < spindle.stations:
             stations.append(tool)
-            yield Load(0, spindle.name, len(stations), tool)
+            yield ToolLoad(0, spindle.name, len(stations), tool)
             continue
         later = [t for _, t in needs[at:]]
         again = [later.index(t) if t in later else len(later) for t in stations]
         station = again.index(max(again))
-        yield Load(index, spindle.name, station + 1, tool, stations[station])
+        yield ToolLoad(index, spindle.name, station + 1, tool, stations[station])
         stations[station] = tool
 
 
-def reload_remarks(
+def reloads(
     operations: Sequence[Operation], machine: Machine, source: Source
-) -> Iterator[Diagnostic]:
-    """A warning for each spindle whose stations do not hold all the tools of the work."""
+) -> tuple[tuple[ToolLoad, ...], tuple[Diagnostic, ...]]:
+    """The loads by hand during the work, in its order; and a warning for each spindle of theirs."""
     worked = [op for op in operations if op.__class__ is not SawOp]
     # Tools come from one rack, so there are no more tools than there are objects.
     objects = {id(op.tool) for op in worked}  # type: ignore[union-attr]
     if len(objects) <= min((s.stations for s in machine.spindles), default=0):
-        return
+        return (), ()
+    found = tuple(load for load in tool_loads(operations, machine) if load.out is not None)
+    remarks = []
     for spindle in machine.spindles:
-        count = len({op.tool for op in worked if spindle.face in op.faces})  # type: ignore[union-attr]
-        if count > spindle.stations:
-            changes = sum(load.out is not None for load in _loads_of(operations, spindle))
-            yield rules.RELOAD.at(
-                source, found=count, stations=spindle.stations, spindle=spindle.name,
-                changes=changes,
+        changed = sum(load.spindle == spindle.name for load in found)
+        if changed:
+            count = len({op.tool for op in worked if spindle.face in op.faces})  # type: ignore[union-attr]
+            remarks.append(
+                rules.RELOAD.at(
+                    source, found=count, stations=spindle.stations, spindle=spindle.name,
+                    changes=changed,
+                )
             )  # fmt: skip
+    return found, tuple(remarks)
