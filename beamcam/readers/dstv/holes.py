@@ -7,7 +7,13 @@ from beamcam.readers.dstv import rules
 from beamcam.readers.dstv.place import FACE_LETTERS, Place, said_error
 from beamcam.readers.dstv.tokens import EDGES, LARGEST, Block, RowError, numbers, tokenise
 
-_NO_SLOT = (["0.0"] * 2, ["0.00"] * 3, ["0.00"] * 2, ["0.0"] * 3)  #: columns without the letter l
+_NO_SLOT: tuple[list[str], ...] = (
+    [],
+    ["0.0"] * 2,
+    ["0.00"] * 3,
+    ["0.00"] * 2,
+    ["0.0"] * 3,
+)  #: columns behind a depth without l
 
 Sizes = tuple[float, float, float, float, float]  #: diameter, depth, width, height, angle
 
@@ -24,47 +30,62 @@ def read_holes(block: Block, place: Place) -> list[Hole | Slot]:
     """The holes and slots of a block BO or Bn."""
     features: list[Hole | Slot] = []
     log = place.log
-    taken = log.taken
     for line, row in zip(block.numbers, block.rows, strict=True):
-        # "  v   300.00s   50.00   18.00   0.00"   face, x + reference, y, diameter, depth
-        # "  v   115.58s   46.80   31.78   0.00l   0.00   6.40   0.00"   ... a slot's b, h, angle
         tokens = row.split()
-        first = 0
         if tokens[0] in FACE_LETTERS:
-            first = 1
             if not place.fixed:
                 place.face = tokens[0]
-        slotted = False
+            del tokens[0]
         try:
-            x_text = tokens[first]
-            edge = x_text[-1]
-            x = float(x_text[:-1] if edge in EDGES else x_text)
-            sizes = tokens[first + 1 :]
-            if len(sizes) > 3:
-                slotted = sizes[2][-1] == "l"
-                if slotted:
-                    sizes[2] = sizes[2][:-1]
-                elif sizes[3:] not in _NO_SLOT:
-                    raise RowError(row)
-            values = [float(size) for size in sizes]
-            y, diameter, *more = values
-            if not (place.face and -LARGEST < x + sum(values) < LARGEST):
-                raise RowError(row)
-            if "_" in row or (len(more) != 4 if slotted else len(more) > 3):
-                raise RowError(row)
+            feature: Hole | Slot | None = _plain_hole(tokens, line, place)
         except (ValueError, IndexError):
             feature = _hole(row, line, place)
-        else:
-            if edge in EDGES:
-                place.edge = edge
-            depth, width, height, angle, *_ = (*more, 0.0, 0.0, 0.0, 0.0)
-            feature = _drilled(
-                place, line, x, y, "through", (diameter, depth, width, height, angle), slotted
-            )
         if feature is not None:
             features.append(feature)
-            taken.append(line)
+            log.taken.append(line)
     return features
+
+
+def _plain_hole(tokens: list[str], line: int, place: Place) -> Hole | Slot:
+    """The hole or slot of a row as most programs write it, `tokens` being what follows the face.
+
+    Raises ValueError or IndexError for any other row, which says nothing about its being right.
+    """
+    # "  v   300.00s   50.00   18.00   0.00"   face, x + reference, y, diameter, depth
+    # "  v   115.58s   46.80   31.78   0.00l   0.00   6.40   0.00"   ... a slot's b, h, angle
+    text = tokens[0]
+    edge = text[-1]
+    if edge in EDGES:
+        x = float(text[:-1])
+    else:
+        x, edge = float(text), place.edge
+    y, diameter = float(tokens[1]), float(tokens[2])
+    depth = 0.0
+    sizes = None
+    if len(tokens) > 3:
+        text = tokens[3]
+        if text[-1] == "l":
+            depth = float(text[:-1])
+            width, height, angle = map(float, tokens[4:])
+            sizes = (diameter, depth, width, height, angle)
+        elif tokens[4:] in _NO_SLOT:
+            depth = float(text)
+        else:
+            raise RowError(text)
+    total = x + y + (sum(sizes) if sizes else diameter + depth)
+    if not -LARGEST < total < LARGEST or diameter < 0 or depth < 0 or not place.face:
+        raise RowError(text)
+    if "_" in "".join(tokens):
+        raise RowError(text)
+    place.edge = edge
+    if sizes is not None:
+        if not (sizes[2] or sizes[3]):
+            raise RowError(text)
+        return _slot(place, line, x, y, "through", sizes)
+    # DSTV NC, page 10: depth 0 means through; a diameter of 0 can only be a mark.
+    kind: HoleKind = "mark" if diameter == 0 else "blind" if depth else "through"
+    source = Source(place.log.file, line)
+    return Hole(place.face, x, y, diameter, source, depth or None, kind, None, edge)
 
 
 def _hole(row: str, line: int, place: Place) -> Hole | Slot | None:
@@ -126,22 +147,7 @@ def _drilled(
     if width or height:
         if not slotted:
             log.add(rules.SLOT_LETTER, line, width=width, height=height)
-        if kind == "through" and depth:
-            kind = "blind"
-        cx, cy = slot_centre(x, y, width, height, angle)
-        return Slot(
-            place.face,
-            cx,
-            cy,
-            diameter,
-            width,
-            height,
-            angle,
-            source,
-            depth or None,
-            kind,
-            place.edge,
-        )
+        return _slot(place, line, x, y, kind, sizes)
     if kind == "through":
         # DSTV NC, page 10: depth 0 means through; a diameter of 0 can only be a mark.
         kind = "mark" if diameter == 0 else "blind" if depth else kind
@@ -154,6 +160,18 @@ def _drilled(
         else:
             log.add(rules.HOLE_ANGLE, line, angle=angle)
     return Hole(place.face, x, y, diameter, source, depth or None, kind, cone, place.edge)
+
+
+def _slot(place: Place, line: int, x: float, y: float, kind: HoleKind, sizes: Sizes) -> Slot:
+    """The slot whose first corner circle is at x, y."""
+    diameter, depth, width, height, angle = sizes
+    if kind == "through" and depth:
+        kind = "blind"
+    cx, cy = slot_centre(x, y, width, height, angle)
+    source = Source(place.log.file, line)
+    return Slot(
+        place.face, cx, cy, diameter, width, height, angle, source, depth or None, kind, place.edge
+    )
 
 
 def slot_centre(

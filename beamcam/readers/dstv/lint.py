@@ -8,7 +8,7 @@ import re
 from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import pairwise
-from math import atan2, degrees, hypot, pi
+from math import atan2, degrees, hypot, inf, pi
 
 from beamcam.geometry.curves import Arc, Box, Point, join_boxes
 from beamcam.model.part import (
@@ -41,6 +41,14 @@ class _Outline:
     points: list[Point]  #: corners, the first one again at the end
     box: Box
     arcs: list[Arc]
+
+    @property
+    def is_rectangle(self) -> bool:
+        """Whether it is a rectangle along the axes."""
+        if len(self.points) != 5 or self.arcs:
+            return False
+        x0, y0, x1, y1 = self.box
+        return set(self.points) == {(x0, y0), (x1, y0), (x1, y1), (x0, y1)}
 
     @property
     def edges(self) -> Iterator[tuple[Point, Point]]:
@@ -194,41 +202,58 @@ def _check_circle(contour: Contour, log: Log) -> None:
 def _check_holes(part: Part, outers: dict[str, list[_Outline]], log: Log) -> None:
     """Holes and texts in the air, holes that are there twice, those that are probably marks."""
     seen: dict[object, int] = {}
+    regions: dict[str, _Region] = {}
     for hole in part.features:
         if isinstance(hole, Hole):
             line = hole.source.line or 0
-            if hole.diameter <= LARGEST_MARK and hole.kind in ("through", "blind"):
-                log.add(rules.HOLE_SMALL, line, diameter=hole.diameter)
             key = (hole.face, hole.x, hole.y, hole.diameter, hole.kind, hole.depth)
             first = seen.setdefault(key, line)
             if first != line:
                 place = {"x": hole.x, "y": hole.y, "diameter": hole.diameter}
                 log.add(rules.HOLE_DUPLICATE, line, first=first, **place)
-        elif not isinstance(hole, Slot):
-            if isinstance(hole, TextMark) and len(hole.face) == 1:
-                _check_text(part, outers.get(hole.face), hole, log)
+            if hole.diameter <= LARGEST_MARK and hole.kind in ("through", "blind"):
+                log.add(rules.HOLE_SMALL, line, diameter=hole.diameter)
+        elif not isinstance(hole, Slot | TextMark):
             continue
-        face = hole.face
-        if len(face) == 1 and not _in_material(part, outers.get(face), face, hole.x, hole.y):
+        face, x, y = hole.face, hole.x, hole.y
+        if len(face) > 1:
+            continue  # the file gives no extent of a plane
+        region = regions.get(face)
+        if region is None:
+            region = regions[face] = _region(part, outers.get(face), face)
+        x0, y0, x1, y1 = region.box
+        inside = x0 <= x <= x1 and y0 <= y <= y1
+        if isinstance(hole, TextMark):
+            if not inside:
+                log.add(rules.TEXT_OUTSIDE, hole.source.line or 0, x=x, y=y, face=face)
+        elif not inside or (
+            region.outlines and not any(_contains(outline, x, y) for outline in region.outlines)
+        ):
             what = "a hole" if isinstance(hole, Hole) else "a slot"
-            line = hole.source.line or 0
-            log.add(rules.HOLE_OUTSIDE, line, what=what, x=hole.x, y=hole.y, face=face)
+            log.add(rules.HOLE_OUTSIDE, hole.source.line or 0, what=what, x=x, y=y, face=face)
 
 
-def _in_material(
-    part: Part, outlines: list[_Outline] | None, face: str, x: float, y: float
-) -> bool:
-    """Whether a point of a face lies in its outlines, or where it has none in the raw section."""
-    if outlines is not None:
-        return any(_contains(outline, x, y) for outline in outlines)
-    return _in_box((0.0, 0.0, part.length, _face_width(part.profile, face)), x, y)
+@dataclass(slots=True)
+class _Region:
+    """Where a face has material."""
+
+    box: Box  #: around it, a little wider
+    outlines: list[_Outline]  #: empty where the box says it all
 
 
-def _in_box(box: Box, x: float, y: float) -> bool:
-    """Whether a point lies in a box or close to it; one without height says nothing about y."""
+def _region(part: Part, outlines: list[_Outline] | None, face: str) -> _Region:
+    """The material of a face: its outlines, or the raw section where it has none."""
+    if outlines is None:
+        width = _face_width(part.profile, face)
+        box = (0.0, 0.0, part.length, width) if width else (0.0, -inf, part.length, inf)
+        outlines = []
+    else:
+        box = join_boxes([outline.box for outline in outlines]) or outlines[0].box
+        if len(outlines) == 1 and outlines[0].is_rectangle:
+            outlines = []
     x0, y0, x1, y1 = box
     slack = EDGE_TOLERANCE
-    return x0 - slack <= x <= x1 + slack and (y0 == y1 or y0 - slack <= y <= y1 + slack)
+    return _Region((x0 - slack, y0 - slack, x1 + slack, y1 + slack), outlines)
 
 
 def _face_width(profile: Profile, face: str) -> float:
@@ -239,16 +264,6 @@ def _face_width(profile: Profile, face: str) -> float:
     if profile.code == "B" and face in ("o", "u"):  # the edge of a plate; its width is often 0
         return max(width, profile.web_thickness or 0.0)
     return width
-
-
-def _check_text(part: Part, outlines: list[_Outline] | None, mark: TextMark, log: Log) -> None:
-    """Note a text that begins off its face."""
-    box = (0.0, 0.0, part.length, _face_width(part.profile, mark.face))
-    if outlines is not None:
-        box = join_boxes([outline.box for outline in outlines]) or box
-    if not _in_box(box, mark.x, mark.y):
-        line = mark.source.line or 0
-        log.add(rules.TEXT_OUTSIDE, line, x=mark.x, y=mark.y, face=mark.face)
 
 
 def _contains(outline: _Outline, x: float, y: float) -> bool:
