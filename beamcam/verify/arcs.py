@@ -26,7 +26,8 @@ def arc_fault(start: Point, end: Point, centre: Point, resolution: float) -> str
     """What is wrong with an arc about `centre` as its numbers stand; None if nothing is.
 
     `resolution` is the step of the numbers: start, end and centre may each be half of it off in
-    x and in y, so honest radii differ by up to 2 sqrt(2) / 2 of it, and no more.
+    x and in y, which is sqrt(2) / 2 of it, and the centre counts in both radii; so honest radii
+    differ by up to 4 sqrt(2) / 2 of it, and no more.
     """
     radius = dist(start, centre)
     if radius <= resolution:
@@ -34,7 +35,7 @@ def arc_fault(start: Point, end: Point, centre: Point, resolution: float) -> str
     if start == end:
         return None
     difference = abs(radius - dist(end, centre))
-    if difference > sqrt(2) * resolution + 1e-9:
+    if difference > 2 * sqrt(2) * resolution + 1e-9:
         return f"whose radii at start and end differ by {difference:.4g}"
     off = _off_bisector(start, end, centre)
     if off > CENTRE_SHARE * radius:

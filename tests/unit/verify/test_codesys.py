@@ -1,0 +1,102 @@
+"""The interpreter of CODESYS: modal state, arcs and what the controller does not do."""
+
+from math import isnan, nan
+
+import pytest
+
+from beamcam.machine.machine import NumberFormat
+from beamcam.verify.blocks import read_blocks
+from beamcam.verify.codesys import run
+from beamcam.verify.events import Event, Move, Pause, Switch, Turn
+
+FORM = NumberFormat(feed_unit="mm/s")
+
+
+def events(text: str) -> list[Event]:
+    blocks, said = read_blocks(text, "a")
+    found, more = run(blocks, "a", FORM)
+    assert said + more == []
+    return found
+
+
+def messages(text: str) -> list[str]:
+    blocks, _ = read_blocks(text, "a")
+    return [str(d) for d in run(blocks, "a", FORM)[1]]
+
+
+def test_moves_are_modal_and_feeds_count_a_minute() -> None:
+    first, second, third = events("G00 X1 Y2 Z3\nG01 X4 F5\nY6")
+    assert first == Move(1, True, (nan, nan, nan), (1.0, 2.0, 3.0), 0.0) or isnan(first.start[0])  # type: ignore[union-attr]
+    assert second == Move(2, False, (1.0, 2.0, 3.0), (4.0, 2.0, 3.0), 300.0)
+    assert third == Move(3, False, (4.0, 2.0, 3.0), (4.0, 6.0, 3.0), 300.0)
+
+
+def test_relative_and_absolute() -> None:
+    moves = events("G00 X1 Y1 Z1\nG91\nG00 X2\nX-1 Y3\nG90\nX0")
+    assert [m.end for m in moves] == [(1, 1, 1), (3, 1, 1), (2, 4, 1), (0, 4, 1)]  # type: ignore[union-attr]
+
+
+def test_switches_and_pauses() -> None:
+    assert events("M40 K13 L14\nG04 T0.5") == [Switch(1, 40, {"K": 13.0, "L": 14.0}), Pause(2, 0.5)]
+
+
+@pytest.mark.parametrize(("text", "centre", "sweep"), [
+    ("G03 X0 Y10 I-10 J0", (0, 0), 90),
+    ("G02 X0 Y10 I-10 J0", (0, 0), -270),
+    ("G03 X10 Y0 I-10 J0", (0, 0), 360),
+    ("G98\nG03 X0 Y10 I0 J0", (0, 0), 90),
+    ("G98\nG99\nG03 X0 Y10 I-10 J0", (0, 0), 90),
+    ("G03 X0 Y10 R10", (0, 0), 90),
+    ("G02 X0 Y10 R10", (10, 10), -90),
+    ("G03 X-10 Y0 R10", (0, 0), 180),
+])  # fmt: skip
+def test_arcs(text: str, centre: tuple[float, float], sweep: float) -> None:
+    turn = events("G00 X10 Y0 Z0\n" + text)[-1]
+    assert isinstance(turn, Turn)
+    assert turn.centre == pytest.approx(centre)
+    assert turn.sweep_deg == pytest.approx(sweep)
+
+
+@pytest.mark.parametrize(("text", "said"), [
+    ("X5", "a:1: error verify-word: found words without a command; expected G or M"),
+    ("G04 K5", "a:1: error verify-word: found G04; expected T with seconds"),
+    ("G54 X10", "a:1: error verify-word: found G54; expected G00 to G04, G40, G50, G53, G75, G90, "
+                "G91, G98 or G99"),
+    ("G90 X10", "a:1: error verify-word: found X behind G90; expected no word there"),
+    ("G01 X1 K5", "a:1: error verify-word: found K behind G01; expected no such word there"),
+    ("G91\nG00 X5", "a:2: error verify-word: found a relative move from nowhere; "
+                    "expected an absolute place (G90) before"),
+])  # fmt: skip
+def test_what_the_controller_does_not_do(text: str, said: str) -> None:
+    assert said in messages(text)
+
+
+@pytest.mark.parametrize(("text", "fault"), [
+    ("G02 X5 Y5 I5 J0", "that starts nowhere"),
+    ("G00 X0 Y0 Z0\nG02 X5 Y5 I9 J0", "whose radii at start and end differ by 2.597"),
+    ("G00 X0 Y0 Z0\nG02 X10 Y0 R4", "of radius 4 over a chord of 10"),
+    ("G00 X0 Y0 Z0\nG02 X10 Y0 R-8", "of radius -8"),
+    ("G00 X0 Y0 Z0\nG02 X0 Y0 R8", "by R whose end is its start"),
+    ("G00 X0 Y0 Z0\nG02 X10 Y0", "without I, J or R"),
+    ("G00 X0 Y0 Z0\nG02 X10 Y0 R8 I5", "with R as well as I and J"),
+])  # fmt: skip
+def test_arcs_that_would_be_lines(text: str, fault: str) -> None:
+    (said,) = messages(text)
+    assert f"error verify-arc: found an arc {fault}; expected one that start" in said
+
+
+@pytest.mark.parametrize(("text", "count"), [
+    ("M08\n" * 64, 0),
+    ("M08\n" * 65, 1),
+    ("G00 X1\n" + "M08\n" * 64 + "G00 X2\n" + "M08\n" * 64, 0),
+    ("M08\n" * 64 + "G75\n" + "M08\n" * 64, 0),
+    ("M08\n" * 64 + "G90\n" + "M08\n", 1),
+    ("M08\n" * 60 + "G04 T1\n" * 5, 0),  # the fifth is said at the next M word
+    ("M08\n" * 60 + "G04 T1\n" * 4 + "M08\n", 1),
+    ("G00 X1\n" + "M08\n" * 64 + "G00 X1\n" + "M08\n", 1),  # a move to where it stands is none
+    ("M08\n" * 200, 1),
+])  # fmt: skip
+def test_64_m_words_in_a_row(text: str, count: int) -> None:
+    said = messages(text)
+    assert len(said) == count
+    assert all("verify-m-queue: found 65 M words in a row; expected at most 64" in s for s in said)

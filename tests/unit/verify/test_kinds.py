@@ -1,0 +1,252 @@
+"""Threads, sinks, punches, slots and scribed lines, in programs written by hand."""
+
+from dataclasses import replace
+from math import cos, hypot, pi, sin
+
+import pytest
+
+from beamcam.errors import Source
+from beamcam.geometry.curves import Arc, Line
+from beamcam.machine import load
+from beamcam.model.part import Contour, Feature, Hole, Part, Slot
+from beamcam.verify import verify
+from tests.unit.verify.programs import IPE200
+
+PUSHER = load("beamline-pusher")
+PLACE = Source("P2.nc1", 40)
+
+# The blade is 1.6 thick and counts 90 degrees as square; the part starts at bar x 15 and the
+# saw stands 1250 behind the drills, so a hole at x 300 is at X 315 and the cuts at 1264.2 and
+# 1250 + 15 + 1000 + 0.8.
+FRAME = """\
+% P2
+G90
+M44 K100 L200
+M43 K1
+{work}G00 X1264.2
+M42 K90 L0
+G00 X2265.8
+M42 K90 L0
+M30
+%
+"""
+APPROACH = "G00 X{x} Y{y} Z-5\nG00 X{x} Y{y} Z42.2\n"
+ON, OFF = "M03\nM08\n", "M09\nM05\n"
+
+
+def stroke(choice: str, x: float, y: float, z: float, feed: float, turns: bool = True) -> str:
+    """A stroke on the web: its surface is at Z 47.2, and Y counts from its middle downwards."""
+    place = {"x": f"{x:g}", "y": f"{100 - y:g}"}
+    down = f"G01 X{x:g} Y{100 - y:g} Z{z:.3f} F{feed}\nG00 X{x:g} Y{100 - y:g} Z-5\n"
+    return f"{choice}\n{APPROACH.format(**place)}{ON if turns else ''}{down}{OFF if turns else ''}"
+
+
+def tapped(x: float, y: float, z: float, pitch: str = "1.75") -> str:
+    place = {"x": f"{x:g}", "y": f"{100 - y:g}"}
+    at = f"X{x:g} Y{100 - y:g}"
+    return (
+        f"M45 K2 L12\nM46 K{pitch}\n{APPROACH.format(**place)}{ON}G01 {at} Z{z} F6.189\nM04\n"
+        f"G01 {at} Z42.2 F6.189\nG00 {at} Z-5\n{OFF}"
+    )
+
+
+def led(choice: str, points: list[tuple[float, float]], z: float, feed: float, turns: bool) -> str:
+    """A tool led along points of the web."""
+    (x, y), *rest = points
+    text = f"{choice}\n{APPROACH.format(x=f'{x:.3f}', y=f'{100 - y:.3f}')}{ON if turns else ''}"
+    for px, py in points:
+        text += f"G01 X{px:.3f} Y{100 - py:.3f} Z{z:.3f} F{feed}\n"
+    px, py = rest[-1]
+    return text + f"G00 X{px:.3f} Y{100 - py:.3f} Z-5\n{OFF if turns else ''}"
+
+
+def messages(work: str, *features: Feature) -> list[str]:
+    piece = Part("P2", IPE200, 1000.0, Source("P2.nc1", 1), features=features)
+    text = FRAME.format(work=work)
+    return [str(d) for d in verify(text, (piece,), PUSHER, (), "P2.gcode")]
+
+
+def web(kind: str, diameter: float, depth: float | None = None, angle: float | None = None) -> Hole:
+    return Hole("v", 300.0, 80.0, diameter, PLACE, depth, kind, angle)  # type: ignore[arg-type]
+
+
+# A 10.2 drill has a point of 3.064, so it is through the 5.6 mm of the web from 8.664 on.
+PRE = stroke("M40 K2 L10.2", 315, 80, 47.2 + 5.6 + 2 + 3.064, 2.913)
+THREAD = web("thread", 12.0)
+# The tap's point is one of 118 degrees too where the machine says nothing else.
+TAP = tapped(315, 80, 56.8)
+
+
+def test_a_thread_is_a_drilled_hole_and_a_tap() -> None:
+    assert messages(PRE + TAP, THREAD) == []
+
+
+def test_a_thread_without_its_tap() -> None:
+    assert messages(PRE, THREAD) == [
+        "P2.nc1:40: error verify-hole-missing: found no thread M12 on face v of P2 at x 300, "
+        "y 80; expected one at X 315"
+    ]
+
+
+def test_a_thread_without_its_drill() -> None:
+    assert messages(TAP, THREAD) == [
+        "P2.nc1:40: error verify-hole-missing: found no hole before the thread M12 on face v of "
+        "P2 at x 300, y 80; expected one at X 315"
+    ]
+
+
+def test_a_thread_of_another_pitch() -> None:
+    fine = tapped(315, 80, 56.8, pitch="1.5").replace("F6.189", "F5.305")
+    assert messages(PRE + fine, THREAD) == [
+        "P2.gcode:20: error verify-tool: found a tap of pitch 1.5 for the thread M12 on face v of "
+        "P2 at x 300, y 80; expected pitch 1.75"
+    ]
+
+
+def test_a_tap_has_to_be_screwed_out() -> None:
+    stuck = TAP.replace("M04\n", "")
+    assert [m.split("; ")[0] for m in messages(PRE + stuck, THREAD)] == [
+        "P2.gcode:21: error verify-turn: found a feed into the material with M03"
+    ]
+
+
+def test_a_drill_that_turns_as_a_tap_does_on_its_way_out() -> None:
+    wrong = stroke("M40 K2 L22", 315, 80, 47.2 + 5.6 + 2 + 6.609, 1.688).replace("M03", "M04")
+    assert messages(wrong, web("through", 22.0)) == [
+        "P2.gcode:10: error verify-turn: found a feed into the material with M04; expected M03"
+    ]
+
+
+def test_a_drill_in_place_of_the_tap() -> None:
+    second = stroke("M40 K2 L12", 315, 80, 47.2 + 5.6 + 2 + 3.605, 2.476)
+    assert {m.split(": ")[1] for m in messages(PRE + second, THREAD)} == {
+        "error verify-hole-extra", "error verify-hole-missing",
+    }  # fmt: skip
+
+
+SUNK = (web("through", 14.0), web("countersink", 20.0, None, 90.0))
+THROUGH_14 = stroke("M40 K2 L14", 315, 80, 47.2 + 5.6 + 2 + 4.206, 2.122)
+SINK_FEED = 0.573  # 18 m/min at 20 mm, 0.12 mm a turn
+
+
+@pytest.mark.parametrize(("depth", "said"), [
+    (10.0, []),  # a cone of 90 degrees is 20 wide where its tip is 10 deep
+    (8.0, ["P2.gcode:19: error verify-depth: found the countersink 20 on face v of P2 at x 300, "
+           "y 80 made 8.000 mm deep; expected 10.000"]),
+])  # fmt: skip
+def test_a_countersink_is_as_wide_as_its_cone_is_deep(depth: float, said: list[str]) -> None:
+    sink = stroke("M47 K2 L20", 315, 80, 47.2 + depth, SINK_FEED)
+    assert messages(THROUGH_14 + sink, *SUNK) == said
+
+
+def test_a_punch_mark_is_made_with_the_spindle_standing() -> None:
+    mark = web("mark", 0.0, 0.0)
+    punched = stroke("M48 K2 L3", 315, 80, 48.2, 33.333, turns=False)
+    assert messages(punched, mark) == []
+    assert messages("", mark) == [
+        "P2.nc1:40: error verify-hole-missing: found no punch mark on face v of P2 at x 300, "
+        "y 80; expected one at X 315"
+    ]
+
+
+SLOT = Slot("v", 300.0, 80.0, 18.0, 30.0, 0.0, 0.0, PLACE)
+MILL_FEED = 4.476  # 90 m/min at 16 mm, 0.15 mm a turn
+
+
+def ring(radius: float, half: float = 15.0, shift: float = 0.0) -> list[tuple[float, float]]:
+    """The path of a mill round a slot 30 long, from the middle of its right end."""
+    right = [(half + radius * cos(t), radius * sin(t)) for t in _angles(-pi / 2, pi / 2)]
+    left = [(-half + radius * cos(t), radius * sin(t)) for t in _angles(pi / 2, 3 * pi / 2)]
+    points = [(half, 0.0), *right, *left, right[0], (half, 0.0)]
+    return [(315 + x + shift, 80 + y) for x, y in points]
+
+
+def _angles(start: float, end: float) -> list[float]:
+    return [start + (end - start) * i / 48 for i in range(49)]
+
+
+def slot(path: list[tuple[float, float]], z: float = 47.2 + 7.6, choice: str = "M49 K2 L16") -> str:
+    return led(choice, path, z, MILL_FEED, True)
+
+
+def test_a_slot_is_milled_round() -> None:
+    assert messages(slot(ring(1.0)), SLOT) == []
+
+
+def test_the_ends_of_a_slot_may_be_drilled_before() -> None:
+    ends = "".join(stroke("M40 K2 L18", x, 80, 47.2 + 5.6 + 2 + 5.408, 1.650) for x in (300, 330))
+    assert messages(ends + slot(ring(1.0)), SLOT) == []
+
+
+@pytest.mark.parametrize(("path", "off"), [
+    (ring(1.5), "0.500"),  # cut too wide
+    (ring(0.5), "0.501"),  # not cleared
+    (ring(1.0, shift=2.0), "2.000"),
+    (ring(1.0, half=10.0), "5.000"),
+    (ring(1.0)[:60], "2.000"),  # only one side of it
+])  # fmt: skip
+def test_a_slot_that_is_not_the_parts(path: list[tuple[float, float]], off: str) -> None:
+    said = messages(slot(path), SLOT)
+    assert len(said) == 1
+    assert said[0] == (
+        f"P2.gcode:10: error verify-path: found the path of the slot 48 x 18 of P2 {off} mm off; "
+        "expected it within 0.022 mm"
+    )
+
+
+def test_a_slot_of_the_wrong_depth_and_tool() -> None:
+    assert messages(slot(ring(1.0), 47.2 + 4), SLOT) == [
+        "P2.gcode:10: error verify-depth: found the slot 48 x 18 on face v of P2 at x 300, y 80 "
+        "made 4.000 mm deep; expected at least 5.600"
+    ]
+    wide = slot(ring(0.5), choice="M49 K2 L17")
+    assert messages(wide, SLOT) == [
+        "P2.gcode:10: error verify-tool: found a mill 17 for the slot 48 x 18 on face v of P2 at "
+        "x 300, y 80; expected one of 8, 12, 16, 20"
+    ]
+
+
+def test_a_slot_twice_and_none() -> None:
+    once = slot(ring(1.0))
+    assert messages(once + once, SLOT) == [
+        "P2.gcode:119: error verify-path-extra: found a path of a mill on face v from X 330, y 80; "
+        "expected none there"
+    ]
+    assert messages("", SLOT) == [
+        "P2.nc1:40: error verify-not-made: found nothing that makes the slot 48 x 18 of P2; "
+        "expected it to be made, or skipped by name"
+    ]
+
+
+def test_a_blind_slot_has_to_be_cleared_inside() -> None:
+    blind = replace(SLOT, diameter=40.0, depth=3.0)
+    outer = ring(12.0)
+    assert "verify-path" in messages(slot(outer, 50.2), blind)[0]
+    inner = outer + [p for r in (6.0, 1.0) for p in ring(r)]
+    assert messages(slot(inner, 50.2), blind) == []
+
+
+def test_a_rapid_move_along_a_slot_is_none() -> None:
+    text = slot(ring(1.0)).replace("G01 X331", "G00 X331", 1)
+    said = messages(text, SLOT)
+    assert any("verify-sideways" in m for m in said)
+
+
+LINE = Contour("v", "open", (Line((200.0, 50.0), (260.0, 90.0)), Arc((260.0, 100.0), 10.0, 270.0, 90.0)), PLACE, "mark", False)  # fmt: skip  # noqa: E501
+
+
+def test_a_line_is_scribed_along_its_curves() -> None:
+    arc = [LINE.curves[1].point(i / 20) for i in range(1, 21)]
+    path = [(15 + x, y) for x, y in ((200.0, 50.0), (260.0, 90.0), *arc)]
+    scribe = led("M50 K2 L1", path, 47.5, 66.667, False)
+    assert messages(scribe, LINE) == []
+    back = led("M50 K2 L1", path[::-1], 47.5, 66.667, False)
+    assert [m for m in messages(back, LINE) if "verify-path" in m] == []
+    short = led("M50 K2 L1", path[:-3], 47.5, 66.667, False)
+    missing = hypot(path[-1][0] - path[-4][0], path[-1][1] - path[-4][1])
+    (said,) = messages(short, LINE)
+    head, _, tail = said.partition(" P2 ")
+    assert head == "P2.gcode:8: error verify-path: found the path of the line to mark of"
+    off, _, expected = tail.partition(" mm off; ")
+    assert float(off) == pytest.approx(missing, abs=0.002)
+    assert expected == "expected it within 0.022 mm"
