@@ -163,7 +163,7 @@ def inch_size(text: str) -> float:
         total = sum(Fraction(word) for word in text.split())
     except (ValueError, ZeroDivisionError) as error:
         raise ValueError(f"{text!r} is no size in inches") from error
-    return float(total) * MM_PER_INCH
+    return round(float(total) * MM_PER_INCH, 6)
 
 
 @dataclass(frozen=True, slots=True)

@@ -29,7 +29,7 @@ from beamcam.planning.turning import TURNS, Turn, lies, turn_between, turned
 from beamcam.planning.work import Work, work_on
 
 EXACT_ORDER = 9  #: parts whose best order is searched for among all
-LEAST_GAIN_S = 0.05  #: by which a turned part has to be faster than as given
+LEAST_GAIN_S = 1.0  #: a turn that gains less is not worth the lifting
 
 
 @dataclass(frozen=True, slots=True)
@@ -110,7 +110,7 @@ def choose_turn(part: Part, machine: Machine, skips: Collection[str]) -> Choice:
     given = trials[0]
     if not made or made == [given]:
         return Choice(part, AS_GIVEN, ())
-    best = min(made, key=lambda t: (t.seconds or 0.0, TURNS.index(t.turn)))
+    best = min(made, key=lambda t: (round((t.seconds or 0.0) / LEAST_GAIN_S), TURNS.index(t.turn)))
     if given.seconds is not None:
         gain = given.seconds - (best.seconds or 0.0)
         if gain < LEAST_GAIN_S:

@@ -71,8 +71,8 @@ class Turn:
 TURNS = (
     Turn(AS_GIVEN, False, False, False),
     Turn("turned 180 about its length", False, True, True),
-    Turn("turned end for end, web up", False, True, False),
-    Turn("turned end for end, upright", False, False, True),
+    Turn("turned end for end", False, True, False),
+    Turn("turned over, end for end", False, False, True),
     Turn("turned 90 about its length", True, True, False),
     Turn("turned 270 about its length", True, False, True),
     Turn("turned end for end and 90", True, False, False),

@@ -1,0 +1,137 @@
+"""Flange holes that are one stroke, holes that are written twice, and what may not be merged."""
+
+from dataclasses import replace
+from typing import Any
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from beamcam.machine import load
+from beamcam.model.plan import DrillOp
+from beamcam.planning import plan_bar
+from beamcam.planning.merging import drop_duplicates, merge_pairs, unmerged_because
+from tests.unit.planning.shop import hole, part, plan
+
+
+def spindles(*features: Any) -> list[int]:
+    found = plan(part(*features), machine="beamline")
+    return sorted(op.spindle for op in found.operations if isinstance(op, DrillOp))
+
+
+TOP = hole(500, 40, 18, "o")
+
+
+@pytest.mark.parametrize(
+    ("change", "merged"),
+    [
+        ({}, True),
+        ({"x": 500.1}, True),
+        ({"y": 39.95}, True),
+        ({"x": 500.11}, False),
+        ({"y": 40.2}, False),
+        ({"diameter": 18.02}, True),
+        ({"diameter": 18.1}, False),
+        ({"diameter": 22.0}, False),
+        ({"depth": 5.0, "kind": "blind"}, False),
+    ],
+)
+def test_a_pair(change: dict[str, Any], merged: bool) -> None:
+    other = replace(TOP, face="u", **change)
+    assert spindles(TOP, other) == ([13] if merged else [1, 3])
+
+
+def test_a_merged_stroke_stands_between_its_holes() -> None:
+    found = plan(part(TOP, replace(TOP, face="u", x=500.1, y=39.9)), machine="beamline")
+    (op,) = (op for op in found.operations if isinstance(op, DrillOp))
+    assert op.x == pytest.approx(778.56 + 20 + 500.05)
+    assert op.y == pytest.approx(39.95)
+    assert op.reasons == ("drill-exact", "merge-pair")
+    assert [o.how for o in found.outcomes] == ["made", "merged"]
+
+
+def test_one_flange_alone_is_not_merged() -> None:
+    assert spindles(TOP) == [1]
+    assert spindles(TOP, replace(TOP, x=600)) == [1, 1]
+
+
+def test_a_machine_without_the_pair_drills_one_by_one() -> None:
+    machine = replace(load("beamline"), pairs=())
+    found = plan_bar([part(TOP, replace(TOP, face="u"))], machine)
+    assert sorted(op.spindle for op in found.operations if isinstance(op, DrillOp)) == [1, 3]
+
+
+def test_each_hole_finds_the_nearest_partner() -> None:
+    near, far = replace(TOP, face="u", x=500.02), replace(TOP, face="u", x=500.09)
+    found = plan(part(TOP, far, near), machine="beamline")
+    assert {o.feature[1]: o.how for o in found.outcomes} == {0: "made", 1: "made", 2: "merged"}
+
+
+def test_holes_of_different_parts_are_never_merged() -> None:
+    bar = plan(part(TOP), part(replace(TOP, face="u")), machine="beamline")
+    assert sorted(op.spindle for op in bar.operations if isinstance(op, DrillOp)) == [1, 3]
+
+
+@pytest.mark.parametrize(
+    ("change", "how"),
+    [
+        ({}, "duplicate"),
+        ({"x": 500.01}, "duplicate"),
+        ({"x": 500.02}, "made"),
+        ({"diameter": 22.0}, "made"),
+        ({"kind": "blind", "depth": 4.0}, "made"),
+    ],
+)
+def test_a_hole_that_is_written_twice(change: dict[str, Any], how: str) -> None:
+    found = plan(part(TOP, replace(TOP, **change)), machine="beamline")
+    assert [o.how for o in found.outcomes] == ["made", how]
+
+
+def test_a_repeat_of_a_hole_that_cannot_be_made_cannot_be_made() -> None:
+    large = hole(500, diameter=60)
+    found = plan(part(large, large, large), machine="beamline", skips=("tool",))
+    assert [o.by for o in found.outcomes] == ["plan-tool"] * 3
+
+
+SITES = st.tuples(
+    st.sampled_from("ouv"), st.sampled_from((500.0, 500.05, 500.12, 501.0)),
+    st.sampled_from((40.0, 40.06)), st.sampled_from((18.0, 18.01, 22.0)),
+)  # fmt: skip
+
+
+@settings(max_examples=300, deadline=None)
+@given(st.lists(SITES, max_size=9))
+def test_every_hole_is_in_one_group(sites: list[tuple[str, float, float, float]]) -> None:
+    machine = load("beamline")
+    assert machine.drill is not None
+    holes = [((0, i), hole(x, y, d, face)) for i, (face, x, y, d) in enumerate(sites)]
+    kept, repeats = drop_duplicates(holes, machine.drill.duplicate_tolerance)
+    assert {ref for ref, _ in kept} | set(repeats) == {ref for ref, _ in holes}
+    assert all(first in kept for first in repeats.values())
+    groups = list(merge_pairs(kept, machine, machine.drill))
+    assert sorted(ref for group in groups for ref, _ in group) == sorted(ref for ref, _ in kept)
+    assert {len(group) for group in groups} <= {1, 2}
+    # Nothing that could be a pair is left apart.
+    alone = [group[0][1] for group in groups if len(group) == 1]
+    for a in alone:
+        for b in alone:
+            if a.face == "o" and b.face == "u":
+                assert unmerged_because(a, b, machine.drill) is not None
+
+
+@pytest.mark.parametrize(
+    ("change", "because"),
+    [
+        ({"x": 501.0}, "x 500 and 501"),
+        ({"y": 42.0}, "y 40 and 42"),
+        ({"kind": "blind", "depth": 4.0}, "kind through and blind"),
+        ({"depth": 4.0}, "depth through and 4"),
+        ({"diameter": 22.0}, "diameter 18 and 22"),
+        ({"x": 700.0}, None),
+        ({}, None),
+    ],
+)
+def test_why_two_holes_are_not_one_stroke(change: dict[str, Any], because: str | None) -> None:
+    drill = load("beamline").drill
+    assert drill is not None
+    assert unmerged_because(TOP, replace(TOP, face="u", **change), drill) == because

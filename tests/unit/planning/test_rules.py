@@ -1,0 +1,181 @@
+"""Every message of the planner, as it stands on the screen."""
+
+from dataclasses import replace
+
+import pytest
+
+from beamcam.errors import PlanError
+from beamcam.geometry.curves import Line
+from beamcam.machine import load
+from beamcam.model.part import Bend, Bevel, Contour, EndCuts, Part, Slot, TextMark
+from beamcam.planning import SKIP_NAMES, plan_bar
+from beamcam.planning.rules import RULES, SKIPPABLE
+from tests.unit.planning.shop import BEAM, CHANNEL, SOURCE, TUBE, hole, part
+
+Points = tuple[tuple[float, float], ...]
+
+
+def outline(points: Points, **more: object) -> Contour:
+    """An outer contour on v through points, closed."""
+    chain = tuple(Line(a, b) for a, b in zip(points, (*points[1:], points[0]), strict=True))
+    return Contour("v", "outer", chain, SOURCE, **more)  # type: ignore[arg-type]
+
+
+SQUARE: Points = ((0, 0), (3000, 0), (3000, 300), (0, 300))
+SKEW: Points = ((0, 0), (3000, 0), (2900, 300), (0, 300))
+COPED: Points = ((0, 0), (3000, 0), (3000, 260), (2900, 260), (2900, 300), (0, 300))
+LINE = Contour("v", "open", (Line((100, 50), (200, 50)),), SOURCE, "mark", False)
+HOUSE = Contour("v", "inner", (Line((1, 2), (61, 2)), Line((61, 2), (1, 42)),
+                               Line((1, 42), (1, 2))), SOURCE)  # fmt: skip
+THREAD = hole(500, diameter=16, kind="thread", depth=2.0)
+MITRED = part(cuts=EndCuts(web_start=30.0, web_end=30.0))
+
+#: Code, machine, parts and options, and the message.
+Case = tuple[str, str, tuple[Part, ...], dict[str, object], str]
+CASES: tuple[Case, ...] = (
+    ("plan-no-parts", "beamline", (), {}, "found no part; expected at least one"),
+    ("plan-stock", "beamline", (part(profile=TUBE),), {},
+     "found a part of profile code M; beamline takes I, U, L"),
+    ("plan-mixed-profiles", "beamline", (part(), part(profile=CHANNEL)), {},
+     "found profile UPN200; expected IPE300, as the first part on the bar"),
+    ("plan-section", "beamline", (part(profile=replace(BEAM, height=1005.0)),), {},
+     "found a section of 1005 x 150 mm; the drill takes at most 1000 x 500 mm (height x width)"),
+    ("plan-saw-angle", "beamline", (part(cuts=EndCuts(web_end=-50.0)),), {},
+     "found a cut of -50 degrees at the end; the saw turns from -45 to 60"),
+    ("plan-flange-cut", "beamline", (part(cuts=EndCuts(flange_start=10.0)),), {},
+     "found a flange cut of 10 degrees at the start; expected 0, the blade does not tilt"),
+    ("plan-flange-cut", "beamline-pusher", (part(cuts=EndCuts(flange_start=-10.0)),), {},
+     "found a flange cut of -10 degrees at the start; expected a tilt from 0 to 45"),
+    ("plan-compound", "simple", (part(cuts=EndCuts(web_end=10.0, flange_end=20.0)),), {},
+     "found a cut of 10 degrees on the web and 20 on the flange at the end; expected one of them, "
+     "the saw cannot turn and tilt at once"),
+    ("plan-cut-denied", "beamline", (part(outline(SKEW), cuts=EndCuts(web_end=-9.0)),), {},
+     "found a web cut of -9 degrees at the end where the contour has 18.435"),
+    ("plan-cut-from-contour", "beamline", (part(outline(SKEW)),), {},
+     "found no web cut in the header at the end; the contour's 18.435 degrees are sawn"),
+    ("plan-bar-short", "beamline", (part(length=1000.0),), {},
+     "found a bar of 1024.040 mm; expected at least 1200 mm, give --bar if the stock is longer"),
+    ("plan-bar-long", "beamline-pusher", (part(length=15400.0),), {},
+     "found a bar of 15696.600 mm; expected at most 15500 mm"),
+    ("plan-bar-full", "beamline-pusher", (part(),), {"bar": 3200.0},
+     "found parts, kerfs, trims and dead zone of 3296.600 mm; expected at most the bar's "
+     "3200.000 mm"),
+    ("plan-part-short", "beamline-pusher", (part(length=100.0),), {},
+     "found a part of 100.000 mm; expected at least 120 mm"),
+    ("plan-remnant", "beamline-pusher", (part(),), {"bar": 6000.0},
+     "a rest of 2983.400 mm is long enough to go back to the store"),
+    ("plan-tool", "beamline", (part(hole(500, diameter=51)),), {},
+     "found a through hole of diameter 51 on face v; expected a hole near a drill of 50 or 49"),
+    ("plan-tool", "beamline", (part(hole(500, diameter=16, kind="thread")),), {},
+     "found a thread hole of diameter 16 on face v; expected none, the machine has no tap"),
+    ("plan-tool", "beamline-pusher", (part(hole(500, diameter=18, kind="thread")),), {},
+     "found a thread hole of diameter 18 on face v; "
+     "expected one of M6, M8, M10, M12, M16, M20, M24, M30"),
+    ("plan-tool", "beamline-pusher",
+     (part(hole(500, diameter=12), hole(500, diameter=23, kind="countersink", depth=4.0)),), {},
+     "found a countersink hole of diameter 23 on face v; "
+     "expected one that the countersinks 11, 15, 18, 20, 26, 32, 33, 40, 50 make"),
+    ("plan-countersink", "beamline-pusher", (part(hole(500, kind="countersink", angle=90.0)),), {},
+     "found a countersink of diameter 18 on face v at x 500, y 150; "
+     "expected a hole to sink at that place"),
+    ("plan-sink-depth", "beamline-pusher",
+     (part(hole(500, diameter=12), hole(500, kind="countersink", diameter=20.0, depth=2.0,
+                                        angle=90.0)),), {},
+     "found a countersink of diameter 20 and depth 2 on face v; "
+     "expected a depth of at least 4.00 for that cone and hole"),
+    ("plan-thread-depth", "beamline-pusher", (part(THREAD),), {},
+     "found a thread of depth 2 on face v; "
+     "expected at most 0.0, the tapping drill would come through"),
+    ("plan-duplicate", "beamline", (part(hole(500), hole(500.005)),), {},
+     "found a hole of diameter 18 on face v at x 500.005, y 150 a second time; "
+     "it is drilled once, for p.nc1:7"),
+    ("plan-face", "beamline", (part(hole(500, face="h", kind="blind", depth=4.0)),), {},
+     "found a blind hole on face h; expected one of o, v, u"),
+    ("plan-off-face", "beamline", (part(hole(500, 301)),), {},
+     "found a hole at x 500, y 301 on face v; expected it within 3000 x 300 mm"),
+    ("plan-slot", "beamline", (part(Slot("v", 500, 150, 22, 40, 0, 0, SOURCE)),), {},
+     "found a slot of 62 x 22 mm on face v; expected no slot, the machine has no mill"),
+    ("plan-slot", "beamline-pusher", (part(Slot("v", 500, 150, 6, 40, 0, 0, SOURCE)),), {},
+     "found a slot of 46 x 6 mm on face v; expected one at least 8 wide, as the smallest mill"),
+    ("plan-slot", "beamline-pusher",
+     (part(Slot("v", 500, 150, 22, 40, 0, 0, SOURCE, kind="countersink")),), {},
+     "found a slot of 62 x 22 mm on face v; expected a slot without a countersink"),
+    ("plan-cope", "beamline", (part(outline(COPED)),), {},
+     "found a contour on face v that leaves the straight stock at x 2900, y 260; "
+     "expected straight edges and saw cuts"),
+    ("plan-cutout", "beamline", (part(HOUSE),), {},
+     "found a cut-out of 60 x 40 mm on face v; expected none, the machine has no torch"),
+    ("plan-mark", "beamline", (part(LINE),), {},
+     "found 100 mm of line to mark on face v; expected none, the machine has no scribe for it"),
+    ("plan-mark", "beamline", (part(hole(500, diameter=0, kind="mark")),), {},
+     "found a centre punch to mark on face v; expected none, the machine has no punch for it"),
+    ("plan-mark", "beamline-annex", (part(TextMark("v", 9, 9, 0, 10, "X1", SOURCE)),), {},
+     "found the text 'X1' to mark on face v; expected none, the machine has no scribe for it"),
+    ("plan-bevel", "beamline", (part(outline(SQUARE, bevels=(Bevel(1, 40.0, 0.0),))),), {},
+     "found a bevel of 40 degrees on face v; expected none but those of the saw cuts"),
+    ("plan-other", "beamline", (part(Bend((0, 1), (9, 1), 90, 5, SOURCE)),), {},
+     "found a bend; expected none, the machine does not bend, camber or cut in space"),
+    ("plan-quantity", "beamline", (part(quantity=3),), {},
+     "found a quantity of 3; this program makes 1"),
+    ("plan-turned", "beamline", (part(cuts=EndCuts(web_end=-50.0)),), {"turn": True},
+     "the part is turned over, end for end: as given it cannot be made (plan-saw-angle)"),
+    ("plan-turn-helps", "beamline", (part(cuts=EndCuts(web_end=-50.0)),), {},
+     "the machine can make the part turned 180 about its length; allow it by --turn"),
+    ("plan-order", "beamline",
+     (MITRED, replace(part(length=2000.0), mark="P2"), replace(MITRED, mark="P3")),
+     {"order": "best"},
+     "the parts lie in the order P1 P3 P2: 173.2 mm less bar than as given"),
+    ("plan-reload", "beamline", (part(*(hole(500 + 100 * i, diameter=12 + i) for i in range(7))),),
+     {},
+     "found 7 tools for the 5 stations of spindle web; 2 must be changed by hand during the work"),
+)  # fmt: skip
+
+
+def said(case: Case) -> list[tuple[str, str]]:
+    """Code and text of everything that planning a case says."""
+    _, name, parts, options, _ = case
+    machine = load("beamline-pusher" if name == "simple" else name)
+    if name == "simple":
+        assert machine.saw is not None
+        machine = replace(machine, saw=replace(machine.saw, compound=False))
+    try:
+        found = plan_bar(parts, machine, **options).remarks  # type: ignore[arg-type]
+    except PlanError as error:
+        found = error.diagnostics
+    return [(d.code, d.message) for d in found]
+
+
+@pytest.mark.parametrize("case", CASES, ids=[f"{c[0]}-{i}" for i, c in enumerate(CASES)])
+def test_message(case: Case) -> None:
+    code, _, _, _, text = case
+    assert (code, text) in said(case)
+
+
+def test_every_rule_has_its_message_here() -> None:
+    assert {case[0] for case in CASES} == {rule.code for rule in RULES}
+    assert len({rule.code for rule in RULES}) == len(RULES)
+
+
+@pytest.mark.parametrize("rule", SKIPPABLE, ids=lambda r: r.code)
+def test_what_may_be_left_out_is_left_out_by_its_name_only(rule: object) -> None:
+    code = rule.code  # type: ignore[attr-defined]
+    _, name, parts, _, _ = next(c for c in CASES if c[0] == code)
+    own = code.removeprefix("plan-")
+    plan = plan_bar(parts, load(name), skips=(own,))
+    assert [o.by for o in plan.outcomes if o.how == "skipped"] == [code]
+    others = [n for n in SKIP_NAMES if n != own]
+    with pytest.raises(PlanError):
+        plan_bar(parts, load(name), skips=others)
+
+
+def test_all_reasons_to_refuse_a_part_are_given_at_once() -> None:
+    features = (
+        hole(500, 301),
+        hole(600, diameter=60),
+        hole(700, face="h", kind="blind", depth=4.0),
+    )
+    with pytest.raises(PlanError) as caught:
+        plan_bar([part(*features, cuts=EndCuts(web_end=-80.0))], load("beamline"))
+    codes = [d.code for d in caught.value.diagnostics]
+    assert codes == ["plan-saw-angle", "plan-off-face", "plan-tool", "plan-face"]
+    assert [str(d.source) for d in caught.value.diagnostics] == ["p.nc1:7"] * 4
