@@ -62,7 +62,9 @@ def check_kernel(
     if errors:
         return (rules.KERNEL_LOG.at(part.source, found=errors[0][:160]),)
     volume = built.shell.volume
-    if abs(volume - shaped.volume) > VOLUME_SLACK * max(volume, shaped.volume):
+    if volume is not None and abs(volume - shaped.volume) > VOLUME_SLACK * max(
+        volume, shaped.volume
+    ):
         return _denied(
             part,
             shaped,

@@ -208,7 +208,7 @@ def _reached(found: Shaped, stock: _Stock, regions: Regions) -> Shaped:
 def _explained(found: Shaped, shell: Shell) -> None:
     """Raise Unreadable if the walls are not all that the shell is."""
     volume = shell.volume
-    if volume <= 0:
+    if not volume:
         return
     off = abs(volume - found.volume) / volume
     if off > EXPLAINED:
@@ -230,13 +230,15 @@ def _plate(shell: Shell, cutters: Sequence[Cutter], source: Source) -> Shaped | 
         return None
     shapes = [
         section(shell, scale(normal, low + share * thickness), normal, u, v)
-        for share in (0.5, LEVEL_IN)
+        for share in (0.5, LEVEL_IN, 1 - LEVEL_IN)
     ]
     area = float(shapes[0].area)
     volume = shell.volume
-    if len(pieces_of(shapes[0])) != 1 or abs(area * thickness - volume) > PRISMATIC * volume:
+    if len(pieces_of(shapes[0])) != 1:
         return None
-    if float(shapes[0].symmetric_difference(shapes[1]).area) > PRISMATIC * area:
+    if volume is not None and abs(area * thickness - volume) > PRISMATIC * volume:
+        return None
+    if any(float(shapes[0].symmetric_difference(s).area) > PRISMATIC * area for s in shapes[1:]):
         return None
     outer, inner = chains_of(pieces_of(shapes[0])[0], Circles())
     box = box_of(outer)

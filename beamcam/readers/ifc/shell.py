@@ -45,9 +45,13 @@ class Shell:
         return (low[0], low[1], low[2]), (high[0], high[1], high[2])
 
     @property
-    def volume(self) -> float:
-        """mm3, if all faces are turned alike."""
-        return abs(sum(dot(f.rings[0][0], f.area_normal) for f in self.faces)) / 3
+    def volume(self) -> float | None:
+        """mm3; None where the faces are not turned alike, or leave a gap."""
+        faces = self.faces
+        rest = [sum(f.area_normal[i] for f in faces) for i in range(3)]
+        if max(map(abs, rest)) > 1e-3 * max(size(f.area_normal) for f in faces):
+            return None
+        return abs(sum(dot(f.rings[0][0], f.area_normal) for f in faces)) / 3
 
     def moved(self, by: Frame) -> "Shell":
         faces = []
