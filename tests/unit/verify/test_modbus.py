@@ -4,6 +4,7 @@ import asyncio
 import struct
 import threading
 from collections.abc import Iterator
+from pathlib import Path
 
 import pytest
 from click.testing import CliRunner
@@ -123,17 +124,18 @@ def test_no_server() -> None:
 
 
 def test_a_server_with_too_few_registers() -> None:
-    with Server(10) as small, pytest.raises(VerifyError, match="verify-modbus: found the answer"):
+    with (
+        Server(10) as small,
+        pytest.raises(VerifyError, match="error verify-modbus: found the answer"),
+    ):
         send(course(), "127.0.0.1", small.port)
 
 
-def test_the_command_sends(server: Server, tmp_path: object) -> None:
-    with CliRunner().isolated_filesystem():
-        with open("a.gcode", "w", encoding="utf-8") as file:
-            file.write(PROGRAM)
-        run_ = CliRunner().invoke(
-            main, ["simulate", "a.gcode", "--modbus", f"127.0.0.1:{server.port}", "--every", "1s"]
-        )
-    assert run_.exit_code == 0, run_.stderr
-    assert "rows sent to 127.0.0.1" in run_.stderr
+def test_the_command_sends(server: Server, tmp_path: Path) -> None:
+    path = tmp_path / "a.gcode"
+    path.write_text(PROGRAM, "utf-8")
+    address = f"127.0.0.1:{server.port}"
+    done = CliRunner().invoke(main, ["simulate", str(path), "--modbus", address, "--every", "1s"])
+    assert done.exit_code == 0, done.stderr
+    assert f"rows sent to {address}" in done.stderr
     assert read_back(server.port)[2 * AXES] == 13

@@ -1,0 +1,74 @@
+"""The same input gives the same bytes, whatever the machine that it is posted on is set to."""
+
+import os
+import subprocess
+import sys
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+
+import pytest
+
+from tests.conftest import ROOT, SAMPLES
+
+PARTS = [str(SAMPLES / "dstv" / f"{name}.nc1") for name in ("strut", "strut")]
+LOCALES = ("C", "C.UTF-8", "POSIX", "de_DE.UTF-8", "pt_PT.ISO-8859-1", "tr_TR.UTF-8")
+SEEDS = ("0", "1", "17", "4294967295", "random")
+
+
+def post(directory: Path, **environment: str) -> bytes:
+    """The program's bytes, as a fresh process writes them."""
+    code = "from beamcam.cli import main; main()"
+    run = subprocess.run(
+        [sys.executable, "-c", code, "post", *PARTS, "-o", "-"],
+        capture_output=True,
+        cwd=directory,
+        env={"PATH": os.environ["PATH"], "PYTHONPATH": str(ROOT), **environment},
+    )
+    assert run.returncode == 0, run.stderr
+    return run.stdout
+
+
+@pytest.fixture(scope="module")
+def expected() -> bytes:
+    text = post(ROOT)
+    assert b"M30" in text
+    return text
+
+
+@pytest.mark.parametrize("locale", LOCALES)
+def test_locales(expected: bytes, locale: str, tmp_path: Path) -> None:
+    assert post(tmp_path, LANG=locale, LC_ALL=locale, LC_NUMERIC=locale) == expected
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_hash_seeds(expected: bytes, seed: str) -> None:
+    assert post(ROOT, PYTHONHASHSEED=seed) == expected
+
+
+def test_directories(expected: bytes, tmp_path: Path) -> None:
+    below = tmp_path / "a folder of another name"
+    below.mkdir()
+    assert post(below) == post(tmp_path) == expected
+
+
+@pytest.mark.parametrize("workers", [1, 2, 4])
+def test_workers(expected: bytes, workers: int) -> None:
+    """Programs posted side by side, in processes of their own and in threads of one."""
+    with ThreadPoolExecutor(workers) as pool:
+        assert set(pool.map(lambda _: post(ROOT), range(4))) == {expected}
+
+
+@pytest.mark.parametrize("workers", [1, 3])
+def test_threads_of_one_process(expected: bytes, workers: int) -> None:
+    from beamcam.machine import load
+    from beamcam.pipeline import parts_of, read_file
+    from beamcam.pipeline import post as post_here
+
+    machine = load("beamline")
+
+    def text(_: int) -> bytes:
+        parts, _said = parts_of(read_file(path) for path in PARTS)
+        return post_here(parts, machine).text.encode()
+
+    with ThreadPoolExecutor(workers) as pool:
+        assert set(pool.map(text, range(12))) == {expected}

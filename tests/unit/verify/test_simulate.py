@@ -1,0 +1,118 @@
+"""The axes over time: continuous, within their limits, and where the program says."""
+
+from itertools import pairwise
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from beamcam.errors import MachineError
+from beamcam.verify import run
+from beamcam.verify.simulate import Stretch, duration, rows, stretches, trace
+from tests.unit.verify.programs import ANNEX, BEAM, PART, PROGRAM
+
+AXES = {a.name: i for i, a in enumerate(BEAM.axes)}
+
+
+@pytest.fixture(scope="module")
+def course() -> tuple[Stretch, ...]:
+    return stretches(run(PROGRAM, BEAM, PART.profile), BEAM)
+
+
+def test_the_axes_stand_in_the_order_of_the_registers() -> None:
+    assert [a.name for a in BEAM.axes] == [
+        "stop", "left drill vertical", "left drill horizontal", "top drill horizontal",
+        "top drill vertical", "right drill vertical", "right drill horizontal", "saw rotation",
+        "saw vertical",
+    ]  # fmt: skip
+
+
+def test_stretches_follow_one_another_without_a_jump(course: tuple[Stretch, ...]) -> None:
+    for a, b in pairwise(course):
+        assert b.begin_s == pytest.approx(a.begin_s + a.duration_s)
+        assert b.start == a.end
+    for part in course:
+        assert part.at(part.begin_s) == pytest.approx(part.start)
+        assert part.at(part.begin_s + part.duration_s) == pytest.approx(part.end)
+
+
+def test_the_axes_are_where_the_program_says(course: tuple[Stretch, ...]) -> None:
+    by_line = {part.line: part for part in course}
+    bottom = by_line[12].end
+    assert bottom[AXES["stop"]] == 1098.56
+    assert bottom[AXES["top drill horizontal"]] == 20
+    assert bottom[AXES["top drill vertical"]] == 61.409
+    assert bottom[AXES["left drill horizontal"]] == -5
+    pair = by_line[20].end
+    assert pair[AXES["left drill horizontal"]] == pair[AXES["right drill horizontal"]] == 14.706
+    assert pair[AXES["left drill vertical"]] == pair[AXES["right drill vertical"]] == 158.6
+    assert pair[AXES["top drill vertical"]] == -5
+
+
+def test_what_is_switched_on(course: tuple[Stretch, ...]) -> None:
+    drilling = next(p for p in course if p.line == 12).state
+    assert (drilling.spindle, drilling.diameter, drilling.turning) == (2, 22.0, 1)
+    assert drilling.coolant
+    sawing = [p for p in course if p.line == 6]
+    assert [p.state.sawing for p in sawing] == [False, True, True, False]
+    assert max(p.end[AXES["saw vertical"]] for p in sawing) == 200
+    assert course[-1].state.turning == 0
+
+
+def test_a_feed_takes_its_time(course: tuple[Stretch, ...]) -> None:
+    (stroke,) = (p for p in course if p.line == 12)
+    way, feed = 61.409 - 42.2, 101.28 / 60
+    assert stroke.duration_s == pytest.approx(way / feed, rel=0.01)
+    assert stroke.duration_s >= way / feed
+
+
+@pytest.mark.parametrize("step", [0.01, 0.013])
+def test_no_axis_beyond_its_speed(course: tuple[Stretch, ...], step: float) -> None:
+    sampled = list(rows(course, step))
+    for a, b in pairwise(sampled):
+        assert b.time_s - a.time_s == pytest.approx(step)
+        for axis, x, y in zip(BEAM.axes, a.positions, b.positions, strict=True):
+            assert abs(y - x) <= axis.speed * step + 1e-9
+    for a, b, c in zip(sampled, sampled[1:], sampled[2:], strict=False):
+        for axis, x, y, z in zip(BEAM.axes, a.positions, b.positions, c.positions, strict=True):
+            # Between two stretches an axis may slow down and speed up within one step.
+            assert abs(x - 2 * y + z) <= 2 * axis.acceleration * step * step + 1e-9
+    assert sampled[-1].positions == course[-1].end
+
+
+@settings(deadline=None, max_examples=100)
+@given(st.floats(0.01, 50), st.floats(0.01, 50), st.floats(0, 1))
+def test_a_move_starts_and_stops_and_never_turns_back(v: float, a: float, share: float) -> None:
+    takes = duration(v, a)
+    move = Stretch(1, 5.0, takes, (0.0,), (1.0,), v, a, None)  # type: ignore[arg-type]
+    assert move.at(5.0)[0] == pytest.approx(0, abs=1e-9)
+    assert move.at(5.0 + takes)[0] == pytest.approx(1)
+    assert move.at(5.0 + takes / 2)[0] == pytest.approx(0.5)
+    early, late = move.at(5 + share * takes * 0.9), move.at(5 + share * takes * 0.9 + takes * 0.1)
+    assert 0 <= early[0] <= late[0] + 1e-12 <= 1 + 1e-9
+    assert (late[0] - early[0]) / (takes * 0.1) <= v * (1 + 1e-9)
+
+
+def test_the_csv_has_a_row_for_every_event(course: tuple[Stretch, ...]) -> None:
+    lines = trace(course, BEAM).splitlines()
+    assert lines[0] == (
+        "time_s,stop,left drill vertical,left drill horizontal,top drill horizontal,"
+        "top drill vertical,right drill vertical,right drill horizontal,saw rotation,saw vertical,"
+        "spindle,diameter,turning,coolant,sawing,line"
+    )
+    assert lines[1] == "0.0000,0.000,0.000,-5.000,0.000,-5.000,0.000,-5.000,0.000,0.000,0,0,0,0,0,0"
+    assert len(lines) == len(course) + 2
+    seen = {int(line.rsplit(",", 1)[1]) for line in lines[1:]}
+    assert seen == {0, *range(3, 27)}
+    assert trace(course, BEAM, 1.0).splitlines()[2].startswith("1.0000,")
+    assert "-0.000" not in "".join(lines)
+
+
+def test_a_machine_without_axes() -> None:
+    from dataclasses import replace
+
+    bare = replace(ANNEX, axes=())
+    with pytest.raises(MachineError, match="machine-missing: found no key 'axes'"):
+        stretches(run(PROGRAM, bare), bare)
+    with pytest.raises(ValueError, match="more than 0"):
+        list(rows(stretches(run(PROGRAM, BEAM), BEAM), 0.0))
