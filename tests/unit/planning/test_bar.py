@@ -1,0 +1,145 @@
+"""Cuts of a bar in figures, and ends that header and contours describe."""
+
+from dataclasses import replace
+from math import cos, radians, tan
+
+import pytest
+
+from beamcam.errors import PlanError
+from beamcam.geometry.curves import Line
+from beamcam.machine import load
+from beamcam.model.part import Bevel, Contour, EndCuts, Part
+from beamcam.model.plan import Plan, SawOp
+from beamcam.planning import plan_bar
+from beamcam.planning.bar import saw_angles
+from beamcam.planning.ends import End, corners, ends_of, leaves_stock, web_borders
+from tests.unit.planning.shop import ANGLE, BEAM, CHANNEL, SOURCE, TUBE, part, plan
+
+
+def cuts(found: Plan) -> list[tuple[str, float, float]]:
+    return [
+        (op.purpose, round(op.x, 3), op.angle)
+        for op in found.operations
+        if isinstance(op, SawOp)
+    ]  # fmt: skip
+
+
+def test_square_parts_share_a_cut() -> None:
+    found = plan(part(), part(), machine="beamline")
+    assert cuts(found) == [
+        ("trim", 17.98, 0.0), ("parting", 3022.02, 0.0), ("parting", 6026.06, 0.0)
+    ]  # fmt: skip
+    assert found.operations[1].reasons == ("cut-parting-both",)
+
+
+def test_parts_that_share_an_angle_share_a_cut() -> None:
+    skew = part(cuts=EndCuts(30.0, 30.0))
+    found = plan(skew, skew, machine="beamline")
+    kerf = 4.04 / cos(radians(30))
+    lean = 300 * tan(radians(30))
+    assert [c[0] for c in cuts(found)] == ["mitre", "common", "mitre", "parting"]
+    first, second = found.pieces
+    # Both ends lean the same way, so the second part lies in the first one's wedge.
+    assert second.start == pytest.approx(first.end + kerf - lean)
+    assert found.bar.nested == pytest.approx(lean)
+    assert found.bar.length == pytest.approx(20 + 6000 + 2 * kerf - lean)
+    common = found.operations[1]
+    assert isinstance(common, SawOp)
+    assert (common.pieces, common.reasons) == ((0, 1), ("cut-common",))
+
+
+def test_a_dialect_without_common_cuts_parts_each_of_them() -> None:
+    skew = part(cuts=EndCuts(30.0, 30.0), profile=CHANNEL)
+    found = plan(skew, skew, machine="beamline-annex")
+    assert [c[0] for c in cuts(found)] == ["mitre", "mitre", "parting", "mitre", "mitre", "parting"]
+    assert found.bar.nested == 0
+
+
+def test_angles_are_counted_as_the_machine_counts() -> None:
+    found = plan(part(cuts=EndCuts(web_end=-20.0, flange_start=30.0)))
+    first = found.operations[0]
+    assert isinstance(first, SawOp)
+    assert (first.angle, first.tilt, first.at) == (90.0, pytest.approx(30.0), "start")
+    last = found.operations[1]
+    assert isinstance(last, SawOp)
+    assert (last.angle, last.tilt) == (70.0, 0.0)
+
+
+def test_a_compound_cut_tilts_in_the_turned_plane() -> None:
+    saw = load("beamline-pusher").saw
+    assert saw is not None
+    angle, tilt = saw_angles(End("end", 40.0, 0.0, 35.0), saw)
+    assert angle == 130.0
+    # The plane's normal is along (1, tan w, tan f); its part along z is sin(tilt) of the whole.
+    normal = (1.0, tan(radians(40)), tan(radians(35)))
+    size = sum(n * n for n in normal) ** 0.5
+    assert cos(radians(tilt)) == pytest.approx((size**2 - normal[2] ** 2) ** 0.5 / size)
+
+
+def test_dead_zone_and_trims_stand_in_the_account() -> None:
+    machine = load("beamline-pusher")
+    assert machine.layout is not None
+    machine = replace(machine, layout=replace(machine.layout, end_trim=10.0))
+    bar = plan_bar([part()], machine).bar
+    assert (bar.front_trim, bar.rest, bar.end_trim) == (15.0, pytest.approx(280.0), 10.0)
+    assert bar.length == pytest.approx(15 + 3000 + 1.6 + 280 + 10)
+    assert plan_bar([part()], machine, 4000.0).bar.rest == pytest.approx(4000 - 3026.6)
+
+
+@pytest.mark.parametrize(
+    ("profile", "count"), [(BEAM, 4), (ANGLE, 3), (TUBE, 4), (replace(BEAM, code="T"), 3)]
+)
+def test_corners_hold_material(profile: object, count: int) -> None:
+    assert len(corners(profile)) == count  # type: ignore[arg-type]
+
+
+def test_a_mitred_angle_touches_its_length_with_steel() -> None:
+    """Leaned both ways, an angle ends at a leg's edge and not at the box's corner."""
+    angle = part(profile=ANGLE, cuts=EndCuts(web_start=20.0, flange_start=10.0))
+    start, _ = ends_of(angle, 0.1)[0]
+    assert start.x0 == pytest.approx(150 * tan(radians(20)))
+    assert min(start.x(y, z) for y, z in corners(ANGLE)) == pytest.approx(0.0)
+
+
+def outline(face: str, *points: tuple[float, float], bevels: tuple[Bevel, ...] = ()) -> Contour:
+    chain = tuple(Line(a, b) for a, b in zip(points, (*points[1:], points[0]), strict=True))
+    return Contour(face, "outer", chain, SOURCE, bevels=bevels)
+
+
+def flange_cut_part(*faces: str) -> Part:
+    skew = ((0.0, 0.0), (3000.0, 0.0), (2900.0, 150.0), (0.0, 150.0))
+    return part(*(outline(face, *skew) for face in faces))
+
+
+def test_a_flange_cut_that_both_flanges_show_is_sawn() -> None:
+    (_, end), said = ends_of(flange_cut_part("o", "u"), 0.1)
+    assert end.flange_deg == pytest.approx(33.69, abs=0.01)
+    assert [d.code for d in said] == ["plan-cut-from-contour"]
+
+
+def test_one_skew_flange_alone_is_a_cope() -> None:
+    (_, end), said = ends_of(flange_cut_part("u"), 0.1)
+    assert end.flange_deg == 0.0
+    assert said == ()
+    with pytest.raises(PlanError) as caught:
+        plan_bar([flange_cut_part("u")], load("beamline-pusher"))
+    assert [d.code for d in caught.value.diagnostics] == ["plan-cope"]
+
+
+def test_the_webs_contour_may_be_as_long_as_either_side_of_it_under_a_flange_cut() -> None:
+    tilted = part(cuts=EndCuts(flange_end=30.0), profile=CHANNEL)
+    ends = ends_of(tilted, 0.1)[0]
+    low, high = web_borders(CHANNEL, "v")
+    for z in (low, high):
+        x = ends[1].x(0.0, z)
+        web = outline("v", (0, 0), (x, 0), (x, 200), (0, 200))
+        assert leaves_stock(web, tilted, ends) is None
+    wrong = outline("v", (0, 0), (2990, 0), (2990, 200), (0, 200))
+    assert leaves_stock(wrong, tilted, ends) is not None
+
+
+def test_a_bevel_that_the_flange_cut_leaves_on_the_web_is_no_weld_preparation() -> None:
+    x = 3000.0
+    web = outline("v", (0, 0), (x, 0), (x, 200), (0, 200), bevels=(Bevel(1, 30.0, 0.0),))
+    tilted = part(web, cuts=EndCuts(flange_end=30.0), profile=CHANNEL)
+    assert plan_bar([tilted], load("beamline-pusher")).outcomes[0].by == "saw"
