@@ -17,7 +17,11 @@ from tests.property.part_strategies import parts
 SAMPLES = sorted((Path(__file__).parents[2] / "samples" / "dstv").glob("*.nc1"))
 NOWHERE = Source("")
 
-SETTINGS = settings(max_examples=120, deadline=None, suppress_health_check=[HealthCheck.too_slow])
+SETTINGS = settings(
+    max_examples=120,
+    deadline=None,
+    suppress_health_check=[HealthCheck.too_slow, HealthCheck.filter_too_much],
+)
 
 
 def without_places(part: Part) -> Part:

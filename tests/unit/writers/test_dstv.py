@@ -4,7 +4,7 @@ from dataclasses import replace
 from math import hypot
 
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from beamcam.errors import BeamcamError, Source
@@ -36,6 +36,7 @@ def with_feature(feature):
     return replace(PLATE, features=(feature,))
 
 
+@settings(deadline=None)
 @given(st.floats(-1e9, 1e9))
 def test_numbers(value):
     text = format_number(value)
