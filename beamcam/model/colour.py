@@ -19,7 +19,7 @@ MAX_HUE_DISTANCE_DEG = 20.0
 #: is #373435, a chroma of 0.01.
 GREY_CHROMA = 0.12
 #: From this difference on the hue says which colour it is; between both it is neither.
-HUE_CHROMA = 0.35
+HUE_CHROMA = 0.30
 #: The greatest channel of a black, the least of a white; between them lie the greys.
 BLACK_VALUE = 0.30
 WHITE_VALUE = 0.90

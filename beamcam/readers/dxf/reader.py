@@ -42,11 +42,14 @@ def read(data: bytes, name: str, units: str | None = None, layers: Sequence[str]
         loaded = load(data, source)
     except ReadError as error:
         return Reading("dxf", (), error.diagnostics)
-    said = loaded.remarks + said
+    said += loaded.remarks
     chosen = Layers(loaded.document, frozenset(n.lower() for n in layers) or None)
     said += unknown_layers(chosen.names(), layers, source)
     walk = Walk(name, chosen, loaded.handles)
-    walk.entities(loaded.document.modelspace(), scaled(unit.mm), Look(), ())
+    try:
+        walk.entities(loaded.document.modelspace(), scaled(unit.mm), Look(), ())
+    except ReadError as error:
+        return Reading("dxf", (), said + error.diagnostics)
     part = _part(name, walk.found)
     said += (
         *contradictions(loaded.document, unit, name),

@@ -116,8 +116,8 @@ BLOCK_CYCLE = _error(
 )
 BLOCK_COUNT = _error(
     "block-count",
-    "found an array of {found} copies, expected at most {expected}",
-    "An array of that size is a damaged number.",
+    "found {found} copies of blocks, expected at most {expected}",
+    "An array of that size is a damaged number, or blocks multiply each other.",
 )
 FROZEN_INSERT = _warning(
     "frozen-insert",

@@ -5,7 +5,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass, field
 from typing import Any
 
-from beamcam.errors import Diagnostic, Source
+from beamcam.errors import Diagnostic, ReadError, Source
 from beamcam.geometry.curves import Curve
 from beamcam.model.part import Contour
 from beamcam.readers.drawing import as_contour
@@ -22,11 +22,14 @@ from beamcam.readers.dxf.curves import (
 from beamcam.readers.dxf.frame import Frame
 from beamcam.readers.dxf.layers import Layers, Look
 
-#: More copies than this in one array are a damaged number.
-MOST_COPIES = 10_000
+#: More copies of blocks than this are a damaged number, or blocks that multiply each other.
+MOST_COPIES = 20_000
 
 # Ends a list of vertices or attributes; ezdxf hides it from sound files only.
 _STRUCTURE = frozenset(("SEQEND",))
+
+# What numbers that make no curve end in, here and inside ezdxf.
+_BAD_NUMBERS = (ValueError, TypeError, ArithmeticError, LookupError)
 
 
 @dataclass(slots=True)
@@ -52,36 +55,47 @@ class Walk:
     handles: bool  #: whether entities have names of their own
     found: Collected = field(default_factory=Collected)
     _seen: Counter[str] = field(default_factory=Counter)
+    _copies: int = 0  #: of blocks, so far
 
     def entities(
         self, entities: Iterable[Any], frame: Frame, above: Look, blocks: tuple[str, ...]
     ) -> None:
         """Sort `entities`, which stand in `frame` in the innermost of `blocks`."""
+        from ezdxf.lldxf.const import DXFError
+
         for entity in entities:
             kind = entity.dxftype()
-            if kind == "INSERT":
-                self._insert(entity, frame, above, blocks)
-            elif is_curve(entity):
-                self._curve(entity, frame, self.layers.look(entity, above, bool(blocks)))
-            elif kind not in _STRUCTURE:
-                self._count(entity, kind, above, bool(blocks))
+            source = self._source(entity, kind)
+            try:
+                if kind == "INSERT":
+                    self._insert(entity, source, frame, above, blocks)
+                elif is_curve(entity):
+                    look = self.layers.look(entity, above, bool(blocks))
+                    self._curve(entity, source, frame, look)
+                elif kind not in _STRUCTURE:
+                    self._count(entity, kind, above, bool(blocks))
+            # What ezdxf took in of a damaged file may lack attributes or have them of other types.
+            except (DXFError, *_BAD_NUMBERS, AttributeError) as error:
+                self._say_entity(source, kind, error)
 
-    def _source(self, entity: Any) -> Source:
+    def _source(self, entity: Any, kind: str) -> Source:
         """The entity's handle, or else its kind and number in the order of reading."""
         if self.handles:
             return Source(self.name, None, entity.dxf.get("handle"))
-        kind = entity.dxftype()
         self._seen[kind] += 1
         return Source(self.name, None, f"{kind} {self._seen[kind]}")
+
+    def _say_entity(self, source: Source, kind: str, error: Exception) -> None:
+        said = " ".join(str(error).split()) or type(error).__name__
+        self.found.said.append(rules.ENTITY.at(source, kind=kind, found=said))
 
     def _count(self, entity: Any, kind: str, above: Look, inside: bool) -> None:
         """Count what is no curve, unless it is hidden anyway."""
         if not self.layers.hides(self.layers.look(entity, above, inside)):
             self.found.not_cut[kind] += 1
 
-    def _curve(self, entity: Any, frame: Frame, look: Look) -> None:
+    def _curve(self, entity: Any, source: Source, frame: Frame, look: Look) -> None:
         kind = entity.dxftype()
-        source = self._source(entity)
         heights: Heights = []
         hidden = self.layers.hides(look)
         try:
@@ -90,11 +104,9 @@ class Walk:
             if not hidden:
                 self.found.edge_on[kind] += 1
             return
-        # ezdxf's own errors are ValueError and TypeError by kind; nothing else is expected here.
-        except (ValueError, TypeError, ArithmeticError, LookupError) as error:
+        except _BAD_NUMBERS as error:
             if not hidden:
-                said = " ".join(str(error).split()) or type(error).__name__
-                self.found.said.append(rules.ENTITY.at(source, kind=kind, found=said))
+                self._say_entity(source, kind, error)
             return
         if hidden:
             self.found.hidden += (curve for chain in chains for curve in chain)
@@ -113,10 +125,11 @@ class Walk:
             self.found.empty[kind] += 1
         return chains
 
-    def _insert(self, insert: Any, frame: Frame, above: Look, blocks: tuple[str, ...]) -> None:
+    def _insert(
+        self, insert: Any, source: Source, frame: Frame, above: Look, blocks: tuple[str, ...]
+    ) -> None:
         """Open an insert: its block, once for each place of its array."""
         look = self.layers.look(insert, above, bool(blocks))
-        source = self._source(insert)
         name = str(insert.dxf.get("name", ""))
         for attribute in insert.attribs:
             self._count(attribute, "ATTRIB", look, True)
@@ -128,10 +141,10 @@ class Walk:
             self.found.said.append(rules.BLOCK_CYCLE.at(source, found=name))
             return
         copies = insert.mcount
-        if copies > MOST_COPIES:
-            said = rules.BLOCK_COUNT.at(source, found=copies, expected=MOST_COPIES)
-            self.found.said.append(said)
-            return
+        self._copies += copies
+        if self._copies > MOST_COPIES:
+            found = self._copies
+            raise ReadError(rules.BLOCK_COUNT.at(source, found=found, expected=MOST_COPIES))
         before = len(self.found.contours)
         for place in insert.multi_insert() if copies > 1 else (insert,):
             inner = frame.inside(place.matrix44())

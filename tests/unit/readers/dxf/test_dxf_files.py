@@ -1,0 +1,94 @@
+"""Text, binary, damaged and foreign files."""
+
+from pathlib import Path
+
+import pytest
+
+from beamcam import readers
+from beamcam.readers import dxf
+from beamcam.readers.dxf.load import looks_like
+from tests.dxf_text import codes, curves_of, drawing, length_of, line, tags
+from tests.dxf_text import section as a_section
+
+SAMPLES = Path(__file__).parents[4] / "samples"
+GOOD = sorted((SAMPLES / "dxf").glob("*.dxf"))
+BAD = sorted((SAMPLES / "bad" / "dxf").glob("*.dxf"))
+
+
+@pytest.mark.parametrize("path", BAD, ids=lambda path: path.stem)
+def test_each_bad_sample_is_refused_with_its_code(path: Path) -> None:
+    reading = readers.read(path.read_bytes(), path.name)
+    assert reading.refused
+    assert path.stem in [d.code for d in reading.diagnostics]
+
+
+def test_there_is_a_bad_sample_for_each_error() -> None:
+    from beamcam.errors import Severity
+
+    errors = {rule.code for rule in dxf.RULES if rule.severity is Severity.ERROR}
+    assert errors - {path.stem for path in BAD} == set()
+
+
+@pytest.mark.parametrize("path", GOOD, ids=lambda path: path.stem)
+def test_each_good_sample_is_read(path: Path) -> None:
+    reading = readers.read(path.read_bytes(), path.name)
+    assert (reading.format, reading.refused, len(reading.parts)) == ("dxf", False, 1)
+    (part,) = reading.parts
+    assert part.mark == path.stem
+    assert (part.profile.code, part.profile.web_thickness) == ("B", None)
+    assert all(c.face == "v" and c.source.where and c.colour for c in part.contours)
+
+
+def test_the_binary_plate_is_the_plate() -> None:
+    text, binary = (SAMPLES / "dxf" / name for name in ("plate.dxf", "plate-binary.dxf"))
+    assert curves_of(text.read_bytes()) == curves_of(binary.read_bytes())
+
+
+def test_what_looks_like_dxf() -> None:
+    assert all(looks_like(path.read_bytes()) for path in GOOD)
+    assert looks_like(b"999\nmade by me\n  0\r\nSECTION\r\n")
+    assert not looks_like(b"ST\n  0\n")
+    assert not looks_like(b"<svg/>")
+    unnamed = readers.read(GOOD[0].read_bytes(), "drawing")
+    assert unnamed.format == "dxf"
+
+
+def test_entities_without_handles_are_named_by_number() -> None:
+    two = "".join(tags((0, "LINE"), (8, "0"), (10, 0), (20, y), (11, 1), (21, y)) for y in (0, 1))
+    (part,) = dxf.read(drawing(two, version="AC1009"), "a.dxf").parts
+    assert [c.source.where for c in part.contours] == ["LINE 1", "LINE 2"]
+
+
+def test_a_missing_eof_is_said_and_a_cut_file_refused() -> None:
+    whole = drawing(line(0, 0, 10, 0))
+    no_eof = whole[: whole.rindex(b"0\nEOF")]
+    assert codes(no_eof) == ["dxf-no-eof", "dxf-recovered"]
+    assert length_of(no_eof) == 10
+    cut = whole[: whole.rindex(b"11\n10")]
+    reading = dxf.read(cut, "a.dxf")
+    assert [d.code for d in reading.diagnostics] == ["dxf-truncated"]
+    assert reading.parts == ()
+    binary = (SAMPLES / "dxf" / "plate-binary.dxf").read_bytes()
+    assert codes(binary[:-200]) == ["dxf-truncated"]
+
+
+def test_a_damaged_file_is_repaired_and_said() -> None:
+    # A stray ENDSEC behind the entities, as a real writer leaves it.
+    damaged = drawing(line(0, 0, 10, 0)).replace(
+        b"0\nENDSEC\n0\nEOF", b"0\nENDSEC\n0\nENDSEC\n0\nEOF"
+    )
+    assert length_of(damaged) == 10
+    assert codes(damaged) in ([], ["dxf-recovered"])
+    no_y = a_section("ENTITIES", tags((0, "LINE"), (8, "0"), (10, 0), (11, 5), (21, 0)))
+    reading = dxf.read((no_y + tags((0, "EOF"))).encode(), "a.dxf")
+    assert "dxf-recovered" in [d.code for d in reading.diagnostics]
+
+
+def test_an_empty_model_space_is_refused() -> None:
+    assert codes(drawing("")) == ["drawing-empty"]
+
+
+def test_texts_in_old_code_pages_do_no_harm() -> None:
+    data = drawing(line(0, 0, 10, 0, layer="Ätz"), version="AC1009")
+    for encoding in ("cp1252", "utf-8"):
+        assert length_of(data.decode().encode(encoding)) == 10
