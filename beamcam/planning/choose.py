@@ -62,7 +62,7 @@ def try_turns(part: Part, machine: Machine, skips: Collection[str]) -> tuple[Tri
         lying = turned(part, turn)
         same = next((t for t in trials if t.seconds is not None and _is_same(t.part, lying)), None)
         if same is not None:
-            trials.append(Trial(turn, lying, None, f"the same as {same.turn.name}"))
+            trials.append(Trial(turn, lying, None, f"no different from {same.turn.name!r}"))
             continue
         work = _work(lying, machine, skips)
         # What would be left out by leave is better made, if the part lies another way.
