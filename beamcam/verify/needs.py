@@ -33,7 +33,13 @@ from beamcam.verify.ends import ANGLE_TOLERANCE_DEG, End, ends_of, off_outline
 
 FeatureRef = tuple[int, int]  #: index of the part on the bar, index of its feature
 
-ONE_WEB = ("I", "U", "L", "C", "T", "B")  #: sections whose v and h are two sides of one plate
+#: Faces that are the other side of one plate; an angle's only flange has its outside on u.
+OTHER_SIDE = {
+    **{code: {"h": "v"} for code in ("I", "U", "C", "T", "B")},
+    "L": {"h": "v", "o": "u"},
+}
+#: Faces that no spindle works on, by section: what would stand there is not, or not in its way.
+NO_PLATE = {"L": ("o",), "T": ("o", "u")}
 USUAL_POINT_DEG = 118.0
 THREADS = ("thread", "left-thread")
 
@@ -190,9 +196,9 @@ def _once(
     for f, feature in features:
         if isinstance(feature, Hole | Slot):
             through = feature.kind == "through" and feature.depth is None
-            behind = feature.face == "h" and "h" not in rack.faces and "v" in rack.faces
-            if behind and through and part.profile.code in ONE_WEB:
-                feature = replace(feature, face="v")
+            other = OTHER_SIDE.get(part.profile.code, {}).get(feature.face)
+            if through and other in rack.faces and not _works(feature.face, part, rack):
+                feature = replace(feature, face=other)
         if isinstance(feature, Hole):
             key = (feature.face, feature.kind, feature.diameter, feature.depth, feature.angle)
             alike = seen.setdefault(key, [])
@@ -205,6 +211,11 @@ def _once(
         yield f, feature
 
 
+def _works(face: Face, part: Part, rack: Rack) -> bool:
+    """Whether a spindle works on a face of a part."""
+    return face in rack.faces and face not in NO_PLATE.get(part.profile.code, ())
+
+
 def _needs(
     feature: Feature, p: int, part: Part, ends: tuple[End, End], rack: Rack
 ) -> Iterator[Need]:
@@ -212,7 +223,7 @@ def _needs(
         case Hole():
             yield from _hole(feature, p, part, rack)
         case Slot():
-            yield from _slot(feature, p, rack)
+            yield from _slot(feature, p, part, rack)
         case Contour(process="cut", kind="outer"):
             off = off_outline(feature, part, ends)
             if off is not None:
@@ -222,7 +233,7 @@ def _needs(
         case Contour(process="cut"):
             yield Lack(p, "the cut-out", "cutout", feature)
         case Contour():
-            if feature.face in rack.faces and any(True for _ in rack.of("scribe", feature.face)):
+            if _works(feature.face, part, rack) and any(rack.of("scribe", feature.face)):
                 yield Course(p, feature.face, feature.curves, feature)
             else:
                 yield Lack(p, "the line to mark", "mark", feature)
@@ -247,7 +258,7 @@ def _unsawn_bevel(contour: Contour, ends: tuple[End, End]) -> bool:
 
 def _hole(hole: Hole, p: int, part: Part, rack: Rack) -> Iterator[Need]:
     size = f"{hole.diameter:g}"
-    if hole.face not in rack.faces:
+    if not _works(hole.face, part, rack):
         yield Lack(p, f"the hole {size}", "face", hole)
     elif hole.kind in ("through", "blind"):
         drill = rack.drills(hole.diameter, hole.face)
@@ -279,7 +290,7 @@ def _hole(hole: Hole, p: int, part: Part, rack: Rack) -> Iterator[Need]:
             yield Stroke(
                 p, hole, "countersink", hole.x, f"countersink {size}", hole.diameter, pilot
             )
-    elif any(True for _ in rack.of("punch", hole.face)):
+    elif any(rack.of("punch", hole.face)):
         yield Stroke(p, hole, "punch", hole.x, "punch mark", 0.0)
     else:
         yield Lack(p, "the punch mark", "mark", hole)
@@ -328,12 +339,12 @@ def _pilot(sink: Hole, part: Part, tolerance: float) -> float | None:
     return max(below, default=None)
 
 
-def _slot(slot: Slot, p: int, rack: Rack) -> Iterator[Need]:
+def _slot(slot: Slot, p: int, part: Part, rack: Rack) -> Iterator[Need]:
     along, across = slot.length + slot.diameter, slot.height + slot.diameter
     what = f"slot {along:g} x {across:g}"
     mills = [d for t in rack.of("mill", slot.face) for d in t.sizes]
     fits = min(mills, default=slot.diameter + 1) <= slot.diameter + rack.drill.twin
-    if slot.kind not in ("through", "blind") or slot.face not in rack.faces or not fits:
+    if slot.kind not in ("through", "blind") or not _works(slot.face, part, rack) or not fits:
         yield Lack(p, f"the {what}", "slot", slot)
         return
     yield Pocket(
