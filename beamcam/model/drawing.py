@@ -7,8 +7,8 @@ are kept so that their lengths can be told when somebody asks.
 from collections.abc import Iterable
 from dataclasses import dataclass
 
-from beamcam.geometry.curves import Bezier, BSpline, Curve, bezier_pieces
-from beamcam.geometry.plane import Box, Point
+from beamcam.geometry.curves import Bezier, BSpline, Curve
+from beamcam.geometry.plane import Box, Point, box_around
 from beamcam.model.lengths import total_length
 
 
@@ -38,23 +38,38 @@ def extent(curves: Iterable[Curve]) -> Box | None:
     A free curve lies inside the hull of its control points, so that its turning points are
     looked for only where the hull reaches beyond the box that is known already.
     """
-    free: list[Bezier] = []
-    boxes: list[Box] = []
+    box: Box | None = None
+    free: list[Bezier | BSpline] = []
     for curve in curves:
         if isinstance(curve, Bezier | BSpline):
-            free.extend(bezier_pieces(curve))
+            free.append(curve)
+            ends = curve_ends(curve)
+            box = _joined(box, box_around(ends))
         else:
-            boxes.append(curve.bbox)
-    points: list[Point] = [point for box in boxes for point in (box[:2], box[2:])]
+            box = _joined(box, curve.bbox)
     for curve in free:
-        points += (curve.start, curve.end)
-    if not points:
-        return None
-    x0, x1 = min(p[0] for p in points), max(p[0] for p in points)
-    y0, y1 = min(p[1] for p in points), max(p[1] for p in points)
-    for curve in free:
-        if all(x0 <= x <= x1 and y0 <= y <= y1 for x, y in curve.points):
-            continue
-        left, low, right, high = curve.bbox
-        x0, y0, x1, y1 = min(x0, left), min(y0, low), max(x1, right), max(y1, high)
-    return x0, y0, x1, y1
+        assert box is not None
+        hull = box_around(curve.points if isinstance(curve, Bezier) else curve.control)
+        if _joined(box, hull) != box:
+            box = _joined(box, curve.bbox)
+    return box
+
+
+def curve_ends(curve: Curve) -> tuple[Point, Point]:
+    """Start and end; those of a clamped spline without taking it apart."""
+    if isinstance(curve, BSpline):
+        degree, knots = curve.degree, curve.knots
+        if knots[1] == knots[degree] and knots[-2] == knots[-1 - degree]:
+            return curve.control[0], curve.control[-1]
+    return curve.start, curve.end
+
+
+def _joined(first: Box | None, second: Box) -> Box:
+    if first is None:
+        return second
+    return (
+        min(first[0], second[0]),
+        min(first[1], second[1]),
+        max(first[2], second[2]),
+        max(first[3], second[3]),
+    )

@@ -10,7 +10,7 @@ from pathlib import PurePath
 from beamcam.errors import Diagnostic, Rule, Severity, Source
 from beamcam.geometry.conics import direction_deg
 from beamcam.geometry.curves import Arc, Curve, EllipseArc, Line
-from beamcam.model.drawing import Measures, extent
+from beamcam.model.drawing import Measures, curve_ends, extent
 from beamcam.model.part import Contour, Part, Profile
 
 #: Millimetres in a unit, by the words of `--units` and `--width`.
@@ -89,11 +89,10 @@ def split_length(text: str) -> tuple[float, str]:
 def joined(curves: Iterable[Curve]) -> bool:
     """Whether the end of a chain is its start."""
     chain = tuple(curves)
-    return bool(chain) and _apart(chain[-1].end, chain[0].start) <= ONE_POINT
-
-
-def _apart(a: tuple[float, float], b: tuple[float, float]) -> float:
-    return hypot(a[0] - b[0], a[1] - b[1])
+    if not chain:
+        return False
+    (x0, y0), (x1, y1) = curve_ends(chain[0])[0], curve_ends(chain[-1])[1]
+    return hypot(x1 - x0, y1 - y0) <= ONE_POINT
 
 
 def lines_through(points: Iterable[tuple[float, float]]) -> tuple[Line, ...]:

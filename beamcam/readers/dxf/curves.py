@@ -258,5 +258,6 @@ def check_finite(chains: Iterable[Chain]) -> None:
     """Raises ValueError where a coordinate is no finite number."""
     for chain in chains:
         for curve in chain:
-            if not all(isfinite(v) for p in (curve.start, curve.end) for v in p):
+            points = curve.control if isinstance(curve, BSpline) else (curve.start, curve.end)
+            if not all(isfinite(v) for p in points for v in p):
                 raise ValueError("a coordinate that is no finite number")

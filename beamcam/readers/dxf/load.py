@@ -1,12 +1,16 @@
 """Bytes to an ezdxf document: text or binary, sound or in need of repair."""
 
 import io
+import logging
 import re
 from dataclasses import dataclass
 from typing import Any
 
 from beamcam.errors import Diagnostic, ReadError, Source
 from beamcam.readers.dxf import rules
+
+#: Without a handler, Python would print what ezdxf logs.
+_SILENT = logging.NullHandler()
 
 #: What ezdxf calls a document; it publishes no types that mypy can follow.
 Document = Any
@@ -42,6 +46,7 @@ def load(data: bytes, source: Source) -> Loaded:
     if _DWG.match(data):
         raise ReadError(rules.DWG.at(source, found=data[:6].decode("ascii")))
     remarks = _check_end(data, source)
+    logging.getLogger("ezdxf").addHandler(_SILENT)
     try:
         document = _load_binary(data) if is_binary(data) else _load_text(data)
     # ezdxf lets errors of every kind pass through for damaged files (ValueError, KeyError,

@@ -252,12 +252,15 @@ def _writer(document: Document) -> tuple[str, int] | None:
     """The program that wrote a file and how many px it counts to an inch; None if not known."""
     comments = " ".join(document.comments)
     foreign = " ".join(sorted(document.foreign))
+    # Other programs that save a drawing again keep the size that its first writer gave it.
+    if "CorelDRAW" in comments:
+        return "CorelDRAW", 96
     if "Adobe Illustrator" in comments:
         return "Adobe Illustrator", 72
     if found := re.search(r"inkscape:version=(\d+)\.(\d+)", foreign):
         old = (int(found[1]), int(found[2])) < (0, 92)
         return f"Inkscape {found[1]}.{found[2]}", 90 if old else 96
-    if "CorelDRAW" in comments or "corel.com/coreldraw" in foreign:
+    if "corel.com/coreldraw" in foreign:
         return "CorelDRAW", 96
     if any(identity.startswith("CorelCorpID") for identity in document.ids):
         return "CorelDRAW", 96

@@ -92,3 +92,15 @@ def test_texts_in_old_code_pages_do_no_harm() -> None:
     data = drawing(line(0, 0, 10, 0, layer="Ätz"), version="AC1009")
     for encoding in ("cp1252", "utf-8"):
         assert length_of(data.decode().encode(encoding)) == 10
+
+
+def test_nothing_is_printed(capfd: pytest.CaptureFixture[str]) -> None:
+    import logging
+
+    root = logging.getLogger()
+    held, root.handlers = root.handlers, []  # the test runner's own
+    try:
+        dxf.read(drawing(line(0, 0, 1, 0) + line(0, 0, 0, 1)), "a.dxf")  # one handle for two
+    finally:
+        root.handlers = held
+    assert capfd.readouterr() == ("", "")

@@ -47,6 +47,7 @@ def test_physical_sizes(head: str, side: float) -> None:
         (f'width="{IN * 96}" height="{IN * 96}" ' + INKSCAPE.format("0.92.1"), "", IN * 96),
         (sizes(IN * 96, "px", 100) + " " + INKSCAPE.format("1.3"), "", 100),
         (sizes(IN * 96, "px", 100), COREL, 100),
+        (sizes(IN * 96, "px", 100) + " " + INKSCAPE.format("0.48"), COREL, 100),
         (sizes(IN * 96, "px", 5), '<metadata id="CorelCorpID_0Corel-Layer"/>', 5),
     ],
 )
