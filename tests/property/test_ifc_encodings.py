@@ -1,5 +1,6 @@
 """What goes into a model comes back, whichever way an exporter wrote it."""
 
+from functools import cache
 from random import Random
 from typing import Any
 
@@ -32,6 +33,7 @@ TURNS = {
 }
 
 
+@cache
 def model(encoding: str, seed: int) -> tuple[list[Member], list[Part], Any]:
     random = Random(f"{encoding}{seed}")
     members = [random_member(random, encoding) for _ in range(EACH)]

@@ -23,12 +23,22 @@ from beamcam.readers.ifc.finish import (
     cuts_of,
     end_planes,
     from_regions,
+    opening,
     reach,
     shifted,
 )
 from beamcam.readers.ifc.kernel import Built, build
+from beamcam.readers.ifc.outline import with_arcs
 from beamcam.readers.ifc.plates import box_of, into
-from beamcam.readers.ifc.region import Circles, Shape, chains_of, cleaned, pieces_of, points_of
+from beamcam.readers.ifc.region import (
+    Circles,
+    Shape,
+    chain_of_ring,
+    chains_of,
+    cleaned,
+    pieces_of,
+    points_of,
+)
 from beamcam.readers.ifc.section import Section, classify
 from beamcam.readers.ifc.semantic import LEVEL_IN, Stock, cut, in_place
 from beamcam.readers.ifc.shell import (
@@ -37,12 +47,14 @@ from beamcam.readers.ifc.shell import (
     extent,
     longest_direction,
     section,
+    with_circles,
 )
 from beamcam.readers.ifc.space import Frame, Vec, across, add, cross, dot, scale, size, unit
 from beamcam.readers.ifc.walls import Wall, walls_of
 
 STATIONS = (0.5, 0.31, 0.69, 0.17, 0.83, 0.08, 0.92, 0.42, 0.58, 0.03, 0.97)
 PRISMATIC = 0.01  #: share by which a plate's volume may differ from outline times thickness
+SAME_HOLE = 0.02  #: mm between a hole at one level and at the other
 EDGE = 0.02  #: mm within which a section point lies on a wall's long edge
 EXPLAINED = 0.03  #: share by which the volume may differ from what the walls explain
 
@@ -147,21 +159,61 @@ def _member(shell: Shell, cutters: Sequence[Cutter], stock: _Stock, source: Sour
         return _round(local, stock, source)
     circles = Circles()
     regions: Regions = {}
+    holes: list[Hole | Slot] = []
     for wall in walls:
+        cs = [wall.low + share * wall.thickness for share in (LEVEL_IN, 1 - LEVEL_IN)]
+        raw = [local.raw_slice(wall, c) for c in cs]
+        if not taken:
+            drilled, raw = _drilled(raw, wall, source)
+            holes += drilled
         levels: list[tuple[float, Shape]] = []
-        for share in (LEVEL_IN, 1 - LEVEL_IN):
-            c = wall.low + share * wall.thickness
-            shape = local.slice(wall, c, circles)
+        for c, shape in zip(cs, raw, strict=True):
+            shape = with_circles(shape, circles)
             for one in taken:
                 shape = shape.difference(one.slice(wall, c, circles))
             levels.append((c, _full_width(cleaned(shape), wall, c, stock.outline)))
         regions[wall] = (levels[0], levels[1])
-    found = from_regions(stock.section, regions, (), circles, source, stock.x1 - stock.x0)
+    found = from_regions(stock.section, regions, holes, circles, source, stock.x1 - stock.x0)
     if not taken:
         # The levels lie inside the walls; only the shell itself knows how far the tips reach.
         found = _reached(found, stock, regions)
         _explained(found, local)
     return found
+
+
+def _drilled(
+    levels: Sequence[Shape], wall: Wall, source: Source
+) -> tuple[list[Hole | Slot], list[Shape]]:
+    """The round and slotted hollows that both levels of a wall show; the levels without them."""
+    from shapely import MultiPolygon, Polygon
+
+    seen: list[list[tuple[Hole | Slot, tuple[float, ...]]]] = []
+    for shape in levels:
+        rows = []
+        for piece in pieces_of(shape):
+            for ring in piece.interiors:
+                chain = with_arcs(chain_of_ring(ring, Circles()))
+                made = opening(wall, chain, source) if chain else None
+                if isinstance(made, (Hole, Slot)):
+                    rows.append((made, ring.bounds))
+        seen.append(rows)
+    holes: list[Hole | Slot] = []
+    filled: set[tuple[float, ...]] = set()
+    for low, ring in seen[0]:
+        for high, other in seen[1]:
+            apart = max(abs(low.x - high.x), abs(low.y - high.y), abs(low.diameter - high.diameter))
+            if type(low) is type(high) and apart < SAME_HOLE:
+                holes.append(low)
+                filled |= {ring, other}
+                break
+    kept = []
+    for shape in levels:
+        pieces = [
+            Polygon(p.exterior, [r for r in p.interiors if r.bounds not in filled])
+            for p in pieces_of(shape)
+        ]
+        kept.append(MultiPolygon(pieces))
+    return holes, kept
 
 
 def _full_width(shape: Shape, wall: Wall, c: float, outline: tuple[Point, ...]) -> Shape:

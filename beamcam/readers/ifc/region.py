@@ -12,8 +12,8 @@ from beamcam.geometry.curves import Arc, Curve, Line, Point
 from beamcam.readers.ifc.curves2d import Chain
 from beamcam.readers.ifc.outline import joined, with_arcs
 
-SAGITTA = 2e-4  #: mm between an arc and its polygon
-ON_CIRCLE = 1e-3
+SAGITTA = 5e-4  #: mm between an arc and its polygon
+ON_CIRCLE = 2e-3
 ELLIPSE_POINTS = 180  #: on a stretch of an ellipse, which only a skew cut leaves
 FAR = 1e7  #: mm; beyond any member
 TINY_AREA = 0.01  #: mm2 of a scrap that cutting leaves

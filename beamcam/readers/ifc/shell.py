@@ -62,10 +62,13 @@ class Shell:
 
     def slice(self, wall: Wall, c: float, circles: Circles) -> Shape:
         """The shell's section by the wall's plane at `c`, its arcs found again."""
+        return with_circles(self.raw_slice(wall, c), circles)
+
+    def raw_slice(self, wall: Wall, c: float) -> Shape:
+        """The shell's section by the wall's plane at `c`, as polygons."""
         n = wall.direction
         across = (0.0, 0.0, 1.0) if wall.normal == "y" else (0.0, 1.0, 0.0)
-        raw = section(self, scale(n, c), n, (1.0, 0.0, 0.0), across)
-        return with_circles(raw, circles)
+        return section(self, scale(n, c), n, (1.0, 0.0, 0.0), across)
 
 
 def with_circles(shape: Shape, circles: Circles) -> Shape:
