@@ -27,7 +27,7 @@ from beamcam.planning import SKIP_NAMES
 from beamcam.verify import FeatureRef, verify
 
 ROOT = Path(__file__).resolve().parent.parent
-MACHINES = ("beamline", "beamline-annex")
+MACHINES = ("beamline", "beamline-annex", "beamline-pusher")
 BARS = (
     ("beam",), ("channel",), ("strut",), ("tie",), ("beam", "beam"), ("strut", "strut"),
     ("tie", "tie", "tie"), ("channel", "channel"),
@@ -59,7 +59,7 @@ def cases(machines: Sequence[str] = MACHINES) -> Iterator[Case]:
         machine = load(name)
         for bar in BARS:
             parts, _ = parts_of(read_file(str(ROOT / f"samples/dstv/{s}.nc1")) for s in bar)
-            length = max(6000.0, 100 + sum(p.length + 20 for p in parts))
+            length = max(6000.0, 500 + sum(p.length + 20 for p in parts))
             posted = post(parts, machine, bar=length, skips=SKIP_NAMES)
             skipped = frozenset(o.feature for o in posted.plan.outcomes if o.how == "skipped")
             yield Case(f"{name} {'+'.join(bar)}", posted.text, parts, machine, skipped)
@@ -236,7 +236,7 @@ def negate_angle(lines: list[str], rng: random.Random, _: float) -> list[str] | 
     at = _pick(lines, rng, r"M4[12] K-?[1-9]")
     if at is None:
         return None
-    line = lines[at].replace("K-", "K+") if "K-" in lines[at] else lines[at].replace("K", "K-")
+    line = lines[at].replace("K-", "K", 1) if "K-" in lines[at] else lines[at].replace("K", "K-", 1)
     return [*lines[:at], line, *lines[at + 1 :]]
 
 

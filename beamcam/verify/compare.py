@@ -10,6 +10,7 @@ from beamcam.machine.machine import FLAT_DEG, Machine, Saw
 from beamcam.model.part import Part, Profile
 from beamcam.verify import rules
 from beamcam.verify.depths import REACHES, Reach, path_reach
+from beamcam.verify.ends import ends_of
 from beamcam.verify.made import Bore, Cut, Made, Trail
 from beamcam.verify.matching import Match, Matching, Wanted
 from beamcam.verify.meaning import Meaning
@@ -55,14 +56,16 @@ def compare(
         raise TypeError(f"{machine.name} has no saw and drill")
     said = [*_section(made, parts[0].profile, machine, name)]
     placing = Placing(made.cuts, machine, saw, name)
-    placing.place(parts)
+    by_part = {id(part): ends_of(part, saw) for part in parts}
+    ends = [by_part[id(part)] for part in parts]
+    placing.place(parts, ends)
     said += placing.said
     if meaning.saw_feeds:
         said += _saw_feeds(made.cuts, saw, name)
     task = Task(parts, machine, rack, meaning, choices, name, placing.starts)
     wanted: list[Wanted] = []
     paths: list[Pocket | Course] = []
-    for _, need in needs_of(parts, machine, saw, rack, skipped):
+    for _, need in needs_of(parts, ends, rack, skipped):
         if isinstance(need, Stroke):
             wanted.append(Wanted(need, drill.x + placing.starts[need.part] + need.x))
         elif isinstance(need, Lack):

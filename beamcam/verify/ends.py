@@ -8,6 +8,7 @@ in y and of the flange in z (across, from the h side):
 and touch x = 0 and x = length at their furthest points.
 """
 
+from collections.abc import Sequence
 from math import atan, atan2, cos, degrees, hypot, radians, tan
 from typing import NamedTuple
 
@@ -63,24 +64,39 @@ class End(NamedTuple):
 def ends_of(part: Part, saw: Saw) -> tuple[End, End]:
     """Start and end of a part: by the header's angles, by the outlines where they are 0."""
     cuts, least = part.cuts, saw.least_mitre
+    webs, flanges = (cuts.web_start, cuts.web_end), (cuts.flange_start, cuts.flange_end)
+    if any(isinstance(f, Contour) for f in part.features):
+        if abs(webs[0]) < least or abs(webs[1]) < least:
+            webs = _instead(webs, _drawn(part, "v"), least)
+        if abs(flanges[0]) < least or abs(flanges[1]) < least:
+            seen = [_drawn(part, face) for face in ("u" if part.profile.code == "L" else "ou")]
+            agreed = (
+                seen[0][i] if all(abs(s[i] - seen[0][i]) <= ANGLE_TOLERANCE_DEG for s in seen)
+                else 0.0
+                for i in (0, 1)
+            )  # fmt: skip
+            start, end = agreed
+            flanges = _instead(flanges, (start, end), least)
     ends = []
-    for side, web, flange in (
-        (-1, cuts.web_start, cuts.flange_start),
-        (1, cuts.web_end, cuts.flange_end),
-    ):
-        if abs(web) < least:
-            web = _drawn(part, "v", side)
-        if abs(flange) < least:
-            seen = [_drawn(part, f, side) for f in ("u" if part.profile.code == "L" else "ou")]
-            flange = seen[0] if max(seen) - min(seen) <= ANGLE_TOLERANCE_DEG else 0.0
+    for side, web, flange in ((-1, webs[0], flanges[0]), (1, webs[1], flanges[1])):
         web = web if abs(web) >= least else 0.0
         flange = flange if abs(flange) >= least else 0.0
-        # x(y, z) runs through the outermost corner, which lies on x = 0 or x = length.
-        leans = [
-            y * tan(radians(web)) + z * tan(radians(flange)) for y, z in _corners(part.profile)
-        ]
-        ends.append(End(side, web, flange, max(leans) if side < 0 else part.length + min(leans)))
+        x_0 = 0.0 if side < 0 else part.length
+        if web or flange:
+            # x(y, z) runs through the outermost corner, which lies on x = 0 or x = length.
+            t, s = tan(radians(web)), tan(radians(flange))
+            leans = [y * t + z * s for y, z in _corners(part.profile)]
+            x_0 += max(leans) if side < 0 else min(leans)
+        ends.append(End(side, web, flange, x_0))
     return ends[0], ends[1]
+
+
+def _instead(
+    angles: tuple[float, float], drawn: tuple[float, float], least: float
+) -> tuple[float, float]:
+    """The header's angles, and what is drawn where they are 0."""
+    start, end = (a if abs(a) >= least else d for a, d in zip(angles, drawn, strict=True))
+    return start, end
 
 
 def _corners(profile: Profile) -> tuple[Point, ...]:
@@ -93,22 +109,34 @@ def _corners(profile: Profile) -> tuple[Point, ...]:
     return (0.0, 0.0), (height, 0.0), (0.0, width), (height, width)
 
 
-def _drawn(part: Part, face: Face, side: int) -> float:
-    """Angle of an end as an outline has it; 0 where it is no straight line, or nearly square."""
-    outlines = [c for c in part.contours if c.face == face and c.kind == "outer"]
+def _drawn(part: Part, face: Face) -> tuple[float, float]:
+    """Angles of start and end as an outline has them; 0 where one is no straight line."""
+    outlines = [
+        f for f in part.features
+        if isinstance(f, Contour) and f.face == face and f.kind == "outer"
+    ]  # fmt: skip
     if len(outlines) != 1 or not all(isinstance(c, Line) for c in outlines[0].curves):
-        return 0.0
+        return 0.0, 0.0
     points = [c.start for c in outlines[0].curves]
-    low, high = min(y for _, y in points), max(y for _, y in points)
+    ys = [y for _, y in points]
+    low, high = min(ys), max(ys)
     if high - low < OUTLINE_TOLERANCE:
-        return 0.0
-    last = max if side > 0 else min
-    bottom = last(x for x, y in points if y <= low + OUTLINE_TOLERANCE)
-    top = last(x for x, y in points if y >= high - OUTLINE_TOLERANCE)
-    for x, y in points:
-        expected = bottom + (top - bottom) * (y - low) / (high - low)
-        inside = low + OUTLINE_TOLERANCE < y < high - OUTLINE_TOLERANCE
-        if inside and abs(x - expected) > OUTLINE_TOLERANCE and (x - part.length / 2) * side > 0:
+        return 0.0, 0.0
+    bottom = [x for x, y in points if y <= low + OUTLINE_TOLERANCE]
+    top = [x for x, y in points if y >= high - OUTLINE_TOLERANCE]
+    within = [
+        p for p in points if low + OUTLINE_TOLERANCE < p[1] < high - OUTLINE_TOLERANCE
+    ]  # fmt: skip
+    return (
+        _slope(min(bottom), min(top), low, high, [p for p in within if p[0] < part.length / 2]),
+        _slope(max(bottom), max(top), low, high, [p for p in within if p[0] > part.length / 2]),
+    )
+
+
+def _slope(bottom: float, top: float, low: float, high: float, within: Sequence[Point]) -> float:
+    """The angle of an end through two points; 0 if another point of it is not on the line."""
+    for x, y in within:
+        if abs(x - bottom - (top - bottom) * (y - low) / (high - low)) > OUTLINE_TOLERANCE:
             return 0.0
     angle = degrees(atan2(bottom - top, high - low))
     return angle if abs(angle) > ANGLE_TOLERANCE_DEG else 0.0
@@ -124,8 +152,11 @@ def off_outline(contour: Contour, part: Part, ends: tuple[End, End]) -> Point | 
     width = part.profile.face_width(contour.face)
     points = [c.start for c in contour.curves]
     points += [c.point(0.5) for c in contour.curves if not isinstance(c, Line)]
+    fixed = None
+    if ends[0].square and ends[1].square:
+        fixed = [_span(end, contour.face, part.profile, 0.0) for end in ends]
     for x, y in points:
-        spans = [_span(end, contour.face, part.profile, y) for end in ends]
+        spans = fixed or [_span(end, contour.face, part.profile, y) for end in ends]
         on_edge = min(abs(y), abs(y - width)) <= OUTLINE_TOLERANCE
         at_end = x <= spans[0][1] or x >= spans[1][0]
         if not (spans[0][0] <= x <= spans[1][1]) or not (on_edge or at_end):

@@ -7,6 +7,7 @@ those that stand in a template are words of the machine.
 """
 
 import re
+from bisect import bisect_left
 from collections.abc import Iterator
 from dataclasses import dataclass, fields
 from typing import Literal
@@ -65,8 +66,9 @@ class Meaning:
 
     def size(self, diameter: float) -> float:
         """The shop's tool that a diameter means: programs write three decimals of an inch size."""
-        near = (d for d in self.sizes if abs(d - diameter) < WRITTEN)
-        return next(near, diameter)
+        at = bisect_left(self.sizes, diameter - WRITTEN)
+        found = at < len(self.sizes) and self.sizes[at] < diameter + WRITTEN
+        return self.sizes[at] if found else diameter
 
     def shown(self) -> str:
         """Its M words, for messages."""

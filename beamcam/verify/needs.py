@@ -16,7 +16,7 @@ from math import cos, radians, sin, tan
 from typing import NamedTuple
 
 from beamcam.geometry.curves import Curve
-from beamcam.machine.machine import FLAT_DEG, Drill, Machine, Saw, ToolSet
+from beamcam.machine.machine import FLAT_DEG, Drill, Machine, ToolSet
 from beamcam.model.part import (
     Bend,
     Camber,
@@ -162,7 +162,10 @@ class Rack:
 
 
 def needs_of(
-    parts: Sequence[Part], machine: Machine, saw: Saw, rack: Rack, skipped: Collection[FeatureRef]
+    parts: Sequence[Part],
+    ends: Sequence[tuple[End, End]],
+    rack: Rack,
+    skipped: Collection[FeatureRef],
 ) -> list[tuple[FeatureRef, Need]]:
     """What every feature needs that is not skipped, part by part; a hole written twice once."""
     found: list[tuple[FeatureRef, Need]] = []
@@ -170,10 +173,11 @@ def needs_of(
     for p, part in enumerate(parts):
         known = seen.get(id(part))
         if known is None or skipped:
-            ends = ends_of(part, saw)
             left = [(f, x) for f, x in enumerate(part.features) if (p, f) not in skipped]
             known = [
-                (f, n) for f, x in _once(left, part, rack) for n in _needs(x, p, part, ends, rack)
+                (f, n)
+                for f, x in _once(left, part, rack)
+                for n in _needs(x, p, part, ends[p], rack)
             ]
             seen[id(part)] = known
             found += (((p, f), need) for f, need in known)
@@ -374,9 +378,10 @@ def skippable(
     if machine.saw is None or machine.drill is None:
         raise TypeError(f"{machine.name} has no saw and drill")
     rack = Rack(machine, machine.drill)
+    ends = [ends_of(part, machine.saw) for part in parts]
     left = {
         ref
-        for ref, need in needs_of(parts, machine, machine.saw, rack, ())
+        for ref, need in needs_of(parts, ends, rack, ())
         if isinstance(need, Lack) and need.name in names
     }
     if "off-face" in names:

@@ -12,7 +12,7 @@ from beamcam.errors import Diagnostic, Source
 from beamcam.machine.machine import Machine, Saw
 from beamcam.model.part import Part
 from beamcam.verify import rules
-from beamcam.verify.ends import End, ends_of
+from beamcam.verify.ends import End
 from beamcam.verify.made import Cut
 
 COMMON_DEG = 0.01  #: ends that differ by no more may share a cut
@@ -31,9 +31,8 @@ class Placing:
         self.last_cut: list[int | None] = []  #: line of the cut that parts each part
         self.said: list[Diagnostic] = []
 
-    def place(self, parts: Sequence[Part]) -> None:
+    def place(self, parts: Sequence[Part], ends: Sequence[tuple[End, End]]) -> None:
         """Find every part's cuts, in the order given; what is left over is too much."""
-        ends = [ends_of(part, self.saw) for part in parts]
         begin: float | None = None  #: where the cut before lets the next part begin
         shared = False  #: whether that cut made the next start, skew as it may be
         for index, part in enumerate(parts):
