@@ -1,7 +1,7 @@
 """The plan: which tool makes which feature, where along the machine, in which order."""
 
 from dataclasses import dataclass
-from typing import Literal
+from typing import Literal, NamedTuple
 
 from beamcam.errors import Diagnostic, Source
 from beamcam.geometry.curves import Curve, Point
@@ -108,9 +108,8 @@ class ToolLoad:
     out: Tool | None = None  #: what it takes the place of
 
 
-@dataclass(frozen=True, slots=True)
-class Outcome:
-    """What became of one feature."""
+class Outcome(NamedTuple):
+    """What became of one feature. A tuple: there is one for each, and they are made in no time."""
 
     feature: FeatureRef
     how: Literal["made", "merged", "duplicate", "skipped"]

@@ -12,6 +12,7 @@ from beamcam.machine.machine import Machine
 from beamcam.model.part import Contour, Part
 from beamcam.model.plan import (
     AS_GIVEN,
+    FeatureRef,
     Operation,
     Outcome,
     Piece,
@@ -119,18 +120,21 @@ def _outcomes(
     pieces: Sequence[Piece], works: Sequence[Work], operations: Sequence[SpindleOp]
 ) -> Iterator[Outcome]:
     """What becomes of each feature, in the order of pieces and features."""
-    made = {ref: (op, i) for op in operations for i, ref in enumerate(op.features)}
+    made: dict[FeatureRef, Outcome] = {}
+    for op in operations:
+        kind = op.tool.kind
+        for i, ref in enumerate(op.features):
+            made[ref] = Outcome(ref, "merged" if i else "made", kind)
     for p, (piece, work) in enumerate(zip(pieces, works, strict=True)):
-        for f in range(len(piece.part.features)):
+        for f, feature in enumerate(piece.part.features):
             ref = (p, f)
             if ref in made:
-                op, i = made[ref]
-                yield Outcome(ref, "merged" if i else "made", op.tool.kind)
+                yield made[ref]
             elif f in work.skipped:
                 yield Outcome(ref, "skipped", work.skipped[f].code)
             elif f in work.repeats:
                 yield Outcome(ref, "duplicate", rules.DUPLICATE.code)
-            elif isinstance(piece.part.features[f], Contour):
+            elif isinstance(feature, Contour):
                 yield Outcome(ref, "made", "saw")
 
 

@@ -20,22 +20,18 @@ def spindle_operations(
     for index, (piece, work) in enumerate(zip(pieces, works, strict=True)):
         offset = drill.x + piece.start
         for job in work.jobs:
-            tool = job.tools[0] if len(job.tools) == 1 else settled[job.tools]
-            reasons = job.reasons
-            if job.diameter:
+            x, y, spindle, tools, faces, depth, diameter, made, reasons, source, relative = job
+            tool = tools[0] if len(tools) == 1 else settled[tools]
+            if diameter:
                 reasons = (drill_reason(tool, job), *reasons)
-            features = tuple([(index, f) for f in job.features])
-            if job.path:
-                path = tuple((offset + x, y) for x, y in job.path)
+            features = tuple([(index, f) for f in made])
+            if relative:
+                path = tuple((offset + a, b) for a, b in relative)
                 yield PathOp(
-                    path[0][0], job.spindle, tool, job.faces, path, job.depth, features, reasons,
-                    job.source,
-                )  # fmt: skip
+                    path[0][0], spindle, tool, faces, path, depth, features, reasons, source
+                )
             else:
-                yield DrillOp(
-                    offset + job.x, job.spindle, tool, job.faces, job.y, job.depth, features,
-                    reasons, job.source,
-                )  # fmt: skip
+                yield DrillOp(offset + x, spindle, tool, faces, y, depth, features, reasons, source)
 
 
 def drill_reason(tool: Tool, job: Job) -> str:

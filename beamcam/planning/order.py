@@ -123,20 +123,34 @@ def _cut_rank(op: SawOp) -> tuple[int, int, float, float]:
 
 def _work_off(stations: Sequence[list[SpindleOp]]) -> list[list[SpindleOp]]:
     """The operations of each X in the best order."""
+    setups: dict[tuple[int, int], Setup] = {}  # by spindle and the tool's object
     by_setup: list[dict[Setup, list[SpindleOp]]] = []
     for ops in stations:
         groups: dict[Setup, list[SpindleOp]] = {}
         for op in ops:
-            groups.setdefault(setup_of(op), []).append(op)
+            key = op.spindle, id(op.tool)
+            setup = setups.get(key)
+            if setup is None:
+                setup = setups[key] = setup_of(op)
+            if setup in groups:
+                groups[setup].append(op)
+            else:
+                groups[setup] = [op]
         by_setup.append(groups)
     choices = [_freedom(groups) for groups in by_setup]
     result, current = [], None
     for groups, choice, last in zip(by_setup, choices, _choose_lasts(choices), strict=True):
-        worked: list[SpindleOp] = []
-        for setup in _arrange(choice, current, last):
-            ops = groups[setup]
-            worked += sorted(ops, key=_place) if len(ops) > 1 else ops
-        result.append(worked)
+        if len(groups) == 1:
+            worked = groups[last]
+            result.append(sorted(worked, key=_place) if len(worked) > 1 else worked)
+        else:
+            result.append(
+                [
+                    op
+                    for setup in _arrange(choice, current, last)
+                    for op in sorted(groups[setup], key=_place)
+                ]
+            )
         current = last
     return result
 
@@ -147,7 +161,7 @@ def _place(op: SpindleOp) -> tuple[float, float, tuple[tuple[int, int], ...]]:
 
 def _freedom(groups: dict[Setup, list[SpindleOp]]) -> Station:
     """The setups of one X, those that wait for none of them, and those that none waits for."""
-    setups = sorted(groups)
+    setups = sorted(groups) if len(groups) > 1 else list(groups)
     if setups[0][0] == setups[-1][0]:  # one stage: nothing waits
         return setups, setups, setups
     waiting = {

@@ -160,15 +160,41 @@ class _Bench:
     def add_holes(self, holes: Sequence[Placed]) -> None:
         """The jobs of all holes, each once and in order along the part."""
         sinks: list[Group] = []
+        known: dict[object, Job] = {}
         for group in merge_pairs(holes, self.machine, self.rack.drill):
-            if group[0][1].kind == "countersink":
+            hole = group[0][1]
+            if hole.kind == "countersink":
                 sinks.append(group)
-            else:
+                continue
+            if hole.kind != "through" or self._behind:
                 self._add_group(group, None)
+                continue
+            # Most holes are like one before them but for their place.
+            sizes = tuple([h.diameter for _, h in group])
+            like = known.get((hole.face, sizes))
+            if like is not None:
+                self.jobs.append(self._at(like, group))
+                continue
+            count = len(self.jobs)
+            self._add_group(group, None)
+            if len(self.jobs) == count + 1 and not self.jobs[count].path:
+                known[hole.face, sizes] = self.jobs[count]
         if sinks:
             pilots = _pilots(holes, self.rack.drill)
             for group in sinks:
                 self._add_sink(group, [pilots.get(ref[1]) for ref, _ in group])
+
+    def _at(self, like: Job, group: Group) -> Job:
+        """The job of a plain hole or pair that is `like` another one."""
+        (_, f), hole = group[0]
+        x, y, features = hole.x, hole.y, (f,)
+        if len(group) == 2:
+            (_, other_f), other = group[1]
+            x, y, features = (x + other.x) / 2, (y + other.y) / 2, (f, other_f)  # type: ignore[assignment]
+        for feature in features:
+            self._places[feature] = x, y
+        _, _, spindle, tools, faces, depth, diameter, _, reasons, _, _ = like
+        return Job(x, y, spindle, tools, faces, depth, diameter, features, reasons, hole.source, ())
 
     def _add_sink(self, group: Group, pilots: Sequence[Placed | None]) -> None:
         """The job of a countersink; of a pair one by one if they sink different holes."""
