@@ -5,7 +5,7 @@ bad input. `looks_like(data)` tells by the content whether the bytes are of its 
 """
 
 import os.path
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from importlib import import_module
 
@@ -21,6 +21,7 @@ class Format:
     name: str
     suffixes: tuple[str, ...]
     module: str  #: imported when a file of the format is met, since some readers are heavy
+    options: tuple[str, ...] = ()  #: keywords that its reader takes beside the name
 
     @property
     def looks_like(self) -> Callable[[bytes], bool]:
@@ -28,35 +29,41 @@ class Format:
         return function
 
     @property
-    def read(self) -> Callable[[bytes, str], Reading]:
-        function: Callable[[bytes, str], Reading] = import_module(self.module).read
+    def read(self) -> Callable[..., Reading]:
+        function: Callable[..., Reading] = import_module(self.module).read
         return function
 
 
 FORMATS = (
     Format("dstv", (".nc", ".nc1"), "beamcam.readers.dstv"),
-    Format("dxf", (".dxf",), "beamcam.readers.dxf"),
-    Format("svg", (".svg",), "beamcam.readers.svg"),
+    Format("dxf", (".dxf",), "beamcam.readers.dxf", ("units", "layers")),
+    Format("svg", (".svg",), "beamcam.readers.svg", ("units", "width", "layers")),
     Format("ifc", (".ifc", ".ifczip"), "beamcam.readers.ifc"),
     Format("part-json", (".json",), "beamcam.readers.part_json"),
 )
 
 
-def read(data: bytes, name: str) -> Reading:
+def read(data: bytes, name: str, **options: object) -> Reading:
     """The parts of a file called `name`; a file that no reader knows is refused.
 
-    The suffix says which reader is asked first, the content decides.
+    The suffix says which reader is asked first, the content decides. `options` that are not None
+    go to a reader that takes them (units, width and layers of a drawing).
     """
     suffix = os.path.splitext(name)[1].lower()
     likely = sorted(FORMATS, key=lambda f: suffix not in f.suffixes)
     if data.strip():
         if suffix in likely[0].suffixes:
-            return likely[0].read(data, name)
+            return _read_as(likely[0], data, name, options)
         for known in likely:
             if known.looks_like(data):
-                return known.read(data, name)
+                return _read_as(known, data, name, options)
     source = Source(name)
     if not data.strip():
         return Reading("unknown", (), (rules.EMPTY.at(source),))
     known_suffixes = ", ".join(s for f in FORMATS for s in f.suffixes)
     return Reading("unknown", (), (rules.UNKNOWN_FORMAT.at(source, expected=known_suffixes),))
+
+
+def _read_as(known: Format, data: bytes, name: str, options: Mapping[str, object]) -> Reading:
+    taken = {k: v for k, v in options.items() if k in known.options and v is not None}
+    return known.read(data, name, **taken)

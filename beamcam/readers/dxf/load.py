@@ -60,7 +60,13 @@ def load(data: bytes, source: Source) -> Loaded:
 
 
 def _check_end(data: bytes, source: Source) -> tuple[Diagnostic, ...]:
-    """A warning where EOF is missing behind a whole section. Raises ReadError for less."""
+    """A warning where EOF is missing behind a whole section.
+
+    Raises ReadError where more is missing, and for what begins as no DXF file does.
+    """
+    if not looks_like(data):
+        found = data[:20].decode("latin-1").split("\n")[0]
+        raise ReadError(rules.NOT_DXF.at(source, found=found))
     if is_binary(data):
         if data.rstrip(b"\x00\x1a\r\n").endswith(b"EOF"):
             return ()

@@ -6,14 +6,8 @@ from collections.abc import Sequence
 from beamcam.errors import Diagnostic, ReadError, Source
 from beamcam.model.drawing import Measures
 from beamcam.model.part import Part
-from beamcam.readers.drawing import (
-    LARGEST_SIZE,
-    NO_CURVES,
-    TOO_LARGE,
-    counted,
-    drawing_part,
-    unknown_layers,
-)
+from beamcam.readers.drawing import LARGEST_SIZE, counted, drawing_part, unknown_layers
+from beamcam.readers.drawing.rules import NO_CURVES, TOO_LARGE
 from beamcam.readers.dxf import rules
 from beamcam.readers.dxf.frame import scaled
 from beamcam.readers.dxf.layers import Layers, Look

@@ -21,6 +21,11 @@ DWG = _error(
     "found a DWG file ({found}), expected DXF: save the drawing as DXF",
     "DWG is a closed format; every program that writes it writes DXF too.",
 )
+NOT_DXF = _error(
+    "not-dxf",
+    "found a file that begins with {found!r}, expected the group 0 SECTION or binary DXF",
+    "Another format under the suffix of DXF, or a download that went wrong.",
+)
 STRUCTURE = _error(
     "structure",
     "found a file that is damaged beyond repair ({found}), expected a DXF file",

@@ -8,7 +8,8 @@ from dataclasses import dataclass
 from typing import Any
 
 from beamcam.errors import Diagnostic, Source
-from beamcam.readers.drawing import MM_PER_UNIT, UNITS_OPTION
+from beamcam.readers.drawing import MM_PER_UNIT
+from beamcam.readers.drawing.rules import UNITS_OPTION
 from beamcam.readers.dxf import rules
 from beamcam.readers.dxf.load import Document, is_binary
 

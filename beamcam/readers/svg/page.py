@@ -5,7 +5,8 @@ from dataclasses import dataclass
 
 from beamcam.errors import Diagnostic, ReadError, Source
 from beamcam.geometry.plane import Matrix
-from beamcam.readers.drawing import MM_PER_UNIT, UNITS_OPTION, WIDTH_OPTION, split_length
+from beamcam.readers.drawing import MM_PER_UNIT, split_length
+from beamcam.readers.drawing.rules import UNITS_OPTION, WIDTH_OPTION
 from beamcam.readers.svg import rules
 from beamcam.readers.svg.css import declarations
 from beamcam.readers.svg.tree import Document

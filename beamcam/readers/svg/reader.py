@@ -5,14 +5,8 @@ from collections.abc import Sequence
 from beamcam.errors import Diagnostic, ReadError, Rule, Source
 from beamcam.model.drawing import Measures
 from beamcam.model.part import Part
-from beamcam.readers.drawing import (
-    LARGEST_SIZE,
-    NO_CURVES,
-    TOO_LARGE,
-    counted,
-    drawing_part,
-    unknown_layers,
-)
+from beamcam.readers.drawing import LARGEST_SIZE, counted, drawing_part, unknown_layers
+from beamcam.readers.drawing.rules import NO_CURVES, TOO_LARGE
 from beamcam.readers.reading import Reading
 from beamcam.readers.svg import rules
 from beamcam.readers.svg.css import INITIAL, StyleSheet, style_of

@@ -104,3 +104,11 @@ def test_nothing_is_printed(capfd: pytest.CaptureFixture[str]) -> None:
     finally:
         root.handlers = held
     assert capfd.readouterr() == ("", "")
+
+
+def test_options_reach_the_readers_that_take_them() -> None:
+    data = drawing(line(0, 0, 10, 0))
+    assert readers.read(data, "a.dxf", units="in", width=None).parts[0].length == 254
+    assert readers.read(data, "a.dxf", width=3, layers=None).parts[0].length == 10
+    plate = (SAMPLES / "dstv" / "plate.nc1").read_bytes()
+    assert not readers.read(plate, "plate.nc1", units="in").refused

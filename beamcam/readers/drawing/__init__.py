@@ -7,11 +7,12 @@ from itertools import pairwise
 from math import hypot
 from pathlib import PurePath
 
-from beamcam.errors import Diagnostic, Rule, Severity, Source
+from beamcam.errors import Diagnostic, Source
 from beamcam.geometry.conics import direction_deg
 from beamcam.geometry.curves import Arc, Curve, EllipseArc, Line
 from beamcam.model.drawing import Measures, curve_ends, extent
 from beamcam.model.part import Contour, Part, Profile
+from beamcam.readers.drawing.rules import LAYER_OPTION
 
 #: Millimetres in a unit, by the words of `--units` and `--width`.
 MM_PER_UNIT = {
@@ -37,40 +38,6 @@ ONE_POINT = 1e-9
 
 #: A sheet larger than this leaves every machine: a sign that the unit is not what it says.
 LARGEST_SIZE = 50_000.0
-
-UNITS_OPTION = Rule(
-    "drawing-units-option",
-    Severity.ERROR,
-    "found unit {found!r}, expected one of {expected}",
-    "The option --units names the unit of the drawing's numbers.",
-)
-WIDTH_OPTION = Rule(
-    "drawing-width-option",
-    Severity.ERROR,
-    "found width {found!r}, expected a length above 0 such as 600mm or 24in",
-    "The option --width gives the width of the page, where the file does not say it.",
-)
-LAYER_OPTION = Rule(
-    "drawing-layer-option",
-    Severity.ERROR,
-    "found no layer {found!r}; the drawing has {expected}",
-    "The option --layers names the layers to read; a misspelt name would lose a part of them.",
-)
-NO_CURVES = Rule(
-    "drawing-empty",
-    Severity.ERROR,
-    "found no curve that a tool could follow ({found}), expected at least one",
-    "Everything is text, hidden, or on a sheet of paper space, or the export went wrong.",
-)
-TOO_LARGE = Rule(
-    "drawing-large",
-    Severity.WARNING,
-    "found a drawing of {width:.0f} x {height:.0f} mm in the unit {unit}; check the unit, "
-    "--units overrides it",
-    "Programs write metres as their default unit into drawings that are meant in mm.",
-)
-
-RULES = (UNITS_OPTION, WIDTH_OPTION, LAYER_OPTION, NO_CURVES, TOO_LARGE)
 
 _LENGTH = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*([a-zA-Z%]*\d*)\s*\Z")
 
