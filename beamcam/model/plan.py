@@ -58,9 +58,11 @@ class SawOp:
     reasons: tuple[str, ...] = ()  #: codes of `planning.reasons`
 
 
-@dataclass(frozen=True, slots=True)
-class DrillOp:
-    """One stroke of a spindle, or of two at once, with any tool that makes a round place."""
+class DrillOp(NamedTuple):
+    """One stroke of a spindle, or of two at once, with any tool that makes a round place.
+
+    A tuple, because a bar has hundreds of them and a frozen record takes three times as long.
+    """
 
     x: float  #: machine X
     spindle: int  #: what the program calls the spindle, or the pair of them

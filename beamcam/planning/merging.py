@@ -26,19 +26,24 @@ def drop_duplicates(
     kept: list[Placed] = []
     repeats: dict[FeatureRef, Placed] = {}
     limit = tolerance + ROUNDING
+    near: list[Placed] = []  # those kept that lie no further back than the tolerance
     for placed in sorted(holes, key=_along):
         (piece, _), hole = placed
-        x, y, face = hole.x, hole.y, hole.face
-        for other in reversed(kept):
+        x, face = hole.x, hole.face
+        if near and (x - near[0][1].x > limit or near[0][0][0] != piece):
+            near = [o for o in near if x - o[1].x <= limit and o[0][0] == piece]
+        for other in near:
             before = other[1]
-            if x - before.x > limit or other[0][0] != piece:
-                kept.append(placed)
-                break
-            if before.face == face and abs(before.y - y) <= limit and alike(before, hole, limit):
+            if (
+                before.face == face
+                and abs(before.y - hole.y) <= limit
+                and alike(before, hole, limit)
+            ):
                 repeats[placed[0]] = other
                 break
         else:
             kept.append(placed)
+            near.append(placed)
     return kept, repeats
 
 
