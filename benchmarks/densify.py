@@ -12,6 +12,7 @@ from itertools import pairwise
 from math import ceil, cos, hypot, inf, pi, radians, sin
 
 from beamcam.geometry.curves import Arc, Bezier, Curve, EllipseArc, NewtonCurve
+from beamcam.geometry.newton import newton_coefficients
 from beamcam.motion.densify import DensifyRules, densify
 from beamcam.motion.spans import chord_step_rad
 
@@ -76,9 +77,16 @@ def plain_loop(curve: Curve, count: int) -> tuple[list[tuple[float, float]], flo
             x = p * ax + q * bx + u * cx + v * dx
             y = p * ay + q * by + u * cy + v * dy
             points.append((x, y))
-    else:
+    elif isinstance(curve, NewtonCurve):
+        nodes = [x for x, _ in curve.nodes]
+        c0, *rest = newton_coefficients(nodes, [y for _, y in curve.nodes])
         for k in range(count):
-            points.append(curve.point(k / (count - 1)))
+            x = nodes[0] + (nodes[-1] - nodes[0]) * k / (count - 1)
+            y, product = c0, 1.0
+            for c, node in zip(rest, nodes, strict=False):
+                product *= x - node
+                y += c * product
+            points.append((x, y))
     least, greatest = inf, 0.0
     for (x0, y0), (x1, y1) in pairwise(points):
         step = hypot(x1 - x0, y1 - y0)
