@@ -366,9 +366,8 @@ class Writer:
         profile = self._outline(member) if self.encoding == "outline" else self._profile(member)
         position = step.axes((-margin, 0, 0), (1, 0, 0), (0, 1, 0))
         up = step.direction(0, 0, 1)
-        item = step.add(
-            f"IFCEXTRUDEDAREASOLID({profile},{position},{up},{step.length(member.length + 2 * margin)})"
-        )
+        depth = step.length(member.length + 2 * margin)
+        item = step.add(f"IFCEXTRUDEDAREASOLID({profile},{position},{up},{depth})")
         booleans = "IFCBOOLEANCLIPPINGRESULT"
         kind = "Clipping"
         openings = []
@@ -455,7 +454,8 @@ class Writer:
                 centre = (enter[0] + d0[1] * radius, enter[1] - d0[0] * radius)
                 pieces.append(self._trimmed(centre, radius, enter, leave))
             previous = leave
-        assert previous is not None and first is not None
+        assert previous is not None
+        assert first is not None
         pieces.append(self._line(previous, first))
         segments = [
             step.add(f"IFCCOMPOSITECURVESEGMENT(.CONTINUOUS.,{'.T.' if same else '.F.'},{curve})")
@@ -531,7 +531,8 @@ class Writer:
         name = "IFCVOIDINGFEATURE" if self.encoding == "voiding" else "IFCOPENINGELEMENT"
         last = {"IFCVOIDINGFEATURE": ",.HOLE."}.get(name, "" if step.schema == "IFC2X3" else ",$")
         opening = step.add(
-            f"{name}('{step.guid()}',{step.owner},'Bolt Hole',$,'BoltHole',{here},{product},$ {last})"
+            f"{name}('{step.guid()}',{step.owner},'Bolt Hole',$,'BoltHole',{here},{product},$"
+            f"{last})"
         )
         step.add(f"IFCRELVOIDSELEMENT('{step.guid()}',{step.owner},$,$,{element},{opening})")
 
@@ -541,7 +542,8 @@ class Writer:
             f"IFCREPRESENTATIONMAP({step.axes((0, 0, 0), (0, 0, 1), (1, 0, 0))},{shape})"
         )
         operator = step.add(
-            f"IFCCARTESIANTRANSFORMATIONOPERATOR3D({step.direction(1, 0, 0)},{step.direction(0, -1, 0)},"
+            f"IFCCARTESIANTRANSFORMATIONOPERATOR3D({step.direction(1, 0, 0)},"
+            f"{step.direction(0, -1, 0)},"
             f"{step.point(0, 0, 0)},1.,{step.direction(0, 0, 1)})"
         )
         item = step.add(f"IFCMAPPEDITEM({source},{operator})")

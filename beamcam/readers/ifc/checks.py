@@ -4,7 +4,7 @@ from math import hypot
 
 from beamcam.errors import Diagnostic, Source
 from beamcam.model.part import Contour, Hole, Part, Slot
-from beamcam.readers.ifc import rules
+from beamcam.readers.ifc import kernel, rules
 from beamcam.readers.ifc.entities import Entity, Model, Unreadable
 from beamcam.readers.ifc.finish import Shaped
 from beamcam.readers.ifc.marks import Data
@@ -52,10 +52,8 @@ def check_kernel(
     model: Model, element: Entity, part: Part, shaped: Shaped, data: Data
 ) -> tuple[Diagnostic, ...]:
     """Where the kernel's solid has other holes, another length or another volume."""
-    from beamcam.readers.ifc.kernel import build
-
     try:
-        built = build(model, element)
+        built = kernel.build(model, element)
     except Unreadable as reason:
         return _denied(part, shaped, data, f"no solid ({reason})", "a solid")
     errors = [line for line in built.log if "[error]" in line.lower()]

@@ -142,6 +142,8 @@ def _wall_features(
     # Where the two surfaces differ only as the leaning ends make them, the longer one counts.
     skew = not explained and not _alike_through(differ, plain)
     joint = low.union(high) if not low.equals(high) else low
+    if float(differ.area) > UNEXPLAINED:
+        _refuse_askew(wall, low, high)
     pieces = pieces_of(cleaned(joint))
     if not pieces:
         return
@@ -157,6 +159,15 @@ def _wall_features(
             yield contour(wall.face, "outer", outer, source, bevels)
         for chain in inner:
             yield opening(wall, chain, source)
+
+
+def _refuse_askew(wall: Wall, low: Shape, high: Shape) -> None:
+    """Raise Unreadable for an opening that does not go square through its wall."""
+    hollows = [_filled(s).difference(s) for s in (low, high)]
+    differ = hollows[0].symmetric_difference(hollows[1])
+    round_about = max(1.0, float(hollows[0].length) / 2)
+    if float(differ.area) > UNEXPLAINED * round_about:
+        raise Unreadable(f"an opening that is not square to face {wall.face}")
 
 
 def _filled(shape: Shape) -> Shape:

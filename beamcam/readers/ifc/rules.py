@@ -119,15 +119,8 @@ BOLT_SKEW = Rule(
     "found a bolt {found} at {angle} degrees to face {face}; expected it square to the face",
     "A drill comes square to the face; where the bolt is meant to go cannot be guessed.",
 )
-MARKS = Rule(
-    "ifc-mark",
-    _N,
-    "found no piece mark; took {found}",
-    "Tag, Reference and the fabrication property sets are empty.",
-)
 
 RULES = (
     SYNTAX, SCHEMA, NO_MEMBERS, NOT_FOUND, LEDGER, LEFT_OUT, CURVED, TAPERED, GEOMETRY, SECTION,
     PROFILE_NAME, LENGTH, WEIGHT, KERNEL, KERNEL_LOG, KERNEL_DENIED, PIECES, BOLT_HOLES, BOLT_SKEW,
-    MARKS,
 )  # fmt: skip

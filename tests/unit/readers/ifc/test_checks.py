@@ -1,0 +1,116 @@
+"""The kernel as a second opinion."""
+
+from dataclasses import replace
+
+import pytest
+
+from beamcam.errors import Source
+from beamcam.readers.ifc import Options, checks, kernel, read
+from beamcam.readers.ifc.kernel import Built, build
+from beamcam.readers.ifc.marks import Data
+from tests.unit.readers.ifc.models import Small
+
+
+def drilled(**properties: str) -> Small:
+    m = Small()
+    body = m.minus(m.extruded(m.ipe300(), 2000.0), m.hole((500, -20, 0), (0, 1, 0), 22, 40))
+    element = m.element(body)
+    if properties:
+        m.properties(element, "Tekla Quantity", **properties)
+    return m
+
+
+def solid(**properties: str) -> bytes:
+    """The same member without its hole, as a kernel that lost it would build."""
+    m = Small()
+    m.element(m.extruded(m.ipe300(), 2000.0))
+    return m.data
+
+
+CHECKED = Options(kernel=True)
+
+
+def test_agreement_is_silent() -> None:
+    found = read(drilled().data, "m.ifc", options=CHECKED)
+    assert [d.code for d in found.diagnostics] == ["ifc-ledger"]
+    assert len(found.parts) == 1
+
+
+@pytest.fixture
+def losing(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A kernel that loses every cut."""
+
+    def lost(model: object, element: object) -> Built:
+        import ifcopenshell
+
+        from beamcam.readers.ifc.entities import open_model
+
+        other = open_model(ifcopenshell.file.from_string(solid().decode()))
+        return build(other, other.file.by_type("IfcBeam")[0])
+
+    monkeypatch.setattr(kernel, "build", lost)
+
+
+@pytest.mark.usefixtures("losing")
+def test_a_hole_that_the_kernel_loses_refuses_the_member() -> None:
+    found = read(drilled().data, "m.ifc", options=CHECKED)
+    (said,) = [d for d in found.diagnostics if d.code == "ifc-kernel"]
+    assert "found 0 holes in face v" in said.message
+    assert found.parts == ()
+    forced = read(drilled().data, "m.ifc", options=replace(CHECKED, force=True))
+    assert len(forced.parts) == 1
+
+
+@pytest.mark.usefixtures("losing")
+def test_the_net_weight_decides_against_the_kernel() -> None:
+    data = drilled(NetWeight="IFCMASSMEASURE(84.46)").data
+    found = read(data, "m.ifc", options=CHECKED)
+    (said,) = [d for d in found.diagnostics if d.code == "ifc-kernel-denied"]
+    assert "Tekla Quantity.NetWeight" in said.message
+    assert len(found.parts) == 1
+
+
+def test_an_error_in_the_log_refuses_the_member(monkeypatch: pytest.MonkeyPatch) -> None:
+    def failing(model: object, element: object) -> Built:
+        built = build(model, element)  # type: ignore[arg-type]
+        return replace(built, log=("[error] [GEO027] cannot build",))
+
+    monkeypatch.setattr(kernel, "build", failing)
+    found = read(drilled().data, "m.ifc", options=CHECKED)
+    (said,) = [d for d in found.diagnostics if d.code == "ifc-kernel-log"]
+    assert "GEO027" in said.message
+
+
+def test_a_slot_is_built_though_the_kernel_cannot() -> None:
+    """A radius of half the side makes the kernel drop the slot; the file stays as it was."""
+    m = Small()
+    profile = m.add(f"IFCROUNDEDRECTANGLEPROFILEDEF(.AREA.,$,{m.flat},62.,22.,11.)")
+    at = m.step.axes((800, -20, 0), (0, 1, 0), (1, 0, 0))
+    m.element(m.minus(m.extruded(m.ipe300(), 2000.0), m.extruded(profile, 40.0, at)))
+    found = read(m.data, "m.ifc", options=CHECKED)
+    assert [d.code for d in found.diagnostics] == ["ifc-ledger"]
+    (slot,) = found.parts[0].features
+    assert (slot.length, slot.diameter) == (40.0, 22.0)  # type: ignore[union-attr]
+
+
+def test_a_kernel_without_a_solid_is_no_witness(monkeypatch: pytest.MonkeyPatch) -> None:
+    from beamcam.readers.ifc.entities import Unreadable
+
+    def nothing(model: object, element: object) -> Built:
+        raise Unreadable("an empty solid by the kernel")
+
+    monkeypatch.setattr(kernel, "build", nothing)
+    found = read(drilled().data, "m.ifc", options=CHECKED)
+    assert [d.code for d in found.diagnostics if d.severity.value == "error"] == ["ifc-kernel"]
+
+
+def test_rounded_lengths_and_gross_weights_are_no_contradiction() -> None:
+    data = drilled(Length="IFCLENGTHMEASURE(2000.4)", NetWeight="IFCMASSMEASURE(84.5)").data
+    assert len(read(data, "m.ifc").parts) == 1
+
+
+def test_an_empty_data_says_nothing() -> None:
+    found = read(drilled().data, "m.ifc")
+    assert found.parts[0].source == Source("m.ifc", where=found.parts[0].guid)
+    assert Data().number("Length") is None
+    assert pytest.approx(7.85e-6) == checks.STEEL

@@ -1,0 +1,234 @@
+"""Copes, notches, bevels, plates, pipes: what a cut leaves on which face."""
+
+import pytest
+
+from beamcam.model.part import Contour, EndPlane, Hole, Part, Slot
+from beamcam.readers.ifc import Options, read
+from tests.unit.readers.ifc.models import ORIGIN, Small
+
+CUT = (1, 0, 0)
+
+
+def only(m: Small, **options: bool) -> Part:
+    found = read(m.data, "m.ifc", options=Options(**options))
+    assert not found.refused, found.diagnostics
+    (part,) = found.parts
+    return part
+
+
+def contours(part: Part) -> dict[tuple[str, str], Contour]:
+    return {(f.face, f.kind): f for f in part.features if isinstance(f, Contour)}
+
+
+def corners(contour: Contour) -> set[tuple[float, float]]:
+    return {(round(c.start[0], 2) + 0.0, round(c.start[1], 2) + 0.0) for c in contour.curves}
+
+
+def test_a_cope_shows_on_web_and_flange() -> None:
+    """A block 100 long takes the top flange and 40 mm of the web at the end."""
+    m = Small()
+    block = m.extruded(m.box(200, 80), 100.0, m.step.axes((1900, 0, 150), CUT, (0, 1, 0)))
+    part = only_with(m, block)
+    found = contours(part)
+    assert set(found) == {("v", "outer"), ("o", "outer")}
+    assert corners(found["v", "outer"]) == {
+        (0, 0), (2000, 0), (2000, 260), (1900, 260), (1900, 300), (0, 300)
+    }  # fmt: skip
+    assert corners(found["o", "outer"]) == {(0, 0), (1900, 0), (1900, 150), (0, 150)}
+    assert part.length == pytest.approx(2000.0)
+    assert part.cuts.web_end == 0.0
+
+
+def only_with(m: Small, *cutters: str, length: float = 2000.0) -> Part:
+    m.element(m.minus(m.extruded(m.ipe300(), length), *cutters))
+    return only(m, kernel=True)
+
+
+def test_a_rat_hole_keeps_its_radius() -> None:
+    """A cylinder at the web's upper corner leaves an arc in the web's outline."""
+    m = Small()
+    part = only_with(m, m.hole((2000, -20, 130), (0, 1, 0), 50, 40))
+    outline = contours(part)["v", "outer"]
+    radii = [round(c.radius, 4) for c in outline.curves if hasattr(c, "radius")]
+    assert radii
+    assert set(radii) == {25.0}
+
+
+def test_contours_run_as_dstv_has_them() -> None:
+    """Outer ones counter-clockwise seen from outside: clockwise in the numbers of o."""
+    from beamcam.geometry.curves import signed_area
+
+    m = Small()
+    block = m.extruded(m.box(200, 80), 100.0, m.step.axes((1900, 0, 150), CUT, (0, 1, 0)))
+    found = contours(only_with(m, block))
+    assert signed_area(found["v", "outer"].curves) > 0
+    assert signed_area(found["o", "outer"].curves) < 0
+
+
+def test_a_large_opening_is_an_inner_contour() -> None:
+    m = Small()
+    at = m.step.axes((1000, -20, 0), (0, 1, 0), (1, 0, 0))
+    part = only_with(m, m.extruded(m.box(200, 120), 40.0, at))
+    inner = contours(part)["v", "inner"]
+    assert corners(inner) == {(900, 90), (1100, 90), (1100, 210), (900, 210)}
+
+
+@pytest.mark.parametrize(
+    ("normal", "web", "flange"),
+    [
+        ((1, 0, 0), 0.0, 0.0),
+        ((0.8660254037844387, 0, 0.5), 30.0, 0.0),
+        ((0.8660254037844387, 0.5, 0), 0.0, -30.0),
+    ],
+)
+def test_end_angles_have_dstv_signs(
+    normal: tuple[float, float, float], web: float, flange: float
+) -> None:
+    """Positive at the end: the bottom edge is the longest."""
+    m = Small()
+    part = only_with(m, m.half((1700, 0, 0), normal))
+    assert part.cuts.web_end == pytest.approx(web, abs=1e-9)
+    assert part.cuts.flange_end == pytest.approx(flange, abs=1e-9)
+    assert contours(part) == {}
+
+
+def test_a_compound_end_is_a_plane_too() -> None:
+    m = Small()
+    n = (0.8, 0.36, 0.48)
+    part = only_with(m, m.half((1700, 0, 0), n))
+    (plane,) = (f for f in part.features if isinstance(f, EndPlane))
+    assert sum(v * v for v in plane.normal) == pytest.approx(1.0)
+    assert plane.normal[0] == pytest.approx(0.8)
+    assert part.cuts.web_end == pytest.approx(30.963757, abs=1e-5)
+
+
+def test_a_box_across_the_end_is_a_saw_cut() -> None:
+    """SkewedEnd of the AISC view: a prism that takes everything beyond a plane."""
+    m = Small()
+    wedge = m.polygon((1700, -400), (2600, -400), (2600, 400), (2100, 400))
+    at = m.step.axes((0, 200, 0), (0, -1, 0), (1, 0, 0))
+    part = only_with(m, m.extruded(wedge, 400.0, at))
+    assert part.cuts.web_end == pytest.approx(-26.565051, abs=1e-5)
+    assert contours(part) == {}
+    assert part.length == pytest.approx(1975.0)
+
+
+def test_a_plane_that_removes_nothing_changes_nothing() -> None:
+    m = Small()
+    part = only_with(m, m.half((2000, 0, 0), (1, 0, 0)), m.half((2400, 0, 0), (0.8, 0, 0.6)))
+    assert part.length == 2000.0
+    assert part.cuts.web_end == 0.0
+
+
+def test_far_anchors_do_not_move_the_cut() -> None:
+    """Planes are anchored half a million metres away by some exporters."""
+    m = Small()
+    c, s = 0.9396926207859084, 0.3420201433256687
+    far = 4.5e8
+    part = only_with(m, m.half((1700 - s * far, 0, c * far), (c, 0, s)))
+    assert part.cuts.web_end == pytest.approx(20.0, abs=1e-6)
+    assert part.length == pytest.approx(1700 + 150 * s / c, abs=0.01)
+
+
+def test_a_blind_hole_has_its_depth() -> None:
+    m = Small()
+    m.element(m.minus(m.extruded(m.box(200, 30), 900.0), m.hole((300, 40, 5), (0, 0, 1), 20, 20)))
+    (hole,) = (f for f in only(m).features if isinstance(f, Hole))
+    assert hole.depth == pytest.approx(10.0)
+    assert hole.kind == "blind"
+
+
+def test_holes_of_a_pipe_are_unrolled() -> None:
+    from math import pi
+
+    m = Small()
+    pipe = m.add(f"IFCCIRCLEHOLLOWPROFILEDEF(.AREA.,$,{m.flat},60.,5.)")
+    m.element(m.minus(m.extruded(pipe, 1500.0), m.hole((400, -80, 0), (0, 1, 0), 14, 160)))
+    part = only(m, kernel=True)
+    assert (part.profile.code, part.profile.height, part.profile.web_thickness) == ("RO", 120, 5)
+    holes = [f for f in part.features if isinstance(f, Hole)]
+    assert [h.face for h in holes] == ["v", "v"]
+    assert sorted(h.y for h in holes) == pytest.approx([30 * pi, 90 * pi])
+
+
+def test_a_plate_with_hollows_lies_along_its_longer_side() -> None:
+    m = Small()
+    outer = m.add(f"IFCPOLYLINE(({','.join(m.step.point(*p) for p in RING)}))")
+    hollow = m.add(f"IFCCIRCLE({m.flat},12.)")
+    profile = m.add(f"IFCARBITRARYPROFILEDEFWITHVOIDS(.AREA.,'PL20',{outer},({hollow}))")
+    m.element(m.extruded(profile, 20.0), "IFCPLATE")
+    part = only(m, kernel=True)
+    assert (part.profile.code, part.profile.web_thickness) == ("B", 20.0)
+    assert (part.length, part.profile.height) == pytest.approx((400.0, 150.0))
+    (hole,) = (f for f in part.features if isinstance(f, Hole))
+    assert hole.diameter == pytest.approx(24.0)
+    assert ("v", "outer") in contours(part)
+
+
+RING = ((-75, -100), (75, -100), (75, 250), (25, 300), (-75, 300), (-75, -100))
+
+
+def test_a_bolt_through_both_flanges_makes_two_holes() -> None:
+    m = Small()
+    m.element(m.extruded(m.ipe300(), 2000.0))
+    m.bolt((300, 40, -170), (0, 0, 1), 20.0, 340.0)
+    found = read(m.data, "m.ifc")
+    holes = [f for f in found.parts[0].features if isinstance(f, Hole)]
+    assert [(h.face, round(h.x, 3), round(h.y, 3), h.diameter) for h in holes] == [
+        ("o", 300.0, 35.0, 22.0), ("u", 300.0, 35.0, 22.0)
+    ]  # fmt: skip
+    assert all(h.source.where != found.parts[0].guid for h in holes)
+    assert read(m.data, "m.ifc", options=Options(bolts=False)).parts[0].features == ()
+    wide = read(m.data, "m.ifc", options=Options(clearance=1.0)).parts[0]
+    assert {h.diameter for h in wide.features if isinstance(h, Hole)} == {21.0}
+
+
+@pytest.mark.parametrize(
+    ("bolt", "hole"), [(12, 13), (16, 18), (20, 22), (24, 26), (30, 33), (19.05, 20.6375)]
+)
+def test_clearances_are_the_standards(bolt: float, hole: float) -> None:
+    from beamcam.readers.ifc.bolts import hole_for
+
+    assert hole_for(bolt, None) == pytest.approx(hole)
+
+
+def test_fabrication_data_come_first() -> None:
+    m = Small()
+    e = m.element(m.extruded(m.ipe300(), 900.0), tag="ID-12", name="IPE300")
+    m.material(e, "STEEL/S355J2")
+    m.assembly(e, "A7")
+    m.properties(e, "AISC_EM11_Pset_PieceIdentification", PieceMark="IFCLABEL('p12')")
+    part = only(m)
+    assert (part.mark, part.drawing, part.grade, part.profile.name) == (
+        "p12", "A7", "S355J2", "IPE300"
+    )  # fmt: skip
+    assert part.weight == pytest.approx(42.2, abs=0.1)
+
+
+def test_a_union_of_solids_is_read_by_the_kernel() -> None:
+    m = Small()
+    first = m.extruded(m.box(200, 20), 600.0)
+    second = m.extruded(m.box(200, 20), 500.0, m.step.axes((600, 0, 0), CUT, (0, 1, 0)))
+    m.element(m.add(f"IFCBOOLEANRESULT(.UNION.,{first},{second})"))
+    part = only(m)
+    assert (part.profile.code, part.length) == ("B", pytest.approx(1100.0))
+
+
+def test_a_mapped_body_may_be_scaled() -> None:
+    m = Small()
+    solid = m.extruded(m.box(100, 10), 50.0)
+    shape = m.add(f"IFCSHAPEREPRESENTATION({m.step.context},'Body','SweptSolid',({solid}))")
+    source = m.add(f"IFCREPRESENTATIONMAP({m.step.world},{shape})")
+    by = m.add(f"IFCCARTESIANTRANSFORMATIONOPERATOR3D($,$,{m.step.point(*ORIGIN)},10.,$)")
+    m.element(m.add(f"IFCMAPPEDITEM({source},{by})"))
+    part = only(m)
+    assert sorted((part.length, part.profile.height)) == pytest.approx([500.0, 1000.0])
+
+
+def test_slots_across_a_face_keep_their_angle() -> None:
+    m = Small()
+    profile = m.add(f"IFCROUNDEDRECTANGLEPROFILEDEF(.AREA.,$,{m.flat},62.,22.,11.)")
+    at = m.step.axes((800, -20, 0), (0, 1, 0), (0.6, 0, 0.8))
+    part = only_with(m, m.extruded(profile, 40.0, at))
+    (slot,) = (f for f in part.features if isinstance(f, Slot))
+    assert slot.angle == pytest.approx(53.130102, abs=1e-5)
