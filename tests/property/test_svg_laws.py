@@ -3,6 +3,7 @@
 import io
 import random
 import re
+from math import isfinite
 from pathlib import Path
 
 import pytest
@@ -163,6 +164,8 @@ def test_no_damage_makes_the_reader_raise(path: Path, dice: random.Random) -> No
     reading = svg.read(bytes(data), "a.svg")
     assert all(isinstance(d, Diagnostic) for d in reading.diagnostics)
     assert reading.parts or reading.refused
+    for contour in (c for part in reading.parts for c in part.contours):
+        assert all(isfinite(v) for c in contour.curves for v in (*c.start, *c.end))
 
 
 @settings(max_examples=20, deadline=None)

@@ -25,7 +25,8 @@ from beamcam.readers.dxf.layers import Layers, Look
 #: More copies of blocks than this are a damaged number, or blocks that multiply each other.
 MOST_COPIES = 20_000
 
-# Ends a list of vertices or attributes; ezdxf hides it from sound files only.
+# Ends a list of vertices or attributes; ezdxf hides it from sound files only. An ATTDEF in a block
+# shows nothing either: each insert has attributes of its own.
 _STRUCTURE = frozenset(("SEQEND",))
 
 # What numbers that make no curve end in, here and inside ezdxf.
@@ -72,7 +73,7 @@ class Walk:
                 elif is_curve(entity):
                     look = self.layers.look(entity, above, bool(blocks))
                     self._curve(entity, source, frame, look)
-                elif kind not in _STRUCTURE:
+                elif kind not in _STRUCTURE and not (blocks and kind == "ATTDEF"):
                     self._count(entity, kind, above, bool(blocks))
             # What ezdxf took in of a damaged file may lack attributes or have them of other types.
             except (DXFError, *_BAD_NUMBERS, AttributeError) as error:

@@ -135,6 +135,7 @@ def style_of(element: Element, above: Style, sheet: StyleSheet) -> Style:
         settings += declarations(inline)
     for important in (False, True):
         for name, value, marked in settings:
-            if marked == important and (name in INHERITED or name in OWN) and value != "inherit":
-                style[name] = value.strip()
+            if marked == important and (name in INHERITED or name in OWN):
+                plain = value.strip()
+                style[name] = above.get(name, "") if plain == "inherit" else plain
     return style

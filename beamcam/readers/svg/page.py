@@ -2,6 +2,7 @@
 
 import re
 from dataclasses import dataclass
+from math import inf, isfinite
 
 from beamcam.errors import Diagnostic, ReadError, Source
 from beamcam.geometry.plane import Matrix
@@ -78,7 +79,7 @@ def _given_width(width: str | float, name: str) -> float:
         mm = number * MM_PER_UNIT[unit or "mm"]
     except (ValueError, KeyError):
         mm = 0.0
-    if not 0.0 < mm < float("inf"):
+    if not 0.0 < mm < inf:
         raise ReadError(WIDTH_OPTION.at(Source(name), found=width))
     return mm
 
@@ -108,7 +109,7 @@ class _Finder:
         if unit not in (*_PX, *_ABSOLUTE, "%"):
             expected = f"mm, cm, in, pt, pc, px or none, not {unit!r}"
             raise self._refuse(f"{side}={text!r}", expected)
-        if not 0.0 < number < float("inf"):
+        if not 0.0 < number < inf:
             raise self._refuse(f"{side}={text!r}", "a length above 0")
         return _Size(text, number, unit)
 
@@ -120,7 +121,8 @@ class _Finder:
             x, y, width, height = map(float, re.split(r"[\s,]+", text.strip()))
         except ValueError as error:
             raise self._refuse(f"viewBox={text!r}", "four numbers") from error
-        if not (0.0 < width < float("inf") and 0.0 < height < float("inf")):
+        sizes_known = 0.0 < width < inf and 0.0 < height < inf
+        if not (sizes_known and isfinite(x) and isfinite(y)):
             raise self._refuse(f"viewBox={text!r}", "a width and a height above 0")
         return ViewBox(x, y, width, height)
 

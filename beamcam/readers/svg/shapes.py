@@ -1,7 +1,7 @@
 """The basic shapes as chains of exact curves, in the units of the drawing."""
 
 import re
-from math import hypot, inf
+from math import hypot, inf, isfinite
 
 from beamcam.geometry.conics import ellipse_of
 from beamcam.geometry.curves import Arc, Curve, EllipseArc
@@ -90,7 +90,7 @@ def view_box(text: str) -> tuple[float, float, float, float]:
         x, y, width, height = map(float, words)
     except ValueError as error:
         raise NumberError("viewBox", text, "four numbers") from error
-    if not (0.0 < width < inf and 0.0 < height < inf):
+    if not (0.0 < width < inf and 0.0 < height < inf and isfinite(x) and isfinite(y)):
         raise NumberError("viewBox", text, "a width and a height above 0")
     return x, y, width, height
 

@@ -2,7 +2,7 @@
 
 import re
 from collections.abc import Callable
-from math import radians, tan
+from math import isfinite, radians, tan
 
 from beamcam.geometry.plane import IDENTITY, Matrix, unit_vector
 
@@ -64,6 +64,8 @@ def parse_transform(text: str) -> Matrix:
         numbers = [float(n) for n in re.split(r"[\s,]+", call[2].strip()) if n]
         if len(numbers) not in counts:
             raise ValueError(f"{' or '.join(map(str, counts))} numbers in {call[1]}()")
+        if not all(map(isfinite, numbers)):
+            raise ValueError("finite numbers")
         result = product(result, build(*numbers))
         position = call.end()
     return result

@@ -3,6 +3,7 @@
 from collections import Counter
 from collections.abc import Iterable
 from dataclasses import dataclass, field, replace
+from math import isfinite
 
 from beamcam.errors import Diagnostic, ReadError, Source
 from beamcam.geometry.curves import Curve
@@ -177,9 +178,11 @@ class Walk:
             self._say_number(element, error)
             return
         chains = self._placed(subpaths, place.matrix)
-        if not chains:
-            return
-        self._sort(element, chains, place, source)
+        if not all(isfinite(v) for chain in chains for c in chain for v in (*c.start, *c.end)):
+            endless = NumberError(element.tag, "inf", "coordinates that are finite numbers")
+            self._say_number(element, endless)
+        elif chains:
+            self._sort(element, chains, place, source)
 
     def _say_number(self, element: Element, error: NumberError) -> None:
         said = rules.NUMBER.at(

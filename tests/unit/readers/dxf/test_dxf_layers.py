@@ -14,6 +14,7 @@ from tests.dxf_text import (
     layer_table,
     length_of,
     line,
+    tags,
 )
 
 LAYERS = layer_table(
@@ -116,6 +117,17 @@ def test_what_is_no_curve_is_counted_and_named() -> None:
         "a.dxf: warning dxf-not-cut: found 1 POINT, 1 RAY, 2 TEXT, which no tool follows; "
         "expected curves only"
     ]
+
+
+def test_attributes_are_counted_with_the_insert_not_with_the_block() -> None:
+    own = ((10, 0), (20, 0), (40, 1), (1, "7"), (100, "AcDbAttributeDefinition"), (3, "No?"))
+    definition = entity("ATTDEF", "AcDbText", *own, (2, "NO"), (70, 0))
+    attribute = entity("ATTRIB", "AcDbText", (10, 0), (20, 0), (40, 1), (1, "7"))
+    attribute = attribute + tags((100, "AcDbAttribute"), (2, "NO"), (70, 0))
+    with_one = insert("B", 0, 0, (66, 1)) + attribute + tags((0, "SEQEND"), (5, "E"), (8, "0"))
+    data = drawing(with_one, blocks=block("B", line(0, 0, 1, 0) + definition))
+    reading = dxf.read(data, "a.dxf")
+    assert dict(reading.parts[0].measures.not_cut) == {"ATTRIB": 1}
 
 
 def test_nothing_to_cut_refuses_the_file() -> None:

@@ -85,6 +85,7 @@ REFUSED = [
     ("svg-size", 'width="5mm" height="5mm" viewBox="0 0 0 100"'),
     ("svg-size", 'width="5mm" height="5mm" viewBox="a b c d"'),
     ("svg-size", 'width="5mm" height="5mm" viewBox="0 0 nan 5"'),
+    ("svg-size", 'width="5mm" height="5mm" viewBox="0 nan 5 5"'),
 ]
 
 

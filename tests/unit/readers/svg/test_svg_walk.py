@@ -104,6 +104,7 @@ def test_a_prefix_for_svg_and_elements_of_others() -> None:
         ('<line x2="5" stroke="#0000FF"/>', "#0000ff"),
         ('<line x2="5" stroke="#00f" style="stroke: lime"/>', "#00ff00"),
         ('<g stroke="blue"><line x2="5" stroke="inherit"/></g>', "#0000ff"),
+        ('<g stroke="blue"><line x2="5" stroke="lime" style="stroke:inherit"/></g>', "#0000ff"),
         ('<g color="blue"><line x2="5" stroke="currentColor"/></g>', "#0000ff"),
         ('<line x2="5" stroke="rgb(0, 128, 255)"/>', "#0080ff"),
         ('<line x2="5" stroke="#ED3237 icc-color(x, 0, 1)"/>', "#ed3237"),
