@@ -90,7 +90,7 @@ class Cell:
         x = move.end[0]
         moved = x != self.x and not isnan(x)
         if moved:
-            self._move_bar(x, move, self._in_work(move))
+            self._move_bar(x, move, self.cycle.along and self._in_work(move))
         self.feed_mm_min = move.feed_mm_min
         if not move.rapid and self.meaning.feeds and move.feed_mm_min <= 0:
             self.say(rules.NO_FEED, move.line, found="feed")

@@ -74,24 +74,25 @@ def compare(
             paths.append(need)
     matching = Matching(wanted, parts, machine.format.resolution, drill.merge_tolerance, name)
     matches = list(matching.run(made.bores, said))
-    fine: set[object] = set()  # most holes of a part are like another one of it
     for match in matches:
         need, bore, size = match
         hole = need.hole
+        part = parts[need.part]
+        # Most holes are like another one, of this part or of one before.
         alike = (
-            need.part, need.kind, hole.face, hole.kind, hole.diameter, hole.depth, hole.angle,
-            need.pilot, size, *bore[4:],
+            part.profile, part.grade, need.kind, hole.face, hole.kind, hole.diameter, hole.depth,
+            hole.angle, need.pilot, size, *bore[4:],
         )  # fmt: skip
-        if alike in fine:
+        if alike in rack.fine:
             continue
         found = [*_tool(match, task)]
         if not errors_in(found):  # another tool has another depth and feed, of course
             found += _depth(match, task)
-            found += _feed(bore, parts[need.part].grade, task)
+            found += _feed(bore, part.grade, task)
         if found:
             said += found
         else:
-            fine.add(alike)
+            rack.remember(alike)
     if made.trails or paths:
         said += _paths(made.trails, paths, task)
     if machine.layout is not None and machine.layout.order == "drill-saw":
@@ -135,14 +136,13 @@ def _tool(match: Match, task: Task) -> Iterator[Diagnostic]:
     """What is wrong with the tool that makes a hole."""
     need, bore, size = match
     rack, face = task.rack, need.hole.face
-    sizes = {d for tools in rack.of(need.kind, face) for d in tools.sizes}
     own, fit = _own_tool(match, rack)
     found = f"a {need.kind} {bore.diameter:g}"
     described = _described(need, task.parts)
     if fit is not None and not fit[0] <= bore.diameter <= fit[1]:
         expected = f"a {need.kind} {own:g}"
         yield rules.TOOL.at(task.at(bore.line), found=found, expected=expected, **described)
-    elif bore.diameter not in sizes:
+    elif bore.diameter not in rack.sizes(need.kind, face):
         expected = f"a {need.kind} {own:g}, the shop has none of that size"
         yield rules.TOOL.at(task.at(bore.line), found=found, expected=expected, **described)
     elif need.kind == "drill" and not _as_good(bore.diameter, own, size, rack):
@@ -339,7 +339,7 @@ def _trail(trail: Trail, need: Pocket | Course, what: str, task: Task) -> Iterat
     described: dict[str, object] = {
         "what": what, "face": need.face, "mark": part.mark, "x": f"{x:g}", "y": f"{y:g}",
     }  # fmt: skip
-    sizes = sorted({d for t in task.rack.of(trail.kind, need.face) for d in t.sizes})
+    sizes = sorted(task.rack.sizes(trail.kind, need.face))
     if trail.diameter not in sizes:
         shown = ", ".join(f"{d:g}" for d in sizes)
         yield rules.TOOL.at(

@@ -27,6 +27,8 @@ class End(NamedTuple):
     web: float  #: degrees, DSTV's web angle
     flange: float  #: and its flange angle; both 0 is square
     x_0: float  #: x on the part at y = 0, z = 0
+    tan_web: float = 0.0
+    tan_flange: float = 0.0
 
     @property
     def name(self) -> str:
@@ -37,15 +39,13 @@ class End(NamedTuple):
         return not self.web and not self.flange
 
     def x(self, y: float, z: float = 0.0) -> float:
-        if self.square:
-            return self.x_0
-        return self.x_0 - y * tan(radians(self.web)) - z * tan(radians(self.flange))
+        return self.x_0 - y * self.tan_web - z * self.tan_flange
 
     def kerf(self, saw: Saw) -> float:
         """Length of bar that its cut takes: the blade's thickness, along the bar if it is so."""
         if self.square or saw.kerf_along != "normal":
             return saw.kerf
-        return saw.kerf * hypot(1.0, tan(radians(self.web)), tan(radians(self.flange)))
+        return saw.kerf * hypot(1.0, self.tan_web, self.tan_flange)
 
     def blade(self, saw: Saw, height: float) -> float:
         """Where the blade's middle stands, on the part's x, on the saw's pivot edge."""
@@ -57,7 +57,9 @@ class End(NamedTuple):
         A blade turned by w and then tilted by t has the normal (cos t cos w, cos t sin w, sin t),
         which has to be along (1, tan w, tan f), so tan t = tan f cos w.
         """
-        tilt = degrees(atan(tan(radians(self.flange)) * cos(radians(self.web))))
+        if not self.flange:
+            return saw.square + saw.angle_sign * self.web, 0.0
+        tilt = degrees(atan(self.tan_flange * cos(radians(self.web))))
         return saw.square + saw.angle_sign * self.web, saw.tilt_sign * tilt + 0.0
 
 
@@ -81,13 +83,13 @@ def ends_of(part: Part, saw: Saw) -> tuple[End, End]:
     for side, web, flange in ((-1, webs[0], flanges[0]), (1, webs[1], flanges[1])):
         web = web if abs(web) >= least else 0.0
         flange = flange if abs(flange) >= least else 0.0
-        x_0 = 0.0 if side < 0 else part.length
+        x_0, t, s = 0.0 if side < 0 else part.length, 0.0, 0.0
         if web or flange:
             # x(y, z) runs through the outermost corner, which lies on x = 0 or x = length.
             t, s = tan(radians(web)), tan(radians(flange))
             leans = [y * t + z * s for y, z in _corners(part.profile)]
             x_0 += max(leans) if side < 0 else min(leans)
-        ends.append(End(side, web, flange, x_0))
+        ends.append(End(side, web, flange, x_0, t, s))
     return ends[0], ends[1]
 
 

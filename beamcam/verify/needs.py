@@ -108,9 +108,22 @@ class Rack:
             self.kinds[tools.kind] = (*self.kinds.get(tools.kind, ()), tools)
         self.faces = tuple(s.face for s in machine.spindles)
         self.drills = lru_cache(4096)(self._drill)
+        self.sizes = lru_cache(64)(self._sizes)
+        self.fine: set[object] = set()  #: holes and bores that were found to agree
+        self.twice = drill.duplicate_tolerance + 1e-9  #: holes nearer than this are one
 
     def of(self, kind: str, face: Face) -> Iterator[ToolSet]:
         return (t for t in self.kinds.get(kind, ()) if face in t.faces)
+
+    def _sizes(self, kind: str, face: Face) -> frozenset[float]:
+        """Diameters of the tools of a kind that the spindle of a face takes."""
+        return frozenset(d for tools in self.of(kind, face) for d in tools.sizes)
+
+    def remember(self, alike: object) -> None:
+        """Note what agrees, so that it is not judged again; a few thousand at most."""
+        if len(self.fine) >= 4096:
+            self.fine.clear()
+        self.fine.add(alike)
 
     def fit(self, diameter: float) -> tuple[float, float] | None:
         """Least and greatest drill for a hole; None if the machine says nothing of that size."""
@@ -195,23 +208,24 @@ def _once(
     features: Sequence[tuple[int, Feature]], part: Part, rack: Rack
 ) -> Iterator[tuple[int, Feature]]:
     """The features, those made from the plate's other side there, holes written twice once."""
-    tolerance = rack.drill.duplicate_tolerance + 1e-9
+    tolerance = rack.twice
     seen: dict[tuple[object, ...], list[Hole]] = {}
     for f, feature in features:
-        if isinstance(feature, Hole | Slot):
-            through = feature.kind == "through" and feature.depth is None
+        if isinstance(feature, Hole | Slot) and not _works(feature.face, part, rack):
             other = OTHER_SIDE.get(part.profile.code, {}).get(feature.face)
-            if through and other in rack.faces and not _works(feature.face, part, rack):
+            if feature.kind == "through" and feature.depth is None and other in rack.faces:
                 feature = replace(feature, face=other)
         if isinstance(feature, Hole):
             key = (feature.face, feature.kind, feature.diameter, feature.depth, feature.angle)
             alike = seen.setdefault(key, [])
-            if any(
-                abs(h.x - feature.x) <= tolerance and abs(h.y - feature.y) <= tolerance
-                for h in alike
-            ):
-                continue
-            alike.append(feature)
+            x, y = feature.x, feature.y
+            for h in alike:
+                if abs(h.x - x) <= tolerance and abs(h.y - y) <= tolerance:
+                    break
+            else:
+                alike.append(feature)
+                yield f, feature
+            continue
         yield f, feature
 
 

@@ -68,7 +68,7 @@ class Placing:
             self.last_cut.append(cut.line if cut else None)
             return (cut.x - saw.x if cut else end + saw.kerf / 2) + saw.kerf / 2, False
         cut = self._take(last, start + last.blade(saw, height), part)
-        square = last._replace(web=0.0, flange=0.0, x_0=part.length)
+        square = End(1, 0.0, 0.0, part.length)
         # A square cut removes the wedge; it never stands before the middle of the mitre.
         behind = [end + last.kerf(saw) / 2]
         if following is not None and following.square:
