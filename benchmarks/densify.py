@@ -30,8 +30,9 @@ def random_paths(count: int) -> dict[str, list[tuple[Curve, ...]]]:
         size, turn = dice.uniform(50, 500), dice.uniform(0, 2 * pi)
         return size * cos(turn), size * sin(turn)
 
-    def nodes() -> tuple[tuple[float, float], ...]:
-        return tuple((100.0 * k, dice.uniform(-100, 100)) for k in range(5))
+    def polynomials(pieces: int) -> tuple[Curve, ...]:
+        nodes = [(100.0 * k, dice.uniform(-100, 100)) for k in range(4 * pieces + 1)]
+        return tuple(NewtonCurve(tuple(nodes[4 * k : 4 * k + 5])) for k in range(pieces))
 
     def cubics(pieces: int) -> tuple[Curve, ...]:
         ends = [place() for _ in range(pieces + 1)]
@@ -46,7 +47,7 @@ def random_paths(count: int) -> dict[str, list[tuple[Curve, ...]]]:
             (EllipseArc(place(), axis(), dice.uniform(0.2, 1), 0.0, 360.0),) for _ in range(count)
         ],
         "cubics": [cubics(10) for _ in range(count // 10)],
-        "polynomials": [(NewtonCurve(nodes()),) for _ in range(count)],
+        "polynomials": [polynomials(10) for _ in range(count // 10)],
     }
 
 
