@@ -20,7 +20,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from multiprocessing.connection import Connection, wait
 from queue import SimpleQueue
-from typing import Literal, Protocol
+from typing import Any, Literal, Protocol
 
 from beamcam.batch.work import Made, Shop, Task, make_all, thaw
 
@@ -137,8 +137,13 @@ class Processes:
     def _start(self) -> _Worker:
         their_tasks, tasks = self._context.Pipe(duplex=False)
         results, their_results = self._context.Pipe(duplex=False)
+        # A forked worker has a copy of every end that is open here. It has to close them, or it
+        # would keep the others, and itself, from seeing that this process is gone.
+        ours: tuple[Connection[Any, Any], ...] = ()
+        if self._context.get_start_method() == "fork":
+            ours = (tasks, results, *(end for w in self._workers for end in (w.tasks, w.results)))
         process = self._context.Process(
-            target=serve, args=(their_tasks, their_results, self._frozen), daemon=True
+            target=serve, args=(their_tasks, their_results, self._frozen, ours), daemon=True
         )
         process.start()
         # With this end closed here the worker's death is the end of the pipe.
@@ -155,9 +160,17 @@ class Processes:
 
 
 def serve(
-    tasks: "Connection[None, Chunk]", results: "Connection[list[Made], None]", frozen: bytes
+    tasks: "Connection[None, Chunk]",
+    results: "Connection[list[Made], None]",
+    frozen: bytes,
+    others: "Sequence[Connection[Any, Any]]" = (),
 ) -> None:
-    """What a worker does until the other end of its pipe is closed, or its process gone."""
+    """What a worker does until the other end of its pipe is closed, or its process gone.
+
+    `others` are ends of pipes that it has by no will of its own.
+    """
+    for end in others:
+        end.close()
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is for the process that started it
     signal.signal(signal.SIGTERM, signal.SIG_DFL)
     shop = thaw(frozen)

@@ -167,7 +167,7 @@ class _Run:
         about_bytes = about.encode("utf-8", "surrogateescape")
         slot.key = sha256(self._settings + about_bytes + data).digest()
         done = None if self._force else self._record.find(slot.key)
-        if done is not None:
+        if done is not None and not (self._shop.timed and _lacks_time(done)):
             slot.row = {**done, "status": "unchanged", "seconds": 0.0}
             return
         slot.size = len(data)
@@ -297,6 +297,11 @@ def _row(path: str, status: Status, said: Diagnostic) -> Row:
         "file": path, "status": status, "format": "", "seconds": 0.0, "parts": [],
         "messages": [as_message(said)],
     }  # fmt: skip
+
+
+def _lacks_time(row: Row) -> bool:
+    """Whether a row was noted by a run that did not ask for times."""
+    return any(part["machine_time_s"] is None for part in row["parts"])
 
 
 def _weight(made: Made) -> int:

@@ -47,6 +47,7 @@ class Shop:
     name: str | None = None  #: template of the outputs' names
     table: tuple[tuple[str, Process], ...] = ()  #: what is done with layers and colours
     version: str = __version__
+    timed: bool = field(default=True, repr=False)  #: whether the machine's time is worked out
     clock: Callable[[], float] | None = field(default=None, repr=False, compare=False)
 
     @property
@@ -154,7 +155,7 @@ def _post_all(task: Task, shop: Shop, row: Row) -> tuple[tuple[str, bytes], ...]
         taken[folded(name)] = part.mark
         content = posted.text.encode("utf-8")
         outputs.append((name, content))
-        row["parts"].append(_part_row(part, posted, name, content, shop.machine))
+        row["parts"].append(_part_row(part, posted, name, content, shop))
     return tuple(outputs)
 
 
@@ -191,7 +192,7 @@ def _is_too_short(said: Sequence[Diagnostic]) -> bool:
     return {d.code for d in errors_in(said)} <= {BAR_FULL.code, BAR_SHORT.code}
 
 
-def _part_row(part: Part, posted: Posted, name: str, content: bytes, machine: Machine) -> PartRow:
+def _part_row(part: Part, posted: Posted, name: str, content: bytes, shop: Shop) -> PartRow:
     plan = posted.plan
     how = Counter(outcome.how for outcome in plan.outcomes)
     ledger = {"read": len(plan.outcomes)} | {
@@ -210,7 +211,7 @@ def _part_row(part: Part, posted: Posted, name: str, content: bytes, machine: Ma
         "skipped_by": dict(sorted(skipped_by.items())),
         "tools": sorted({_tool_name(op) for op in plan.operations}),
         "operations": len(plan.operations),
-        "machine_time_s": round(work_time(plan, machine).total_s, 3),
+        "machine_time_s": round(work_time(plan, shop.machine).total_s, 3) if shop.timed else None,
     }
 
 

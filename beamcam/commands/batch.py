@@ -69,7 +69,9 @@ def command(
     names = _names(inputs)
     try:
         config = settled(config_file, names)
-        shop = shop_of(config, machine, bar, job, name, skips, strict, no_verify)
+        shop = shop_of(
+            config, machine, bar, job, name, skips, strict, no_verify, report is not None
+        )
         found = find_inputs(names, leave_out=(output,))
         workers = workers_of(shop, jobs or config.jobs, scheduler, len(found.inputs))
     except BeamcamError as error:

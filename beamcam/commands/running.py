@@ -116,6 +116,7 @@ def shop_of(
     skips: tuple[str, ...],
     strict: bool,
     no_verify: bool,
+    timed: bool = False,
 ) -> Shop:
     """What decides about the outputs: the command line over the configuration.
 
@@ -132,6 +133,7 @@ def shop_of(
         not no_verify,
         name if name is not None else config.name,
         tuple(sorted(config.map.items())),
+        timed=timed,
         clock=perf_counter,
     )
 

@@ -53,7 +53,7 @@ class PartRow(TypedDict):
     skipped_by: dict[str, int]  #: code -> number of features
     tools: list[str]
     operations: int
-    machine_time_s: float
+    machine_time_s: float | None  #: None where it was not asked for
 
 
 class Row(TypedDict):

@@ -38,7 +38,7 @@ def as_html(rows: Iterable[Row], counts: Counts, said: Iterable[Message]) -> Ite
 
 def _row(row: Row) -> str:
     parts = row["parts"]
-    seconds = sum(part["machine_time_s"] * part["quantity"] for part in parts)
+    seconds = sum((part["machine_time_s"] or 0.0) * part["quantity"] for part in parts)
     return (
         f"<tr><td>{escape(row['file'])}<td class={row['status']}>{row['status']}"
         f"<td>{'<br>'.join(map(_part, parts))}"

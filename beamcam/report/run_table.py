@@ -36,12 +36,12 @@ _CELLS = HEAD[4:18]
 
 
 def _cells(part: PartRow) -> tuple[object, ...]:
-    ledger = part["ledger"]
+    ledger, seconds = part["ledger"], part["machine_time_s"]
     return (
         part["mark"], part["quantity"], part["profile"], f"{part['length']:g}", part["output"],
         f"{part['bar']:g}", ledger["read"], ledger["made"], ledger["merged"], ledger["duplicate"],
         ledger["skipped"], " ".join(t.replace(" ", "-") for t in part["tools"]),
-        part["operations"], f"{part['machine_time_s']:.1f}",
+        part["operations"], "" if seconds is None else f"{seconds:.1f}",
     )  # fmt: skip
 
 
