@@ -1,0 +1,58 @@
+"""Small parts for tests of many files, and a batch called as from a shell."""
+
+import json
+from pathlib import Path
+from typing import Any
+
+from click.testing import CliRunner, Result
+
+from beamcam.cli import main
+
+HEAD = (
+    "ST\n** {mark}.nc1\n  TEST\n  1\n  1\n  {mark}\n  S235JR\n  {quantity}\n  UPN200\n  U\n"
+    "{length:13.2f}\n       200.00\n        75.00\n        11.50\n         8.50\n        11.50\n"
+    "       25.300\n        0.661\n        0.000\n        0.000\n        0.000\n        0.000\n"
+    "\n\n\n\n"
+)
+
+
+def part(mark: str, length: float = 2000.0, quantity: int = 1, diameter: float = 18.0) -> str:
+    """The text of a DSTV file with one hole; of diameter 65 no machine here has a tool for it."""
+    head = HEAD.format(mark=mark, quantity=quantity, length=length)
+    return f"{head}BO\n  v  100.00u   60.00  {diameter:7.2f}\nEN\n"
+
+
+BAD = part("BAD", diameter=65.0)
+
+
+def fill(folder: Path, count: int, bad: int | None = None) -> None:
+    """`count` parts P000.nc1, ...; number `bad` is one that is refused."""
+    folder.mkdir(parents=True, exist_ok=True)
+    for k in range(count):
+        text = BAD if k == bad else part(f"P{k}", 1500.0 + k, 1 + k % 3)
+        (folder / f"P{k:03d}.nc1").write_text(text)
+
+
+def batch(*args: object, stdin: str | None = None, command: str = "batch") -> Result:
+    return CliRunner().invoke(main, [command, *map(str, args)], input=stdin)
+
+
+def counts(result: Result) -> tuple[int, int, int, int]:
+    """Posted, unchanged, refused and failed of the last line."""
+    words = result.stderr.splitlines()[-1].split()
+    assert words[1::2][:4] == ["posted,", "unchanged,", "refused,", "failed"]
+    return int(words[0]), int(words[2]), int(words[4]), int(words[6])
+
+
+def programs(folder: Path) -> dict[str, bytes]:
+    """Every file in a folder by its path below it, but for the record."""
+    return {
+        p.relative_to(folder).as_posix(): p.read_bytes()
+        for p in folder.rglob("*")
+        if p.is_file() and p.name != ".beamcam-batch.jsonl"
+    }
+
+
+def report(path: Path) -> dict[str, Any]:
+    data: dict[str, Any] = json.loads(path.read_text(encoding="utf-8"))
+    return data
