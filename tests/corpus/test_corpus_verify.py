@@ -1,0 +1,46 @@
+"""Real parts: what a machine can make of them is read back without a word."""
+
+from pathlib import Path
+
+import pytest
+
+from beamcam.errors import PlanError, ReadError
+from beamcam.machine import load
+from beamcam.pipeline import parts_of, post, read_file
+from beamcam.planning import SKIP_NAMES
+from beamcam.verify import verify
+from tests.conftest import CORPUS
+
+FILES = sorted((CORPUS / "dstv").glob("*/*.[nN][cC]*"))
+MACHINES = ("beamline", "beamline-annex", "beamline-pusher")
+#: The annex dialect strokes 150 mm whatever the section, which does not reach the web of this one.
+TOO_SHALLOW = ("beamline-annex", "HEB400.nc")
+
+pytestmark = pytest.mark.skipif(not FILES, reason="no corpus of real files is at hand")
+
+
+def planned(name: str) -> list[tuple[Path, str, str]]:
+    """Files that can be planned, each with its program and what the read-back says of it."""
+    machine, found = load(name), []
+    for path in FILES:
+        try:
+            parts, _ = parts_of([read_file(str(path))])
+            posted = post(parts[:1], machine, bar=15500.0, skips=SKIP_NAMES, read_back=False)
+        except (ReadError, PlanError):
+            continue
+        skipped = {o.feature for o in posted.plan.outcomes if o.how == "skipped"}
+        said = verify(posted.text, parts[:1], machine, skipped)
+        found.append((path, posted.text, "\n".join(map(str, said))))
+    return found
+
+
+@pytest.mark.parametrize("name", MACHINES)
+def test_real_parts_are_read_back(name: str) -> None:
+    found = planned(name)
+    assert len(found) >= 5
+    for path, _, said in found:
+        if (name, path.name) == TOO_SHALLOW:
+            assert "verify-depth" in said
+            assert "at least 13.500" in said
+        else:
+            assert said == "", path.name
