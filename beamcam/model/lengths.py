@@ -131,31 +131,33 @@ def _clusters(values: Iterable[tuple[tuple[float, ...], int]]) -> list[list[int]
     """Indices of values that lie within `SAME_PLACE` of one another in every coordinate.
 
     A grid of cells of that size over the first three coordinates: neighbours are found in the
-    cells around, and joined as sets.
+    cells around, and joined as sets. Equal values count as one, since many lines of a drawing may
+    share a carrier.
     """
-    cells: dict[_Cell, list[int]] = defaultdict(list)
-    placed = list(values)
-    for value, index in placed:
-        cells[tuple(floor(v / SAME_PLACE) for v in value[:3])].append(index)
-    leader = {index: index for _, index in placed}
+    same: dict[tuple[float, ...], list[int]] = defaultdict(list)
+    for value, index in values:
+        same[value].append(index)
+    cells: dict[_Cell, list[tuple[float, ...]]] = defaultdict(list)
+    for value in same:
+        cells[tuple(floor(v / SAME_PLACE) for v in value[:3])].append(value)
+    leader = {value: value for value in same}
 
-    def find(index: int) -> int:
-        while leader[index] != index:
-            leader[index] = leader[leader[index]]
-            index = leader[index]
-        return index
+    def find(value: tuple[float, ...]) -> tuple[float, ...]:
+        while leader[value] != value:
+            leader[value] = leader[leader[value]]
+            value = leader[value]
+        return value
 
-    where = {index: value for value, index in placed}
     for cell, members in cells.items():
         for around in _cells_around(cell):
             for other in cells.get(around, ()):
-                for index in members:
-                    near = zip(where[index], where[other], strict=True)
-                    if index < other and all(abs(a - b) <= SAME_PLACE for a, b in near):
-                        leader[find(other)] = find(index)
-    groups: dict[int, list[int]] = defaultdict(list)
-    for _, index in placed:
-        groups[find(index)].append(index)
+                for value in members:
+                    near = zip(value, other, strict=True)
+                    if value < other and all(abs(a - b) <= SAME_PLACE for a, b in near):
+                        leader[find(other)] = find(value)
+    groups: dict[tuple[float, ...], list[int]] = defaultdict(list)
+    for value, indices in same.items():
+        groups[find(value)] += indices
     return [group for group in groups.values() if len(group) > 1]
 
 

@@ -76,3 +76,8 @@ def test_measures_tell_their_lengths() -> None:
     measures = Measures((CUBIC,), (Line((0, 0), (3, 4)), CUBIC), (("TEXT", 2),))
     assert measures.filled_length == pytest.approx(CUBIC.length)
     assert measures.hidden_length == pytest.approx(5 + CUBIC.length)
+
+
+def test_a_sheet_of_many_lines_on_one_carrier_takes_no_square_of_them() -> None:
+    row = [Line((10.0 * k, 0.0), (10.0 * k + 6.0, 0.0)) for k in range(20_000)]
+    assert duplicate_length([*row, *row[::2]]) == pytest.approx(6 * 10_000)
