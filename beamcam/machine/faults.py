@@ -1,5 +1,6 @@
 """What is wrong with a machine's stations and tools, as far as several keys have to agree."""
 
+import re
 from collections.abc import Iterator
 
 from beamcam.machine.machine import FLAT_DEG, Machine, ToolSet, inch_size
@@ -77,12 +78,18 @@ def _set_faults(key: str, tools: ToolSet) -> Iterator[Fault]:
 _TORCH_WORDS = ("traverse", "feed", "cut_on", "cut_off")
 
 
+#: Controllers that are told by a table or a chain of triggers and know no words.
+TABLE_CONTROLLERS = ("simotion", "stepper")
+
+
 def torch_faults(machine: Machine) -> Iterator[Fault]:
     """Each key of a torch that contradicts another."""
     torch, words = machine.torch, machine.words
     if torch is None:
         return
-    for name in _TORCH_WORDS:
+    yield from table_faults(machine)
+    worded = machine.controller not in TABLE_CONTROLLERS
+    for name in _TORCH_WORDS if worded else ():
         if not getattr(words, name):
             yield f"words.{name}", [], "a template, since there is a torch"
     for one, other in (("arc_cw", "arc_ccw"), ("ellipse_cw", "ellipse_ccw"), ("left", "right")):
@@ -91,7 +98,7 @@ def torch_faults(machine: Machine) -> Iterator[Fault]:
     if not torch.rows:
         yield "torch.rows", [], "a row for each process"
     for process in {row.process for row in torch.rows}:
-        for name in (f"{process}_on", f"{process}_off"):
+        for name in (f"{process}_on", f"{process}_off") if worded else ():
             if not getattr(words, name):
                 yield f"words.{name}", [], f"a template, since there is a row for {process}"
     if not any(row.process == "cut" for row in torch.rows):
@@ -105,3 +112,46 @@ def torch_faults(machine: Machine) -> Iterator[Fault]:
         yield "torch.lead_in", torch.lead_in, "a length, since there is a lead"
     if torch.tabs < 0:
         yield "torch.tabs", torch.tabs, "0 or more"
+
+
+def table_faults(machine: Machine) -> Iterator[Fault]:
+    """Each key of a trigger program or a stepper table that cannot be."""
+    triggers, stepper = machine.triggers, machine.stepper
+    if machine.controller == "simotion" and triggers is None:
+        yield "triggers", None, "a table, since the controller is simotion"
+    if machine.controller == "stepper" and stepper is None:
+        yield "stepper", None, "a table, since the controller is stepper"
+    if triggers is not None:
+        names = ("cycle_s", "acceleration", "traverse_mm_s", "homing_mm_s", "in_position",
+                 "cycles_per_chord", "back_off", "overrun", "greatest_chain")  # fmt: skip
+        for name in names:
+            if getattr(triggers, name) <= 0:
+                yield f"triggers.{name}", getattr(triggers, name), "more than 0"
+        for name in (*triggers.axes, triggers.path_object, triggers.package):
+            if not _ST_NAME.fullmatch(name):
+                yield "triggers.axes", name, "letters, digits and single _, a letter first"
+        if triggers.greatest_data < LEAST_DATA:
+            yield "triggers.greatest_data", triggers.greatest_data, f"{LEAST_DATA} or more"
+        for row in machine.torch.rows if machine.torch else ():
+            if row.process not in triggers.outputs:
+                yield "triggers.outputs", dict(triggers.outputs), f"an output for {row.process}"
+        for address in (*triggers.limits, triggers.start):
+            if not _INPUT.fullmatch(address):
+                yield "triggers.limits", address, "an address of an input such as %I0.0"
+        for address in triggers.outputs.values():
+            if not _OUTPUT.fullmatch(address):
+                yield "triggers.outputs", address, "an address of an output such as %Q62.0"
+    if stepper is not None:
+        of_stepper = ("pitch", "steps_per_turn", "acceleration", "jerk", "greatest_hz",
+                 "traverse_mm_s", "corner")  # fmt: skip
+        for name in of_stepper:
+            if getattr(stepper, name) <= 0:
+                yield f"stepper.{name}", getattr(stepper, name), "more than 0"
+        if sorted(stepper.sequence) != ["00", "01", "10", "11"]:
+            yield "stepper.sequence", list(stepper.sequence), "each of 00, 01, 10, 11 once"
+
+
+LEAST_DATA = 1024  #: a unit has to hold some set-points
+_ST_NAME = re.compile(r"[A-Za-z](_?[A-Za-z0-9])*")
+_INPUT = re.compile(r"%I\d+\.[0-7]")
+_OUTPUT = re.compile(r"%Q\d+\.[0-7]")

@@ -12,6 +12,7 @@ from math import radians, tan
 from typing import Literal
 
 from beamcam.geometry.expression import Expression, compile_expression
+from beamcam.machine.tables import Stepper, Triggers
 
 Axis = Literal["X", "Y", "Z"]
 
@@ -418,10 +419,10 @@ class Machine:
 
     name: str
     title: str
-    controller: Literal["codesys", "linuxcnc", "grbl"]
+    controller: Literal["codesys", "linuxcnc", "grbl", "simotion", "stepper"]
     stock: Literal["beam", "sheet"]
     format: NumberFormat
-    words: Words
+    words: Words = Words()
     suffix: str = ".gcode"
     layout: Layout | None = None
     saw: Saw | None = None
@@ -432,4 +433,6 @@ class Machine:
     tools: tuple[ToolSet, ...] = ()
     axes: tuple[ControlledAxis, ...] = ()
     torch: Torch | None = None
+    triggers: Triggers | None = None
+    stepper: Stepper | None = None
     sections: Mapping[str, int] = field(default_factory=dict)  #: the program's section codes
