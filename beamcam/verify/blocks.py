@@ -18,13 +18,13 @@ from beamcam.verify import rules
 #: Letters that the controller's help describes; a machine file may use more in its templates.
 LETTERS = frozenset("NGMXYZABCPQUVWDEFHIJKLORT")
 _WHOLE = frozenset("NGMH")
-_NUMBER = r"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)"
+_NUMBER = r"[+-]?(?:[0-9]{1,15}(?:\.[0-9]{0,15})?|\.[0-9]{1,15})"  # no controller counts further
 _WORD = re.compile(rf"([A-Z])({_NUMBER})")
 _COMMENT = re.compile(r"\([^()]*\)")
 # What nearly every block of a program looks like; anything else takes the slower way below.
 _USUAL = re.compile(
-    rf"([GM])([0-9]+)(?: X({_NUMBER}))?(?: Y({_NUMBER}))?(?: Z({_NUMBER}))?(?: F({_NUMBER}))?"
-    rf"(?: K({_NUMBER}))?(?: L({_NUMBER}))?"
+    rf"([GM])([0-9]{{1,15}})(?: X({_NUMBER}))?(?: Y({_NUMBER}))?(?: Z({_NUMBER}))?"
+    rf"(?: F({_NUMBER}))?(?: K({_NUMBER}))?(?: L({_NUMBER}))?"
 )
 
 

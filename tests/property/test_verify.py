@@ -123,3 +123,67 @@ def changed(part: Part, pick: int, by: float, what: str) -> Part:
     else:
         features[at] = replace(hole, face="v" if hole.face != "v" else "o")
     return replace(part, features=tuple(features))
+
+
+LETTERS = "NGMXYZFKLIJRTE%("
+VALUES = [
+    "0",
+    "1",
+    "2",
+    "3",
+    "4",
+    "5",
+    "8",
+    "9",
+    "13",
+    "30",
+    "40",
+    "42",
+    "43",
+    "44",
+    "45",
+    "46",
+    "49",
+    "90",
+    "91",
+    "98",
+    "-5",
+    "61.4",
+    "1098.56",
+    "1e9",
+    ".",
+    "999999999999999",
+]
+ODD = ("/", "()", "(a", "%", ";", "\x00", "G75", "\N{ARABIC-INDIC DIGIT FIVE}", "X" + "9" * 5000)
+WORDS = st.one_of(
+    st.builds("{}{}".format, st.sampled_from(LETTERS), st.sampled_from(VALUES)),
+    st.sampled_from(ODD),
+)
+TEXTS = st.lists(st.lists(WORDS, max_size=5).map(" ".join), max_size=40).map("\n".join)
+FIXED = Part(
+    "P", PROFILES[0], 1000.0, Source("p", 1),
+    features=(Hole("v", 300.0, 80.0, 22.0, Source("p", 2)),
+              Hole("o", 500.0, 40.0, 14.0, Source("p", 3)),
+              Slot("v", 700.0, 150.0, 18.0, 30.0, 0.0, 0.0, Source("p", 4))),
+)  # fmt: skip
+
+
+@settings(deadline=None, max_examples=300)
+@given(st.sampled_from(MACHINES), TEXTS)
+def test_any_text_at_all_is_answered_with_messages(name: str, text: str) -> None:
+    for parts in ((), (FIXED,)):
+        said = verify(text, parts, load(name))
+        assert said
+        assert all(str(d) for d in said)
+
+
+@settings(deadline=None, max_examples=200)
+@given(st.sampled_from(MACHINES), TEXTS, st.integers(0, 60), st.data())
+def test_nonsense_inside_of_a_program_is_answered_too(
+    name: str, text: str, at: int, data: st.DataObject
+) -> None:
+    machine = load(name)
+    slotless = replace(FIXED, features=FIXED.features[:2])
+    lines = post((slotless,), machine, bar=6000.0).text.split("\n")
+    lines[at:at] = text.split("\n")
+    verify("\n".join(lines), (slotless,), machine)

@@ -35,6 +35,8 @@ def test_no_block(text: str) -> None:
     ("G01 X5,2", "X5,2", "a letter and a number, set off by spaces"),
     ("G01 X1e3", "X1E3", "a letter and a number, set off by spaces"),
     ("G01 X٥", "X\N{REPLACEMENT CHARACTER}", "a letter and a number, set off by spaces"),
+    (f"G01 X{'9' * 16}", f"X{'9' * 16}", "a letter and a number, set off by spaces"),
+    (f"M{'9' * 5000}", f"M{'9' * 5000}", "a letter and a number, set off by spaces"),
     ("G01 X5 S3", "S3", "a word that the controller knows"),
     ("G1.5 X5", "G1.5", "a whole number behind G"),
     ("N1.5 G1", "N1.5", "a whole number behind N"),
