@@ -19,6 +19,7 @@ COMMANDS = {
     "diff": ("diff", "Compare two programs, or two parts, by what they mean."),
     "check": ("check", "Post a folder of golden programs again and compare."),
     "simulate": ("simulate", "Write where the axes of the cell are when."),
+    "profile": ("profile", "Write the velocity profile of an axis, as a table or a picture."),
     "machines": ("machines", "List the machines, or show one with all its values."),
     "batch": ("batch", "Turn folders of parts into folders of programs."),
     "watch": ("watch", "Post what is put into a folder, as it comes."),

@@ -12,10 +12,15 @@ from beamcam.errors import Rule
 
 
 def all_rules() -> Iterator[Rule]:
-    """Every rule there is: each module of the package called `rules` has a tuple `RULES`."""
+    """Every rule there is: a module that has rules names them in a tuple `RULES`."""
+    seen: set[Rule] = set()
     for module in pkgutil.walk_packages(beamcam.__path__, "beamcam."):
-        if module.name.endswith(".rules"):
-            yield from importlib.import_module(module.name).RULES
+        if module.name == "beamcam.__main__":
+            continue
+        for rule in getattr(importlib.import_module(module.name), "RULES", ()):
+            if rule not in seen:
+                seen.add(rule)
+                yield rule
 
 
 def as_markdown(rules: list[Rule]) -> str:

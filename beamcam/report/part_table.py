@@ -72,7 +72,7 @@ def _slots(slots: Iterable[Slot]) -> list[Row]:
 
 
 def _contours(contours: Iterable[Contour]) -> list[Row]:
-    rows = []
+    rows: list[Row] = []
     for c in contours:
         boxes = [curve.bbox for curve in c.curves]
         box = (min(b[0] for b in boxes), min(b[1] for b in boxes),

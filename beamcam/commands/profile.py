@@ -1,0 +1,127 @@
+"""`beamcam profile`: the velocity profile of an axis, as a table or a picture."""
+
+import os.path
+from typing import TYPE_CHECKING
+
+import click
+
+from beamcam.commands.common import write
+
+if TYPE_CHECKING:
+    from beamcam.motion.profile import Profile
+
+
+def points_of(
+    _context: click.Context, _option: click.Parameter, text: str | None
+) -> tuple[tuple[float, float], ...]:
+    """The (time, velocity) points of a text such as `0:0,10:500`."""
+    if text is None:
+        return ()
+    points = []
+    for pair in text.split(","):
+        time, colon, velocity = pair.partition(":")
+        try:
+            points.append((float(time), float(velocity)))
+        except ValueError:
+            raise click.BadParameter(
+                f"found {pair!r}; expected TIME:VELOCITY,TIME:VELOCITY,..."
+            ) from None
+        if not colon:
+            raise click.BadParameter(f"found {pair!r}; expected TIME:VELOCITY")
+    return tuple(points)
+
+
+def wanted_profile(
+    velocity: float | None,
+    acceleration: float | None,
+    distance: float | None,
+    time: float | None,
+    jerk: float,
+    cruise: float,
+    points: tuple[tuple[float, float], ...],
+    greatest_jerk: float | None,
+) -> "Profile":
+    """The profile that the options ask for. Raises ValueError where they do not fit together."""
+    from math import inf
+
+    from beamcam.motion import profile as profiles
+
+    if points:
+        return profiles.profile_through(points, jerk)
+    if time is None:
+        if distance is None or velocity is None or acceleration is None:
+            raise ValueError(
+                "give --time with one of --velocity, --acceleration, --distance; or --points; or, "
+                "for the fastest profile, --distance, --velocity and --acceleration"
+            )
+        limits = profiles.Limits(velocity, acceleration, greatest_jerk or inf)
+        return profiles.fastest_profile(distance, limits)
+    given = [v for v in (velocity, acceleration, distance) if v is not None]
+    if len(given) != 1:
+        raise ValueError("with --time give one of --velocity, --acceleration and --distance")
+    if velocity is not None:
+        return profiles.profile_to_velocity(velocity, time, jerk)
+    if acceleration is not None:
+        return profiles.profile_by_acceleration(acceleration, time, jerk)
+    return profiles.profile_over_distance(given[0], time, jerk, cruise)
+
+
+@click.command("profile")
+@click.option("-o", "--output", required=True, help=".csv, .svg or .png; - is a table.")
+@click.option("--velocity", type=float, help="To reach, or the limit of the fastest profile.")
+@click.option("--acceleration", type=float, help="The greatest one, or a limit.")
+@click.option("--distance", type=float, help="To travel from rest to rest.")
+@click.option("--time", type=float, help="Of the ramp, or of the whole distance; seconds.")
+@click.option("--jerk", type=float, default=50.0, show_default=True, help="Rounded part, percent.")
+@click.option("--cruise", type=float, default=0.0, help="Seconds at full velocity, in --time.")
+@click.option("--points", callback=points_of, help="TIME:VELOCITY,... joined by ramps.")
+@click.option("--greatest-jerk", type=float, help="Limit of the fastest profile; none if absent.")
+@click.option("--step", type=float, help="Seconds between rows; a 200th of the time if absent.")
+@click.option("--pulses", type=int, help="Encoder pulses a revolution: adds Hz and rpm columns.")
+@click.option("--travel", type=float, help="Way of a revolution, where velocities are no rpm.")
+def command(
+    output: str,
+    velocity: float | None,
+    acceleration: float | None,
+    distance: float | None,
+    time: float | None,
+    jerk: float,
+    cruise: float,
+    points: tuple[tuple[float, float], ...],
+    greatest_jerk: float | None,
+    step: float | None,
+    pulses: int | None,
+    travel: float | None,
+) -> None:
+    """Write the velocity profile of an axis, as a table or a picture.
+
+    A ramp is an S-curve of which --jerk percent are rounded: 0 is a trapezoid, 100 has no
+    constant stretch. Without --time the profile is the fastest within the limits. Units are
+    yours: mm and mm/s, or revolutions and rpm.
+
+    \b
+    beamcam profile --velocity 1000 --time 100 --jerk 50 --pulses 120 -o ramp.csv
+    beamcam profile --distance 500 --time 4 --jerk 100 -o move.svg
+    beamcam profile --points 0:0,2:300,5:300,6:0 -o job.png
+    beamcam profile --distance 500 --velocity 200 --acceleration 800 --greatest-jerk 9000 -o -
+    """
+    from beamcam.motion.profile_report import Encoder, profile_png, profile_svg, profile_table
+
+    suffix = os.path.splitext(output)[1].lower()
+    try:
+        profile = wanted_profile(
+            velocity, acceleration, distance, time, jerk, cruise, points, greatest_jerk
+        )
+        encoder = None if pulses is None else Encoder(pulses, travel)
+        data: str | bytes
+        if suffix == ".svg":
+            data = profile_svg(profile)
+        elif suffix == ".png":
+            data = profile_png(profile)
+        else:
+            rows = profile_table(profile, step or profile.duration_s / 200, encoder)
+            lines = [",".join(f"{value:.9g}" for value in row) for row in rows.rows.tolist()]
+            data = "\n".join([",".join(rows.columns), *lines]) + "\n"
+    except ValueError as error:
+        raise click.UsageError(str(error)) from error
+    write(output, data)
