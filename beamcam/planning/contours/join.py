@@ -1,0 +1,145 @@
+"""Curves to contours: what lies twice taken away, ends joined, and what lies inside what."""
+
+from collections import defaultdict
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+from beamcam.errors import Diagnostic, Source
+from beamcam.geometry.chains import Chains, join_curves
+from beamcam.geometry.curves import Curve
+from beamcam.machine.machine import Torch, TorchProcess
+from beamcam.planning.contours import rules
+from beamcam.planning.contours.gather import Wanted
+from beamcam.planning.contours.outline import Outline, outline
+
+#: A closed chain whose ends are nearer than this needs no joining.
+SAME_POINT = 1e-9
+
+
+@dataclass(frozen=True, slots=True)
+class Shape:
+    """A contour that one process follows, and where it lies among the cut ones."""
+
+    process: TorchProcess
+    curves: tuple[Curve, ...]
+    closed: bool
+    features: tuple[int, ...]  #: ascending; `gather.OUTLINE` may be among them
+    source: Source
+    depth: int = 0  #: how many cut contours lie around it
+    parent: int = -1  #: the innermost of them, by its index; -1 for none
+
+
+def join(wanted: Sequence[Wanted], torch: Torch) -> tuple[list[Shape], list[Diagnostic]]:
+    """The contours, in the order in which their first curves were given, and remarks.
+
+    A feature whose curves close stays as it is drawn; all others are joined end to end, each
+    process for itself.
+    """
+    shapes: list[tuple[int, Shape]] = []
+    said: list[Diagnostic] = []
+    loose: dict[TorchProcess, list[int]] = defaultdict(list)
+    for indices in _by_feature(wanted):
+        first = wanted[indices[0]]
+        curves = tuple([wanted[i].curve for i in indices])
+        if _is_closed(curves):
+            shape = Shape(first.process, curves, True, (first.feature,), first.source)
+            shapes.append((indices[0], shape))
+        else:
+            loose[first.process] += indices
+    for process, indices in loose.items():
+        chains = join_curves([wanted[i].curve for i in indices], torch.gap)
+        for chain in chains.chains:
+            members = [indices[m] for m in chain.members if m >= 0]
+            source = wanted[members[0]].source
+            features = tuple(sorted({wanted[m].feature for m in members}))
+            shapes.append(
+                (min(members), Shape(process, chain.curves, chain.closed, features, source))
+            )
+        if process == "cut":
+            said += _remarks(chains, [wanted[i].source for i in indices], torch)
+    shapes.sort(key=lambda entry: entry[0])
+    return [shape for _, shape in shapes], said
+
+
+def _by_feature(wanted: Sequence[Wanted]) -> list[list[int]]:
+    """Indices of the curves of each feature, in their order."""
+    groups: list[list[int]] = []
+    before: int | None = None
+    for i, one in enumerate(wanted):
+        if before is None or one.feature != before:
+            groups.append([])
+        groups[-1].append(i)
+        before = one.feature
+    return groups
+
+
+def _is_closed(curves: Sequence[Curve]) -> bool:
+    """Whether curves follow one another and end where they begin."""
+    ends = [curves[-1].end, *(c.end for c in curves[:-1])]
+    for before, curve in zip(ends, curves, strict=True):
+        x, y = curve.start
+        if abs(x - before[0]) > SAME_POINT or abs(y - before[1]) > SAME_POINT:
+            return False
+    return True
+
+
+def _remarks(chains: Chains, sources: Sequence[Source], torch: Torch) -> list[Diagnostic]:
+    said = [
+        rules.JUNCTION.at(
+            sources[junction.members[0]],
+            found=len(junction.members),
+            x=f"{junction.point[0]:.3f}",
+            y=f"{junction.point[1]:.3f}",
+        )
+        for junction in chains.junctions
+    ]
+    said += (
+        rules.GAP.at(
+            sources[gap.members[0]],
+            found=f"{gap.width:.4f}",
+            x=f"{gap.start[0]:.3f}",
+            y=f"{gap.start[1]:.3f}",
+            expected=f"{torch.gap:g}",
+        )
+        for gap in chains.gaps
+    )
+    return said
+
+
+def nest(shapes: Sequence[Shape], tolerance: float) -> tuple[list[Shape], list[Outline | None]]:
+    """The shapes with their depth and parent, and the outline of each cut one that closes.
+
+    A contour lies in another of greater area that a point inside it lies in. Contours that touch
+    are told apart by that, those that cross are not.
+    """
+    import numpy as np
+    import shapely
+
+    outlines: list[Outline | None] = [None] * len(shapes)
+    closed = [i for i, s in enumerate(shapes) if s.closed and s.process == "cut"]
+    if not closed:
+        return list(shapes), outlines
+    for i in closed:
+        outlines[i] = outline(shapes[i].curves, tolerance)
+    rings = [shapely.Polygon(o.points) for i in closed if (o := outlines[i]) is not None]
+    areas = shapely.area(rings)
+    tree = shapely.STRtree(rings)
+    inside = shapely.point_on_surface(shapely.make_valid(np.array(rings, dtype=object)))
+    found = list(shapes)
+    points = list(inside)
+    asked = list(closed)
+    own_area = list(areas)
+    for i, shape in enumerate(shapes):
+        if shape.process == "cut" and not shape.closed:
+            points.append(shapely.Point(shape.curves[0].point(0.5)))
+            asked.append(i)
+            own_area.append(0.0)
+    inner, outer = tree.query(points, predicate="within")
+    around: dict[int, list[int]] = defaultdict(list)
+    for a, b in zip(inner.tolist(), outer.tolist(), strict=True):
+        if asked[a] != closed[b] and own_area[a] < areas[b]:
+            around[asked[a]].append(b)
+    for i, rings_around in around.items():
+        parent = closed[min(rings_around, key=lambda b: (areas[b], b))]
+        found[i] = replace(shapes[i], depth=len(rings_around), parent=parent)
+    return found, outlines

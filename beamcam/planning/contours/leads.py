@@ -1,0 +1,97 @@
+"""Leads that stay in the waste: shortened, or left out, where a contour is too narrow for them."""
+
+from collections.abc import Sequence
+
+from beamcam.errors import Diagnostic
+from beamcam.geometry.curves import Curve
+from beamcam.machine.machine import Torch
+from beamcam.planning.contours import rules
+from beamcam.planning.contours.join import Shape
+from beamcam.planning.contours.kerf import closes
+from beamcam.planning.contours.outline import outline
+from beamcam.planning.contours.way import leads, waste_side
+
+Lead = tuple[tuple[Curve, ...], tuple[Curve, ...]]
+
+#: The shares of the machine's lengths that are tried, longest first.
+SHARES = (1.0, 0.6, 0.35, 0.2)
+
+#: A lead keeps this share of half the kerf to every contour of the part; at the contour that it
+#: leads to it has all of it, less what curves are flattened by.
+CLEARANCE = 0.9
+
+
+class Leads:
+    """The ways in and out of the shapes that need them."""
+
+    def __init__(
+        self, ways: Sequence[Shape], torch: Torch, half_kerf: float, contours: Sequence[Shape]
+    ) -> None:
+        self._leads: dict[int, Lead] = {}
+        self.remarks: list[Diagnostic] = []
+        if torch.lead == "none":
+            return
+        waiting = [k for k, s in enumerate(ways) if s.process == "cut" and closes(s)]
+        sides = {k: waste_side(ways[k].curves, ways[k].depth % 2 == 1) for k in waiting}
+        # With a kerf the part's own contours must stay untouched, without one the ways as well.
+        fence = _Fence([s for s in contours if s.process == "cut"], torch, CLEARANCE * half_kerf)
+        short: list[Shape] = []
+        for share in SHARES:
+            tried = {k: leads(ways[k].curves, sides[k], torch, share) for k in waiting}
+            kept = fence.clear(tried, torch)
+            self._leads |= {k: tried[k] for k in kept}
+            if share == SHARES[0]:
+                short = [ways[k] for k in waiting if k not in kept]
+            waiting = [k for k in waiting if k not in kept]
+        if short:
+            self.remarks.append(
+                rules.NO_LEAD.at(short[0].source, count=len(short), found=f"{torch.lead_in:g}")
+            )
+
+    def of(self, k: int) -> Lead:
+        """Way in and way out of shape `k`; empty where there is none."""
+        return self._leads.get(k, ((), ()))
+
+
+class _Fence:
+    """The contours of the part, which no lead may come near."""
+
+    def __init__(self, contours: Sequence[Shape], torch: Torch, clearance: float) -> None:
+        import numpy as np
+        import shapely
+
+        self._clearance = clearance
+        rings = []
+        for shape in contours:
+            points = outline(shape.curves, torch.tolerance / 4).points
+            rings.append(
+                shapely.LineString(np.concatenate((points, points[:1])) if shape.closed else points)
+            )
+        self._tree = shapely.STRtree(rings)
+
+    def clear(self, tried: dict[int, Lead], torch: Torch) -> set[int]:
+        """Those whose leads keep their distance from every contour.
+
+        The last tenth before the contour touches it where there is no kerf, and is not asked.
+        """
+        import shapely
+        from shapely.ops import substring
+
+        lines, owners = [], []
+        for k, (way_in, way_out) in tried.items():
+            for curves, is_out in ((way_in, False), (way_out, True)):
+                if not curves:
+                    continue
+                points = outline(curves, torch.tolerance / 4).points
+                away = points[::-1] if not is_out else points
+                # From a tenth of the way off the contour on to the far end.
+                line = shapely.LineString(away)
+                lines.append(substring(line, 0.1, 1.0, normalized=True))
+                owners.append(k)
+        if not lines:
+            return set(tried)
+        if self._clearance > 0.0:
+            hit, _ = self._tree.query(lines, "dwithin", distance=self._clearance)
+        else:
+            hit, _ = self._tree.query(lines, "intersects")
+        return set(tried) - {owners[h] for h in hit.tolist()}

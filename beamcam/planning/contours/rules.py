@@ -1,0 +1,124 @@
+"""What a cutting table cannot make of a sheet."""
+
+from beamcam.errors import Rule, Severity
+
+_E, _W, _N = Severity.ERROR, Severity.WARNING, Severity.NOTE
+
+SHEETS = Rule(
+    "plan-sheet-parts",
+    _E,
+    "found {found} parts; expected one for a sheet",
+    "Parts are not nested on a sheet; a drawing that holds them all is one part.",
+)
+UNMAPPED = Rule(
+    "plan-unmapped",
+    _E,
+    "found {count} curves {found}, which stand for no process; expected one of {expected}, "
+    "or --map {key}=cut",
+    "What a colour or a layer means is said in the machine's file or on the command line, "
+    "and never guessed.",
+)
+MAP = Rule(
+    "plan-map",
+    _E,
+    "found {found!r}; expected a colour or a layer, =, and one of cut, mark, engrave, ignore",
+    "The option --map says what is done with the lines of a colour or a layer.",
+)
+NO_PROCESS = Rule(
+    "plan-process",
+    _E,
+    "found {count} curves to {found}; expected only what {machine} does: {expected}",
+    "The machine's file has no row for that process.",
+)
+NO_THICKNESS = Rule(
+    "plan-thickness-unknown",
+    _E,
+    "found no thickness of the sheet; expected one, give it by --thickness",
+    "Speed, power and kerf follow from the thickness, and a drawing does not say it.",
+)
+THICKNESS = Rule(
+    "plan-thickness",
+    _E,
+    "found a sheet of {found} mm {material} to {process}; expected {expected}",
+    "The machine's file has no speed for that thickness of that material.",
+)
+ASSUMED = Rule(
+    "plan-thickness-assumed",
+    _N,
+    "the sheet is taken as {found} mm {material}, as the machine's file has it",
+    "A drawing says no thickness; --thickness and --material say it.",
+)
+SHEET_SIZE = Rule(
+    "plan-sheet-size",
+    _E,
+    "found a sheet of {found} mm; the table takes {expected} mm",
+    "The part with its leads has to lie within the work area.",
+)
+SHEET_PLACE = Rule(
+    "plan-sheet-place",
+    _E,
+    "found work from x {x0}, y {y0} to x {x1}, y {y1}; expected it between 0, 0 and {length}, "
+    "{width}",
+    "The part is left where it is drawn, or its leads reach over the corner: --place corner moves "
+    "it, and the machine's margin leaves room for leads.",
+)
+JUNCTION = Rule(
+    "plan-junction",
+    _W,
+    "found {found} ends of curves that meet at x {x}, y {y}; expected two, the contour stops there",
+    "Where three curves meet the way on is not known, so that no closed contour comes of it.",
+)
+GAP = Rule(
+    "plan-gap",
+    _W,
+    "found a gap of {found} mm at x {x}, y {y}; expected at most {expected} mm in a contour",
+    "The contour stays open there, so that the part may not fall out.",
+)
+OPEN_CUT = Rule(
+    "plan-open-cut",
+    _W,
+    "found an open contour to cut from x {x0}, y {y0} to x {x1}, y {y1}; it is cut on its line, "
+    "without regard to the kerf",
+    "An open line has no side that the part lies on.",
+)
+MORE_OPEN = Rule(
+    "plan-open-cuts",
+    _W,
+    "found {found} more open contours to cut; they are cut on their lines",
+    "Only the first ten are named one by one.",
+)
+OVERLAP = Rule(
+    "plan-overlap",
+    _W,
+    "found {count} curves that lie on others, {found} mm of them; they are cut once",
+    "Exports of bolted or mirrored parts draw the same line twice.",
+)
+VANISHED = Rule(
+    "plan-kerf",
+    _E,
+    "found a contour of {found} mm without room for a kerf of {kerf} mm; expected a wider one",
+    "The cut would take away what it should leave, or close up.",
+)
+CROSSING = Rule(
+    "plan-crossing",
+    _E,
+    "found a cut contour that crosses itself near x {x}, y {y}; expected a simple one",
+    "Its inside is not known, and so neither the side of the kerf nor what falls out.",
+)
+NO_LEAD = Rule(
+    "plan-lead",
+    _N,
+    "found {count} contours without room for a lead of {found} mm; theirs are shorter or missing",
+    "A lead must stay in the waste; where a contour is too narrow the torch pierces nearer to it.",
+)
+NO_TABS = Rule(
+    "plan-tabs",
+    _N,
+    "found {count} contours too short for {found} bridges; they get fewer or none",
+    "Bridges need more contour between them than they take away.",
+)
+
+RULES = (
+    SHEETS, UNMAPPED, MAP, NO_PROCESS, NO_THICKNESS, THICKNESS, ASSUMED, SHEET_SIZE, SHEET_PLACE,
+    JUNCTION, GAP, OPEN_CUT, MORE_OPEN, OVERLAP, VANISHED, CROSSING, NO_LEAD, NO_TABS,
+)  # fmt: skip

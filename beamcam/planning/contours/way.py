@@ -1,0 +1,144 @@
+"""How a contour is followed: which way round, from where, with which leads and bridges."""
+
+from collections.abc import Sequence
+from math import dist, pi
+
+from beamcam.geometry.conics import direction_deg
+from beamcam.geometry.curves import Arc, Curve, Line, signed_area
+from beamcam.geometry.plane import Point
+from beamcam.machine.machine import Torch
+
+Curves = tuple[Curve, ...]
+
+
+def reversed_chain(curves: Sequence[Curve]) -> Curves:
+    """The chain followed backwards."""
+    return tuple([c.reversed() for c in reversed(curves)])
+
+
+def directed(curves: Curves, is_hole: bool, torch: Torch) -> Curves:
+    """A closed contour the way round that the machine cuts it.
+
+    Climb has the material that stays at the right of the head, as the swirl of a plasma torch
+    wants it: outer contours clockwise, holes counter-clockwise.
+    """
+    if torch.direction == "drawn":
+        return curves
+    left_turning = signed_area(curves) > 0.0
+    wanted = is_hole if torch.direction == "climb" else not is_hole
+    return curves if left_turning == wanted else reversed_chain(curves)
+
+
+def begun(curves: Curves, torch: Torch, here: Point) -> Curves:
+    """A closed contour from where the machine begins it, the head being at `here`."""
+    if torch.start == "drawn":
+        return curves
+    if torch.start == "straight":
+        longest = max(
+            range(len(curves)), key=lambda k: (isinstance(curves[k], Line), _size(curves[k]))
+        )
+        first, last = curves[longest].split(0.5)
+        return (last, *curves[longest + 1 :], *curves[:longest], first)
+    if len(curves) == 1:
+        (curve,) = curves
+        if isinstance(curve, Arc) and here != curve.centre:
+            toward = (here[0] - curve.centre[0], here[1] - curve.centre[1])
+            return (Arc(curve.centre, curve.radius, direction_deg(toward), curve.sweep_deg),)
+        return curves
+    nearest = min(range(len(curves)), key=lambda k: dist(curves[k].start, here))
+    return (*curves[nearest:], *curves[:nearest])
+
+
+def _size(curve: Curve) -> float:
+    """Length of a line, distance of its ends of any other curve."""
+    return dist(curve.start, curve.end)
+
+
+def waste_side(curves: Curves, is_hole: bool) -> int:
+    """1 if what falls out lies left of a closed contour, -1 if right."""
+    return 1 if (signed_area(curves) > 0.0) == is_hole else -1
+
+
+def leads(curves: Curves, side: int, torch: Torch, share: float) -> tuple[Curves, Curves]:
+    """Ways into and out of a closed contour on its waste side, `share` of the machine's length.
+
+    A line comes square to the contour; an arc is a quarter circle that is tangent to it.
+
+          |  line            .-  arc
+          v                 (
+        --o--->           --o--->
+    """
+    start = curves[0].start
+    return (
+        _lead(start, curves[0].tangent(0.0), side, torch, torch.lead_in * share, False),
+        _lead(start, curves[-1].tangent(1.0), side, torch, torch.lead_out * share, True),
+    )
+
+
+def _lead(
+    at: Point, tangent: Point, side: int, torch: Torch, length: float, is_out: bool
+) -> Curves:
+    if torch.lead == "none" or length <= 0.0:
+        return ()
+    normal = (-side * tangent[1], side * tangent[0])
+    if torch.lead == "line":
+        far = (at[0] + length * normal[0], at[1] + length * normal[1])
+        return (Line(at, far) if is_out else Line(far, at),)
+    radius = length / (pi / 2)
+    centre = (at[0] + radius * normal[0], at[1] + radius * normal[1])
+    at_contour = direction_deg((-normal[0], -normal[1]))
+    sweep = 90.0 * side
+    return (Arc(centre, radius, at_contour if is_out else at_contour - sweep, sweep),)
+
+
+def bridged(curves: Curves, tabs: int, width: float) -> tuple[Curves, ...]:
+    """The stretches of a closed contour between `tabs` bridges of `width` mm each.
+
+    The bridges lie at equal distances, the first half of that from the start. A contour that has
+    not four times as much length as its bridges gets fewer of them, or none.
+    """
+    lengths = [c.length for c in curves]
+    total = sum(lengths)
+    while tabs and total < 4 * tabs * width:
+        tabs -= 1
+    if not tabs:
+        return (curves,)
+    cuts: list[tuple[float, float]] = []
+    begin = 0.0
+    for k in range(tabs):
+        middle = total * (k + 0.5) / tabs
+        cuts.append((begin, middle - width / 2))
+        begin = middle + width / 2
+    cuts.append((begin, total))
+    return tuple(_stretch(curves, lengths, a, b) for a, b in cuts)
+
+
+def _stretch(curves: Curves, lengths: Sequence[float], low: float, high: float) -> Curves:
+    """The part of a chain between two lengths along it."""
+    found: list[Curve] = []
+    done = 0.0
+    for curve, length in zip(curves, lengths, strict=True):
+        a, b = max(low - done, 0.0), min(high - done, length)
+        if b - a > 1e-9:
+            piece = curve
+            if b < length:
+                piece = piece.split(_parameter(piece, b))[0]
+            if a > 0.0:
+                piece = piece.split(_parameter(piece, a))[1]
+            found.append(piece)
+        done += length
+    return tuple(found)
+
+
+def _parameter(curve: Curve, length: float) -> float:
+    """Where a curve is `length` long, by halving for curves that are not even."""
+    if isinstance(curve, Line | Arc):
+        return length / curve.length
+    low, high = 0.0, 1.0
+    for _ in range(40):
+        middle = (low + high) / 2
+        if curve.split(middle)[0].length < length:
+            low = middle
+        else:
+            high = middle
+    return (low + high) / 2
