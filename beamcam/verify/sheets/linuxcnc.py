@@ -1,0 +1,44 @@
+"""LinuxCNC, as far as programs of cutting tables use it.
+
+Source: LinuxCNC documentation, "G-Codes" and "M-Codes"; the limits of arcs are those of its
+interpreter: the radii may differ by 0.1 %, or by 0.02 sqrt(2) mm; nothing below 0.00127 mm.
+"""
+
+from math import dist, sqrt
+
+from beamcam.geometry.plane import Point
+from beamcam.verify.sheets.rs274 import Dialect, Fault
+
+#: The interpreter takes 0.0283 mm or 0.1 %. Older manuals say 0.005 mm, which the annexed check
+#: of other programs and of grbl uses as well; a program that keeps to it is safe on all of them.
+ARC_ABSOLUTE = 0.005
+ARC_SHARE = 0.001
+ARC_NEVER = 100 * 0.02 * sqrt(2)
+LEAST_RADIUS = 0.00127
+
+
+def arc_fault(start: Point, end: Point, centre: Point, clockwise: bool) -> Fault:
+    """What the interpreter would say about an arc; None if it takes it."""
+    near, far = dist(start, centre), dist(end, centre)
+    if near <= LEAST_RADIUS or far <= LEAST_RADIUS:
+        return f"of radius {near:.5f}"
+    off = abs(near - far)
+    if off > ARC_NEVER or (off > ARC_ABSOLUTE and off > ARC_SHARE * max(near, far)):
+        return f"whose radii at start and end differ by {off:.4f}"
+    return None
+
+
+LINUXCNC = Dialect(
+    name="LinuxCNC",
+    percent=True,
+    longest_line=255,
+    settings=frozenset({"G17", "G21", "G61", "G61.1", "G64", "G90", "G91.1", "G94"}),
+    needed=("G17", "G21", "G40", "G90", "G91.1", "G94"),
+    switches={
+        3: frozenset("S"), 4: frozenset("S"), 5: frozenset(), 7: frozenset(), 8: frozenset(),
+        9: frozenset(), 62: frozenset("P"), 63: frozenset("P"), 64: frozenset("P"),
+        65: frozenset("P"),
+    },
+    beside={"G41.1": "left", "G42.1": "right"},
+    arc_fault=arc_fault,
+)  # fmt: skip

@@ -1,0 +1,118 @@
+"""What a sheet needs to have cut and marked, read from the part and the machine's table alone."""
+
+from collections.abc import Collection
+from dataclasses import dataclass, field
+from fnmatch import fnmatchcase
+from typing import cast
+
+from beamcam.errors import Diagnostic
+from beamcam.geometry.curves import Arc, Curve, Line, unit_vector
+from beamcam.machine.machine import Torch, TorchProcess, TorchRow
+from beamcam.model.colour import process_of
+from beamcam.model.drawing import extent
+from beamcam.model.part import Contour, Hole, Part, Process, Slot
+from beamcam.verify.sheets import rules
+
+Needs = dict[TorchProcess, list[Curve]]
+
+
+@dataclass(slots=True)
+class Need:
+    """Curves by process, as the part has them."""
+
+    curves: Needs = field(default_factory=dict)
+    said: list[Diagnostic] = field(default_factory=list)
+
+    def add(self, process: TorchProcess, curve: Curve) -> None:
+        self.curves.setdefault(process, []).append(curve)
+
+
+def need_of(part: Part, torch: Torch, skipped: Collection[int]) -> Need:
+    """The curves of a part; features that nothing is known to make are told."""
+    need = Need()
+    table = cast("dict[str, Process]", torch.colours)
+    known: dict[tuple[str | None, str | None], str | None] = {}
+    outlined = False
+    for index, feature in enumerate(part.features):
+        if isinstance(feature, Contour):
+            outlined = outlined or (feature.kind == "outer" and feature.process == "cut")
+        if index in skipped:
+            continue
+        made = False
+        if isinstance(feature, Contour):
+            look = feature.layer, feature.colour
+            if look not in known:
+                plain = look == (None, None)
+                known[look] = _plain(feature.process) if plain else process_of(feature, table)
+            process = known[look]
+            made = process is not None and not feature.bevels and feature.face in ("v", "h")
+            if made and process != "ignore":
+                for curve in feature.curves:
+                    need.add(cast("TorchProcess", process), curve)
+        elif isinstance(feature, Hole | Slot):
+            made = feature.kind == "through" and feature.depth is None
+            made = made and feature.face in ("v", "h")
+            if made:
+                for curve in _ring(feature):
+                    need.add("cut", curve)
+        if not made:
+            source = getattr(feature, "source", part.source)
+            need.said.append(rules.NOT_MADE.at(source, found=type(feature).__name__.lower()))
+    if part.measures is None and not outlined:
+        width = part.profile.height
+        corners = [(0.0, 0.0), (part.length, 0.0), (part.length, width), (0.0, width)]
+        for a, b in zip(corners, [*corners[1:], corners[0]], strict=True):
+            need.add("cut", Line(a, b))
+    return need
+
+
+def _plain(process: Process) -> str:
+    return "mark" if process in ("punch", "powder") else process
+
+
+def _ring(feature: Hole | Slot) -> list[Curve]:
+    """The outline of a hole; that of a slot as its four sides and four corners."""
+    radius = feature.diameter / 2
+    if isinstance(feature, Hole):
+        return [Arc((feature.x, feature.y), radius, 0.0, 360.0)]
+    (c, s) = unit_vector(feature.angle)
+    along, across = feature.length / 2, feature.height / 2
+    sides: list[Curve] = []
+    for sign in (1.0, -1.0):
+        for u0, v0, u1, v1 in (
+            (-along, across + radius, along, across + radius),
+            (along + radius, -across, along + radius, across),
+        ):
+            a, b = (
+                (feature.x + sign * (c * u - s * v), feature.y + sign * (s * u + c * v))
+                for u, v in ((u0, v0), (u1, v1))
+            )
+            if a != b:
+                sides.append(Line(a, b))
+    if radius > 0.0:
+        for u, v, begin in (
+            (along, across, 0.0), (-along, across, 90.0),
+            (-along, -across, 180.0), (along, -across, 270.0),
+        ):  # fmt: skip
+            centre = (feature.x + c * u - s * v, feature.y + s * u + c * v)
+            sides.append(Arc(centre, radius, feature.angle + begin, 90.0))
+    return sides
+
+
+def shift_of(need: Need, torch: Torch) -> tuple[float, float]:
+    """Machine coordinates of the part's x 0, y 0, as the machine places a sheet."""
+    if torch.place == "drawn":
+        return 0.0, 0.0
+    box = extent(curve for curves in need.curves.values() for curve in curves)
+    return (0.0, 0.0) if box is None else (torch.margin - box[0], torch.margin - box[1])
+
+
+def rows_of(part: Part, torch: Torch) -> list[TorchRow]:
+    """The row of each process that runs on the part's sheet."""
+    thickness = part.profile.web_thickness or torch.thickness
+    material = (part.grade or torch.material).upper()
+    found: dict[TorchProcess, TorchRow] = {}
+    for row in torch.rows:
+        if thickness <= row.up_to and fnmatchcase(material, row.material.upper()):
+            found.setdefault(row.process, row)
+    return list(found.values())

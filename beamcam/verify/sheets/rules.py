@@ -1,0 +1,121 @@
+"""What can be wrong with the program of a cutting table."""
+
+from beamcam.errors import Rule, Severity
+
+_E = Severity.ERROR
+
+SYNTAX = Rule(
+    "verify-sheet-syntax",
+    _E,
+    "found {found!r}; expected {expected}",
+    "The controller would stop at that block, or read something else than was meant.",
+)
+WORD = Rule(
+    "verify-sheet-word",
+    _E,
+    "found {found}; expected {expected}",
+    "What the read-back does not know it cannot vouch for, so it refuses the program.",
+)
+SETTING = Rule(
+    "verify-sheet-setting",
+    _E,
+    "found a move before {found}; expected it to be set at the beginning",
+    "Units, plane and the way of counting are what the last program left, if this one is silent.",
+)
+END = Rule(
+    "verify-sheet-end",
+    _E,
+    "found {found}; expected M2 or M30 once, as the last command, the tool off",
+    "A program that was cut off in the middle looks like a whole one up to its last line.",
+)
+ARC = Rule(
+    "verify-sheet-arc",
+    _E,
+    "found an arc {found}; expected one that {controller} takes for what it is",
+    "Controllers refuse an arc whose ends and centre disagree, or make a line or a circle of it.",
+)
+FEED = Rule(
+    "verify-sheet-feed",
+    _E,
+    "found a feed of {found} mm/min to {process}; expected {expected}",
+    "The feed is not that of the machine's file for this sheet.",
+)
+TOOL = Rule(
+    "verify-sheet-tool",
+    _E,
+    "found {found}; expected {expected}",
+    "The tool would not run as the machine's file says.",
+)
+RAPID = Rule(
+    "verify-sheet-rapid",
+    _E,
+    "found a traverse to X {x}, Y {y} with the tool on; expected it off",
+    "The head would cut its way across the sheet.",
+)
+IDLE = Rule(
+    "verify-sheet-idle",
+    _E,
+    "found a feed to X {x}, Y {y} with the tool off; expected it on, or a traverse",
+    "A contour that is followed with the tool off is not cut.",
+)
+AREA = Rule(
+    "verify-sheet-area",
+    _E,
+    "found a move to X {x}, Y {y}; expected it within {length} x {width} mm",
+    "The head cannot go there.",
+)
+MISSING = Rule(
+    "verify-sheet-missing",
+    _E,
+    "found nothing that {process}s the contour at x {x}, y {y}, machine X {machine_x}, "
+    "Y {machine_y}; expected the whole of it",
+    "A contour that is not closed leaves the part in the sheet.",
+)
+EXTRA = Rule(
+    "verify-sheet-extra",
+    _E,
+    "found a path at X {x}, Y {y} that is {away} mm off every contour to {process}; "
+    "expected {expected}",
+    "It cuts what nobody drew.",
+)
+TWICE = Rule(
+    "verify-sheet-twice",
+    _E,
+    "found the contour at x {x}, y {y} followed {found} times; expected once",
+    "A contour that is cut twice is wider, rougher, and burns.",
+)
+SIDE = Rule(
+    "verify-sheet-side",
+    _E,
+    "found the path at X {x}, Y {y} on the side of the part; expected it in the waste",
+    "The part would come out smaller by the kerf.",
+)
+OPEN = Rule(
+    "verify-sheet-open",
+    _E,
+    "found a path that {what} at X {x}, Y {y}, in the middle of a contour; expected it to close",
+    "What is between the two ends holds the part.",
+)
+LEAD = Rule(
+    "verify-sheet-lead",
+    _E,
+    "found a lead of {found} mm at X {x}, Y {y}; expected {expected}",
+    "The torch pierces where the part or its neighbour is.",
+)
+ORDER = Rule(
+    "verify-sheet-order",
+    _E,
+    "found {found} after {before}; expected it before",
+    "Once a part is cut free it may tilt, and nothing on it comes out right any more.",
+)
+NOT_MADE = Rule(
+    "verify-sheet-not-made",
+    _E,
+    "found {found} and nothing that says what makes it; expected it to be skipped by name",
+    "Nothing is left out in silence.",
+)
+
+RULES = (
+    SYNTAX, WORD, SETTING, END, ARC, FEED, TOOL, RAPID, IDLE, AREA, MISSING, EXTRA, TWICE, SIDE,
+    OPEN, LEAD, ORDER, NOT_MADE,
+)  # fmt: skip
