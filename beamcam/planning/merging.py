@@ -9,6 +9,7 @@ The holes are walked in order of x, so that each looks only at those a tolerance
 """
 
 from collections.abc import Iterator, Sequence
+from math import floor
 
 from beamcam.machine.machine import Drill, Machine
 from beamcam.model.part import Hole
@@ -22,28 +23,32 @@ ROUNDING = 1e-9
 def drop_duplicates(
     holes: Sequence[Placed], tolerance: float
 ) -> tuple[list[Placed], dict[FeatureRef, Placed]]:
-    """The holes in order of piece and x, each once; and for each dropped one which it repeats."""
+    """The holes in order of piece and x, each once; and for each dropped one which it repeats.
+
+    Of holes that are the same the first in the order given stays.
+    """
     kept: list[Placed] = []
     repeats: dict[FeatureRef, Placed] = {}
     limit = tolerance + ROUNDING
-    near: list[Placed] = []  # those kept that lie no further back than the tolerance
-    for placed in sorted(holes, key=_along):
+    # By all that has to be equal, and by the millimetre; at its borders two of them are asked.
+    known: dict[tuple[object, ...], list[Placed]] = {}
+    for placed in holes:
         (piece, _), hole = placed
-        x, face = hole.x, hole.face
-        if near and (x - near[0][1].x > limit or near[0][0][0] != piece):
-            near = [o for o in near if x - o[1].x <= limit and o[0][0] == piece]
+        x, y = hole.x, hole.y
+        own = (piece, hole.face, hole.kind, hole.diameter, hole.depth, hole.angle)
+        low, high = floor(x - limit), floor(x + limit)
+        near = known.get((*own, low), [])
+        if low != high:
+            near = near + known.get((*own, high), [])
         for other in near:
             before = other[1]
-            if (
-                before.face == face
-                and abs(before.y - hole.y) <= limit
-                and alike(before, hole, limit)
-            ):
+            if abs(before.x - x) <= limit and abs(before.y - y) <= limit:
                 repeats[placed[0]] = other
                 break
         else:
             kept.append(placed)
-            near.append(placed)
+            known.setdefault((*own, floor(x)), []).append(placed)
+    kept.sort(key=_along)
     return kept, repeats
 
 

@@ -1,6 +1,7 @@
 """What a line cannot make of a bar or a part, and why."""
 
 from collections.abc import Iterator, Sequence
+from math import inf
 
 from beamcam.errors import Diagnostic
 from beamcam.machine.machine import Drill, Layout, Machine, Saw
@@ -83,7 +84,22 @@ def refuse_place(
             hole.source, x=f"{hole.x:g}", y=f"{hole.y:g}", face=hole.face,
             length=f"{part.length:g}", width=f"{width:g}",
         )  # fmt: skip
+    radius = hole.diameter / 2
+    least, greatest = clear_between(part.profile, face)
+    if not least <= hole.y - radius or not hole.y + radius <= greatest:
+        return rules.IN_THE_WAY.at(
+            hole.source, found=f"{hole.diameter:g}", y=f"{hole.y:g}", face=hole.face,
+            least=f"{least + radius:g}", greatest=f"{greatest - radius:g}",
+        )  # fmt: skip
     return None
+
+
+def clear_between(profile: Profile, face: Face) -> tuple[float, float]:
+    """y between which a tool reaches a face; without bounds where no flange stands beside it."""
+    if face != "v" or profile.code not in ("I", "U", "C", "L"):
+        return -inf, inf
+    flange = profile.flange_thickness
+    return flange, (inf if profile.code == "L" else profile.height - flange)
 
 
 def refuse_slot(slot: Slot, face: Face, rack: Rack) -> Diagnostic | None:

@@ -130,6 +130,13 @@ NO_SPINDLE = Rule(
     "found a {kind} on face {found}; expected one of {expected}",
     "No spindle of the machine reaches that face.",
 )
+IN_THE_WAY = Rule(
+    "plan-reach",
+    _E,
+    "found a hole of diameter {found} at y {y} on face {face}; expected y from {least} to "
+    "{greatest}, the flange stands in the tool's way",
+    "A tool that comes to the web between the flanges needs room beside them.",
+)
 OFF_FACE = Rule(
     "plan-off-face",
     _E,
@@ -209,12 +216,14 @@ RELOAD = Rule(
 RULES = (
     NO_PARTS, STOCK, MIXED_PROFILES, SECTION_SIZE, SAW_ANGLE, FLANGE_CUT, COMPOUND, CUT_DENIED,
     CUT_FROM_CONTOUR, BAR_SHORT, BAR_LONG, BAR_FULL, PART_SHORT, REMNANT, NO_TOOL, NO_PILOT,
-    SINK_DEPTH, THREAD_DEPTH, DUPLICATE, NO_SPINDLE, OFF_FACE, SLOT, COPE, CUTOUT, MARK, BEVEL,
+    SINK_DEPTH, THREAD_DEPTH, DUPLICATE, NO_SPINDLE, IN_THE_WAY, OFF_FACE, SLOT, COPE, CUTOUT,
+    MARK, BEVEL,
     OTHER, QUANTITY, TURNED, TURN_HELPS, ORDER, RELOAD,
 )  # fmt: skip
 
 SKIPPABLE = (
-    NO_TOOL, NO_PILOT, SINK_DEPTH, THREAD_DEPTH, NO_SPINDLE, OFF_FACE, SLOT, COPE, CUTOUT, MARK,
+    NO_TOOL, NO_PILOT, SINK_DEPTH, THREAD_DEPTH, NO_SPINDLE, IN_THE_WAY, OFF_FACE, SLOT, COPE,
+    CUTOUT, MARK,
     BEVEL, OTHER,
 )  # fmt: skip
 SKIP_NAMES = tuple(rule.code.removeprefix("plan-") for rule in SKIPPABLE)

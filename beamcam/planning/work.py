@@ -21,6 +21,7 @@ from beamcam.planning.holes import Refusal, Step, recipe
 from beamcam.planning.merging import Group, Placed, drop_duplicates, merge_pairs
 from beamcam.planning.paths import line_points, pocket_path
 from beamcam.planning.refuse import (
+    clear_between,
     face_at_work,
     faces_at_work,
     refuse_other,
@@ -113,6 +114,7 @@ class _Bench:
         holes: list[Placed] = []
         length, profile = self.part.length, self.part.profile
         width = {face: profile.face_width(face) for face in self._reached}
+        clear = {face: clear_between(profile, face) for face in self._reached}
         for f, feature in enumerate(self.part.features):
             if feature.__class__ is not Hole:
                 self._add_other(f, feature, ends)
@@ -121,10 +123,17 @@ class _Bench:
             assert isinstance(hole, Hole)
             if hole.face not in width:
                 hole = self._from_behind(f, hole)
-            if hole.face in width and 0 <= hole.x <= length and 0 <= hole.y <= width[hole.face]:
+            face, y, radius = hole.face, hole.y, hole.diameter / 2
+            if (
+                face in width
+                and 0 <= hole.x <= length
+                and 0 <= y <= width[face]
+                and clear[face][0] <= y - radius
+                and y + radius <= clear[face][1]
+            ):
                 holes.append(((0, f), hole))
             else:
-                self._refuse(f, refuse_place(hole, hole.face, self.part, self._reached))
+                self._refuse(f, refuse_place(hole, face, self.part, self._reached))
         return holes
 
     def _refuse(self, f: int, said: Diagnostic | None) -> bool:

@@ -78,7 +78,7 @@ def test_holes_of_different_parts_are_never_merged() -> None:
         ({}, "duplicate"),
         ({"x": 500.01}, "duplicate"),
         ({"x": 500.02}, "made"),
-        ({"diameter": 22.0}, "made"),
+        ({"diameter": 18.005}, "made"),
         ({"kind": "blind", "depth": 4.0}, "made"),
     ],
 )

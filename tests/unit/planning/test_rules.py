@@ -93,6 +93,9 @@ CASES: tuple[Case, ...] = (
      "found a blind hole on face h; expected one of o, v, u"),
     ("plan-off-face", "beamline", (part(hole(500, 301)),), {},
      "found a hole at x 500, y 301 on face v; expected it within 3000 x 300 mm"),
+    ("plan-reach", "beamline", (part(hole(500, 19.0)),), {},
+     "found a hole of diameter 18 at y 19 on face v; expected y from 19.7 to 280.3, "
+     "the flange stands in the tool's way"),
     ("plan-slot", "beamline", (part(Slot("v", 500, 150, 22, 40, 0, 0, SOURCE)),), {},
      "found a slot of 62 x 22 mm on face v; expected no slot, the machine has no mill"),
     ("plan-slot", "beamline-pusher", (part(Slot("v", 500, 150, 6, 40, 0, 0, SOURCE)),), {},
