@@ -3,7 +3,7 @@
 from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass
 from fnmatch import fnmatchcase
-from math import isnan, pi, radians, tan
+from math import inf, isnan, pi, radians, tan
 
 from beamcam.errors import Diagnostic, Source, errors_in
 from beamcam.machine.machine import FLAT_DEG, Machine, Saw
@@ -293,18 +293,19 @@ def _paths(
     for need in wanted:
         kind = "mill" if isinstance(need, Pocket) else "scribe"
         from_x = drill_x + task.starts[need.part]
-        measured = []
-        for trail in left:
-            if trail.kind == kind and trail.face == need.face:
-                points = [(x - from_x, y) for x, y in trail.points]
-                if _near(points, need):
-                    measured.append((_error(need, points, trail), trail.line, trail))
+        # The nearest path is meant; measuring it point by point is the dear part.
+        near = [
+            (_apart(trail, need, from_x), trail.line, trail)
+            for trail in left
+            if trail.kind == kind and trail.face == need.face
+        ]
         mark = task.parts[need.part].mark
         what = need.what if isinstance(need, Pocket) else "line to mark"
-        if not measured:
+        apart, _, trail = min(near, key=lambda n: n[:2], default=(inf, 0, None))
+        if trail is None or apart > NEAR:
             yield rules.NOT_MADE.at(need.source.source, found=f"the {what}", mark=mark)
             continue
-        off, _, trail = min(measured, key=lambda m: m[:2])
+        off = _error(need, [(x - from_x, y) for x, y in trail.points], trail)
         left.remove(trail)
         if off > allowed:
             yield rules.PATH.at(
@@ -319,11 +320,21 @@ def _paths(
         )
 
 
-def _near(points: Sequence[tuple[float, float]], need: Pocket | Course) -> bool:
-    """Whether a path may be meant for a pocket or a line at all."""
-    x, y = (need.x, need.y) if isinstance(need, Pocket) else need.curves[0].start
-    size = max(need.length, need.height, need.diameter) if isinstance(need, Pocket) else 0.0
-    return any(abs(px - x) <= size + NEAR and abs(py - y) <= size + NEAR for px, py in points)
+def _apart(trail: Trail, need: Pocket | Course, from_x: float) -> float:
+    """How far the middles of a path and of what it may be meant for are apart."""
+    x, y = _middle(trail.points)
+    if isinstance(need, Pocket):
+        own_x, own_y = need.x, need.y
+    else:
+        boxes = [curve.bbox for curve in need.curves]
+        corners = [(b[0], b[1]) for b in boxes] + [(b[2], b[3]) for b in boxes]
+        own_x, own_y = _middle(corners)
+    return abs(x - from_x - own_x) + abs(y - own_y)
+
+
+def _middle(points: Sequence[tuple[float, float]]) -> tuple[float, float]:
+    xs, ys = [x for x, _ in points], [y for _, y in points]
+    return (min(xs) + max(xs)) / 2, (min(ys) + max(ys)) / 2
 
 
 def _error(need: Pocket | Course, points: Sequence[tuple[float, float]], trail: Trail) -> float:

@@ -7,12 +7,12 @@ Both are measured on points so close that what lies between them cannot matter.
 
 from collections.abc import Iterator, Sequence
 from itertools import pairwise
-from math import ceil, cos, hypot, pi, radians, sin
+from math import ceil, cos, hypot, pi, radians, sin, sqrt
 
 from beamcam.geometry.curves import Curve, Point
 from beamcam.verify.needs import Pocket
 
-STEP = 0.5  #: mm between the points that are measured
+STEP = 1.0  #: mm between the points that are measured
 
 
 def pocket_error(pocket: Pocket, path: Sequence[Point], mill: float) -> float:
@@ -67,7 +67,7 @@ def _outline(half_x: float, half_y: float, radius: float) -> Iterator[Point]:
     ]  # fmt: skip
     for a, b in pairwise([*points, points[0]]):
         yield a
-        steps = ceil(hypot(b[0] - a[0], b[1] - a[1]) / (4 * STEP))
+        steps = ceil(hypot(b[0] - a[0], b[1] - a[1]) / (2 * STEP))
         for i in range(1, steps):
             yield a[0] + (b[0] - a[0]) * i / steps, a[1] + (b[1] - a[1]) * i / steps
 
@@ -102,10 +102,19 @@ def _far(a: Point, b: Point) -> float:
 def distance_to(point: Point, path: Sequence[Point]) -> float:
     """Distance of a point from a polyline."""
     x, y = point
-    best = hypot(path[0][0] - x, path[0][1] - y)
-    for (ax, ay), (bx, by) in pairwise(path):
-        dx, dy = bx - ax, by - ay
+    ax, ay = path[0]
+    best = (ax - x) ** 2 + (ay - y) ** 2
+    for bx, by in path:
+        dx, dy, px, py = bx - ax, by - ay, x - ax, y - ay
+        along = px * dx + py * dy
         square = dx * dx + dy * dy
-        t = min(max(((x - ax) * dx + (y - ay) * dy) / square, 0.0), 1.0) if square else 0.0
-        best = min(best, hypot(ax + t * dx - x, ay + t * dy - y))
-    return best
+        if along >= square:  # nearest to the segment's end, or it has no length
+            off = (bx - x) ** 2 + (by - y) ** 2
+        elif along > 0.0:
+            off = (px * dy - py * dx) ** 2 / square
+        else:
+            off = px * px + py * py
+        if off < best:
+            best = off
+        ax, ay = bx, by
+    return sqrt(best)

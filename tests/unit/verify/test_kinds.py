@@ -180,7 +180,7 @@ def test_the_ends_of_a_slot_may_be_drilled_before() -> None:
 
 @pytest.mark.parametrize(("path", "off"), [
     (ring(1.5), "0.500"),  # cut too wide
-    (ring(0.5), "0.501"),  # not cleared
+    (ring(0.5), "0.500"),  # not cleared
     (ring(1.0, shift=2.0), "2.000"),
     (ring(1.0, half=10.0), "5.000"),
     (ring(1.0)[:60], "2.000"),  # only one side of it
