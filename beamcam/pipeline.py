@@ -11,10 +11,18 @@ from dataclasses import dataclass, replace
 
 from beamcam import readers
 from beamcam.emitters import gcode
-from beamcam.errors import Diagnostic, PlanError, ReadError, Severity, Source, VerifyError, errors_in
+from beamcam.errors import (
+    Diagnostic,
+    PlanError,
+    ReadError,
+    Severity,
+    Source,
+    VerifyError,
+    errors_in,
+)
 from beamcam.machine.machine import Machine
 from beamcam.model.part import Part
-from beamcam.model.plan import Plan
+from beamcam.model.plan import FeatureRef, Plan, SheetPlan
 from beamcam.model.program import Comment, Program
 from beamcam.motion.beam import beam_program
 from beamcam.planning import Order, plan_bar
@@ -42,11 +50,35 @@ POSTS = {
 
 
 @dataclass(frozen=True, slots=True)
+class SheetPost:
+    """How a cutting table gets its program, and how that is read back."""
+
+    motion: Callable[[SheetPlan, Machine, str], Program]
+    emit: Callable[[Program, Machine], str]
+    verify: Callable[
+        [str, Sequence[Part], Machine, Collection[FeatureRef], str], tuple[Diagnostic, ...]
+    ]
+
+
+def sheet_post(machine: Machine) -> SheetPost:
+    """The row of a cutting table; its modules load what a bar never needs."""
+    from beamcam.emitters import cutting
+    from beamcam.motion.sheet import sheet_program
+    from beamcam.verify.sheets import verify_sheet
+
+    posts = {
+        name: SheetPost(sheet_program, cutting.emit, verify_sheet)
+        for name in ("codesys", "linuxcnc", "grbl")
+    }
+    return posts[machine.controller]
+
+
+@dataclass(frozen=True, slots=True)
 class Posted:
     """A program and how it came about."""
 
     text: str
-    plan: Plan
+    plan: Plan | SheetPlan
     remarks: tuple[Diagnostic, ...]
 
 
@@ -101,12 +133,14 @@ def post(
     turn: bool = False,
     strict: bool = False,
 ) -> Posted:
-    """The program that makes `parts` from one bar, read back and compared with them.
+    """The program that makes `parts` from one bar or sheet, read back and compared with them.
 
     Without `read_back` a comment in the program says so. Raises PlanError if the machine cannot
     make the parts, or under `strict` if there is a warning; VerifyError if the program would make
     anything else than the parts.
     """
+    if machine.stock == "sheet":
+        return _post_sheet(parts, machine, job, skips, read_back, strict)
     plan = plan_bar(parts, machine, bar, skips, order, turn)
     if strict and any(said.severity is Severity.WARNING for said in plan.remarks):
         raise PlanError(map(as_error, plan.remarks))
@@ -120,6 +154,35 @@ def post(
     if read_back:
         skipped = {o.feature for o in plan.outcomes if o.how == "skipped"}
         said = verify(text, [piece.part for piece in plan.pieces], machine, skipped, job)
+        if errors_in(said):
+            raise VerifyError(said)
+    return Posted(text, plan, (*plan.remarks, *said))
+
+
+def _post_sheet(
+    parts: Sequence[Part],
+    machine: Machine,
+    job: str,
+    skips: Collection[str],
+    read_back: bool,
+    strict: bool,
+) -> Posted:
+    """As `post`, for a machine that cuts sheets."""
+    from beamcam.planning.sheet import plan_sheet
+
+    plan = plan_sheet(parts, machine, skips)
+    if strict and any(said.severity is Severity.WARNING for said in plan.remarks):
+        raise PlanError(map(as_error, plan.remarks))
+    kind = sheet_post(machine)
+    program = kind.motion(plan, machine, job)
+    if not read_back:
+        start, *work = program.commands
+        program = replace(program, commands=(start, NOT_READ_BACK, *work))
+    text = kind.emit(program, machine)
+    said: tuple[Diagnostic, ...] = ()
+    if read_back:
+        skipped = {o.feature for o in plan.outcomes if o.how == "skipped"}
+        said = kind.verify(text, parts, machine, skipped, job)
         if errors_in(said):
             raise VerifyError(said)
     return Posted(text, plan, (*plan.remarks, *said))

@@ -23,8 +23,10 @@ from beamcam.config import apply_map
 from beamcam.errors import BeamcamError, Diagnostic, PlanError, ReadError, Source, errors_in
 from beamcam.machine.machine import Formula, Machine
 from beamcam.model.part import Part, Process
+from beamcam.model.plan import ContourOp, Plan, SheetPlan
 from beamcam.pipeline import Posted, as_error, parts_of, post
 from beamcam.planning.rules import BAR_FULL, BAR_SHORT
+from beamcam.planning.sheet_times import sheet_time_s
 from beamcam.planning.times import work_time
 from beamcam.readers import read
 from beamcam.report.run import Ledger, PartRow, Row, as_message
@@ -206,15 +208,24 @@ def _part_row(part: Part, posted: Posted, name: str, content: bytes, shop: Shop)
         "length": part.length,
         "output": name,
         "sha256": sha256(content).hexdigest(),
-        "bar": plan.bar.length,
+        "bar": plan.bar.length if isinstance(plan, Plan) else 0.0,
         "ledger": cast(Ledger, ledger),
         "skipped_by": dict(sorted(skipped_by.items())),
         "tools": sorted({_tool_name(op) for op in plan.operations}),
         "operations": len(plan.operations),
-        "machine_time_s": round(work_time(plan, shop.machine).total_s, 3) if shop.timed else None,
+        "machine_time_s": round(_time_s(plan, shop.machine), 3) if shop.timed else None,
     }
 
 
+def _time_s(plan: Plan | SheetPlan, machine: Machine) -> float:
+    """Work time of a bar or a sheet."""
+    return (
+        work_time(plan, machine).total_s if isinstance(plan, Plan) else sheet_time_s(plan, machine)
+    )
+
+
 def _tool_name(operation: object) -> str:
+    if isinstance(operation, ContourOp):
+        return operation.row.process
     tool = getattr(operation, "tool", None)
     return f"{tool.kind} {tool.diameter:g}" if tool is not None else "saw"

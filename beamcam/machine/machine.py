@@ -411,6 +411,7 @@ class Torch:
     least_radius: float = 0.01  #: smallest arc that the controller takes
     greatest_radius: float = 10000.0  #: an arc beyond is written as lines
     arc_limit: float = 0.005  #: radii at both ends of an arc may differ by this
+    traverse_mm_min: float = 20000.0  #: of the head with its tool off, for times
 
 
 @dataclass(frozen=True, slots=True)

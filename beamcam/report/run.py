@@ -48,7 +48,7 @@ class PartRow(TypedDict):
     length: float
     output: str  #: below the output folder, with "/"
     sha256: str  #: of the output
-    bar: float  #: length of the bar, mm
+    bar: float  #: length of the bar, mm; 0 for a sheet
     ledger: Ledger
     skipped_by: dict[str, int]  #: code -> number of features
     tools: list[str]
