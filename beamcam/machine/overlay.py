@@ -1,0 +1,50 @@
+"""A cutting table as one job wants it: what the command line says over what its file says."""
+
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import Any, Literal
+
+from beamcam.machine.machine import Machine, Torch
+
+Meaning = Literal["cut", "mark", "engrave", "ignore"]
+MEANINGS: tuple[Meaning, ...] = ("cut", "mark", "engrave", "ignore")
+
+
+def with_torch(
+    machine: Machine,
+    colours: Mapping[str, Meaning] | None = None,
+    kerf: float | None = None,
+    **values: Any,
+) -> Machine:
+    """The machine with other values of its torch; itself if nothing is given.
+
+    `colours` are laid over those of the machine, before them; `kerf` replaces that of every row to
+    cut, and 0 turns compensation off. `values` are fields of `Torch`; those that are None count as
+    not given. Raises ValueError for a machine without a torch, or without words for what is asked.
+    """
+    given = {name: value for name, value in values.items() if value is not None}
+    if not (colours or given or kerf is not None):
+        return machine
+    torch = machine.torch
+    if torch is None:
+        raise ValueError(f"{machine.name} has no torch, so that nothing can be said about it")
+    if colours:
+        given["colours"] = {
+            **colours,
+            **{k: v for k, v in torch.colours.items() if k not in colours},
+        }
+    if kerf is not None:
+        given["rows"] = tuple(
+            replace(row, kerf=kerf) if row.process == "cut" else row for row in torch.rows
+        )
+        if kerf == 0.0:
+            given.setdefault("kerf_by", "none")
+        elif torch.kerf_by == "none":
+            given.setdefault("kerf_by", "offset")
+    changed: Torch = replace(torch, **given)
+    if changed.kerf_by == "machine" and not machine.words.left:
+        raise ValueError(f"{machine.name} has no words to keep beside a contour; use offset")
+    if changed.kerf_by == "machine" and torch.lead == "arc":
+        # A controller takes up its compensation along a line.
+        changed = replace(changed, lead="line")
+    return replace(machine, torch=changed)
