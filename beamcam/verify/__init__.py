@@ -19,7 +19,8 @@ from beamcam.verify.compare import compare
 from beamcam.verify.events import Event
 from beamcam.verify.made import Bore, Cut, Made
 from beamcam.verify.meaning import Meaning, meaning_of
-from beamcam.verify.needs import FeatureRef, Rack, skippable
+from beamcam.verify.needs import FeatureRef, skippable
+from beamcam.verify.rack import Rack
 from beamcam.verify.stations import Choice, choices_of
 
 __all__ = [

@@ -14,9 +14,10 @@ from beamcam.verify.ends import ends_of
 from beamcam.verify.made import Bore, Cut, Made, Trail
 from beamcam.verify.matching import Match, Matching, Wanted
 from beamcam.verify.meaning import Meaning
-from beamcam.verify.needs import Course, FeatureRef, Lack, Pocket, Rack, Stroke, needs_of
+from beamcam.verify.needs import Course, FeatureRef, Lack, Pocket, Stroke, needs_of
 from beamcam.verify.paths import line_error, pocket_error
 from beamcam.verify.placing import NEAR, Placing
+from beamcam.verify.rack import Rack
 from beamcam.verify.stations import Choice, stroke_values
 
 

@@ -13,7 +13,8 @@ from math import inf, radians, tan
 from typing import NamedTuple
 
 from beamcam.machine.machine import FLAT_DEG
-from beamcam.verify.needs import THREADS, Rack, Stroke
+from beamcam.verify.needs import THREADS, Stroke
+from beamcam.verify.rack import Rack
 
 
 class Reach(NamedTuple):
