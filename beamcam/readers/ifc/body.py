@@ -12,7 +12,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 from beamcam.readers.ifc.cutters import Bounded, Cutter, HalfSpace, Less, Prism, prism
-from beamcam.readers.ifc.entities import Entity, Model, Unreadable, ratios
+from beamcam.readers.ifc.entities import Entity, Model, Unreadable, argument, ratios
 from beamcam.readers.ifc.facets import shell_of
 from beamcam.readers.ifc.outline import Round
 from beamcam.readers.ifc.profiles import Outline, outline_of, rounded_box
@@ -58,7 +58,7 @@ class Body:
 def body_of(model: Model, element: Entity) -> Body:
     """The body of an element with its openings. Raises Unreadable, which says what was found."""
     representation = body_representation(element)
-    bodies = [_item(model, item, IDENTITY, None) for item in representation.Items]
+    bodies = [_item(model, item, IDENTITY, None) for item in argument(representation, 3)]
     if len(bodies) != 1:
         raise Unreadable(f"a body of {len(bodies)} solids")
     (body,) = bodies
@@ -67,19 +67,19 @@ def body_of(model: Model, element: Entity) -> Body:
 
 def body_representation(element: Entity) -> Entity:
     """The representation that holds the solid; its identifier is Body, or missing in old files."""
-    shape = element.Representation
+    shape = argument(element, 6)
     if shape is None:
         raise Unreadable("no geometry")
     candidates = [
         r
-        for r in shape.Representations
-        if r.RepresentationIdentifier not in _SKIPPED_REPRESENTATIONS
-        and r.RepresentationType not in _FLAT_TYPES
-        and r.Items
+        for r in argument(shape, 2)
+        if argument(r, 1) not in _SKIPPED_REPRESENTATIONS
+        and argument(r, 2) not in _FLAT_TYPES
+        and argument(r, 3)
     ]
     for wanted in ("Body", None, "", "Facetation", "Body-FallBack"):
         for one in candidates:
-            if one.RepresentationIdentifier == wanted:
+            if argument(one, 1) == wanted:
                 return one
     if candidates:
         return candidates[0]
@@ -146,17 +146,17 @@ def _item(model: Model, item: Entity, frame: Frame, where: str | None) -> Body:
 
 def mapping(model: Model, item: Entity, frame: Frame) -> tuple[Frame, tuple[Entity, ...]]:
     """The frame of a mapped item's source and the source's items."""
-    source = item.MappingSource
-    target = model.operator(item.MappingTarget)
-    inner = frame.times(target).times(model.axes(source.MappingOrigin))
-    return inner, source.MappedRepresentation.Items
+    source = argument(item, 0)
+    target = model.operator(argument(item, 1))
+    inner = frame.times(target).times(model.axes(argument(source, 0)))
+    return inner, argument(argument(source, 1), 3)
 
 
 def _swept(model: Model, item: Entity, frame: Frame) -> Swept:
-    position = frame.times(model.axes(item[1]))
-    direction = unit(ratios(item[2]) or (0.0, 0.0, 1.0))
-    along = position.vector(scale(direction, item[3] * model.mm))
-    return Swept(item[0], position, along)
+    position = frame.times(model.axes(argument(item, 1)))
+    direction = unit(ratios(argument(item, 2)) or (0.0, 0.0, 1.0))
+    along = position.vector(scale(direction, argument(item, 3) * model.mm))
+    return Swept(argument(item, 0), position, along)
 
 
 def _solid_cutters(model: Model, item: Entity, frame: Frame, where: str | None) -> Iterator[Cutter]:

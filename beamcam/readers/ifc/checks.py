@@ -7,7 +7,7 @@ from beamcam.model.part import Contour, Hole, Part, Slot
 from beamcam.readers.ifc import kernel, rules
 from beamcam.readers.ifc.entities import Entity, Model, Unreadable
 from beamcam.readers.ifc.finish import Shaped
-from beamcam.readers.ifc.marks import Data
+from beamcam.readers.ifc.marks import LENGTHS, WEIGHTS, Data
 from beamcam.readers.ifc.region import Circles, pieces_of
 from beamcam.readers.ifc.shell import extent
 from beamcam.readers.ifc.walls import Wall, walls_of
@@ -22,8 +22,8 @@ VOLUME_SLACK = 0.03  #: share between two ways of building a member
 def check_data(part: Part, shaped: Shaped, data: Data, source: Source) -> tuple[Diagnostic, ...]:
     """Where the length or the weight in the property sets denies the geometry."""
     said = []
-    length = data.number("Length", "NetLength", "Span")
-    if length is not None and not length[0].endswith(".Span"):
+    length = data.number(*LENGTHS)
+    if length is not None:
         where, value = length
         extents = [part.length, shaped.gross, part.profile.height, part.profile.width]
         if part.profile.code == "B":
@@ -34,7 +34,7 @@ def check_data(part: Part, shaped: Shaped, data: Data, source: Source) -> tuple[
                     source, found=f"{value:.2f}", where=where, expected=f"{part.length:.2f}"
                 )
             )
-    weight = data.number("NetWeight", "Net weight", "Weight (net)")
+    weight = data.number(*WEIGHTS)
     if weight is not None and weight[1] > SMALL_WEIGHT:
         where, value = weight
         gross = shaped.section.area * shaped.gross
@@ -102,7 +102,7 @@ def _denied(
     part: Part, shaped: Shaped, data: Data, found: str, expected: str
 ) -> tuple[Diagnostic, ...]:
     """A contradiction; the file's net weight decides it where there is one."""
-    weight = data.number("NetWeight", "Net weight")
+    weight = data.number(*WEIGHTS)
     own = shaped.volume * STEEL
     if weight is not None and abs(weight[1] - own) <= VOLUME_SLACK * own:
         said = rules.KERNEL_DENIED.at(

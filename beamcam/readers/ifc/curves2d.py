@@ -4,7 +4,7 @@ import itertools
 from math import degrees, hypot, pi
 
 from beamcam.geometry.curves import Arc, Curve, Line, Point
-from beamcam.readers.ifc.entities import Entity, Model, Unreadable
+from beamcam.readers.ifc.entities import Entity, Model, Unreadable, argument
 
 Chain = tuple[Curve, ...]
 SAME_POINT = 1e-4  #: mm between the end of a curve and the start of the next
@@ -38,17 +38,17 @@ def _curve(model: Model, entity: Entity) -> list[Curve]:
     kind = entity.is_a()
     if kind == "IfcPolyline":
         mm = model.mm
-        coordinates = [p[0] for p in entity[0]]
+        coordinates = [argument(p, 0) for p in argument(entity, 0)]
         return _polyline([(c[0] * mm, c[1] * mm) for c in coordinates])
     if kind == "IfcCompositeCurve" or entity.is_a("IfcCompositeCurve"):
         chain: list[Curve] = []
-        for segment in entity.Segments:
+        for segment in argument(entity, 0):
             if segment.is_a("IfcReparametrisedCompositeCurveSegment") or not segment.is_a(
                 "IfcCompositeCurveSegment"
             ):
                 raise Unreadable(f"a curve segment {segment.is_a()}")
-            pieces = _curve(model, segment.ParentCurve)
-            if not segment.SameSense:
+            pieces = _curve(model, argument(segment, 2))
+            if not argument(segment, 1):
                 pieces = [c.reversed() for c in reversed(pieces)]
             chain += pieces
         return chain
@@ -101,14 +101,14 @@ def _angle(x: float, y: float) -> float:
 
 
 def _trimmed(model: Model, entity: Entity) -> Curve:
-    basis = entity.BasisCurve
-    ends = [_trim(model, entity, trim) for trim in (entity.Trim1, entity.Trim2)]
+    basis = argument(entity, 0)
+    ends = [_trim(model, entity, trim) for trim in (argument(entity, 1), argument(entity, 2))]
     if basis.is_a("IfcLine"):
         return Line(*(_on_line(model, basis, end) for end in ends))
     if not basis.is_a("IfcCircle"):
         raise Unreadable(f"an outline by a trimmed {basis.is_a()}")
-    frame = model.axes(basis.Position)
-    radius = basis.Radius * model.mm
+    frame = model.axes(argument(basis, 0))
+    radius = argument(basis, 1) * model.mm
     angles = []
     for end in ends:
         if isinstance(end, float):
@@ -117,17 +117,18 @@ def _trimmed(model: Model, entity: Entity) -> Curve:
         dx, dy = end[0] - frame.o[0], end[1] - frame.o[1]
         angles.append(_angle(dx * frame.x[0] + dy * frame.x[1], dx * frame.y[0] + dy * frame.y[1]))
     start, end = angles
-    turn = (end - start) % (2 * pi) if entity.SenseAgreement else -((start - end) % (2 * pi))
+    sense = argument(entity, 3)
+    turn = (end - start) % (2 * pi) if sense else -((start - end) % (2 * pi))
     if abs(turn) < 1e-9:
-        turn = 2 * pi if entity.SenseAgreement else -2 * pi
+        turn = 2 * pi if sense else -2 * pi
     tilt = _angle(frame.x[0], frame.x[1])
     return Arc((frame.o[0], frame.o[1]), radius, degrees(start + tilt), degrees(turn))
 
 
 def _trim(model: Model, entity: Entity, trim: tuple[Entity, ...]) -> Point | float:
     """Where a curve is trimmed: a parameter, or a point if the file has one."""
-    points = [t for t in trim if hasattr(t, "Coordinates")]
-    values = [float(t.wrappedValue) for t in trim if not hasattr(t, "Coordinates")]
+    points = [t for t in trim if t.is_a("IfcCartesianPoint")]
+    values = [float(t[0]) for t in trim if not t.is_a("IfcCartesianPoint")]
     if values and (entity.MasterRepresentation != "CARTESIAN" or not points):
         return values[0]
     if points:

@@ -5,9 +5,10 @@ wall: the region of the plane c = const that it removes.
 """
 
 from dataclasses import dataclass, field
+from math import sqrt
 from typing import Any, Protocol
 
-from beamcam.geometry.curves import Point
+from beamcam.geometry.curves import Point, unit_vector
 from beamcam.readers.ifc.outline import Round, Slotted, shape_of
 from beamcam.readers.ifc.profiles import Outline
 from beamcam.readers.ifc.region import Circles, Shape, half_plane, polygon_of
@@ -71,17 +72,42 @@ class Prism:
     frame: Frame
     outline: Outline
     where: str | None = None
-    shape: Round | Slotted | None = field(default=None)
+    shape: Round | Slotted | None = None
+    bounds: Box3 | None = field(default=None, compare=False, repr=False)  #: worked out once
 
     @property
     def box(self) -> Box3:
+        if self.bounds is None:
+            object.__setattr__(self, "bounds", self._box())
+        assert self.bounds is not None
+        return self.bounds
+
+    def _box(self) -> Box3:
+        f = self.frame
+        if self.shape is not None:
+            return self._round_box(self.shape)
         boxes = [c.bbox for c in self.outline.outer]
         s = min(b[0] for b in boxes), max(b[2] for b in boxes)
         t = min(b[1] for b in boxes), max(b[3] for b in boxes)
-        points = [self.frame.point((a, b, k)) for a in s for b in t for k in (0.0, 1.0)]
-        low = (min(p[0] for p in points), min(p[1] for p in points), min(p[2] for p in points))
-        high = (max(p[0] for p in points), max(p[1] for p in points), max(p[2] for p in points))
-        return low, high
+        points = [f.point((a, b, k)) for a in s for b in t for k in (0.0, 1.0)]
+        xs, ys, zs = zip(*points, strict=True)
+        return (min(xs), min(ys), min(zs)), (max(xs), max(ys), max(zs))
+
+    def _round_box(self, shape: Round | Slotted) -> Box3:
+        """The box of a round or slotted prism: a circle reaches r sqrt(x_i^2 + y_i^2) along i."""
+        f, r = self.frame, shape.diameter / 2
+        c = f.point((*shape.centre, 0.0))
+        way = (0.0, 0.0, 0.0)
+        if isinstance(shape, Slotted):
+            x, y = unit_vector(shape.angle)
+            way = f.vector((x * shape.length / 2, y * shape.length / 2, 0.0))
+        low, high = [], []
+        for i in range(3):
+            reach = r * sqrt(f.x[i] ** 2 + f.y[i] ** 2) + abs(way[i])
+            along = f.z[i]
+            low.append(c[i] - reach + (along if along < 0 else 0.0))
+            high.append(c[i] + reach + (along if along > 0 else 0.0))
+        return (low[0], low[1], low[2]), (high[0], high[1], high[2])
 
     def moved(self, by: Frame) -> "Prism":
         return Prism(by.times(self.frame), self.outline, self.where, self.shape)

@@ -7,9 +7,20 @@ from dataclasses import dataclass, field
 from math import pi
 from typing import Any
 
+import ifcopenshell
+
 from beamcam.readers.ifc.space import IDENTITY, ORIGIN, Frame, Vec, across, cross, scale, sub, unit
 
+_DIRECT = hasattr(ifcopenshell.entity_instance, "get_argument")  # since ifcopenshell 0.9
+
 Entity = Any  #: an ifcopenshell entity instance; its attributes depend on the file's schema
+
+
+def argument(entity: Entity, index: int) -> Any:
+    """An attribute by its place, which is several times faster than by its name."""
+    if _DIRECT:
+        return entity.get_argument(index)
+    return entity[index]
 
 
 class Unreadable(Exception):
@@ -28,12 +39,13 @@ class Model:
     outlines: dict[int, Any] = field(default_factory=dict)
     sections: dict[int, Any] = field(default_factory=dict)
     plates: dict[Any, Any] = field(default_factory=dict)
+    classified: dict[Any, Any] = field(default_factory=dict)  #: sections by their outline
     psets: dict[int, dict[str, str | float]] = field(default_factory=dict)
     materials: dict[int, str] = field(default_factory=dict)
 
     def point(self, entity: Entity) -> Vec:
         """An IfcCartesianPoint of two or three coordinates."""
-        c = entity[0]
+        c = argument(entity, 0)
         mm = self.mm
         return (c[0] * mm, c[1] * mm, c[2] * mm if len(c) > 2 else 0.0)
 
@@ -47,13 +59,14 @@ class Model:
         return known
 
     def _axes(self, entity: Entity) -> Frame:
-        origin = self.point(entity[0])
+        origin = self.point(argument(entity, 0))
         if entity.is_a("IfcAxis2Placement2D"):
-            direction = entity[1]
+            direction = argument(entity, 1)
             x, y = direction[0][:2] if direction is not None else (1.0, 0.0)
             along = unit((x, y, 0.0))
             return Frame(origin, along, (-along[1], along[0], 0.0))
-        return Frame(origin, *right_handed(ratios(entity[1]), ratios(entity[2])))
+        axis, reference = ratios(argument(entity, 1)), ratios(argument(entity, 2))
+        return Frame(origin, *right_handed(axis, reference))
 
     def placement(self, entity: Entity | None) -> Frame:
         """An IfcObjectPlacement in the world, chained placements included."""
@@ -104,7 +117,7 @@ def ratios(entity: Entity | None) -> Vec | None:
     """The components of an IfcDirection; None where there is none."""
     if entity is None:
         return None
-    c = entity[0]
+    c = argument(entity, 0)
     return (c[0], c[1], c[2] if len(c) > 2 else 0.0)
 
 

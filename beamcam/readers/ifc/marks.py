@@ -4,7 +4,7 @@ import re
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 
-from beamcam.readers.ifc.entities import Entity, Model
+from beamcam.readers.ifc.entities import Entity, Model, argument
 
 Value = str | float
 
@@ -17,6 +17,13 @@ _NOT_STEEL = (
     ("concrete", re.compile(r"concrete|beton|b[ée]ton|hormig|\bC\d\d/\d\d|precast", re.IGNORECASE)),
     ("timber", re.compile(r"timber|wood|holz|glulam|lumber|\bGL\d\d|bois|plywood", re.IGNORECASE)),
     ("masonry", re.compile(r"masonry|brick|mauerwerk", re.IGNORECASE)),
+)
+_PROFILES = ("Profile", "ProfileName", "Profile name")
+_GRADES = ("Grade", "Material grade", "MaterialGrade")
+LENGTHS = ("Length", "NetLength")
+WEIGHTS = ("NetWeight", "Net weight", "Weight (net)")
+_WANTED = frozenset(
+    (*_MARKS, *_ASSEMBLY_MARKS, *_PROFILES, *_GRADES, *LENGTHS, *WEIGHTS, "Reference", "Phase")
 )
 _GUID_TAG = re.compile(r"^(ID)?[0-9A-Fa-f]{8}-|^ID[0-9a-zA-Z]{6,}|^\d{5,}$")
 _PROFILE = re.compile(r"^[A-Za-z]{1,8}[ _.\-]?\d|^\d[\d./xX*]*[ ]?[A-Za-z]{1,4}")
@@ -51,7 +58,7 @@ def data_of(model: Model, element: Entity) -> Data:
     """The property sets and quantities of an element, those of its type behind them."""
     found: dict[str, dict[str, Value]] = {}
     for definition in _definitions(element):
-        name = definition.Name or ""
+        name = argument(definition, 2) or ""
         if _SETS.search(name):
             known = model.psets.get(definition.id())
             if known is None:
@@ -63,14 +70,16 @@ def data_of(model: Model, element: Entity) -> Data:
 def _definitions(element: Entity) -> Iterator[Entity]:
     for relation in getattr(element, "IsDefinedBy", ()):
         if relation.is_a("IfcRelDefinesByProperties"):
-            definition = relation[5]
+            definition = argument(relation, 5)
             if definition.is_a("IfcPropertySetDefinition"):
                 yield definition
 
 
 def _values(model: Model, definition: Entity) -> Iterator[tuple[str, Value]]:
     if definition.is_a("IfcPropertySet"):
-        for one in definition.HasProperties:
+        for one in argument(definition, 4):
+            if argument(one, 0) not in _WANTED:
+                continue
             if one.is_a("IfcPropertySingleValue") and one.NominalValue is not None:
                 yield one.Name, _value(model, one.NominalValue)
     elif definition.is_a("IfcElementQuantity"):
@@ -171,7 +180,7 @@ def not_steel(material: str) -> str | None:
 
 def grade_of(material: str, data: Data) -> str:
     """The steel grade: what follows the slash in Tekla's STEEL/S235JR."""
-    grade = data.text("Grade", "Material grade", "MaterialGrade")
+    grade = data.text(*_GRADES)
     if grade:
         return grade
     return (
@@ -184,7 +193,7 @@ def label_of(element: Entity, profile: Entity | None, data: Data) -> str:
     named = (getattr(profile, "ProfileName", None) or "").strip() if profile is not None else ""
     candidates = [
         named,
-        data.text("Profile", "ProfileName", "Profile name"),
+        data.text(*_PROFILES),
         element.ObjectType or "",
         element.Description or "",
         element.Name or "",

@@ -1,7 +1,7 @@
 """Plates: an outline that is pushed through its thickness."""
 
 from dataclasses import dataclass
-from math import atan2, cos, pi, sin
+from math import atan2, cos, hypot, pi, sin
 
 from beamcam.geometry.curves import Line, Point
 from beamcam.readers.ifc.curves2d import Chain
@@ -54,6 +54,11 @@ def _plate_of(model: Model, element: Entity, profile: Entity, depth: float) -> P
         outline = outline_of(model, profile)
     except Unreadable:
         return None
+    boxes = [c.bbox for c in outline.outer]
+    across = max(b[2] for b in boxes) - min(b[0] for b in boxes)
+    upright = max(b[3] for b in boxes) - min(b[1] for b in boxes)
+    if depth > hypot(across, upright):
+        return None  # longer than any side: a bar
     box = box_of(outline.outer)
     section = classify(outline.outer, outline.inner)
     code = section.code if section is not None else None

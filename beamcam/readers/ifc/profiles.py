@@ -36,7 +36,9 @@ def _section(model: Model, entity: Entity) -> Section:
         if found is not None:
             return found
     outline = outline_of(model, entity)
-    found = classify(outline.outer, outline.inner)
+    found = model.classified.get(outline)
+    if found is None:
+        found = model.classified[outline] = classify(outline.outer, outline.inner)
     if found is None:
         raise Unreadable(f"a section that is no rolled form ({entity.is_a()})")
     return found

@@ -1,6 +1,8 @@
 """The walls of a section: flat plates of full outer size, as DSTV divides a section (page 13)."""
 
 from dataclasses import dataclass
+from functools import lru_cache
+from math import cos, pi, sin
 from typing import Literal
 
 from beamcam.model.part import Face
@@ -42,6 +44,7 @@ class Wall:
         return (0.0, 1.0, 0.0) if self.normal == "y" else (0.0, 0.0, 1.0)
 
 
+@lru_cache(4096)
 def walls_of(section: Section) -> tuple[Wall, ...]:
     """The walls of a section; none of a round or special one."""
     h, b, tf, tw = section.height, section.width, section.flange_thickness, section.web_thickness
@@ -65,10 +68,9 @@ def walls_of(section: Section) -> tuple[Wall, ...]:
     return ()
 
 
+@lru_cache(4096)
 def corner_points(section: Section) -> tuple[tuple[float, float], ...]:
     """(Y, Z) of the outermost points of a section, in which the end cuts reach furthest."""
-    from math import cos, pi, sin
-
     if section.code in ("RO", "RU"):
         r = section.height / 2
         return tuple((r + r * sin(pi * i / 360), r + r * cos(pi * i / 360)) for i in range(720))

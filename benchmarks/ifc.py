@@ -1,0 +1,88 @@
+"""How fast models are read: members a second, the cost beside opening the file, memory.
+
+    python benchmarks/ifc.py [MODEL...]
+
+Without a model it makes some: members with holes by a boolean chain, by openings and as Breps.
+Each is read in a process of its own, with the geometry kernel's check and without.
+"""
+
+import json
+import resource
+import subprocess
+import sys
+import tempfile
+import time
+from pathlib import Path
+from random import Random
+
+ROOT = Path(__file__).resolve().parent.parent
+sys.path.insert(0, str(ROOT))
+
+MEMBERS = {"csg": 2000, "openings": 2000, "outline": 1000, "brep": 100}
+REPEATS = 3
+
+
+def made(encoding: str, count: int, folder: Path) -> Path:
+    """A model of `count` members in one encoding."""
+    from tests.property.ifc_builder import model_text, random_member
+
+    random = Random(encoding)
+    members = [random_member(random, encoding) for _ in range(count)]
+    path = folder / f"{encoding}.ifc"
+    path.write_text(model_text(members, encoding, random)[0], encoding="utf-8")
+    return path
+
+
+def measure(path: str, kernel: bool) -> dict[str, float]:
+    """CPU seconds of opening and of reading, the members read, and the memory that took."""
+    import ifcopenshell
+
+    from beamcam.readers.ifc import Options, read
+
+    data = Path(path).read_bytes()
+    opened, whole = [], []
+    for _ in range(1 if kernel else REPEATS):
+        start = time.process_time()
+        file = ifcopenshell.open(path)
+        opened.append(time.process_time() - start)
+        del file
+        start = time.process_time()
+        reading = read(data, path, options=Options(kernel=kernel))
+        whole.append(time.process_time() - start)
+    peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
+    return {
+        "members": len(reading.parts),
+        "open_s": min(opened),
+        "read_s": min(whole),
+        "peak_mb": peak,
+    }
+
+
+def in_own_process(path: Path, kernel: bool) -> dict[str, float]:
+    command = [sys.executable, __file__, "--one", str(path), str(int(kernel))]
+    done = subprocess.run(command, capture_output=True, text=True, check=True)
+    row: dict[str, float] = json.loads(done.stdout)
+    return row
+
+
+def main(models: list[str]) -> None:
+    print("model               MB  members  open s  read s  ratio  members/s  peak MB")
+    with tempfile.TemporaryDirectory() as folder:
+        paths = [Path(m) for m in models]
+        if not paths:
+            paths = [made(name, count, Path(folder)) for name, count in MEMBERS.items()]
+        for path in paths:
+            row = in_own_process(path, kernel=False)
+            share = row["read_s"] / row["open_s"]
+            print(
+                f"{path.name[:18]:18} {path.stat().st_size / 1e6:5.1f} {row['members']:8.0f}"
+                f" {row['open_s']:7.3f} {row['read_s']:7.3f} {share:6.1f}"
+                f" {row['members'] / max(row['read_s'], 1e-9):10.0f} {row['peak_mb']:8.0f}"
+            )
+
+
+if __name__ == "__main__":
+    if sys.argv[1:2] == ["--one"]:
+        print(json.dumps(measure(sys.argv[2], sys.argv[3] == "1")))
+    else:
+        main(sys.argv[1:])
