@@ -22,7 +22,6 @@ from beamcam.model.plan import (
 )
 from beamcam.planning import rules
 from beamcam.planning.bar import cuts_of, lay_on_bar
-from beamcam.planning.choose import best_order, choose_turn, turn_that_helps
 from beamcam.planning.magazine import reloads
 from beamcam.planning.operations import spindle_operations
 from beamcam.planning.order import sort_along_x
@@ -57,34 +56,39 @@ def plan_bar(
     if refusals:
         raise PlanError(refusals)
     rack = rack_of(machine)
-    known: dict[tuple[int, str], Work] = {}
+    known: dict[int, Work] = {}
 
-    def work(part: Part, turn_name: str = AS_GIVEN) -> Work:
+    def work(part: Part) -> Work:
         """The work on a part, which is the same for every piece of it."""
-        key = id(part), turn_name
-        if key not in known:
-            known[key] = work_on(part, machine, saw, rack, skips)
-        return known[key]
+        if id(part) not in known:
+            known[id(part)] = work_on(part, machine, saw, rack, skips)
+        return known[id(part)]
 
     remarks: list[Diagnostic] = []
     lying, turns = list(parts), [AS_GIVEN] * len(parts)
     if turn:
-        chosen = {id(part): choose_turn(part, machine, skips) for part in parts}
-        lying = [chosen[id(part)].part for part in parts]
-        turns = [chosen[id(part)].turn for part in parts]
-        remarks += [said for c in chosen.values() for said in c.remarks]
+        from beamcam.planning.choose import choose_turns
+
+        choices = choose_turns(parts, machine, skips)
+        lying, turns = [c.part for c in choices], [c.turn for c in choices]
+        remarks += dict.fromkeys(said for c in choices for said in c.remarks)
+        refusals = [*refuse_stock(lying, machine, saw, drill, layout)]
+        if refusals:
+            raise PlanError(refusals)
     given = list(range(len(parts)))
     if order == "best" and len(parts) > 1:
+        from beamcam.planning.choose import best_order
+
         ends = [work(part).ends for part in lying]
         given, said = best_order(lying, ends, saw)
         remarks += said
     laid = [lying[i] for i in given]
     works = [work(part) for part in laid]
-    refusals = [
-        said for part in dict.fromkeys(map(id, laid)) for said in known[part, AS_GIVEN].refusals
-    ]
+    refusals = [said for part in dict.fromkeys(map(id, laid)) for said in known[part].refusals]
     if errors_in(refusals):
         if not turn:
+            from beamcam.planning.choose import turn_that_helps
+
             refusals += turn_that_helps(parts, machine, skips)
         raise PlanError(refusals)
     for part in {id(p): p for p in laid}.values():

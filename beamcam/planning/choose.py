@@ -103,23 +103,43 @@ def _seconds(part: Part, work: Work, machine: Machine) -> float:
     return time_of(ordered, part.profile, (part.grade,), machine).total_s
 
 
-def choose_turn(part: Part, machine: Machine, skips: Collection[str]) -> Choice:
-    """How `part` shall lie; as given if it can be made in none of the eight ways."""
-    trials = try_turns(part, machine, skips)
+def choose_turns(
+    parts: Sequence[Part], machine: Machine, skips: Collection[str]
+) -> tuple[Choice, ...]:
+    """How each of the parts on one bar shall lie.
+
+    A bar lies one way for all of them: if the best turns would set it on its web for one part and
+    on its flange for another, all lie as given or all are set on the other side.
+    """
+    trials = {id(part): try_turns(part, machine, skips) for part in parts}
+    for allowed in ((False, True), (False,), (True,)):
+        choices = {id(p): _choose(p, [t for t in trials[id(p)] if t.turn.swap in allowed])
+                   for p in parts}  # fmt: skip
+        made = [choices[id(p)] for p in parts]
+        found = [c for c in made if c is not None]
+        if len(found) == len(made) and len({c.part.profile for c in found}) == 1:
+            return tuple(found)
+    return tuple(Choice(part, AS_GIVEN, ()) for part in parts)
+
+
+def _choose(part: Part, trials: Sequence[Trial]) -> Choice | None:
+    """The best of some of the ways; None if the part can be made in none of them."""
     made = [t for t in trials if t.seconds is not None]
-    given = trials[0]
-    if not made or made == [given]:
-        return Choice(part, AS_GIVEN, ())
+    if not made:
+        return None
     best = min(made, key=lambda t: (round((t.seconds or 0.0) / LEAST_GAIN_S), TURNS.index(t.turn)))
-    if given.seconds is not None:
+    given = trials[0]
+    if given.turn is not TURNS[0]:
+        reason = "as the other parts on the bar have to lie"
+    elif given.seconds is None:
+        reason = f"as given it cannot be made ({given.because.partition(':')[0]})"
+    else:
         gain = given.seconds - (best.seconds or 0.0)
-        if gain < LEAST_GAIN_S:
+        if best is given or gain < LEAST_GAIN_S:
             return Choice(part, AS_GIVEN, ())
         reason = f"{gain:.1f} s less than as given"
         if gain >= SKIP_WEIGHT_S / 2:
             reason = "so nothing has to be left out"
-    else:
-        reason = f"as given it cannot be made ({given.because.partition(':')[0]})"
     said = rules.TURNED.at(part.source, found=best.turn.name, reason=reason)
     return Choice(best.part, best.turn.name, (said,))
 

@@ -5,6 +5,7 @@ from math import cos, pi, radians, sqrt
 
 import pytest
 
+from beamcam.errors import PlanError
 from beamcam.machine import load
 from beamcam.machine.machine import Machine, Times
 from beamcam.model.plan import Plan
@@ -14,7 +15,7 @@ from beamcam.planning.explain import explain
 from beamcam.planning.reasons import REASONS
 from beamcam.planning.times import AxisSpeed, work_time
 from beamcam.planning.turning import TURNS
-from tests.unit.planning.shop import CHANNEL, hole, part, plan
+from tests.unit.planning.shop import CHANNEL, TUBE, hole, part, plan
 
 
 def test_an_axis_runs_up_and_brakes() -> None:
@@ -155,3 +156,19 @@ def test_a_hole_from_below_is_made_by_turning_the_part() -> None:
     kept = plan(behind, machine="beamline", turn=True, skips=("face",))
     assert [o.how for o in kept.outcomes] == ["made"]
     assert kept.remarks[0].message.endswith("so nothing has to be left out")
+
+
+def test_a_bar_lies_one_way_for_all_its_parts() -> None:
+    """Alone the first tube would lie as given and the second on its side; together both lie on theirs."""
+    machine = load("beamline-pusher")
+    flat = part(hole(500, 60), hole(700, 60, face="o"), profile=TUBE)
+    below = part(hole(500, 60, face="h"), hole(700, 60, face="v"), profile=TUBE)
+    alone = plan_bar([below], machine, turn=True)
+    assert alone.pieces[0].part.profile.height == TUBE.width
+    together = plan_bar([flat, below], machine, turn=True)
+    assert {p.part.profile.height for p in together.pieces} == {TUBE.width}
+    assert [o.how for o in together.outcomes] == ["made"] * 4
+    above = part(hole(500, 60), hole(500, 60, face="h"), hole(500, 60, face="o"),
+                 hole(500, 60, face="u"), profile=TUBE)  # fmt: skip
+    with pytest.raises(PlanError):
+        plan_bar([above, below], machine, turn=True)
