@@ -11,7 +11,7 @@ from typing import Any, Protocol
 from beamcam.geometry.curves import Point, unit_vector
 from beamcam.readers.ifc.outline import Round, Slotted, shape_of
 from beamcam.readers.ifc.profiles import Outline
-from beamcam.readers.ifc.region import Circles, Shape, half_plane, polygon_of
+from beamcam.readers.ifc.region import FAR, Circles, Shape, half_plane, polygon_of, rectangle
 from beamcam.readers.ifc.space import Frame, Vec, across, add, cross, dot, scale, size, unit
 from beamcam.readers.ifc.walls import Wall
 
@@ -56,7 +56,7 @@ class HalfSpace:
         nq, nc = wall.split(self.normal)
         d = dot(self.normal, self.point) - nc * c
         if abs(self.normal[0]) < LEVEL and abs(nq) < LEVEL:
-            return half_plane(1.0, 0.0, -1e7) if d < 0 else _nothing()
+            return rectangle(-FAR, -FAR, FAR, FAR) if d < 0 else _nothing()
         return half_plane(self.normal[0], nq, d)
 
     def x_at(self, y: float, z: float) -> float:

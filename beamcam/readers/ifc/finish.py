@@ -146,7 +146,7 @@ def _wall_features(
         _refuse_askew(wall, low, high)
     pieces = pieces_of(cleaned(joint))
     if not pieces:
-        return
+        raise Unreadable(f"a cut that takes all of face {wall.face}")
     if len(pieces) > 1:
         remarks.append(f"face {wall.face} is left in {len(pieces)} pieces")
     flat_stock = section.code == "B"

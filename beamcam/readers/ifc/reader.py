@@ -5,6 +5,8 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 from typing import Any
 
+from shapely.errors import ShapelyError
+
 from beamcam.errors import Diagnostic, Rule, Severity, Source
 from beamcam.model import catalogue
 from beamcam.model.part import Part, Profile
@@ -83,7 +85,7 @@ class _Run:
         elements = list(self._elements())
         shapes: list[tuple[Entity, Part, Shaped]] = []
         for i, element in enumerate(elements, 1):
-            made = self._member(element)
+            made = self._whole_member(element)
             if made is not None:
                 shapes.append((element, *made))
             if progress is not None:
@@ -110,6 +112,22 @@ class _Run:
                     known.add(element.id())
                     yield element
 
+    def _whole_member(self, element: Entity) -> tuple[Part, Shaped] | None:
+        """As `_member`; a file that is not well formed refuses the member and no other."""
+        before = self.ledger.total
+        try:
+            return self._member(element)
+        except (
+            ArithmeticError, AttributeError, LookupError, RuntimeError, TypeError, ValueError,
+            ShapelyError,
+        ) as fault:  # fmt: skip
+            if self.ledger.total != before:
+                raise  # it was counted already, so that the fault is ours
+            # A reference that is missing, or to the wrong kind of entity.
+            found = f"data that are not well formed ({type(fault).__name__}: {fault})"
+            self._refuse(rules.GEOMETRY, Source(self.name, where=str(element[0])), found)
+            return None
+
     def _member(self, element: Entity) -> tuple[Part, Shaped] | None:
         """The part of one element, if it is selected, steel and readable."""
         source = Source(self.name, where=element[0])
@@ -134,10 +152,6 @@ class _Run:
             if found is None:
                 return None
             shaped, profile, body = found, None, None
-        except (ArithmeticError, AttributeError, IndexError, TypeError, ValueError) as fault:
-            # A reference that is missing or of the wrong kind: the file is at fault, not its user.
-            self._refuse(rules.GEOMETRY, source, f"geometry that is not well formed ({fault})")
-            return None
         if (
             not material
             and shaped.section.code in ("B", "RU")

@@ -232,3 +232,100 @@ def test_slots_across_a_face_keep_their_angle() -> None:
     part = only_with(m, m.extruded(profile, 40.0, at))
     (slot,) = (f for f in part.features if isinstance(f, Slot))
     assert slot.angle == pytest.approx(53.130102, abs=1e-5)
+
+
+def polygon_bound(m: Small, half_origin: tuple[float, float, float], x: float) -> str:
+    """A square-cut half-space beyond z, kept to one end of the beam by a polygon."""
+    plane = m.add(f"IFCPLANE({m.step.axes(half_origin, (0, 0, 1), CUT)})")
+    ring = ((x, -200), (2400, -200), (2400, 200), (x, 200), (x, -200))
+    line = m.add(f"IFCPOLYLINE(({','.join(m.step.point(*p) for p in ring)}))")
+    return m.add(f"IFCPOLYGONALBOUNDEDHALFSPACE({plane},.F.,{m.step.world},{line})")
+
+
+def test_a_bounded_half_space_is_a_cope() -> None:
+    """Everything above 100 over the axis, beyond x 1850."""
+    m = Small()
+    part = only_with(m, polygon_bound(m, (0, 0, 100), 1850))
+    found = contours(part)
+    assert corners(found["v", "outer"]) == {
+        (0, 0), (2000, 0), (2000, 250), (1850, 250), (1850, 300), (0, 300)
+    }  # fmt: skip
+    assert corners(found["o", "outer"]) == {(0, 0), (1850, 0), (1850, 150), (0, 150)}
+
+
+def test_a_cut_that_is_itself_cut_leaves_an_island() -> None:
+    """A cutter of two operands: the second gives back what the first would take."""
+    m = Small()
+    block = m.extruded(m.box(200, 80), 100.0, m.step.axes((1900, 0, 150), CUT, (0, 1, 0)))
+    saved = m.extruded(m.box(200, 80), 40.0, m.step.axes((1960, 0, 150), CUT, (0, 1, 0)))
+    part = only_with(m, m.minus(block, saved))
+    found = contours(part)
+    assert corners(found["v", "outer"]) == {
+        (0, 0), (2000, 0), (2000, 300), (1960, 300), (1960, 260), (1900, 260), (1900, 300), (0, 300)
+    }  # fmt: skip
+
+
+def test_a_brep_may_be_the_cutter() -> None:
+    m = Small()
+    low, high = (1900.0, -100.0, 110.0), (2100.0, 100.0, 190.0)
+    p = {
+        (i, j, k): m.step.point((low, high)[i][0], (low, high)[j][1], (low, high)[k][2])
+        for i in (0, 1) for j in (0, 1) for k in (0, 1)
+    }  # fmt: skip
+    faces = []
+    for axis in range(3):
+        for side in (0, 1):
+            ring = []
+            for a, b in ((0, 0), (1, 0), (1, 1), (0, 1)):
+                key = [a, b]
+                key.insert(axis, side)
+                ring.append(p[key[0], key[1], key[2]])
+            loop = m.add(f"IFCPOLYLOOP(({','.join(ring)}))")
+            faces.append(m.add(f"IFCFACE(({m.add(f'IFCFACEOUTERBOUND({loop},.T.)')}))"))
+    shell = m.add(f"IFCCLOSEDSHELL(({','.join(faces)}))")
+    brep = m.add(f"IFCFACETEDBREP({shell})")
+    m.element(m.minus(m.extruded(m.ipe300(), 2000.0), brep))
+    found = contours(only(m))
+    assert corners(found["v", "outer"]) == {
+        (0, 0), (2000, 0), (2000, 260), (1900, 260), (1900, 300), (0, 300)
+    }  # fmt: skip
+
+
+def test_a_weld_preparation_is_a_bevel() -> None:
+    """A wedge along the top flange's end leaves its upper edge back by its thickness."""
+    m = Small()
+    wedge = m.polygon((2000, 139.3), (2000, 151), (1988.3, 151))
+    at = m.step.axes((0, 100, 0), (0, -1, 0), (1, 0, 0))
+    part = only_with(m, m.extruded(wedge, 200.0, at))
+    bevels = contours(part)["o", "outer"].bevels
+    assert [round(b.angle, 1) for b in bevels] == [45.0]
+    assert part.length == pytest.approx(2000.0)
+
+
+def test_a_gusset_slot_is_open_at_the_end_of_a_tube() -> None:
+    m = Small()
+    tube = m.add(f"IFCRECTANGLEHOLLOWPROFILEDEF(.AREA.,$,{m.flat},100.,120.,8.,$,$)")
+    slit = m.extruded(m.box(12, 200), 300.0, m.step.axes((800, 0, 0), CUT, (0, 1, 0)))
+    m.element(m.minus(m.extruded(tube, 1000.0), slit))
+    part = only(m, kernel=True)
+    assert set(contours(part)) == {("o", "outer"), ("u", "outer")}
+    assert (800.0, 44.0) in corners(contours(part)["o", "outer"])
+    assert part.length == pytest.approx(1000.0)
+
+
+def test_a_tee_cut_from_a_beam_is_a_tee() -> None:
+    """A half-space along the axis takes the top flange: another section, told by its solid."""
+    m = Small()
+    profile = m.add(f"IFCISHAPEPROFILEDEF(.AREA.,$,{m.flat},150.,300.,7.1,10.7,$,$,$)")
+    m.element(m.minus(m.extruded(profile, 2000.0), m.half((0, 0, 20), (0, 0, 1))))
+    part = only(m)
+    assert part.profile.code == "T"
+    assert (part.profile.height, part.profile.width) == pytest.approx((150.0, 170.0), abs=0.01)
+    assert part.length == pytest.approx(2000.0)
+
+
+def test_a_long_notch_stays_a_contour() -> None:
+    m = Small()
+    part = only_with(m, m.half((0, 0, 145), (0, 0, 1)))
+    assert part.profile.code == "I"
+    assert corners(contours(part)["v", "outer"]) == {(0, 0), (2000, 0), (2000, 295), (0, 295)}
