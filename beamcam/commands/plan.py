@@ -60,6 +60,8 @@ def command(
     """
     try:
         loaded = load(machine)
+        if loaded.saw is None or loaded.drill is None or loaded.layout is None:
+            raise click.UsageError(f"{machine} has no saw and drill, whose work could be planned")
         parts, said = parts_of(read_file(path) for path in inputs)
         plan = plan_bar(parts, loaded, bar, skips, "best" if order == "best" else "given", turn)
         trials = [(part, try_turns(part, loaded, skips)) for part in _each(parts)] if turn else []

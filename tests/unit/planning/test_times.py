@@ -159,7 +159,7 @@ def test_a_hole_from_below_is_made_by_turning_the_part() -> None:
 
 
 def test_a_bar_lies_one_way_for_all_its_parts() -> None:
-    """Alone the first tube would lie as given and the second on its side; together both lie on theirs."""
+    """Alone the first would lie as given and the second on its side; a bar cannot do both."""
     machine = load("beamline-pusher")
     flat = part(hole(500, 60), hole(700, 60, face="o"), profile=TUBE)
     below = part(hole(500, 60, face="h"), hole(700, 60, face="v"), profile=TUBE)
