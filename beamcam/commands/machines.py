@@ -19,6 +19,7 @@ def command() -> None:
     \b
     beamcam machines list
     beamcam machines show beamline
+    beamcam machines keys
     """
 
 
@@ -53,3 +54,25 @@ def show(name: str, as_json: bool) -> None:
     for row in rows:
         shown = json.dumps(row.value, ensure_ascii=False)
         click.echo(f"{row.key:{width}} = {shown}  # {row.source or 'default'}")
+
+
+@command.command("keys")
+@click.option("--markdown", is_flag=True, help="Print a page for the documentation.")
+def keys(markdown: bool) -> None:
+    """List every key that a machine file may have, with its meaning.
+
+    \b
+    beamcam machines keys
+    beamcam machines keys --markdown > docs/machine-keys.md
+    """
+    from beamcam.machine.keys import machine_keys
+
+    if markdown:
+        click.echo("# Keys of a machine file\n\nMade by `beamcam machines keys --markdown`.\n")
+        click.echo("| key | value | default | meaning |\n| --- | --- | --- | --- |")
+    for name, kind, default, meaning in machine_keys():
+        shown = f"`{default}`" if default else "required"
+        if markdown:
+            click.echo(f"| `{name}` | {kind} | {shown} | {meaning.replace('|', chr(92) + '|')} |")
+        else:
+            click.echo(f"{name}\n    {kind}, {shown.strip('`')}; {meaning}".rstrip("; "))

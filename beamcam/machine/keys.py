@@ -1,0 +1,87 @@
+"""Every key that a machine file may have, from the records that hold them.
+
+The records' own annotations and `#:` comments say it, so this list cannot grow old.
+"""
+
+import ast
+import inspect
+import sys
+import typing
+from collections.abc import Iterator, Mapping
+from types import UnionType
+from typing import Literal, NamedTuple, Union, get_args, get_origin
+
+from beamcam.machine.machine import Formula, Machine
+
+
+class Key(NamedTuple):
+    """One key of a machine file."""
+
+    name: str  #: dotted; [] stands for each table of a list
+    kind: str  #: what its value is
+    default: str  #: empty where the file has to give it
+    meaning: str
+
+
+def machine_keys() -> tuple[Key, ...]:
+    """All keys, in the order of the records."""
+    return tuple(_keys(Machine, ""))
+
+
+def _keys(record: type, prefix: str) -> Iterator[Key]:
+    hints = typing.get_type_hints(record)
+    for name, (default, meaning) in _fields(record).items():
+        inner, many = _record_in(hints[name])
+        if inner is None:
+            yield Key(prefix + name, _kind(hints[name]), default, meaning)
+        else:
+            yield from _keys(inner, f"{prefix}{name}{'[]' if many else ''}.")
+
+
+_PLAIN = {str: "text", float: "number", int: "whole number", bool: "true or false"}
+
+
+def _kind(hint: object) -> str:
+    """What a value has to be, in words."""
+    origin, args = get_origin(hint), get_args(hint)
+    if origin in (Union, UnionType):
+        return _kind(next(a for a in args if a is not type(None)))
+    if origin is Literal:
+        return "one of " + ", ".join(map(repr, args))
+    if origin is tuple:
+        many = args[-1] is Ellipsis
+        return f"list of {'' if many else f'{len(args)}: '}{_kind(args[0])}"
+    if isinstance(origin, type) and issubclass(origin, Mapping):
+        return f"table of {_kind(args[1])}"
+    return "arithmetic" if hint is Formula else _PLAIN[typing.cast(type, hint)]
+
+
+def _record_in(hint: object) -> tuple[type | None, bool]:
+    """The record that a field holds, and whether it holds a list of them."""
+    origin, args = get_origin(hint), get_args(hint)
+    if origin in (Union, UnionType):
+        return _record_in(next(a for a in args if a is not type(None)))
+    if origin is tuple:
+        return _record_in(args[0])[0], True
+    if isinstance(hint, type) and hint is not Formula and hint.__module__.startswith("beamcam."):
+        return hint, False
+    return None, False
+
+
+def _fields(record: type) -> dict[str, tuple[str, str]]:
+    """Default and comment of each field, from the record's source."""
+    lines = inspect.getsource(sys.modules[record.__module__]).splitlines()
+    tree = ast.parse("\n".join(lines))
+    body = next(n for n in tree.body if isinstance(n, ast.ClassDef) and n.name == record.__name__)
+    found = {}
+    for node in body.body:
+        if isinstance(node, ast.AnnAssign) and isinstance(node.target, ast.Name):
+            comment = lines[(node.end_lineno or node.lineno) - 1].partition("#: ")[2]
+            found[node.target.id] = (_default(node.value), comment.strip())
+    return found
+
+
+def _default(value: ast.expr | None) -> str:
+    if value is None:
+        return ""
+    return "()" if isinstance(value, ast.Call) else ast.unparse(value)  # field(default_factory=)
