@@ -8,6 +8,7 @@ Which motion step and which emitter belong together stands in `POSTS`.
 
 from collections.abc import Callable, Collection, Iterable, Sequence
 from dataclasses import dataclass, replace
+from pathlib import PurePath
 
 from beamcam import readers
 from beamcam.emitters import gcode
@@ -31,6 +32,9 @@ from beamcam.readers.reading import Reading
 from beamcam.verify import verify
 
 DEFAULT_MACHINE = "beamline"
+#: The machine of a sheet by the suffix of the output, where none is named.
+SHEET_MACHINES = {".ngc": "plate-linuxcnc", ".gcode": "plate-codesys", ".nc": "laser-grbl"}
+DEFAULT_SHEET_MACHINE = "plate-linuxcnc"
 STANDARD_INPUT = "-"
 NOT_READ_BACK = Comment("NOT VERIFIED: THIS PROGRAM WAS NOT READ BACK")
 
@@ -82,10 +86,18 @@ class Posted:
     remarks: tuple[Diagnostic, ...]
 
 
-def read_file(path: str, strict: bool = False) -> Reading:
+def default_machine(parts: Sequence[Part], output: str) -> str:
+    """The machine where none is named: of a sheet by the suffix of the output, else of a bar."""
+    if not parts or any(part.profile.code != "B" for part in parts):
+        return DEFAULT_MACHINE
+    return SHEET_MACHINES.get(PurePath(output).suffix.lower(), DEFAULT_SHEET_MACHINE)
+
+
+def read_file(path: str, strict: bool = False, **options: object) -> Reading:
     """What is in a file, `-` for standard input; a file that cannot be opened is refused.
 
-    `strict` makes its warnings errors.
+    `strict` makes its warnings errors. `options` go to a reader that takes them: units, width and
+    layers of a drawing.
     """
     name = "stdin" if path == STANDARD_INPUT else path
     try:
@@ -99,7 +111,7 @@ def read_file(path: str, strict: bool = False) -> Reading:
     except OSError as error:
         said = rules.UNREADABLE.at(Source(name), found=error.strerror or error)
         return Reading("unknown", (), (said,))
-    reading = readers.read(data, name)
+    reading = readers.read(data, name, **options)
     if strict:
         reading = replace(reading, diagnostics=tuple(map(as_error, reading.diagnostics)))
     return reading

@@ -1,18 +1,27 @@
 """`beamcam post`: parts in, a program out."""
 
+from typing import Any
+
 import click
 
 from beamcam.commands.common import say, stop, write
+from beamcam.commands.sheets import (
+    DRAWING_NAMES,
+    drawing_options,
+    taken,
+    torch_options,
+    with_options,
+)
 from beamcam.errors import BeamcamError
 from beamcam.machine import load
-from beamcam.pipeline import DEFAULT_MACHINE, parts_of, post, read_file
+from beamcam.pipeline import default_machine, parts_of, post, read_file
 from beamcam.planning import SKIP_NAMES, Order
 
 
 @click.command("post")
 @click.argument("inputs", nargs=-1, required=True, metavar="INPUT...")
 @click.option("-o", "--output", required=True, help="The program's file; - is standard output.")
-@click.option("--machine", default=DEFAULT_MACHINE, show_default=True, help="Name or TOML file.")
+@click.option("--machine", help="Name or TOML file; by default what suits parts and output.")
 @click.option("--bar", type=click.FloatRange(min=0, min_open=True), help="Length of the bar, mm.")
 @click.option("--job", default="JOB", show_default=True, help="Name in the program's first line.")
 @click.option(
@@ -30,6 +39,8 @@ from beamcam.planning import SKIP_NAMES, Order
     help="Whether parts lie as named, or so that mitres nest.",
 )
 @click.option("--turn", is_flag=True, help="Let parts be turned on the rollers.")
+@drawing_options
+@torch_options
 @click.option(
     "--no-verify", is_flag=True, help="Do not read the program back; a comment in it says so."
 )
@@ -38,7 +49,7 @@ from beamcam.planning import SKIP_NAMES, Order
 def command(
     inputs: tuple[str, ...],
     output: str,
-    machine: str,
+    machine: str | None,
     bar: float | None,
     job: str,
     skips: tuple[str, ...],
@@ -47,20 +58,25 @@ def command(
     no_verify: bool,
     strict: bool,
     as_json: bool,
+    **more: Any,
 ) -> None:
     """Turn parts into a machine program.
 
-    Several INPUTs are laid on one bar in the order given; an input named twice is made twice.
-    Nothing is written unless all of it can be made.
+    Several INPUTs are laid on one bar in the order given; an input named twice is made twice. A
+    sheet takes one. Without --machine bars go to beamline, sheets by the suffix of the output to
+    plate-linuxcnc (.ngc), plate-codesys (.gcode) or laser-grbl (.nc). Nothing is written unless
+    all of it can be made.
 
     \b
+    beamcam post gasket.dxf -o gasket.ngc --map blue=cut --thickness 3
     beamcam post M58.nc1 -o job.gcode
     beamcam post M74.nc1 M58.nc1 M74.nc1 --machine beamline-annex -o job.gcode
     beamcam post M58.nc1 --bar 12000 -o - | less
     """
     try:
-        loaded = load(machine)
-        parts, said = parts_of(read_file(path, strict) for path in inputs)
+        how = taken(more, DRAWING_NAMES)
+        parts, said = parts_of(read_file(path, strict, **how) for path in inputs)
+        loaded = with_options(load(machine or default_machine(parts, output)), more)
         posted = post(parts, loaded, job, bar, skips, not no_verify, order, turn, strict)
     except BeamcamError as error:
         stop(error.diagnostics, as_json)

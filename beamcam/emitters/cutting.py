@@ -90,7 +90,13 @@ def _blocks(program: Program, machine: Machine) -> Iterator[str]:
                     kerf=number(command.kerf, 4), half_kerf=number(command.kerf / 2, 4),
                 )  # fmt: skip
             case Comment():
-                yield words.comment.format(text=command.text)
+                yield words.comment.format(text=_plain(command.text))
             case StartSheet():
-                yield from filled(words.header, job=program.job)
+                yield from filled(words.header, job=_plain(program.job))
     yield from words.footer
+
+
+def _plain(text: str) -> str:
+    """A text as a comment may hold it: ASCII, and no parentheses, which do not nest."""
+    ascii_text = text.encode("ascii", "replace").decode("ascii")
+    return ascii_text.translate(str.maketrans("()", "[]"))

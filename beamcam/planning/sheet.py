@@ -65,7 +65,7 @@ def plan_sheet(parts: Sequence[Part], machine: Machine, skips: Collection[str] =
         raise PlanError(refusals)
     if not gathered.wanted:
         raise PlanError(bar_rules.NO_PARTS.at(part.source))
-    remarks = list(material.remarks)
+    remarks = [*material.remarks, *gathered.remarks]
     shift = _shift(gathered, part, torch)
     wanted, stands, said = without_repeats(gathered.wanted)
     remarks += said
@@ -205,7 +205,10 @@ def _operations(
             shape = replace(shape, curves=reversed_chain(shape.curves))
         ways.append((shape, moved_by[index]))
         here = shape.curves[-1].end
-    leads = Leads([shape for shape, _ in ways], torch, max(moved_by, default=0.0) / 2, shapes)
+    if not ways:
+        raise AssertionError("a tour without contours")
+    beside = max(moved_by, default=0.0) / 2 if torch.kerf_by == "offset" else 0.0
+    leads = Leads([shape for shape, _ in ways], torch, beside, shapes)
     said += leads.remarks
     found = []
     short = 0
@@ -213,6 +216,12 @@ def _operations(
         operation, is_short = _operation(shape, kerf, material, torch, leads.of(k))
         short += is_short
         found.append(operation)
+    if torch.kerf_by == "machine":
+        said += (
+            rules.NEEDS_LEAD.at(op.source, found=f"{op.kerf:g}")
+            for op in found
+            if op.side != "on" and not op.passes[0].lead_in
+        )
     if short:
         said.append(rules.NO_TABS.at(ways[0][0].source, count=short, found=torch.tabs))
     return tuple(found), said

@@ -54,6 +54,7 @@ class Gathered:
     wanted: list[Wanted] = field(default_factory=list)
     skipped: dict[int, str] = field(default_factory=dict)  #: feature: the code it is left out by
     refusals: list[Diagnostic] = field(default_factory=list)
+    remarks: list[Diagnostic] = field(default_factory=list)
 
 
 def gather(part: Part, torch: Torch, machine: str, skips: Collection[str]) -> Gathered:
@@ -64,6 +65,9 @@ def gather(part: Part, torch: Torch, machine: str, skips: Collection[str]) -> Ga
     first: dict[tuple[str | None, str | None], Source] = {}
     for index, feature in enumerate(part.features):
         said = _refusal(feature, torch)
+        if said is not None and said.code == bar_rules.BEVEL.code and "bevel" in skips:
+            found.remarks.append(rules.SQUARE.at(feature.source))
+            said = None
         if said is not None:
             if said.code.removeprefix("plan-") in skips:
                 found.skipped[index] = said.code

@@ -24,6 +24,12 @@ MAP = Rule(
     "found {found!r}; expected a colour or a layer, =, and one of cut, mark, engrave, ignore",
     "The option --map says what is done with the lines of a colour or a layer.",
 )
+OPTION = Rule(
+    "plan-sheet-option",
+    _E,
+    "found an option that the machine cannot follow: {found}; expected one that it can",
+    "Colours, kerfs, leads and bridges belong to machines that cut sheets.",
+)
 NO_PROCESS = Rule(
     "plan-process",
     _E,
@@ -111,6 +117,19 @@ NO_LEAD = Rule(
     "found {count} contours without room for a lead of {found} mm; theirs are shorter or missing",
     "A lead must stay in the waste; where a contour is too narrow the torch pierces nearer to it.",
 )
+SQUARE = Rule(
+    "plan-bevel-left",
+    _W,
+    "found bevels on a contour, which is cut square; they are left to another machine",
+    "`--allow-skips bevel` was given; a torch that does not tilt cuts every edge square.",
+)
+NEEDS_LEAD = Rule(
+    "plan-kerf-lead",
+    _E,
+    "found a contour without room for the line along which the controller takes up {found} mm; "
+    "expected a wider one, or --kerf-by offset",
+    "A controller that keeps beside a contour needs a straight move to get there.",
+)
 NO_TABS = Rule(
     "plan-tabs",
     _N,
@@ -119,6 +138,7 @@ NO_TABS = Rule(
 )
 
 RULES = (
-    SHEETS, UNMAPPED, MAP, NO_PROCESS, NO_THICKNESS, THICKNESS, ASSUMED, SHEET_SIZE, SHEET_PLACE,
-    JUNCTION, GAP, OPEN_CUT, MORE_OPEN, OVERLAP, VANISHED, CROSSING, NO_LEAD, NO_TABS,
+    SHEETS, UNMAPPED, MAP, OPTION, NO_PROCESS, NO_THICKNESS, THICKNESS, ASSUMED, SHEET_SIZE,
+    SHEET_PLACE, JUNCTION, GAP, OPEN_CUT, MORE_OPEN, OVERLAP, VANISHED, CROSSING, NO_LEAD, SQUARE,
+    NEEDS_LEAD, NO_TABS,
 )  # fmt: skip

@@ -45,6 +45,7 @@ class _Traced:
     half_kerf: float  #: that the path keeps off the contour
     closed: bool
     polygon: object  #: inside of the contour's legs; None if it is open
+    group: int  #: line of the first stroke of its contour
 
 
 def compare(
@@ -161,8 +162,38 @@ class _Process:
                     f"{mine[k]:g} mm within {slack[k]:.4f}",
                 )
             )  # fmt: skip
+        self._join_bridged()
         said += self._ends()
         return said
+
+    def _join_bridged(self) -> None:
+        """Strokes with bridges between them go round one contour: the first gets its inside."""
+        self.leader = np.arange(len(self.traced))
+        if not (self.torch.tabs and self.process == "cut"):
+            return
+        first = 0
+        while first < len(self.traced):
+            begin = self.path.starts[self.traced[first].first]
+            last = first
+            while last < len(self.traced) and not self.traced[last].closed:
+                end = self.path.ends[self.traced[last].last - 1]
+                if last > first and np.hypot(*(end - begin)) <= 2 * self.tolerance:
+                    break
+                if last + 1 < len(self.traced):
+                    following = self.path.starts[self.traced[last + 1].first]
+                    if np.hypot(*(following - end)) > self._tab_width(self.traced[last].half_kerf):
+                        last = len(self.traced)
+                last += 1
+            if last > first and last < len(self.traced) and not self.traced[last].closed:
+                mine = self.traced[first : last + 1]
+                lines = [line for t in mine for line in self.path.lines[t.first : t.last]]
+                ring = np.concatenate([shapely.get_coordinates(line) for line in lines])
+                mine[0].polygon = shapely.make_valid(shapely.Polygon(ring))
+                self.leader[first : last + 1] = first
+                for t in mine:
+                    t.group = mine[0].group
+                first = last
+            first += 1
 
     def _half_kerfs(self, away: Floats, stroke: Counts) -> Floats:
         """What each stroke keeps off its contours: half the kerf, or nothing."""
@@ -241,7 +272,7 @@ class _Process:
             ring = np.concatenate(rings)
             if len(ring) > 3:
                 polygon = shapely.make_valid(shapely.Polygon(ring))
-        return _Traced(stroke, first, last, half_kerf, closed, polygon)
+        return _Traced(stroke, first, last, half_kerf, closed, polygon, stroke.line)
 
     def _ends(self) -> list[Diagnostic]:
         """Strokes that begin or end in the middle of a contour."""
@@ -346,7 +377,7 @@ class _Process:
         polygons = [t.polygon for t in self.traced]
         depths = _depths(polygons)
         said: list[Diagnostic] = []
-        stroke = self.of_leg[leg]
+        stroke = self.leader[self.of_leg[leg]]
         for k, t in enumerate(self.traced):
             if t.polygon is None:
                 continue
@@ -491,7 +522,7 @@ def _order(traced: Sequence[_Traced], name: str) -> list[Diagnostic]:
     middles = [t.stroke.legs[len(t.stroke.legs) // 2].end for t in cuts]
     inner, outer = shapely.STRtree(polygons).query(shapely.points(np.array(middles)), "within")
     for a, b in zip(inner.tolist(), outer.tolist(), strict=True):
-        if rings[b] < a:
+        if rings[b] < a and cuts[a].group != cuts[rings[b]].group:
             said.append(
                 rules.ORDER.at(
                     Source(name, cuts[a].stroke.line), found="an inner contour",

@@ -45,7 +45,7 @@ def need_of(part: Part, torch: Torch, skipped: Collection[int]) -> Need:
                 plain = look == (None, None)
                 known[look] = _plain(feature.process) if plain else process_of(feature, table)
             process = known[look]
-            made = process is not None and not feature.bevels and feature.face in ("v", "h")
+            made = process is not None and feature.face in ("v", "h")
             if made and process != "ignore":
                 for curve in feature.curves:
                     need.add(cast("TorchProcess", process), curve)
