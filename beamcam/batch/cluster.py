@@ -13,6 +13,7 @@ from beamcam.batch.work import Made, Shop, Task, make_all, thaw
 from beamcam.errors import BeamcamError, Source
 
 CONNECT_S = 10  #: for the scheduler to answer
+FETCH_S = 60  #: for what is done to arrive
 
 
 class SchedulerError(BeamcamError):
@@ -62,16 +63,19 @@ class Cluster:
         self._chunks[future] = chunk
 
     def wait(self) -> Iterator[Result]:
-        done = self._wait(list(self._chunks), return_when="FIRST_COMPLETED").done
+        with self._client.as_current():
+            done = self._wait(list(self._chunks), return_when="FIRST_COMPLETED").done
         for future in [f for f in self._chunks if f in done]:
             chunk = self._chunks.pop(future)
-            if future.status == "finished":
-                yield Result(chunk, "made", future.result())
-                continue
-            error = future.exception()
-            if not isinstance(error, self._killed):
-                raise self._error(f"{type(error).__name__}: {error}")
-            yield Result(chunk, "suspected")
+            try:
+                yield Result(chunk, "made", future.result(timeout=FETCH_S))
+            except self._killed:
+                yield Result(chunk, "suspected")
+            except TimeoutError:  # the worker that had the result is gone, with no fault of it
+                future.cancel()
+                yield Result(chunk, "lost")
+            except Exception as error:
+                raise self._error(f"{type(error).__name__}: {error}") from error
 
     def close(self) -> None:
         self._client.cancel(list(self._chunks))
