@@ -19,8 +19,8 @@ from dataclasses import replace
 from beamcam.errors import Diagnostic, ReadError
 from beamcam.machine import Machine, load
 from beamcam.model.part import Part
-from beamcam.model.plan import FeatureRef, Plan
-from beamcam.pipeline import DEFAULT_MACHINE, Posted, as_error, read_file
+from beamcam.model.plan import FeatureRef, Plan, SheetPlan
+from beamcam.pipeline import DEFAULT_MACHINE, Posted, as_error, read_file, sheet_post
 from beamcam.pipeline import post as post_bar
 from beamcam.planning import plan_bar
 from beamcam.readers import read as read_bytes
@@ -58,13 +58,18 @@ def plan(
     *,
     bar: float | None = None,
     skips: Collection[str] = (),
-) -> Plan:
-    """The work that makes `parts` from one bar, in the order given.
+) -> Plan | SheetPlan:
+    """The work that makes `parts` from one bar, in the order given, or from one sheet.
 
     `bar` is its length in mm; without it the bar is as long as the parts need. `skips` names what
     may be left out, as `--allow-skips` does. Raises PlanError and MachineError.
     """
-    return plan_bar(_parts(parts), _machine(machine), bar, skips)
+    loaded = _machine(machine)
+    if loaded.stock == "sheet":
+        from beamcam.planning.sheet import plan_sheet
+
+        return plan_sheet(_parts(parts), loaded, skips)
+    return plan_bar(_parts(parts), loaded, bar, skips)
 
 
 def post(
@@ -99,7 +104,9 @@ def verify(
     `skipped` are features, each as (index of the part, index of its feature), that may be missing.
     Raises MachineError.
     """
-    return verify_program(program, _parts(parts), _machine(machine), skipped, name)
+    loaded = _machine(machine)
+    check = sheet_post(loaded).verify if loaded.stock == "sheet" else verify_program
+    return check(program, _parts(parts), loaded, skipped, name)
 
 
 def _parts(parts: Part | Iterable[Part]) -> tuple[Part, ...]:
