@@ -1,0 +1,212 @@
+"""`beamcam.toml` and `beamcam config`."""
+
+import json
+from pathlib import Path
+
+import pytest
+from click.testing import CliRunner, Result
+
+from beamcam.cli import main
+from beamcam.config import KEYS, ConfigError, apply_map, apply_tolerances, find, load
+from beamcam.config.keys import Table
+from beamcam.errors import Source
+from beamcam.geometry.curves import Line
+from beamcam.machine import load as load_machine
+from beamcam.model.part import Contour, Part, Profile
+from tests.runs import batch, counts, fill, part, report
+
+ALL = """# the shop
+machine = "beamline-annex"
+stock_lengths = [12000, 6000.5]
+allow_skips = ["cope"]
+strict = true
+job = "NIGHT"
+jobs = 2
+name = "{mark}{suffix}"
+flat = true
+
+[tolerances]
+merge = 0.25
+
+[map]
+"#F00" = "cut"
+ENGRAVE = "engrave"
+"""
+
+
+def run(*args: object) -> Result:
+    return CliRunner().invoke(main, ["config", *map(str, args)])
+
+
+def write(folder: Path, text: str) -> Path:
+    path = folder / "beamcam.toml"
+    path.write_text(text)
+    return path
+
+
+def test_every_key_is_read_and_knows_its_line(tmp_path: Path) -> None:
+    config = load(write(tmp_path, ALL))
+    assert config.machine == "beamline-annex"
+    assert config.stock_lengths == (6000.5, 12000.0)
+    assert config.tolerances == {"merge": 0.25}
+    assert config.map == {"#F00": "cut", "ENGRAVE": "engrave"}
+    where = {row.key: row.source and row.source.line for row in config.settings()}
+    assert where == {
+        "machine": 2, "stock_lengths": 3, "allow_skips": 4, "strict": 5, "job": 6, "jobs": 7,
+        "name": 8, "flat": 9, "tolerances.merge": 12, "map.#F00": 15, "map.ENGRAVE": 16,
+    }  # fmt: skip
+
+
+def test_defaults_come_from_nowhere() -> None:
+    config = load(None)
+    assert all(row.source is None for row in config.settings())
+    for key, known in KEYS.items():
+        if not isinstance(known, Table):
+            assert getattr(config, key) == known.default
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("machin = 'x'", "beamcam.toml:1: error config-key: found unknown key 'machin'; expected"
+         " 'machine'"),
+        ("[tolerances]\nmerg = 1", ":2: error config-key: found unknown key 'tolerances.merg';"
+         " expected 'merge'"),
+        ("machine = 3", ":1: error config-value: found 3 for 'machine'; expected a text"),
+        ("strict = 1", "found 1 for 'strict'; expected true or false"),
+        ("jobs = 0", "found 0 for 'jobs'; expected a whole number from 1 on"),
+        ("stock_lengths = 6000", "expected a list of lengths in mm"),
+        ("stock_lengths = [0]", "expected a list of lengths in mm above 0"),
+        ("allow_skips = 'cope'", "expected a list of texts"),
+        ("allow_skips = ['all']", "error config-value: found ('all',) for 'allow_skips'; expected"
+         " names of"),
+        ("name = '{marc}'", "config-value: found '{marc}' for 'name'; expected one of {stem}"),
+        ("tolerances = 1", "found 1 for 'tolerances'; expected a table"),
+        ("[tolerances]\nmerge = -1", ":2: error config-value: found -1 for 'tolerances.merge';"
+         " expected a length in mm, 0 or more"),
+        ("[map]\nred = 'burn'", "expected one of cut, mark, engrave, punch, powder"),
+        ("[map]\n'#ff' = 'cut'", "expected a colour such as '#ff0000'"),
+        ("a = ", "beamcam.toml: error config-toml: not a TOML file: Invalid value"),
+    ],
+)  # fmt: skip
+def test_what_is_wrong(tmp_path: Path, text: str, said: str) -> None:
+    result = run("--config", write(tmp_path, text))
+    assert result.exit_code == 1
+    assert said in result.stderr
+    assert result.stdout == ""
+    result = batch(tmp_path, "-o", tmp_path / "out")  # found beside the job
+    assert result.exit_code == 1
+    assert said in result.stderr
+    assert not (tmp_path / "out").exists()
+
+
+def test_no_such_file(tmp_path: Path) -> None:
+    result = run("--config", tmp_path / "none.toml")
+    assert result.exit_code == 1
+    assert (
+        "error config-file: found no configuration that can be read (No such file" in result.stderr
+    )
+
+
+def test_where_it_is_looked_for(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (tmp_path / "jobs").mkdir()
+    monkeypatch.chdir(tmp_path)
+    assert find(("jobs",)) is None
+    write(tmp_path, "")
+    assert find(("jobs",)) == Path("beamcam.toml")
+    write(tmp_path / "jobs", "")
+    assert find(("jobs",)) == find(("jobs/a.nc1", "x")) == Path("jobs/beamcam.toml")
+    assert find() == Path("beamcam.toml")
+
+
+def test_the_command_shows_values_and_origins(tmp_path: Path) -> None:
+    path = write(tmp_path, ALL)
+    lines = run(tmp_path).stdout.splitlines()
+    assert any(
+        line.startswith('machine = "beamline-annex"') and line.endswith(f"# {path}:2")
+        for line in lines
+    )
+    assert any(line.startswith('map."#F00" = "cut"') for line in lines)
+    record = json.loads(run(tmp_path, "--json").stdout)
+    assert record["job"] == {"value": "NIGHT", "source": f"{path}:6"}
+    assert set(dict.fromkeys(key.partition(".")[0] for key in record)) == set(KEYS)
+    plain = run("--config", write(tmp_path, "")).stdout
+    assert 'job = "JOB"' in plain
+    assert all(line.endswith("# default") for line in plain.splitlines())
+    assert set(KEYS) == {line.split()[0] for line in run("--keys").stdout.splitlines()}
+
+
+def test_what_is_shown_is_a_configuration(tmp_path: Path) -> None:
+    """What `beamcam config` prints, read again, means the same."""
+    first = load(write(tmp_path, ALL))
+    shown = run(tmp_path).stdout
+    again = load(write(tmp_path, shown))
+    assert [(r.key, r.value) for r in again.settings()] == [
+        (r.key, r.value) for r in first.settings()
+    ]
+
+
+def test_the_command_line_goes_over_it(tmp_path: Path) -> None:
+    fill(tmp_path / "in", 2)
+    write(tmp_path / "in", 'job = "NIGHT"\nmachine = "beamline-annex"\nname = "n{stem}.nc"\n')
+    batch(tmp_path / "in", "-o", tmp_path / "1")
+    batch(tmp_path / "in", "-o", tmp_path / "2", "--job", "DAY", "--machine", "beamline",
+          "--name", "{stem}.x")  # fmt: skip
+    assert (tmp_path / "1" / "nP000.nc").read_text().startswith("% NIGHT\n")
+    assert (tmp_path / "2" / "P000.x").read_text().startswith("% DAY\n")
+
+
+def test_a_machine_beside_the_configuration(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    fill(tmp_path / "in", 1)
+    write(tmp_path / "in", 'machine = "mine.toml"\n')
+    (tmp_path / "in" / "mine.toml").write_text('base = "beamline"\nsuffix = ".mine"\n')
+    monkeypatch.chdir(tmp_path)
+    assert counts(batch("in", "-o", "out")) == (1, 0, 0, 0)
+    assert (tmp_path / "out" / "P000.mine").exists()
+
+
+def test_tolerances_go_over_the_machine(tmp_path: Path) -> None:
+    """Holes of both flanges 0.2 mm apart are one operation only if the tolerance says so."""
+    (tmp_path / "in").mkdir()
+    text = part("A").replace(
+        "EN\n", "BO\n  o  500.00u   40.00   18.00\nBO\n  u  500.20u   40.00   18.00\nEN\n"
+    )
+    (tmp_path / "in" / "a.nc1").write_text(text)
+    merged = []
+    for tolerance in (0.1, 0.3):
+        write(tmp_path / "in", f"[tolerances]\nmerge = {tolerance}\n")
+        said = tmp_path / "r.json"
+        result = batch(tmp_path / "in", "-o", tmp_path / "out", "--report", said)
+        assert counts(result) == (1, 0, 0, 0)
+        merged.append(report(said)["files"][0]["parts"][0]["ledger"]["merged"])
+    assert merged == [0, 1]
+
+
+def test_tolerances_without_a_drill(tmp_path: Path) -> None:
+    from dataclasses import replace
+
+    machine = replace(load_machine("beamline"), drill=None)
+    assert apply_tolerances(machine, load(None)) is machine
+    config = load(write(tmp_path, "[tolerances]\nmerge = 1\n"))
+    with pytest.raises(ConfigError, match=r"config-tolerance: .* beamline has no drill"):
+        apply_tolerances(machine, config)
+
+
+def test_the_map_says_what_is_done() -> None:
+    source = Source("a.dxf")
+    line = (Line((0.0, 0.0), (1.0, 0.0)),)
+    part = Part(
+        "A", Profile("B", "", 1.0, 0.0, 0.0, 1.0), 1.0, source,
+        features=(
+            Contour("v", "open", line, source, layer="engrave", colour="#ff0000"),
+            Contour("v", "open", line, source, layer="0", colour="#ed3237"),
+            Contour("v", "open", line, source, layer="0", colour="#00ff00"),
+            Contour("v", "open", line, source),
+        ),
+    )  # fmt: skip
+    mapped = apply_map(part, {"ENGRAVE": "engrave", "red": "mark"})
+    assert [c.process for c in mapped.contours] == ["engrave", "mark", "cut", "cut"]
+    assert apply_map(part, {}) is part
+    assert apply_map(part, {"none": "mark"}) is part

@@ -1,0 +1,149 @@
+"""A hot folder: what is complete, what is left, where files go."""
+
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from beamcam.batch.find import Input
+from beamcam.watch import AGAIN_S, HotFolder, Stamp, file_away, look
+from tests.conftest import ROOT
+from tests.runs import BAD, batch, counts, fill, part, programs
+
+A, B = Input("hot/a.nc1", "a.nc1"), Input("hot/b.nc1", "b.nc1")
+
+
+def stamp(size: int) -> Stamp:
+    return Stamp(size, 1, 1)
+
+
+def test_a_file_is_taken_when_it_stays_the_same() -> None:
+    hot = HotFolder(2.0)
+    assert hot.take({A: stamp(1)}, 0.0) == ()
+    assert hot.take({A: stamp(2)}, 1.5) == ()  # it grew
+    assert hot.take({A: stamp(2), B: stamp(1)}, 3.0) == ()
+    assert hot.is_waiting
+    assert hot.take({A: stamp(2), B: stamp(1)}, 3.5) == (A,)
+    assert hot.take({A: stamp(2), B: stamp(1)}, 5.0) == (B,)
+    assert not hot.is_waiting
+    assert hot.take({A: stamp(2), B: stamp(1)}, 99.0) == ()
+    assert hot.take({B: stamp(1)}, 100.0) == ()
+    assert hot.take({A: stamp(2), B: stamp(9)}, 101.0) == ()  # both are new
+    assert hot.take({A: stamp(2), B: stamp(9)}, 103.0) == (A, B)
+
+
+def test_what_failed_is_tried_again_later() -> None:
+    hot = HotFolder(1.0)
+    hot.take({A: stamp(1)}, 0.0)
+    assert hot.take({A: stamp(1)}, 1.0) == (A,)
+    hot.again(A, 1.0)
+    assert hot.take({A: stamp(1)}, AGAIN_S + 1.9) == ()
+    assert hot.take({A: stamp(1)}, AGAIN_S + 2.0) == (A,)
+
+
+@settings(max_examples=200, deadline=None)
+@given(st.lists(st.tuples(st.floats(0.01, 5), st.integers(0, 2)), min_size=1, max_size=30))
+def test_nothing_is_taken_early_twice_or_never(looks: list[tuple[float, int]]) -> None:
+    """A size is taken only after it stood for the time to settle, once, and in the end always."""
+    hot, now, since, last, taken = HotFolder(2.0), 0.0, 0.0, -1, False
+    for step, size in looks:
+        now += step
+        if size != last:
+            since, last, taken = now, size, False
+        ready = hot.take({A: stamp(size)}, now)
+        assert ready == ((A,) if now - since >= 2.0 and not taken else ())
+        taken = taken or bool(ready)
+    assert taken or hot.take({A: stamp(last)}, now + 2.5) == (A,)
+
+
+def test_looking_at_what_has_gone(tmp_path: Path) -> None:
+    (tmp_path / "a.nc1").write_text("x")
+    here = Input(str(tmp_path / "a.nc1"), "a.nc1")
+    stamps = look((here, Input(str(tmp_path / "gone.nc1"), "gone.nc1")))
+    assert list(stamps) == [here]
+    assert stamps[here].size == 1
+
+
+def test_filing_away_writes_over_nothing(tmp_path: Path) -> None:
+    for text in ("first", "second", "third"):
+        (tmp_path / "a.nc1").write_text(text)
+        file_away(Input(str(tmp_path / "a.nc1"), "sub/a.nc1"), str(tmp_path / "done"))
+    assert {name: text.decode() for name, text in programs(tmp_path / "done").items()} == {
+        "sub/a.nc1": "first", "sub/a-2.nc1": "second", "sub/a-3.nc1": "third",
+    }  # fmt: skip
+
+
+def test_once(tmp_path: Path) -> None:
+    fill(tmp_path / "hot", 3, bad=1)
+    result = batch(tmp_path / "hot", "-o", tmp_path / "out", "--once", "--settle", 0,
+                   command="watch")  # fmt: skip
+    assert result.exit_code == 1
+    assert counts(result) == (2, 0, 1, 0)
+    assert sorted(programs(tmp_path / "out")) == ["P000.gcode", "P002.gcode"]
+    result = batch(tmp_path / "hot", "-o", tmp_path / "out", "--once", "--settle", 0,
+                   command="watch")  # fmt: skip
+    assert counts(result) == (0, 2, 1, 0)
+
+
+def test_files_go_to_their_folders(tmp_path: Path) -> None:
+    hot = tmp_path / "hot"
+    fill(hot / "sub", 3, bad=1)
+    batch(hot, "-o", hot / "out", "--done", hot / "done", "--refused", hot / "refused", "--once",
+          "--settle", 0, command="watch")  # fmt: skip
+    assert sorted(programs(hot)) == [
+        "done/sub/P000.nc1", "done/sub/P002.nc1", "out/sub/P000.gcode", "out/sub/P002.gcode",
+        "refused/sub/P001.nc1", "refused/sub/P001.nc1.txt",
+    ]  # fmt: skip
+    said = (hot / "refused" / "sub" / "P001.nc1.txt").read_text()
+    assert f"{hot}/sub/P001.nc1:28: error plan-tool: " in said
+
+
+def test_an_empty_folder_is_nothing_wrong(tmp_path: Path) -> None:
+    (tmp_path / "hot").mkdir()
+    result = batch(tmp_path / "hot", "-o", tmp_path / "out", "--once", command="watch")
+    assert result.exit_code == 0
+    assert result.stderr == "0 posted, 0 unchanged, 0 refused, 0 failed\n"
+
+
+def test_no_folder(tmp_path: Path) -> None:
+    result = batch(tmp_path / "none", "-o", tmp_path / "out", command="watch")
+    assert result.exit_code == 2
+    (tmp_path / "hot").mkdir()
+    (tmp_path / "file").write_text("")
+    result = batch(tmp_path / "hot", "-o", tmp_path / "file", command="watch")
+    assert result.exit_code == 1
+    assert "batch-write" in result.stderr
+
+
+def test_a_file_that_is_still_being_written_is_left(tmp_path: Path) -> None:
+    """A whole run: a file grows, is posted when it is complete, and the command ends when asked."""
+    hot, out = tmp_path / "hot", tmp_path / "out"
+    hot.mkdir()
+    command = [sys.executable, "-m", "beamcam", "watch", str(hot), "-o", str(out),
+               "--settle", "0.6", "--every", "0.05", "-v"]  # fmt: skip
+    process = subprocess.Popen(command, cwd=ROOT, stderr=subprocess.PIPE)
+    text = part("SLOW")
+    with open(hot / "slow.nc1", "w") as file:
+        for k in range(8):
+            file.write(text[k * len(text) // 8 : (k + 1) * len(text) // 8])
+            file.flush()
+            os.fsync(file.fileno())
+            time.sleep(0.15)
+    (hot / "bad.nc1").write_text(BAD)
+    until = time.monotonic() + 30
+    while not (out / "slow.gcode").exists():
+        assert time.monotonic() < until, "the file is not posted"
+        time.sleep(0.02)
+    time.sleep(0.8)
+    process.send_signal(signal.SIGINT)
+    said = process.communicate(timeout=30)[1].decode()
+    assert process.returncode == 1  # for the bad one
+    # Had the half of it been read, it would have been refused at first.
+    assert said.splitlines()[-1] == "1 posted, 0 unchanged, 1 refused, 0 failed"
+    assert "Traceback" not in said
+    assert (out / "slow.gcode").read_bytes().endswith(b"M30\n%\n")
