@@ -21,7 +21,7 @@ def holes(draw: st.DrawFn, profile: Profile, length: float) -> Hole:
     face = draw(st.sampled_from(("v", "o", "u")))
     width = profile.face_width(face)
     x = draw(st.one_of(st.sampled_from((100.0, 200.0, length - 100)), tenths(20, length - 20)))
-    y = draw(st.one_of(st.sampled_from((40.0, width - 30)), tenths(20, width - 20)))
+    y = draw(st.one_of(st.sampled_from((40.0, width - 35)), tenths(30, width - 30)))
     return Hole(face, x, y, draw(st.sampled_from(DIAMETERS)), SOURCE)
 
 
