@@ -71,6 +71,12 @@ def _outline(model: Model, entity: Entity) -> Outline:
         if entity.is_a("IfcCircleHollowProfileDef"):
             bore = (_moved(_circle((entity.Radius - entity.WallThickness) * mm), frame),)
         return Outline(_moved(outer, frame), bore)
+    if entity.is_a("IfcRectangleHollowProfileDef"):
+        x, y, wall = entity.XDim * mm, entity.YDim * mm, entity.WallThickness * mm
+        outer_radius = (entity.OuterFilletRadius or 0.0) * mm
+        inner_radius = (entity.InnerFilletRadius or 0.0) * mm
+        hollow = rounded_box(x - 2 * wall, y - 2 * wall, inner_radius)
+        return Outline(_moved(rounded_box(x, y, outer_radius), frame), (_moved(hollow, frame),))
     if entity.is_a("IfcRectangleProfileDef"):
         radius = 0.0
         if entity.is_a("IfcRoundedRectangleProfileDef"):
