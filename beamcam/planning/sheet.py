@@ -64,9 +64,9 @@ def plan_sheet(parts: Sequence[Part], machine: Machine, skips: Collection[str] =
     if refusals:
         raise PlanError(refusals)
     if not gathered.wanted:
-        raise PlanError(bar_rules.NO_PARTS.at(part.source))
+        raise PlanError(_nothing(part, gathered))
     remarks = [*material.remarks, *gathered.remarks]
-    shift = _shift(gathered, part, torch)
+    shift = _shift(gathered, torch)
     wanted, stands, said = without_repeats(gathered.wanted)
     remarks += said
     shapes, said = join(_moved(wanted, shift), torch)
@@ -138,13 +138,23 @@ def _limits(torch: Torch, process: TorchProcess) -> str:
     return "above 0 and at most " + ", ".join(limits)
 
 
-def _shift(gathered: Gathered, part: Part, torch: Torch) -> Point:
+def _nothing(part: Part, gathered: Gathered) -> Diagnostic:
+    """Why there is no work, as far as the drawing says."""
+    found = [f"{len(gathered.skipped)} features left out"] if gathered.skipped else []
+    if part.measures is not None and part.measures.filled:
+        found.append(f"{part.measures.filled_length:.1f} mm round filled shapes without a stroke")
+    if part.measures is not None and part.measures.hidden:
+        found.append(f"{part.measures.hidden_length:.1f} mm on hidden layers")
+    return rules.NOTHING.at(part.source, found=", ".join(found) or "the sheet is empty")
+
+
+def _shift(gathered: Gathered, torch: Torch) -> Point:
     """Machine coordinates of the part's x 0, y 0."""
     if torch.place == "drawn":
         return 0.0, 0.0
     box = extent(w.curve for w in gathered.wanted)
     if box is None:
-        raise PlanError(bar_rules.NO_PARTS.at(part.source))
+        raise AssertionError("nothing to cut was let through")
     return torch.margin - box[0], torch.margin - box[1]
 
 

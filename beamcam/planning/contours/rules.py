@@ -10,6 +10,13 @@ SHEETS = Rule(
     "found {found} parts; expected one for a sheet",
     "Parts are not nested on a sheet; a drawing that holds them all is one part.",
 )
+NOTHING = Rule(
+    "plan-sheet-empty",
+    _E,
+    "found nothing to cut or mark, {found}; expected at least one line",
+    "Filled shapes without a stroke, hidden layers and what the table of colours ignores are "
+    "never cut in silence.",
+)
 UNMAPPED = Rule(
     "plan-unmapped",
     _E,
@@ -138,7 +145,7 @@ NO_TABS = Rule(
 )
 
 RULES = (
-    SHEETS, UNMAPPED, MAP, OPTION, NO_PROCESS, NO_THICKNESS, THICKNESS, ASSUMED, SHEET_SIZE,
-    SHEET_PLACE, JUNCTION, GAP, OPEN_CUT, MORE_OPEN, OVERLAP, VANISHED, CROSSING, NO_LEAD, SQUARE,
-    NEEDS_LEAD, NO_TABS,
+    SHEETS, NOTHING, UNMAPPED, MAP, OPTION, NO_PROCESS, NO_THICKNESS, THICKNESS, ASSUMED,
+    SHEET_SIZE, SHEET_PLACE, JUNCTION, GAP, OPEN_CUT, MORE_OPEN, OVERLAP, VANISHED, CROSSING,
+    NO_LEAD, SQUARE, NEEDS_LEAD, NO_TABS,
 )  # fmt: skip

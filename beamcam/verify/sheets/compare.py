@@ -32,6 +32,8 @@ SPACING = 4.0  #: mm between samples
 MITRE = 2.5  #: how far from a corner a path may pass it, by half the kerf
 #: Cubics that stand for circles miss them by 2.7e-4 of the radius; a path may be the true circle.
 CIRCLE_SHARE = 3.5e-4
+#: Contours that leave a place in directions as near as this lie on one another there.
+SAME_DIRECTION_DEG = 2.0
 SHOWN = 5  #: of one kind of fault
 
 
@@ -280,9 +282,7 @@ class _Process:
         opened = [t for t in self.traced if not t.closed]
         if not opened:
             return said
-        apart = np.hypot(*(self.need.ends - self.need.starts).T) > 1e-9
-        ends = np.concatenate((self.need.starts[apart], self.need.ends[apart]))
-        tree = shapely.STRtree(shapely.points(ends)) if len(ends) else None
+        branches = _Branches(self.need, self.tolerance)
         starts = np.array([self.path.starts[t.first] for t in opened])
         stops = np.array([self.path.ends[t.last - 1] for t in opened])
         for k, t in enumerate(opened):
@@ -290,13 +290,7 @@ class _Process:
                 ("begins", starts[k], stops, t.first),
                 ("ends", stops[k], starts, t.last - 1),
             ):
-                reach = self.tolerance + self.torch.gap
-                met = 0
-                if tree is not None:
-                    met = len(tree.query(shapely.Point(*place), "dwithin", distance=reach))
-                if met == 1 or met > 2:
-                    continue
-                if self._is_tab(place, others, t):
+                if branches.at(place) != 2 or self._is_tab(place, others, t):
                     continue
                 said.append(
                     rules.OPEN.at(
@@ -464,6 +458,35 @@ class _Process:
             Source(self.name), process=self.process, x=f"{x:.3f}", y=f"{y:.3f}",
             machine_x=f"{place[0]:.3f}", machine_y=f"{place[1]:.3f}",
         )  # fmt: skip
+
+
+class _Branches:
+    """Where contours end, and in how many directions they go on from there."""
+
+    def __init__(self, need: Ways, reach: float) -> None:
+        apart = np.hypot(*(need.ends - need.starts).T) > 1e-9
+        lines, lengths = need.lines[apart], need.lengths[apart]
+        near = np.minimum(lengths / 2, 20 * reach)
+        places, inner = [], []
+        for at, step in ((need.starts[apart], near), (need.ends[apart], lengths - near)):
+            places.append(at)
+            inner.append(shapely.get_coordinates(shapely.line_interpolate_point(lines, step)))
+        self._places: Floats = np.concatenate(places)
+        towards = np.concatenate(inner) - self._places
+        self._angles = np.degrees(np.arctan2(towards[:, 1], towards[:, 0]))
+        self._reach = reach
+        self._tree = shapely.STRtree(shapely.points(self._places))
+
+    def at(self, place: Floats) -> int:
+        """Directions in which contours leave a place; 2 in the middle of one."""
+        found = self._tree.query(shapely.Point(*place), "dwithin", distance=self._reach)
+        if not len(found):
+            return 2
+        apart: list[float] = []
+        for angle in self._angles[found].tolist():
+            if all(abs((angle - a + 180.0) % 360.0 - 180.0) > SAME_DIRECTION_DEG for a in apart):
+                apart.append(angle)
+        return len(apart)
 
 
 def _share(curve: Curve) -> float:
