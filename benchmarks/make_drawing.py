@@ -1,0 +1,158 @@
+"""Writes one drawing as DXF and as SVG, the same for the same seed: plates with holes and slots.
+
+    python benchmarks/make_drawing.py FOLDER [SEGMENTS ARCS SPLINES [SEED]]
+
+Straight segments are the sides of polygons, drawn as LINE entities and as a polyline each in turn;
+arcs are the ends of slots, circles and lone arcs; splines are closed cubic B-splines, of the kind
+that text as curves gives. Everything is drawn in red, in mm, no two contours touching.
+"""
+
+import sys
+from math import cos, pi, sin
+from pathlib import Path
+from random import Random
+
+CELL = 24.0  #: mm between the centres of two figures
+SIDES = 40  #: of a polygon
+RED = 1
+
+Point = tuple[float, float]
+
+
+class Drawing:
+    """Figures one a cell, row by row."""
+
+    def __init__(self, seed: int, columns: int) -> None:
+        self.random = Random(seed)
+        self.columns = columns
+        self.count = 0
+        self.polygons: list[list[Point]] = []
+        self.slots: list[tuple[Point, float, float]] = []  #: centre, length between ends, radius
+        self.circles: list[tuple[Point, float]] = []
+        self.splines: list[list[Point]] = []  #: corners of closed uniform cubic B-splines
+
+    def place(self) -> Point:
+        """The centre of the next cell."""
+        row, column = divmod(self.count, self.columns)
+        self.count += 1
+        return CELL * (column + 0.5), CELL * (row + 0.5)
+
+    def ring(self, points: int, least: float, greatest: float) -> list[Point]:
+        """A star-shaped polygon about the next cell's centre."""
+        x, y = self.place()
+        found = []
+        for k in range(points):
+            r = self.random.uniform(least, greatest)
+            a = 2 * pi * (k + self.random.uniform(-0.3, 0.3)) / points
+            found.append((x + r * cos(a), y + r * sin(a)))
+        return found
+
+
+def make(segments: int, arcs: int, splines: int, seed: int = 1) -> Drawing:
+    """A drawing with so many straight segments, arcs (a circle counts as one) and splines."""
+    figures = segments // SIDES + arcs + splines
+    drawing = Drawing(seed, max(1, round(figures**0.5)))
+    slots = arcs // 4
+    for _ in range(max(0, segments - 2 * slots) // SIDES):
+        drawing.polygons.append(drawing.ring(SIDES, 8.0, 11.0))
+    for _ in range(slots):
+        drawing.slots.append(
+            (drawing.place(), drawing.random.uniform(3, 10), drawing.random.uniform(1, 4))
+        )
+    for _ in range(arcs - 2 * slots):
+        drawing.circles.append((drawing.place(), drawing.random.uniform(1, 10)))
+    for _ in range(splines):
+        drawing.splines.append(drawing.ring(10, 6.0, 10.0))
+    return drawing
+
+
+def write_dxf(drawing: Drawing, path: Path) -> None:
+    """The drawing as DXF R2010, mm."""
+    import ezdxf
+
+    document = ezdxf.new("R2010")
+    document.header["$INSUNITS"] = 4
+    space = document.modelspace()
+    red = {"color": RED}
+    for number, points in enumerate(drawing.polygons):
+        if number % 2:
+            space.add_lwpolyline(points, close=True, dxfattribs=red)
+        else:
+            for a, b in zip(points, [*points[1:], points[0]], strict=True):
+                space.add_line(a, b, dxfattribs=red)
+    for (x, y), length, r in drawing.slots:
+        half = length / 2
+        space.add_line((x - half, y - r), (x + half, y - r), dxfattribs=red)
+        space.add_arc((x + half, y), r, -90, 90, dxfattribs=red)
+        space.add_line((x + half, y + r), (x - half, y + r), dxfattribs=red)
+        space.add_arc((x - half, y), r, 90, 270, dxfattribs=red)
+    for centre, radius in drawing.circles:
+        space.add_circle(centre, radius, dxfattribs=red)
+    for corners in drawing.splines:
+        closed = [*corners, *corners[:3]]
+        spline = space.add_open_spline([(x, y, 0.0) for x, y in closed], 3, dxfattribs=red)
+        spline.knots = [float(k) for k in range(len(closed) + 4)]
+    document.saveas(path)
+
+
+def write_svg(drawing: Drawing, path: Path) -> None:
+    """The same as SVG, Y downwards, coordinates in mm; splines as cubic Bezier curves."""
+    rows = -(-drawing.count // drawing.columns)
+    width, height = CELL * drawing.columns, CELL * rows
+
+    def at(point: Point) -> str:
+        return f"{point[0]:.6f},{height - point[1]:.6f}"
+
+    lines = [
+        '<?xml version="1.0" encoding="UTF-8"?>',
+        f'<svg xmlns="http://www.w3.org/2000/svg" width="{width}mm" height="{height}mm" '
+        f'viewBox="0 0 {width} {height}">',
+        '<g style="fill:none;stroke:#ff0000;stroke-width:0.1">',
+    ]
+    for points in drawing.polygons:
+        lines.append(f'<polygon points="{" ".join(map(at, points))}"/>')
+    for (x, y), length, r in drawing.slots:
+        a, b = (x - length / 2, y - r), (x + length / 2, y - r)
+        c, d = (x + length / 2, y + r), (x - length / 2, y + r)
+        lines.append(
+            f'<path d="M{at(a)} L{at(b)} A{r},{r} 0 0 0 {at(c)} L{at(d)} A{r},{r} 0 0 0 {at(a)} z"/>'
+        )
+    for (x, y), radius in drawing.circles:
+        lines.append(f'<circle cx="{x:.6f}" cy="{height - y:.6f}" r="{radius:.6f}"/>')
+    for corners in drawing.splines:
+        lines.append(f'<path d="{_bezier_path(corners, at)}"/>')
+    lines += ["</g>", "</svg>", ""]
+    path.write_text("\n".join(lines), encoding="utf-8")
+
+
+def _bezier_path(corners: list[Point], at: object) -> str:
+    """A closed uniform cubic B-spline as cubics: thirds of the control polygon's sides."""
+    count = len(corners)
+
+    def mix(a: Point, b: Point, share: float) -> Point:
+        return a[0] + share * (b[0] - a[0]), a[1] + share * (b[1] - a[1])
+
+    text = []
+    for k in range(count):
+        p0, p1, p2, p3 = (corners[(k + i) % count] for i in range(4))
+        first, second = mix(p1, p2, 1 / 3), mix(p1, p2, 2 / 3)
+        start = mix(mix(p0, p1, 2 / 3), first, 0.5)
+        end = mix(second, mix(p2, p3, 1 / 3), 0.5)
+        if not text:
+            text.append(f"M{at(start)}")  # type: ignore[operator]
+        text.append(f"C{at(first)} {at(second)} {at(end)}")  # type: ignore[operator]
+    return " ".join([*text, "z"])
+
+
+def main() -> None:
+    """Writes drawing.dxf and drawing.svg."""
+    folder = Path(sys.argv[1])
+    numbers = [int(a) for a in sys.argv[2:]] or [20_000, 2_000, 500]
+    drawing = make(*numbers[:3], *numbers[3:4])
+    folder.mkdir(parents=True, exist_ok=True)
+    write_dxf(drawing, folder / "drawing.dxf")
+    write_svg(drawing, folder / "drawing.svg")
+
+
+if __name__ == "__main__":
+    main()
