@@ -7,7 +7,7 @@ EN 10210-2 and EN 10219-2.
 
 import json
 import re
-from functools import cache
+from functools import cache, lru_cache
 from importlib.resources import files
 
 from beamcam.model.part import Profile, ProfileCode
@@ -50,6 +50,7 @@ def measures_of(name: str) -> tuple[ProfileCode, Sizes] | None:
     return sections().get(plain_name(name))
 
 
+@lru_cache(4096)
 def name_of(profile: Profile) -> str | None:
     """The catalogue's name of a section with these measures, the nearest within the tolerance."""
     best: tuple[float, str] | None = None

@@ -11,6 +11,7 @@ the building it is, and its large numbers are kept out.
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
+from beamcam.geometry.curves import Arc
 from beamcam.readers.ifc.cutters import Bounded, Cutter, HalfSpace, Less, Prism, prism
 from beamcam.readers.ifc.entities import Entity, Model, Unreadable, argument, ratios
 from beamcam.readers.ifc.facets import shell_of
@@ -92,22 +93,23 @@ def openings_of(model: Model, element: Entity) -> Iterator[Cutter]:
     if not voids:
         return
     for relation in voids:
-        opening = relation.RelatedOpeningElement
+        opening = argument(relation, 5)
         frame = relative_placement(model, element, opening)
-        if opening.Representation is None:
+        if argument(opening, 6) is None:
             raise Unreadable(f"an opening {opening.GlobalId} without geometry")
-        for item in body_representation(opening).Items:
-            yield from _solid_cutters(model, item, frame, opening.GlobalId)
+        guid = argument(opening, 0)
+        for item in argument(body_representation(opening), 3):
+            yield from _solid_cutters(model, item, frame, guid)
 
 
 def relative_placement(model: Model, element: Entity, other: Entity) -> Frame:
     """Where `other` stands in the coordinates of `element`."""
-    mine, its = element.ObjectPlacement, other.ObjectPlacement
+    mine, its = argument(element, 5), argument(other, 5)
     if its is not None and mine is not None and its.is_a("IfcLocalPlacement"):
-        relative = its.PlacementRelTo
+        relative = argument(its, 0)
         # Directly below the element the world's large numbers never come in.
         if relative is not None and relative.id() == mine.id():
-            return model.axes(its.RelativePlacement)
+            return model.axes(argument(its, 1))
     return model.placement(mine).inverse().times(model.placement(its))
 
 
@@ -164,7 +166,9 @@ def _solid_cutters(model: Model, item: Entity, frame: Frame, where: str | None) 
     kind = item.is_a()
     if kind == "IfcExtrudedAreaSolid":
         swept = _swept(model, item, frame)
-        yield prism(swept.frame, swept.along, outline_of(model, swept.profile), where)
+        yield _drill(model, swept, where) or prism(
+            swept.frame, swept.along, outline_of(model, swept.profile), where
+        )
     elif kind == "IfcHalfSpaceSolid":
         yield _half_space(model, item, frame, where)
     elif kind == "IfcPolygonalBoundedHalfSpace":
@@ -191,6 +195,19 @@ def _solid_cutters(model: Model, item: Entity, frame: Frame, where: str | None) 
         yield shell_of(model, item, frame, where)
     else:
         raise Unreadable(f"a cut by {kind}")
+
+
+def _drill(model: Model, swept: Swept, where: str | None) -> Prism | None:
+    """The cutter of a round hole, which most cuts are, without a look at its outline."""
+    profile, at = swept.profile, swept.frame
+    if profile.is_a() != "IfcCircleProfileDef":
+        return None
+    position = model.axes(argument(profile, 2))
+    radius = argument(profile, 3) * model.mm
+    centre = (position.o[0], position.o[1])
+    outline = Outline((Arc(centre, radius, 0.0, 360.0),))
+    frame = Frame(at.o, at.x, at.y, swept.along)
+    return Prism(frame, outline, where, Round(centre, 2 * radius))
 
 
 def _compound(model: Model, item: Entity, frame: Frame, where: str | None) -> Iterator[Cutter]:
@@ -234,8 +251,6 @@ def _primitive(model: Model, item: Entity, frame: Frame, where: str | None) -> P
         return prism(
             corner, scale(position.z, item.ZLength * mm), Outline(rounded_box(x, y, 0.0)), where
         )
-    from beamcam.geometry.curves import Arc
-
     radius = item.Radius * mm
     outline = Outline((Arc((0.0, 0.0), radius, 0.0, 360.0),))
     along = scale(position.z, item.Height * mm)
