@@ -95,6 +95,12 @@ def test_zeros_with_something_behind_them_are_read(tmp_path: Path) -> None:
     data = bytes(3 << 20) + b"ST\n"
     path.write_bytes(data)
     assert read_input(str(path)) == data
+    path.write_bytes(bytes(100))
+    zeros = read_input(str(path))
+    assert isinstance(zeros, Diagnostic)
+    assert "found 100 bytes that are all zero" in zeros.message
+    path.write_bytes(bytes(100) + b"x")
+    assert read_input(str(path)) == bytes(100) + b"x"
     path.write_bytes(b"x" * (5 << 20))
     assert read_input(str(path)) == b"x" * (5 << 20)
     said = read_input(str(tmp_path))

@@ -143,13 +143,17 @@ def _walk(
 
 def read_input(path: str) -> bytes | Diagnostic:
     """The content of an input, or why it cannot be had."""
-    source = Source(path)
     try:
-        kind = os.stat(path).st_mode
-        if not stat.S_ISREG(kind):
-            what = "a folder" if stat.S_ISDIR(kind) else "a pipe or a device"
-            return rules.NOT_A_FILE.at(source, found=what)
-        with open(path, "rb") as file:
+        about = os.stat(path)
+        if not stat.S_ISREG(about.st_mode):
+            what = "a folder" if stat.S_ISDIR(about.st_mode) else "a pipe or a device"
+            return rules.NOT_A_FILE.at(Source(path), found=what)
+        with open(path, "rb", buffering=0) as file:
+            if about.st_size < _PIECE:
+                data = file.readall()
+                if data[:1] == b"\0" and not data.strip(b"\0"):
+                    return rules.ZEROS.at(Source(path), found=len(data))
+                return data
             head = file.read(_PIECE)
             if head and head == _ZEROS[: len(head)]:
                 # Read piece by piece: such files are often as large as the disk had room.
@@ -158,8 +162,8 @@ def read_input(path: str) -> bytes | Diagnostic:
                     size += len(piece)
                     if piece != _ZEROS[: len(piece)]:
                         file.seek(0)
-                        return file.read()
-                return rules.ZEROS.at(source, found=f"{size:,}".replace(",", " "))
-            return head + file.read() if len(head) == _PIECE else head
+                        return file.readall()
+                return rules.ZEROS.at(Source(path), found=f"{size:,}".replace(",", " "))
+            return head + file.readall()
     except OSError as error:
-        return UNREADABLE.at(source, found=error.strerror or error)
+        return UNREADABLE.at(Source(path), found=error.strerror or error)

@@ -11,6 +11,7 @@ from typing import Literal, TypedDict
 from beamcam.errors import Diagnostic
 
 SCHEMA = "beamcam/run/1"
+_ENCODER = json.JSONEncoder(ensure_ascii=False, separators=(",", ":"))
 
 #: What can become of a file: posted; nothing to do, since its outputs stand as they were made;
 #: refused for what is in it; failed for what is around it (the disk, a process, a fault here).
@@ -110,7 +111,7 @@ def message_line(said: Message) -> str:
 
 def dumped(data: object) -> str:
     """`data` as JSON on one line, in UTF-8 even where a file's name is not."""
-    return json.dumps(data, ensure_ascii=False, separators=(",", ":"))
+    return _ENCODER.encode(data)
 
 
 def encoded(text: str) -> bytes:
