@@ -165,7 +165,9 @@ def post(
     said: tuple[Diagnostic, ...] = ()
     if read_back:
         skipped = {o.feature for o in plan.outcomes if o.how == "skipped"}
-        said = verify(text, [piece.part for piece in plan.pieces], machine, skipped, job)
+        lying = [piece.part for piece in plan.pieces]
+        given = [parts[piece.given] for piece in plan.pieces]
+        said = verify(text, lying, machine, skipped, job, given)
         if errors_in(said):
             raise VerifyError(said)
     return Posted(text, plan, (*plan.remarks, *said))

@@ -12,11 +12,12 @@ from dataclasses import dataclass
 from beamcam.errors import Diagnostic, VerifyError, errors_in
 from beamcam.machine.machine import Machine, NumberFormat
 from beamcam.model.part import Part, Profile
-from beamcam.verify import codesys
+from beamcam.verify import codesys, rules
 from beamcam.verify.blocks import Block, read_blocks
 from beamcam.verify.cell import Cell
 from beamcam.verify.compare import compare
 from beamcam.verify.events import Event
+from beamcam.verify.lying import is_turned
 from beamcam.verify.made import Bore, Cut, Made
 from beamcam.verify.meaning import Meaning, meaning_of
 from beamcam.verify.needs import FeatureRef, skippable
@@ -133,11 +134,13 @@ def verify(
     machine: Machine,
     skipped: Collection[FeatureRef] = (),
     name: str = "program",
+    given: Sequence[Part] = (),
 ) -> tuple[Diagnostic, ...]:
     """Everything that is wrong with a program, by itself and against the parts on its bar.
 
-    The parts are given in their order on the bar, `skipped` names features of them that may be
-    left out. Nothing comes back for a program that makes exactly the parts.
+    The parts come as they lie and in their order on the bar, `skipped` names features of them that
+    may be left out, and `given` are the same parts before they were turned. Nothing comes back for
+    a program that makes exactly the parts.
     """
     done = run(text, machine, parts[0].profile if parts else None, name)
     if not parts:
@@ -146,4 +149,9 @@ def verify(
     if rack is None:
         raise TypeError(f"{machine.name} has no drill")
     more = compare(done.made, parts, machine, rack, done.meaning, done.choices, skipped, name)
-    return (*done.diagnostics, *more)
+    turned = (
+        rules.TURNED.at(part.source, mark=part.mark)
+        for part, lying in zip(given, parts, strict=False)
+        if lying is not part and not is_turned(part, lying)
+    )
+    return (*done.diagnostics, *turned, *more)
