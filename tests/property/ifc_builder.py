@@ -126,23 +126,17 @@ def lie(member: Member) -> Lie:
     return Lie((b / 2, -h / 2), (0, 1), (-1, 0))
 
 
-def expected_holes(member: Member, mirrored: bool = False) -> list[tuple[object, ...]]:
+def expected_holes(member: Member) -> list[tuple[object, ...]]:
     """(face, x, q, diameter, slot, across) of every hole in every wall."""
-    width = member.sizes[1]
     out: list[tuple[object, ...]] = []
     for hole in member.holes:
         faces = {"o": ("o", "u"), "v": ("v", "h")}[hole.face] if hole.both else (hole.face,)
         for face in faces:
-            q = hole.q
-            if mirrored and face in ("o", "u"):
-                q = width - q
-            if mirrored and member.code == "M" and face in ("v", "h"):
-                face = "h" if face == "v" else "v"
             out.append(
                 (
                     face,
                     round(hole.x, 6),
-                    q,
+                    hole.q,
                     hole.diameter,
                     hole.slot,
                     bool(hole.slot) and not hole.slot_along,
