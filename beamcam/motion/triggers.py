@@ -1,0 +1,119 @@
+"""The motion of a table without a CNC: a chain of straight operations, each started by arrival.
+
+    pass -> way to its start -> tool on -> points at the controller's cycle -> tool off -> home
+
+Every operation runs from rest to rest, so that a corner is a corner and both axes arrive together.
+"""
+
+from collections.abc import Iterator, Sequence
+from math import ceil, copysign, trunc
+
+from beamcam.errors import Source
+from beamcam.geometry.curves import Arc, Curve, Line
+from beamcam.geometry.plane import Point
+from beamcam.machine.machine import Machine
+from beamcam.model.plan import ContourOp, SheetPlan
+from beamcam.model.triggers import Round, Switch, Travel, TriggerOp, TriggerTable
+
+#: Arcs that a path object runs are cut in pieces of at most this, so that no end is its start.
+GREATEST_ROUND_DEG = 120.0
+HOME: Point = (0.0, 0.0)
+SECONDS_PER_MINUTE = 60.0
+TRUNCATION_SLACK = 1e-6  #: as in `rounding`: 0.29 is a hair less than 0.29 in binary
+
+
+def trigger_table(plan: SheetPlan, machine: Machine, job: str) -> TriggerTable:
+    """The operations that carry out a plan, from the corner of the work area and back to it."""
+    if machine.torch is None or machine.triggers is None:
+        raise TypeError(f"{machine.name} has no trigger program")
+    said: list[str] = []
+    operations = tuple(_operations(plan, machine, said))
+    return TriggerTable(job, operations, tuple(said))
+
+
+def _operations(plan: SheetPlan, machine: Machine, said: list[str]) -> Iterator[TriggerOp]:
+    triggers = machine.triggers
+    assert triggers is not None
+    here = HOME
+    for number, op in enumerate(plan.operations, 1):
+        for one in op.passes:
+            way = _Way(op, machine)
+            curves = (*one.lead_in, *one.curves, *one.lead_out)
+            start = way.grid(curves[0].start)
+            if start != here:
+                yield Travel(*start, triggers.traverse_mm_s, op.source)
+            yield Switch(op.row.process, True, op.row.pierce_s, op.source)
+            moves = list(way.along(start, curves))
+            yield from moves
+            yield Switch(op.row.process, False, 0.0, op.source)
+            if way.slowest < way.speed_mm_s * (1 - 1e-9):
+                said.append(f"contour {number}: arcs at {way.slowest:.3f} mm/s for the cycle time")
+            here = (moves[-1].x, moves[-1].y) if moves else start
+    if here != HOME:
+        yield Travel(*HOME, triggers.traverse_mm_s)
+
+
+class _Way:
+    """Follows the curves of one contour in the numbers that will be written."""
+
+    def __init__(self, op: ContourOp, machine: Machine) -> None:
+        torch, triggers = machine.torch, machine.triggers
+        assert torch is not None
+        assert triggers is not None
+        self.speed_mm_s = op.row.feed_mm_min / SECONDS_PER_MINUTE
+        self.slowest = self.speed_mm_s
+        self.tolerance = torch.tolerance - triggers.in_position / 2
+        self.source: Source | None = op.source
+        self.decimals = machine.format.length_decimals
+        self.triggers = triggers
+
+    def grid(self, point: Point) -> Point:
+        """The place that the controller is told: cut after its last decimal, as it cuts itself."""
+        counts = 10**self.decimals
+        x, y = (trunc(v * counts + copysign(TRUNCATION_SLACK, v)) / counts + 0.0 for v in point)
+        return x, y
+
+    def along(self, start: Point, curves: Sequence[Curve]) -> Iterator[Travel | Round]:
+        """The operations along a chain, from the written place `start`."""
+        here = start
+        for curve in curves:
+            found: Sequence[Travel | Round]
+            if isinstance(curve, Line):
+                found = [Travel(*self.grid(curve.end), self.speed_mm_s, self.source)]
+            elif isinstance(curve, Arc) and self.triggers.path_objects:
+                found = self._rounds(curve)
+            else:
+                found = self._chords(curve)
+            for op in found:
+                if (op.x, op.y) != here:
+                    yield op
+                    here = op.x, op.y
+
+    def _rounds(self, arc: Arc) -> list[Travel | Round]:
+        count = max(1, ceil(abs(arc.sweep_deg) / GREATEST_ROUND_DEG - 1e-9))
+        found: list[Travel | Round] = []
+        for k in range(count):
+            middle = self.grid(arc.point((k + 0.5) / count))
+            end = self.grid(arc.point((k + 1) / count))
+            found.append(Round(*end, *middle, self.speed_mm_s, self.source))
+        return found
+
+    def _chords(self, curve: Curve) -> list[Travel | Round]:
+        """Chords by the chord rule and the cycle rule; the end is met exactly."""
+        from beamcam.motion.densify import DensifyRules, densify
+        from beamcam.motion.rounding import Rounding
+
+        rules = DensifyRules(
+            self.tolerance,
+            Rounding(10**self.decimals, truncate=True),
+            self.speed_mm_s,
+            self.triggers.cycle_s,
+            self.triggers.cycles_per_chord,
+        )
+        path = densify((curve,), rules)
+        self.slowest = min(self.slowest, float(path.speeds_mm_s.min(initial=self.slowest)))
+        points = path.points.tolist()[1:]
+        return [
+            Travel(x + 0.0, y + 0.0, speed, self.source)
+            for (x, y), speed in zip(points, path.speeds_mm_s.tolist(), strict=True)
+        ]

@@ -1,0 +1,164 @@
+"""Simulated axes: they go to a place with a trapezoid of velocity, from whatever they do now."""
+
+from math import hypot, sqrt
+
+Phase = tuple[float, float]  #: seconds and acceleration
+
+
+def phases_to(way: float, velocity: float, greatest: float, up: float, down: float) -> list[Phase]:
+    """The phases that make `way` and end at rest, from a velocity, as fast as limits allow.
+
+    An axis that is too fast to stop in time, or moves away, brakes and comes back.
+    """
+    found: list[Phase] = []
+    stop = velocity * abs(velocity) / (2 * down)
+    side = 1.0 if way - stop >= 0.0 else -1.0
+    left, speed = way * side, velocity * side
+    if speed < 0.0:
+        found.append((-speed / down, down * side))
+        left, speed = left + speed * speed / (2 * down), 0.0
+    if speed > greatest:
+        found.append(((speed - greatest) / down, -down * side))
+        left, speed = left - (speed * speed - greatest * greatest) / (2 * down), greatest
+    peak = sqrt(max(0.0, (2 * up * down * left + down * speed * speed) / (up + down)))
+    peak = max(min(peak, greatest), speed)
+    if peak <= 0.0:
+        return found
+    rise = (peak * peak - speed * speed) / (2 * up)
+    fall = peak * peak / (2 * down)
+    found.append(((peak - speed) / up, up * side))
+    found.append((max(0.0, left - rise - fall) / peak, 0.0))
+    found.append((peak / down, -down * side))
+    return found
+
+
+class Axis:
+    """An axis with its drive: `place` counts from its low limit switch, `position` from zero."""
+
+    def __init__(self, name: str, place: float, stop: float) -> None:
+        self.name = name
+        self.place, self.velocity = place, 0.0
+        self.origin = 0.0
+        self.enabled = False
+        self.brake = stop  #: mm/s2 of a stop
+        self.target: float | None = None  #: position that was commanded
+        self.homed = 0
+        self._phases: list[Phase] = []
+        self._endless = False
+        self._end: float | None = None
+
+    @property
+    def position(self) -> float:
+        return self.place - self.origin
+
+    @property
+    def still(self) -> bool:
+        return not self._phases and not self._endless
+
+    def go(self, position: float, velocity: float, up: float, down: float) -> None:
+        """To a position."""
+        way = position - self.position
+        self.target, self._end, self._endless = position, position + self.origin, False
+        self._phases = phases_to(way, self.velocity, velocity, up, down)
+
+    def run(self, velocity: float, acceleration: float) -> None:
+        """On and on."""
+        self._end, self.target, self._endless = None, None, True
+        change = velocity - self.velocity
+        self._phases = [(abs(change) / acceleration, acceleration if change > 0 else -acceleration)]
+
+    def stop(self) -> None:
+        """To rest as fast as the axis can."""
+        self._end, self.target, self._endless = None, None, False
+        speed = self.velocity
+        self._phases = [(abs(speed) / self.brake, -self.brake if speed > 0 else self.brake)]
+
+    def home(self, position: float) -> None:
+        """Call the place where the axis stands so."""
+        self.origin = self.place - position
+        self.target = position
+        self.homed += 1
+
+    def put(self, position: float, velocity: float) -> None:
+        """Where a path object has brought the axis."""
+        self.place, self.velocity = position + self.origin, velocity
+        self._phases, self._endless, self._end = [], False, None
+
+    def advance(self, seconds: float) -> None:
+        """Move for a while."""
+        while seconds > 0.0 and self._phases:
+            lasts, acceleration = self._phases[0]
+            t = min(seconds, lasts)
+            self.place += t * (self.velocity + acceleration * t / 2)
+            self.velocity += acceleration * t
+            seconds -= t
+            if lasts - t > 1e-12:
+                self._phases[0] = (lasts - t, acceleration)
+                return
+            del self._phases[0]
+        if not self._phases and not self._endless:
+            self.velocity = 0.0
+            if self._end is not None:
+                self.place, self._end = self._end, None
+        elif seconds > 0.0:
+            self.place += self.velocity * seconds
+
+
+class Path:
+    """A path object: lines and arcs of both axes, one after another."""
+
+    def __init__(self, x: Axis, y: Axis) -> None:
+        self.x, self.y = x, y
+        self._queue: list[tuple[list[tuple[float, float]], float, float, float]] = []
+        self._points: list[tuple[float, float]] = []
+        self._drive: Axis | None = None
+
+    @property
+    def still(self) -> bool:
+        return not self._queue and self._drive is None
+
+    def add(self, points: list[tuple[float, float]], speed: float, up: float, down: float) -> None:
+        """Along points, from rest to rest, behind what is there already."""
+        self._queue.append((points, speed, up, down))
+
+    @property
+    def end(self) -> tuple[float, float]:
+        """Where all of it ends."""
+        if self._queue:
+            return self._queue[-1][0][-1]
+        return self._points[-1] if self._drive is not None else (self.x.position, self.y.position)
+
+    def stop(self) -> None:
+        self._queue.clear()
+        if self._drive is not None:
+            self._drive.stop()
+
+    def advance(self, seconds: float) -> None:
+        if self._drive is None and self._queue:
+            self._points, speed, up, down = self._queue.pop(0)
+            self._drive = Axis("path", 0.0, down)
+            length = sum(hypot(b[0] - a[0], b[1] - a[1]) for a, b in self._pairs())
+            self._drive.go(length, speed, up, down)
+        if self._drive is None:
+            return
+        self._drive.advance(seconds)
+        (x, y), (dx, dy) = self._at(self._drive.position)
+        self.x.put(x, dx * self._drive.velocity)
+        self.y.put(y, dy * self._drive.velocity)
+        if self._drive.still:
+            self._drive = None
+
+    def _pairs(self) -> list[tuple[tuple[float, float], tuple[float, float]]]:
+        return list(zip(self._points, self._points[1:], strict=False))
+
+    def _at(self, way: float) -> tuple[tuple[float, float], tuple[float, float]]:
+        direction = (0.0, 0.0)
+        for a, b in self._pairs():
+            length = hypot(b[0] - a[0], b[1] - a[1])
+            if length == 0.0:
+                continue
+            direction = ((b[0] - a[0]) / length, (b[1] - a[1]) / length)
+            if way <= length:
+                return (a[0] + way * direction[0], a[1] + way * direction[1]), direction
+            way -= length
+        return self._points[-1], direction

@@ -1,0 +1,388 @@
+"""Structured Text run: a syntax tree turned into Python functions, one for each node.
+
+Blocks are compiled once; the variables of an instance are a dictionary that its functions are
+called with. Commands go to a `World`, which knows axes and time. AND and OR stop at the first
+value that decides, which makes no difference as expressions have no effects.
+"""
+
+from collections.abc import Callable, Sequence
+from math import sqrt
+from typing import Any, Protocol
+
+from beamcam.errors import Diagnostic, Source
+from beamcam.verify.st import rules
+from beamcam.verify.st.syntax import (
+    Array,
+    Assign,
+    Binary,
+    Block,
+    Call,
+    Case,
+    Constant,
+    Element,
+    Expression,
+    For,
+    If,
+    Invoke,
+    Leave,
+    Member,
+    Name,
+    Statement,
+    Unary,
+    Unit,
+    Variable,
+)
+
+Values = dict[str, Any]
+Get = Callable[[Values], Any]
+Do = Callable[[Values], None]
+
+_FIRST: dict[str, Any] = {"BOOL": False, "REAL": 0.0, "LREAL": 0.0, "TIME": 0.0}
+
+
+class World(Protocol):
+    """What a program can reach besides its variables."""
+
+    clock_s: float
+
+    def find(self, name: str) -> Any:
+        """The axis or path object of a name, or None."""
+
+    def command(self, name: str, values: dict[str, Any], line: int) -> int:
+        """Carry out a command; 0 if it was accepted."""
+
+    def system(self, base: Any, name: str) -> Any:
+        """A system variable of an object."""
+
+
+class Fault(Exception):
+    """What stops the controller."""
+
+    def __init__(self, diagnostic: Diagnostic) -> None:
+        super().__init__(str(diagnostic))
+        self.diagnostic = diagnostic
+
+
+class _Return(Exception):
+    pass
+
+
+class Timer:
+    """TON: Q follows IN after PT."""
+
+    def __init__(self, world: World) -> None:
+        self._world = world
+        self._since: float | None = None
+        self.values: Values = {"Q": False, "ET": 0.0}
+
+    def run(self, inputs: Values) -> None:
+        now = self._world.clock_s
+        if not inputs["IN"]:
+            self._since = None
+            self.values.update(Q=False, ET=0.0)
+            return
+        if self._since is None:
+            self._since = now
+        elapsed = now - self._since
+        self.values.update(Q=elapsed >= inputs["PT"] - 1e-9, ET=min(elapsed, inputs["PT"]))
+
+
+class Instance:
+    """A function block with its variables."""
+
+    def __init__(self, compiled: "_Compiled", machine: "Interpreter") -> None:
+        self._compiled = compiled
+        self.values: Values = {}
+        for variable in compiled.block.variables:
+            self.values[variable.name.upper()] = machine.first(variable)
+
+    def run(self, inputs: Values) -> None:
+        self.values.update(inputs)
+        self._compiled.run(self.values)
+
+
+class _Compiled:
+    def __init__(self, block: Block) -> None:
+        self.block = block
+        self.body: list[Do] = []
+
+    def run(self, values: Values) -> None:
+        try:
+            for do in self.body:
+                do(values)
+        except _Return:
+            pass
+
+
+class Interpreter:
+    """The units of a project, loaded: global variables, and one instance of each program."""
+
+    def __init__(self, units: Sequence[Unit], world: World, name: str) -> None:
+        self.world, self.name = world, name
+        self.globals: Values = {}
+        self.addresses: dict[str, str] = {}  #: of inputs and outputs: their variable
+        self._variables: dict[str, Variable] = {}
+        self._blocks = {b.name.upper(): _Compiled(b) for u in units for b in u.blocks}
+        self._locals: dict[str, Variable] = {}
+        for unit in units:
+            for variable in unit.variables:
+                key = variable.name.upper()
+                self._variables[key] = variable
+                self.globals[key] = self.first(variable)
+                if variable.address:
+                    self.addresses[variable.address.upper()] = key
+        for compiled in self._blocks.values():
+            self._locals = {v.name.upper(): v for v in compiled.block.variables}
+            compiled.body = [self._statement(s) for s in compiled.block.body]
+        self._programs = [
+            Instance(c, self) for c in self._blocks.values() if c.block.kind == "PROGRAM"
+        ]
+
+    def scan(self) -> None:
+        """One cycle of every program. Raises Fault."""
+        for program in self._programs:
+            program.run({})
+
+    def first(self, variable: Variable) -> Any:
+        """The value that a variable begins with; an array is a list behind its bounds."""
+        type_, initial = variable.type, variable.initial
+        if isinstance(type_, Array):
+            count = type_.high - type_.low + 1
+            if isinstance(initial, tuple):
+                return [self._constant(v) for v in initial]
+            return [_FIRST.get(type_.of.upper(), 0)] * count
+        if type_.upper() == "TON":
+            return Timer(self.world)
+        if type_.upper() in self._blocks:
+            return Instance(self._blocks[type_.upper()], self)
+        if initial is None or isinstance(initial, tuple):
+            return _FIRST.get(type_.upper(), 0)
+        return self._constant(initial)
+
+    def _constant(self, value: Expression) -> Any:
+        return self._get(value)({})
+
+    # -- statements -------------------------------------------------------------------------
+
+    def _statement(self, one: Statement) -> Do:
+        match one:
+            case Assign():
+                return self._assign(one)
+            case Invoke(call=call):
+                return self._invoke(call)
+            case If():
+                return self._if(one)
+            case Case():
+                return self._case(one)
+            case For():
+                return self._for(one)
+            case Leave():
+                return _leave
+
+    def _body(self, statements: Sequence[Statement]) -> tuple[Do, ...]:
+        return tuple(self._statement(s) for s in statements)
+
+    def _assign(self, one: Assign) -> Do:
+        get = self._get(one.value)
+        target = one.target
+        if isinstance(target, Element):
+            array, index, low, high, name = self._element(target)
+
+            def put(values: Values) -> None:
+                k = index(values)
+                if not low <= k <= high:
+                    raise self._outside(target.line, k, name, low, high)
+                array(values)[k - low] = get(values)
+
+            return put
+        assert isinstance(target, Name)
+        key = target.name.upper()
+        if key in self._locals:
+
+            def keep(values: Values) -> None:
+                values[key] = get(values)
+
+            return keep
+        known = self.globals
+
+        def keep_global(values: Values) -> None:
+            known[key] = get(values)
+
+        return keep_global
+
+    def _invoke(self, call: Call) -> Do:
+        key = call.callee.upper()
+        inputs = [(name.upper(), self._get(value)) for name, value, _ in call.named]
+        instance = self._get(Name(call.line, key))
+
+        def invoke(values: Values) -> None:
+            instance(values).run({name: get(values) for name, get in inputs})
+
+        return invoke
+
+    def _if(self, one: If) -> Do:
+        branches = [(self._get(c), self._body(b)) for c, b in one.branches]
+        otherwise = self._body(one.otherwise)
+        if len(branches) == 1 and not otherwise:
+            ((condition, body),) = branches
+
+            def single(values: Values) -> None:
+                if condition(values):
+                    for do in body:
+                        do(values)
+
+            return single
+
+        def choose(values: Values) -> None:
+            chosen = next((body for condition, body in branches if condition(values)), otherwise)
+            for do in chosen:
+                do(values)
+
+        return choose
+
+    def _case(self, one: Case) -> Do:
+        selector = self._get(one.selector)
+        table = {label: self._body(b) for labels, b in one.branches for label in labels}
+        otherwise = self._body(one.otherwise)
+
+        def choose(values: Values) -> None:
+            for do in table.get(selector(values), otherwise):
+                do(values)
+
+        return choose
+
+    def _for(self, one: For) -> Do:
+        first, last = self._get(one.first), self._get(one.last)
+        body, key = self._body(one.body), one.variable.upper()
+        local = key in self._locals
+
+        def loop(values: Values) -> None:
+            where = values if local else self.globals
+            for k in range(first(values), last(values) + 1):
+                where[key] = k
+                for do in body:
+                    do(values)
+
+        return loop
+
+    # -- expressions ------------------------------------------------------------------------
+
+    def _get(self, value: Expression) -> Get:
+        match value:
+            case Constant(value=plain):
+                return lambda values: plain
+            case Name():
+                return self._name(value)
+            case Member():
+                return self._member(value)
+            case Element():
+                return self._read(value)
+            case Call():
+                return self._call(value)
+            case Unary():
+                inner = self._get(value.value)
+                if value.operator == "NOT":
+                    return lambda values: not inner(values)
+                return lambda values: -inner(values)
+            case Binary():
+                return self._binary(value)
+
+    def _name(self, value: Name) -> Get:
+        key = value.name.upper()
+        if key in self._locals:
+            return lambda values: values[key]
+        if key in self._variables or key in self.globals:
+            known = self.globals
+            return lambda values: known[key]
+        found = self.world.find(value.name)
+        plain = key if found is None else found
+        return lambda values: plain
+
+    def _member(self, value: Member) -> Get:
+        base, key, world = self._get(value.base), value.name.upper(), self.world
+
+        def read(values: Values) -> Any:
+            found = base(values)
+            if isinstance(found, Instance | Timer):
+                return found.values[key]
+            return world.system(found, key)
+
+        return read
+
+    def _element(self, value: Element) -> tuple[Get, Get, int, int, str]:
+        assert isinstance(value.base, Name)
+        key = value.base.name.upper()
+        variable = self._locals.get(key) or self._variables[key]
+        assert isinstance(variable.type, Array)
+        low, high = variable.type.low, variable.type.high
+        return self._name(value.base), self._get(value.index), low, high, variable.name
+
+    def _read(self, value: Element) -> Get:
+        array, index, low, high, name = self._element(value)
+
+        def read(values: Values) -> Any:
+            k = index(values)
+            if not low <= k <= high:
+                raise self._outside(value.line, k, name, low, high)
+            return array(values)[k - low]
+
+        return read
+
+    def _outside(self, line: int, k: int, name: str, low: int, high: int) -> Fault:
+        source = Source(self.name, line)
+        return Fault(rules.BOUNDS.at(source, found=k, name=name, low=low, high=high))
+
+    def _call(self, value: Call) -> Get:
+        name = value.callee
+        if name.upper() == "ABS":
+            inner = self._get(value.placed[0])
+            return lambda values: abs(inner(values))
+        if name.upper() == "SQRT":
+            inner = self._get(value.placed[0])
+            return lambda values: sqrt(inner(values))
+        inputs = [(key.upper(), self._get(given)) for key, given, _ in value.named]
+        world, line = self.world, value.line
+
+        def command(values: Values) -> int:
+            return world.command(name.upper(), {k: get(values) for k, get in inputs}, line)
+
+        return command
+
+    def _binary(self, value: Binary) -> Get:
+        left, right = self._get(value.left), self._get(value.right)
+        operator = value.operator
+        if operator in ("/", "MOD"):
+            return self._divide(value, left, right)
+        return _BINARY[operator](left, right)
+
+    def _divide(self, value: Binary, left: Get, right: Get) -> Get:
+        def divide(values: Values) -> Any:
+            a, b = left(values), right(values)
+            if b == 0:
+                source = Source(self.name, value.line)
+                raise Fault(rules.RUN.at(source, found="a division by 0", expected="none"))
+            if value.operator == "MOD":
+                return a - b * int(a / b)
+            return int(a / b) if isinstance(a, int) else a / b
+
+        return divide
+
+
+def _leave(values: Values) -> None:
+    raise _Return
+
+
+_BINARY: dict[str, Callable[[Get, Get], Get]] = {
+    "AND": lambda a, b: lambda v: a(v) and b(v),
+    "OR": lambda a, b: lambda v: a(v) or b(v),
+    "XOR": lambda a, b: lambda v: a(v) != b(v),
+    "=": lambda a, b: lambda v: a(v) == b(v),
+    "<>": lambda a, b: lambda v: a(v) != b(v),
+    "<": lambda a, b: lambda v: a(v) < b(v),
+    ">": lambda a, b: lambda v: a(v) > b(v),
+    "<=": lambda a, b: lambda v: a(v) <= b(v),
+    ">=": lambda a, b: lambda v: a(v) >= b(v),
+    "+": lambda a, b: lambda v: a(v) + b(v),
+    "-": lambda a, b: lambda v: a(v) - b(v),
+    "*": lambda a, b: lambda v: a(v) * b(v),
+}

@@ -1,0 +1,123 @@
+"""What SIMOTION brings: types, commands with their parameters, enumerators, function blocks.
+
+Sources: SIMOTION Technology Objects (axis), TO Path Interpolation 11/2010; IEC 61131-3 for TON,
+ABS and SQRT. A command has to name what is `needed` here: what it leaves out would be a default
+of the project.
+"""
+
+from msgspec import Struct
+
+Type = str  #: a plain type, "axis", "path", "enum:A|B" or the name of a function block
+
+NUMBERS = ("SINT", "USINT", "INT", "UINT", "DINT", "UDINT", "REAL", "LREAL")
+INTEGERS = NUMBERS[:6]
+TYPES = (*NUMBERS, "BOOL", "TIME", "posAxis", "pathObject")
+
+_WHEN = "enum:IMMEDIATELY|WHEN_BUFFER_READY|WHEN_COMMAND_DONE|WHEN_MOTION_DONE"
+_MERGE = "enum:IMMEDIATELY|NEXT_MOTION|SEQUENTIAL|SUPERIMPOSED_MOTION_MERGE"
+_DIRECT = "enum:DIRECT|USER_DEFAULT|CURRENT"
+_PROFILE = "enum:TRAPEZOIDAL|SMOOTH"
+_STOP = "enum:STOP_AND_ABORT|STOP_WITHOUT_ABORT"
+
+
+class Command(Struct, frozen=True):
+    """A system function."""
+
+    parameters: dict[str, Type]
+    needed: tuple[str, ...]
+
+
+_DYNAMICS = {
+    "velocityType": _DIRECT, "velocity": "LREAL",
+    "positiveAccelType": _DIRECT, "positiveAccel": "LREAL",
+    "negativeAccelType": _DIRECT, "negativeAccel": "LREAL",
+    "velocityProfile": _PROFILE, "mergeMode": _MERGE, "nextCommand": _WHEN,
+}  # fmt: skip
+_PLANE = {
+    "pathObject": "pathObject", "pathPlane": "enum:X_Y|Y_Z|Z_X|X_Y_Z",
+    "pathMode": "enum:ABSOLUTE|RELATIVE", "x": "LREAL", "y": "LREAL", "z": "LREAL",
+}  # fmt: skip
+
+COMMANDS = {
+    "_pos": Command(
+        {
+            "axis": "posAxis", "direction": "enum:POSITIVE|NEGATIVE|BY_VALUE|SHORTEST_WAY",
+            "positioningMode": "enum:ABSOLUTE|RELATIVE", "position": "LREAL", **_DYNAMICS,
+        },
+        ("axis", "direction", "positioningMode", "position", *_DYNAMICS),
+    ),
+    "_move": Command(
+        {"axis": "posAxis", "direction": "enum:POSITIVE|NEGATIVE|BY_VALUE", **_DYNAMICS},
+        ("axis", "direction", "velocityType", "velocity", "nextCommand"),
+    ),
+    "_stop": Command(
+        {"axis": "posAxis", "stopMode": _STOP, "nextCommand": _WHEN},
+        ("axis", "stopMode", "nextCommand"),
+    ),
+    "_stopPath": Command(
+        {"pathObject": "pathObject", "stopMode": _STOP, "nextCommand": _WHEN},
+        ("pathObject", "stopMode", "nextCommand"),
+    ),
+    "_enableAxis": Command({"axis": "posAxis", "nextCommand": _WHEN}, ("axis", "nextCommand")),
+    "_homing": Command(
+        {
+            "axis": "posAxis", "homingMode": "enum:DIRECT_HOMING|ACTIVE_HOMING|PASSIVE_HOMING",
+            "homePositionType": _DIRECT, "homePosition": "LREAL", "nextCommand": _WHEN,
+        },
+        ("axis", "homingMode", "homePositionType", "homePosition", "nextCommand"),
+    ),
+    "_movePathLinear": Command(
+        {**_PLANE, **_DYNAMICS}, ("pathObject", "pathPlane", "pathMode", "x", "y", *_DYNAMICS)
+    ),
+    "_movePathCircular": Command(
+        {
+            **_PLANE,
+            "circularType": "enum:OVER_POSITION_TO_ENDPOSITION|WITH_RADIUS_AND_ENDPOSITION",
+            "ijkMode": "enum:ABSOLUTE|RELATIVE", "i": "LREAL", "j": "LREAL", "k": "LREAL",
+            **_DYNAMICS,
+        },
+        ("pathObject", "pathPlane", "circularType", "pathMode", "x", "y", "ijkMode", "i", "j",
+         *_DYNAMICS),
+    ),
+}  # fmt: skip
+
+#: Inputs and outputs of standard function blocks.
+BLOCKS = {"TON": ({"IN": "BOOL", "PT": "TIME"}, {"Q": "BOOL", "ET": "TIME"})}
+
+#: System variables of an axis by path.
+AXIS_VARIABLES = {"control": "enum:ACTIVE|INACTIVE", "basicMotion": "basicMotion"}
+BASIC_MOTION = {"position": "LREAL", "velocity": "LREAL"}
+
+
+def _enumerators() -> frozenset[str]:
+    found: set[str] = {"ACTIVE", "INACTIVE"}
+    for command in COMMANDS.values():
+        for type_ in command.parameters.values():
+            if type_.startswith("enum:"):
+                found |= set(type_[5:].split("|"))
+    return frozenset(found)
+
+
+ENUMERATORS = _enumerators()
+
+
+def fits(found: Type, wanted: Type) -> bool:
+    """Whether a value of one type may stand where another is wanted, without a conversion."""
+    if found == wanted:
+        return True
+    if wanted.startswith("enum:") and found.startswith("enum:"):
+        return set(found[5:].split("|")) <= set(wanted[5:].split("|"))
+    if found == "integer":
+        return wanted in INTEGERS
+    if found == "real":
+        return wanted in ("REAL", "LREAL")
+    wider = {"USINT": ("INT", "UINT", "DINT", "UDINT"), "SINT": ("INT", "DINT"),
+             "INT": ("DINT",), "UINT": ("DINT", "UDINT"), "REAL": ("LREAL",)}  # fmt: skip
+    return wanted in wider.get(found, ())
+
+
+def shown(type_: Type) -> str:
+    """A type as a message says it."""
+    if type_.startswith("enum:"):
+        return " or ".join(type_[5:].split("|"))
+    return {"integer": "a whole number", "real": "a number with a point"}.get(type_, type_)

@@ -1,0 +1,390 @@
+"""Structured Text to a syntax tree: the language as far as trigger programs need it.
+
+Recursive descent over tokens, one function a construct, its form above it. The first thing that
+is not understood ends a text with a message, as nothing behind it can be trusted.
+"""
+
+from __future__ import annotations
+
+import re
+from typing import Literal, cast
+
+from beamcam.errors import Diagnostic, Source
+from beamcam.verify.st import rules, syntax
+from beamcam.verify.st.lexer import Token, tokens
+from beamcam.verify.st.syntax import Expression, Section, Statement
+
+_WORDS = """ACTION AND ARRAY AT BEGIN BY CASE CONFIGURATION CONSTANT DATE DO DT ELSE ELSIF END_ACTION
+    END_CASE END_FOR END_FUNCTION END_FUNCTION_BLOCK END_IF END_IMPLEMENTATION END_INTERFACE
+    END_PROGRAM END_REPEAT END_STRUCT END_TYPE END_VAR END_WHILE EXIT FALSE FOR FROM FUNCTION
+    FUNCTION_BLOCK IF IMPLEMENTATION INTERFACE MOD NOT OF ON OR PROGRAM READ_ONLY REPEAT RETAIN
+    RETURN STEP STRUCT TASK THEN TIME TO TOD TRANSITION TRUE TYPE UNTIL USELIB USEPACKAGE USES VAR
+    VAR_GLOBAL VAR_INPUT VAR_IN_OUT VAR_OUTPUT VAR_TEMP WAITFORCONDITION WHILE WITH XOR
+    R S LD ST N LDN STN JMP CAL RET ADD SUB MUL DIV GT GE EQ NE LE LT"""
+KEYWORDS = frozenset(_WORDS.split())
+
+_SECTIONS: dict[str, Section] = {
+    "VAR_INPUT": "input", "VAR_OUTPUT": "output", "VAR_IN_OUT": "inout", "VAR": "local",
+}  # fmt: skip
+_TIME = re.compile(r"(\d+(?:\.\d+)?)(ms|s|m|h|d)", re.IGNORECASE)
+_TIME_S = {"ms": 0.001, "s": 1.0, "m": 60.0, "h": 3600.0, "d": 86400.0}
+_LEVELS = (("OR",), ("XOR",), ("AND", "&"), ("=", "<>"), ("<", ">", "<=", ">="), ("+", "-"),
+           ("*", "/", "MOD"))  # fmt: skip
+
+
+class _Stop(Exception):
+    """What cannot be parsed."""
+
+    def __init__(self, token: Token, expected: str) -> None:
+        self.token, self.expected = token, expected
+
+
+def parse(text: str, name: str) -> tuple[list[syntax.Unit], list[Diagnostic]]:
+    """The units of a text, and what is wrong with it."""
+    found, said = tokens(text, name)
+    if said:
+        return [], said
+    parser = _Parser(found)
+    try:
+        return parser.units(), []
+    except _Stop as stop:
+        source = Source(name, stop.token.line)
+        shown = stop.token.text or "the end of the text"
+        return [], [rules.SYNTAX.at(source, found=shown, expected=stop.expected)]
+
+
+class _Parser:
+    def __init__(self, found: list[Token]) -> None:
+        self.tokens, self.at = found, 0
+
+    # -- words ------------------------------------------------------------------------------
+
+    @property
+    def here(self) -> Token:
+        return self.tokens[self.at]
+
+    def is_word(self, *words: str) -> bool:
+        return self.here.kind in ("name", "sign") and self.here.text.upper() in words
+
+    def take(self, *words: str) -> Token:
+        if not self.is_word(*words):
+            raise _Stop(self.here, " or ".join(words))
+        self.at += 1
+        return self.tokens[self.at - 1]
+
+    def accept(self, *words: str) -> bool:
+        if self.is_word(*words):
+            self.at += 1
+            return True
+        return False
+
+    def identifier(self, what: str) -> Token:
+        token = self.here
+        if token.kind != "name" or token.text.upper() in KEYWORDS:
+            raise _Stop(token, what)
+        self.at += 1
+        return token
+
+    # -- units ------------------------------------------------------------------------------
+
+    def units(self) -> list[syntax.Unit]:
+        found = []
+        while self.here.kind != "end":
+            name = "unit"
+            if self.here.kind == "unit":
+                name = self.here.text.split()[3]
+                self.at += 1
+            found.append(self.unit(name))
+        if not found:
+            raise _Stop(self.here, "INTERFACE")
+        return found
+
+    def unit(self, name: str) -> syntax.Unit:
+        # INTERFACE USEPACKAGE p; USES u, v; VAR_GLOBAL ... END_VAR FUNCTION_BLOCK f; END_INTERFACE
+        self.take("INTERFACE")
+        packages: list[str] = []
+        uses: list[tuple[str, int]] = []
+        exports: list[tuple[str, str, int]] = []
+        variables: list[syntax.Variable] = []
+        while not self.accept("END_INTERFACE"):
+            if self.accept("USEPACKAGE"):
+                packages.append(self.identifier("a technology package").text)
+                self.take(";")
+            elif self.accept("USES"):
+                uses.append(self._used())
+                while self.accept(","):
+                    uses.append(self._used())
+                self.take(";")
+            elif self.accept("VAR_GLOBAL"):
+                section: Section = "const" if self.accept("CONSTANT") else "global"
+                variables += self.variables(section)
+            else:
+                kind = self.take("FUNCTION_BLOCK", "PROGRAM", "VAR_GLOBAL", "END_INTERFACE")
+                token = self.identifier("a name")
+                exports.append((kind.text.upper(), token.text, token.line))
+                self.take(";")
+        self.take("IMPLEMENTATION")
+        blocks = []
+        while not self.accept("END_IMPLEMENTATION"):
+            blocks.append(self.block())
+        return syntax.Unit(
+            name, tuple(packages), tuple(uses), tuple(exports), tuple(variables), tuple(blocks)
+        )
+
+    def _used(self) -> tuple[str, int]:
+        token = self.identifier("the name of a unit")
+        return token.text, token.line
+
+    def block(self) -> syntax.Block:
+        # FUNCTION_BLOCK name VAR_INPUT ... END_VAR statements END_FUNCTION_BLOCK
+        kind = self.take("FUNCTION_BLOCK", "PROGRAM", "END_IMPLEMENTATION")
+        word = cast('Literal["PROGRAM", "FUNCTION_BLOCK"]', kind.text.upper())
+        if word not in ("FUNCTION_BLOCK", "PROGRAM"):
+            raise _Stop(kind, "FUNCTION_BLOCK or PROGRAM")
+        name = self.identifier("a name").text
+        variables: list[syntax.Variable] = []
+        while self.is_word(*_SECTIONS):
+            section = _SECTIONS[self.take(*_SECTIONS).text.upper()]
+            variables += self.variables(section)
+        body = self.statements("END_" + word)
+        return syntax.Block(kind.line, word, name, tuple(variables), body)
+
+    def variables(self, section: Section) -> list[syntax.Variable]:
+        # name AT %Q0.0 : TYPE := value;
+        found = []
+        while not self.accept("END_VAR"):
+            token = self.here
+            if token.kind != "name":
+                raise _Stop(token, "a name or END_VAR")
+            self.at += 1
+            address = ""
+            if self.accept("AT"):
+                if self.here.kind != "address":
+                    raise _Stop(self.here, "an address such as %Q0.0")
+                address = self.here.text
+                self.at += 1
+            self.take(":")
+            type_ = self.type()
+            initial: Expression | tuple[Expression, ...] | None = None
+            if self.accept(":="):
+                initial = self.array_values() if self.is_word("[") else self.expression()
+            self.take(";")
+            found.append(syntax.Variable(token.line, token.text, section, type_, initial, address))
+        return found
+
+    def type(self) -> str | syntax.Array:
+        if self.accept("ARRAY"):
+            self.take("[")
+            low = self.whole()
+            self.take("..")
+            high = self.whole()
+            self.take("]")
+            self.take("OF")
+            return syntax.Array(low, high, self.type_name())
+        return self.type_name()
+
+    def type_name(self) -> str:
+        token = self.here
+        if token.kind != "name":
+            raise _Stop(token, "a type")
+        self.at += 1
+        return token.text
+
+    def whole(self) -> int:
+        sign = -1 if self.accept("-") else 1
+        token = self.here
+        if token.kind != "number" or not token.text.isdigit():
+            raise _Stop(token, "a whole number")
+        self.at += 1
+        return sign * int(token.text)
+
+    def array_values(self) -> tuple[Expression, ...]:
+        self.take("[")
+        values = [self.expression()]
+        while self.accept(","):
+            values.append(self.expression())
+        self.take("]")
+        return tuple(values)
+
+    # -- statements -------------------------------------------------------------------------
+
+    def statements(self, *ends: str) -> tuple[Statement, ...]:
+        found: list[Statement] = []
+        while not self.is_word(*ends):
+            if self.accept(";"):
+                continue
+            if self._is_label():
+                return tuple(found)
+            found.append(self.statement(ends))
+        if ends[0] not in ("END_IF", "END_CASE"):
+            self.take(*ends)
+        return tuple(found)
+
+    def _is_label(self) -> bool:
+        return self.here.kind == "number"
+
+    def statement(self, ends: tuple[str, ...]) -> Statement:
+        token = self.here
+        if self.accept("IF"):
+            return self.if_(token.line)
+        if self.accept("CASE"):
+            return self.case(token.line)
+        if self.accept("FOR"):
+            return self.for_(token.line)
+        if self.accept("RETURN"):
+            self.take(";")
+            return syntax.Leave(token.line)
+        if token.kind != "name" or token.text.upper() in KEYWORDS:
+            raise _Stop(token, f"a statement or {ends[-1]}")
+        target = self.postfix()
+        if isinstance(target, syntax.Call):
+            self.take(";")
+            return syntax.Invoke(token.line, target)
+        self.take(":=")
+        value = self.expression()
+        self.take(";")
+        return syntax.Assign(token.line, target, value)
+
+    def if_(self, line: int) -> Statement:
+        # IF a THEN ... ELSIF b THEN ... ELSE ... END_IF;
+        branches = []
+        otherwise: tuple[Statement, ...] = ()
+        while True:
+            condition = self.expression()
+            self.take("THEN")
+            branches.append((condition, self.statements("END_IF", "ELSIF", "ELSE")))
+            if not self.accept("ELSIF"):
+                break
+        if self.accept("ELSE"):
+            otherwise = self.statements("END_IF")
+        self.take("END_IF")
+        self.take(";")
+        return syntax.If(line, tuple(branches), otherwise)
+
+    def case(self, line: int) -> Statement:
+        # CASE a OF 1, 2: ... ELSE ... END_CASE;
+        selector = self.expression()
+        self.take("OF")
+        branches = []
+        otherwise: tuple[Statement, ...] = ()
+        while not self.is_word("END_CASE", "ELSE"):
+            labels = [self.whole()]
+            while self.accept(","):
+                labels.append(self.whole())
+            self.take(":")
+            branches.append((tuple(labels), self.statements("END_CASE", "ELSE")))
+        if self.accept("ELSE"):
+            otherwise = self.statements("END_CASE")
+        self.take("END_CASE")
+        self.take(";")
+        return syntax.Case(line, selector, tuple(branches), otherwise)
+
+    def for_(self, line: int) -> Statement:
+        # FOR k := 1 TO 9 DO ... END_FOR;
+        variable = self.identifier("a variable").text
+        self.take(":=")
+        first = self.expression()
+        self.take("TO")
+        last = self.expression()
+        self.take("DO")
+        body = self.statements("END_FOR")
+        self.take(";")
+        return syntax.For(line, variable, first, last, body)
+
+    # -- expressions ------------------------------------------------------------------------
+
+    def expression(self, level: int = 0) -> Expression:
+        if level == len(_LEVELS):
+            return self.unary()
+        left = self.expression(level + 1)
+        while self.is_word(*_LEVELS[level]):
+            token = self.take(*_LEVELS[level])
+            operator = "AND" if token.text == "&" else token.text.upper()
+            left = syntax.Binary(token.line, operator, left, self.expression(level + 1))
+        return left
+
+    def unary(self) -> Expression:
+        token = self.here
+        if self.accept("NOT", "-"):
+            return syntax.Unary(token.line, token.text.upper(), self.unary())
+        if self.accept("("):
+            inner = self.expression()
+            self.take(")")
+            return inner
+        if self.is_word("TRUE", "FALSE"):
+            self.at += 1
+            return syntax.Constant(token.line, "BOOL", token.text.upper() == "TRUE")
+        if token.kind == "number":
+            self.at += 1
+            if "." in token.text:
+                return syntax.Constant(token.line, "real", float(token.text))
+            return syntax.Constant(token.line, "integer", int(token.text))
+        if token.kind == "typed":
+            self.at += 1
+            return _typed(token)
+        return self.postfix()
+
+    def postfix(self) -> Expression:
+        token = self.identifier("a name or a value")
+        found: Expression = syntax.Name(token.line, token.text)
+        if self.is_word("("):
+            return self.call(token)
+        while True:
+            if self.accept("["):
+                index = self.expression()
+                self.take("]")
+                found = syntax.Element(token.line, found, index)
+            elif self.accept("."):
+                member = self.here
+                if member.kind != "name":
+                    raise _Stop(member, "a component")
+                self.at += 1
+                found = syntax.Member(member.line, found, member.text)
+            else:
+                return found
+
+    def call(self, callee: Token) -> Expression:
+        # name(a := 1, b := 2) or name(1, 2)
+        self.take("(")
+        named, placed = [], []
+        while not self.is_word(")"):
+            token, after = self.here, self.tokens[self.at + 1]
+            if token.kind == "name" and after.text == ":=":
+                self.at += 2
+                named.append((token.text, self.expression(), token.line))
+            else:
+                placed.append(self.expression())
+            if not self.accept(","):
+                break
+        self.take(")")
+        return syntax.Call(callee.line, callee.text, tuple(named), tuple(placed))
+
+
+def _typed(token: Token) -> syntax.Constant:
+    word, _, text = token.text.partition("#")
+    word = word.upper()
+    if word in ("T", "TIME"):
+        pieces = _TIME.findall(text)
+        if "".join(a + b for a, b in pieces).upper() != text.upper() or not pieces:
+            raise _Stop(token, "a time such as T#300ms")
+        value = sum(float(a) * _TIME_S[b.lower()] for a, b in pieces)
+        return syntax.Constant(token.line, "TIME", value)
+    try:
+        if word in ("LREAL", "REAL"):
+            if "." not in text:
+                raise ValueError(text)
+            return syntax.Constant(token.line, word, float(text))
+        if word == "BOOL":
+            return syntax.Constant(token.line, word, bool(int(text)))
+        low, high = INTEGERS[word]
+        if not low <= int(text) <= high:
+            raise ValueError(text)
+        return syntax.Constant(token.line, word, int(text))
+    except ValueError:
+        raise _Stop(token, f"a value of {word}") from None
+
+
+INTEGERS = {
+    "SINT": (-(2**7), 2**7 - 1), "USINT": (0, 2**8 - 1), "INT": (-(2**15), 2**15 - 1),
+    "UINT": (0, 2**16 - 1), "DINT": (-(2**31), 2**31 - 1), "UDINT": (0, 2**32 - 1),
+}  # fmt: skip

@@ -1,0 +1,95 @@
+"""What can be wrong with a trigger program."""
+
+from beamcam.errors import Rule, Severity
+
+_E = Severity.ERROR
+
+SYNTAX = Rule(
+    "st-syntax",
+    _E,
+    "found {found!r}; expected {expected}",
+    "The controller's compiler would refuse the unit.",
+)
+NAME = Rule(
+    "st-name",
+    _E,
+    "found {found}, which is not declared; expected {expected}",
+    "A misspelt name is refused by the compiler, or worse, is another variable.",
+)
+DECLARED = Rule(
+    "st-declaration",
+    _E,
+    "found the name {found} {how}; expected {expected}",
+    "A name stands for one thing; keywords of the language and its assembler are no names.",
+)
+PARAMETER = Rule(
+    "st-parameter",
+    _E,
+    "found {found} in a call of {callee}; expected {expected}",
+    "A command that misses a parameter runs with the project's default, which nobody sees here.",
+)
+TYPE = Rule(
+    "st-type",
+    _E,
+    "found {found} for {what}; expected {expected}",
+    "Types that do not fit are refused by the compiler.",
+)
+BOUNDS = Rule(
+    "st-bounds",
+    _E,
+    "found index {found} of {name}; expected {low} to {high}",
+    "An index outside of its array stops the controller.",
+)
+COUNT = Rule(
+    "st-array",
+    _E,
+    "found {found} values for {name}; expected {expected}",
+    "An array that is not filled ends at the machine's corner.",
+)
+RUN = Rule(
+    "st-run",
+    _E,
+    "found {found}; expected {expected}",
+    "The program was run with simulated axes, and this happened.",
+)
+COMMAND = Rule(
+    "st-command",
+    _E,
+    "found {found}; expected {expected}",
+    "The axis would refuse the command, or do something else than is meant.",
+)
+TRIGGER = Rule(
+    "st-trigger",
+    _E,
+    "found {found}; expected {expected}",
+    "Each operation is started once, when the one before it has arrived.",
+)
+HOME = Rule(
+    "st-homing",
+    _E,
+    "found {found}; expected {expected}",
+    "All places are counted from where homing ends.",
+)
+TOOL = Rule(
+    "st-tool",
+    _E,
+    "found {found}; expected {expected}",
+    "The tool burns where it should not, or does not pierce.",
+)
+STRAIGHT = Rule(
+    "st-straight",
+    _E,
+    "found the axes {found} mm off the line of their operation; expected at most {expected} mm",
+    "Two axes that are not scaled to each other do not arrive together.",
+)
+SPEED = Rule(
+    "st-speed",
+    _E,
+    "found {found} mm/s with the tool on; expected at most {expected} mm/s",
+    "The torch does not get through, or the axis cannot follow.",
+)
+
+RULES = (
+    SYNTAX, NAME, DECLARED, PARAMETER, TYPE, BOUNDS, COUNT, RUN, COMMAND, TRIGGER, HOME, TOOL,
+    STRAIGHT, SPEED,
+)  # fmt: skip

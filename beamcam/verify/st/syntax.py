@@ -1,0 +1,146 @@
+"""The syntax tree of Structured Text: what the parser gives, and checker and interpreter take."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+from msgspec import Struct
+
+Section = Literal["const", "global", "input", "output", "inout", "local"]
+
+
+class Constant(Struct, frozen=True):
+    """A literal: its value, and its type; "integer" and "real" where none is written."""
+
+    line: int
+    type: str
+    value: float | int | bool
+
+
+class Name(Struct, frozen=True):
+    """A variable, constant, axis or enumerator."""
+
+    line: int
+    name: str
+
+
+class Member(Struct, frozen=True):
+    """A component of a function block's instance or of an axis."""
+
+    line: int
+    base: Expression
+    name: str
+
+
+class Element(Struct, frozen=True):
+    """An element of an array."""
+
+    line: int
+    base: Expression
+    index: Expression
+
+
+class Unary(Struct, frozen=True):
+    """`-` or NOT."""
+
+    line: int
+    operator: str
+    value: Expression
+
+
+class Binary(Struct, frozen=True):
+    """Two values and an operator."""
+
+    line: int
+    operator: str
+    left: Expression
+    right: Expression
+
+
+class Call(Struct, frozen=True):
+    """A function, or an instance of a function block; parameters by name or by place."""
+
+    line: int
+    callee: str
+    named: tuple[tuple[str, Expression, int], ...]
+    placed: tuple[Expression, ...]
+
+
+Expression = Constant | Name | Member | Element | Unary | Binary | Call
+
+
+class Assign(Struct, frozen=True):
+    line: int
+    target: Expression
+    value: Expression
+
+
+class Invoke(Struct, frozen=True):
+    line: int
+    call: Call
+
+
+class If(Struct, frozen=True):
+    line: int
+    branches: tuple[tuple[Expression, tuple[Statement, ...]], ...]
+    otherwise: tuple[Statement, ...]
+
+
+class Case(Struct, frozen=True):
+    line: int
+    selector: Expression
+    branches: tuple[tuple[tuple[int, ...], tuple[Statement, ...]], ...]
+    otherwise: tuple[Statement, ...]
+
+
+class For(Struct, frozen=True):
+    line: int
+    variable: str
+    first: Expression
+    last: Expression
+    body: tuple[Statement, ...]
+
+
+class Leave(Struct, frozen=True):
+    """RETURN."""
+
+    line: int
+
+
+Statement = Assign | Invoke | If | Case | For | Leave
+
+
+class Array(Struct, frozen=True):
+    low: int
+    high: int
+    of: str
+
+
+class Variable(Struct, frozen=True):
+    line: int
+    name: str
+    section: Section
+    type: str | Array
+    initial: Expression | tuple[Expression, ...] | None = None
+    address: str = ""
+
+
+class Block(Struct, frozen=True):
+    """A PROGRAM or FUNCTION_BLOCK."""
+
+    line: int
+    kind: Literal["PROGRAM", "FUNCTION_BLOCK"]
+    name: str
+    variables: tuple[Variable, ...]
+    body: tuple[Statement, ...]
+
+
+class Unit(Struct, frozen=True):
+    """One source of the project."""
+
+    name: str
+    packages: tuple[str, ...]
+    uses: tuple[tuple[str, int], ...]
+    exports: tuple[tuple[str, str, int], ...]  #: kind, name and line
+    variables: tuple[Variable, ...]
+    blocks: tuple[Block, ...]
