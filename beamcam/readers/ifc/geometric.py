@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from beamcam.errors import Source
-from beamcam.geometry.curves import Point
+from beamcam.geometry.curves import Line, Point, signed_area
 from beamcam.model.part import Contour, Hole, Slot
 from beamcam.readers.ifc.curves2d import Chain
 from beamcam.readers.ifc.cutters import Cutter
@@ -28,7 +28,7 @@ from beamcam.readers.ifc.finish import (
     shifted,
 )
 from beamcam.readers.ifc.kernel import Built, build
-from beamcam.readers.ifc.outline import with_arcs
+from beamcam.readers.ifc.outline import sharpened, with_arcs
 from beamcam.readers.ifc.plates import box_of, into
 from beamcam.readers.ifc.region import (
     Circles,
@@ -116,7 +116,7 @@ def _stock(shell: Shell, axis: Vec) -> _Stock | None:
         if len(pieces) != 1:
             continue
         outer, inner = chains_of(pieces[0], Circles())
-        found = classify(outer, inner) if outer else None
+        found = _told(outer, inner) if outer else None
         if found is None or found.code == "SO" or (found.code == "B" and found.width > 200):
             continue
         if best is None or found.area > best[0] * 1.0005:
@@ -136,6 +136,18 @@ def _stock(shell: Shell, axis: Vec) -> _Stock | None:
         for p, q in points_of(best[2], Circles())
     )
     return _Stock(found, frame, x0, x1, border)
+
+
+def _told(outer: Chain, inner: tuple[Chain, ...]) -> Section | None:
+    """The section of an outline; of a mesh's rough roundings by its corners alone."""
+    found = classify(outer, inner)
+    if found is not None and found.code != "SO":
+        return found
+    if not all(isinstance(c, Line) for c in outer):
+        return found
+    area = abs(signed_area(outer)) - sum(abs(signed_area(c)) for c in inner)
+    again = classify(sharpened(outer), tuple(sharpened(c) for c in inner))
+    return found if again is None else replace(again, area=area)
 
 
 def _reference(shell: Shell, axis: Vec) -> Vec:

@@ -15,6 +15,7 @@ LEAST_RUN = 3  #: chords of a polygon that stand for an arc
 ON_CIRCLE = 0.02  #: mm that a vertex may lie off its circle
 PARALLEL_RAD = 1e-4
 STRAIGHT = 0.002  #: mm that a point may lie off the line between its neighbours
+GENTLE_RAD = 0.55  #: between the chords of a rounding
 SHARP_RAD = 0.3  #: by which a rounding may be off the side it runs into
 
 
@@ -191,6 +192,36 @@ class Corner:
     at: Point
     radius: float
     reflex: bool  #: an inner corner, as where web and flange meet
+
+
+def sharpened(chain: Chain) -> Chain:
+    """The chain with every run of gentle turns as the corner that it rounds off.
+
+    Meshes have roundings whose chords are of any length, so that no circle is found again.
+    """
+    lines = [c for c in joined(chain) if isinstance(c, Line)]
+    n = len(lines)
+    turns = [turn(lines[i - 1], lines[i]) for i in range(n)]  # before line i
+    gentle = [abs(t) < GENTLE_RAD for t in turns]
+    start = next((i for i in range(n) if not gentle[i]), None)
+    if start is None or n < 4:
+        return chain
+    sides: list[_Side] = []
+    i = 0
+    while i < n:
+        k = (start + i) % n
+        sides.append(_side(lines[k]))
+        run = 0
+        while i + run + 1 < n and gentle[(k + run + 1) % n]:
+            run += 1
+        if run:
+            sides.append(_side(lines[(k + run) % n]))
+        i += run + 1
+    corners = [_meet(side, sides[(j + 1) % len(sides)]) for j, side in enumerate(sides)]
+    points = [p for p in corners if p is not None]
+    if len(points) != len(corners):
+        return chain
+    return tuple(Line(p, points[(j + 1) % len(points)]) for j, p in enumerate(points))
 
 
 def corners_of(chain: Chain) -> tuple[Corner, ...] | None:

@@ -329,3 +329,22 @@ def test_a_long_notch_stays_a_contour() -> None:
     part = only_with(m, m.half((0, 0, 145), (0, 0, 1)))
     assert part.profile.code == "I"
     assert corners(contours(part)["v", "outer"]) == {(0, 0), (2000, 0), (2000, 295), (0, 295)}
+
+
+def test_a_union_of_rolled_sections_is_read_by_the_kernel() -> None:
+    """Three lengths of one beam end to end, drilled, as exporters break a beam into pieces."""
+    m = Small()
+    pieces = [
+        m.extruded(m.ipe300(), 500.0, m.step.axes((x, 0, 0), CUT, (0, 1, 0)))
+        for x in (0, 500, 1000)
+    ]
+    body = m.add(f"IFCBOOLEANRESULT(.UNION.,{pieces[0]},{pieces[1]})")
+    body = m.add(f"IFCBOOLEANRESULT(.UNION.,{body},{pieces[2]})")
+    m.element(m.minus(body, m.hole((700, -20, 0), (0, 1, 0), 22, 40)))
+    part = only(m)
+    assert part.profile.code == "I"
+    assert part.length == pytest.approx(1500.0, abs=0.01)
+    measured = (part.profile.height, part.profile.width, part.profile.flange_thickness)
+    assert measured == pytest.approx((300.0, 150.0, 10.7), abs=0.05)
+    (hole,) = (f for f in part.features if isinstance(f, Hole))
+    assert hole.diameter == pytest.approx(22.0, abs=0.02)
