@@ -18,7 +18,7 @@ from random import Random
 ROOT = Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(ROOT))
 
-MEMBERS = {"csg": 2000, "openings": 2000, "outline": 1000, "brep": 100}
+MEMBERS = {"csg": 1000, "openings": 1000, "outline": 1000, "brep": 60}
 REPEATS = 3
 
 

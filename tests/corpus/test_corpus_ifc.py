@@ -196,3 +196,36 @@ def test_a_selection_reads_nothing_else() -> None:
     assert [p.guid for p in found.parts] == [guid]
     columns = read(data, "m.ifc", selection=Selection(classes=frozenset({"column"})))
     assert len(columns.parts) == 3
+
+
+@pytest.mark.parametrize("name", FILES)
+def test_the_geometric_route_alone_reads_the_same(name: str) -> None:
+    """The kernel's solid, told by its faces only: section, length, end angles, holes."""
+    import ifcopenshell
+
+    from beamcam.errors import Source
+    from beamcam.readers.ifc.entities import open_model
+    from beamcam.readers.ifc.geometric import read_kernel
+
+    model = open_model(ifcopenshell.open(str(FOLDER / name)))
+    parts = {p.profile.name: p for p in reading(name).parts}.values()
+    assert parts
+    for part in parts:
+        found = read_kernel(model, model.file.by_guid(part.guid), Source(name))
+        assert found.section.code == part.profile.code
+        assert found.section.height == pytest.approx(part.profile.height, abs=0.1)
+        assert found.length == pytest.approx(part.length, abs=0.05)
+        angles = [
+            sorted(abs(round(a, 2)) for a in (c.web_start, c.web_end, c.flange_start, c.flange_end))
+            for c in (found.cuts, part.cuts)
+        ]
+        assert angles[0] == angles[1]
+        holes = [
+            sorted(
+                (type(f).__name__, round(f.diameter, 1))
+                for f in features
+                if isinstance(f, (Hole, Slot))
+            )
+            for features in (found.features, part.features)
+        ]
+        assert holes[0] == holes[1]

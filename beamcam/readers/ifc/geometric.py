@@ -55,7 +55,7 @@ from beamcam.readers.ifc.walls import Wall, walls_of
 STATIONS = (0.5, 0.31, 0.69, 0.17, 0.83, 0.08, 0.92, 0.42, 0.58, 0.03, 0.97)
 PRISMATIC = 0.01  #: share by which a plate's volume may differ from outline times thickness
 SAME_HOLE = 0.02  #: mm between a hole at one level and at the other
-EDGE = 0.02  #: mm within which a section point lies on a wall's long edge
+EDGE = 0.3  #: mm within which a section point lies on a wall's long edge
 EXPLAINED = 0.03  #: share by which the volume may differ from what the walls explain
 
 

@@ -15,6 +15,7 @@ LEAST_RUN = 3  #: chords of a polygon that stand for an arc
 ON_CIRCLE = 0.02  #: mm that a vertex may lie off its circle
 PARALLEL_RAD = 1e-4
 STRAIGHT = 0.002  #: mm that a point may lie off the line between its neighbours
+LONGER = 4.0  #: times the chords beside it, a line is a side and no chord of a rounding
 GENTLE_RAD = 0.55  #: between the chords of a rounding
 SHARP_RAD = 0.3  #: by which a rounding may be off the side it runs into
 
@@ -203,20 +204,14 @@ def sharpened(chain: Chain) -> Chain:
     n = len(lines)
     turns = [turn(lines[i - 1], lines[i]) for i in range(n)]  # before line i
     gentle = [abs(t) < GENTLE_RAD for t in turns]
-    start = next((i for i in range(n) if not gentle[i]), None)
-    if start is None or n < 4:
+    if n < 4 or all(gentle):
         return chain
     sides: list[_Side] = []
-    i = 0
-    while i < n:
-        k = (start + i) % n
-        sides.append(_side(lines[k]))
-        run = 0
-        while i + run + 1 < n and gentle[(k + run + 1) % n]:
-            run += 1
-        if run:
-            sides.append(_side(lines[(k + run) % n]))
-        i += run + 1
+    for i, line in enumerate(lines):
+        beside = max(lines[i - 1].length, lines[(i + 1) % n].length)
+        sharp = not (gentle[i] and gentle[(i + 1) % n])
+        if sharp or line.length > LONGER * beside:
+            sides.append(_side(line))
     corners = [_meet(side, sides[(j + 1) % len(sides)]) for j, side in enumerate(sides)]
     points = [p for p in corners if p is not None]
     if len(points) != len(corners):
