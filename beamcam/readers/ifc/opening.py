@@ -32,8 +32,12 @@ def open_file(data: bytes, source: Source) -> Any | Diagnostic:
         return rules.SYNTAX.at(source, found="a file that is cut short")
     import ifcopenshell
 
+    from beamcam.readers.ifc.entities import open_model
+
     try:
-        return ifcopenshell.file.from_string(data.decode("latin-1"))
+        file = ifcopenshell.file.from_string(data.decode("latin-1"))
+        open_model(file)  # a length unit that is not well formed makes all measures void
+        return file
     except Exception as fault:  # the parser's own errors have no class of their own
         return rules.SYNTAX.at(source, found=str(fault) or type(fault).__name__)
 
