@@ -6,20 +6,12 @@ Where the controller has words for parabolas and ellipses those are kept exact.
 """
 
 from collections.abc import Iterator, Sequence
+from itertools import groupby
 
-from beamcam.geometry.curves import (
-    Arc,
-    Bezier,
-    BSpline,
-    Curve,
-    EllipseArc,
-    Line,
-    NewtonCurve,
-    bezier_pieces,
-)
+from beamcam.geometry.curves import Arc, Curve, EllipseArc, Line, bezier_pieces
 from beamcam.geometry.plane import Point
 from beamcam.machine.machine import Machine
-from beamcam.model.plan import ContourOp, Pass, SheetPlan
+from beamcam.model.plan import ContourOp, SheetPlan
 from beamcam.model.program import (
     Command,
     Comment,
@@ -32,7 +24,14 @@ from beamcam.model.program import (
     ToolOn,
     Traverse,
 )
-from beamcam.motion.arcs import Numbers, arc_feeds, ellipse_feeds, is_parabola, parabola_feed
+from beamcam.motion.arcs import (
+    ROUND_RATIO,
+    Numbers,
+    arc_feeds,
+    ellipse_feeds,
+    is_parabola,
+    parabola_feed,
+)
 
 #: What the fitting of arcs may take of the machine's tolerance; rounding takes the rest.
 FIT_SHARE = 0.5
@@ -45,16 +44,17 @@ def sheet_program(plan: SheetPlan, machine: Machine, job: str) -> Program:
 
 def _commands(plan: SheetPlan, machine: Machine) -> Iterator[Command]:
     pen = Pen(machine)
+    passes = [one for op in plan.operations for one in op.passes]
+    ways = iter(pen.prepared([(*p.lead_in, *p.curves, *p.lead_out) for p in passes]))
     yield StartSheet(plan.thickness)
     for note in plan.notes:
         yield Comment(note)
     for op in plan.operations:
-        for k, one in enumerate(op.passes):
-            yield from _pass(op, one, k, pen)
+        for _ in op.passes:
+            yield from _pass(op, next(ways), pen)
 
 
-def _pass(op: ContourOp, one: Pass, number: int, pen: "Pen") -> Iterator[Command]:
-    curves = (*one.lead_in, *one.curves, *one.lead_out)
+def _pass(op: ContourOp, curves: Sequence[Curve], pen: "Pen") -> Iterator[Command]:
     start = pen.numbers.at(curves[0].start)
     row = op.row
     yield Traverse(*start)
@@ -87,62 +87,72 @@ class Pen:
             torch.greatest_radius if self._arcs else 0.0,
         )
 
+    def prepared(self, chains: Sequence[Sequence[Curve]]) -> list[Sequence[Curve]]:
+        """The chains with arcs for the free curves that the controller has no word for.
+
+        All of them are fitted together, since a drawing has thousands.
+        """
+        runs: list[tuple[Curve, ...]] = []
+        places: list[list[Curve | int]] = []
+        for chain in chains:
+            place: list[Curve | int] = []
+            for has_word, group in groupby(chain, self._has_word):
+                if has_word:
+                    place += group
+                else:
+                    place.append(len(runs))
+                    runs.append(tuple(group))
+            places.append(place)
+        if not runs:
+            return list(chains)
+        from beamcam.geometry.arc_fitting import fit_chains
+
+        fits = fit_chains(runs, self._fit)
+        return [
+            [c for step in place for c in (fits[step] if isinstance(step, int) else (step,))]
+            for place in places
+        ]
+
+    def _has_word(self, curve: Curve) -> bool:
+        """Whether the controller may be able to follow a curve as it is."""
+        if isinstance(curve, Line | Arc):
+            return True
+        if isinstance(curve, EllipseArc):
+            return self._ellipses and curve.ratio <= ROUND_RATIO
+        return self._parabolas and all(map(is_parabola, bezier_pieces(curve)))
+
     def along(self, start: Point, curves: Sequence[Curve]) -> list[Movement]:
-        """The moves along a chain, from the written place `start`."""
+        """The moves along a chain that was prepared, from the written place `start`."""
         moves: list[Movement] = []
         decimals = self.numbers.decimals
         here = start
-        free: list[Curve] = []
         for curve in curves:
-            if isinstance(curve, Line | Arc):
-                if free:
-                    here = self._fitted(here, free, moves)
-                    free = []
-                if isinstance(curve, Line):
-                    x, y = curve.end
-                    end = round(x, decimals) + 0.0, round(y, decimals) + 0.0
-                    if end != here:
-                        moves.append(Feed(*end))
-                        here = end
-                else:
-                    here = _append(moves, here, arc_feeds(here, curve, self.numbers))
-                continue
-            exact = self._exact(here, curve) if not free else None
-            if exact is not None:
-                here = _append(moves, here, exact)
-            else:
-                free.append(curve)
-        if free:
-            self._fitted(here, free, moves)
-        return moves
-
-    def _exact(self, here: Point, curve: Curve) -> list[Movement] | None:
-        """The moves by the controller's own word for the curve; None where it has none."""
-        if isinstance(curve, EllipseArc):
-            return ellipse_feeds(here, curve, self.numbers) if self._ellipses else None
-        if not self._parabolas or not isinstance(curve, Bezier | BSpline | NewtonCurve):
-            return None
-        pieces = bezier_pieces(curve)
-        if not all(is_parabola(piece) for piece in pieces):
-            return None
-        moves: list[Movement] = []
-        for piece in pieces:
-            here = _append(moves, here, parabola_feed(here, piece, self.numbers))
-        return moves
-
-    def _fitted(self, here: Point, free: Sequence[Curve], moves: list[Movement]) -> Point:
-        """Appends the moves along free curves that were fitted with arcs; where they end."""
-        from beamcam.geometry.fitting import fit_path
-
-        for part in fit_path(free, self._fit).curves:
-            if isinstance(part, Arc):
-                here = _append(moves, here, arc_feeds(here, part, self.numbers))
-            else:
-                end = self.numbers.at(part.end)
+            if isinstance(curve, Line):
+                x, y = curve.end
+                end = round(x, decimals) + 0.0, round(y, decimals) + 0.0
                 if end != here:
                     moves.append(Feed(*end))
                     here = end
-        return here
+            elif isinstance(curve, Arc):
+                here = _append(moves, here, arc_feeds(here, curve, self.numbers))
+            else:
+                here = _append(moves, here, self._by_word(here, curve))
+        return moves
+
+    def _by_word(self, here: Point, curve: Curve) -> list[Movement]:
+        """The moves by the controller's own word for a curve, or by arcs where it has none."""
+        if isinstance(curve, EllipseArc):
+            moves = ellipse_feeds(here, curve, self.numbers) if self._ellipses else None
+            if moves is not None:
+                return moves
+        elif self._has_word(curve) and not isinstance(curve, Line | Arc):
+            moves = []
+            for piece in bezier_pieces(curve):
+                here = _append(moves, here, parabola_feed(here, piece, self.numbers))
+            return moves
+        from beamcam.geometry.arc_fitting import fit_chains
+
+        return self.along(here, fit_chains(((curve,),), self._fit)[0])
 
 
 def _append(moves: list[Movement], here: Point, more: list[Movement]) -> Point:

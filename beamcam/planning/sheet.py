@@ -5,9 +5,10 @@ part -> what each curve is for -> what lies twice taken away -> joined, nested -
 """
 
 from collections.abc import Collection, Iterator, Sequence
-from dataclasses import replace
 from fnmatch import fnmatchcase
 from typing import Literal
+
+from msgspec.structs import replace
 
 from beamcam.errors import Diagnostic, PlanError, Source, errors_in
 from beamcam.geometry.curves import Arc, Curve, Line
@@ -27,7 +28,7 @@ from beamcam.planning.contours.repeats import without_repeats
 from beamcam.planning.contours.way import (
     begun,
     bridged,
-    directed,
+    is_turned,
     reversed_chain,
     waste_side,
 )
@@ -71,7 +72,7 @@ def plan_sheet(parts: Sequence[Part], machine: Machine, skips: Collection[str] =
     remarks += said
     shapes, said = join(_moved(wanted, shift), torch)
     remarks += said
-    shapes, _ = nest(shapes, torch.tolerance / 4)
+    shapes = nest(shapes, torch.tolerance / 4)
     operations, said = _operations(shapes, material, torch)
     remarks += said
     if errors_in(remarks):
@@ -207,10 +208,9 @@ def _operations(
     for index, turned in tour:
         shape = ready[index]
         if shape.closed:
-            curves = shape.curves
-            if shape.process == "cut":
-                curves = directed(curves, shape.depth % 2 == 1, torch)
-            shape = replace(shape, curves=begun(curves, torch, here))
+            if shape.process == "cut" and is_turned(shape.area, shape.depth % 2 == 1, torch):
+                shape = replace(shape, curves=reversed_chain(shape.curves), area=-shape.area)
+            shape = replace(shape, curves=begun(shape.curves, torch, here))
         elif turned:
             shape = replace(shape, curves=reversed_chain(shape.curves))
         ways.append((shape, moved_by[index]))
@@ -261,7 +261,7 @@ def _operation(
     if torch.tabs and wants_tabs:
         stretches = list(bridged(shape.curves, torch.tabs, torch.tab_width + kerf))
     if torch.kerf_by == "machine" and kerf:
-        side = "left" if waste_side(shape.curves, shape.depth % 2 == 1) > 0 else "right"
+        side = "left" if waste_side(shape.area, shape.depth % 2 == 1) > 0 else "right"
     passes = tuple(
         Pass(
             lead[0] if k == 0 else (),

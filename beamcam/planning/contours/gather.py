@@ -2,8 +2,9 @@
 
 from collections import Counter
 from collections.abc import Collection, Iterator, Mapping
-from dataclasses import dataclass, field
 from typing import Literal, cast
+
+from msgspec import Struct, field
 
 from beamcam.errors import Diagnostic, Source
 from beamcam.geometry.curves import Arc, Curve, Line, unit_vector
@@ -37,8 +38,7 @@ _MEANINGS: dict[Process, TorchProcess] = {
 }  # fmt: skip
 
 
-@dataclass(frozen=True, slots=True)
-class Wanted:
+class Wanted(Struct, frozen=True):
     """One curve to follow."""
 
     curve: Curve
@@ -47,8 +47,7 @@ class Wanted:
     source: Source
 
 
-@dataclass(slots=True)
-class Gathered:
+class Gathered(Struct):
     """All that is asked of a part."""
 
     wanted: list[Wanted] = field(default_factory=list)

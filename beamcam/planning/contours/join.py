@@ -2,7 +2,9 @@
 
 from collections import defaultdict
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+
+from msgspec import Struct
+from msgspec.structs import replace
 
 from beamcam.errors import Diagnostic, Source
 from beamcam.geometry.chains import Chains, join_curves
@@ -10,14 +12,13 @@ from beamcam.geometry.curves import Curve
 from beamcam.machine.machine import Torch, TorchProcess
 from beamcam.planning.contours import rules
 from beamcam.planning.contours.gather import Wanted
-from beamcam.planning.contours.outline import Outline, outline
+from beamcam.planning.contours.outline import outlines
 
 #: A closed chain whose ends are nearer than this needs no joining.
 SAME_POINT = 1e-9
 
 
-@dataclass(frozen=True, slots=True)
-class Shape:
+class Shape(Struct, frozen=True):
     """A contour that one process follows, and where it lies among the cut ones."""
 
     process: TorchProcess
@@ -27,6 +28,7 @@ class Shape:
     source: Source
     depth: int = 0  #: how many cut contours lie around it
     parent: int = -1  #: the innermost of them, by its index; -1 for none
+    area: float = 0.0  #: inside of a closed cut, mm2, above 0 if it runs counter-clockwise
 
 
 def join(wanted: Sequence[Wanted], torch: Torch) -> tuple[list[Shape], list[Diagnostic]]:
@@ -106,8 +108,8 @@ def _remarks(chains: Chains, sources: Sequence[Source], torch: Torch) -> list[Di
     return said
 
 
-def nest(shapes: Sequence[Shape], tolerance: float) -> tuple[list[Shape], list[Outline | None]]:
-    """The shapes with their depth and parent, and the outline of each cut one that closes.
+def nest(shapes: Sequence[Shape], tolerance: float) -> list[Shape]:
+    """The shapes with their area, depth and parent.
 
     A contour lies in another of greater area that a point inside it lies in. Contours that touch
     are told apart by that, those that cross are not.
@@ -115,18 +117,17 @@ def nest(shapes: Sequence[Shape], tolerance: float) -> tuple[list[Shape], list[O
     import numpy as np
     import shapely
 
-    outlines: list[Outline | None] = [None] * len(shapes)
     closed = [i for i, s in enumerate(shapes) if s.closed and s.process == "cut"]
-    if not closed:
-        return list(shapes), outlines
-    for i in closed:
-        outlines[i] = outline(shapes[i].curves, tolerance)
-    rings = [shapely.Polygon(o.points) for i in closed if (o := outlines[i]) is not None]
-    areas = shapely.area(rings)
-    tree = shapely.STRtree(rings)
-    inside = shapely.point_on_surface(shapely.make_valid(np.array(rings, dtype=object)))
     found = list(shapes)
-    points = list(inside)
+    if not closed:
+        return found
+    rings = outlines([shapes[i].curves for i in closed], tolerance)
+    signed = shapely.area(rings) * np.where(shapely.is_ccw(shapely.get_exterior_ring(rings)), 1, -1)
+    for i, area in zip(closed, signed.tolist(), strict=True):
+        found[i] = replace(shapes[i], area=area)
+    areas = np.abs(signed)
+    tree = shapely.STRtree(rings)
+    points = list(shapely.point_on_surface(shapely.make_valid(rings)))
     asked = list(closed)
     own_area = list(areas)
     for i, shape in enumerate(shapes):
@@ -141,5 +142,5 @@ def nest(shapes: Sequence[Shape], tolerance: float) -> tuple[list[Shape], list[O
             around[asked[a]].append(b)
     for i, rings_around in around.items():
         parent = closed[min(rings_around, key=lambda b: (areas[b], b))]
-        found[i] = replace(shapes[i], depth=len(rings_around), parent=parent)
-    return found, outlines
+        found[i] = replace(found[i], depth=len(rings_around), parent=parent)
+    return found

@@ -1,12 +1,11 @@
 """Contours moved off the part by half a kerf, or left to the controller to move."""
 
 from collections.abc import Sequence
-from dataclasses import replace
-from math import hypot
+
+from msgspec.structs import replace
 
 from beamcam.errors import Diagnostic
 from beamcam.geometry.curves import Arc, Curve, Line, join_boxes, signed_area
-from beamcam.geometry.fitting import fit_path
 from beamcam.planning.contours import rules
 from beamcam.planning.contours.join import Shape
 
@@ -17,7 +16,9 @@ FIT_SHARE = 0.4
 
 def fitted(curves: Sequence[Curve], tolerance: float) -> tuple[Line | Arc, ...]:
     """A chain as lines and arcs, its deviation a share of the machine's tolerance."""
-    return fit_path(curves, tolerance * FIT_SHARE).curves
+    from beamcam.geometry.arc_fitting import fit_chains
+
+    return fit_chains((curves,), tolerance * FIT_SHARE)[0]
 
 
 def offset_shape(
@@ -40,7 +41,7 @@ def offset_shape(
         return [], _no_room(shape, kerf)
     if is_hole and len(chains) != 1:
         return [], _no_room(shape, kerf)
-    return [replace(shape, curves=chain) for chain in chains], None
+    return [replace(shape, curves=c, area=signed_area(c)) for c in chains], None
 
 
 def _no_room(shape: Shape, kerf: float) -> Diagnostic:
@@ -51,7 +52,4 @@ def _no_room(shape: Shape, kerf: float) -> Diagnostic:
 
 def closes(shape: Shape) -> bool:
     """Whether a contour is a ring with an inside, as an offset needs one."""
-    if not shape.closed:
-        return False
-    box = join_boxes([c.bbox for c in shape.curves]) or (0.0, 0.0, 0.0, 0.0)
-    return hypot(box[2] - box[0], box[3] - box[1]) > 0.0 and signed_area(shape.curves) != 0.0
+    return shape.closed and shape.area != 0.0

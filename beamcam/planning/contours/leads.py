@@ -8,7 +8,7 @@ from beamcam.machine.machine import Torch
 from beamcam.planning.contours import rules
 from beamcam.planning.contours.join import Shape
 from beamcam.planning.contours.kerf import closes
-from beamcam.planning.contours.outline import outline
+from beamcam.planning.contours.outline import ways as polylines_of
 from beamcam.planning.contours.way import leads, waste_side
 
 Lead = tuple[tuple[Curve, ...], tuple[Curve, ...]]
@@ -32,7 +32,7 @@ class Leads:
         if torch.lead == "none":
             return
         waiting = [k for k, s in enumerate(ways) if s.process == "cut" and closes(s)]
-        sides = {k: waste_side(ways[k].curves, ways[k].depth % 2 == 1) for k in waiting}
+        sides = {k: waste_side(ways[k].area, ways[k].depth % 2 == 1) for k in waiting}
         # With a kerf the part's own contours must stay untouched, without one the ways as well.
         fence = _Fence([s for s in contours if s.process == "cut"], torch, CLEARANCE * half_kerf)
         short: list[Shape] = []
@@ -57,39 +57,33 @@ class _Fence:
     """The contours of the part, which no lead may come near."""
 
     def __init__(self, contours: Sequence[Shape], torch: Torch, clearance: float) -> None:
-        import numpy as np
         import shapely
 
         self._clearance = clearance
-        rings = []
-        for shape in contours:
-            points = outline(shape.curves, torch.tolerance / 4).points
-            rings.append(
-                shapely.LineString(np.concatenate((points, points[:1])) if shape.closed else points)
-            )
-        self._tree = shapely.STRtree(rings)
+        self._tree = shapely.STRtree(
+            polylines_of([shape.curves for shape in contours], torch.tolerance / 4)
+        )
 
     def clear(self, tried: dict[int, Lead], torch: Torch) -> set[int]:
         """Those whose leads keep their distance from every contour.
 
         The last tenth before the contour touches it where there is no kerf, and is not asked.
         """
-        import shapely
         from shapely.ops import substring
 
-        lines, owners = [], []
+        leads, owners = [], []
         for k, (way_in, way_out) in tried.items():
-            for curves, is_out in ((way_in, False), (way_out, True)):
-                if not curves:
-                    continue
-                points = outline(curves, torch.tolerance / 4).points
-                away = points[::-1] if not is_out else points
-                # From a tenth of the way off the contour on to the far end.
-                line = shapely.LineString(away)
-                lines.append(substring(line, 0.1, 1.0, normalized=True))
-                owners.append(k)
-        if not lines:
+            for curves in (tuple(c.reversed() for c in reversed(way_in)), way_out):
+                if curves:
+                    leads.append(curves)
+                    owners.append(k)
+        if not leads:
             return set(tried)
+        # All of them lead away from the contour now.
+        lines = [
+            substring(line, 0.1, 1.0, normalized=True)
+            for line in polylines_of(leads, torch.tolerance / 4)
+        ]
         if self._clearance > 0.0:
             hit, _ = self._tree.query(lines, "dwithin", distance=self._clearance)
         else:

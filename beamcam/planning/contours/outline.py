@@ -1,79 +1,54 @@
-"""The polygon of a contour, for questions that need no exact curve: inside, near, crossing."""
+"""Contours as polygons and polylines, for questions that need no exact curve."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
-from math import acos, ceil, pi, radians, sqrt
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
-from beamcam.geometry.curves import Arc, Curve, EllipseArc, Line, bezier_pieces, unit_vector
-from beamcam.geometry.plane import Point
+from beamcam.geometry.curves import Curve
 
 if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-
-@dataclass(frozen=True, slots=True)
-class Outline:
-    """Points of a chain, the first not repeated at the end of a closed one."""
-
-    points: "NDArray[np.float64]"  #: (n, 2)
-    at: tuple[int, ...]  #: index of each curve's first point
+    Floats = NDArray[np.float64]
 
 
-def outline(curves: Sequence[Curve], tolerance: float) -> Outline:
-    """Points along curves whose chords stay within `tolerance` of them."""
+def outlines(chains: Sequence[Sequence[Curve]], tolerance: float) -> "NDArray[Any]":
+    """The polygon of each closed chain, an array of shapely polygons."""
     import numpy as np
+    import shapely
 
-    points: list[Point] = []
-    at: list[int] = []
-    for curve in curves:
-        at.append(len(points))
-        if isinstance(curve, Line):
-            points.append(curve.start)
-        else:
-            points += _points(curve, tolerance)
-    end = curves[-1].end
-    if points[0] != end and (
-        abs(points[0][0] - end[0]) > 1e-9 or abs(points[0][1] - end[1]) > 1e-9
-    ):
-        points.append(end)
-    while len(points) < 3:  # a ring of two half circles flattened to one chord has no area
-        points.append(points[-1])
-    return Outline(np.array(points), tuple(at))
-
-
-def _points(curve: Curve, tolerance: float) -> list[Point]:
-    """Points from the start of a curve on, without its end."""
-    if isinstance(curve, Arc):
-        step = min(2 * acos(max(-1.0, 1 - tolerance / curve.radius)), pi / 4)
-        count = max(1, ceil(abs(radians(curve.sweep_deg)) / step))
-        (x, y), r = curve.centre, curve.radius
-        turn = curve.sweep_deg / count
-        around = (unit_vector(curve.start_deg + k * turn) for k in range(count))
-        return [(x + r * c, y + r * s) for c, s in around]
-    if isinstance(curve, Line):
-        return [curve.start]
-    if isinstance(curve, EllipseArc):
-        # |f''| is at most the major half axis by sweep squared, and a chord errs by h^2 / 8 of it.
-        count = max(1, ceil(abs(radians(curve.sweep_deg)) * sqrt(curve.major / tolerance / 8)))
-        return _sampled(curve, max(count, ceil(abs(curve.sweep_deg) / 45.0)))
-    found: list[Point] = []
-    for piece in bezier_pieces(curve):
-        # Wang's bound on the number of chords of a Bezier curve of degree d.
-        p, d = piece.points, piece.degree
-        bend = max(
-            (abs(a[0] - 2 * b[0] + c[0]) + abs(a[1] - 2 * b[1] + c[1]))
-            for a, b, c in zip(p, p[1:], p[2:], strict=False)
-        ) if d > 1 else 0.0  # fmt: skip
-        found += _sampled(piece, max(1, ceil(sqrt(d * (d - 1) / 8 * bend / tolerance))))
+    points, owner = _points(chains, tolerance)
+    # A ring needs four points: chains of two curves that flatten to chords get their ends again.
+    counts = np.bincount(owner, minlength=len(chains))
+    short = np.flatnonzero(counts < 4)
+    if len(short):
+        more = np.repeat(short, 4 - counts[short])
+        last = np.cumsum(counts) - 1
+        owner = np.concatenate((owner, more))
+        points = np.concatenate((points, points[last[more]]))
+        order = np.argsort(owner, kind="stable")
+        points, owner = points[order], owner[order]
+    found: NDArray[Any] = shapely.polygons(shapely.linearrings(points, indices=owner))
     return found
 
 
-def _sampled(curve: Curve, count: int) -> list[Point]:
+def ways(chains: Sequence[Sequence[Curve]], tolerance: float) -> "NDArray[Any]":
+    """The polyline of each chain, an array of shapely lines."""
+    import shapely
+
+    points, owner = _points(chains, tolerance)
+    found: NDArray[Any] = shapely.linestrings(points, indices=owner)
+    return found
+
+
+def _points(
+    chains: Sequence[Sequence[Curve]], tolerance: float
+) -> "tuple[Floats, NDArray[np.int64]]":
+    """Points of all chains, and the chain of each."""
     import numpy as np
 
-    from beamcam.geometry.sampling import points_at
+    from beamcam.geometry.polylines import polylines
 
-    points = points_at(curve, np.arange(count) / count)
-    return [(x, y) for x, y in points.tolist()]
+    drawn = polylines([curve for chain in chains for curve in chain], tolerance)
+    chain_of = np.repeat(np.arange(len(chains)), [len(chain) for chain in chains])
+    return drawn.points, np.repeat(chain_of, np.diff(drawn.begins))

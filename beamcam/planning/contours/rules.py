@@ -144,8 +144,15 @@ NO_TABS = Rule(
     "Bridges need more contour between them than they take away.",
 )
 
+CHAIN = Rule(
+    "plan-chain",
+    _E,
+    "found {found} operations; expected at most {expected} in a chain, or --style table",
+    "A controller looks at every operation of a chain in every cycle, and would fall behind.",
+)
+
 RULES = (
-    SHEETS, NOTHING, UNMAPPED, MAP, OPTION, NO_PROCESS, NO_THICKNESS, THICKNESS, ASSUMED,
+    CHAIN, SHEETS, NOTHING, UNMAPPED, MAP, OPTION, NO_PROCESS, NO_THICKNESS, THICKNESS, ASSUMED,
     SHEET_SIZE, SHEET_PLACE, JUNCTION, GAP, OPEN_CUT, MORE_OPEN, OVERLAP, VANISHED, CROSSING,
     NO_LEAD, SQUARE, NEEDS_LEAD, NO_TABS,
 )  # fmt: skip

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from math import dist, pi
 
 from beamcam.geometry.conics import direction_deg
-from beamcam.geometry.curves import Arc, Curve, Line, signed_area
+from beamcam.geometry.curves import Arc, Curve, Line
 from beamcam.geometry.plane import Point
 from beamcam.machine.machine import Torch
 
@@ -16,17 +16,16 @@ def reversed_chain(curves: Sequence[Curve]) -> Curves:
     return tuple([c.reversed() for c in reversed(curves)])
 
 
-def directed(curves: Curves, is_hole: bool, torch: Torch) -> Curves:
-    """A closed contour the way round that the machine cuts it.
+def is_turned(area: float, is_hole: bool, torch: Torch) -> bool:
+    """Whether a closed contour of that signed area has to be followed backwards.
 
     Climb has the material that stays at the right of the head, as the swirl of a plasma torch
     wants it: outer contours clockwise, holes counter-clockwise.
     """
     if torch.direction == "drawn":
-        return curves
-    left_turning = signed_area(curves) > 0.0
+        return False
     wanted = is_hole if torch.direction == "climb" else not is_hole
-    return curves if left_turning == wanted else reversed_chain(curves)
+    return (area > 0.0) != wanted
 
 
 def begun(curves: Curves, torch: Torch, here: Point) -> Curves:
@@ -54,9 +53,9 @@ def _size(curve: Curve) -> float:
     return dist(curve.start, curve.end)
 
 
-def waste_side(curves: Curves, is_hole: bool) -> int:
-    """1 if what falls out lies left of a closed contour, -1 if right."""
-    return 1 if (signed_area(curves) > 0.0) == is_hole else -1
+def waste_side(area: float, is_hole: bool) -> int:
+    """1 if what falls out lies left of a closed contour of that signed area, -1 if right."""
+    return 1 if (area > 0.0) == is_hole else -1
 
 
 def leads(curves: Curves, side: int, torch: Torch, share: float) -> tuple[Curves, Curves]:

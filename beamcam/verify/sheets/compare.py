@@ -10,11 +10,11 @@ Both are sampled, whatever they are made of. With r half the kerf that the progr
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import cast
 
 import numpy as np
 import shapely
+from msgspec import Struct
 from numpy.typing import NDArray
 
 from beamcam.errors import Diagnostic, Source
@@ -37,8 +37,7 @@ SAME_DIRECTION_DEG = 2.0
 SHOWN = 5  #: of one kind of fault
 
 
-@dataclass(slots=True)
-class _Traced:
+class _Traced(Struct):
     """A stroke whose leads are known."""
 
     stroke: Stroke
@@ -130,7 +129,7 @@ class _Process:
 
     def _paths(self) -> list[Diagnostic]:
         points, _, leg, _ = samples(self.path, SPACING)
-        away, who = self.need.nearest(points)
+        away, who = self.need.nearest(points, self._most_half_kerf() + self.tolerance)
         stroke = self.of_leg[leg]
         radii = self._half_kerfs(away, stroke)
         mine = radii[stroke]
@@ -196,6 +195,12 @@ class _Process:
                     t.group = mine[0].group
                 first = last
             first += 1
+
+    def _most_half_kerf(self) -> float:
+        """The greatest that a stroke may keep off its contour."""
+        if self.torch.kerf_by != "offset" or self.process != "cut":
+            return 0.0
+        return max(s.row.kerf / 2 for s in self.strokes)
 
     def _half_kerfs(self, away: Floats, stroke: Counts) -> Floats:
         """What each stroke keeps off its contours: half the kerf, or nothing."""
@@ -346,7 +351,7 @@ class _Process:
         return said
 
     def _near(self, points: Floats) -> tuple[Floats, Counts]:
-        return self.path.nearest(points)
+        return self.path.nearest(points, self._most_half_kerf() + self.tolerance)
 
     def _in_tabs(self, points: Floats) -> Flags:
         """Which points lie in a bridge: between the end of a stroke and the start of another."""

@@ -1,9 +1,10 @@
 """What a sheet needs to have cut and marked, read from the part and the machine's table alone."""
 
 from collections.abc import Collection
-from dataclasses import dataclass, field
 from fnmatch import fnmatchcase
 from typing import cast
+
+from msgspec import Struct, field
 
 from beamcam.errors import Diagnostic
 from beamcam.geometry.curves import Arc, Curve, Line, unit_vector
@@ -16,8 +17,7 @@ from beamcam.verify.sheets import rules
 Needs = dict[TorchProcess, list[Curve]]
 
 
-@dataclass(slots=True)
-class Need:
+class Need(Struct):
     """Curves by process, as the part has them."""
 
     curves: Needs = field(default_factory=dict)

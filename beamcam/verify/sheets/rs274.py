@@ -9,8 +9,9 @@ modal. Written from the "G-Code Overview" of the LinuxCNC documentation and the 
 
 import re
 from collections.abc import Callable
-from dataclasses import dataclass
 from math import atan2, degrees, hypot, isnan, nan
+
+from msgspec import Struct
 
 from beamcam.errors import Diagnostic, Source
 from beamcam.geometry.curves import Arc
@@ -29,8 +30,7 @@ _COMMENT = re.compile(r"\([^()]*\)|;.*")
 Fault = str | None
 
 
-@dataclass(frozen=True, slots=True)
-class Dialect:
+class Dialect(Struct, frozen=True):
     """What a controller of the family takes, and what it does with arcs."""
 
     name: str

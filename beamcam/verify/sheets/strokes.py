@@ -5,7 +5,8 @@ program that says anything else, or moves as it should not, is told.
 """
 
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass, field
+
+from msgspec import Struct, field
 
 from beamcam.errors import Diagnostic, Source
 from beamcam.machine.machine import Machine, Torch, TorchProcess, TorchRow
@@ -15,8 +16,7 @@ from beamcam.verify.sheets.events import Event, Keep, Leg, Pause, Side, Switch
 ENDS = (2, 30)
 
 
-@dataclass(slots=True)
-class Stroke:
+class Stroke(Struct):
     """One way of the head with its tool on."""
 
     line: int
@@ -30,8 +30,7 @@ class Stroke:
         return self.row.process
 
 
-@dataclass(frozen=True, slots=True)
-class _Words:
+class _Words(Struct, frozen=True):
     """The M words of one row: what starts its tool and what stops it."""
 
     row: TorchRow

@@ -1,15 +1,14 @@
 """Curves as polylines in bulk, and questions about many points at once."""
 
 from collections.abc import Sequence
-from math import ceil, radians, sqrt
 from typing import Any
 
 import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from beamcam.geometry.curves import Arc, BSpline, Curve, EllipseArc, Line, bezier_pieces
-from beamcam.geometry.sampling import points_at
+from beamcam.geometry.curves import Curve
+from beamcam.geometry.polylines import polylines
 
 Floats = NDArray[np.float64]
 Counts = NDArray[np.int64]
@@ -23,10 +22,10 @@ class Ways:
         self, curves: Sequence[Curve], tolerance: float, shift: tuple[float, float] = (0.0, 0.0)
     ) -> None:
         self.count = len(curves)
-        pieces = _flattened(curves, tolerance)
-        counts = np.array([len(p) for p in pieces])
-        self.points: Floats = np.concatenate(pieces) + np.array(shift)
-        owner = np.repeat(np.arange(len(pieces)), counts)
+        drawn = polylines(curves, tolerance)
+        counts = np.diff(drawn.begins)
+        self.points: Floats = drawn.points + np.array(shift)
+        owner = np.repeat(np.arange(len(curves)), counts)
         self.lines: Shapes = shapely.linestrings(self.points, indices=owner)
         self.lengths: Floats = shapely.length(self.lines)
         self.begins: Floats = np.concatenate(([0.0], np.cumsum(self.lengths)))[:-1]
@@ -35,14 +34,28 @@ class Ways:
         self.starts: Floats = self.points[last - counts + 1]
         self.ends: Floats = self.points[last]
 
-    def nearest(self, points: Floats) -> tuple[Floats, Counts]:
-        """Distance to the nearest way, and which one that is, for points (n, 2)."""
+    def nearest(self, points: Floats, likely: float = 0.0) -> tuple[Floats, Counts]:
+        """Distance to the nearest way, and which one that is, for points (n, 2).
+
+        `likely` is a distance that most have a way within, which is quicker to look for.
+        """
         asked = shapely.points(points)
-        (source, which), away = self.tree.query_nearest(
-            asked, return_distance=True, all_matches=False
-        )
-        distances, owners = np.empty(len(points)), np.empty(len(points), dtype=np.int64)
-        distances[source], owners[source] = away, which
+        distances = np.full(len(points), np.inf)
+        owners = np.zeros(len(points), dtype=np.int64)
+        if likely > 0.0:
+            source, which = self.tree.query(asked, "dwithin", distance=likely)
+            away = shapely.distance(asked[source], self.lines[which])
+            order = np.lexsort((which, away, source))
+            source, which, away = source[order], which[order], away[order]
+            first = np.ones(len(source), dtype=bool)
+            first[1:] = source[1:] != source[:-1]
+            distances[source[first]], owners[source[first]] = away[first], which[first]
+        rest = np.flatnonzero(np.isinf(distances))
+        if len(rest):
+            (source, which), away = self.tree.query_nearest(
+                asked[rest], return_distance=True, all_matches=False
+            )
+            distances[rest[source]], owners[rest[source]] = away, which
         return distances, owners
 
     def within(self, points: Floats, reach: float) -> tuple[Counts, Counts]:
@@ -54,35 +67,6 @@ class Ways:
         """How far along its way the place nearest to each point lies."""
         places: Floats = shapely.line_locate_point(self.lines[which], shapely.points(points))
         return places
-
-
-def _flattened(curves: Sequence[Curve], tolerance: float) -> list[Floats]:
-    found: list[Floats] = []
-    for curve in curves:
-        if isinstance(curve, Line):
-            found.append(np.array((curve.start, curve.end)))
-        elif isinstance(curve, Arc):
-            step = min(sqrt(8 * tolerance / curve.radius), 0.5)
-            count = max(2, ceil(abs(radians(curve.sweep_deg)) / step))
-            found.append(points_at(curve, np.linspace(0.0, 1.0, count + 1)))
-        else:
-            found.append(_free(curve, tolerance))
-    return found
-
-
-def _free(curve: Curve, tolerance: float) -> Floats:
-    """Points of a free curve, twice as many until their chords change no more."""
-    count = 8
-    if isinstance(curve, BSpline):
-        count = 8 * len(bezier_pieces(curve))
-    if isinstance(curve, EllipseArc):
-        count = max(8, ceil(abs(curve.sweep_deg) / 10.0))
-    while True:
-        points = points_at(curve, np.linspace(0.0, 1.0, 2 * count + 1))
-        sag = points[1::2] - (points[:-1:2] + points[2::2]) / 2
-        if np.max(np.hypot(sag[:, 0], sag[:, 1])) <= tolerance or count >= 8192:
-            return points
-        count *= 2
 
 
 def samples(ways: Ways, spacing: float) -> tuple[Floats, Floats, Counts, Floats]:

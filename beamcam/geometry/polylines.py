@@ -1,0 +1,143 @@
+"""Many curves as polylines at once, each within a tolerance of its curve.
+
+A drawing has tens of thousands of curves, most of them lines, arcs and cubics; these are drawn
+together, in arrays, and only what is left one by one.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from math import ceil
+
+import numpy as np
+from numpy.typing import NDArray
+
+from beamcam.geometry.curves import Arc, Bezier, BSpline, Curve, Line, NewtonCurve, bezier_pieces
+from beamcam.geometry.sampling import points_at
+
+Floats = NDArray[np.float64]
+Counts = NDArray[np.int64]
+
+LARGEST_STEP_RAD = 0.8  #: of an arc, whatever the tolerance
+MOST_STEPS = 4096
+
+
+@dataclass(frozen=True, slots=True)
+class Polylines:
+    """Points of curve k are `points[begins[k] : begins[k + 1]]`, both of its ends among them."""
+
+    points: Floats  #: (n, 2)
+    begins: Counts  #: one more than there are curves
+
+
+def polylines(curves: Sequence[Curve], tolerance: float) -> Polylines:
+    """The polylines of curves, no chord farther than `tolerance` from its curve.
+
+    Steps of an arc: sagitta r (1 - cos(step / 2)); of a Bezier curve of degree d: Wang's bound
+    sqrt(d (d - 1) / 8 max|P(i) - 2 P(i+1) + P(i+2)| / tolerance). Raises ValueError if the
+    tolerance is not above 0.
+    """
+    if not tolerance > 0.0:
+        raise ValueError(f"tolerance must be above 0, found {tolerance:g}")
+    lines: list[tuple[int, float, float, float, float]] = []
+    arcs: list[tuple[int, float, float, float, float, float]] = []
+    cubics: list[tuple[int, Sequence[tuple[float, float]]]] = []
+    others: list[tuple[int, Floats]] = []
+    for k, curve in enumerate(curves):
+        if isinstance(curve, Line):
+            lines.append((k, *curve.start, *curve.end))
+        elif isinstance(curve, Arc):
+            arcs.append((k, *curve.centre, curve.radius, curve.start_deg, curve.sweep_deg))
+        else:
+            pieces = (
+                bezier_pieces(curve) if isinstance(curve, Bezier | BSpline | NewtonCurve) else ()
+            )
+            if pieces and all(p.weights is None and p.degree == 3 for p in pieces):
+                cubics += ((k, p.points) for p in pieces)
+            else:
+                others.append((k, _one(curve, tolerance)))
+    count = np.zeros(len(curves), dtype=np.int64)
+    line_array = np.array(lines).reshape(-1, 5)
+    arc_array = np.array(arcs).reshape(-1, 6)
+    control = np.array([p for _, p in cubics]).reshape(-1, 4, 2)
+    arc_steps = _arc_steps(arc_array, tolerance)
+    cubic_steps = _cubic_steps(control, tolerance)
+    cubic_owner = np.array([k for k, _ in cubics], dtype=np.int64)
+    count[line_array[:, 0].astype(np.int64)] = 2
+    count[arc_array[:, 0].astype(np.int64)] = arc_steps + 1
+    np.add.at(count, cubic_owner, cubic_steps)
+    count[np.unique(cubic_owner)] += 1
+    for k, points in others:
+        count[k] = len(points)
+    begins = np.concatenate(([0], np.cumsum(count)))
+    found = np.empty((int(begins[-1]), 2))
+    at = begins[line_array[:, 0].astype(np.int64)]
+    found[at], found[at + 1] = line_array[:, 1:3], line_array[:, 3:5]
+    _draw_arcs(found, begins, arc_array, arc_steps)
+    _draw_cubics(found, begins, cubic_owner, control, cubic_steps)
+    for k, points in others:
+        found[begins[k] : begins[k + 1]] = points
+    return Polylines(found, begins)
+
+
+def _arc_steps(arcs: Floats, tolerance: float) -> Counts:
+    share = np.clip(1 - tolerance / arcs[:, 3], -1.0, 1.0)
+    step = np.minimum(2 * np.arccos(share), LARGEST_STEP_RAD)
+    step = np.maximum(step, 1e-6)
+    turns = np.ceil(np.abs(np.radians(arcs[:, 5])) / step).astype(np.int64)
+    found: Counts = np.maximum(turns, 1)
+    return found
+
+
+def _cubic_steps(control: Floats, tolerance: float) -> Counts:
+    bend = control[:, :-2] - 2 * control[:, 1:-1] + control[:, 2:]
+    size = np.sqrt(np.max(np.sum(bend * bend, axis=2), axis=1, initial=0.0))
+    steps = np.ceil(np.sqrt(0.75 * size / tolerance)).astype(np.int64)
+    found: Counts = np.clip(steps, 1, MOST_STEPS)
+    return found
+
+
+def _within(steps: Counts) -> tuple[Counts, Counts]:
+    """For runs of so many: the run of each member, and its number in it from 0."""
+    owner = np.repeat(np.arange(len(steps)), steps)
+    return owner, np.arange(len(owner)) - (np.cumsum(steps) - steps)[owner]
+
+
+def _draw_arcs(found: Floats, begins: Counts, arcs: Floats, steps: Counts) -> None:
+    owner, number = _within(steps + 1)
+    turn = np.radians(arcs[owner, 4] + arcs[owner, 5] * (number / steps[owner]))
+    at = begins[arcs[owner, 0].astype(np.int64)] + number
+    found[at, 0] = arcs[owner, 1] + arcs[owner, 3] * np.cos(turn)
+    found[at, 1] = arcs[owner, 2] + arcs[owner, 3] * np.sin(turn)
+
+
+def _draw_cubics(
+    found: Floats, begins: Counts, owners: Counts, control: Floats, steps: Counts
+) -> None:
+    """Cubics of one curve follow one another; each draws its start, the last one its end too."""
+    if not len(control):
+        return
+    before = np.cumsum(steps) - steps
+    first = np.concatenate(([True], owners[1:] != owners[:-1]))
+    base = np.maximum.accumulate(np.where(first, before, 0))
+    piece, number = _within(steps)
+    t = (number / steps[piece])[:, None]
+    s = 1 - t
+    p = control[piece]
+    at = begins[owners[piece]] + (before - base)[piece] + number
+    found[at] = (
+        s * s * s * p[:, 0] + 3 * s * s * t * p[:, 1] + 3 * s * t * t * p[:, 2] + t**3 * p[:, 3]
+    )
+    last = np.concatenate((first[1:], [True]))
+    found[begins[owners[last] + 1] - 1] = control[last, 3]
+
+
+def _one(curve: Curve, tolerance: float) -> Floats:
+    """Points of any curve, twice as many until the sagitta of no chord is above the tolerance."""
+    pieces = len(curve.pieces()) if isinstance(curve, BSpline) else 1
+    count = 8 * ceil(pieces)
+    while True:
+        points = points_at(curve, np.linspace(0.0, 1.0, 2 * count + 1))
+        sag = points[1::2] - (points[:-1:2] + points[2::2]) / 2
+        if np.max(np.hypot(sag[:, 0], sag[:, 1])) <= tolerance or count >= MOST_STEPS:
+            return points
+        count *= 2
