@@ -14,7 +14,8 @@ its diagnostics; what is only to be said comes back as diagnostics beside the re
 
 import os
 from collections.abc import Collection, Iterable
-from dataclasses import replace
+
+from msgspec.structs import replace
 
 from beamcam.errors import Diagnostic, ReadError
 from beamcam.machine import Machine, load

@@ -6,8 +6,9 @@ what cannot be posted raises a `BeamcamError` that carries its diagnostics.
 """
 
 from collections.abc import Iterable
-from dataclasses import dataclass
 from enum import Enum
+
+from msgspec import Struct
 
 
 class Severity(Enum):
@@ -18,8 +19,7 @@ class Severity(Enum):
     ERROR = "error"
 
 
-@dataclass(frozen=True, slots=True)
-class Source:
+class Source(Struct, frozen=True):
     """The place in an input that a feature, an operation or a message comes from."""
 
     file: str
@@ -35,8 +35,7 @@ class Source:
         return ":".join(place)
 
 
-@dataclass(frozen=True, slots=True)
-class Diagnostic:
+class Diagnostic(Struct, frozen=True):
     """A message about a place in an input."""
 
     source: Source
@@ -48,8 +47,7 @@ class Diagnostic:
         return f"{self.source}: {self.severity.value} {self.code}: {self.message}"
 
 
-@dataclass(frozen=True, slots=True)
-class Rule:
+class Rule(Struct, frozen=True):
     """One thing that can be wrong with an input.
 
     `message` is a `str.format` template whose names are the keywords of `at`.

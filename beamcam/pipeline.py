@@ -7,8 +7,11 @@ Which motion step and which emitter belong together stands in `POSTS`.
 """
 
 from collections.abc import Callable, Collection, Iterable, Sequence
-from dataclasses import dataclass, replace
 from pathlib import PurePath
+from typing import Any
+
+from msgspec import Struct
+from msgspec.structs import replace
 
 from beamcam import readers
 from beamcam.emitters import gcode
@@ -33,14 +36,17 @@ from beamcam.verify import verify
 
 DEFAULT_MACHINE = "beamline"
 #: The machine of a sheet by the suffix of the output, where none is named.
-SHEET_MACHINES = {".ngc": "plate-linuxcnc", ".gcode": "plate-codesys", ".nc": "laser-grbl"}
+SHEET_MACHINES = {
+    ".ngc": "plate-linuxcnc", ".gcode": "plate-codesys", ".nc": "laser-grbl",
+    ".st": "table-simotion", ".steps": "laser-stepper", ".csv": "laser-stepper",
+    ".bin": "laser-stepper", ".h": "laser-stepper",
+}  # fmt: skip
 DEFAULT_SHEET_MACHINE = "plate-linuxcnc"
 STANDARD_INPUT = "-"
 NOT_READ_BACK = Comment("NOT VERIFIED: THIS PROGRAM WAS NOT READ BACK")
 
 
-@dataclass(frozen=True, slots=True)
-class Post:
+class Post(Struct, frozen=True):
     """How a kind of machine gets its program."""
 
     motion: Callable[[Plan, Machine, str], Program]
@@ -53,12 +59,11 @@ POSTS = {
 }
 
 
-@dataclass(frozen=True, slots=True)
-class SheetPost:
-    """How a cutting table gets its program, and how that is read back."""
+class SheetPost(Struct, frozen=True):
+    """How a cutting table gets its program or its table, and how that is read back."""
 
-    motion: Callable[[SheetPlan, Machine, str], Program]
-    emit: Callable[[Program, Machine], str]
+    motion: Callable[[SheetPlan, Machine, str], Any]
+    emit: Callable[[Any, Machine], str]
     verify: Callable[
         [str, Sequence[Part], Machine, Collection[FeatureRef], str], tuple[Diagnostic, ...]
     ]
@@ -66,6 +71,18 @@ class SheetPost:
 
 def sheet_post(machine: Machine) -> SheetPost:
     """The row of a cutting table; its modules load what a bar never needs."""
+    if machine.controller == "simotion":
+        from beamcam.emitters import simotion
+        from beamcam.motion.triggers import trigger_table
+        from beamcam.verify.st import verify_triggers
+
+        return SheetPost(trigger_table, simotion.emit, verify_triggers)
+    if machine.controller == "stepper":
+        from beamcam.emitters import step_table
+        from beamcam.motion.steps import step_table as steps
+        from beamcam.verify.steps import verify_steps
+
+        return SheetPost(steps, step_table.emit, verify_steps)
     from beamcam.emitters import cutting
     from beamcam.motion.sheet import sheet_program
     from beamcam.verify.sheets import verify_sheet
@@ -77,13 +94,13 @@ def sheet_post(machine: Machine) -> SheetPost:
     return posts[machine.controller]
 
 
-@dataclass(frozen=True, slots=True)
-class Posted:
+class Posted(Struct, frozen=True):
     """A program and how it came about."""
 
     text: str
     plan: Plan | SheetPlan
     remarks: tuple[Diagnostic, ...]
+    pieces: Callable[[], Iterable[bytes]] | None = None  #: of a table that is not kept as a text
 
 
 def default_machine(parts: Sequence[Part], output: str) -> str:
@@ -144,15 +161,17 @@ def post(
     order: Order = "given",
     turn: bool = False,
     strict: bool = False,
+    style: str | None = None,
 ) -> Posted:
     """The program that makes `parts` from one bar or sheet, read back and compared with them.
 
-    Without `read_back` a comment in the program says so. Raises PlanError if the machine cannot
-    make the parts, or under `strict` if there is a warning; VerifyError if the program would make
-    anything else than the parts.
+    `style` is how a controller that knows several is told: "chain" or "table" of triggers; of
+    step tables the suffix of the output, whose bytes are then in `pieces`. Without `read_back` a
+    comment in the program says so. Raises PlanError if the machine cannot make the parts, or
+    under `strict` if there is a warning; VerifyError if the program would make anything else.
     """
     if machine.stock == "sheet":
-        return _post_sheet(parts, machine, job, skips, read_back, strict)
+        return _post_sheet(parts, machine, job, skips, read_back, strict, style)
     plan = plan_bar(parts, machine, bar, skips, order, turn)
     if strict and any(said.severity is Severity.WARNING for said in plan.remarks):
         raise PlanError(map(as_error, plan.remarks))
@@ -180,6 +199,7 @@ def _post_sheet(
     skips: Collection[str],
     read_back: bool,
     strict: bool,
+    style: str | None,
 ) -> Posted:
     """As `post`, for a machine that cuts sheets."""
     from beamcam.planning.sheet import plan_sheet
@@ -190,13 +210,57 @@ def _post_sheet(
     kind = sheet_post(machine)
     program = kind.motion(plan, machine, job)
     if not read_back:
-        start, *work = program.commands
-        program = replace(program, commands=(start, NOT_READ_BACK, *work))
-    text = kind.emit(program, machine)
+        program = _not_read_back(program)
+    pieces: Callable[[], Iterable[bytes]] | None = None
+    text = ""
+    if machine.controller == "stepper" and style is not None:
+        pieces = _step_pieces(program, style)
+    elif machine.controller == "simotion":
+        text = _triggers_text(program, machine, style, parts)
+    else:
+        text = kind.emit(program, machine)
     said: tuple[Diagnostic, ...] = ()
     if read_back:
         skipped = {o.feature for o in plan.outcomes if o.how == "skipped"}
-        said = kind.verify(text, parts, machine, skipped, job)
+        if pieces is not None:
+            from beamcam.verify.steps import verify_steps
+
+            # Velocities and the C header are of the same steps as the bytes.
+            read = pieces if style in READ_BACK_FORMS else _step_pieces(program, ".bin")
+            said = verify_steps(read(), parts, machine, skipped, job)
+        else:
+            said = kind.verify(text, parts, machine, skipped, job)
         if errors_in(said):
             raise VerifyError(said)
-    return Posted(text, plan, (*plan.remarks, *said))
+    return Posted(text, plan, (*plan.remarks, *said), pieces)
+
+
+READ_BACK_FORMS = (".steps", ".bin")  #: of step tables
+
+
+def _not_read_back(program: Any) -> Any:
+    """The program with a comment that says so."""
+    if isinstance(program, Program):
+        start, *work = program.commands
+        return replace(program, commands=(start, NOT_READ_BACK, *work))
+    from msgspec import structs
+
+    return structs.replace(program, remarks=(NOT_READ_BACK.text, *program.remarks))
+
+
+def _step_pieces(table: Any, form: str) -> Callable[[], Iterable[bytes]]:
+    from beamcam.emitters.step_table import FORMS
+
+    return lambda: FORMS[form](table)
+
+
+def _triggers_text(table: Any, machine: Machine, style: str | None, parts: Sequence[Part]) -> str:
+    """Raises PlanError for a chain that is too long."""
+    from beamcam.emitters import simotion
+    from beamcam.planning.contours import rules as sheet_rules
+
+    try:
+        return simotion.emit(table, machine, style)
+    except simotion.ChainError as error:
+        said = sheet_rules.CHAIN.at(parts[0].source, found=error.found, expected=error.expected)
+        raise PlanError(said) from error

@@ -10,7 +10,9 @@ import os
 import shutil
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import suppress
-from dataclasses import dataclass, replace
+
+from msgspec import Struct
+from msgspec.structs import replace
 
 from beamcam.batch.find import Input
 from beamcam.files import write_whole
@@ -19,8 +21,7 @@ from beamcam.report.run import Row, encoded, message_line
 AGAIN_S = 30.0  #: after which what failed for the disk or a process is tried again
 
 
-@dataclass(frozen=True, slots=True)
-class Stamp:
+class Stamp(Struct, frozen=True):
     """What tells that a file has changed."""
 
     size: int
@@ -28,8 +29,7 @@ class Stamp:
     inode: int
 
 
-@dataclass(frozen=True, slots=True)
-class Sight:
+class Sight(Struct, frozen=True):
     """A file as it was last seen."""
 
     stamp: Stamp

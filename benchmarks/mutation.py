@@ -14,10 +14,11 @@ import random
 import re
 from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
 from itertools import groupby
 from math import radians, tan
 from pathlib import Path
+
+from msgspec import Struct
 
 from beamcam.errors import Diagnostic, Severity
 from beamcam.machine import Machine, load
@@ -36,8 +37,7 @@ FACES = {1: "o", 2: "v", 3: "u"}  #: of the cell's spindles
 PAIR = 13
 
 
-@dataclass(frozen=True, slots=True)
-class Case:
+class Case(Struct, frozen=True):
     """A program as it was emitted, and what it was made from."""
 
     name: str
@@ -328,8 +328,7 @@ REWRITES: tuple[Callable[[str, random.Random], str], ...] = (
 )  # fmt: skip
 
 
-@dataclass(slots=True)
-class Score:
+class Score(Struct):
     """What became of the mutants."""
 
     made: Counter[str]

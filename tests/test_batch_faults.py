@@ -401,7 +401,8 @@ def test_an_interrupt_leaves_whole_files(tmp_path: Path, how: signal.Signals) ->
     assert process.returncode == 130
     assert stderr.splitlines()[-1].endswith("(interrupted)")
     assert "Traceback" not in stderr
-    assert int(stderr.splitlines()[-1].split()[0]) == len(made)
+    # The last file may be there when its row is not: one more than counted, and never one less.
+    assert len(made) - int(stderr.splitlines()[-1].split()[0]) in (0, 1)
     assert all(text.endswith(b"M30\n%\n") for text in made.values())
 
 

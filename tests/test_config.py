@@ -185,7 +185,7 @@ def test_tolerances_go_over_the_machine(tmp_path: Path) -> None:
 
 
 def test_tolerances_without_a_drill(tmp_path: Path) -> None:
-    from dataclasses import replace
+    from msgspec.structs import replace
 
     machine = replace(load_machine("beamline"), drill=None)
     assert apply_tolerances(machine, load(None)) is machine

@@ -11,7 +11,8 @@ import glob
 import os
 import stat
 from collections.abc import Collection, Iterable, Iterator, Sequence
-from dataclasses import dataclass
+
+from msgspec import Struct
 
 from beamcam.batch import rules
 from beamcam.errors import Diagnostic, Source
@@ -25,16 +26,14 @@ _PIECE = 1 << 20
 _ZEROS = bytes(_PIECE)
 
 
-@dataclass(frozen=True, slots=True)
-class Input:
+class Input(Struct, frozen=True):
     """One file of a batch."""
 
     path: str  #: as it was named, or found below a folder that was
     tree: str  #: its path below the folder that all inputs share, with "/"
 
 
-@dataclass(frozen=True, slots=True)
-class Found:
+class Found(Struct, frozen=True):
     """The inputs in order, and what is to be said about where they were looked for."""
 
     inputs: tuple[Input, ...]

@@ -17,18 +17,18 @@ import sys
 import threading
 from collections import deque
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field
 from multiprocessing.connection import Connection, wait
 from queue import SimpleQueue
 from typing import Any, Literal, Protocol
+
+from msgspec import Struct, field
 
 from beamcam.batch.work import Made, Shop, Task, make_all, thaw
 
 Chunk = tuple[Task, ...]
 
 
-@dataclass(frozen=True, slots=True)
-class Result:
+class Result(Struct, frozen=True):
     """What became of a chunk: made, lost with a worker through no fault of its own, or suspected
     of having killed it."""
 
@@ -81,8 +81,7 @@ class Here:
         self._done = None
 
 
-@dataclass(slots=True)
-class _Worker:
+class _Worker(Struct):
     process: multiprocessing.process.BaseProcess
     tasks: "Connection[Chunk, None]"
     results: "Connection[None, list[Made]]"

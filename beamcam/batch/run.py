@@ -13,9 +13,10 @@ from collections import Counter as Tally
 from collections import deque
 from collections.abc import Collection, Generator, Iterator, Sequence
 from contextlib import suppress
-from dataclasses import dataclass
 from functools import cached_property
 from hashlib import sha256
+
+from msgspec import Struct
 
 from beamcam.batch import rules
 from beamcam.batch.find import SUFFIXES, Input, read_input
@@ -38,8 +39,7 @@ class BatchError(BeamcamError):
     """A batch that cannot be begun."""
 
 
-@dataclass(slots=True)
-class _Slot:
+class _Slot(Struct):
     """One input on its way to its row."""
 
     index: int

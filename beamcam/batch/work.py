@@ -11,10 +11,12 @@ import pickle
 import traceback
 from collections import Counter
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass, field, replace
 from functools import lru_cache
 from hashlib import sha256
 from typing import cast
+
+from msgspec import Struct
+from msgspec.structs import replace
 
 from beamcam import __version__
 from beamcam.batch import rules
@@ -35,8 +37,7 @@ from beamcam.report.run import Ledger, PartRow, Row, as_message
 copyreg.pickle(Formula, lambda formula: (Formula, (formula.text,)))
 
 
-@dataclass(frozen=True, slots=True)
-class Shop:
+class Shop(Struct, frozen=True):
     """All that decides what becomes of a file's bytes."""
 
     machine: Machine
@@ -49,8 +50,8 @@ class Shop:
     name: str | None = None  #: template of the outputs' names
     table: tuple[tuple[str, Process], ...] = ()  #: what is done with layers and colours
     version: str = __version__
-    timed: bool = field(default=True, repr=False)  #: whether the machine's time is worked out
-    clock: Callable[[], float] | None = field(default=None, repr=False, compare=False)
+    timed: bool = True  #: whether the machine's time is worked out
+    clock: Callable[[], float] | None = None
 
     @property
     def freeze(self) -> bytes:
@@ -60,7 +61,7 @@ class Shop:
     @property
     def settings(self) -> bytes:
         """What outputs depend on besides the input, as bytes to be hashed."""
-        return repr(self).encode("utf-8", "backslashreplace")
+        return repr(replace(self, timed=True, clock=None)).encode("utf-8", "backslashreplace")
 
 
 @lru_cache(maxsize=4)
@@ -70,8 +71,7 @@ def thaw(frozen: bytes) -> Shop:
     return shop
 
 
-@dataclass(frozen=True, slots=True)
-class Task:
+class Task(Struct, frozen=True):
     """One file to be worked on."""
 
     index: int  #: place in the order of the inputs
@@ -79,8 +79,7 @@ class Task:
     data: bytes
 
 
-@dataclass(frozen=True, slots=True)
-class Made:
+class Made(Struct, frozen=True):
     """What came of one file: its programs by name, and its row in the account."""
 
     index: int

@@ -2,10 +2,11 @@
 
 import json
 import re
-from dataclasses import asdict, dataclass
 from pathlib import Path
 
 import click
+from msgspec import Struct
+from msgspec.structs import asdict
 
 from beamcam import readers
 from beamcam.commands.common import REFUSED, as_record, say
@@ -17,8 +18,7 @@ from beamcam.verify import run
 from beamcam.verify.differ import Difference, diff_programs
 
 
-@dataclass(frozen=True, slots=True)
-class Checked:
+class Checked(Struct, frozen=True):
     """What became of one golden program."""
 
     path: str

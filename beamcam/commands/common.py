@@ -40,10 +40,11 @@ def stop(diagnostics: Iterable[Diagnostic], as_json: bool = False) -> NoReturn:
     raise SystemExit(REFUSED)
 
 
-def write(output: str, data: str | bytes) -> None:
+def write(output: str, data: str | bytes | Iterable[bytes]) -> None:
     """Write to a file, whole or not at all, or to standard output for `-`."""
     if output == "-":
-        click.echo(data, nl=False)
+        for piece in (data,) if isinstance(data, str | bytes) else data:
+            click.echo(piece, nl=False)
         return
     try:
         write_whole(output, data)

@@ -1,11 +1,11 @@
 """`beamcam convert`: a part from one format to another."""
 
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass
 from importlib import import_module
 from pathlib import Path, PurePath
 
 import click
+from msgspec import Struct
 
 from beamcam.commands.common import say, stop, write
 from beamcam.commands.rules import ONE_PART, OUTPUT_FORMAT
@@ -14,8 +14,7 @@ from beamcam.model.part import Part
 from beamcam.pipeline import parts_of, read_file
 
 
-@dataclass(frozen=True, slots=True)
-class Target:
+class Target(Struct, frozen=True):
     """A format that a part can be written in."""
 
     name: str

@@ -1,9 +1,9 @@
 """`beamcam diff`: two programs, or two parts, compared by what they mean."""
 
 import json
-from dataclasses import asdict
 
 import click
+from msgspec.structs import asdict
 
 from beamcam import readers
 from beamcam.commands.common import REFUSED, say, stop

@@ -12,6 +12,7 @@ from beamcam.commands.sheets import (
     torch_options,
     with_options,
 )
+from beamcam.commands.tables import outputs, table_style
 from beamcam.errors import BeamcamError
 from beamcam.machine import load
 from beamcam.pipeline import default_machine, parts_of, post, read_file
@@ -38,6 +39,11 @@ from beamcam.planning import SKIP_NAMES, Order
     show_default=True,
     help="Whether parts lie as named, or so that mitres nest.",
 )
+@click.option(
+    "--style",
+    type=click.Choice(["chain", "table"]),
+    help="How a trigger program is written; by default as the machine and its length ask for.",
+)
 @click.option("--turn", is_flag=True, help="Let parts be turned on the rollers.")
 @drawing_options
 @torch_options
@@ -54,6 +60,7 @@ def command(
     job: str,
     skips: tuple[str, ...],
     order: Order,
+    style: str | None,
     turn: bool,
     no_verify: bool,
     strict: bool,
@@ -64,8 +71,8 @@ def command(
 
     Several INPUTs are laid on one bar in the order given; an input named twice is made twice. A
     sheet takes one. Without --machine bars go to beamline, sheets by the suffix of the output to
-    plate-linuxcnc (.ngc), plate-codesys (.gcode) or laser-grbl (.nc). Nothing is written unless
-    all of it can be made.
+    plate-linuxcnc (.ngc), plate-codesys (.gcode), laser-grbl (.nc), table-simotion (.st) or
+    laser-stepper (.steps, .csv, .bin, .h). Nothing is written unless all of it can be made.
 
     \b
     beamcam post gasket.dxf -o gasket.ngc --map blue=cut --thickness 3
@@ -77,8 +84,10 @@ def command(
         how = taken(more, DRAWING_NAMES)
         parts, said = parts_of(read_file(path, strict, **how) for path in inputs)
         loaded = with_options(load(machine or default_machine(parts, output)), more)
-        posted = post(parts, loaded, job, bar, skips, not no_verify, order, turn, strict)
+        style = table_style(loaded, output, style)
+        posted = post(parts, loaded, job, bar, skips, not no_verify, order, turn, strict, style)
     except BeamcamError as error:
         stop(error.diagnostics, as_json)
-    write(output, posted.text)
+    for path, content in outputs(posted, loaded, output):
+        write(path, content)
     say((*said, *posted.remarks), as_json)

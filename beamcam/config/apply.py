@@ -1,7 +1,8 @@
 """What a configuration changes: the machine's tolerances, and what is done with a drawing."""
 
 from collections.abc import Mapping
-from dataclasses import replace
+
+from msgspec.structs import replace
 
 from beamcam.config import rules
 from beamcam.config.keys import TOLERANCES
@@ -25,7 +26,7 @@ def apply_tolerances(machine: Machine, config: Config) -> Machine:
         raise ConfigError(rules.NO_DRILL.at(source, key=key, machine=machine.name))
     changed = {TOLERANCES[name]: value for name, value in config.tolerances.items()}
     # The names are those of TOLERANCES, so that they are fields of a drill.
-    return replace(machine, drill=replace(machine.drill, **changed))  # type: ignore[arg-type]
+    return replace(machine, drill=replace(machine.drill, **changed))
 
 
 def apply_map(part: Part, table: Mapping[str, Process]) -> Part:

@@ -5,10 +5,11 @@ expected. A new key is a row of `KEYS`.
 """
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
 from pathlib import Path
 from types import MappingProxyType
 from typing import get_args
+
+from msgspec import Struct, field
 
 from beamcam.model.colour import parse_colour
 from beamcam.model.part import Process
@@ -91,8 +92,7 @@ def layer_or_colour(key: str) -> str:
     return key
 
 
-@dataclass(frozen=True, slots=True)
-class Key:
+class Key(Struct, frozen=True):
     """One key: what its value has to be, its default and what it is for."""
 
     check: Check
@@ -103,8 +103,7 @@ class Key:
 _NO_ROWS: Mapping[str, object] = MappingProxyType({})
 
 
-@dataclass(frozen=True, slots=True)
-class Table:
+class Table(Struct, frozen=True):
     """A key that holds a table: each of its rows is set, and named, by itself."""
 
     check: Check  #: of each value

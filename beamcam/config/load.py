@@ -2,9 +2,10 @@
 
 import tomllib
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, cast
+
+from msgspec import Struct, field
 
 from beamcam.config import rules
 from beamcam.config.keys import KEYS, Check, Table, Unfit, layer_or_colour
@@ -19,8 +20,7 @@ class ConfigError(BeamcamError):
     """A configuration that cannot be used."""
 
 
-@dataclass(frozen=True, slots=True)
-class Setting:
+class Setting(Struct, frozen=True):
     """One value and the place that it comes from."""
 
     key: str  #: dotted
@@ -28,8 +28,7 @@ class Setting:
     source: Source | None  #: None for a default
 
 
-@dataclass(frozen=True, slots=True)
-class Config:
+class Config(Struct, frozen=True):
     """What a configuration says; the fields are the keys of the file."""
 
     machine: str | None = None

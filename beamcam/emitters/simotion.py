@@ -26,18 +26,26 @@ PROCESSES = ("cut", "mark", "engrave")
 TRAVEL, ROUND = 0, 7  #: kinds of operations in a table; between them: on and off of each process
 
 
+class ChainError(ValueError):
+    """More operations than a chain may have."""
+
+    def __init__(self, found: int, expected: int) -> None:
+        super().__init__(f"{found} operations; expected at most {expected}")
+        self.found, self.expected = found, expected
+
+
 def emit(table: TriggerTable, machine: Machine, style: str | None = None) -> str:
     """The text of all units of a job, each behind a comment that names it.
 
     `style` is "chain" or "table", or None for the machine's own; a path beyond the machine's
-    greatest chain is a table then. Raises ValueError for a chain that is asked for and too long.
+    greatest chain is a table then. Raises ChainError for a chain that is asked for and too long.
     """
     triggers = machine.triggers
     if triggers is None:
         raise TypeError(f"{machine.name} has no trigger program")
     count = len(table.operations)
     if style == "chain" and count > triggers.greatest_chain:
-        raise ValueError(f"{count} operations; expected at most {triggers.greatest_chain}")
+        raise ChainError(count, triggers.greatest_chain)
     if style is None:
         style = "table" if count > triggers.greatest_chain else triggers.style
     name = unit_name(table.job)
@@ -55,6 +63,15 @@ def units(program: str) -> tuple[tuple[str, str], ...]:
     """Name and text of each unit of a program, the main one first."""
     pieces = _MARK.split(program)
     return tuple((pieces[k], pieces[k + 1].lstrip("\n")) for k in range(1, len(pieces), 2))
+
+
+def split_units(program: str) -> tuple[tuple[str, str], ...]:
+    """Name and text of each unit with its mark, so that joined files are the program again."""
+    marks = list(_MARK.finditer(program))
+    ends = [*(mark.start() for mark in marks[1:]), len(program)]
+    return tuple(
+        (mark[1], program[mark.start() : end]) for mark, end in zip(marks, ends, strict=True)
+    )
 
 
 def lreal(value: float) -> str:

@@ -1,8 +1,9 @@
 """Functions given as text, as polynomials that stay within a tolerance of them."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from math import cos, isfinite, pi
+
+from msgspec import Struct
 
 from beamcam.geometry.curves import Bezier, Curve, Line
 from beamcam.geometry.expression import compile_expression
@@ -18,8 +19,7 @@ PROBES = 8
 MAX_HALVINGS = 24
 
 
-@dataclass(frozen=True, slots=True)
-class Fit:
+class Fit(Struct, frozen=True):
     """Curves that follow one another, and how far they are from what they stand for."""
 
     curves: tuple[Curve, ...]

@@ -1,9 +1,10 @@
 """Bezier curves of any degree, with weights or without."""
 
 import itertools
-from dataclasses import dataclass
 from functools import lru_cache
 from math import hypot, inf
+
+from msgspec import Struct
 
 from beamcam.geometry import bernstein
 from beamcam.geometry.plane import (
@@ -20,8 +21,7 @@ from beamcam.geometry.plane import (
 Homogeneous = tuple[float, float, float]  #: (w x, w y, w)
 
 
-@dataclass(frozen=True, slots=True)
-class Bezier:
+class Bezier(Struct, frozen=True):
     """A curve in Bernstein form: one point is no curve, two are a line, four a cubic."""
 
     points: tuple[Point, ...]

@@ -1,15 +1,15 @@
 """B-splines (NURBS when they have weights), as chains of Bezier curves."""
 
 from bisect import bisect_right
-from dataclasses import dataclass
 from functools import lru_cache
+
+from msgspec import Struct
 
 from beamcam.geometry.bezier import Bezier, Homogeneous, check_weights, from_homogeneous
 from beamcam.geometry.plane import Box, Matrix, Point, join_boxes, mapped
 
 
-@dataclass(frozen=True, slots=True)
-class BSpline:
+class BSpline(Struct, frozen=True):
     """A spline; it is drawn from knot number `degree` to the last but `degree`.
 
     The parameter t in [0, 1] of all methods is the share of that range of knots.

@@ -6,8 +6,10 @@ so joining takes linear time.
 
 from collections import defaultdict
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
 from math import floor, hypot
+
+from msgspec import Struct
+from msgspec.structs import replace
 
 from beamcam.geometry.bezier import Bezier
 from beamcam.geometry.curves import Curve, Line
@@ -17,8 +19,7 @@ from beamcam.geometry.plane import Point, distance
 SAME_POINT = 1e-9
 
 
-@dataclass(frozen=True, slots=True)
-class Chain:
+class Chain(Struct, frozen=True):
     """Curves that follow one another."""
 
     curves: tuple[Curve, ...]
@@ -26,16 +27,14 @@ class Chain:
     members: tuple[int, ...]  #: which of the curves given each comes from; -1 for a bridge
 
 
-@dataclass(frozen=True, slots=True)
-class Junction:
+class Junction(Struct, frozen=True):
     """A place where three ends or more meet: chains stop there, as the way on is not known."""
 
     point: Point
     members: tuple[int, ...]  #: the curves that end there, ascending
 
 
-@dataclass(frozen=True, slots=True)
-class Gap:
+class Gap(Struct, frozen=True):
     """Two ends of chains that are near but farther apart than the tolerance: not joined."""
 
     start: Point
@@ -47,8 +46,7 @@ class Gap:
         return distance(self.start, self.end)
 
 
-@dataclass(frozen=True, slots=True)
-class Chains:
+class Chains(Struct, frozen=True):
     """What joining gives: every curve given is in just one chain or dropped."""
 
     chains: tuple[Chain, ...]

@@ -1,9 +1,11 @@
 """Curves that a drawing holds twice: removed, so that no torch passes a place twice."""
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
 from enum import Enum
 from math import degrees
+
+from msgspec import Struct
+from msgspec.structs import replace
 
 from beamcam.geometry.curves import Arc, Curve, Line
 from beamcam.geometry.plane import Point, cross, distance, dot
@@ -16,8 +18,7 @@ class Why(Enum):
     OVERLAP = "overlap"  #: merged into another on the same line or circle
 
 
-@dataclass(frozen=True, slots=True)
-class Removed:
+class Removed(Struct, frozen=True):
     """A curve that is not there any more."""
 
     index: int  #: of the curves given
@@ -25,8 +26,7 @@ class Removed:
     why: Why
 
 
-@dataclass(frozen=True, slots=True)
-class Cleaned:
+class Cleaned(Struct, frozen=True):
     """Curves without repetition, in the order given, and what was taken away."""
 
     curves: tuple[Curve, ...]

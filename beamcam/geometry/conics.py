@@ -4,8 +4,10 @@ Angles of records are degrees, counter-clockwise from +x, because files and the 
 degrees and a quarter turn shall stay exact.
 """
 
-from dataclasses import dataclass, replace
 from math import atan2, ceil, degrees, floor, hypot, radians, sin, sqrt
+
+from msgspec import Struct
+from msgspec.structs import replace
 
 from beamcam.geometry.plane import (
     Box,
@@ -26,8 +28,7 @@ from beamcam.geometry.plane import (
 )
 
 
-@dataclass(frozen=True, slots=True)
-class Line:
+class Line(Struct, frozen=True):
     """A straight stretch."""
 
     start: Point
@@ -69,8 +70,7 @@ class Line:
         return Line(mapped(matrix, self.start), mapped(matrix, self.end))
 
 
-@dataclass(frozen=True, slots=True)
-class Arc:
+class Arc(Struct, frozen=True):
     """A stretch of a circle; a sweep of 360 or -360 is the whole of it."""
 
     centre: Point
@@ -154,8 +154,7 @@ class Arc:
         return EllipseArc(self.centre, (self.radius, 0.0), 1.0, self.start_deg, self.sweep_deg)
 
 
-@dataclass(frozen=True, slots=True)
-class EllipseArc:
+class EllipseArc(Struct, frozen=True):
     """A stretch of an ellipse; a sweep of 360 or -360 is the whole of it.
 
     Point at eccentric angle p: centre + cos(p) axis + ratio sin(p) axis turned left.

@@ -6,8 +6,9 @@ programs are arcs in disguise. Where a curve is no arc, two arcs with one tangen
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from math import atan2, degrees, hypot, sqrt
+
+from msgspec import Struct
 
 from beamcam.geometry.bezier import Bezier
 from beamcam.geometry.conics import arc_between, direction_deg
@@ -33,8 +34,7 @@ SAMPLE_MARGIN = 1.1
 MAX_HALVINGS = 20
 
 
-@dataclass(frozen=True, slots=True)
-class ArcFit:
+class ArcFit(Struct, frozen=True):
     """Lines and arcs that follow one another, and a bound on their distance from the curve."""
 
     curves: tuple[Line | Arc, ...]

@@ -1,9 +1,9 @@
 """Which closed chain lies in which: sheets, holes in them, islands in the holes."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
+from msgspec import Struct
 from numpy.typing import NDArray
 
 from beamcam.geometry.curves import Curve, Line, join_boxes, signed_area
@@ -15,8 +15,7 @@ Floats = NDArray[np.float64]
 POINTS_A_CURVE = 256
 
 
-@dataclass(frozen=True, slots=True)
-class Nested:
+class Nested(Struct, frozen=True):
     """The place of one chain."""
 
     depth: int  #: 0 outside of all; odd depths are holes

@@ -6,9 +6,10 @@ the nodes: any spacing is right, and the curve passes through every node, the la
 
 import itertools
 from collections.abc import Sequence
-from dataclasses import dataclass
 from functools import lru_cache
 from math import factorial, hypot
+
+from msgspec import Struct
 
 from beamcam.geometry import bernstein
 from beamcam.geometry.bezier import Bezier
@@ -87,8 +88,7 @@ def monomial_coefficients(u: Sequence[float], values: Sequence[float]) -> tuple[
     return tuple(total)
 
 
-@dataclass(frozen=True, slots=True)
-class NewtonCurve:
+class NewtonCurve(Struct, frozen=True):
     """The polynomial through two nodes or more.
 
     Where x rises (or falls) from node to node it is the function y = p(x) and t is the share of
@@ -239,8 +239,7 @@ def _bezier_form(curve: NewtonCurve) -> Bezier:
     return Bezier((curve.start, *inner, curve.end))
 
 
-@dataclass(frozen=True, slots=True)
-class Oscillation:
+class Oscillation(Struct, frozen=True):
     """A polynomial that swings between its nodes."""
 
     nodes: int  #: number of nodes

@@ -7,10 +7,10 @@ at the right distance, the chain is flattened, offset as a polygon and its arcs 
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from math import cos, degrees, hypot, radians, sqrt
 
 import numpy as np
+from msgspec import Struct
 
 from beamcam.geometry.conics import arc_between, direction_deg
 from beamcam.geometry.curves import Arc, Curve, Line, signed_area
@@ -27,16 +27,14 @@ MITRE_LIMIT = 2.5
 DEFAULT_TOLERANCE = 0.005
 
 
-@dataclass(frozen=True, slots=True)
-class Offset:
+class Offset(Struct, frozen=True):
     """The moved chain; more than one if a narrow place closed."""
 
     chains: tuple[tuple[Curve, ...], ...]
     exact: bool  #: False where arcs were found again in a flattened form
 
 
-@dataclass(frozen=True, slots=True)
-class Vanished:
+class Vanished(Struct, frozen=True):
     """Nothing is left of a chain: it is narrower than twice the offset."""
 
     area: float  #: of the chain that was

@@ -2,11 +2,12 @@
 
 import tomllib
 from collections.abc import Iterator
-from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 from string import Formatter
 from typing import Any
+
+from msgspec import Struct
 
 from beamcam.errors import MachineError, Source
 from beamcam.machine import rules
@@ -17,8 +18,7 @@ from beamcam.machine.schema import Place, build, nearest
 SHIPPED = Path(__file__).resolve().parent.parent / "machines"
 
 
-@dataclass(frozen=True, slots=True)
-class Setting:
+class Setting(Struct, frozen=True):
     """One value of a machine and the place that it comes from."""
 
     key: str  #: dotted
@@ -67,8 +67,8 @@ def _leaves(record: Any, key: str = "") -> Iterator[tuple[str, object]]:
     """Dotted key and value of every plain value in a record."""
     if hasattr(record, "text"):  # a Formula is one value
         yield key, record.text
-    elif hasattr(record, "__dataclass_fields__"):
-        for name in record.__dataclass_fields__:
+    elif isinstance(record, Struct):
+        for name in record.__struct_fields__:
             yield from _leaves(getattr(record, name), f"{key}.{name}" if key else name)
     elif isinstance(record, dict):
         for name, value in record.items():

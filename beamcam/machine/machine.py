@@ -5,11 +5,12 @@ so that where a station measures from is a line of the machine file and not of t
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
 from fractions import Fraction
-from functools import cached_property
+from functools import cache
 from math import radians, tan
 from typing import Literal
+
+from msgspec import Struct, field
 
 from beamcam.geometry.expression import Expression, compile_expression
 from beamcam.machine.tables import Stepper, Triggers
@@ -32,26 +33,25 @@ FORMULA_NAMES = frozenset(
 )
 
 
-@dataclass(frozen=True)
-class Formula:
+class Formula(Struct, frozen=True):
     """A number that depends on the section or the hole, written as arithmetic."""
 
     text: str
 
-    @cached_property
-    def _compiled(self) -> Expression:
-        return compile_expression(self.text, FORMULA_NAMES)
-
     def check(self) -> None:
         """Raises ValueError if the text is no arithmetic over `FORMULA_NAMES`."""
-        _ = self._compiled
+        _compiled(self.text)
 
     def __call__(self, values: Mapping[str, float]) -> float:
-        return self._compiled(values)
+        return _compiled(self.text)(values)
 
 
-@dataclass(frozen=True, slots=True)
-class NumberFormat:
+@cache
+def _compiled(text: str) -> Expression:
+    return compile_expression(text, FORMULA_NAMES)
+
+
+class NumberFormat(Struct, frozen=True):
     """How the controller's numbers and blocks are written."""
 
     length_decimals: int = 3
@@ -65,8 +65,7 @@ class NumberFormat:
         return 10.0**-self.length_decimals
 
 
-@dataclass(frozen=True, slots=True)
-class Layout:
+class Layout(Struct, frozen=True):
     """How the stations stand along the bar, and what bars they take."""
 
     order: Literal["saw-drill", "drill-saw"]  #: which station the bar reaches first
@@ -80,8 +79,7 @@ class Layout:
     profiles: tuple[str, ...] = ("I", "U", "L", "M", "C", "T")  #: DSTV codes that it takes
 
 
-@dataclass(frozen=True, slots=True)
-class Saw:
+class Saw(Struct, frozen=True):
     """The saw: where it stands, what it cuts and how its angles are counted."""
 
     kerf: float
@@ -106,8 +104,7 @@ class Saw:
 ToolKind = Literal["drill", "tap", "countersink", "mill", "punch", "scribe"]
 
 
-@dataclass(frozen=True, slots=True)
-class Tool:
+class Tool(Struct, frozen=True):
     """A tool that a spindle can take."""
 
     kind: ToolKind
@@ -138,8 +135,7 @@ FLAT_DEG = 180.0
 MM_PER_INCH = 25.4
 
 
-@dataclass(frozen=True, slots=True)
-class ToolSet:
+class ToolSet(Struct, frozen=True):
     """Tools of one kind in the diameters that the shop has."""
 
     kind: ToolKind
@@ -167,16 +163,14 @@ def inch_size(text: str) -> float:
     return round(float(total) * MM_PER_INCH, 6)
 
 
-@dataclass(frozen=True, slots=True)
-class Across:
+class Across(Struct, frozen=True):
     """The axis that sets a spindle across the bar."""
 
     axis: Axis
     position: Formula
 
 
-@dataclass(frozen=True, slots=True)
-class Stroke:
+class Stroke(Struct, frozen=True):
     """The axis that drives a spindle into the material."""
 
     axis: Axis
@@ -185,8 +179,7 @@ class Stroke:
     near: Formula | None = None  #: where the rapid approach ends; `start` if not given
 
 
-@dataclass(frozen=True, slots=True)
-class Spindle:
+class Spindle(Struct, frozen=True):
     """A drilling spindle: the face that it reaches, its axes and its stations."""
 
     name: str
@@ -197,8 +190,7 @@ class Spindle:
     stations: int = 1
 
 
-@dataclass(frozen=True, slots=True)
-class Pair:
+class Pair(Struct, frozen=True):
     """Two spindles that can drill at once."""
 
     name: str
@@ -206,8 +198,7 @@ class Pair:
     faces: tuple[str, str]
 
 
-@dataclass(frozen=True, slots=True)
-class Fit:
+class Fit(Struct, frozen=True):
     """How far a drill may differ from its hole, for holes up to a diameter."""
 
     up_to: float
@@ -215,8 +206,7 @@ class Fit:
     minus: float  #: or smaller by this
 
 
-@dataclass(frozen=True, slots=True)
-class Cutting:
+class Cutting(Struct, frozen=True):
     """Speed and feed of a drill, for diameters up to a limit."""
 
     up_to: float
@@ -226,8 +216,7 @@ class Cutting:
     kind: ToolKind = "drill"
 
 
-@dataclass(frozen=True, slots=True)
-class Drill:
+class Drill(Struct, frozen=True):
     """The drilling station."""
 
     x: float  #: machine X of a hole at bar x 0
@@ -251,8 +240,7 @@ class Drill:
     punch_depth: float = 1.0  #: of a centre punch
 
 
-@dataclass(frozen=True, slots=True)
-class Times:
+class Times(Struct, frozen=True):
     """What takes time besides the axes."""
 
     spindle_s: float = 0.0  #: to start and stop a spindle, each operation
@@ -263,8 +251,7 @@ class Times:
     together: bool = False  #: whether spindles work at once where X is the same
 
 
-@dataclass(frozen=True, slots=True)
-class Words:
+class Words(Struct, frozen=True):
     """The blocks of a program as templates; what stands in braces is filled in."""
 
     header: tuple[str, ...] = ()
@@ -348,8 +335,7 @@ WORD_NAMES: dict[str, frozenset[str]] = {
 }
 
 
-@dataclass(frozen=True, slots=True)
-class ControlledAxis:
+class ControlledAxis(Struct, frozen=True):
     """An axis of the machine, in the order of the controller's registers.
 
     `moves` is the letter that moves it in a program, for the axis of a spindle together with
@@ -369,8 +355,7 @@ class ControlledAxis:
 TorchProcess = Literal["cut", "mark", "engrave"]
 
 
-@dataclass(frozen=True, slots=True)
-class TorchRow:
+class TorchRow(Struct, frozen=True):
     """How a process runs on one material up to a thickness."""
 
     process: TorchProcess
@@ -382,8 +367,7 @@ class TorchRow:
     kerf: float = 0.0
 
 
-@dataclass(frozen=True, slots=True)
-class Torch:
+class Torch(Struct, frozen=True):
     """The head of a machine that follows contours: a torch, a laser, an engraver.
 
     A sheet lies with its lower left corner at X 0, Y 0.
@@ -414,8 +398,7 @@ class Torch:
     traverse_mm_min: float = 20000.0  #: of the head with its tool off, for times
 
 
-@dataclass(frozen=True, slots=True)
-class Machine:
+class Machine(Struct, frozen=True):
     """A machine: `beamcam machines show NAME` prints every value and where it comes from."""
 
     name: str

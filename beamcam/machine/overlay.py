@@ -1,8 +1,9 @@
 """A cutting table as one job wants it: what the command line says over what its file says."""
 
 from collections.abc import Mapping
-from dataclasses import replace
 from typing import Any, Literal
+
+from msgspec.structs import replace
 
 from beamcam.machine.machine import Machine, Torch
 

@@ -6,10 +6,11 @@ at once. Errors name the file, the line of the key, what was found and what was 
 
 import types
 import typing
-from collections.abc import Hashable, Mapping
-from dataclasses import MISSING, Field, fields, is_dataclass
+from collections.abc import Mapping
 from functools import cache
 from typing import Any, Literal, Union, cast, get_args, get_origin
+
+from msgspec import Struct
 
 from beamcam.errors import MachineError, Source
 from beamcam.machine import rules
@@ -17,9 +18,12 @@ from beamcam.machine.machine import Formula
 
 
 @cache
-def _fields(cls: Hashable) -> dict[str, tuple[Field[Any], Any]]:
+def _fields(cls: type[Struct]) -> dict[str, tuple[Any, bool]]:
+    """Type of every field of a record, and whether the file has to give it."""
     hints = typing.get_type_hints(cls)
-    return {f.name: (f, hints[f.name]) for f in fields(cast("type[Any]", cls))}
+    names = cls.__struct_fields__
+    required = len(names) - len(cls.__struct_defaults__)
+    return {name: (hints[name], i < required) for i, name in enumerate(names)}
 
 
 class Place:
@@ -67,11 +71,11 @@ def line_of(text: str, key: str) -> int | None:
     return best[1] if best else None
 
 
-def build(cls: type[Any], table: object, place: Place) -> Any:
-    """The record of dataclass `cls` that `table` describes. Raises MachineError."""
+def build(cls: type[Struct], table: object, place: Place) -> Any:
+    """The record `cls` that `table` describes. Raises MachineError."""
     if not isinstance(table, dict):
         raise _wrong(place, table, "a table")
-    known = _fields(cast(Hashable, cls))
+    known = _fields(cls)
     for key in table:
         if key not in known:
             raise MachineError(
@@ -82,10 +86,10 @@ def build(cls: type[Any], table: object, place: Place) -> Any:
                 )
             )
     values = {}
-    for name, (described, hint) in known.items():
+    for name, (hint, required) in known.items():
         if name in table:
             values[name] = _value(hint, table[name], place.child(name))
-        elif described.default is MISSING and described.default_factory is MISSING:
+        elif required:
             raise MachineError(rules.MISSING_KEY.at(place.source, expected=place.child(name).key))
     return cls(**values)
 
@@ -116,8 +120,8 @@ def _value(hint: Any, value: object, place: Place) -> Any:
         return {k: _value(args[1], v, place.child(k)) for k, v in value.items()}
     if hint is Formula:
         return _formula(value, place)
-    if is_dataclass(hint):
-        return build(cast("type[Any]", hint), value, place)
+    if isinstance(hint, type) and issubclass(hint, Struct):
+        return build(hint, value, place)
     if hint is float and isinstance(value, int) and not isinstance(value, bool):
         return float(value)
     if type(value) is not hint:

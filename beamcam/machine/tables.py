@@ -1,12 +1,12 @@
 """The controllers of cutting tables that no G-code runs: trigger programs and stepper tables."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
 from typing import Literal
 
+from msgspec import Struct, field
 
-@dataclass(frozen=True, slots=True)
-class Triggers:
+
+class Triggers(Struct, frozen=True):
     """A motion controller that is told by a Structured Text program, one `_pos` an operation."""
 
     axes: tuple[str, str]  #: names of the axes of X and Y in the project
@@ -29,8 +29,7 @@ class Triggers:
     path_object: str = "Path"  #: its name in the project
 
 
-@dataclass(frozen=True, slots=True)
-class Stepper:
+class Stepper(Struct, frozen=True):
     """Two stepping motors with lead screws, each driven by a word of two bits."""
 
     pitch: float  #: of the lead screw, a turn

@@ -5,15 +5,15 @@ are kept so that their lengths can be told when somebody asks.
 """
 
 from collections.abc import Iterable
-from dataclasses import dataclass
+
+from msgspec import Struct
 
 from beamcam.geometry.curves import Bezier, BSpline, Curve
 from beamcam.geometry.plane import Box, Point, box_around
 from beamcam.model.lengths import total_length
 
 
-@dataclass(frozen=True, slots=True)
-class Measures:
+class Measures(Struct, frozen=True):
     """What was seen in a drawing and becomes no feature of the part."""
 
     filled: tuple[Curve, ...] = ()  #: outlines of shapes with a fill and no stroke

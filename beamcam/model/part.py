@@ -8,8 +8,9 @@ numbers of o and h. Curves are plain geometry in those numbers.
 """
 
 from collections.abc import Iterator
-from dataclasses import dataclass, field
 from typing import Literal
+
+from msgspec import Struct, field
 
 from beamcam.errors import Source
 from beamcam.geometry.curves import Curve, Point
@@ -28,8 +29,7 @@ Process = Literal["cut", "mark", "engrave", "punch", "powder"]
 Vector = tuple[float, float, float]
 
 
-@dataclass(frozen=True, slots=True)
-class Profile:
+class Profile(Struct, frozen=True):
     """The cross-section of the stock; a sheet has code B, its width as height."""
 
     code: ProfileCode
@@ -64,8 +64,7 @@ class Profile:
         return 0.0
 
 
-@dataclass(frozen=True, slots=True)
-class EndCuts:
+class EndCuts(Struct, frozen=True):
     """Angles of the end cuts in degrees, with DSTV's signs.
 
     At either end `angle = atan2(x(lowest y) - x(highest y), y_high - y_low)`, of the web in the
@@ -79,8 +78,7 @@ class EndCuts:
     flange_end: float = 0.0
 
 
-@dataclass(frozen=True, slots=True)
-class Hole:
+class Hole(Struct, frozen=True):
     """A round hole, thread, countersink or punch mark."""
 
     face: Face
@@ -94,8 +92,7 @@ class Hole:
     edge: str = ""  #: reference letter of x: the edge rolling tolerance is measured from
 
 
-@dataclass(frozen=True, slots=True)
-class Slot:
+class Slot(Struct, frozen=True):
     """A slotted or rectangular hole with round corners."""
 
     face: Face
@@ -111,8 +108,7 @@ class Slot:
     edge: str = ""
 
 
-@dataclass(frozen=True, slots=True)
-class Bevel:
+class Bevel(Struct, frozen=True):
     """A weld preparation on one curve of a contour."""
 
     curve: int  #: index into the contour's curves
@@ -120,8 +116,7 @@ class Bevel:
     land: float  #: where the bevel ends, measured from the far side
 
 
-@dataclass(frozen=True, slots=True)
-class Notch:
+class Notch(Struct, frozen=True):
     """A theoretical corner that a rounded or drilled corner stands for (notch rows t and w)."""
 
     curve: int  #: index of the curve that it belongs to
@@ -130,8 +125,7 @@ class Notch:
     radius: float
 
 
-@dataclass(frozen=True, slots=True)
-class Contour:
+class Contour(Struct, frozen=True):
     """A chain of curves on a face; outer ones run counter-clockwise seen from outside."""
 
     face: Face
@@ -147,8 +141,7 @@ class Contour:
     colour: str | None = None  #: "#rrggbb"
 
 
-@dataclass(frozen=True, slots=True)
-class TextMark:
+class TextMark(Struct, frozen=True):
     """A text to be marked, stamped or engraved."""
 
     face: Face
@@ -162,8 +155,7 @@ class TextMark:
     edge: str = ""
 
 
-@dataclass(frozen=True, slots=True)
-class Bend:
+class Bend(Struct, frozen=True):
     """A bend about a line of the flat part; positive bends towards +Z."""
 
     start: Point
@@ -173,8 +165,7 @@ class Bend:
     source: Source
 
 
-@dataclass(frozen=True, slots=True)
-class EndPlane:
+class EndPlane(Struct, frozen=True):
     """A plane that cuts the part, where no contour can say it (SC)."""
 
     point: Vector
@@ -182,8 +173,7 @@ class EndPlane:
     source: Source
 
 
-@dataclass(frozen=True, slots=True)
-class Camber:
+class Camber(Struct, frozen=True):
     """A point of the cambered line; all other coordinates are without camber."""
 
     face: Face
@@ -195,8 +185,7 @@ class Camber:
 Feature = Hole | Slot | Contour | TextMark | Bend | EndPlane | Camber
 
 
-@dataclass(frozen=True, slots=True)
-class Plane:
+class Plane(Struct, frozen=True):
     """A plane of its own that features lie on, named as their `face`."""
 
     name: str
@@ -206,8 +195,7 @@ class Plane:
     source: Source
 
 
-@dataclass(frozen=True, slots=True)
-class SectionPoint:
+class SectionPoint(Struct, frozen=True):
     """A corner of a special profile's outline (PR): `+` outside, `-` inside, radius to the next."""
 
     side: Literal["+", "-"]
@@ -216,16 +204,14 @@ class SectionPoint:
     radius: float
 
 
-@dataclass(frozen=True, slots=True)
-class Comment:
+class Comment(Struct, frozen=True):
     """A comment of the file, with the place that it stands before."""
 
     text: str
     before: str  #: "header:9", "feature:4", "feature:4:2" (row 2 of it), "end"; see anchors.py
 
 
-@dataclass(frozen=True, slots=True)
-class Part:
+class Part(Struct, frozen=True):
     """A piece mark, its stock and its features, in the order of the file."""
 
     mark: str
@@ -250,7 +236,7 @@ class Part:
     comments: tuple[Comment, ...] = ()
     guid: str | None = None  #: IFC GlobalId
     #: Of a drawing: what was seen and is no feature, and so makes no difference between parts.
-    measures: Measures | None = field(default=None, compare=False)
+    measures: Measures | None = None
 
     @property
     def holes(self) -> Iterator[Hole]:

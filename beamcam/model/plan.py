@@ -1,7 +1,8 @@
 """The plan: which tool makes which feature, where along the machine, in which order."""
 
-from dataclasses import dataclass
 from typing import Literal, NamedTuple
+
+from msgspec import Struct
 
 from beamcam.errors import Diagnostic, Source
 from beamcam.geometry.curves import Curve, Point
@@ -12,8 +13,7 @@ FeatureRef = tuple[int, int]  #: index of the piece on the bar, index of its fea
 AS_GIVEN = "as given"  #: how a part lies that was not turned
 
 
-@dataclass(frozen=True, slots=True)
-class Piece:
+class Piece(Struct, frozen=True):
     """One part laid on the bar."""
 
     part: Part  #: as it lies: turned, if it was turned
@@ -26,8 +26,7 @@ class Piece:
         return self.start + self.part.length
 
 
-@dataclass(frozen=True, slots=True)
-class Bar:
+class Bar(Struct, frozen=True):
     """The account of a bar: its stretches add up to its length, `nested` taken off."""
 
     length: float
@@ -44,8 +43,7 @@ class Bar:
         return self.front_trim + self.parts + self.kerfs - self.nested + self.rest + self.end_trim
 
 
-@dataclass(frozen=True, slots=True)
-class SawOp:
+class SawOp(Struct, frozen=True):
     """One cut through the bar."""
 
     x: float  #: machine X, of the blade's middle on the pivot edge
@@ -75,8 +73,7 @@ class DrillOp(NamedTuple):
     source: Source
 
 
-@dataclass(frozen=True, slots=True)
-class PathOp:
+class PathOp(Struct, frozen=True):
     """A tool led along a path: a slot or a large hole milled, a line scribed."""
 
     x: float  #: machine X of the first point
@@ -99,8 +96,7 @@ SpindleOp = DrillOp | PathOp
 Operation = SawOp | DrillOp | PathOp
 
 
-@dataclass(frozen=True, slots=True)
-class ToolLoad:
+class ToolLoad(Struct, frozen=True):
     """A tool put into a station."""
 
     before: int  #: index of the operation that needs it; 0 and no `out`: before the work
@@ -118,8 +114,7 @@ class Outcome(NamedTuple):
     by: str  #: what makes it (a kind of tool, or saw), or the code that it was left out by
 
 
-@dataclass(frozen=True, slots=True)
-class Plan:
+class Plan(Struct, frozen=True):
     """The work of one bar, in order."""
 
     profile: Profile
@@ -131,8 +126,7 @@ class Plan:
     reloads: tuple[ToolLoad, ...] = ()  #: by hand during the work, in its order
 
 
-@dataclass(frozen=True, slots=True)
-class Pass:
+class Pass(Struct, frozen=True):
     """What the head does between one start of its tool and the end."""
 
     lead_in: tuple[Curve, ...]  #: from the pierced hole to the contour
@@ -140,8 +134,7 @@ class Pass:
     lead_out: tuple[Curve, ...]
 
 
-@dataclass(frozen=True, slots=True)
-class ContourOp:
+class ContourOp(Struct, frozen=True):
     """A contour cut, marked or engraved, in one pass, or in several with bridges between them."""
 
     row: TorchRow  #: the process and how it runs
@@ -166,8 +159,7 @@ class ContourOp:
         return (last.lead_out or last.curves)[-1].end
 
 
-@dataclass(frozen=True, slots=True)
-class SheetPlan:
+class SheetPlan(Struct, frozen=True):
     """The work on one sheet, in order."""
 
     profile: Profile

@@ -4,14 +4,14 @@ Commands are named after the canonical machining functions of LinuxCNC where it 
 Lengths are mm in machine coordinates, feeds mm/min, speeds rpm.
 """
 
-from dataclasses import dataclass
 from typing import Literal, NamedTuple
+
+from msgspec import Struct
 
 from beamcam.errors import Source
 
 
-@dataclass(frozen=True, slots=True)
-class StartBar:
+class StartBar(Struct, frozen=True):
     """The section that the following commands work on."""
 
     section: int  #: the controller's code of the profile
@@ -19,8 +19,7 @@ class StartBar:
     height: float
 
 
-@dataclass(frozen=True, slots=True)
-class SawStroke:
+class SawStroke(Struct, frozen=True):
     """Bring the bar to `x` and cut through it."""
 
     x: float
@@ -30,8 +29,7 @@ class SawStroke:
     tilt: float = 0.0  #: of the blade, degrees, in the machine's counting
 
 
-@dataclass(frozen=True, slots=True)
-class DrillCycle:
+class DrillCycle(Struct, frozen=True):
     """Bring the bar to `x`, choose the spindle and its tool, and make one stroke."""
 
     spindle: int
@@ -47,8 +45,7 @@ class DrillCycle:
     pitch: float = 0.0  #: of a tap
 
 
-@dataclass(frozen=True, slots=True)
-class PathPoint:
+class PathPoint(Struct, frozen=True):
     """A point of a path in machine coordinates, with what stands above it."""
 
     x: float
@@ -57,8 +54,7 @@ class PathPoint:
     bottom: tuple[float, float]  #: Y and Z of the tool's point at work
 
 
-@dataclass(frozen=True, slots=True)
-class PathCycle:
+class PathCycle(Struct, frozen=True):
     """Choose the spindle and its tool, go down at the first point and along the others."""
 
     kind: Literal["mill", "scribe"]
@@ -70,22 +66,19 @@ class PathCycle:
     source: Source
 
 
-@dataclass(frozen=True, slots=True)
-class Comment:
+class Comment(Struct, frozen=True):
     """A text for whoever reads the program at the machine."""
 
     text: str
 
 
-@dataclass(frozen=True, slots=True)
-class StartSheet:
+class StartSheet(Struct, frozen=True):
     """The sheet that the following commands work on."""
 
     thickness: float
 
 
-@dataclass(frozen=True, slots=True)
-class ToolOn:
+class ToolOn(Struct, frozen=True):
     """Start the tool of a process where the head stands, and wait until it is through."""
 
     process: Literal["cut", "mark", "engrave"]
@@ -95,15 +88,13 @@ class ToolOn:
     source: Source
 
 
-@dataclass(frozen=True, slots=True)
-class ToolOff:
+class ToolOff(Struct, frozen=True):
     """Stop the tool of a process."""
 
     process: Literal["cut", "mark", "engrave"]
 
 
-@dataclass(frozen=True, slots=True)
-class Compensate:
+class Compensate(Struct, frozen=True):
     """From the next move on the controller keeps beside the contour by half the kerf."""
 
     side: Literal["left", "right", "on"]
@@ -162,8 +153,7 @@ Command = (
 )  # fmt: skip
 
 
-@dataclass(frozen=True, slots=True)
-class Program:
+class Program(Struct, frozen=True):
     """A named sequence of commands."""
 
     job: str

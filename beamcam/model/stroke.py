@@ -1,14 +1,13 @@
 """Where a spindle goes for an operation, by the machine's formulas."""
 
-from dataclasses import dataclass
+from msgspec import Struct
 
 from beamcam.machine.machine import Axis, Drill, Machine, Spindle
 from beamcam.model.part import Face, Profile
 from beamcam.model.plan import SpindleOp
 
 
-@dataclass(frozen=True, slots=True)
-class Stroke:
+class Stroke(Struct, frozen=True):
     """One stroke in machine coordinates, along the axis that drives the spindle in."""
 
     across: float  #: place of the axis across the bar

@@ -7,8 +7,9 @@ other way round or the long way.
 """
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 from math import atan2, cos, degrees, dist, hypot, pi, radians, sin, sqrt, tan
+
+from msgspec import Struct
 
 from beamcam.geometry.curves import Arc, Bezier, EllipseArc, Line
 from beamcam.geometry.plane import Point, cross
@@ -30,8 +31,7 @@ MAX_SPLITS = 12
 ROUND_RATIO = 0.999
 
 
-@dataclass(frozen=True, slots=True)
-class Numbers:
+class Numbers(Struct, frozen=True):
     """How the controller's numbers are written and what it accepts."""
 
     decimals: int

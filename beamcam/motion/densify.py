@@ -12,10 +12,10 @@ the speed of the stretch is lowered until it does not, and the certificate says 
 import itertools
 from collections import defaultdict
 from collections.abc import Sequence
-from dataclasses import dataclass
 from math import inf
 
 import numpy as np
+from msgspec import Struct
 from numpy.typing import NDArray
 
 from beamcam.geometry.bezier import Bezier
@@ -36,8 +36,7 @@ Floats = NDArray[np.float64]
 Counts = NDArray[np.int64]
 
 
-@dataclass(frozen=True, slots=True)
-class DensifyRules:
+class DensifyRules(Struct, frozen=True):
     """How near the points must stay, and how fast they come."""
 
     tolerance: float  #: greatest distance between the curves and the path that is put out
@@ -58,8 +57,7 @@ class DensifyRules:
             )
 
 
-@dataclass(frozen=True, slots=True)
-class Stretch:
+class Stretch(Struct, frozen=True):
     """Points `first` to `last` are passed at a lower speed than was asked for."""
 
     first: int
@@ -67,8 +65,7 @@ class Stretch:
     speed_mm_s: float
 
 
-@dataclass(frozen=True, slots=True)
-class Certificate:
+class Certificate(Struct, frozen=True):
     """What is known about a densified path."""
 
     deviation: float  #: no point of curve or path is farther from the other, rounding included
@@ -78,8 +75,7 @@ class Certificate:
     slowed: tuple[Stretch, ...]
 
 
-@dataclass(frozen=True, slots=True)
-class Densified:
+class Densified(Struct, frozen=True):
     """The points of a path, read-only, with the speed of each step between them."""
 
     points: Floats  #: (n, 2)

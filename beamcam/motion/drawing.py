@@ -5,10 +5,10 @@ Spans that have few points each are drawn together: their numbers are repeated f
 
 import itertools
 from collections import defaultdict
-from dataclasses import dataclass, field
 from math import comb
 
 import numpy as np
+from msgspec import Struct, field
 from numpy.typing import NDArray
 
 from beamcam.geometry.plane import Point
@@ -18,8 +18,7 @@ Floats = NDArray[np.float64]
 Counts = NDArray[np.int64]
 
 
-@dataclass(slots=True)
-class Spans:
+class Spans(Struct):
     """All spans of a path: which points of the path each of them fills."""
 
     steps: list[int] = field(default_factory=list)

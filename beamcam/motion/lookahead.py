@@ -16,10 +16,10 @@ Sources: grbl, planner.c; Klipper, toolhead.py; LinuxCNC, tp.c.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from math import cos, radians, sqrt
 
 import numpy as np
+from msgspec import Struct
 from numpy.typing import ArrayLike, NDArray
 
 from beamcam.motion.planned import PlannedPath, cut_phases
@@ -36,8 +36,7 @@ ACROSS_SHARE = sqrt(0.75)
 CURVE_TURN_COS = cos(radians(30.0))
 
 
-@dataclass(frozen=True, slots=True)
-class LookAheadRules:
+class LookAheadRules(Struct, frozen=True):
     """What the axes can do, and how corners are taken."""
 
     axes: tuple[Limits, ...]  #: one for each column of the points

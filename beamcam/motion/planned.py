@@ -1,8 +1,7 @@
 """A path with its motion: phases of constant jerk, each within one segment."""
 
-from dataclasses import dataclass
-
 import numpy as np
+from msgspec import Struct
 from numpy.typing import ArrayLike, NDArray
 
 from beamcam.motion.profile import Phase
@@ -13,8 +12,7 @@ Floats = NDArray[np.float64]
 Counts = NDArray[np.int64]
 
 
-@dataclass(frozen=True, slots=True)
-class PlannedPath:
+class PlannedPath(Struct, frozen=True):
     """The motion along a path, as arrays. A phase has constant jerk and lies in one segment."""
 
     points: Floats  #: (n + 1, axes)

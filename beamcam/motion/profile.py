@@ -11,10 +11,10 @@ Units are the caller's: mm and mm/s, or revolutions and rpm; time is seconds.
 
 import itertools
 from collections.abc import Sequence
-from dataclasses import dataclass
 from math import inf, isfinite, sqrt
 
 import numpy as np
+from msgspec import Struct
 from numpy.typing import ArrayLike, NDArray
 
 Floats = NDArray[np.float64]
@@ -23,8 +23,7 @@ Floats = NDArray[np.float64]
 LEAST_SHARE = 1e-12
 
 
-@dataclass(frozen=True, slots=True)
-class Phase:
+class Phase(Struct, frozen=True):
     """A stretch of constant jerk; position, velocity and acceleration are those at its start."""
 
     start_s: float
@@ -35,8 +34,7 @@ class Phase:
     jerk: float
 
 
-@dataclass(frozen=True, slots=True)
-class Profile:
+class Profile(Struct, frozen=True):
     """Phases that follow one another from time 0, and the state that they end in.
 
     Before its start and after its end a profile goes on at its first and last velocity.
@@ -88,8 +86,7 @@ class Profile:
         return np.array(rows, dtype=np.float64).T
 
 
-@dataclass(frozen=True, slots=True)
-class Limits:
+class Limits(Struct, frozen=True):
     """What an axis can do; an infinite jerk allows steps of the acceleration."""
 
     velocity: float

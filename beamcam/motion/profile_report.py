@@ -3,10 +3,10 @@
 import itertools
 import struct
 import zlib
-from dataclasses import dataclass
 from math import floor, log10
 
 import numpy as np
+from msgspec import Struct
 from numpy.typing import NDArray
 
 from beamcam.motion.profile import Profile
@@ -17,8 +17,7 @@ Floats = NDArray[np.float64]
 DRAWN_SAMPLES = 400
 
 
-@dataclass(frozen=True, slots=True)
-class Encoder:
+class Encoder(Struct, frozen=True):
     """What a pulse counter on the shaft shows."""
 
     pulses: int  #: a revolution
@@ -37,8 +36,7 @@ class Encoder:
         return self.rpm(velocity) * self.pulses / 60.0
 
 
-@dataclass(frozen=True, slots=True)
-class ProfileTable:
+class ProfileTable(Struct, frozen=True):
     """Rows of numbers under the names of their columns."""
 
     columns: tuple[str, ...]
@@ -67,8 +65,7 @@ def profile_table(profile: Profile, step_s: float, encoder: Encoder | None = Non
     return ProfileTable(tuple(names), np.column_stack(columns))
 
 
-@dataclass(frozen=True, slots=True)
-class _Panel:
+class _Panel(Struct, frozen=True):
     """One of the three curves, scaled to its place in the picture."""
 
     name: str

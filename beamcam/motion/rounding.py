@@ -1,9 +1,9 @@
 """What a machine makes of a coordinate: decimals of a text, counts of an encoder."""
 
-from dataclasses import dataclass
 from math import sqrt
 
 import numpy as np
+from msgspec import Struct
 from numpy.typing import NDArray
 
 Floats = NDArray[np.float64]
@@ -13,8 +13,7 @@ Floats = NDArray[np.float64]
 TRUNCATION_SLACK = 1e-6
 
 
-@dataclass(frozen=True, slots=True)
-class Rounding:
+class Rounding(Struct, frozen=True):
     """A grid of `counts` on every `travel` mm; 0 counts leave coordinates as they are."""
 
     counts: int

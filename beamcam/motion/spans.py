@@ -5,11 +5,11 @@ module finds the number of steps and a bound on the distance between curve and c
 """
 
 import itertools
-from dataclasses import dataclass
 from functools import lru_cache
 from math import asin, ceil, pi, sqrt
 
 import numpy as np
+from msgspec import Struct
 from numpy.typing import NDArray
 
 from beamcam.geometry.bezier import Bezier
@@ -52,8 +52,7 @@ def sagitta(radius: float, step_rad: float) -> float:
     return float(2 * radius * np.sin(step_rad / 4) ** 2)
 
 
-@dataclass(frozen=True, slots=True)
-class ArcSpan:
+class ArcSpan(Struct, frozen=True):
     """Equal steps over centre + cos(p) u + sin(p) v."""
 
     centre: tuple[float, float]

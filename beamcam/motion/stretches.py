@@ -12,8 +12,9 @@ its own:
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from math import inf, sqrt
+
+from msgspec import Struct
 
 #: A tower is worth climbing if the speed rises by this share of its foot in half its width.
 WORTH_RISE = 0.1
@@ -25,8 +26,7 @@ SAME_SPEED = 1e-3
 STAIR_RATIO = 1.25
 
 
-@dataclass(slots=True)
-class Stretch:
+class Stretch(Struct):
     """Segments `first` to `last` (excluded) under one limit; a junction has none."""
 
     limit: float

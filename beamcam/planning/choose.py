@@ -11,8 +11,9 @@ approach to sequencing problems, 1962), and for many a greedy path, part by part
 """
 
 from collections.abc import Collection, Sequence
-from dataclasses import dataclass
 from itertools import pairwise
+
+from msgspec import Struct
 
 from beamcam.errors import Diagnostic
 from beamcam.machine.machine import Machine, Saw
@@ -32,8 +33,7 @@ EXACT_ORDER = 9  #: parts whose best order is searched for among all
 LEAST_GAIN_S = 1.0  #: a turn that gains less is not worth the lifting
 
 
-@dataclass(frozen=True, slots=True)
-class Trial:
+class Trial(Struct, frozen=True):
     """One of the eight ways that a part may lie, and what came of it."""
 
     turn: Turn
@@ -42,8 +42,7 @@ class Trial:
     because: str  #: why it is out, or ""
 
 
-@dataclass(frozen=True, slots=True)
-class Choice:
+class Choice(Struct, frozen=True):
     """How a part shall lie."""
 
     part: Part

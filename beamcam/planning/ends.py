@@ -12,9 +12,10 @@ view of v and the flange's in the view of u, and both follow one formula:
 """
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 from math import atan2, degrees, hypot, radians, tan
 from typing import Literal
+
+from msgspec import Struct
 
 from beamcam.errors import Diagnostic, PlanError
 from beamcam.geometry.curves import Line, Point
@@ -25,8 +26,7 @@ CONTOUR_TOLERANCE = 1.0  #: mm between contour and header that exporters leave; 
 ANGLE_TOLERANCE_DEG = 0.2  #: between header and contour
 
 
-@dataclass(frozen=True, slots=True)
-class End:
+class End(Struct, frozen=True):
     """The plane of one end: x on the part as a function of y and z in the section."""
 
     at: Literal["start", "end"]

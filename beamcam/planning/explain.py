@@ -1,7 +1,8 @@
 """A plan in words: what each operation is, why it is so and why it stands where it does."""
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+
+from msgspec import Struct
 
 from beamcam.machine.machine import Machine
 from beamcam.model.part import Hole
@@ -23,8 +24,7 @@ from beamcam.planning.times import work_time
 from beamcam.planning.tools import Rack, rack_of
 
 
-@dataclass(frozen=True, slots=True)
-class Step:
+class Step(Struct, frozen=True):
     """One operation explained."""
 
     x: float  #: machine X
@@ -36,8 +36,7 @@ class Step:
     sources: tuple[str, ...]  #: where its features stand in their files
 
 
-@dataclass(frozen=True, slots=True)
-class Explanation:
+class Explanation(Struct, frozen=True):
     """A plan explained."""
 
     steps: tuple[Step, ...]

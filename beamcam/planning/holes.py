@@ -15,9 +15,10 @@ How deep a cone goes follows from its outer diameter D, its angle a and the hole
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from math import radians, tan
 from typing import cast
+
+from msgspec import Struct
 
 from beamcam.errors import Rule
 from beamcam.machine.machine import FLAT_DEG
@@ -26,8 +27,7 @@ from beamcam.planning import rules
 from beamcam.planning.tools import ROUNDING, Rack, Tools
 
 
-@dataclass(frozen=True, slots=True)
-class Step:
+class Step(Struct, frozen=True):
     """One operation on a hole."""
 
     tools: Tools  #: any of which may do it
@@ -36,8 +36,7 @@ class Step:
     ring: float = 0.0  #: diameter of the circle that a mill leaves; 0 for a stroke
 
 
-@dataclass(frozen=True, slots=True)
-class Refusal:
+class Refusal(Struct, frozen=True):
     """Why there is no way to make a hole: a rule and what its message needs but the place."""
 
     rule: Rule

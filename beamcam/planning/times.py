@@ -12,8 +12,9 @@ The controller's own look-ahead and the operator's ways are not in it.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from math import cos, radians, sqrt
+
+from msgspec import Struct
 
 from beamcam.machine.cutting import speed_and_feed
 from beamcam.machine.machine import Machine, Times, Tool
@@ -26,8 +27,7 @@ from beamcam.planning.paths import path_length
 SECONDS_PER_MINUTE = 60.0
 
 
-@dataclass(frozen=True, slots=True)
-class AxisSpeed:
+class AxisSpeed(Struct, frozen=True):
     """How fast an axis moves, mm/s and mm/s2."""
 
     speed_mm_s: float
@@ -39,8 +39,7 @@ class AxisSpeed:
         return s / v + v / a if s >= v * v / a else 2 * sqrt(s / a)
 
 
-@dataclass(frozen=True, slots=True)
-class WorkTime:
+class WorkTime(Struct, frozen=True):
     """Seconds of each operation, in the order of work, and of the whole."""
 
     operations: tuple[float, ...]

@@ -15,8 +15,10 @@ A mirrored part is another part: no sequence of these turns gives it.
 """
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
 from math import isclose
+
+from msgspec import Struct
+from msgspec.structs import replace
 
 from beamcam.geometry.curves import Matrix, Point
 from beamcam.model.part import (
@@ -38,8 +40,7 @@ from beamcam.model.part import (
 from beamcam.model.plan import AS_GIVEN
 
 
-@dataclass(frozen=True, slots=True)
-class Turn:
+class Turn(Struct, frozen=True):
     """One of the eight rotations: where the section's axes go, and which end leads."""
 
     name: str

@@ -6,8 +6,10 @@ features -> refused, or left out where that is allowed
 """
 
 from collections.abc import Collection, Iterator, Sequence
-from dataclasses import dataclass, replace
 from typing import NamedTuple
+
+from msgspec import Struct
+from msgspec.structs import replace
 
 from beamcam.errors import Diagnostic, PlanError, Source
 from beamcam.geometry.plane import Point, unit_vector
@@ -52,8 +54,7 @@ class Job(NamedTuple):
     path: tuple[Point, ...] = ()  #: x on the part and y on the face; () for a stroke
 
 
-@dataclass(frozen=True, slots=True)
-class Work:
+class Work(Struct, frozen=True):
     """What one part needs done, and what of it cannot be."""
 
     ends: Ends

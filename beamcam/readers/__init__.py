@@ -6,16 +6,16 @@ bad input. `looks_like(data)` tells by the content whether the bytes are of its 
 
 import os.path
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
 from importlib import import_module
+
+from msgspec import Struct
 
 from beamcam.errors import Source
 from beamcam.readers import rules
 from beamcam.readers.reading import Reading
 
 
-@dataclass(frozen=True, slots=True)
-class Format:
+class Format(Struct, frozen=True):
     """One format: its name, the suffixes of its files and the module that reads it."""
 
     name: str

@@ -1,13 +1,12 @@
 """What every reader gives back."""
 
-from dataclasses import dataclass
+from msgspec import Struct
 
 from beamcam.errors import Diagnostic, errors_in
 from beamcam.model.part import Part
 
 
-@dataclass(frozen=True, slots=True)
-class Reading:
+class Reading(Struct, frozen=True):
     """The parts of one file, as far as they could be read, and what is to be said about it.
 
     Where a diagnostic is an error no part may be posted; `parts` then still holds what was read.

@@ -5,8 +5,9 @@ The rows are plain data, so that they pass between processes and into a report a
 
 import json
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
 from typing import Literal, TypedDict
+
+from msgspec import Struct
 
 from beamcam.errors import Diagnostic
 
@@ -68,8 +69,7 @@ class Row(TypedDict):
     messages: list[Message]
 
 
-@dataclass(slots=True)
-class Counts:
+class Counts(Struct):
     """How many files of a run came out how, and what is to be said about the run as a whole."""
 
     posted: int = 0

@@ -7,7 +7,8 @@ planning, motion or the emitters, so that a fault of theirs cannot hide in it.
 """
 
 from collections.abc import Callable, Collection, Sequence
-from dataclasses import dataclass
+
+from msgspec import Struct
 
 from beamcam.errors import Diagnostic, VerifyError, errors_in
 from beamcam.machine.machine import Machine, NumberFormat
@@ -37,8 +38,7 @@ INTERPRETERS: dict[
 }
 
 
-@dataclass(frozen=True, slots=True)
-class Run:
+class Run(Struct, frozen=True):
     """A program that was interpreted."""
 
     made: Made

@@ -1,9 +1,10 @@
 """What a program makes against what its parts need: everything once, in its place, nothing else."""
 
 from collections.abc import Collection, Iterator, Sequence
-from dataclasses import dataclass
 from fnmatch import fnmatchcase
 from math import inf, isnan, pi, radians, tan
+
+from msgspec import Struct
 
 from beamcam.errors import Diagnostic, Source, errors_in
 from beamcam.machine.machine import FLAT_DEG, Machine, Saw
@@ -21,8 +22,7 @@ from beamcam.verify.rack import Rack
 from beamcam.verify.stations import Choice, stroke_values
 
 
-@dataclass(frozen=True, slots=True)
-class Task:
+class Task(Struct, frozen=True):
     """What a comparison works with."""
 
     parts: Sequence[Part]

@@ -6,9 +6,11 @@ difference is a sentence: "hole v at x 1200.0 moved by 2.0 mm, drill 18 to 22".
 
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from dataclasses import dataclass, fields
 from math import hypot, isnan
 from typing import Literal, TypeVar
+
+from msgspec import Struct
+from msgspec.structs import fields
 
 from beamcam.errors import Source
 from beamcam.geometry.curves import Curve
@@ -30,8 +32,7 @@ NEAR = 60.0  #: mm; what lies nearer is taken to have moved, what lies further t
 T = TypeVar("T")
 
 
-@dataclass(frozen=True, slots=True)
-class Difference:
+class Difference(Struct, frozen=True):
     """One difference between A and B."""
 
     what: Literal["section", "cut", "hole", "order", "part", "feature"]

@@ -1,7 +1,8 @@
 """What a program makes, in machine coordinates."""
 
-from dataclasses import dataclass
 from typing import NamedTuple
+
+from msgspec import Struct
 
 
 class Cut(NamedTuple):
@@ -45,8 +46,7 @@ class Trail(NamedTuple):
     feed_mm_min: float
 
 
-@dataclass(frozen=True, slots=True)
-class Made:
+class Made(Struct, frozen=True):
     """All that a program makes, in its order."""
 
     section: tuple[tuple[str, float], ...]  #: what it says about the bar, by field name

@@ -9,8 +9,9 @@ those that stand in a template are words of the machine.
 import re
 from bisect import bisect_left
 from collections.abc import Iterator
-from dataclasses import dataclass, fields
 from typing import Literal
+
+from msgspec import Struct
 
 from beamcam.machine.machine import Machine
 from beamcam.verify.blocks import LETTERS
@@ -34,8 +35,7 @@ _FIELD = re.compile(r"\b([A-Z])\{(\w+)\}")
 ALONG_A_PATH = ("mill", "scribe")
 
 
-@dataclass(frozen=True, slots=True)
-class Cycle:
+class Cycle(Struct, frozen=True):
     """How the machine works with one kind of tool: the template of its name says it."""
 
     kind: str
@@ -44,8 +44,7 @@ class Cycle:
     along: bool  #: whether it is led along a path
 
 
-@dataclass(frozen=True, slots=True)
-class MWord:
+class MWord(Struct, frozen=True):
     """One M word of a machine."""
 
     role: Role
@@ -53,8 +52,7 @@ class MWord:
     cycle: Cycle | None = None  #: of the tool that it chooses, of a choosing word
 
 
-@dataclass(frozen=True, slots=True)
-class Meaning:
+class Meaning(Struct, frozen=True):
     """The words of a machine."""
 
     m_words: dict[int, MWord]
@@ -106,10 +104,10 @@ def meaning_of(machine: Machine) -> Meaning:
 
 def _templates(machine: Machine) -> Iterator[tuple[str, tuple[str, ...]]]:
     """Name and lines of every template but the comment."""
-    for field in fields(machine.words):
-        value = getattr(machine.words, field.name)
+    for name in machine.words.__struct_fields__:
+        value = getattr(machine.words, name)
         if isinstance(value, tuple):
-            yield field.name, value
+            yield name, value
 
 
 def _cycle(name: str, lines: tuple[str, ...]) -> Cycle:

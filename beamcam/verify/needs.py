@@ -10,9 +10,11 @@ outer contour      nothing, where the ends of the stock give it
 """
 
 from collections.abc import Collection, Iterator, Sequence
-from dataclasses import dataclass, replace
 from math import cos, radians, sin, tan
 from typing import NamedTuple
+
+from msgspec import Struct
+from msgspec.structs import replace
 
 from beamcam.geometry.curves import Curve
 from beamcam.machine.machine import FLAT_DEG, Machine
@@ -56,8 +58,7 @@ class Stroke(NamedTuple):
     optional: bool = False
 
 
-@dataclass(frozen=True, slots=True)
-class Pocket:
+class Pocket(Struct, frozen=True):
     """A hole or slot that a mill is led round in: a rectangle with round corners."""
 
     part: int
@@ -73,8 +74,7 @@ class Pocket:
     source: Hole | Slot
 
 
-@dataclass(frozen=True, slots=True)
-class Course:
+class Course(Struct, frozen=True):
     """A line that a scribe is led along."""
 
     part: int
@@ -83,8 +83,7 @@ class Course:
     source: Contour
 
 
-@dataclass(frozen=True, slots=True)
-class Lack:
+class Lack(Struct, frozen=True):
     """A feature, or something of it, that the machine's program has no way to make."""
 
     part: int

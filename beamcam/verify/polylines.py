@@ -2,7 +2,8 @@
 
 import itertools
 from collections.abc import Collection, Sequence
-from dataclasses import replace
+
+from msgspec.structs import replace
 
 from beamcam.errors import Diagnostic
 from beamcam.machine.machine import Machine, TorchProcess

@@ -11,8 +11,10 @@ Spindles and the saw take the times of the machine file. Lengths are mm, angles 
 """
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
 from math import cos, hypot, inf, isnan, radians, sqrt
+
+from msgspec import Struct
+from msgspec.structs import replace
 
 from beamcam.errors import MachineError, Source
 from beamcam.machine import rules as machine_rules
@@ -24,8 +26,7 @@ from beamcam.verify.stations import Choice
 Positions = tuple[float, ...]
 
 
-@dataclass(frozen=True, slots=True)
-class State:
+class State(Struct, frozen=True):
     """What is switched on."""
 
     spindle: int = 0  #: number that the program chose, 0 before
@@ -35,8 +36,7 @@ class State:
     sawing: bool = False
 
 
-@dataclass(frozen=True, slots=True)
-class Row:
+class Row(Struct, frozen=True):
     """The cell at one moment."""
 
     time_s: float
@@ -45,8 +45,7 @@ class Row:
     state: State
 
 
-@dataclass(frozen=True, slots=True)
-class Stretch:
+class Stretch(Struct, frozen=True):
     """A stretch of time in which axes move or something is switched."""
 
     line: int

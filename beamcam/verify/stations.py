@@ -10,8 +10,9 @@ Where the stroke is the same for every hole the face lies `face_depth` behind 0,
 material on the spindle's side.
 """
 
-from dataclasses import dataclass
 from math import inf
+
+from msgspec import Struct
 
 from beamcam.machine.machine import ControlledAxis, Machine, Spindle
 from beamcam.model.part import Profile
@@ -19,8 +20,7 @@ from beamcam.model.part import Profile
 _AXIS_INDEX = {"X": 0, "Y": 1, "Z": 2}
 
 
-@dataclass(frozen=True, slots=True)
-class Station:
+class Station(Struct, frozen=True):
     """One spindle over a section."""
 
     number: int
@@ -46,8 +46,7 @@ class Station:
         return self.way * (stroke - self.surface)
 
 
-@dataclass(frozen=True, slots=True)
-class Choice:
+class Choice(Struct, frozen=True):
     """What a spindle word chooses: one station, or two that move as one."""
 
     number: int

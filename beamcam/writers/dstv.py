@@ -1,6 +1,6 @@
 """The writer of DSTV files, by the book: 24 header lines, holes in BO, numbers in columns."""
 
-from dataclasses import dataclass, field
+from msgspec import Struct, field
 
 from beamcam.errors import BeamcamError, Source
 from beamcam.model.anchors import plane_positions
@@ -72,8 +72,7 @@ def write(part: Part, tolerance: float | None = None) -> str:
     return "\n".join(sheet.lines) + "\n"
 
 
-@dataclass(slots=True)
-class _Sheet:
+class _Sheet(Struct):
     """The lines written so far, the block that they are in and the comments still to come."""
 
     part: Part

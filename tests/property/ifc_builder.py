@@ -5,9 +5,10 @@ it by one of `ENCODINGS`. Nothing here comes from the reader.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
 from math import atan, cos, degrees, pi, radians, sin, sqrt, tan
 from random import Random
+
+from msgspec import Struct, field
 
 Vec = tuple[float, float, float]
 Pair = tuple[float, float]
@@ -17,8 +18,7 @@ ENCODINGS = ("csg", "openings", "voiding", "mirrored", "inch", "metre", "outline
 IDENTIFIERS = "0123456789ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz_$"
 
 
-@dataclass(frozen=True)
-class HoleSpec:
+class HoleSpec(Struct, frozen=True):
     face: str
     x: float
     q: float
@@ -28,8 +28,7 @@ class HoleSpec:
     both: bool = False  #: through both flanges, or both walls of a tube
 
 
-@dataclass(frozen=True)
-class Member:
+class Member(Struct, frozen=True):
     code: str
     sizes: tuple[float, float, float, float]  #: height, width, flange, web
     length: float
@@ -51,8 +50,7 @@ def planes(member: Member) -> tuple[tuple[float, float, float], tuple[float, flo
     return out[0], out[1]
 
 
-@dataclass(frozen=True)
-class WallSpec:
+class WallSpec(Struct, frozen=True):
     face: str
     normal: int  #: 1 is Y, 2 is Z
     low: float
@@ -104,8 +102,7 @@ def bore_polygon(member: Member) -> list[Pair]:
     return [(tf, tw), (tf, b - tw), (h - tf, b - tw), (h - tf, tw)]
 
 
-@dataclass(frozen=True)
-class Lie:
+class Lie(Struct, frozen=True):
     """How the section lies in its profile's plane: zero point, Y, Z, and which way x runs."""
 
     origin: Pair
@@ -294,16 +291,12 @@ class Step:
         return head + "\n".join(self.lines) + "\nENDSEC;\nEND-ISO-10303-21;\n"
 
 
-@dataclass
 class Writer:
     """One model in one encoding."""
 
-    encoding: str
-    random: Random
-    step: Step = field(init=False)
-    guids: list[str] = field(default_factory=list)
-
-    def __post_init__(self) -> None:
+    def __init__(self, encoding: str, random: Random) -> None:
+        self.encoding, self.random = encoding, random
+        self.guids: list[str] = []
         schema = {"csg": "IFC2X3", "openings": "IFC2X3", "brep": "IFC2X3"}.get(
             self.encoding, "IFC4"
         )

@@ -1,10 +1,10 @@
 """Writing a part and reading it back gives the same part."""
 
-from dataclasses import replace
 from pathlib import Path
 
 import pytest
 from hypothesis import HealthCheck, given, settings
+from msgspec.structs import replace
 
 from beamcam.errors import Source
 from beamcam.model.part import Part

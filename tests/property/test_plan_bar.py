@@ -1,11 +1,11 @@
 """Laws of a bar: the blade takes waste only, makes every end, and the account adds up."""
 
-from dataclasses import replace
 from itertools import permutations
 from math import hypot, radians, tan
 
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from msgspec.structs import replace
 
 from beamcam.errors import Source
 from beamcam.machine import load

@@ -1,12 +1,12 @@
 """The order of work against all orders that there are, for up to seven operations."""
 
 from collections.abc import Sequence
-from dataclasses import replace
 from itertools import pairwise, permutations
 from typing import Literal
 
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from msgspec.structs import replace
 
 from beamcam.errors import Source
 from beamcam.machine import load

@@ -5,11 +5,11 @@ The parts are drawn by a seeded generator, so that each run sees the same ones.
 
 from collections import Counter
 from collections.abc import Iterator
-from dataclasses import replace
 from math import isclose
 from random import Random
 
 import pytest
+from msgspec.structs import replace
 
 from beamcam.errors import PlanError, Severity, Source
 from beamcam.machine import load

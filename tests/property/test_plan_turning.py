@@ -1,11 +1,11 @@
 """The eight ways that a part may lie: turned, worked and turned back it is the same part."""
 
 from collections.abc import Iterator
-from dataclasses import replace
 
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from msgspec.structs import replace
 
 from beamcam.errors import Source
 from beamcam.geometry.curves import Arc, Line

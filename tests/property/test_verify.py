@@ -1,10 +1,10 @@
 """Whatever can be planned is read back without a word, and a part that differs is told apart."""
 
-from dataclasses import replace
 from typing import Any
 
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
+from msgspec.structs import replace
 
 from beamcam.errors import PlanError, Source
 from beamcam.machine import load

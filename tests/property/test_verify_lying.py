@@ -28,7 +28,7 @@ def test_every_turn_is_accepted(part: Part, turn: object) -> None:
 @settings(max_examples=150, deadline=None)
 @given(parts(), st.sampled_from(TURNS), st.floats(1.0, 9.0))
 def test_a_hole_that_moved_is_seen(part: Part, turn: object, by: float) -> None:
-    from dataclasses import replace
+    from msgspec.structs import replace
 
     if not part.features:
         return
@@ -39,7 +39,7 @@ def test_a_hole_that_moved_is_seen(part: Part, turn: object, by: float) -> None:
 
 
 def test_the_mirrored_twin_is_refused() -> None:
-    from dataclasses import replace
+    from msgspec.structs import replace
 
     from beamcam.model.part import Hole
     from tests.strategies import CHANNEL, SOURCE

@@ -1,9 +1,10 @@
 """Rows of the contour blocks AK, IK, KO and PU."""
 
-from dataclasses import dataclass, field
 from itertools import pairwise
 from math import hypot, inf
 from typing import Literal
+
+from msgspec import Struct, field
 
 from beamcam.errors import Severity
 from beamcam.geometry.curves import Point
@@ -20,8 +21,7 @@ BevelPair = tuple[float, float]  #: angle in degrees, land
 NotchRow = tuple[Literal["t", "w"], Point, float]
 
 
-@dataclass(slots=True)
-class Rows:
+class Rows(Struct):
     """One contour as its rows say it; item i of each list belongs to the edge from point i on."""
 
     code: str  #: A, I, K or P

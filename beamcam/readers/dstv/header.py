@@ -1,8 +1,9 @@
 """The header, block ST: 20 to 24 lines that count by their position."""
 
 import re
-from dataclasses import dataclass
 from typing import cast
+
+from msgspec import Struct
 
 from beamcam.model.part import PROFILE_CODES, EndCuts, Profile, ProfileCode
 from beamcam.readers.dstv import rules
@@ -30,8 +31,7 @@ NUMBER_NAMES = (
 )
 
 
-@dataclass(slots=True)
-class Header:
+class Header(Struct):
     """The header's values under the names of the part."""
 
     order: str
@@ -49,8 +49,7 @@ class Header:
     notes: tuple[str, ...]
 
 
-@dataclass(slots=True)
-class HeaderLines:
+class HeaderLines(Struct):
     """The header as text: its values by position, their lines, and its comments."""
 
     values: list[str]

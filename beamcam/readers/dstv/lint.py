@@ -6,9 +6,10 @@ header and in the contour, a hole and the material around it.
 
 import re
 from collections.abc import Iterator
-from dataclasses import dataclass
 from itertools import pairwise
 from math import atan2, degrees, hypot, inf, pi
+
+from msgspec import Struct
 
 from beamcam.geometry.curves import Arc, Box, Point, join_boxes
 from beamcam.model.part import (
@@ -34,8 +35,7 @@ LARGEST_MARK = 7.0  #: diameter; shops write punch marks as holes of 1, 2, 4, 5 
 _CUT_LINES = {"web_start": 17, "web_end": 18, "flange_start": 19, "flange_end": 20}
 
 
-@dataclass(slots=True)
-class _Outline:
+class _Outline(Struct):
     """An outer contour made ready for asking what lies inside."""
 
     points: list[Point]  #: corners, the first one again at the end
@@ -233,8 +233,7 @@ def _check_holes(part: Part, outers: dict[str, list[_Outline]], log: Log) -> Non
             log.add(rules.HOLE_OUTSIDE, hole.source.line or 0, what=what, x=x, y=y, face=face)
 
 
-@dataclass(slots=True)
-class _Region:
+class _Region(Struct):
     """Where a face has material."""
 
     box: Box  #: around it, a little wider

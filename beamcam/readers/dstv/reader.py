@@ -1,7 +1,8 @@
 """Reading a DSTV file: lines to blocks, blocks to features, features to a part."""
 
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+
+from msgspec import Struct, field
 
 from beamcam.errors import Source
 from beamcam.model.part import (
@@ -41,8 +42,7 @@ _TEXT_CODES = frozenset({"SI", "IN", *(f"S{digit}" for digit in range(10))})
 _CONTOURS = {"AK": "A", "IK": "I", "KO": "K", "PU": "P"}
 
 
-@dataclass(slots=True)
-class Account:
+class Account(Struct):
     """What became of the lines of a file: each data line is in the part or reported."""
 
     data_lines: list[int]
@@ -55,8 +55,7 @@ class Account:
         return sorted({*self.data_lines} - {*self.taken} - {*self.reported})
 
 
-@dataclass(slots=True)
-class Content:
+class Content(Struct):
     """What the blocks of a file give the part."""
 
     features: list[Feature | Rows] = field(default_factory=list)

@@ -1,7 +1,8 @@
 """Text, lines and numbers of a DSTV file: what every block needs."""
 
 import re
-from dataclasses import dataclass, field
+
+from msgspec import Struct, field
 
 from beamcam.errors import Diagnostic, Rule, Source
 from beamcam.readers.dstv.rules import DECIMAL_COMMA
@@ -23,8 +24,7 @@ class RowError(ValueError):
     """A row that no rule of its block explains."""
 
 
-@dataclass(slots=True)
-class Log:
+class Log(Struct):
     """What is said about one file, and which of its lines something was made of."""
 
     file: str
@@ -40,8 +40,7 @@ class Log:
         self.diagnostics.append(rule.at(Source(self.file, line), **values))
 
 
-@dataclass(slots=True)
-class Block:
+class Block(Struct):
     """A block code and its rows, stripped; `numbers` are the lines of the rows."""
 
     code: str

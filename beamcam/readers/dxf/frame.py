@@ -1,7 +1,8 @@
 """From the coordinates of a drawing or a block, and of an entity's own plane, to mm in X and Y."""
 
-from dataclasses import dataclass
 from typing import Any
+
+from msgspec import Struct
 
 from beamcam.geometry.plane import Matrix, Point
 
@@ -9,8 +10,7 @@ Vector = tuple[float, float, float]
 Row = tuple[float, float, float, float]  #: x' = a x + b y + c z + d
 
 
-@dataclass(frozen=True, slots=True)
-class Frame:
+class Frame(Struct, frozen=True):
     """An affine map of space, as its three rows; the third gives the height above the drawing."""
 
     x: Row

@@ -1,7 +1,8 @@
 """Layer, colour and visibility of an entity, inherited through the inserts above it."""
 
-from dataclasses import dataclass, field
 from typing import Any
+
+from msgspec import Struct, field
 
 from beamcam.readers.dxf.load import Document
 
@@ -12,8 +13,7 @@ BYBLOCK, BYLAYER = 0, 256
 WHITE = "#ffffff"
 
 
-@dataclass(frozen=True, slots=True)
-class Look:
+class Look(Struct, frozen=True):
     """How an entity shows, which is what its content inherits if it is an insert."""
 
     layer: str = "0"
@@ -21,8 +21,7 @@ class Look:
     invisible: bool = False  #: switched off itself (group 60), or in an insert that is
 
 
-@dataclass(slots=True)
-class Layers:
+class Layers(Struct):
     """The layers of a document, and which of them are read."""
 
     document: Document

@@ -3,8 +3,9 @@
 import io
 import logging
 import re
-from dataclasses import dataclass
 from typing import Any
+
+from msgspec import Struct
 
 from beamcam.errors import Diagnostic, ReadError, Source
 from beamcam.readers.dxf import rules
@@ -22,8 +23,7 @@ _START = re.compile(rb"(?:\s*999[^\r\n]*[\r\n]+[^\r\n]*[\r\n]+)*\s*0\s*[\r\n]+\s
 _HANDLE = re.compile(rb"[\r\n][ \t]*5[ \t]*(?:\r\n|\r|\n)[ \t]*[0-9A-Fa-f]+[ \t]*[\r\n]")
 
 
-@dataclass(frozen=True, slots=True)
-class Loaded:
+class Loaded(Struct, frozen=True):
     """A document and what is to be said about how it was read."""
 
     document: Document

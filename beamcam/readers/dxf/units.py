@@ -4,8 +4,9 @@ ezdxf invents `$INSUNITS` 6 (metres) for files without a header, so that the raw
 """
 
 import re
-from dataclasses import dataclass
 from typing import Any
+
+from msgspec import Struct
 
 from beamcam.errors import Diagnostic, Source
 from beamcam.readers.drawing import MM_PER_UNIT
@@ -41,8 +42,7 @@ INSUNITS: dict[int, tuple[str, float]] = {
 _NL = rb"[ \t]*(?:\r\n|\r|\n)[ \t]*"
 
 
-@dataclass(frozen=True, slots=True)
-class Unit:
+class Unit(Struct, frozen=True):
     """The unit of a drawing's numbers."""
 
     name: str

@@ -2,8 +2,9 @@
 
 from collections import Counter
 from collections.abc import Iterable
-from dataclasses import dataclass, field
 from typing import Any
+
+from msgspec import Struct, field
 
 from beamcam.errors import Diagnostic, ReadError, Source
 from beamcam.geometry.curves import Curve
@@ -33,8 +34,7 @@ _STRUCTURE = frozenset(("SEQEND",))
 _BAD_NUMBERS = (ValueError, TypeError, ArithmeticError, LookupError)
 
 
-@dataclass(slots=True)
-class Collected:
+class Collected(Struct):
     """What the entities of a drawing gave."""
 
     contours: list[Contour] = field(default_factory=list)
@@ -47,8 +47,7 @@ class Collected:
     said: list[Diagnostic] = field(default_factory=list)
 
 
-@dataclass(slots=True)
-class Walk:
+class Walk(Struct):
     """One pass over a document."""
 
     name: str

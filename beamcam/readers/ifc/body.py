@@ -9,7 +9,9 @@ the building it is, and its large numbers are kept out.
 """
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+
+from msgspec import Struct
+from msgspec.structs import replace
 
 from beamcam.geometry.curves import Arc
 from beamcam.readers.ifc.cutters import Bounded, Cutter, HalfSpace, Less, Prism, prism
@@ -39,8 +41,7 @@ _FLAT_TYPES = ("Curve2D", "Curve3D", "Curve", "BoundingBox", "GeometricCurveSet"
 FAR = 1e6  #: mm; how far the prism of a bounded half-space reaches
 
 
-@dataclass(frozen=True, slots=True)
-class Swept:
+class Swept(Struct, frozen=True):
     """A profile pushed along a vector; the profile lies in the plane of `frame`."""
 
     profile: Entity
@@ -48,8 +49,7 @@ class Swept:
     along: Vec
 
 
-@dataclass(frozen=True, slots=True)
-class Body:
+class Body(Struct, frozen=True):
     """What a member is made of: one swept profile or one shell, and what is taken from it."""
 
     base: Swept | Shell

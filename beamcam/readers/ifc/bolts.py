@@ -6,8 +6,10 @@ clearance of the bolt's standard.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
 from math import acos, degrees
+
+from msgspec import Struct
+from msgspec.structs import replace
 
 from beamcam.errors import Diagnostic, Source
 from beamcam.model.part import Hole, Part, Slot
@@ -26,8 +28,7 @@ IN_LINE = 0.05  #: mm within which two bolts make one hole
 INCH = 25.4
 
 
-@dataclass(frozen=True, slots=True)
-class Bolt:
+class Bolt(Struct, frozen=True):
     """A bolt in the world: its axis from under the head, and the diameter of its shank."""
 
     guid: str

@@ -4,9 +4,11 @@ Every cutter stands in the member's coordinates (x along it, Y, Z) and tells its
 wall: the region of the plane c = const that it removes.
 """
 
-from dataclasses import dataclass, field
 from math import sqrt
 from typing import Any, Protocol
+
+from msgspec import Struct
+from msgspec.structs import force_setattr
 
 from beamcam.geometry.curves import Point, unit_vector
 from beamcam.readers.ifc.outline import Round, Slotted, shape_of
@@ -31,8 +33,7 @@ class Cutter(Protocol):
     def slice(self, wall: Wall, c: float, circles: Circles) -> Shape: ...
 
 
-@dataclass(frozen=True, slots=True)
-class HalfSpace:
+class HalfSpace(Struct, frozen=True):
     """All that lies on one side of a plane."""
 
     point: Vec
@@ -65,20 +66,19 @@ class HalfSpace:
         return self.point[0] - (n[1] * (y - self.point[1]) + n[2] * (z - self.point[2])) / n[0]
 
 
-@dataclass(frozen=True, slots=True)
-class Prism:
+class Prism(Struct, frozen=True):
     """An outline pushed along a vector: frame.o + s x + t y + k z, k from 0 to 1."""
 
     frame: Frame
     outline: Outline
     where: str | None = None
     shape: Round | Slotted | None = None
-    bounds: Box3 | None = field(default=None, compare=False, repr=False)  #: worked out once
+    bounds: Box3 | None = None  #: worked out once
 
     @property
     def box(self) -> Box3:
         if self.bounds is None:
-            object.__setattr__(self, "bounds", self._box())
+            force_setattr(self, "bounds", self._box())
         assert self.bounds is not None
         return self.bounds
 
@@ -180,8 +180,7 @@ class Prism:
         return union_all(strips) if strips else _nothing()
 
 
-@dataclass(frozen=True, slots=True)
-class Bounded:
+class Bounded(Struct, frozen=True):
     """What two cutters have in common: a half-space within a prism."""
 
     first: Cutter
@@ -202,8 +201,7 @@ class Bounded:
         return self.first.slice(wall, c, circles).intersection(self.second.slice(wall, c, circles))
 
 
-@dataclass(frozen=True, slots=True)
-class Less:
+class Less(Struct, frozen=True):
     """A cutter that is itself cut: what is taken from it stays on the member."""
 
     first: Cutter

@@ -9,8 +9,9 @@ what it does not explain stays in the contours.
 
 import itertools
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
 from math import atan, degrees, hypot
+
+from msgspec import Struct
 
 from beamcam.readers.ifc.cutters import HalfSpace
 from beamcam.readers.ifc.region import Shape, half_plane, pieces_of
@@ -22,8 +23,7 @@ SAME_SLOPE = 2e-4
 SAME_PLANE = 0.3  #: mm
 
 
-@dataclass(frozen=True, slots=True)
-class End:
+class End(Struct, frozen=True):
     """The plane of an end; `side` is 1 at the end and -1 at the start."""
 
     side: int
@@ -66,8 +66,7 @@ def sole_end(ends: Sequence[End], corners: Iterable[tuple[float, float]]) -> End
     return None
 
 
-@dataclass(frozen=True, slots=True)
-class _Edge:
+class _Edge(Struct, frozen=True):
     """A piece of a wall's border that faces an end."""
 
     wall: Wall

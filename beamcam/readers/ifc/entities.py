@@ -3,11 +3,11 @@
 All lengths that leave this module are millimetres.
 """
 
-from dataclasses import dataclass, field
 from math import pi
 from typing import Any
 
 import ifcopenshell
+from msgspec import Struct, field
 
 from beamcam.readers.ifc.space import IDENTITY, ORIGIN, Frame, Vec, across, cross, scale, sub, unit
 
@@ -27,8 +27,7 @@ class Unreadable(Exception):
     """Something in a member's geometry that the reader does not take; the text says what."""
 
 
-@dataclass(slots=True)
-class Model:
+class Model(Struct):
     """An open file with its units and what was already worked out of it."""
 
     file: Any

@@ -1,8 +1,10 @@
 """From walls and what is left of them to a part's features: both routes end here."""
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
 from math import atan2, degrees, hypot
+
+from msgspec import Struct
+from msgspec.structs import replace
 
 from beamcam.errors import Source
 from beamcam.geometry.curves import Curve, Line
@@ -30,8 +32,7 @@ COMPOUND_DEG = 0.05  #: web and flange angle above which an end needs a plane of
 UNEXPLAINED = 0.05  #: mm, the mean width of what no end plane explains
 
 
-@dataclass(frozen=True, slots=True)
-class Shaped:
+class Shaped(Struct, frozen=True):
     """A member as DSTV sees it."""
 
     section: Section

@@ -7,7 +7,8 @@
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from msgspec import Struct
+from msgspec.structs import replace
 from typing import Any
 
 from beamcam.errors import Source
@@ -86,8 +87,7 @@ def read_shell(shell: Shell, cutters: Sequence[Cutter], source: Source) -> Shape
     raise Unreadable(f"a shell of {len(shell.faces)} faces without a constant section")
 
 
-@dataclass(frozen=True, slots=True)
-class _Stock:
+class _Stock(Struct, frozen=True):
     section: Section
     frame: Frame
     x0: float

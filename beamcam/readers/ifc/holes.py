@@ -1,8 +1,9 @@
 """Round and slotted cutters that pierce walls squarely: holes, one for each wall."""
 
 from collections.abc import Sequence
-from dataclasses import replace
 from math import atan2, cos, degrees, pi, sin
+
+from msgspec.structs import replace
 
 from beamcam.errors import Source
 from beamcam.model.part import Hole, Slot

@@ -2,8 +2,9 @@
 
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass
 from typing import Any
+
+from msgspec import Struct
 
 from beamcam.readers.ifc.entities import Entity, Model, Unreadable
 from beamcam.readers.ifc.shell import Face3, Shell, planar_face
@@ -14,8 +15,7 @@ ANGLE = 0.25  #: rad between two facets, 26 on a circle; every vertex lies on th
 ROUNDER = 0.9999  #: of a slot's corner radius that the kernel can build; half the side it cannot
 
 
-@dataclass(frozen=True, slots=True)
-class Built:
+class Built(Struct, frozen=True):
     """A shell in the element's coordinates and what the kernel said while making it."""
 
     shell: Shell

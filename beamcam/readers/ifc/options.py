@@ -1,13 +1,13 @@
 """What a caller may ask of the reader of models."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
+
+from msgspec import Struct
 
 Progress = Callable[[int, int], None]  #: members done, members in all
 
 
-@dataclass(frozen=True, slots=True)
-class Selection:
+class Selection(Struct, frozen=True):
     """Which members are meant; of each kind any of the values, and every kind that is given."""
 
     marks: frozenset[str] = frozenset()
@@ -23,8 +23,7 @@ class Selection:
 ALL = Selection()
 
 
-@dataclass(frozen=True, slots=True)
-class Options:
+class Options(Struct, frozen=True):
     """How members are read."""
 
     force: bool = False  #: contradictions are warnings

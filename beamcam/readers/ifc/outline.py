@@ -4,7 +4,7 @@ Exporters write arcs as polygons whose vertices lie on the circle; `with_arcs` t
 back to arcs before anything is measured.
 """
 
-from dataclasses import dataclass
+from msgspec import Struct
 from math import atan2, degrees, hypot, pi, radians, sin
 
 from beamcam.geometry.curves import Arc, Curve, Line, Point
@@ -20,16 +20,14 @@ GENTLE_RAD = 0.55  #: between the chords of a rounding
 SHARP_RAD = 0.3  #: by which a rounding may be off the side it runs into
 
 
-@dataclass(frozen=True, slots=True)
-class Round:
+class Round(Struct, frozen=True):
     """A circle."""
 
     centre: Point
     diameter: float
 
 
-@dataclass(frozen=True, slots=True)
-class Slotted:
+class Slotted(Struct, frozen=True):
     """A rectangle with round corners, a slot where one side has no straight piece."""
 
     centre: Point
@@ -186,8 +184,7 @@ def _slotted(centres: list[Point], diameter: float) -> Slotted | None:
     return Slotted(middle, diameter, length, height if height > 1e-6 else 0.0, angle)
 
 
-@dataclass(frozen=True, slots=True)
-class Corner:
+class Corner(Struct, frozen=True):
     """A corner of a polygon, counter-clockwise, and the rounding it had."""
 
     at: Point
@@ -252,8 +249,7 @@ def corners_of(chain: Chain) -> tuple[Corner, ...] | None:
     return _unchamfered(_oriented(points, [s.radius for s in sides]))
 
 
-@dataclass(slots=True)
-class _Side:
+class _Side(Struct):
     """A side of a polygon, and the radius of the rounding that follows it."""
 
     at: Point

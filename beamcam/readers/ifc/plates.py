@@ -1,7 +1,8 @@
 """Plates: an outline that is pushed through its thickness."""
 
-from dataclasses import dataclass
 from math import atan2, cos, hypot, pi, sin
+
+from msgspec import Struct
 
 from beamcam.geometry.curves import Line, Point
 from beamcam.readers.ifc.curves2d import Chain
@@ -14,8 +15,7 @@ THIN = 0.3  #: of the lesser side, below which an outline of a rolled form is a 
 TIGHTER = 0.98  #: of the area of the box as drawn, for another box to be taken
 
 
-@dataclass(frozen=True, slots=True)
-class Plate:
+class Plate(Struct, frozen=True):
     """How a plate lies in its profile's plane, and its outline in its own (x, y)."""
 
     origin: Point
@@ -87,8 +87,7 @@ def _plate_of(model: Model, element: Entity, profile: Entity, depth: float) -> P
     )
 
 
-@dataclass(frozen=True, slots=True)
-class PlateBox:
+class PlateBox(Struct, frozen=True):
     """The least box of an outline, and the outline in its coordinates."""
 
     origin: Point

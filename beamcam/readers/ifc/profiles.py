@@ -1,8 +1,10 @@
 """Profile definitions of IFC as sections: parameterised ones by their numbers, others by form."""
 
-from dataclasses import dataclass, replace
 from math import hypot, pi
 from typing import Any
+
+from msgspec import Struct
+from msgspec.structs import replace
 
 from beamcam.geometry.curves import Arc, Point
 from beamcam.model.part import ProfileCode
@@ -12,8 +14,7 @@ from beamcam.readers.ifc.section import Section, classify, placed, special
 from beamcam.readers.ifc.space import Frame
 
 
-@dataclass(frozen=True, slots=True)
-class Outline:
+class Outline(Struct, frozen=True):
     """A region of the profile's plane: its border and its hollows."""
 
     outer: Chain

@@ -1,7 +1,8 @@
 """Equal parts counted together."""
 
 from collections.abc import Iterable
-from dataclasses import replace
+
+from msgspec.structs import replace
 
 from beamcam.model.part import Contour, EndPlane, Hole, Part, Slot
 

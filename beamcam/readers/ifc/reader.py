@@ -2,9 +2,10 @@
 
 from collections import Counter
 from collections.abc import Iterator
-from dataclasses import dataclass, field, replace
 from typing import Any
 
+from msgspec import Struct, field
+from msgspec.structs import replace
 from shapely.errors import ShapelyError
 
 from beamcam.errors import Diagnostic, Rule, Severity, Source
@@ -42,8 +43,7 @@ TAPERED = ("IfcExtrudedAreaSolidTapered", "IfcRevolvedAreaSolidTapered", "IfcSec
            "IfcSectionedSolidHorizontal")  # fmt: skip
 
 
-@dataclass(slots=True)
-class Ledger:
+class Ledger(Struct):
     """What became of every member of the file."""
 
     read: int = 0
@@ -67,8 +67,7 @@ def read_model(
     return _Run(open_model(opened), name, selection, options).read(progress)
 
 
-@dataclass(slots=True)
-class _Run:
+class _Run(Struct):
     """One reading of one model."""
 
     model: Model

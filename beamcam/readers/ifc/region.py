@@ -4,9 +4,10 @@ Arcs become polygons whose sagitta is SAGITTA; every circle is remembered, and a
 edges that lie on it become arcs again, with the centre and radius that came in.
 """
 
-from dataclasses import dataclass, field
 from math import acos, atan2, ceil, degrees, hypot, pi, radians
 from typing import Any
+
+from msgspec import Struct, field
 
 from beamcam.geometry.curves import Arc, Curve, Line, Point
 from beamcam.readers.ifc.curves2d import Chain
@@ -21,8 +22,7 @@ TINY_AREA = 0.01  #: mm2 of a scrap that cutting leaves
 Shape = Any  #: a shapely polygon or a collection of them
 
 
-@dataclass(slots=True)
-class Circles:
+class Circles(Struct):
     """The circles that arcs of a member's regions lie on."""
 
     known: list[tuple[Point, float]] = field(default_factory=list)

@@ -12,8 +12,10 @@ which way Y (height) and Z (across) run:
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
 from math import hypot
+
+from msgspec import Struct
+from msgspec.structs import replace
 
 from beamcam.geometry.curves import Point, signed_area
 from beamcam.model.part import Profile, ProfileCode
@@ -23,8 +25,7 @@ from beamcam.readers.ifc.outline import Corner, Round, corners_of, shape_of
 SQUARE = 0.02  #: sine of the angle by which a side of a section may be off square; more is a slope
 
 
-@dataclass(frozen=True, slots=True)
-class Section:
+class Section(Struct, frozen=True):
     """A classified section; lengths in mm, points and directions in the profile's plane."""
 
     code: ProfileCode

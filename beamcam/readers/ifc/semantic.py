@@ -7,7 +7,9 @@
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+
+from msgspec import Struct
+from msgspec.structs import replace
 
 from beamcam.errors import Source
 from beamcam.geometry.curves import Line, Point
@@ -39,8 +41,7 @@ from beamcam.readers.ifc.walls import Wall, corner_points, walls_of
 LEVEL_IN = 0.1  #: share of a wall's thickness that its two levels lie inside it
 
 
-@dataclass(frozen=True, slots=True)
-class Stock:
+class Stock(Struct, frozen=True):
     """What a member is cut from, in its own frame: a section between two x."""
 
     section: Section

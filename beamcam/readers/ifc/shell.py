@@ -7,8 +7,9 @@ to where an exporter let boxes touch in one shell.
 
 import itertools
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import Any
+
+from msgspec import Struct
 
 from beamcam.geometry.curves import Point
 from beamcam.readers.ifc.region import Circles, Shape, chains_of, cleaned, polygon_of
@@ -18,16 +19,14 @@ from beamcam.readers.ifc.walls import Wall
 GRID = 1e-3  #: mm of the grid that section lines are joined on; cracks are narrower
 
 
-@dataclass(frozen=True, slots=True)
-class Face3:
+class Face3(Struct, frozen=True):
     """A planar face: its border, then its hollows, and its normal times its area."""
 
     rings: tuple[tuple[Vec, ...], ...]
     area_normal: Vec
 
 
-@dataclass(frozen=True, slots=True)
-class Shell:
+class Shell(Struct, frozen=True):
     """A solid by its faces; also a cutter."""
 
     faces: tuple[Face3, ...]

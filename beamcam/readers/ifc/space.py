@@ -1,7 +1,8 @@
 """Points, vectors and frames in space, as plain tuples: a member has too few for numpy to pay."""
 
-from dataclasses import dataclass
 from math import sqrt
+
+from msgspec import Struct
 
 Vec = tuple[float, float, float]
 
@@ -51,8 +52,7 @@ def across(a: Vec) -> Vec:
     return unit(cross(a, axis))
 
 
-@dataclass(frozen=True, slots=True)
-class Frame:
+class Frame(Struct, frozen=True):
     """An affine map by its columns; the axes may be scaled, and left-handed after a mirror."""
 
     o: Vec = ORIGIN

@@ -1,17 +1,17 @@
 """The walls of a section: flat plates of full outer size, as DSTV divides a section (page 13)."""
 
-from dataclasses import dataclass
 from functools import lru_cache
 from math import cos, pi, sin
 from typing import Literal
+
+from msgspec import Struct
 
 from beamcam.model.part import Face
 from beamcam.readers.ifc.section import Section
 from beamcam.readers.ifc.space import Vec
 
 
-@dataclass(frozen=True, slots=True)
-class Wall:
+class Wall(Struct, frozen=True):
     """A plate of a section; x along the member, q across it, c through its thickness."""
 
     face: Face

@@ -6,7 +6,8 @@ others (`g > path`, `:hover`) are named and left out.
 
 import re
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field
+
+from msgspec import Struct, field
 
 from beamcam.readers.svg.tree import Element
 
@@ -43,8 +44,7 @@ _SELECTOR = re.compile(r"(\*|[A-Za-z][\w-]*)?((?:[.#][^\s.#:>+~\[\]*]+)*)\Z")
 _IMPORTANT = re.compile(r"\s*!\s*important\s*\Z", re.IGNORECASE)
 
 
-@dataclass(frozen=True, slots=True)
-class CssRule:
+class CssRule(Struct, frozen=True):
     """One selector and what it sets."""
 
     tag: str  #: "" for any
@@ -59,8 +59,7 @@ class CssRule:
         return bool(self.identity), len(self.classes), bool(self.tag), self.order
 
 
-@dataclass(slots=True)
-class StyleSheet:
+class StyleSheet(Struct):
     """The rules of a file, found by the class, id or name that they ask for."""
 
     by_key: dict[str, list[CssRule]] = field(default_factory=dict)

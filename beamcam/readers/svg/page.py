@@ -1,8 +1,9 @@
 """The page: how long a unit of the drawing is, and where its origin lies."""
 
 import re
-from dataclasses import dataclass
 from math import inf, isfinite
+
+from msgspec import Struct
 
 from beamcam.errors import Diagnostic, ReadError, Source
 from beamcam.geometry.plane import Matrix
@@ -23,8 +24,7 @@ _PX = ("", "px")
 _ABSOLUTE = ("mm", "cm", "in", "pt", "pc", "q")
 
 
-@dataclass(frozen=True, slots=True)
-class ViewBox:
+class ViewBox(Struct, frozen=True):
     """The part of the drawing's plane that the page shows."""
 
     x: float
@@ -33,8 +33,7 @@ class ViewBox:
     height: float
 
 
-@dataclass(frozen=True, slots=True)
-class Page:
+class Page(Struct, frozen=True):
     """The map from the drawing's units, y down, to mm from the lower left corner, y up."""
 
     matrix: Matrix
@@ -43,8 +42,7 @@ class Page:
     remarks: tuple[Diagnostic, ...] = ()
 
 
-@dataclass(frozen=True, slots=True)
-class _Size:
+class _Size(Struct, frozen=True):
     """One side of the page as the file gives it."""
 
     text: str

@@ -5,8 +5,9 @@ ellipse arcs, Z closes; small letters count from the current point. Source: SVG 
 """
 
 import re
-from dataclasses import dataclass
 from math import cos, hypot, radians, sin, sqrt
+
+from msgspec import Struct
 
 from beamcam.geometry.conics import direction_deg, ellipse_of
 from beamcam.geometry.curves import Bezier, Curve, Line
@@ -31,8 +32,7 @@ class PathError(ValueError):
         super().__init__(f"found {found!r}, expected {expected}")
 
 
-@dataclass(frozen=True, slots=True)
-class Subpath:
+class Subpath(Struct, frozen=True):
     """A chain of curves; one that is not closed may still end where it began."""
 
     curves: tuple[Curve, ...]  #: empty if it has no length

@@ -1,8 +1,9 @@
 """XML to elements that know their line; names of SVG without prefix, others left out."""
 
 import re
-from dataclasses import dataclass, field
 from xml.parsers import expat
+
+from msgspec import Struct, field
 
 from beamcam.errors import ReadError, Source
 from beamcam.readers.svg import rules
@@ -13,8 +14,7 @@ SVG = "http://www.w3.org/2000/svg"
 MOST_DEEP = 200
 
 
-@dataclass(slots=True)
-class Element:
+class Element(Struct):
     """One element of the SVG namespace, or of none."""
 
     tag: str
@@ -27,8 +27,7 @@ class Element:
         return self.attributes.get(name)
 
 
-@dataclass(slots=True)
-class Document:
+class Document(Struct):
     """The tree of a file and what it says about the program that wrote it."""
 
     root: Element

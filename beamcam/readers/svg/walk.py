@@ -2,8 +2,10 @@
 
 from collections import Counter
 from collections.abc import Iterable
-from dataclasses import dataclass, field, replace
 from math import isfinite
+
+from msgspec import Struct, field
+from msgspec.structs import replace
 
 from beamcam.errors import Diagnostic, ReadError, Source
 from beamcam.geometry.curves import Curve
@@ -28,8 +30,7 @@ _NOT_CUT = ("image", "foreignObject", "video", "audio", "iframe", "canvas")
 MOST_USES = 10_000
 
 
-@dataclass(slots=True)
-class Collected:
+class Collected(Struct):
     """What the elements of a drawing gave."""
 
     contours: list[Contour] = field(default_factory=list)
@@ -42,8 +43,7 @@ class Collected:
     said: list[Diagnostic] = field(default_factory=list)
 
 
-@dataclass(frozen=True, slots=True)
-class Place:
+class Place(Struct, frozen=True):
     """Where an element stands."""
 
     matrix: Matrix  #: to mm
@@ -53,8 +53,7 @@ class Place:
     depth: int = 0
 
 
-@dataclass(slots=True)
-class Walk:
+class Walk(Struct):
     """One pass over a document."""
 
     name: str

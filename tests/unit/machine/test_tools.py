@@ -1,12 +1,12 @@
 """Tools and stations of machine files: what several keys have to agree on, speeds and feeds."""
 
-from dataclasses import replace
 from math import isclose, pi
 from pathlib import Path
 
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from msgspec.structs import replace
 
 from beamcam.errors import MachineError
 from beamcam.machine import load

@@ -1,7 +1,8 @@
 """Parts and machines that the tests of the planner share."""
 
-from dataclasses import replace
 from typing import Any
+
+from msgspec.structs import replace
 
 from beamcam.errors import Source
 from beamcam.machine import load

@@ -1,9 +1,9 @@
 """Cuts of a bar in figures, and ends that header and contours describe."""
 
-from dataclasses import replace
 from math import cos, radians, tan
 
 import pytest
+from msgspec.structs import replace
 
 from beamcam.errors import PlanError
 from beamcam.geometry.curves import Line

@@ -1,11 +1,11 @@
 """Flange holes that are one stroke, holes that are written twice, and what may not be merged."""
 
-from dataclasses import replace
 from typing import Any
 
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from msgspec.structs import replace
 
 from beamcam.machine import load
 from beamcam.model.plan import DrillOp

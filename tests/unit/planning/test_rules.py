@@ -1,8 +1,7 @@
 """Every message of the planner, as it stands on the screen."""
 
-from dataclasses import replace
-
 import pytest
+from msgspec.structs import replace
 
 from beamcam.errors import PlanError
 from beamcam.geometry.curves import Line

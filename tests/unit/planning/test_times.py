@@ -1,9 +1,9 @@
 """Times of operations in figures, and what an explanation holds."""
 
-from dataclasses import replace
 from math import cos, pi, radians, sqrt
 
 import pytest
+from msgspec.structs import replace
 
 from beamcam.errors import PlanError
 from beamcam.machine import load

@@ -1,10 +1,9 @@
 """Which tool makes which hole, which tools are one, and what a hole needs done."""
 
-from dataclasses import replace
-
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from msgspec.structs import replace
 
 from beamcam.machine import load
 from beamcam.machine.machine import Tool, ToolSet

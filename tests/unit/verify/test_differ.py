@@ -1,8 +1,7 @@
 """Differences by meaning, in sentences."""
 
-from dataclasses import replace
-
 import pytest
+from msgspec.structs import replace
 
 from beamcam.errors import Source
 from beamcam.geometry.curves import Line

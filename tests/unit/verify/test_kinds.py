@@ -1,9 +1,9 @@
 """Threads, sinks, punches, slots and scribed lines, in programs written by hand."""
 
-from dataclasses import replace
 from math import cos, hypot, pi, sin
 
 import pytest
+from msgspec.structs import replace
 
 from beamcam.errors import Source
 from beamcam.geometry.curves import Arc, Line

@@ -1,9 +1,9 @@
 """Each rule of the read-back: a program that keeps it, one that breaks it, and what is said."""
 
-from dataclasses import replace
 from pathlib import Path
 
 import pytest
+from msgspec.structs import replace
 
 from beamcam.geometry.curves import Line
 from beamcam.model.part import Contour, Slot, TextMark

@@ -109,7 +109,7 @@ def test_the_csv_has_a_row_for_every_event(course: tuple[Stretch, ...]) -> None:
 
 
 def test_a_machine_without_axes() -> None:
-    from dataclasses import replace
+    from msgspec.structs import replace
 
     bare = replace(ANNEX, axes=())
     with pytest.raises(MachineError, match="machine-missing: found no key 'axes'"):

@@ -1,11 +1,11 @@
 """DSTV text by the book, and what the format cannot hold."""
 
-from dataclasses import replace
 from math import hypot
 
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from msgspec.structs import replace
 
 from beamcam.errors import BeamcamError, Source
 from beamcam.geometry.curves import Arc, Bezier, BSpline, EllipseArc, Line, NewtonCurve

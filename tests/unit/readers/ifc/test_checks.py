@@ -1,8 +1,7 @@
 """The kernel as a second opinion."""
 
-from dataclasses import replace
-
 import pytest
+from msgspec.structs import replace
 
 from beamcam.errors import Source
 from beamcam.readers.ifc import Options, checks, kernel, read
