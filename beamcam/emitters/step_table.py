@@ -1,0 +1,162 @@
+"""Tables for stepping motors: velocities as CSV, steps as text, as bytes and as a C header.
+
+All forms come piece by piece, so that a table of any length takes no memory; rows are formatted
+by arrays. The formats are described in docs/step-tables.md.
+"""
+
+import re
+import struct
+from collections.abc import Iterator
+
+import numpy as np
+from numpy.typing import NDArray
+
+from beamcam.emitters.numbers import number
+from beamcam.machine.machine import Machine
+from beamcam.model.steps import LASER_BIT, StepRows, StepTable
+
+MAGIC = b"BCSTEPS1"
+HEADER = struct.Struct("<8sIIIIII")  #: magic, own size, step in nm, words 0 to 3
+TIME_SHIFT = 5  #: of a packed row: the bits lie below, the time since the last row above
+GREATEST_WAIT_US = (1 << (32 - TIME_SHIFT)) - 1
+BLOCK_ROWS = 1 << 16
+STRETCHES_PER_PIECE = 4096
+
+_DIGITS = np.frombuffer(b"".join(b"%04d" % k for k in range(10000)), dtype="V4")
+_HEX = np.frombuffer(b"".join(b"%04x" % k for k in range(65536)), dtype="V4")
+
+
+def emit(table: StepTable, machine: Machine) -> str:
+    """The step table as one text."""
+    return b"".join(as_text(table)).decode("ascii")
+
+
+def as_text(table: StepTable) -> Iterator[bytes]:
+    """One row a step event: time in microseconds, word of X, word of Y, laser."""
+    head = [f"# beamcam/steps/1 job {_plain(table.job)} step {number(table.step, 6)} mm"]
+    head += [f"# {remark}" for remark in table.remarks]
+    yield ("\n".join([*head, "time_us,x,y,laser"]) + "\n").encode("ascii")
+    tails = np.frombuffer(
+        b"".join(b",%s,%s,%d\n" % (_bits(k), _bits(k >> 2), k >> LASER_BIT) for k in range(32)),
+        dtype="V9",
+    )
+    row = np.dtype([("a", "V4"), ("b", "V4"), ("c", "V4"), ("tail", "V9")])
+    for rows in _blocks(table):
+        text = np.empty(len(rows.time_us), dtype=row)
+        high, low = np.divmod(rows.time_us, 10000)
+        text["c"] = _DIGITS.take(low)
+        high, low = np.divmod(high, 10000)
+        text["b"] = _DIGITS.take(low)
+        text["a"] = _DIGITS.take(high)
+        text["tail"] = tails.take(rows.bits)
+        yield text.tobytes()
+
+
+def _bits(word: int) -> bytes:
+    return b"%d%d" % (word >> 1 & 1, word & 1)
+
+
+def as_bytes(table: StepTable) -> Iterator[bytes]:
+    """A header, and 4 bytes a row: the time since the last row, and the words."""
+    words = [int(word, 2) for word in table.sequence]
+    yield HEADER.pack(MAGIC, HEADER.size, round(table.step * 1e6), *words)
+    for packed in _packed(table):
+        yield packed.tobytes()
+
+
+def as_header(table: StepTable) -> Iterator[bytes]:
+    """The rows of the binary form as an array of C."""
+    head = [f"/* beamcam/steps/1 job {_plain(table.job)} */"]
+    head += [f"/* {remark} */" for remark in table.remarks]
+    head += [
+        "#ifndef BEAMCAM_STEPS_H", "#define BEAMCAM_STEPS_H", "#include <stdint.h>", "",
+        f"#define BEAMCAM_STEP_NM {round(table.step * 1e6)}u",
+        "#define BEAMCAM_X(row) ((row) & 3u)",
+        "#define BEAMCAM_Y(row) (((row) >> 2) & 3u)",
+        "#define BEAMCAM_LASER(row) (((row) >> 4) & 1u)",
+        "#define BEAMCAM_WAIT_US(row) ((row) >> 5)",
+        "#define BEAMCAM_STEPS (sizeof beamcam_steps / sizeof beamcam_steps[0])", "",
+        "static const uint32_t beamcam_steps[] = {",
+    ]  # fmt: skip
+    yield ("\n".join(head) + "\n").encode("ascii")
+    line = np.dtype([("x", "V2"), ("a", "V4"), ("b", "V4"), ("end", "V3")])
+    for packed in _packed(table):
+        text = np.empty(len(packed), dtype=line)
+        text["x"] = np.frombuffer(b"0x", dtype="V2")[0]
+        text["a"] = _HEX.take(packed >> 16)
+        text["b"] = _HEX.take(packed & 0xFFFF)
+        text["end"] = np.frombuffer(b"u,\n", dtype="V3")[0]
+        yield text.tobytes()
+    yield b"};\n\n#endif\n"
+
+
+def as_velocities(table: StepTable) -> Iterator[bytes]:
+    """One row a stretch: end point, velocity vector, laser, steps and frequency of each axis."""
+    head = [f"# beamcam/velocities/1 job {_plain(table.job)} step {number(table.step, 6)} mm"]
+    head += [f"# {remark}" for remark in table.remarks]
+    head.append("x,y,velocity_x,velocity_y,laser,steps_x,steps_y,hz_x,hz_y")
+    lines = head
+    for s in table.stretches():
+        lines.append(
+            f"{number(s.x, 4)},{number(s.y, 4)},{number(s.velocity_x, 4)},"
+            f"{number(s.velocity_y, 4)},{int(s.laser)},{s.steps_x},{s.steps_y},"
+            f"{number(s.hz_x, 2)},{number(s.hz_y, 2)}"
+        )
+        if len(lines) >= STRETCHES_PER_PIECE:
+            yield ("\n".join(lines) + "\n").encode("ascii")
+            lines = []
+    if lines:
+        yield ("\n".join(lines) + "\n").encode("ascii")
+
+
+#: By the suffix of the output.
+FORMS = {".steps": as_text, ".csv": as_velocities, ".bin": as_bytes, ".h": as_header}
+
+
+def _plain(job: str) -> str:
+    """The job's name as it may stand in a comment of any form."""
+    return re.sub(r"[^A-Za-z0-9._-]+", "_", job)
+
+
+def _blocks(table: StepTable) -> Iterator[StepRows]:
+    """The rows in blocks that are worth the work of an array each."""
+    held: list[StepRows] = []
+    count = 0
+    for rows in table.rows():
+        held.append(rows)
+        count += len(rows.time_us)
+        if count >= BLOCK_ROWS:
+            yield _joined(held)
+            held, count = [], 0
+    if held:
+        yield _joined(held)
+
+
+def _joined(held: list[StepRows]) -> StepRows:
+    if len(held) == 1:
+        return held[0]
+    return StepRows(
+        np.concatenate([rows.time_us for rows in held]),
+        np.concatenate([rows.bits for rows in held]),
+    )
+
+
+def _packed(table: StepTable) -> Iterator[NDArray[np.uint32]]:
+    """Rows of 32 bits; a wait that is too long for one is spread over rows of the same words."""
+    last_us, last_bits = 0, 0
+    for rows in _blocks(table):
+        times, bits = rows
+        waits = np.empty_like(times)
+        waits[0] = times[0] - last_us
+        np.subtract(times[1:], times[:-1], out=waits[1:])
+        if int(waits.max()) > GREATEST_WAIT_US:
+            before = np.append(np.uint8(last_bits), bits[:-1])
+            extra = waits // (GREATEST_WAIT_US + 1)
+            where = np.repeat(np.arange(len(waits)), extra)
+            filler = np.full(len(where), GREATEST_WAIT_US)
+            waits = np.insert(waits - extra * GREATEST_WAIT_US, where, filler)
+            bits = np.insert(bits, where, before[where])
+        last_us, last_bits = int(times[-1]), int(rows.bits[-1])
+        waits <<= TIME_SHIFT
+        waits |= bits
+        yield waits.astype("<u4")

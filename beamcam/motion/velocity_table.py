@@ -1,0 +1,95 @@
+"""The ways of a stepper table: points with a speed, the laser on or off, from corner to corner."""
+
+from collections.abc import Iterator
+from itertools import pairwise
+from math import floor, hypot
+
+import numpy as np
+from numpy.typing import NDArray
+
+from beamcam.machine.machine import Machine, Torch, TorchProcess
+from beamcam.model.plan import SheetPlan
+from beamcam.model.steps import Stretch
+from beamcam.motion.densify import DensifyRules, densify
+
+Floats = NDArray[np.float64]
+
+HOME = (0.0, 0.0)
+SECONDS_PER_MINUTE = 60.0
+
+
+class Way:
+    """Points that follow one another and are passed at one speed."""
+
+    __slots__ = ("laser", "points", "speed_mm_s", "wait_s")
+
+    def __init__(self, points: Floats, speed_mm_s: float, laser: bool, wait_s: float) -> None:
+        self.points, self.speed_mm_s = points, speed_mm_s
+        self.laser, self.wait_s = laser, wait_s
+
+
+def ways(plan: SheetPlan, machine: Machine) -> list[Way]:
+    """Traverses and contours in order; the first begins and the last ends in the corner."""
+    torch, stepper = machine.torch, machine.stepper
+    if torch is None or stepper is None:
+        raise TypeError(f"{machine.name} has no stepping motors")
+    material = plan.pieces[0].part.grade or torch.material
+    rules = DensifyRules(torch.tolerance / 2)
+    found: list[Way] = []
+    here = HOME
+    for op in plan.operations:
+        speed = speed_at(torch, op.row.process, material, plan.thickness)
+        for one in op.passes:
+            path = densify((*one.lead_in, *one.curves, *one.lead_out), rules)
+            start = (float(path.points[0, 0]), float(path.points[0, 1]))
+            if start != here:
+                found.append(Way(np.array([here, start]), stepper.traverse_mm_s, False, 0.0))
+            found.append(Way(path.points, speed, True, op.row.pierce_s))
+            here = (float(path.points[-1, 0]), float(path.points[-1, 1]))
+    if here != HOME:
+        found.append(Way(np.array([here, HOME]), stepper.traverse_mm_s, False, 0.0))
+    return found
+
+
+def speed_at(torch: Torch, process: TorchProcess, material: str, thickness: float) -> float:
+    """Speed in mm/s, between the rows of the machine's table by a straight line.
+
+    A row's speed is that of its greatest thickness; below the thinnest row it is that row's.
+    Raises ValueError where no row fits.
+    """
+    from fnmatch import fnmatchcase
+
+    rows = sorted(
+        (row.up_to, row.feed_mm_min)
+        for row in torch.rows
+        if row.process == process and fnmatchcase(material.upper(), row.material.upper())
+    )
+    if not rows or not 0.0 < thickness <= rows[-1][0]:
+        raise ValueError(f"no speed to {process} {thickness:g} mm of {material}")
+    if thickness <= rows[0][0]:
+        return rows[0][1] / SECONDS_PER_MINUTE
+    for (a, va), (b, vb) in pairwise(rows):
+        if thickness <= b:
+            share = (thickness - a) / (b - a)
+            return (va + share * (vb - va)) / SECONDS_PER_MINUTE
+    raise AssertionError("a thickness beyond the rows was let through")
+
+
+def stretches(job: list[Way], step: float, greatest_mm_s: float) -> Iterator[Stretch]:
+    """A row for each stretch; the steps of all rows add up to the way from corner to corner.
+
+    `greatest_mm_s` is what an axis can do; a stretch that asks for more is slower.
+    """
+    count = [0, 0]
+    for way in job:
+        for (x0, y0), (x1, y1) in pairwise(way.points.tolist()):
+            dx, dy = x1 - x0, y1 - y0
+            length = hypot(dx, dy)
+            speed = min(way.speed_mm_s, greatest_mm_s * length / max(abs(dx), abs(dy)))
+            vx, vy = speed * dx / length, speed * dy / length
+            ends = [floor(x1 / step + 0.5), floor(y1 / step + 0.5)]
+            yield Stretch(
+                x1, y1, vx, vy, way.laser, ends[0] - count[0], ends[1] - count[1],
+                abs(vx) / step, abs(vy) / step,
+            )  # fmt: skip
+            count = ends
