@@ -139,12 +139,17 @@ def as_error(said: Diagnostic) -> Diagnostic:
     return replace(said, severity=Severity.ERROR) if said.severity is Severity.WARNING else said
 
 
-def parts_of(readings: Iterable[Reading]) -> tuple[tuple[Part, ...], tuple[Diagnostic, ...]]:
-    """All parts in order, and the remarks of their readers. Raises ReadError for any error."""
+def parts_of(
+    readings: Iterable[Reading], parts_in: Callable[[Reading], Iterable[Part]] | None = None
+) -> tuple[tuple[Part, ...], tuple[Diagnostic, ...]]:
+    """All parts in order, and the remarks of their readers. Raises ReadError for any error.
+
+    `parts_in` says what the parts of a reading are, where that is not just `parts`.
+    """
     parts: list[Part] = []
     said: list[Diagnostic] = []
     for reading in readings:
-        parts += reading.parts
+        parts += reading.parts if parts_in is None else parts_in(reading)
         said += reading.diagnostics
     if errors_in(said):
         raise ReadError(said)

@@ -3,15 +3,18 @@
 from collections.abc import Callable, Iterable
 from importlib import import_module
 from pathlib import Path, PurePath
+from typing import Any
 
 import click
 from msgspec import Struct
 
-from beamcam.commands.common import say, stop, write
+from beamcam.commands.common import REFUSED, say, stop, write
+from beamcam.commands.members import counted, member_choice, member_options
 from beamcam.commands.rules import ONE_PART, OUTPUT_FORMAT
+from beamcam.commands.sheets import DRAWING_NAMES, drawing_options, taken
 from beamcam.errors import BeamcamError, ReadError, Severity, Source
 from beamcam.model.part import Part
-from beamcam.pipeline import parts_of, read_file
+from beamcam.pipeline import read_file
 
 
 class Target(Struct, frozen=True):
@@ -69,24 +72,35 @@ def file_names(parts: Iterable[Part], suffix: str) -> list[str]:
 @click.argument("source", metavar="INPUT")
 @click.option("-o", "--output", required=True, help="File, folder/ for a file a part, or -.")
 @click.option("--to", "to", type=click.Choice([t.name for t in TARGETS]), help="Format.")
+@member_options
+@drawing_options
 @click.option("--strict", is_flag=True, help="Let warnings refuse a part as errors do.")
 @click.option("--json", "as_json", is_flag=True, help="Print messages as JSON.")
-def command(source: str, output: str, to: str | None, strict: bool, as_json: bool) -> None:
+def command(
+    source: str, output: str, to: str | None, strict: bool, as_json: bool, **more: Any
+) -> None:
     """Write a part in another format: DSTV, JSON, or a drawing of its faces.
 
     The suffix of the output says which, unless --to does: .nc1 and .nc are DSTV, .json is the
-    JSON form, .dxf a drawing with each face on a layer of its own.
+    JSON form, .dxf a drawing with each face on a layer of its own. Into a folder all members of a
+    model are written that can be read, and exit status 1 says that there are others.
 
     \b
     beamcam convert M58.nc1 -o M58.json
     beamcam convert M58.json -o M58.nc1
     beamcam convert M58.nc1 -o faces.dxf
+    beamcam convert model.ifc -o nc/
     """
+    how = taken(more, DRAWING_NAMES) | member_choice(more, kernel=True)
     try:
         target = target_of(output, to)
-        parts, said = parts_of([read_file(source, strict)])
-        if not is_folder(output) and len(parts) != 1:
-            raise ReadError(ONE_PART.at(Source(source), found=len(parts), output=output))
+        reading = read_file(source, strict, **how)
+        parts = counted(reading)
+        if not is_folder(output):
+            if reading.refused:
+                raise ReadError(reading.diagnostics)
+            if len(parts) != 1:
+                raise ReadError(ONE_PART.at(Source(source), found=len(parts), output=output))
         texts = [target.write(part) for part in parts]
     except BeamcamError as error:
         stop(error.diagnostics, as_json)
@@ -96,4 +110,6 @@ def command(source: str, output: str, to: str | None, strict: bool, as_json: boo
             write(str(Path(output) / name), text)
     else:
         write(output, texts[0])
-    say([d for d in said if d.severity is not Severity.NOTE], as_json)
+    say([d for d in reading.diagnostics if d.severity is not Severity.NOTE], as_json)
+    if reading.refused:
+        raise SystemExit(REFUSED)

@@ -5,6 +5,7 @@ from typing import Any
 import click
 
 from beamcam.commands.common import say, stop, write
+from beamcam.commands.members import counted, member_choice, member_options
 from beamcam.commands.sheets import (
     DRAWING_NAMES,
     drawing_options,
@@ -45,6 +46,7 @@ from beamcam.planning import SKIP_NAMES, Order
     help="How a trigger program is written; by default as the machine and its length ask for.",
 )
 @click.option("--turn", is_flag=True, help="Let parts be turned on the rollers.")
+@member_options
 @drawing_options
 @torch_options
 @click.option(
@@ -79,10 +81,11 @@ def command(
     beamcam post M58.nc1 -o job.gcode
     beamcam post M74.nc1 M58.nc1 M74.nc1 --machine beamline-annex -o job.gcode
     beamcam post M58.nc1 --bar 12000 -o - | less
+    beamcam post model.ifc --mark B12 -o b12.gcode
     """
     try:
-        how = taken(more, DRAWING_NAMES)
-        parts, said = parts_of(read_file(path, strict, **how) for path in inputs)
+        how = taken(more, DRAWING_NAMES) | member_choice(more, kernel=True)
+        parts, said = parts_of((read_file(path, strict, **how) for path in inputs), counted)
         loaded = with_options(load(machine or default_machine(parts, output)), more)
         style = table_style(loaded, output, style)
         posted = post(parts, loaded, job, bar, skips, not no_verify, order, turn, strict, style)

@@ -38,7 +38,7 @@ FORMATS = (
     Format("dstv", (".nc", ".nc1"), "beamcam.readers.dstv"),
     Format("dxf", (".dxf",), "beamcam.readers.dxf", ("units", "layers")),
     Format("svg", (".svg",), "beamcam.readers.svg", ("units", "width", "layers")),
-    Format("ifc", (".ifc", ".ifczip"), "beamcam.readers.ifc"),
+    Format("ifc", (".ifc", ".ifczip"), "beamcam.readers.ifc", ("selection", "options", "progress")),
     Format("part-json", (".json",), "beamcam.readers.part_json"),
 )
 
