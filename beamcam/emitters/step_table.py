@@ -157,6 +157,7 @@ def _packed(table: StepTable) -> Iterator[NDArray[np.uint32]]:
             waits = np.insert(waits - extra * GREATEST_WAIT_US, where, filler)
             bits = np.insert(bits, where, before[where])
         last_us, last_bits = int(times[-1]), int(rows.bits[-1])
-        waits <<= TIME_SHIFT
-        waits |= bits
-        yield waits.astype("<u4")
+        packed = waits.astype("<u4")
+        packed <<= np.uint32(TIME_SHIFT)
+        packed |= bits
+        yield packed

@@ -29,7 +29,7 @@ from beamcam.motion.velocity_table import Way, stretches, ways
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
-WINDOW_STEPS = 1 << 16  #: of the way that is worked on at once
+WINDOW_STEPS = 1 << 17  #: of the way that is worked on at once
 MICROSECONDS = 1e6
 #: A step is timed to a microsecond, so that two may come nearer by one than they should.
 TIMING_S = 1.1e-6
@@ -96,6 +96,8 @@ class _Words:
         places = np.arange(16)
         #: Bits of a pair of places: x + 4 y.
         self.table = (np.take(x, places & 3) | np.take(y, places >> 2) << 2).astype(np.uint8)
+        self.plain = bool((self.table == places).all())  #: a place is its word
+        self.table_on = self.table | np.uint8(1 << LASER_BIT)
 
     def row(self, time_us: int, laser: bool) -> StepRows:
         """A row without a step."""
@@ -109,21 +111,26 @@ class _Words:
         """
         events = np.concatenate((x, y + 2))
         events.sort(kind="stable")  # two sorted runs: they are merged
-        code = (events & 3).astype(np.uint8)
+        code = events.astype(np.uint8)
+        code &= 3
         events >>= 2
-        at_x = np.cumsum(_MOVES_X.take(code), dtype=np.uint8)
-        at_x += np.uint8(self.x)
-        at_y = np.cumsum(_MOVES_Y.take(code), dtype=np.uint8)
-        at_y += np.uint8(self.y)
-        at_x &= 3
-        at_y &= 3
-        if len(events):
-            self.x, self.y = int(at_x[-1]), int(at_y[-1])
-        at_y <<= 2
-        at_x |= at_y
-        bits = self.table.take(at_x)
-        if laser:
-            bits |= np.uint8(1 << LASER_BIT)
+        # Both places in one number: X in the low half, far from its ends, and Y in the high half.
+        moves = _MOVES.take(code)
+        if not len(moves):
+            return StepRows(events, code)
+        moves[0] += _MIDDLE + self.x + (self.y << _HALF)
+        places = np.cumsum(moves, dtype=np.int64).astype(np.uint64)
+        low = places.astype(np.uint8)
+        low &= 3
+        places >>= np.uint64(_HALF - 2)
+        high = places.astype(np.uint8)
+        high &= 12
+        low |= high
+        self.x, self.y = int(low[-1]) & 3, int(low[-1]) >> 2
+        if self.plain:
+            bits = low | np.uint8(laser << LASER_BIT)
+        else:
+            bits = (self.table_on if laser else self.table).take(low)
         together = events[1:] == events[:-1]
         if together.any():
             kept = np.append(~together, True)
@@ -132,8 +139,9 @@ class _Words:
         return StepRows(events, bits)
 
 
-_MOVES_X = np.array([255, 1, 0, 0], dtype=np.uint8)
-_MOVES_Y = np.array([0, 0, 255, 1], dtype=np.uint8)
+_HALF = 32
+_MIDDLE = 1 << (_HALF - 1)
+_MOVES = np.array([-1, 1, -1 << _HALF, 1 << _HALF], dtype=np.int64)
 
 
 def events(path: PlannedPath, stepper: Stepper) -> Iterator[tuple[Ints, Ints]]:
@@ -177,11 +185,16 @@ class _Clock:
     def at(self, way: Floats) -> Floats:
         """Times in seconds of ascending places of the way."""
         path = self.path
-        bounds = np.searchsorted(way, self.starts)
+        if not len(way):
+            return way
+        low, high = np.searchsorted(self.starts, (way[0], way[-1]), side="right").tolist()
+        low = max(low - 1, 0)
+        bounds = np.searchsorted(way, self.starts[low:high])
         bounds[0] = 0
         counts = np.diff(np.append(bounds, len(way)))
         busy = np.flatnonzero(counts)
         counts = counts[busy]
+        busy += low
         steady = self.steady[busy]
         # Steady phases at once: time is a straight line over the way.
         first = path.phase_start_s[busy] - self.starts[busy] * self.pace[busy]
@@ -236,7 +249,10 @@ class _Axis:
         Steps behind `until_us` are held back, as their counterparts may come in the next window.
         """
         way, forward = self._steps(a, b)
-        found = (clock.at(way) * MICROSECONDS + 0.5).astype(np.int64)
+        times = clock.at(way)
+        times *= MICROSECONDS
+        times += 0.5
+        found = times.astype(np.int64)
         found <<= 2
         found |= forward
         if len(self.held):
@@ -272,21 +288,16 @@ class _Axis:
         begin = marks[which] + (places[which] + 0.5 * sign - x[which] / self.step) * sign * pitch
         before = np.cumsum(counts) - counts
         way = np.repeat(pitch, counts)
-        way *= np.arange(len(way))
+        way *= np.arange(len(way), dtype=np.float64)
         way += np.repeat(begin - before * pitch, counts)
-        np.clip(way, a, b, out=way)
-        if len(which) > 1:
-            np.maximum.accumulate(way, out=way)
         return way, np.repeat((sign > 0).astype(np.int64), counts)
 
     def _without_turns(self, found: Ints) -> Ints:
         """Without pairs of steps forth and back that come too near to each other."""
         while len(found) > 1:
-            turned = (found[1:] ^ found[:-1]) & 1
-            if not turned.any():
-                return found
-            near = ((found[1:] >> 2) - (found[:-1] >> 2)) < self.least_us
-            pairs = np.flatnonzero((turned == 1) & near)
+            forward = (found.astype(np.uint8) & 1).view(np.bool_)
+            turns = np.flatnonzero(forward[1:] != forward[:-1])
+            pairs = turns[(found[turns + 1] >> 2) - (found[turns] >> 2) < self.least_us]
             if not len(pairs):
                 return found
             # Of pairs that share a step only the first goes in this round.

@@ -1,0 +1,55 @@
+"""What `post` needs for machines that are told by tables: their styles and their files."""
+
+from collections.abc import Iterable, Iterator
+from pathlib import PurePath
+
+import click
+
+from beamcam.machine import Machine
+from beamcam.pipeline import Posted
+
+STANDARD_OUTPUT = "-"
+
+
+def table_style(machine: Machine, output: str, style: str | None) -> str | None:
+    """How the machine is told: the style of a trigger program, the form of a step table.
+
+    Raises click.UsageError where the machine has no styles, or no form of that suffix.
+    """
+    if machine.controller == "stepper":
+        from beamcam.emitters.step_table import FORMS
+
+        if style is not None:
+            raise click.UsageError(f"--style is not for {machine.name}.")
+        suffix = PurePath(output).suffix.lower()
+        if output == STANDARD_OUTPUT:
+            return machine.suffix
+        if suffix not in FORMS:
+            raise click.UsageError(f"found {output!r}; expected a name in {', '.join(FORMS)}, or -")
+        return suffix
+    if style is not None and machine.controller != "simotion":
+        raise click.UsageError(f"--style is not for {machine.name}.")
+    return style
+
+
+def outputs(
+    posted: Posted, machine: Machine, output: str
+) -> Iterator[tuple[str, str | Iterable[bytes]]]:
+    """Each file with what is to be written to it.
+
+    A trigger program of several units becomes a file a unit, the set-points beside the main one
+    and before it, so that it never stands there without them.
+    """
+    if posted.pieces is not None:
+        yield output, posted.pieces()
+        return
+    if machine.controller == "simotion" and output != STANDARD_OUTPUT:
+        from beamcam.emitters.simotion import split_units
+
+        (_, main), *more = split_units(posted.text)
+        folder = PurePath(output).parent
+        for name, text in more:
+            yield str(folder / f"{name}{machine.suffix}"), text
+        yield output, main
+        return
+    yield output, posted.text
