@@ -72,7 +72,9 @@ def plan_sheet(parts: Sequence[Part], machine: Machine, skips: Collection[str] =
     remarks += said
     shapes, said = join(_moved(wanted, shift), torch)
     remarks += said
-    shapes = nest(shapes, torch.tolerance / 4)
+    shapes, crossing = nest(shapes, torch.tolerance / 4)
+    if crossing and torch.kerf_by != "none":
+        raise PlanError(crossing)
     operations, said = _operations(shapes, material, torch)
     remarks += said
     if errors_in(remarks):
@@ -230,7 +232,7 @@ def _operations(
         said += (
             rules.NEEDS_LEAD.at(op.source, found=f"{op.kerf:g}")
             for op in found
-            if op.side != "on" and not op.passes[0].lead_in
+            if op.side != "on" and sum(c.length for c in op.passes[0].lead_in) <= op.kerf / 2
         )
     if short:
         said.append(rules.NO_TABS.at(ways[0][0].source, count=short, found=torch.tabs))

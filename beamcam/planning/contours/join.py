@@ -108,8 +108,8 @@ def _remarks(chains: Chains, sources: Sequence[Source], torch: Torch) -> list[Di
     return said
 
 
-def nest(shapes: Sequence[Shape], tolerance: float) -> list[Shape]:
-    """The shapes with their area, depth and parent.
+def nest(shapes: Sequence[Shape], tolerance: float) -> tuple[list[Shape], list[Diagnostic]]:
+    """The shapes with their area, depth and parent, and the closed ones that cross themselves.
 
     A contour lies in another of greater area that a point inside it lies in. Contours that touch
     are told apart by that, those that cross are not.
@@ -120,7 +120,7 @@ def nest(shapes: Sequence[Shape], tolerance: float) -> list[Shape]:
     closed = [i for i, s in enumerate(shapes) if s.closed and s.process == "cut"]
     found = list(shapes)
     if not closed:
-        return found
+        return found, []
     rings = outlines([shapes[i].curves for i in closed], tolerance)
     signed = shapely.area(rings) * np.where(shapely.is_ccw(shapely.get_exterior_ring(rings)), 1, -1)
     for i, area in zip(closed, signed.tolist(), strict=True):
@@ -143,4 +143,10 @@ def nest(shapes: Sequence[Shape], tolerance: float) -> list[Shape]:
     for i, rings_around in around.items():
         parent = closed[min(rings_around, key=lambda b: (areas[b], b))]
         found[i] = replace(found[i], depth=len(rings_around), parent=parent)
-    return found
+    said = []
+    for k in np.flatnonzero(~shapely.is_valid(rings)).tolist():
+        # "Self-intersection[12.5 40]"
+        reason = shapely.is_valid_reason(rings[k])
+        x, _, y = reason.partition("[")[2].rstrip("]").partition(" ")
+        said.append(rules.CROSSING.at(shapes[closed[k]].source, x=x, y=y))
+    return found, said

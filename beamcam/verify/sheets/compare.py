@@ -149,6 +149,7 @@ class _Process:
             first, last, wrong = self._without_leads(one, first, last, bad_legs, float(radii[k]))
             said += wrong
             self.traced.append(self._trace(one, first, last, float(radii[k])))
+        self._join_bridged(begin)
         inside = np.zeros(self.path.count, dtype=bool)
         for t in self.traced:
             inside[t.first : t.last] = True
@@ -163,29 +164,25 @@ class _Process:
                     f"{mine[k]:g} mm within {slack[k]:.4f}",
                 )
             )  # fmt: skip
-        self._join_bridged()
         said += self._ends()
         return said
 
-    def _join_bridged(self) -> None:
-        """Strokes with bridges between them go round one contour: the first gets its inside."""
+    def _join_bridged(self, begin: Counts) -> None:
+        """Strokes with bridges between them go round one contour: the first gets its inside.
+
+        `begin` says where the legs of each stroke begin, those of leads included.
+        """
         self.leader = np.arange(len(self.traced))
         if not (self.torch.tabs and self.process == "cut"):
             return
         first = 0
         while first < len(self.traced):
-            begin = self.path.starts[self.traced[first].first]
             last = first
             while last < len(self.traced) and not self.traced[last].closed:
-                end = self.path.ends[self.traced[last].last - 1]
-                if last > first and np.hypot(*(end - begin)) <= 2 * self.tolerance:
+                if last > first and self._close(begin, first, last):
                     break
-                if last + 1 < len(self.traced):
-                    following = self.path.starts[self.traced[last + 1].first]
-                    if np.hypot(*(following - end)) > self._tab_width(self.traced[last].half_kerf):
-                        last = len(self.traced)
-                last += 1
-            if last > first and last < len(self.traced) and not self.traced[last].closed:
+                last = last + 1 if self._goes_on(last) else len(self.traced)
+            if first < last < len(self.traced) and not self.traced[last].closed:
                 mine = self.traced[first : last + 1]
                 lines = [line for t in mine for line in self.path.lines[t.first : t.last]]
                 ring = np.concatenate([shapely.get_coordinates(line) for line in lines])
@@ -195,6 +192,29 @@ class _Process:
                     t.group = mine[0].group
                 first = last
             first += 1
+
+    def _goes_on(self, k: int) -> bool:
+        """Whether the next stroke begins a bridge's width behind the end of stroke `k`."""
+        if k + 1 == len(self.traced):
+            return False
+        end = self.path.ends[self.traced[k].last - 1]
+        following = self.path.starts[self.traced[k + 1].first]
+        return bool(np.hypot(*(following - end)) <= self._tab_width(self.traced[k].half_kerf))
+
+    def _close(self, begin: Counts, first: int, last: int) -> bool:
+        """Whether stroke `last` ends where `first` begins; what is no part of the ring is lead."""
+        starts, ends, lengths = self.path.starts, self.path.ends, self.path.lengths
+        head, tail = int(begin[first]), int(begin[last + 1])
+        for low in range(self.traced[first].last - 1, head - 1, -1):
+            if lengths[head:low].sum() > self._most(self.torch.lead_in):
+                continue
+            for high in range(int(begin[last]) + 1, tail + 1):
+                if lengths[high:tail].sum() > self._most(self.torch.lead_out):
+                    continue
+                if np.hypot(*(starts[low] - ends[high - 1])) <= 2 * self.step:
+                    self.traced[first].first, self.traced[last].last = low, high
+                    return True
+        return False
 
     def _most_half_kerf(self) -> float:
         """The greatest that a stroke may keep off its contour."""

@@ -1,0 +1,253 @@
+"""The plan of a sheet: what is made of each feature, in which order, and what is refused."""
+
+from dataclasses import dataclass
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from beamcam.errors import PlanError
+from beamcam.geometry.curves import Line, signed_area
+from beamcam.model.part import Bend, Bevel, Contour, Feature, Hole, Part, Profile, Slot, TextMark
+from beamcam.model.plan import SheetPlan
+from beamcam.planning.contours import rules
+from beamcam.planning.contours.join import Shape
+from beamcam.planning.contours.order import order, travel
+from beamcam.planning.sheet import plan_sheet
+from beamcam.planning.sheet_times import sheet_time_s
+from tests.unit.sheets.parts import NESTED, S, box, circle, contour, drawing, lines, plate, table
+
+
+def codes(plan: SheetPlan) -> list[str]:
+    return [said.code for said in plan.remarks]
+
+
+def test_marks_first_and_inner_before_outer() -> None:
+    plan = plan_sheet((NESTED,), table())
+    made = [f for op in plan.operations for _, f in op.features]
+    assert made[0] == 3
+    assert made.index(2) < made.index(1) < made.index(0)
+    assert made.index(4) < made.index(0)
+    assert [op.depth for op in plan.operations if op.features == ((0, 2),)] == [2]
+
+
+def test_every_feature_has_an_outcome() -> None:
+    hole = Hole("v", 20, 50, 14.0, S)
+    part = plate(hole, hole, Slot("v", 80, 50, 14.0, 30.0, 0.0, 30.0, S), quantity=2)
+    plan = plan_sheet((part,), table())
+    assert [o.how for o in plan.outcomes] == ["made", "duplicate", "made"]
+    assert len(plan.operations) == 3  # the outline of the plate is nobody's feature
+    assert codes(plan) == ["plan-overlap", "plan-quantity"]
+    assert sheet_time_s(plan, table()) > 600 / 2300 * 60
+
+
+def test_the_kerf_lies_in_the_waste() -> None:
+    plan = plan_sheet((NESTED,), table(kerf=2.0))
+    areas = {op.features[0][1]: abs(signed_area(op.passes[0].curves)) for op in plan.operations}
+    assert areas[0] == pytest.approx(202 * 102, abs=0.2)
+    assert areas[1] == pytest.approx(34**2 * 3.14159265, rel=1e-6)
+    assert areas[2] == pytest.approx(32 * 22, abs=0.2)
+
+
+def test_climb_has_the_material_at_the_right() -> None:
+    for direction, sign in (("climb", -1), ("conventional", 1)):
+        plan = plan_sheet((NESTED,), table(direction=direction))
+        signs = {
+            op.features[0][1]: signed_area(op.passes[0].curves) > 0
+            for op in plan.operations
+            if op.closed
+        }
+        outer = sign > 0
+        assert signs == {0: outer, 1: not outer, 2: outer, 4: not outer}
+
+
+def test_leads_and_bridges() -> None:
+    plan = plan_sheet((NESTED,), table(tabs=3, tab_width=2.0))
+    by_feature = {op.features[0][1]: op for op in plan.operations}
+    assert len(by_feature[0].passes) == 4
+    assert len(by_feature[1].passes) == 1
+    length = sum(c.length for p in by_feature[0].passes for c in p.curves)
+    assert length == pytest.approx(2 * (201.5 + 101.5) - 3 * (2.0 + 1.5), abs=0.01)
+    assert by_feature[0].passes[0].lead_in
+    assert not by_feature[0].passes[1].lead_in
+    assert by_feature[0].passes[-1].lead_out
+    short = plan_sheet((drawing(contour(box(0, 0, 3, 3))),), table(tabs=9, lead="none"))
+    assert "plan-tabs" in codes(short)
+
+
+@pytest.mark.parametrize("start", ["nearest", "drawn", "straight"])
+def test_where_a_contour_begins(start: str) -> None:
+    machine = table(start=start, kerf_by="none", lead="none", place="drawn")
+    part = drawing(contour(box(50, 50, 100, 40)))
+    (op,) = plan_sheet((part,), machine).operations
+    expected = {"nearest": (50.0, 50.0), "drawn": (50.0, 90.0), "straight": (100.0, 50.0)}
+    begin = op.passes[0].curves[0].start
+    corners = {(50.0, 50.0), (150.0, 50.0), (150.0, 90.0), (50.0, 90.0)}
+    if start == "straight":
+        assert begin not in corners
+        assert begin[0] == 100.0
+    elif start == "nearest":
+        assert begin == expected[start]
+    else:
+        assert begin in corners
+
+
+def test_joined_from_single_lines() -> None:
+    pieces = [contour((c,), line=k) for k, c in enumerate(box(0, 0, 50, 30))]
+    pieces[1] = contour((pieces[1].curves[0].reversed(),), line=1)
+    (op,) = plan_sheet((drawing(*pieces),), table()).operations
+    assert op.closed
+    assert op.features == ((0, 0), (0, 1), (0, 2), (0, 3))
+
+
+@dataclass
+class Refusal:
+    """A part that is refused, and what is said."""
+
+    features: tuple[Feature, ...]
+    code: str
+    says: str
+    skip: str | None = None
+
+
+OUTLINE = contour(box(0, 0, 200, 100), None)
+BEVELLED = Contour("v", "outer", box(0, 0, 200, 100), S, bevels=(Bevel(0, 30.0, 2.0),))
+REFUSALS = [
+    Refusal((Hole("v", 9, 9, 12.0, S, kind="thread"),), "plan-tool", "thread hole", "tool"),
+    Refusal((Hole("v", 9, 9, 12.0, S, kind="countersink"),), "plan-tool", "countersink", "tool"),
+    Refusal((Hole("v", 9, 9, 12.0, S, depth=3.0),), "plan-tool", "blind hole", "tool"),
+    Refusal((Hole("v", 9, 9, 1.0, S),), "plan-tool", "expected at least 4", "tool"),
+    Refusal((Hole("o", 9, 3, 8.0, S),), "plan-face", "found a through hole on face o", "face"),
+    Refusal((Slot("v", 90, 50, 2.0, 9.0, 0.0, 0.0, S),), "plan-slot", "11 x 2", "slot"),
+    Refusal((Slot("v", 90, 50, 9.0, 9.0, 0.0, 0.0, S, depth=2.0),), "plan-slot", "sheet", "slot"),
+    Refusal((TextMark("v", 9, 9, 0.0, 10.0, "P1", S),), "plan-mark", "'P1'", "mark"),
+    Refusal((Bend((0, 0), (9, 0), 90.0, 3.0, S),), "plan-other", "a bend", "other"),
+    Refusal((BEVELLED,), "plan-bevel", "30 degrees", "bevel"),
+]
+
+
+@pytest.mark.parametrize("case", REFUSALS, ids=lambda c: c.says)
+def test_what_a_torch_cannot_make(case: Refusal) -> None:
+    part = plate(*case.features)
+    with pytest.raises(PlanError) as caught:
+        plan_sheet((part,), table())
+    (said,) = caught.value.diagnostics
+    assert (said.code, said.source) == (case.code, S)
+    assert case.says in said.message
+    assert case.skip is not None
+    plan = plan_sheet((part,), table(), (case.skip,))
+    if case.skip == "bevel":
+        assert [o.how for o in plan.outcomes] == ["made"]
+        assert codes(plan) == [rules.SQUARE.code]
+    else:
+        assert [(o.how, o.by) for o in plan.outcomes] == [("skipped", case.code)]
+
+
+SQUARE = contour(box(0, 0, 50, 50))
+OTHERS: list[tuple[tuple[Part, ...], dict[str, object], str, str]] = [
+    ((), {}, "plan-sheet-parts", "found 0 parts"),
+    ((NESTED, NESTED), {}, "plan-sheet-parts", "found 2 parts"),
+    ((drawing(),), {}, "plan-sheet-empty", "the sheet is empty"),
+    ((drawing(contour(box(0, 0, 9, 9), "#00ff00")),), {}, "plan-unmapped", "4 curves of colour"),
+    ((drawing(contour(box(0, 0, 9, 9), None, "W")),), {}, "plan-unmapped", "on layer 'W'"),
+    ((drawing(SQUARE),), {"colours": {"red": "engrave"}}, "plan-process", "4 curves to engrave"),
+    ((drawing(SQUARE, thickness=None),), {"thickness": 0.0}, "plan-thickness-unknown", "--thick"),
+    ((drawing(SQUARE, thickness=40.0),), {}, "plan-thickness", "found a sheet of 40 mm mild"),
+    ((drawing(contour(box(0, 0, 4000, 50))),), {}, "plan-sheet-size", "takes 3000 x 1500"),
+    ((drawing(SQUARE),), {"place": "drawn"}, "plan-sheet-place", "from x -2.7"),
+    ((drawing(contour(circle(0, 0, 1.0))),), {"place": "corner"}, "", ""),
+    ((drawing(contour(lines((0, 0), (50, 50), (50, 0), (0, 50)))),), {}, "plan-crossing", "itself"),
+    ((drawing(SQUARE, contour(circle(25, 25, 1.2))),), {}, "plan-kerf", "1.2 x"),
+    ((drawing(SQUARE, contour(circle(25, 25, 0.8))),),
+     {"kerf_by": "machine", "lead": "line"}, "plan-kerf-lead", "1.5 mm"),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("parts", "values", "code", "says"), OTHERS)
+def test_refused(parts: tuple[Part, ...], values: dict[str, object], code: str, says: str) -> None:
+    machine = table(**values)
+    if not code:
+        assert plan_sheet(parts, machine).operations
+        return
+    with pytest.raises(PlanError) as caught:
+        plan_sheet(parts, machine)
+    assert caught.value.diagnostics[0].code == code
+    assert says in caught.value.diagnostics[0].message
+
+
+def test_a_bar_is_no_sheet() -> None:
+    part = Part("B", Profile("I", "IPE300", 300.0, 150.0, 10.7, 7.1), 900.0, S)
+    with pytest.raises(PlanError, match="plan-stock"):
+        plan_sheet((part,), table())
+
+
+OPEN = contour(lines((0, 0), (50, 0), (50, 50), closed=False))
+REMARKS: list[tuple[Part, dict[str, object], set[str]]] = [
+    (drawing(SQUARE, thickness=None), {}, {"plan-thickness-assumed"}),
+    (drawing(OPEN), {}, {"plan-open-cut"}),
+    (drawing(*(contour(lines((9.0 * k, 0), (9.0 * k, 8), closed=False)) for k in range(12))), {},
+     {"plan-open-cut", "plan-open-cuts"}),
+    (drawing(OPEN, contour(lines((50, 50.2), (0, 0.2), closed=False))), {},
+     {"plan-open-cut", "plan-gap"}),
+    (drawing(*(contour((Line((20.0, 20.0), end),)) for end in ((0, 0), (40, 0), (20, 50)))), {},
+     {"plan-open-cut", "plan-junction"}),
+    (drawing(SQUARE, SQUARE), {}, {"plan-overlap"}),
+    (drawing(SQUARE, contour(circle(25, 25, 4.0))), {}, {"plan-lead"}),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("part", "values", "expected"), REMARKS)
+def test_remarks(part: Part, values: dict[str, object], expected: set[str]) -> None:
+    plan = plan_sheet((part,), table(**values))
+    assert set(codes(plan)) == expected
+
+
+#: What the command line says, and what only machines without words for a contour can say.
+OF_OTHERS = {"plan-map", "plan-sheet-option", "plan-chain"}
+
+
+def test_every_rule_has_a_case() -> None:
+    shown = {c.code for c in REFUSALS} | {code for _, _, code, _ in OTHERS}
+    shown |= {code for _, _, more in REMARKS for code in more} | {"plan-tabs", "plan-bevel-left"}
+    assert {r.code for r in rules.RULES} - OF_OTHERS <= shown
+
+
+places = st.tuples(st.integers(0, 40), st.integers(0, 40))
+
+
+@settings(max_examples=60, deadline=None)
+@given(st.lists(st.tuples(places, places, st.booleans()), min_size=1, max_size=25, unique=True))
+def test_the_order_keeps_marks_first_and_is_no_longer_than_as_given(
+    ways: list[tuple[tuple[int, int], tuple[int, int], bool]],
+) -> None:
+    shapes = [
+        Shape(
+            "mark" if mark else "cut",
+            (Line((float(a[0]), float(a[1])), (b[0] + 0.5, b[1] + 0.5)),),
+            False, (k,), S,
+        )
+        for k, (a, b, mark) in enumerate(ways)
+    ]  # fmt: skip
+    tour = order(shapes)
+    assert sorted(k for k, _ in tour) == list(range(len(shapes)))
+    processes = [shapes[k].process for k, _ in tour]
+    assert processes == sorted(processes, reverse=True)
+    given_order = [k for p in ("mark", "cut") for k, s in enumerate(shapes) if s.process == p]
+    as_given = [(k, False) for k in given_order]
+    # Greedy alone may be longer than a lucky order; it is never twice as long.
+    assert travel(tour, shapes, (0, 0)) <= 2 * travel(as_given, shapes, (0, 0)) + 1e-9
+
+
+@settings(max_examples=40, deadline=None)
+@given(st.lists(st.tuples(places, st.integers(0, 9)), min_size=2, max_size=25), st.randoms())
+def test_the_order_does_inner_ones_first(
+    found: list[tuple[tuple[int, int], int]], random: object
+) -> None:
+    shapes = [
+        Shape("cut", circle(x, y, 1.0), True, (k,), S, parent=p if p < k else -1)
+        for k, ((x, y), p) in enumerate(found)
+    ]
+    places_of = {k: n for n, (k, _) in enumerate(order(shapes))}
+    for k, shape in enumerate(shapes):
+        if shape.parent >= 0:
+            assert places_of[k] < places_of[shape.parent]

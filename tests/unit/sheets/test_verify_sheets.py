@@ -1,0 +1,227 @@
+"""Programs of tables read back: right ones pass, each fault has its code."""
+
+import re
+from collections.abc import Callable
+
+import pytest
+
+from beamcam.geometry.curves import Bezier, BSpline, EllipseArc, Line, NewtonCurve
+from beamcam.machine import Machine
+from beamcam.model.part import Bend, Part
+from beamcam.pipeline import post
+from beamcam.verify.sheets import rules, verify_sheet
+from tests.unit.sheets.parts import NESTED, S, box, circle, contour, drawing, plate, table
+
+KAPPA = 0.5522847498307936
+
+
+def cubic_circle(x: float, y: float, r: float) -> tuple[Bezier, ...]:
+    """A circle as CorelDRAW writes it."""
+    k = KAPPA * r
+    corners = [(r, 0.0, 0.0, 1.0), (0.0, r, -1.0, 0.0), (-r, 0.0, 0.0, -1.0), (0.0, -r, 1.0, 0.0)]
+    found = []
+    for (ax, ay, ux, uy), (bx, by, vx, vy) in zip(corners, corners[1:] + corners[:1], strict=True):
+        found.append(
+            Bezier(
+                (
+                    (x + ax, y + ay),
+                    (x + ax + k * ux, y + ay + k * uy),
+                    (x + bx - k * vx, y + by - k * vy),
+                    (x + bx, y + by),
+                )
+            )
+        )
+    return tuple(found)
+
+
+FREE = drawing(
+    contour(box(0, 0, 300, 120)),
+    contour(cubic_circle(40, 60, 25)),
+    contour((EllipseArc((110, 60), (25.0, 8.0), 0.6, 0.0, 360.0),)),
+    contour((Bezier(((150, 20), (190, 120), (230, 20))), Line((230, 20), (150, 20)))),
+    contour((NewtonCurve(((240, 20), (260, 60), (280, 30))),), "#0000ff"),
+    contour(
+        (
+            BSpline(
+                3, ((150, 90), (170, 115), (190, 80), (210, 110), (230, 90)),
+                (0, 0, 0, 0, 0.5, 1, 1, 1, 1),
+            ),
+        ),
+        "#0000ff",
+    ),
+)  # fmt: skip
+
+MACHINES = [
+    ("plate-linuxcnc", {}),
+    ("plate-linuxcnc", {"kerf_by": "machine", "lead": "line"}),
+    ("plate-linuxcnc", {"kerf_by": "none", "lead": "none"}),
+    ("plate-linuxcnc", {"tabs": 2}),
+    ("plate-codesys", {}),
+    ("plate-codesys", {"kerf_by": "none", "lead": "none", "tabs": 3}),
+    ("plate-codesys", {"kerf_by": "machine", "lead": "line"}),
+    ("laser-grbl", {"material": "wood"}),
+    ("laser-grbl", {"material": "wood", "kerf": 0.2, "tabs": 4}),
+]
+
+
+@pytest.mark.parametrize("part", [NESTED, FREE, plate()], ids=["nested", "free", "plate"])
+@pytest.mark.parametrize(("name", "values"), MACHINES)
+def test_what_is_posted_passes(name: str, values: dict[str, object], part: Part) -> None:
+    posted = post((part,), table(name, **values))
+    assert not [s for s in posted.remarks if s.code.startswith("verify")]
+
+
+def test_words_of_codesys() -> None:
+    text = post((FREE,), table("plate-codesys", kerf_by="none", lead="none")).text
+    assert len(re.findall(r"^N\d+ G06 ", text, re.M)) == 2
+    assert len(re.findall(r"^N\d+ G0[89] ", text, re.M)) == 4
+    assert "G06" not in post((FREE,), table()).text
+
+
+def test_a_circle_of_cubics_is_two_arcs() -> None:
+    part = drawing(contour(cubic_circle(40, 60, 25)))
+    text = post((part,), table("plate-linuxcnc", kerf_by="none", lead="none")).text
+    assert len(re.findall(r"^G[23] ", text, re.M)) == 2
+    assert "G1 " not in text
+
+
+Change = Callable[[str], str]
+
+
+def swap(old: str, new: str, count: int = 1) -> Change:
+    def change(text: str) -> str:
+        assert old in text, old
+        return text.replace(old, new, count)
+
+    return change
+
+
+def without(pattern: str) -> Change:
+    def change(text: str) -> str:
+        found = re.search(pattern, text, re.M)
+        assert found, pattern
+        return text[: found.start()] + text[found.end() :]
+
+    return change
+
+
+def twice(text: str) -> str:
+    """The block of the small hole once more, at the end of the marks."""
+    block = re.search(r"^G0 X1[56]\d.*?\nM5\n", text, re.M | re.S)
+    assert block
+    return text[: block.end()] + block[0] + text[block.end() :]
+
+
+def last_first(text: str) -> str:
+    """The outline before all other cuts."""
+    blocks = re.findall(r"^G0 X\S+ Y\S+\nM3.*?\nM5\n", text, re.M | re.S)
+    assert len(blocks) == 4
+    return text.replace(blocks[-1], "").replace(blocks[0], blocks[-1] + blocks[0])
+
+
+def mark_last(text: str) -> str:
+    block = re.search(r"^G0 X\S+ Y\S+\nM64.*?M65 P1\n", text, re.M | re.S)
+    assert block
+    return text.replace(block[0], "").replace("G0 X0 Y0", block[0] + "G0 X0 Y0")
+
+
+PLAIN = {"kerf_by": "none", "lead": "none"}
+MUTANTS: list[tuple[str, dict[str, object], Change, str]] = [
+    ("plate-linuxcnc", {}, swap("M5\n", ""), "verify-sheet-rapid"),
+    ("plate-linuxcnc", {}, swap("M3 S1\n", ""), "verify-sheet-idle"),
+    ("plate-linuxcnc", {}, swap("M3 S1", "M3 S2"), "verify-sheet-tool"),
+    ("plate-linuxcnc", {}, swap("G4 P0.5", "G4 P0.1"), "verify-sheet-tool"),
+    ("plate-linuxcnc", {}, swap("F2300", "F9000"), "verify-sheet-feed"),
+    ("plate-linuxcnc", {}, without(r"^G1 X210.75.*\n"), "verify-sheet-missing"),
+    ("plate-linuxcnc", PLAIN, without(r"^G1 X210 .*\n"), "verify-sheet-missing"),
+    ("plate-linuxcnc", PLAIN, without(r"^G0 X\S+ Y\S+\nM3(.|\n)*?M5\n"), "verify-sheet-missing"),
+    ("plate-linuxcnc", PLAIN, swap("G1 X190 Y30", "G1 X195 Y30"), "verify-sheet-extra"),
+    ("plate-linuxcnc", PLAIN, swap("G1 X190 Y30", "G1 X185 Y30"), "verify-sheet-open"),
+    ("plate-linuxcnc", PLAIN, twice, "verify-sheet-twice"),
+    ("plate-linuxcnc", {}, twice, "verify-sheet-twice"),
+    ("plate-linuxcnc", {}, last_first, "verify-sheet-order"),
+    ("plate-linuxcnc", {}, mark_last, "verify-sheet-order"),
+    ("plate-linuxcnc", {}, swap("G0 X0 Y0", "G0 X3100 Y0"), "verify-sheet-area"),
+    ("plate-linuxcnc", {}, swap("M2\n", ""), "verify-sheet-end"),
+    ("plate-linuxcnc", {}, swap("\nM5\nG0 X0 Y0", ""), "verify-sheet-end"),
+    ("plate-linuxcnc", {}, swap("G91.1 ", ""), "verify-sheet-setting"),
+    ("plate-linuxcnc", {}, swap("G64", "G65"), "verify-sheet-word"),
+    ("plate-linuxcnc", {}, swap("M5", "M55"), "verify-sheet-word"),
+    ("plate-linuxcnc", {}, swap("G0 X0", "G0 Z0 X0"), "verify-sheet-word"),
+    ("plate-linuxcnc", {}, swap("(JOB)", "(JOB"), "verify-sheet-syntax"),
+    ("plate-linuxcnc", {}, swap("%\n", ""), "verify-sheet-syntax"),
+    ("plate-linuxcnc", {}, swap("G1 X", "G1 X1-"), "verify-sheet-syntax"),
+    ("plate-linuxcnc", {"kerf_by": "machine", "lead": "line"}, swap("G41.1", "G42.1"),
+     "verify-sheet-tool"),
+    ("laser-grbl", {"material": "wood"}, swap("(JOB)", "%"), "verify-sheet-syntax"),
+    ("laser-grbl", {"material": "wood"}, swap("(JOB)", "(" + "J" * 90 + ")"),
+     "verify-sheet-syntax"),
+    ("plate-codesys", {}, swap("G90", "G91"), "verify-sheet-word"),
+    ("plate-codesys", {}, without(r"^N1 G90\n"), "verify-sheet-setting"),
+    ("plate-codesys", {}, swap("M30", "M31"), "verify-sheet-end"),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("name", "values", "change", "code"), MUTANTS)
+def test_mutants(name: str, values: dict[str, object], change: Change, code: str) -> None:
+    machine = table(name, **values)
+    text = post((NESTED,), machine).text
+    assert not verify_sheet(text, (NESTED,), machine)
+    assert code in {said.code for said in verify_sheet(change(text), (NESTED,), machine)}
+
+
+def shifted_arcs(text: str, name: str) -> str:
+    """The first centre moved by 0.4 mm."""
+
+    def moved(match: re.Match[str]) -> str:
+        return f"I{float(match[1]) + 0.4:.4f}"
+
+    return re.sub(r"I(\S+)", moved, text, count=1)
+
+
+@pytest.mark.parametrize("name", ["plate-linuxcnc", "plate-codesys", "laser-grbl"])
+def test_an_arc_that_does_not_fit(name: str) -> None:
+    machine = table(name, material="wood")
+    text = shifted_arcs(post((NESTED,), machine).text, name)
+    assert "verify-sheet-arc" in {s.code for s in verify_sheet(text, (NESTED,), machine)}
+
+
+def test_the_wrong_side_of_the_kerf() -> None:
+    """A program whose holes are larger by the kerf and whose plates are smaller."""
+    part = drawing(contour(box(0, 0, 100, 60)), contour(circle(50, 30, 20)))
+    right, wrong = table(kerf=1.0, lead="none"), table(kerf=1.0, lead="none", margin=9.0)
+    smaller = drawing(contour(box(1, 1, 98, 58)), contour(circle(50, 30, 22)))
+    text = post((smaller,), table(kerf=1.0, lead="none", margin=11.0)).text
+    del wrong
+    assert "verify-sheet-side" in {s.code for s in verify_sheet(text, (part,), right)}
+
+
+def test_a_lead_that_bites() -> None:
+    """A lead of the outer contour that lies in the part."""
+    machine: Machine = table(kerf=1.0, lead="line", start="straight")
+    part = drawing(contour(box(0, 0, 100, 60)))
+    text = post((part,), machine).text
+    start = re.search(r"^G0 X(\S+) Y(\S+)\nM3", text, re.M)
+    assert start
+    x, y = float(start[1]), float(start[2])
+    inner = (
+        f"G0 X{x + 6:g} Y{y:g}\nM3" if x < 20 else f"G0 X{x:g} Y{y + (6 if y < 20 else -6):g}\nM3"
+    )
+    found = verify_sheet(text.replace(start[0], inner), (part,), machine)
+    assert {s.code for s in found} & {"verify-sheet-lead", "verify-sheet-extra"}
+
+
+def test_a_feature_that_nothing_makes() -> None:
+    machine = table()
+    text = post((plate(),), machine).text
+    bent = plate(Bend((0, 0), (9, 0), 90.0, 3.0, S))
+    (said,) = verify_sheet(text, (bent,), machine)
+    assert (said.code, said.source) == ("verify-sheet-not-made", S)
+    assert not verify_sheet(text, (bent,), machine, {(0, 0)})
+
+
+def test_every_rule_has_a_case() -> None:
+    shown = {code for _, _, _, code in MUTANTS} | {
+        "verify-sheet-arc", "verify-sheet-side", "verify-sheet-lead", "verify-sheet-not-made",
+    }  # fmt: skip
+    assert {rule.code for rule in rules.RULES} == shown
