@@ -41,10 +41,12 @@ def need_of(part: Part, torch: Torch, skipped: Collection[int]) -> Need:
         made = False
         if isinstance(feature, Contour):
             look = feature.layer, feature.colour
-            if look not in known:
-                plain = look == (None, None)
-                known[look] = _plain(feature.process) if plain else process_of(feature, table)
-            process = known[look]
+            if look == (None, None):
+                process: str | None = _plain(feature.process)
+            else:
+                if look not in known:
+                    known[look] = process_of(feature, table)
+                process = known[look]
             made = process is not None and feature.face in ("v", "h")
             if made and process != "ignore":
                 for curve in feature.curves:

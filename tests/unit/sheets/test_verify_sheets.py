@@ -10,7 +10,7 @@ from beamcam.machine import Machine
 from beamcam.model.part import Bend, Part
 from beamcam.pipeline import post
 from beamcam.verify.sheets import rules, verify_sheet
-from tests.unit.sheets.parts import NESTED, S, box, circle, contour, drawing, plate, table
+from tests.unit.sheets.parts import NESTED, S, box, circle, contour, drawing, lines, plate, table
 
 KAPPA = 0.5522847498307936
 
@@ -64,7 +64,16 @@ MACHINES = [
 ]
 
 
-@pytest.mark.parametrize("part", [NESTED, FREE, plate()], ids=["nested", "free", "plate"])
+#: Contours that say their process themselves, as those of DSTV and of the JSON form do.
+PLAIN_PART = plate(
+    contour(box(20, 20, 40, 40), None),
+    contour(lines((80, 20), (120, 20), closed=False), None, process="powder"),
+)
+
+
+@pytest.mark.parametrize(
+    "part", [NESTED, FREE, plate(), PLAIN_PART], ids=["nested", "free", "plate", "plain"]
+)
 @pytest.mark.parametrize(("name", "values"), MACHINES)
 def test_what_is_posted_passes(name: str, values: dict[str, object], part: Part) -> None:
     posted = post((part,), table(name, **values))
