@@ -115,7 +115,8 @@ def write_svg(drawing: Drawing, path: Path) -> None:
         a, b = (x - length / 2, y - r), (x + length / 2, y - r)
         c, d = (x + length / 2, y + r), (x - length / 2, y + r)
         lines.append(
-            f'<path d="M{at(a)} L{at(b)} A{r},{r} 0 0 0 {at(c)} L{at(d)} A{r},{r} 0 0 0 {at(a)} z"/>'
+            f'<path d="M{at(a)} L{at(b)} A{r},{r} 0 0 0 {at(c)} '
+            f'L{at(d)} A{r},{r} 0 0 0 {at(a)} z"/>'
         )
     for (x, y), radius in drawing.circles:
         lines.append(f'<circle cx="{x:.6f}" cy="{height - y:.6f}" r="{radius:.6f}"/>')

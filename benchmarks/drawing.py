@@ -1,0 +1,94 @@
+"""Posting a drawing of 20,000 segments, 2,000 arcs and 500 splines, against ezdxf reading it.
+
+    python benchmarks/drawing.py [--kerf]
+
+Prints the time of `beamcam post` step by step, in a process that has its libraries loaded, and the
+time that ezdxf takes to read the same DXF and to flatten its entities at the tolerance of the
+machine; then the number of moves of both. Each figure is the least of three runs. --kerf keeps off
+by half a kerf and leads in, which takes several times as long.
+"""
+
+import sys
+import tempfile
+from collections.abc import Callable
+from pathlib import Path
+from time import perf_counter
+from typing import TypeVar
+
+import make_drawing
+
+from beamcam.emitters import cutting
+from beamcam.machine import load
+from beamcam.machine.machine import Machine
+from beamcam.machine.overlay import with_torch
+from beamcam.model.program import Feed
+from beamcam.motion.sheet import sheet_program
+from beamcam.pipeline import post, read_file
+from beamcam.planning.sheet import plan_sheet
+from beamcam.verify.sheets import verify_sheet
+
+RUNS = 3
+Result = TypeVar("Result")
+
+
+def least(work: Callable[[], Result]) -> tuple[float, Result]:
+    """The least time of `RUNS` runs, and what the last gave."""
+    best = float("inf")
+    for _ in range(RUNS):
+        start = perf_counter()
+        result = work()
+        best = min(best, perf_counter() - start)
+    return best, result
+
+
+def by_ezdxf(path: Path, tolerance: float) -> int:
+    """Reads a DXF and flattens its entities; the number of chords."""
+    import ezdxf
+    from ezdxf.path import make_path
+
+    document = ezdxf.readfile(path)
+    paths = (make_path(entity) for entity in document.modelspace())
+    return sum(len(list(path.flattening(tolerance))) - 1 for path in paths)
+
+
+def main() -> None:
+    """Runs all and prints the table."""
+    machine = load("plate-linuxcnc")
+    if "--kerf" not in sys.argv:
+        machine = with_torch(machine, None, 0.0, lead="none")
+    assert machine.torch is not None
+    tolerance = machine.torch.tolerance
+    with tempfile.TemporaryDirectory() as folder:
+        drawing = make_drawing.make(20_000, 2_000, 500)
+        dxf, svg = Path(folder) / "drawing.dxf", Path(folder) / "drawing.svg"
+        make_drawing.write_dxf(drawing, dxf)
+        make_drawing.write_svg(drawing, svg)
+        theirs, chords = least(lambda: by_ezdxf(dxf, tolerance))
+        print(f"ezdxf reads and flattens    {theirs:7.2f} s   {chords} moves")
+        for path in (dxf, svg):
+            report(path, machine, theirs, chords)
+
+
+def report(path: Path, machine: Machine, theirs: float, chords: int) -> None:
+    """Posts a drawing step by step and as a whole, and prints how long that takes."""
+    reading_s, reading = least(lambda: read_file(str(path)))
+    plan_s, plan = least(lambda: plan_sheet(reading.parts, machine))
+    motion_s, program = least(lambda: sheet_program(plan, machine, "JOB"))
+    emit_s, text = least(lambda: cutting.emit(program, machine))
+    verify_s, said = least(lambda: verify_sheet(text, reading.parts, machine))
+    assert not said
+    whole, _ = least(lambda: post(read_file(str(path)).parts, machine))
+    moves = sum(isinstance(c, tuple) for c in program.commands)
+    lines = sum(type(c) is Feed for c in program.commands)
+    print(
+        f"beamcam post {path.name:14} {whole:7.2f} s   {moves} moves, {lines} of them lines: "
+        f"{whole / theirs:.2f} of the time, {1 - moves / chords:.0%} fewer moves"
+    )
+    print(
+        f"    read {reading_s:.2f}, plan {plan_s:.2f}, motion {motion_s:.2f}, emit {emit_s:.2f}, "
+        f"read back {verify_s:.2f} s"
+    )
+
+
+if __name__ == "__main__":
+    main()
