@@ -33,9 +33,10 @@ def test_program(path: Path, golden: Golden, monkeypatch: pytest.MonkeyPatch) ->
 
 @pytest.mark.parametrize("path", BAD, ids=lambda p: p.name)
 def test_message(path: Path, golden: Golden, monkeypatch: pytest.MonkeyPatch) -> None:
-    """What is said about a bad input, on the machine that is the default."""
+    """What is said about a bad input, on the machine that is the default for bars."""
     monkeypatch.chdir(ROOT)
-    run = CliRunner().invoke(main, ["post", str(path.relative_to(ROOT)), "-o", "-"])
+    inputs = [str(path.relative_to(ROOT))]
+    run = CliRunner().invoke(main, ["post", *inputs, "--machine", "beamline", "-o", "-"])
     assert run.exit_code == 1
     assert run.stdout == ""
     golden.check(GOLDEN / "messages" / f"{path.stem}.txt", run.stderr)
