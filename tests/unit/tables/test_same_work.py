@@ -1,0 +1,71 @@
+"""One part through three controllers: the same path, by each one's own interpreter."""
+
+import numpy as np
+import shapely
+
+from beamcam.emitters import step_table as forms
+from beamcam.geometry.curves import Line
+from beamcam.machine import load
+from beamcam.motion.steps import step_table
+from beamcam.pipeline import post
+from beamcam.verify.sheets import events_of
+from beamcam.verify.sheets.events import Leg
+from beamcam.verify.st import check_text, run
+from beamcam.verify.steps import _Table, read_rows
+
+from .shop import part, plan, program, table_machine
+
+NAME = "rounded-rectangle"
+FINE = 0.02
+
+
+def by_codesys() -> shapely.LineString:
+    from msgspec.structs import replace
+
+    machine = load("plate-codesys")
+    assert machine.torch is not None
+    torch = replace(machine.torch, kerf_by="none", lead="none", lead_in=0.0, lead_out=0.0,
+                    place="drawn", start="drawn", direction="drawn")  # fmt: skip
+    machine = replace(machine, torch=torch)
+    text = post([part(NAME)], machine).text
+    points: list[tuple[float, float]] = []
+    for event in events_of(text, machine)[0]:
+        if isinstance(event, Leg) and not event.rapid:
+            curve = event.curve or Line(event.start, event.end)
+            points += [curve.point(k / 200) for k in range(201)]
+    return shapely.LineString(points)
+
+
+def by_simotion() -> shapely.LineString:
+    machine = table_machine()
+    units, said = check_text(program(NAME, "chain"), machine)
+    assert not said
+    strokes, said = run(units, machine)
+    assert not said
+    (stroke,) = strokes
+    return shapely.LineString(stroke.points)
+
+
+def by_stepper() -> shapely.LineString:
+    machine = load("laser-stepper")
+    table = step_table(plan(NAME, "laser-stepper"), machine, NAME)
+    followed = _Table(machine, NAME)
+    for rows in read_rows(forms.as_bytes(table), NAME):
+        followed.follow(rows)
+    (stroke,) = followed.strokes
+    return shapely.LineString(np.concatenate(stroke) * 0.01)
+
+
+def test_three_controllers_make_the_same_path() -> None:
+    ways = [by_codesys(), by_simotion(), by_stepper()]
+    assert all(abs(way.length - (80 + 20 * np.pi)) < 20 for way in ways)
+    for k, a in enumerate(ways):
+        for b in ways[k + 1 :]:
+            assert farthest(a, b) <= FINE
+            assert farthest(b, a) <= FINE
+
+
+def farthest(a: shapely.LineString, b: shapely.LineString) -> float:
+    """The greatest distance of `a` from `b`, looked at every 0.2 mm and at every corner."""
+    places = shapely.points(shapely.get_coordinates(shapely.segmentize(a, 0.2)))
+    return float(shapely.distance(places, b).max())

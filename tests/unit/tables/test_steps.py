@@ -1,0 +1,222 @@
+"""Step tables: laws of every table, the forms against each other, and faults told."""
+
+import re
+import struct
+from math import hypot, sqrt
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from msgspec.structs import replace
+
+from beamcam.emitters import step_table as forms
+from beamcam.machine import load
+from beamcam.machine.machine import Machine
+from beamcam.model.steps import StepRows, StepTable
+from beamcam.motion import steps
+from beamcam.motion.velocity_table import Way, speed_at
+from beamcam.verify.steps import verify_steps
+
+from .shop import NAMES, part, plan
+
+LASER = load("laser-stepper")
+assert LASER.stepper is not None
+assert LASER.torch is not None
+STEPPER, TORCH = LASER.stepper, LASER.torch
+
+
+def table(name: str, machine: Machine = LASER) -> StepTable:
+    return steps.step_table(plan(name, "laser-stepper"), machine, name)
+
+
+def codes(text: str, name: str = "shield-small") -> set[str]:
+    return {d.code for d in verify_steps(text, [part(name)], LASER, (), "a.steps")}
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_every_sample_makes_its_part_in_either_form(name: str) -> None:
+    made = table(name)
+    assert verify_steps(forms.emit(made, LASER), [part(name)], LASER) == ()
+    assert verify_steps(forms.as_bytes(made), [part(name)], LASER) == ()
+
+
+def test_another_sequence_and_a_motor_that_turns_back() -> None:
+    stepper = replace(STEPPER, sequence=("00", "10", "11", "01"), reversed_axes=("Y",))
+    machine = replace(LASER, stepper=stepper)
+    text = forms.emit(table("shield-small", machine), machine)
+    assert verify_steps(text, [part("shield-small")], machine) == ()
+    assert "steps-" in " ".join(codes(text))
+
+
+places = st.floats(0.0, 40.0).map(lambda v: round(v, 3))
+corners = st.lists(st.tuples(places, places), min_size=2, max_size=8)
+
+
+@given(corners, st.floats(1.0, 60.0))
+@settings(max_examples=60, deadline=None)
+def test_steps_follow_any_path_within_half_a_step(
+    points: list[tuple[float, float]], speed: float
+) -> None:
+    path = [a for a, b in zip(points, [*points[1:], (-1.0, -1.0)], strict=True) if a != b]
+    if len(path) < 2:
+        path = [(0.0, 0.0), (1.0, 2.0)]
+    way = Way(np.array(path), speed, True, 0.0)
+    planned = steps.plan_way(way, STEPPER)
+    events = list(steps.events(planned, STEPPER))
+    for axis in (0, 1):
+        found = np.concatenate([window[axis] for window in events])
+        times, signs = found >> 2, np.where(found & 1, 1, -1)
+        assert (np.diff(times) >= int(1e6 / STEPPER.greatest_hz)).all()
+        at = np.floor(path[0][axis] / STEPPER.step + 0.5) + np.cumsum(signs)
+        # Between a step and the next the axis stands; both ends of that time are looked at.
+        for moment in (times, np.append(times[1:] - 1, planned.duration_s * 1e6)):
+            true = planned.sample(moment / 1e6)[0][:, axis]
+            off = np.abs(at * STEPPER.step - true)
+            assert off.max(initial=0.0) <= STEPPER.step / 2 + 2e-6 * 120.0
+        last = at[-1] if len(at) else np.floor(path[0][axis] / STEPPER.step + 0.5)
+        assert abs(last * STEPPER.step - path[-1][axis]) <= STEPPER.step / 2 + 1e-9
+
+
+@given(st.integers(10, 16))
+@settings(max_examples=5, deadline=None)
+def test_windows_make_no_difference(bits: int) -> None:
+    way = Way(np.array([[0.0, 0.0], [9.0, 4.0], [3.0, 8.0], [3.0, 1.0]]), 30.0, True, 0.0)
+    planned = steps.plan_way(way, STEPPER)
+    kept = steps.WINDOW_STEPS
+    whole = [np.concatenate(w) for w in zip(*steps.events(planned, STEPPER), strict=True)]
+    try:
+        steps.WINDOW_STEPS = 1 << (bits - 6)
+        split = [np.concatenate(w) for w in zip(*steps.events(planned, STEPPER), strict=True)]
+    finally:
+        steps.WINDOW_STEPS = kept
+    for a, b in zip(whole, split, strict=True):
+        assert len(a) == len(b)
+        assert ((a & 1) == (b & 1)).all()
+        assert np.abs((a >> 2) - (b >> 2)).max(initial=0) <= 1
+
+
+def test_velocities_add_up_and_follow_their_formula() -> None:
+    made = table("two-tangents")
+    rows = list(made.stretches())
+    assert (sum(s.steps_x for s in rows), sum(s.steps_y for s in rows)) == (0, 0)
+    cut = [s for s in rows if s.laser]
+    expected = speed_at(TORCH, "cut", "acrylic", 4.0)
+    assert all(abs(hypot(s.velocity_x, s.velocity_y) - expected) < 1e-9 for s in cut)
+    for s in rows:
+        assert s.hz_x == pytest.approx(abs(s.velocity_x) / 2.0 * 200)
+        assert s.hz_x <= STEPPER.greatest_hz
+    text = b"".join(forms.as_velocities(made)).decode().splitlines()
+    assert text[1] == "x,y,velocity_x,velocity_y,laser,steps_x,steps_y,hz_x,hz_y"
+    assert len(text) == 2 + len(rows)
+
+
+def test_the_forms_hold_the_same_rows() -> None:
+    made = table("shield-small")
+    data = b"".join(forms.as_bytes(made))
+    magic, size, step_nm, *words = struct.unpack("<8sIIIIII", data[:32])
+    assert (magic, size, step_nm, words) == (b"BCSTEPS1", 32, 10000, [0, 1, 2, 3])
+    packed = np.frombuffer(data[32:], dtype="<u4")
+    text = forms.emit(made, LASER).splitlines()[2:]
+    times = np.cumsum(packed.astype(np.int64) >> 5)
+    for k in (0, 1, len(packed) // 2, len(packed) - 1):
+        row = packed[k]
+        x, y, laser = row & 3, row >> 2 & 3, row >> 4 & 1
+        assert text[k] == f"{times[k]:012d},{x:02b},{y:02b},{laser}"
+    header = b"".join(forms.as_header(made)).decode()
+    found = re.findall(r"0x([0-9a-f]{8})u", header)
+    assert [int(v, 16) for v in found] == packed.tolist()
+
+
+def test_a_long_wait_is_spread_over_rows_of_the_same_words() -> None:
+    long = forms.GREATEST_WAIT_US * 2 + 7
+    rows = [StepRows(np.array([0, long]), np.array([0, 5], dtype=np.uint8))]
+    made = StepTable("a", 0.01, STEPPER.sequence, lambda: iter(rows), lambda: iter(()))
+    packed = np.frombuffer(b"".join(forms.as_bytes(made))[32:], dtype="<u4")
+    assert (packed & 31).tolist() == [0, 0, 0, 5]
+    assert int((packed.astype(np.int64) >> 5).sum()) == long
+
+
+@pytest.mark.parametrize(
+    ("thickness", "material", "expected"),
+    [(1.0, "acrylic", 25.0), (2.0, "acrylic", 25.0), (3.0, "acrylic", 1100 / 60),
+     (8.0, "acrylic", 4.0), (6.0, "Wood", 10.0)],
+)  # fmt: skip
+def test_speed_lies_between_the_rows(thickness: float, material: str, expected: float) -> None:
+    assert speed_at(TORCH, "cut", material, thickness) == pytest.approx(expected)
+
+
+@pytest.mark.parametrize(("thickness", "material"), [(8.1, "acrylic"), (0.0, "wood"), (2.0, "tin")])
+def test_no_speed_beyond_the_rows(thickness: float, material: str) -> None:
+    with pytest.raises(ValueError, match="no speed to cut"):
+        speed_at(TORCH, "cut", material, thickness)
+
+
+def changed(pattern: str, put: str, count: int = 1) -> str:
+    text = forms.emit(table("shield-small"), LASER)
+    found = re.sub(pattern, put, text, count=count, flags=re.MULTILINE)
+    assert found != text
+    return found
+
+
+@pytest.mark.parametrize(
+    ("pattern", "put", "code"),
+    [
+        (r"^time_us,x,y,laser", "time,x,y,laser", "steps-row"),
+        (r",01,01,1\n", ",0x,01,1\n", "steps-row"),
+        (r"\n(\d+),01,01,1\n", r"\n000000000001,01,01,1\n", "steps-time"),
+        (r",1\n(\d+,\d\d,\d\d),0\n", r",1\n\1,1\n", "steps-laser"),
+        (r"\d\Z|.\n\Z", "1\n", "steps-laser"),
+    ],
+)
+def test_a_fault_of_a_table_is_told(pattern: str, put: str, code: str) -> None:
+    assert any(c.startswith(code) for c in codes(changed(pattern, put)))
+
+
+def rows_text(rows: list[tuple[int, int, int, int]]) -> str:
+    lines = [f"{t:012d},{x & 3:02b},{y & 3:02b},{laser}" for t, x, y, laser in rows]
+    return "time_us,x,y,laser\n" + "\n".join(lines) + "\n"
+
+
+def test_steps_too_near_and_too_sudden_and_outside() -> None:
+    near = [(0, 0, 0, 0), (50, 1, 0, 0), (100, 0, 0, 0)]
+    assert "steps-frequency" in {d.code for d in verify_steps(rows_text(near), [], LASER)}
+    jump = [(k * 110, k, 0, 0) for k in range(2000)]
+    jump += [(2000 * 110 + k * 110, 2000 - k, 0, 0) for k in range(1, 2001)]
+    assert "steps-acceleration" in {d.code for d in verify_steps(rows_text(jump), [], LASER)}
+    skip = [(0, 0, 0, 0), (900, 2, 0, 0)]
+    assert "steps-word" in {d.code for d in verify_steps(rows_text(skip), [], LASER)}
+    below = [(k * 20000, -k, 0, 0) for k in range(4)]
+    assert "steps-place" in {d.code for d in verify_steps(rows_text(below), [], LASER)}
+
+
+def test_a_table_cut_short_is_told() -> None:
+    text = forms.emit(table("shield-small"), LASER)
+    assert "steps-row" in codes(text[:-5])
+    assert "steps-place" in codes(text[: len(text) // 2 // 21 * 21 + text.index("0000")] or text)
+    data = b"".join(forms.as_bytes(table("shield-small")))
+    assert "steps-row" in {d.code for d in verify_steps((data[:-1],), [], LASER)}
+
+
+def test_another_part_is_not_this_one() -> None:
+    text = forms.emit(table("shield"), LASER)
+    assert "steps-place" in codes(text, "shield-small")
+
+
+def test_each_row_is_within_half_a_step_of_the_outline() -> None:
+    from beamcam.geometry.curves import Line
+
+    made, outline = table("shield"), next(part("shield").contours).curves
+    rows = list(made.rows())
+    bits = np.concatenate([r.bits for r in rows])
+    places = [
+        np.cumsum(((np.diff(bits >> s & 3, prepend=0) + 1) & 3).astype(int) - 1) for s in (0, 2)
+    ]
+    at = np.stack(places, axis=1)[(bits >> 4) == 1] * STEPPER.step
+    away = np.full(len(at), np.inf)
+    for curve in outline:
+        assert isinstance(curve, Line)
+        a, b = np.array(curve.start), np.array(curve.end)
+        t = np.clip((at - a) @ (b - a) / ((b - a) @ (b - a)), 0.0, 1.0)
+        away = np.minimum(away, np.hypot(*(at - a - t[:, None] * (b - a)).T))
+    assert away.max() <= STEPPER.step * sqrt(0.5) + 1e-9
