@@ -171,5 +171,5 @@ def _last_inner(nodes: "Counts", parents: "Counts") -> "Counts":
 def _lengths(vectors: "Floats") -> "Floats":
     import numpy as np
 
-    found: Floats = np.sqrt(np.sum(vectors * vectors, axis=-1))
+    found: Floats = np.hypot(vectors[..., 0], vectors[..., 1])
     return found

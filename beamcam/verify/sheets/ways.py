@@ -27,8 +27,12 @@ class Ways:
         self.points: Floats = drawn.points + np.array(shift)
         owner = np.repeat(np.arange(len(curves)), counts)
         self.lines: Shapes = shapely.linestrings(self.points, indices=owner)
-        self.lengths: Floats = shapely.length(self.lines)
-        self.begins: Floats = np.concatenate(([0.0], np.cumsum(self.lengths)))[:-1]
+        step = np.diff(self.points, axis=0)
+        sizes = np.sqrt(step[:, 0] ** 2 + step[:, 1] ** 2)
+        sizes[owner[1:] != owner[:-1]] = 0.0  # no way leads from one to the next
+        self.reached: Floats = np.concatenate(([0.0], np.cumsum(sizes)))
+        self.begins: Floats = self.reached[drawn.begins[:-1]]
+        self.lengths: Floats = self.reached[drawn.begins[1:] - 1] - self.begins
         self.tree = shapely.STRtree(self.lines)
         last = np.cumsum(counts) - 1
         self.starts: Floats = self.points[last - counts + 1]
@@ -80,13 +84,12 @@ def samples(ways: Ways, spacing: float) -> tuple[Floats, Floats, Counts, Floats]
     first = np.cumsum(count) - count
     share = (np.arange(len(owner)) - first[owner] + 0.5) / count[owner]
     at = share * ways.lengths[owner]
-    step = np.minimum(1e-4 * np.maximum(ways.lengths[owner], 1e-3), 1e-3)
-    lines = ways.lines[owner]
-    points = shapely.get_coordinates(shapely.line_interpolate_point(lines, at))
-    ahead = shapely.get_coordinates(shapely.line_interpolate_point(lines, at + step))
-    behind = shapely.get_coordinates(shapely.line_interpolate_point(lines, at - step))
-    tangent = ahead - behind
-    size = np.hypot(tangent[:, 0], tangent[:, 1])
+    place = ways.begins[owner] + at
+    # The chord that a place lies on: the last point before it, never the last of all.
+    chord = np.clip(np.searchsorted(ways.reached, place, "right") - 1, 0, len(ways.points) - 2)
+    step = ways.points[chord + 1] - ways.points[chord]
+    size = ways.reached[chord + 1] - ways.reached[chord]
     size[size == 0.0] = 1.0
-    normal = np.column_stack((-tangent[:, 1] / size, tangent[:, 0] / size))
-    return points, normal, owner, at
+    unit = step / size[:, None]
+    points = ways.points[chord] + unit * (place - ways.reached[chord])[:, None]
+    return points, np.column_stack((-unit[:, 1], unit[:, 0])), owner, at
