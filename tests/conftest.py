@@ -5,6 +5,7 @@ import os
 from pathlib import Path
 
 import pytest
+from hypothesis import settings
 
 ROOT = Path(__file__).resolve().parent.parent
 SAMPLES = ROOT / "samples"
@@ -12,6 +13,13 @@ GOLDEN = ROOT / "tests" / "golden"
 #: Third-party files are not part of the project; tests over them run where a copy is at hand.
 SHARED = ROOT.parent / "shared"
 CORPUS = Path(os.environ.get("BEAMCAM_CORPUS", SHARED / "corpus"))
+
+
+#: The same examples on every run, so that a failure is the change's; HYPOTHESIS_PROFILE=random
+#: looks for new ones.
+settings.register_profile("same", derandomize=True, deadline=None, print_blob=True)
+settings.register_profile("random", deadline=None, print_blob=True)
+settings.load_profile(os.environ.get("HYPOTHESIS_PROFILE", "same"))
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:

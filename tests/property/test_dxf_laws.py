@@ -29,7 +29,11 @@ shapes = st.one_of(
     st.builds(lambda a, b: line(*a, *b), points, points.map(lambda p: (p[0], p[1] + 500))),
     st.builds(lambda c, r: circle(*c, r), points, radii),
     st.builds(lambda c, r, a, s: arc(*c, r, a, (a + s) % 360), points, radii, angles, angles),
-    st.builds(polyline, st.lists(vertices, min_size=2, max_size=6, unique=True), st.booleans()),
+    st.builds(
+        polyline,
+        st.lists(vertices, min_size=2, max_size=6, unique_by=lambda v: v[:2]),
+        st.booleans(),
+    ),
     st.builds(
         lambda control: spline(control, [0, 0, 0, 0, 1, 2, 2, 2, 2]),
         st.lists(points, min_size=5, max_size=5, unique=True),
@@ -126,7 +130,7 @@ def test_lengths_are_those_that_ezdxf_flattens_to(shapes: str) -> None:
                 if part.dxftype() == "ARC":
                     sweep = (part.dxf.end_angle - part.dxf.start_angle) % 360 or 360.0
                 expected += radians(sweep) * part.dxf.radius
-    assert total_length(curves_of(drawing(shapes))) == pytest.approx(expected, rel=1e-5)
+    assert total_length(curves_of(drawing(shapes))) == pytest.approx(expected, rel=1e-5, abs=1e-3)
 
 
 def test_a_sweep_in_degrees_is_what_the_chord_says() -> None:

@@ -21,7 +21,7 @@ def text_of(encoding: str) -> str:
 TEXTS = {encoding: text_of(encoding) for encoding in ENCODINGS}
 
 
-@settings(max_examples=60, deadline=None, suppress_health_check=[HealthCheck.too_slow])
+@settings(max_examples=30, deadline=None, suppress_health_check=[HealthCheck.too_slow])
 @given(st.sampled_from(ENCODINGS), st.integers(0, 10**6), st.sampled_from(("drop", "null", "swap")))
 def test_damage_is_told(encoding: str, place: int, how: str) -> None:
     lines = TEXTS[encoding].split("\n")
