@@ -7,7 +7,6 @@ import pytest
 from beamcam.commands.codes import all_rules
 from beamcam.errors import BeamcamError, Diagnostic, Rule, Severity, Source, errors_in
 
-
 RULE = Rule("x-width", Severity.WARNING, "found {found}; expected {expected}", "Because.")
 
 

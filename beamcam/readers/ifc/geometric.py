@@ -7,9 +7,10 @@
 """
 
 from collections.abc import Sequence
+from typing import Any
+
 from msgspec import Struct
 from msgspec.structs import replace
-from typing import Any
 
 from beamcam.errors import Source
 from beamcam.geometry.curves import Line, Point, signed_area

@@ -4,8 +4,9 @@ Exporters write arcs as polygons whose vertices lie on the circle; `with_arcs` t
 back to arcs before anything is measured.
 """
 
-from msgspec import Struct
 from math import atan2, degrees, hypot, pi, radians, sin
+
+from msgspec import Struct
 
 from beamcam.geometry.curves import Arc, Curve, Line, Point
 from beamcam.readers.ifc.curves2d import Chain, arc_by_points
