@@ -21,12 +21,12 @@ from beamcam.errors import Diagnostic, ReadError
 from beamcam.machine import Machine, load
 from beamcam.model.part import Part
 from beamcam.model.plan import FeatureRef, Plan, SheetPlan
-from beamcam.pipeline import DEFAULT_MACHINE, Posted, as_error, read_file, sheet_post
+from beamcam.pipeline import DEFAULT_MACHINE, Posted, as_error, read_file
 from beamcam.pipeline import post as post_bar
+from beamcam.pipeline import read_back as read_program_back
 from beamcam.planning import plan_bar
 from beamcam.readers import read as read_bytes
 from beamcam.readers.reading import Reading
-from beamcam.verify import verify as verify_program
 
 __all__ = ["plan", "post", "read", "verify"]
 
@@ -106,8 +106,7 @@ def verify(
     Raises MachineError.
     """
     loaded = _machine(machine)
-    check = sheet_post(loaded).verify if loaded.stock == "sheet" else verify_program
-    return check(program, _parts(parts), loaded, skipped, name)
+    return read_program_back(program, _parts(parts), loaded, skipped, name)
 
 
 def _parts(parts: Part | Iterable[Part]) -> tuple[Part, ...]:

@@ -32,7 +32,7 @@ from beamcam.motion.beam import beam_program
 from beamcam.planning import Order, plan_bar
 from beamcam.readers import rules
 from beamcam.readers.reading import Reading
-from beamcam.verify import verify
+from beamcam.verify import skippable, verify
 
 DEFAULT_MACHINE = "beamline"
 #: The machine of a sheet by the suffix of the output, where none is named.
@@ -156,13 +156,45 @@ def parts_of(
     return tuple(parts), tuple(said)
 
 
+def read_back(
+    text: str,
+    parts: Sequence[Part],
+    machine: Machine,
+    skipped: Collection[FeatureRef] = (),
+    name: str = "program",
+    given: Sequence[Part] = (),
+) -> tuple[Diagnostic, ...]:
+    """Everything that is wrong with a program for bars, sheets or tables, as its machine reads it.
+
+    `parts` come in their order on the bar and as they lie there, `skipped` names features that
+    may be missing, `given` are the parts before they were turned.
+    """
+    if machine.stock == "sheet":
+        return sheet_post(machine).verify(text, parts, machine, skipped, name)
+    return verify(text, parts, machine, skipped, name, given)
+
+
+def left_out(
+    parts: Sequence[Part], machine: Machine, skips: Collection[str]
+) -> frozenset[FeatureRef]:
+    """The features that may be missing under the names of `--allow-skips`. Raises PlanError."""
+    if not skips:
+        return frozenset()
+    if machine.stock == "sheet":
+        from beamcam.planning.sheet import plan_sheet
+
+        outcomes = plan_sheet(parts, machine, skips).outcomes
+        return frozenset(o.feature for o in outcomes if o.how == "skipped")
+    return skippable(parts, machine, skips)
+
+
 def post(
     parts: Sequence[Part],
     machine: Machine,
     job: str = "JOB",
     bar: float | None = None,
     skips: Collection[str] = (),
-    read_back: bool = True,
+    verified: bool = True,
     order: Order = "given",
     turn: bool = False,
     strict: bool = False,
@@ -171,27 +203,27 @@ def post(
     """The program that makes `parts` from one bar or sheet, read back and compared with them.
 
     `style` is how a controller that knows several is told: "chain" or "table" of triggers; of
-    step tables the suffix of the output, whose bytes are then in `pieces`. Without `read_back` a
+    step tables the suffix of the output, whose bytes are then in `pieces`. Unless `verified` a
     comment in the program says so. Raises PlanError if the machine cannot make the parts, or
     under `strict` if there is a warning; VerifyError if the program would make anything else.
     """
     if machine.stock == "sheet":
-        return _post_sheet(parts, machine, job, skips, read_back, strict, style)
+        return _post_sheet(parts, machine, job, skips, verified, strict, style)
     plan = plan_bar(parts, machine, bar, skips, order, turn)
     if strict and any(said.severity is Severity.WARNING for said in plan.remarks):
         raise PlanError(map(as_error, plan.remarks))
     kind = POSTS[machine.controller, machine.stock]
     program = kind.motion(plan, machine, job)
-    if not read_back:
+    if not verified:
         start, *work = program.commands
         program = replace(program, commands=(start, NOT_READ_BACK, *work))
     text = kind.emit(program, machine)
     said: tuple[Diagnostic, ...] = ()
-    if read_back:
+    if verified:
         skipped = {o.feature for o in plan.outcomes if o.how == "skipped"}
         lying = [piece.part for piece in plan.pieces]
         given = [parts[piece.given] for piece in plan.pieces]
-        said = verify(text, lying, machine, skipped, job, given)
+        said = read_back(text, lying, machine, skipped, job, given)
         if errors_in(said):
             raise VerifyError(said)
     return Posted(text, plan, (*plan.remarks, *said))
@@ -202,7 +234,7 @@ def _post_sheet(
     machine: Machine,
     job: str,
     skips: Collection[str],
-    read_back: bool,
+    verified: bool,
     strict: bool,
     style: str | None,
 ) -> Posted:
@@ -214,7 +246,7 @@ def _post_sheet(
         raise PlanError(map(as_error, plan.remarks))
     kind = sheet_post(machine)
     program = kind.motion(plan, machine, job)
-    if not read_back:
+    if not verified:
         program = _not_read_back(program)
     pieces: Callable[[], Iterable[bytes]] | None = None
     text = ""
@@ -225,7 +257,7 @@ def _post_sheet(
     else:
         text = kind.emit(program, machine)
     said: tuple[Diagnostic, ...] = ()
-    if read_back:
+    if verified:
         skipped = {o.feature for o in plan.outcomes if o.how == "skipped"}
         if pieces is not None:
             from beamcam.verify.steps import verify_steps
@@ -234,7 +266,7 @@ def _post_sheet(
             read = pieces if style in READ_BACK_FORMS else _step_pieces(program, ".bin")
             said = verify_steps(read(), parts, machine, skipped, job)
         else:
-            said = kind.verify(text, parts, machine, skipped, job)
+            said = read_back(text, parts, machine, skipped, job)
         if errors_in(said):
             raise VerifyError(said)
     return Posted(text, plan, (*plan.remarks, *said), pieces)

@@ -8,16 +8,15 @@ from beamcam.commands.common import REFUSED, as_record, say, stop
 from beamcam.commands.programs import read_program, shown_name
 from beamcam.errors import BeamcamError, errors_in
 from beamcam.machine import load
-from beamcam.pipeline import DEFAULT_MACHINE, parts_of, read_file
+from beamcam.pipeline import default_machine, left_out, parts_of, read_back, read_file
 from beamcam.planning import SKIP_NAMES
-from beamcam.verify import skippable, verify
 
 
 @click.command("verify")
 @click.argument("program")
 @click.option("--against", is_flag=True, help="Compare with the PARTs that follow.")
 @click.argument("parts", nargs=-1, metavar="[PART]...")
-@click.option("--machine", default=DEFAULT_MACHINE, show_default=True, help="Name or TOML file.")
+@click.option("--machine", help="Name or TOML file; by default what suits parts and program.")
 @click.option(
     "--allow-skips",
     "skips",
@@ -30,7 +29,7 @@ def command(
     program: str,
     against: bool,
     parts: tuple[str, ...],
-    machine: str,
+    machine: str | None,
     skips: tuple[str, ...],
     as_json: bool,
 ) -> None:
@@ -41,6 +40,7 @@ def command(
 
     \b
     beamcam verify job.gcode --against M58.nc1
+    beamcam verify gasket.ngc --against gasket.dxf --machine plate-linuxcnc
     beamcam verify job.gcode --against M74.nc1 M58.nc1 M74.nc1 --machine beamline-annex --json
     """
     if against and not parts:
@@ -48,13 +48,13 @@ def command(
     if parts and not against:
         raise click.UsageError("PARTs stand behind --against.")
     try:
-        loaded = load(machine)
         wanted, said = parts_of(read_file(path) for path in parts)
-        skipped = skippable(wanted, loaded, skips) if skips else frozenset()
+        loaded = load(machine or default_machine(wanted, program))
+        skipped = left_out(wanted, loaded, skips)
     except BeamcamError as error:
         stop(error.diagnostics, as_json)
     text = read_program(program)
-    found = verify(text, wanted, loaded, skipped, shown_name(program))
+    found = read_back(text, wanted, loaded, skipped, shown_name(program))
     if as_json:
         records = [as_record(d) for d in (*said, *found)]
         click.echo(json.dumps(records, ensure_ascii=False, indent=1))

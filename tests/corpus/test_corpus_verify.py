@@ -25,7 +25,7 @@ def planned(name: str) -> list[tuple[Path, str, str]]:
     for path in FILES:
         try:
             parts, _ = parts_of([read_file(str(path))])
-            posted = post(parts[:1], machine, bar=15500.0, skips=SKIP_NAMES, read_back=False)
+            posted = post(parts[:1], machine, bar=15500.0, skips=SKIP_NAMES, verified=False)
         except (ReadError, PlanError):
             continue
         skipped = {o.feature for o in posted.plan.outcomes if o.how == "skipped"}

@@ -69,7 +69,7 @@ def test_what_is_planned_is_read_back(case: tuple[str, tuple[Part, ...]]) -> Non
     name, parts = case
     machine = load(name)
     try:
-        text = post(parts, machine, bar=15000.0, read_back=False).text
+        text = post(parts, machine, bar=15000.0, verified=False).text
     except PlanError:
         assume(False)
     assert [str(d) for d in verify(text, parts, machine)] == []
