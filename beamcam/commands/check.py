@@ -10,12 +10,14 @@ from msgspec.structs import asdict
 
 from beamcam import readers
 from beamcam.commands.common import REFUSED, as_record, say
+from beamcam.commands.tables import outputs, table_style
 from beamcam.errors import BeamcamError, Diagnostic, errors_in
 from beamcam.machine import Machine, load, shipped
 from beamcam.pipeline import parts_of, post, read_file
 from beamcam.planning import SKIP_NAMES
 from beamcam.verify import run
 from beamcam.verify.differ import Difference, diff_programs
+from beamcam.verify.statements import diff_sheets
 
 
 class Checked(Struct, frozen=True):
@@ -115,7 +117,10 @@ def _check(
         loaded = load(machine)
         old = path.read_bytes().decode("utf-8", "replace")
         parts, _ = parts_of(read_file(str(_sample(samples, n))) for n in path.stem.split("+"))
-        new = post(parts, loaded, _job(old), bar, skips).text
+        style = table_style(loaded, str(path), None)
+        posted = post(parts, loaded, _job(old), bar, skips, style=style)
+        new = dict(outputs(posted, loaded, str(path)))[str(path)]
+        new = new if isinstance(new, str) else b"".join(new).decode("utf-8", "replace")
     except BeamcamError as error:
         return Checked(str(path), "refused", (), error.diagnostics)
     if old == new:
@@ -127,6 +132,8 @@ def _check(
 def _differences(
     old: str, new: str, machine: Machine, name: str
 ) -> tuple[tuple[Difference, ...], tuple[Diagnostic, ...]]:
+    if machine.stock == "sheet":
+        return diff_sheets(old, new, machine, name)
     first, second = run(old, machine, None, name), run(new, machine)
     found = diff_programs(first.made, second.made, machine.format.resolution)
     return found, errors_in(first.diagnostics)

@@ -14,6 +14,7 @@ from beamcam.pipeline import DEFAULT_MACHINE, parts_of, read_file
 from beamcam.verify import Made, run
 from beamcam.verify import rules as verify_rules
 from beamcam.verify.differ import Difference, diff_parts, diff_programs
+from beamcam.verify.statements import diff_sheets
 
 #: What a program may not have if its meaning is to be known.
 NOT_UNDERSTOOD = {r.code for r in (verify_rules.SYNTAX, verify_rules.WORD, verify_rules.ARC)}
@@ -43,6 +44,10 @@ def command(a: str, b: str, machine: str, as_json: bool) -> None:
             first, _ = parts_of([read_file(a)])
             second, _ = parts_of([read_file(b)])
             found = diff_parts(first, second)
+        elif loaded.stock == "sheet":
+            found, said = diff_sheets(read_program(a), read_program(b), loaded, shown_name(a))
+            if said:
+                raise VerifyError(said)
         else:
             found = diff_programs(_made(a, loaded), _made(b, loaded), loaded.format.resolution)
     except BeamcamError as error:

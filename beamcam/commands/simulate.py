@@ -77,6 +77,8 @@ def command(
         raise click.UsageError("Say where the trace goes: -o FILE or --modbus HOST:PORT.")
     try:
         loaded = load(machine)
+        if loaded.stock != "beam":
+            raise click.UsageError(f"{machine} is no cell; simulate runs programs for bars.")
         done = run(read_program(program), loaded, None, shown_name(program))
         if errors_in(done.diagnostics):
             raise VerifyError(done.diagnostics)

@@ -1,0 +1,78 @@
+"""What a program of a cutting table says, statement by statement, without how it is written.
+
+G-code is told by what its interpreter makes of it, so that block numbers, spacing, comments and
+modal words that are left out count for nothing. Trigger programs and step tables are told line by
+line, without comments and spacing.
+"""
+
+import re
+from collections.abc import Iterator
+from difflib import SequenceMatcher
+
+from beamcam.errors import Diagnostic, errors_in
+from beamcam.geometry.curves import Arc, EllipseArc
+from beamcam.machine.machine import Machine
+from beamcam.verify.differ import Difference
+from beamcam.verify.sheets import events_of
+from beamcam.verify.sheets.events import Event, Keep, Leg, Pause, Switch
+
+_ST_COMMENT = re.compile(r"\(\*.*?\*\)|//[^\n]*", re.DOTALL)
+
+
+def diff_sheets(
+    a: str, b: str, machine: Machine, name: str = "program"
+) -> tuple[tuple[Difference, ...], tuple[Diagnostic, ...]]:
+    """What program B does otherwise than A, and what is wrong with the blocks of either."""
+    (first, said), (second, more) = statements(a, machine, name), statements(b, machine, name)
+    found = []
+    for how, i0, i1, j0, j1 in SequenceMatcher(None, first, second, False).get_opcodes():
+        if how == "equal":
+            continue
+        for k in range(max(i1 - i0, j1 - j0)):
+            old = first[i0 + k] if i0 + k < i1 else None
+            new = second[j0 + k] if j0 + k < j1 else None
+            if old is None:
+                found.append(Difference("feature", "only in B", f"{new}, only in B"))
+            elif new is None:
+                found.append(Difference("feature", "only in A", f"{old}, only in A"))
+            else:
+                found.append(Difference("feature", "changed", f"{old} became {new}"))
+    return tuple(found), errors_in((*said, *more))
+
+
+def statements(text: str, machine: Machine, name: str) -> tuple[list[str], list[Diagnostic]]:
+    """The statements of a program in words, and what is wrong with its blocks."""
+    if machine.controller == "simotion":
+        lines = _ST_COMMENT.sub("", text).splitlines()
+        return [" ".join(line.split()) for line in lines if line.strip()], []
+    if machine.controller == "stepper":
+        return [line.strip() for line in text.splitlines() if line.strip()[:1] not in ("", "#")], []
+    events, said = events_of(text, machine, name)
+    return list(_sentences(events, machine.format.length_decimals)), said
+
+
+def _sentences(events: list[Event], decimals: int) -> Iterator[str]:
+    for event in events:
+        match event:
+            case Leg(rapid=rapid, end=(x, y), curve=curve):
+                to = f"X {_number(x, decimals)} Y {_number(y, decimals)}"
+                feed = "" if rapid else f" at {event.feed_mm_min:g} mm/min"
+                match curve:
+                    case None:
+                        yield f"{'rapid' if rapid else 'line'} to {to}{feed}"
+                    case Arc(centre=(cx, cy)) | EllipseArc(centre=(cx, cy)):
+                        about = f"X {_number(cx, decimals)} Y {_number(cy, decimals)}"
+                        shape = "arc" if isinstance(curve, Arc) else "ellipse"
+                        yield f"{shape} to {to} about {about}, {curve.sweep_deg:.2f} deg{feed}"
+                    case _:
+                        yield f"curve to {to}{feed}"
+            case Switch():
+                yield str(event)
+            case Pause(seconds=seconds):
+                yield f"pause of {seconds:g} s"
+            case Keep(side=side, radius=radius):
+                yield f"keep {side} of the path by {radius:g}"
+
+
+def _number(value: float, decimals: int) -> str:
+    return f"{round(value, decimals) + 0.0:.{decimals}f}"
