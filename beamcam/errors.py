@@ -5,7 +5,7 @@ message. `rule.at(source, found=..., expected=...)` gives a `Diagnostic`, which 
 what cannot be posted raises a `BeamcamError` that carries its diagnostics.
 """
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from enum import Enum
 
 from msgspec import Struct
@@ -61,6 +61,21 @@ class Rule(Struct, frozen=True):
     def at(self, source: Source, **values: object) -> Diagnostic:
         """The diagnostic for this rule at `source`. Raises KeyError if a value is missing."""
         return Diagnostic(source, self.severity, self.code, self.message.format_map(values))
+
+
+RuleMaker = Callable[[str, str, str], Rule]
+
+
+def rule_makers(family: str) -> tuple[RuleMaker, RuleMaker, RuleMaker]:
+    """Makers of the errors, warnings and notes whose codes begin with `family`.
+
+    Each takes the rest of the code, the message and the reason.
+    """
+
+    def maker(severity: Severity) -> RuleMaker:
+        return lambda code, message, reason: Rule(f"{family}-{code}", severity, message, reason)
+
+    return maker(Severity.ERROR), maker(Severity.WARNING), maker(Severity.NOTE)
 
 
 class BeamcamError(Exception):

@@ -1,19 +1,8 @@
 """What can be wrong with a DSTV file: every code that this reader gives, with its reason."""
 
-from beamcam.errors import Rule, Severity
+from beamcam.errors import Rule, rule_makers
 
-
-def _error(code: str, message: str, reason: str) -> Rule:
-    return Rule(f"dstv-{code}", Severity.ERROR, message, reason)
-
-
-def _warning(code: str, message: str, reason: str) -> Rule:
-    return Rule(f"dstv-{code}", Severity.WARNING, message, reason)
-
-
-def _note(code: str, message: str, reason: str) -> Rule:
-    return Rule(f"dstv-{code}", Severity.NOTE, message, reason)
-
+_error, _warning, _note = rule_makers("dstv")
 
 # --- the file ---------------------------------------------------------------------------------
 NOT_DSTV = _error(

@@ -1,19 +1,8 @@
 """What can be wrong with a DXF file: every code that this reader gives, with its reason."""
 
-from beamcam.errors import Rule, Severity
+from beamcam.errors import Rule, rule_makers
 
-
-def _error(code: str, message: str, reason: str) -> Rule:
-    return Rule(f"dxf-{code}", Severity.ERROR, message, reason)
-
-
-def _warning(code: str, message: str, reason: str) -> Rule:
-    return Rule(f"dxf-{code}", Severity.WARNING, message, reason)
-
-
-def _note(code: str, message: str, reason: str) -> Rule:
-    return Rule(f"dxf-{code}", Severity.NOTE, message, reason)
-
+_error, _warning, _note = rule_makers("dxf")
 
 # --- the file -------------------------------------------------------------------------------------
 DWG = _error(
