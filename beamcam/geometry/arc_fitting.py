@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from beamcam.geometry.conics import arc_between
 from beamcam.geometry.curves import Arc, Bezier, Curve, EllipseArc, Line, bezier_pieces
-from beamcam.geometry.fitting import fit_path
+from beamcam.geometry.fitting import WIDEST_KNOWN_DEG, fit_path, known_error
 from beamcam.geometry.plane import Point, distance
 
 Floats = NDArray[np.float64]
@@ -27,8 +27,6 @@ MARGIN = 1.1
 MAX_HALVINGS = 16
 #: Greatest sweep of a cubic that stands for a stretch of an ellipse: off by 1.3e-7 of its size.
 ELLIPSE_STEP_DEG = 22.5
-#: Sweep up to which a drawing program stands a cubic for an arc; some cut at quadrants plus a bit.
-WIDEST_KNOWN_DEG = 95.0
 
 _T = (np.arange(SAMPLES) + 0.5) / SAMPLES
 _BASIS = np.stack([(1 - _T) ** 3, 3 * _T * (1 - _T) ** 2, 3 * _T**2 * (1 - _T), _T**3])
@@ -382,7 +380,7 @@ def _wider(
         if through is None or abs(through.sweep_deg - sweep) > 1.0:
             return None
         wide = through
-    allowed = max(tolerance, MARGIN * MARGIN * max(_known_error(a) for a, _ in members))
+    allowed = max(tolerance, MARGIN * MARGIN * max(known_error(a) for a, _ in members))
     for _, points in members:
         samples = np.einsum("ks,kd->sd", _BASIS, np.array(points))
         off = np.abs(np.hypot(*(samples - np.array(wide.centre)).T) - wide.radius)
@@ -400,10 +398,3 @@ def _through(a: Point, m: Point, b: Point) -> Arc | None:
         return None
     centre = (a[0] + (wy * uu - uy * ww) / area, a[1] + (ux * ww - wx * uu) / area)
     return arc_between(a, b, centre, area)
-
-
-def _known_error(arc: Arc) -> float:
-    if abs(arc.sweep_deg) > WIDEST_KNOWN_DEG:
-        return 0.0
-    quarter = radians(arc.sweep_deg) / 4
-    return arc.radius * 4 / 27 * sin(quarter) ** 6 / cos(quarter) ** 2

@@ -6,7 +6,7 @@ programs are arcs in disguise. Where a curve is no arc, two arcs with one tangen
 """
 
 from collections.abc import Sequence
-from math import atan2, degrees, hypot, sqrt
+from math import atan2, cos, degrees, hypot, radians, sin, sqrt
 
 from msgspec import Struct
 
@@ -25,6 +25,9 @@ from beamcam.geometry.plane import Point, cross, distance, dot
 
 #: Cubics of drawing programs miss the circle that they stand for by 2.7e-4 of its radius.
 KAPPA_ERROR = 3e-4
+
+#: Drawing programs draw no wider arc than this by one cubic.
+WIDEST_KNOWN_DEG = 95.0
 
 #: Where the distance to a curve is measured, per arc; the greatest of them is rounded up by
 #: `SAMPLE_MARGIN` for what lies between.
@@ -47,17 +50,28 @@ Free = EllipseArc | Bezier | BSpline | NewtonCurve
 def fit_single_arc(curve: Bezier, tolerance: float) -> ArcFit | None:
     """The arc through start, middle and end of a curve, if it is one; else None.
 
-    To know the circles of drawing programs again, the tolerance is taken as at least 3e-4 of
-    the radius (their own error); the deviation that comes back is the measured one.
+    To know the circles of drawing programs again, the tolerance is taken as at least what their
+    own cubics miss an arc of that sweep by; the deviation that comes back is the measured one.
     """
     a, m, b = curve.start, curve.point(0.5), curve.end
     arc = _arc_through_three(a, m, b)
     if arc is None:
         return None
     off = _distance_from_arc(curve, arc)
-    if off > max(tolerance, KAPPA_ERROR * arc.radius) or not _runs_along(curve, arc):
+    if off > max(tolerance, SAMPLE_MARGIN * known_error(arc)) or not _runs_along(curve, arc):
         return None
     return ArcFit((arc,), off)
+
+
+def known_error(arc: Arc) -> float:
+    """What the usual cubic for an arc misses it by: r 4/27 sin^6(s/4) / cos^2(s/4), s the sweep.
+
+    0 for an arc wider than drawing programs draw by one cubic.
+    """
+    if abs(arc.sweep_deg) > WIDEST_KNOWN_DEG:
+        return 0.0
+    quarter = radians(abs(arc.sweep_deg)) / 4
+    return arc.radius * 4 / 27 * sin(quarter) ** 6 / cos(quarter) ** 2
 
 
 def fit_arcs(curve: Free, tolerance: float) -> ArcFit:

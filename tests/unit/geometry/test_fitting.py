@@ -120,3 +120,12 @@ def test_splines_and_polynomials_are_fitted_piece_by_piece():
 def test_a_tolerance_of_nothing_is_refused(call):
     with pytest.raises(ValueError, match="tolerance must be above 0, found 0"):
         call(QUARTERS[0] if call is fit_arcs else [QUARTERS[0]], 0.0)
+
+
+def test_a_flat_curve_of_large_radius_is_no_circle() -> None:
+    """The error that drawing programs make is that of a wide cubic; a flat one has none."""
+    flat = Bezier(((0.0, 0.0), (30.0, 2.8), (60.0, 2.5), (90.0, 0.0)))
+    fit = fit_single_arc(flat, 0.5)
+    assert fit is not None
+    assert 0.02 < fit.deviation < 3e-4 * fit.curves[0].radius
+    assert fit_single_arc(flat, 0.02) is None
