@@ -120,7 +120,11 @@ def _item(model: Model, item: Entity, frame: Frame, where: str | None) -> Body:
         return Body(_swept(model, item, frame), ())
     if item.is_a("IfcBooleanResult"):
         chain = []
+        seen = set[int]()
         while item.is_a("IfcBooleanResult"):
+            if item.id() in seen:
+                raise Unreadable("geometry that contains itself")
+            seen.add(item.id())
             if item.Operator != "DIFFERENCE":
                 raise Unreadable(f"a boolean {item.Operator}")
             chain.append(item.SecondOperand)

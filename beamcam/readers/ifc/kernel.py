@@ -27,6 +27,9 @@ def build(model: Model, element: Entity) -> Built:
     import ifcopenshell
     import ifcopenshell.geom
 
+    openings = [r.RelatedOpeningElement for r in getattr(element, "HasOpenings", None) or ()]
+    if any(contains_itself(each) for each in (element, *openings)):
+        raise Unreadable("geometry that contains itself")
     geom: Any = ifcopenshell.geom
     settings = geom.settings()
     settings.set("mesher-linear-deflection", CHORD)
@@ -53,6 +56,37 @@ def build(model: Model, element: Entity) -> Built:
     if len(found) < 4:
         raise Unreadable("an empty solid by the kernel")
     return Built(Shell(tuple(found)), log)
+
+
+def contains_itself(element: Entity) -> bool:
+    """Whether what an element refers to leads back to itself.
+
+    The kernel follows such references until the process dies, so it is never given any.
+    """
+    open_, done = set[int](), set[int]()
+    stack: list[tuple[Any, bool]] = [(element, False)]
+    while stack:
+        entity, leave = stack.pop()
+        key = entity.id()
+        if leave:
+            open_.discard(key)
+            done.add(key)
+        elif key in open_:
+            return True
+        elif key not in done:
+            open_.add(key)
+            stack.append((entity, True))
+            stack += [(each, False) for each in _referred(tuple(entity))]
+    return False
+
+
+def _referred(values: tuple[Any, ...]) -> Iterator[Any]:
+    """The entities with a number of their own among attribute values, lists in lists included."""
+    for value in values:
+        if isinstance(value, tuple):
+            yield from _referred(value)
+        elif hasattr(value, "is_a") and value.id():
+            yield value
 
 
 @contextmanager

@@ -298,8 +298,12 @@ def _items_below(element: Entity) -> Iterator[Entity]:
         for representation in element.Representation.Representations:
             if representation.RepresentationIdentifier not in ("Axis", "Box", "FootPrint"):
                 todo += list(representation.Items)
+    seen = set[int]()
     while todo:
         item = todo.pop()
+        if item.id() in seen:  # shared, or geometry that contains itself
+            continue
+        seen.add(item.id())
         yield item
         if item.is_a("IfcMappedItem"):
             todo += list(item.MappingSource.MappedRepresentation.Items)
