@@ -10,6 +10,7 @@ from beamcam.model.program import (
     Compensate,
     EllipseFeed,
     Feed,
+    Pace,
     ParabolaFeed,
     Program,
     StartSheet,
@@ -46,42 +47,62 @@ def _blocks(program: Program, machine: Machine) -> Iterator[str]:
     places = form.length_decimals
     per_unit = SECONDS_PER_MINUTE if form.feed_unit == "mm/s" else 1
     feed = "0"
+    acceleration = number(machine.torch.acceleration if machine.torch else 0.0, 3)
+    carried: tuple[str, ...] = ()  # words of `modal` as they were written last
+    wanted: tuple[str, ...] = ()
 
     def filled(template: tuple[str, ...], **values: str) -> list[str]:
         return [line.format_map(values) for line in template]
 
+    def move(template: tuple[str, ...], **values: str) -> list[str]:
+        nonlocal carried
+        lines = filled(template, feed=feed, **values)
+        if wanted is not carried:
+            lines[-1] = " ".join((lines[-1], *(w for w in wanted if w not in carried)))
+            carried = wanted
+        return lines
+
+    def modal() -> tuple[str, ...]:
+        now = tuple(w.format_map({"feed": feed, "acceleration": acceleration}) for w in words.modal)
+        return carried if now == carried else now
+
     for command in program.commands:
         match command:
             case Feed(x, y):
-                yield from filled(words.feed, x=number(x, places), y=number(y, places), feed=feed)
+                yield from move(words.feed, x=number(x, places), y=number(y, places))
             case ArcFeed(x, y, i, j, clockwise):
-                yield from filled(
+                yield from move(
                     words.arc_cw if clockwise else words.arc_ccw,
                     x=number(x, places), y=number(y, places),
-                    i=number(i, places), j=number(j, places), feed=feed,
+                    i=number(i, places), j=number(j, places),
                 )  # fmt: skip
             case Traverse(x, y):
                 yield from filled(words.traverse, x=number(x, places), y=number(y, places))
             case ToolOn():
                 feed = number(command.feed_mm_min / per_unit, 3)
+                carried = ()  # said again for every contour, where an operator may start anew
+                wanted = modal()
                 yield from filled(
                     getattr(words, f"{command.process}_on"),
                     power=number(command.power, 3), pierce=number(command.pierce_s, 3), feed=feed,
                 )  # fmt: skip
+            case Pace(feed_mm_min):
+                feed = number(feed_mm_min / per_unit, 3)
+                wanted = modal()
             case ToolOff():
                 yield from filled(getattr(words, f"{command.process}_off"))
             case ParabolaFeed(x, y, i, j):
-                yield from filled(
+                yield from move(
                     words.parabola, x=number(x, places), y=number(y, places),
-                    i=number(i, places), j=number(j, places), feed=feed,
+                    i=number(i, places), j=number(j, places),
                 )  # fmt: skip
             case EllipseFeed():
-                yield from filled(
+                yield from move(
                     words.ellipse_cw if command.clockwise else words.ellipse_ccw,
                     x=number(command.x, places), y=number(command.y, places),
                     i=number(command.i, places), j=number(command.j, places),
                     angle=number(command.angle, form.angle_decimals),
-                    ratio=number(command.ratio, RATIO_DECIMALS), feed=feed,
+                    ratio=number(command.ratio, RATIO_DECIMALS),
                 )  # fmt: skip
             case Compensate():
                 template = {"left": words.left, "right": words.right, "on": words.straight}

@@ -3,7 +3,7 @@
 import re
 from collections.abc import Iterator
 
-from beamcam.machine.machine import FLAT_DEG, Machine, ToolSet, inch_size
+from beamcam.machine.machine import FLAT_DEG, Machine, ToolSet, Torch, inch_size
 
 #: Kinds of tools whose speed or feed comes from `drill.cutting`.
 TURNING = ("drill", "tap", "countersink", "mill", "punch", "scribe")
@@ -88,6 +88,7 @@ def torch_faults(machine: Machine) -> Iterator[Fault]:
     if torch is None:
         return
     yield from table_faults(machine)
+    yield from path_faults(machine, torch)
     worded = machine.controller not in TABLE_CONTROLLERS
     for name in _TORCH_WORDS if worded else ():
         if not getattr(words, name):
@@ -112,6 +113,35 @@ def torch_faults(machine: Machine) -> Iterator[Fault]:
         yield "torch.lead_in", torch.lead_in, "a length, since there is a lead"
     if torch.tabs < 0:
         yield "torch.tabs", torch.tabs, "0 or more"
+
+
+def path_faults(machine: Machine, torch: Torch) -> Iterator[Fault]:
+    """Each limit along a path that the axes contradict."""
+    axes = {axis.moves: axis for axis in machine.axes}
+    if ("X" in axes) != ("Y" in axes):
+        yield "axes", [axis.name for axis in machine.axes], "an axis for X and one for Y"
+    if torch.acceleration < 0.0:
+        yield "torch.acceleration", torch.acceleration, "0 or more"
+    if torch.corner < 0.0:
+        yield "torch.corner", torch.corner, "0 or more"
+    for name in ("X", "Y"):
+        axis = axes.get(name)
+        if axis is not None and torch.acceleration >= axis.acceleration:
+            expected = f"less than the {axis.acceleration:g} of {axis.name}, for the curves"
+            yield "torch.acceleration", torch.acceleration, expected
+    needs = _names(machine.words.modal, "acceleration")
+    if needs and not (torch.acceleration and "X" in axes):
+        found = list(machine.words.modal)
+        yield "words.modal", found, "torch.acceleration and axes X and Y for {acceleration}"
+
+
+def axis_faults(machine: Machine) -> Iterator[Fault]:
+    """Each limit of an axis that is none."""
+    for index, axis in enumerate(machine.axes):
+        for name in ("speed", "acceleration", "jerk"):
+            value = getattr(axis, name)
+            if value is not None and not value > 0.0:
+                yield f"axes.{index}.{name}", value, "more than 0"
 
 
 def table_faults(machine: Machine) -> Iterator[Fault]:

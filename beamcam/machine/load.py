@@ -11,7 +11,7 @@ from msgspec import Struct
 
 from beamcam.errors import MachineError, Source
 from beamcam.machine import rules
-from beamcam.machine.faults import tool_faults, torch_faults
+from beamcam.machine.faults import axis_faults, tool_faults, torch_faults
 from beamcam.machine.machine import WORD_NAMES, Machine
 from beamcam.machine.schema import Place, build, nearest
 
@@ -181,7 +181,11 @@ def _check(machine: Machine, place: Place) -> None:
             raise wrong(key, value, "more than 0")
         if key.endswith(_NOT_NEGATIVE) and isinstance(value, float) and value < 0:
             raise wrong(key, value, "0 or more")
-    for key, found, expected in (*tool_faults(machine), *torch_faults(machine)):
+    for key, found, expected in (
+        *tool_faults(machine),
+        *axis_faults(machine),
+        *torch_faults(machine),
+    ):
         raise wrong(key, found, expected)
     if machine.stock == "beam" and machine.layout is None:
         raise MachineError(rules.MISSING_KEY.at(place.source, expected="layout"))

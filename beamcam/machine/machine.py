@@ -285,6 +285,7 @@ class Words(Struct, frozen=True):
     left: tuple[str, ...] = ()  #: the controller keeps left of the contour by half a kerf
     right: tuple[str, ...] = ()
     straight: tuple[str, ...] = ()  #: the controller keeps on the contour again
+    modal: tuple[str, ...] = ()  #: words of a move, each where it says another thing than before
 
 
 _STROKE_NAMES = frozenset(
@@ -331,6 +332,7 @@ WORD_NAMES: dict[str, frozenset[str]] = {
     "left": _SIDE_NAMES,
     "right": _SIDE_NAMES,
     "straight": frozenset(),
+    "modal": frozenset({"feed", "acceleration"}),
     "comment": frozenset({"text"}),
 }
 
@@ -350,6 +352,7 @@ class ControlledAxis(Struct, frozen=True):
     least: float | None = None  #: None has no limit
     greatest: float | None = None
     park: float = 0.0  #: where it stands when a program begins
+    jerk: float | None = None  #: mm/s3 or deg/s3; None has no limit
 
 
 TorchProcess = Literal["cut", "mark", "engrave"]
@@ -396,6 +399,8 @@ class Torch(Struct, frozen=True):
     greatest_radius: float = 10000.0  #: an arc beyond is written as lines
     arc_limit: float = 0.005  #: radii at both ends of an arc may differ by this
     traverse_mm_min: float = 20000.0  #: of the head with its tool off, for times
+    acceleration: float = 0.0  #: along the path, to run up and to brake, mm/s2; 0: not known
+    corner: float = 0.0  #: how far a circle that is as fast may pass from a corner; 0 stops there
 
 
 class Machine(Struct, frozen=True):

@@ -94,6 +94,12 @@ class ToolOff(Struct, frozen=True):
     process: Literal["cut", "mark", "engrave"]
 
 
+class Pace(NamedTuple):
+    """From the next move on the tool moves at this feed: what its axes can follow there."""
+
+    feed_mm_min: float
+
+
 class Compensate(Struct, frozen=True):
     """From the next move on the controller keeps beside the contour by half the kerf."""
 
@@ -149,7 +155,7 @@ class EllipseFeed(NamedTuple):
 Movement = Feed | ArcFeed | ParabolaFeed | EllipseFeed
 Command = (
     StartBar | SawStroke | DrillCycle | PathCycle | Comment
-    | StartSheet | ToolOn | ToolOff | Compensate | Traverse | Movement
+    | StartSheet | ToolOn | ToolOff | Pace | Compensate | Traverse | Movement
 )  # fmt: skip
 
 

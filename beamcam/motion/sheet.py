@@ -10,7 +10,8 @@ from itertools import groupby
 
 from beamcam.geometry.curves import Arc, Curve, EllipseArc, Line, bezier_pieces
 from beamcam.geometry.plane import Point
-from beamcam.machine.machine import Machine
+from beamcam.machine.machine import Machine, Words
+from beamcam.machine.path_limits import path_limits
 from beamcam.model.plan import ContourOp, SheetPlan
 from beamcam.model.program import (
     Command,
@@ -32,6 +33,7 @@ from beamcam.motion.arcs import (
     is_parabola,
     parabola_feed,
 )
+from beamcam.motion.pace import paced
 
 #: What the fitting of arcs may take of the machine's tolerance; rounding takes the rest.
 FIT_SHARE = 0.5
@@ -61,7 +63,11 @@ def _pass(op: ContourOp, curves: Sequence[Curve], pen: "Pen") -> Iterator[Comman
     if op.side != "on":
         yield Compensate(op.side, op.kerf)
     yield ToolOn(row.process, row.feed_mm_min, row.power, row.pierce_s, op.source)
-    yield from pen.along(start, curves)
+    moves = pen.along(start, curves)
+    if pen.limits is None:
+        yield from moves
+    else:
+        yield from paced(start, moves, row.feed_mm_min, pen.limits)
     yield ToolOff(row.process)
     if op.side != "on":
         yield Compensate("on", 0.0)
@@ -78,6 +84,8 @@ class Pen:
         self._arcs = bool(words.arc_cw)
         self._parabolas = bool(words.parabola)
         self._ellipses = bool(words.ellipse_cw)
+        #: Where the controller is told accelerations, the feeds have to be what it can follow.
+        self.limits = path_limits(machine) if _tells_acceleration(words) else None
         self.numbers = Numbers(
             form.length_decimals,
             form.angle_decimals,
@@ -153,6 +161,10 @@ class Pen:
         from beamcam.geometry.arc_fitting import fit_chains
 
         return self.along(here, fit_chains(((curve,),), self._fit)[0])
+
+
+def _tells_acceleration(words: Words) -> bool:
+    return any("{acceleration}" in word for word in words.modal)
 
 
 def _append(moves: list[Movement], here: Point, more: list[Movement]) -> Point:

@@ -4,6 +4,8 @@
     N20 M40 K13 L14              K and L are the command's parameters
     % JOB    (a comment)         the program's name, and what the controller does not read
 
+    N30 G01 X5 F40 E900 E-800    E runs up, E- brakes
+
 Words are separated by spaces or tabs; case, leading zeros and the block numbers count for
 nothing. At most one G or M stands in a block, before its words. All numbers may be real except
 those of N, G, M and H. Source: CODESYS online help, "CNC: DIN 66025".
@@ -18,6 +20,7 @@ from beamcam.verify import rules
 #: Letters that the controller's help describes; a machine file may use more in its templates.
 LETTERS = frozenset("NGMXYZABCPQUVWDEFHIJKLORT")
 _WHOLE = frozenset("NGMH")
+BRAKING = "E-"  #: how `read_blocks` calls an E with a negative value, which may stand beside E
 _NUMBER = r"[+-]?(?:[0-9]{1,15}(?:\.[0-9]{0,15})?|\.[0-9]{1,15})"  # no controller counts further
 _WORD = re.compile(rf"([A-Z])({_NUMBER})")
 _COMMENT = re.compile(r"\([^()]*\)")
@@ -128,10 +131,13 @@ def _any_body(raw: str, place: Source, letters: Set[str]) -> _Body | Diagnostic 
             if words:
                 return wrong(word, "the command before the other words")
             command, number = letter, int(digits)
-        elif letter in words and letter != "E":  # two E: acceleration and deceleration
-            return wrong(word, f"{letter} once in a block")
         else:
-            words[letter] = float(digits)
+            value = float(digits)
+            if letter == "E" and value < 0.0:
+                letter = BRAKING
+            if letter in words:
+                return wrong(word, f"{letter} once in a block")
+            words[letter] = value
     if not command and not words:
         return None
     return command, number, words

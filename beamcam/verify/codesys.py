@@ -11,7 +11,7 @@ from beamcam.errors import Diagnostic, Source
 from beamcam.machine.machine import NumberFormat
 from beamcam.verify import rules
 from beamcam.verify.arcs import arc_fault, radius_centre, radius_fault, sweep_of
-from beamcam.verify.blocks import Block
+from beamcam.verify.blocks import BRAKING, Block
 from beamcam.verify.events import Event, Move, Pause, Place, Switch, Turn
 
 M_WORDS_IN_A_ROW = 64  #: CODESYS, SMC_DEC_OUTQUEUE_RAN_EMPTY
@@ -126,8 +126,8 @@ def run(blocks: list[Block], name: str, form: NumberFormat) -> tuple[list[Event]
     return events, said
 
 
-_STRAIGHT_WORDS = frozenset("XYZFE")
-_ARC_WORDS = frozenset("XYZFEIJR")
+_STRAIGHT_WORDS = frozenset("XYZFE") | {BRAKING}
+_ARC_WORDS = _STRAIGHT_WORDS | frozenset("IJR")
 
 
 def _turn(

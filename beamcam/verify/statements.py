@@ -14,7 +14,7 @@ from beamcam.geometry.curves import Arc, EllipseArc
 from beamcam.machine.machine import Machine
 from beamcam.verify.differ import Difference
 from beamcam.verify.sheets import events_of
-from beamcam.verify.sheets.events import Event, Keep, Leg, Pause, Switch
+from beamcam.verify.sheets.events import Event, Keep, Leg, Pause, Ramp, Switch
 
 _ST_COMMENT = re.compile(r"\(\*.*?\*\)|//[^\n]*", re.DOTALL)
 
@@ -72,6 +72,8 @@ def _sentences(events: list[Event], decimals: int) -> Iterator[str]:
                 yield f"pause of {seconds:g} s"
             case Keep(side=side, radius=radius):
                 yield f"keep {side} of the path by {radius:g}"
+            case Ramp(braking=braking, mm_s2=mm_s2):
+                yield f"{'brake' if braking else 'run up'} at {mm_s2:g} mm/s2"
 
 
 def _number(value: float, decimals: int) -> str:

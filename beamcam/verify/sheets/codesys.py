@@ -3,6 +3,7 @@
     G02 G03 X Y I J        arc, I and J from its start (G99) or absolute (G98)
     G06 X Y I J            parabola, I and J its vertex: there the tangent is parallel to the chord
     G08 G09 X Y I J K R    ellipse, K the direction of its main axis in degrees, R minor / major
+    F, E, E-               feed, acceleration to run up and to brake, mm/s2 whatever F is in
     G41 G42 D, G40         beside the contour by the radius D, on it again
 
 Both ends and the centre determine an ellipse; R counts where both ends are equally far from the
@@ -16,15 +17,16 @@ from beamcam.errors import Diagnostic, Source
 from beamcam.geometry.curves import Arc, Bezier, EllipseArc
 from beamcam.geometry.plane import Point, cross
 from beamcam.verify.arcs import arc_fault, sweep_of
-from beamcam.verify.blocks import read_blocks
+from beamcam.verify.blocks import BRAKING, read_blocks
 from beamcam.verify.sheets import rules
-from beamcam.verify.sheets.events import Event, Keep, Leg, Pause, Side, Switch
+from beamcam.verify.sheets.events import Event, Keep, Leg, Pause, Ramp, Side, Switch
 
 NAME = "CODESYS"
 M_WORDS_IN_A_ROW = 64  #: SMC_DEC_OUTQUEUE_RAN_EMPTY
+_FED = frozenset("XYFE") | {BRAKING}
 _TRAVEL = {
-    0: frozenset("XY"), 1: frozenset("XYF"), 2: frozenset("XYIJF"), 3: frozenset("XYIJF"),
-    6: frozenset("XYIJF"), 8: frozenset("XYIJKRF"), 9: frozenset("XYIJKRF"),
+    0: frozenset("XY"), 1: _FED, 2: _FED | set("IJ"), 3: _FED | set("IJ"),
+    6: _FED | set("IJ"), 8: _FED | set("IJKR"), 9: _FED | set("IJKR"),
 }  # fmt: skip
 _BESIDE: dict[int, Side] = {40: "on", 41: "left", 42: "right"}
 
@@ -83,6 +85,12 @@ def run(
             continue
         if "F" in words:
             feed = words["F"] * per_minute
+        if "E" in words or BRAKING in words:
+            events += (
+                Ramp(line, letter == BRAKING, abs(words[letter]))
+                for letter in ("E", BRAKING)
+                if letter in words
+            )
         if not absolute_said:
             said.append(rules.SETTING.at(Source(name, line), found="G90"))
             absolute_said = True

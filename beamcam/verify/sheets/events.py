@@ -48,4 +48,12 @@ class Keep(NamedTuple):
     radius: float
 
 
-Event = Leg | Switch | Pause | Keep
+class Ramp(NamedTuple):
+    """From here on the head runs up, or brakes, at an acceleration in mm/s2."""
+
+    line: int
+    braking: bool
+    mm_s2: float
+
+
+Event = Leg | Switch | Pause | Keep | Ramp

@@ -40,6 +40,12 @@ FEED = Rule(
     "found a feed of {found} mm/min to {process}; expected {expected}",
     "The feed is not that of the machine's file for this sheet.",
 )
+RAMP = Rule(
+    "verify-sheet-ramp",
+    _E,
+    "found {found}; expected {expected}",
+    "The head would run up or brake faster than its axes, or as slowly as the project's default.",
+)
 TOOL = Rule(
     "verify-sheet-tool",
     _E,
@@ -116,6 +122,6 @@ NOT_MADE = Rule(
 )
 
 RULES = (
-    SYNTAX, WORD, SETTING, END, ARC, FEED, TOOL, RAPID, IDLE, AREA, MISSING, EXTRA, TWICE, SIDE,
-    OPEN, LEAD, ORDER, NOT_MADE,
+    SYNTAX, WORD, SETTING, END, ARC, FEED, RAMP, TOOL, RAPID, IDLE, AREA, MISSING, EXTRA, TWICE,
+    SIDE, OPEN, LEAD, ORDER, NOT_MADE,
 )  # fmt: skip

@@ -11,9 +11,12 @@ from msgspec import Struct, field
 from beamcam.errors import Diagnostic, Source
 from beamcam.machine.machine import Machine, Torch, TorchProcess, TorchRow
 from beamcam.verify.sheets import rules
-from beamcam.verify.sheets.events import Event, Keep, Leg, Pause, Side, Switch
+from beamcam.verify.sheets.ability import expected_feed, told_limits
+from beamcam.verify.sheets.events import Event, Keep, Leg, Pause, Ramp, Side, Switch
 
 ENDS = (2, 30)
+FEED_SLACK = 1e-3
+LOWERED_SLACK = 5e-3  #: of a feed that follows from a curve whose numbers are rounded
 
 
 class Stroke(Struct):
@@ -62,6 +65,12 @@ def strokes_of(
     slack = machine.format.resolution / 2
     last = 0
 
+    limits = told_limits(machine)
+    ramps: dict[bool, float] = {}
+
+    def wrong_ramp(line: int, found: str, expected: str) -> None:
+        said.append(rules.RAMP.at(Source(name, line), found=found, expected=expected))
+
     def wrong(line: int, found: str, expected: str) -> None:
         said.append(rules.TOOL.at(Source(name, line), found=found, expected=expected))
 
@@ -86,7 +95,14 @@ def strokes_of(
             if not current.legs and abs(pause - words.pierce_s) > 1e-6:
                 wrong(event.line, f"a pause of {pause:g} s", f"{words.pierce_s:g} s to pierce")
             feed = words.row.feed_mm_min
-            if abs(event.feed_mm_min - feed) > 1e-3 * feed:
+            if limits is not None:
+                if not (ramps.keys() >= {False, True}):
+                    expected = f"{limits.along_mm_s2:g} mm/s2 to run up and to brake"
+                    wrong_ramp(event.line, "no E word before the first move", expected)
+                    ramps = {False: 0.0, True: 0.0}  # said once
+                feed = expected_feed(event, feed, limits)
+            slower = feed < words.row.feed_mm_min
+            if abs(event.feed_mm_min - feed) > (LOWERED_SLACK if slower else FEED_SLACK) * feed:
                 said.append(
                     rules.FEED.at(
                         Source(name, event.line), found=f"{event.feed_mm_min:g}",
@@ -114,6 +130,13 @@ def strokes_of(
             else:
                 expected = " or ".join(dict.fromkeys(str(s) for w in known for s in w.on))
                 wrong(event.line, str(event), f"{expected} on this sheet, the other tool off")
+        elif type(event) is Ramp:
+            ramps[event.braking] = event.mm_s2
+            allowed = limits.along_mm_s2 if limits is not None else 0.0
+            if abs(event.mm_s2 - allowed) > FEED_SLACK * allowed:
+                expected = f"{allowed:g} mm/s2" if allowed else "none, the machine has no limit"
+                what = "to brake" if event.braking else "to run up"
+                wrong_ramp(event.line, f"{event.mm_s2:g} mm/s2 {what}", expected)
         elif type(event) is Pause:
             pause += event.seconds
         elif type(event) is Keep:

@@ -51,6 +51,33 @@ FAULTS = [
         "[[drill.cutting]]\nup_to = 20\nspeed_m_min = 1\nfeed_per_turn = 1",
         "'drill.cutting'; expected a row with kind = 'tap'",
     ),
+    (
+        "beamline",
+        "[[axes]]\nname = 'stop'\nmoves = 'X'\nspeed = 0\nacceleration = 5",
+        "'axes.0.speed'; expected more than 0",
+    ),
+    (
+        "beamline",
+        "[[axes]]\nname = 'stop'\nmoves = 'X'\nspeed = 1\nacceleration = 5\njerk = 0",
+        "'axes.0.jerk'; expected more than 0",
+    ),
+    (
+        "plate-codesys",
+        "[[axes]]\nname = 'b'\nmoves = 'X'\nspeed = 1\nacceleration = 5",
+        "'axes'; expected an axis for X and one for Y",
+    ),
+    (
+        "plate-codesys",
+        "[torch]\nacceleration = 2000",
+        "'torch.acceleration'; expected less than the 2000 of bridge, for the curves",
+    ),
+    ("plate-codesys", "[torch]\nacceleration = -1", "'torch.acceleration'; expected 0 or more"),
+    ("plate-codesys", "[torch]\ncorner = -1", "'torch.corner'; expected 0 or more"),
+    (
+        "plate-codesys",
+        "[torch]\nacceleration = 0",
+        "'words.modal'; expected torch.acceleration and axes X and Y for {acceleration}",
+    ),
 ]
 
 

@@ -168,6 +168,13 @@ MUTANTS: list[tuple[str, dict[str, object], Change, str]] = [
     ("plate-codesys", {}, swap("G90", "G91"), "verify-sheet-word"),
     ("plate-codesys", {}, without(r"^N1 G90\n"), "verify-sheet-setting"),
     ("plate-codesys", {}, swap("M30", "M31"), "verify-sheet-end"),
+    ("plate-codesys", {}, swap(" E1000", " E3000"), "verify-sheet-ramp"),
+    ("plate-codesys", {}, swap(" E-1000", " E-100"), "verify-sheet-ramp"),
+    ("plate-codesys", {}, swap(" E-1000", ""), "verify-sheet-ramp"),
+    ("plate-codesys", {}, swap(" E1000", " E0"), "verify-sheet-ramp"),
+    ("plate-codesys", {}, without(r" F25\.\S+"), "verify-sheet-feed"),
+    ("plate-codesys", {}, swap(" F35", " F30"), "verify-sheet-feed"),
+    ("plate-linuxcnc", {}, swap("F2300", "F2300 E900"), "verify-sheet-word"),
 ]  # fmt: skip
 
 

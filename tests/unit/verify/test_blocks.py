@@ -46,6 +46,8 @@ def test_no_block(text: str) -> None:
     ("G01 X5 M05", "M05", "one command a block, G1 stands there already"),
     ("X5 G01", "G01", "the command before the other words"),
     ("G01 X5 X6", "X6", "X once in a block"),
+    ("G01 X5 E9 E8", "E8", "E once in a block"),
+    ("G01 X5 E-9 E9 E-8", "E-8", "E- once in a block"),
     ("G01 X5 (open", "G01 X5 (open", "a comment that begins and ends on its line, none in another"),
     ("G01 X5 ((a) b)", "G01 X5 ((a) b)",
      "a comment that begins and ends on its line, none in another"),

@@ -1,0 +1,82 @@
+"""The feed of each move that the axes of a table can follow.
+
+A controller that is told accelerations takes the feed for granted: it turns the head on the
+smallest arc as fast as it was told. So the feed is lowered where a move asks for too much:
+
+    along a line       v |cos| <= speed of X, v |sin| <= speed of Y
+    around a radius r  v^2 / r <= acceleration across, v^3 / r^2 <= jerk, v <= both speeds
+"""
+
+from collections.abc import Iterator, Sequence
+from math import cbrt, hypot, sqrt
+
+from beamcam.geometry.bending import least_radius_of_ellipse, least_radius_of_parabola
+from beamcam.geometry.plane import Point
+from beamcam.machine.path_limits import PathLimits
+from beamcam.model.program import ArcFeed, EllipseFeed, Feed, Movement, Pace, ParabolaFeed
+
+SECONDS_PER_MINUTE = 60.0
+
+#: A feed is not lowered by less than this share: no machine shows it.
+WORTH_LOWERING = 1e-3
+
+
+def paced(
+    start: Point, moves: Sequence[Movement], feed_mm_min: float, limits: PathLimits
+) -> Iterator[Movement | Pace]:
+    """The moves from `start`, and before each whose feed differs from the last one its own."""
+    asked = feed_mm_min / SECONDS_PER_MINUTE
+    worth = asked * (1.0 - WORTH_LOWERING)
+    calm = calm_radius(asked, limits)
+    unbounded = asked <= limits.speed_mm_s
+    now = asked
+    here = start
+    for move in moves:
+        if unbounded and (
+            type(move) is Feed
+            or (type(move) is ArcFeed and move.i * move.i + move.j * move.j >= calm * calm)
+        ):
+            feed = asked
+        else:
+            feed = min(asked, feasible_mm_s(here, move, limits))
+            feed = asked if feed > worth else feed
+        if feed != now:
+            yield Pace(feed * SECONDS_PER_MINUTE)
+            now = feed
+        yield move
+        here = move.x, move.y
+
+
+def calm_radius(speed_mm_s: float, limits: PathLimits) -> float:
+    """The least radius around which the head may go at a speed."""
+    by_jerk = sqrt(speed_mm_s**3 / limits.jerk_mm_s3)
+    return max(speed_mm_s * speed_mm_s / limits.across_mm_s2, by_jerk)
+
+
+def turning_mm_s(radius: float, limits: PathLimits) -> float:
+    """The greatest speed around a radius; `calm_radius` the other way round."""
+    by_jerk = cbrt(limits.jerk_mm_s3 * radius * radius)
+    return min(limits.speed_mm_s, sqrt(limits.across_mm_s2 * radius), by_jerk)
+
+
+def feasible_mm_s(here: Point, move: Movement, limits: PathLimits) -> float:
+    """The greatest speed at which the axes can follow a move that starts `here`."""
+    if isinstance(move, Feed):
+        dx, dy = abs(move.x - here[0]), abs(move.y - here[1])
+        length = hypot(dx, dy)
+        if length == 0.0:
+            return limits.speed_mm_s
+        x = limits.speed_x_mm_s * length / dx if dx else limits.speed_y_mm_s
+        y = limits.speed_y_mm_s * length / dy if dy else limits.speed_x_mm_s
+        return min(x, y)
+    return turning_mm_s(least_radius(here, move), limits)
+
+
+def least_radius(here: Point, move: ArcFeed | ParabolaFeed | EllipseFeed) -> float:
+    """The least radius of curvature of a curve that starts `here`; of an ellipse, of all of it."""
+    if isinstance(move, ArcFeed):
+        return hypot(move.i, move.j)
+    if isinstance(move, ParabolaFeed):
+        vertex = here[0] + move.i, here[1] + move.j
+        return least_radius_of_parabola(here, vertex, (move.x, move.y))
+    return least_radius_of_ellipse((-move.i, -move.j), move.angle, move.ratio)
