@@ -8,7 +8,7 @@ Which motion step and which emitter belong together stands in `POSTS`.
 
 from collections.abc import Callable, Collection, Iterable, Sequence
 from pathlib import PurePath
-from typing import Any
+from typing import Any, Literal
 
 from msgspec import Struct
 from msgspec.structs import replace
@@ -43,7 +43,12 @@ SHEET_MACHINES = {
 }  # fmt: skip
 DEFAULT_SHEET_MACHINE = "plate-linuxcnc"
 STANDARD_INPUT = "-"
+Stage = Callable[[str], None]  #: is told what has been done
 NOT_READ_BACK = Comment("NOT VERIFIED: THIS PROGRAM WAS NOT READ BACK")
+
+
+def untold(stage: str) -> None:
+    """What is called after a stage where nobody wants to know."""
 
 
 class Post(Struct, frozen=True):
@@ -103,9 +108,14 @@ class Posted(Struct, frozen=True):
     pieces: Callable[[], Iterable[bytes]] | None = None  #: of a table that is not kept as a text
 
 
-def default_machine(parts: Sequence[Part], output: str) -> str:
-    """The machine where none is named: of a sheet by the suffix of the output, else of a bar."""
-    if not parts or any(part.profile.code != "B" for part in parts):
+def stock_of(parts: Sequence[Part]) -> Literal["beam", "sheet"]:
+    """The kind of stock that parts are made of: a sheet if all of them are plates."""
+    return "sheet" if parts and all(part.profile.code == "B" for part in parts) else "beam"
+
+
+def default_machine(stock: Literal["beam", "sheet"], output: str) -> str:
+    """The machine where none is named: of a sheet by the suffix of the output."""
+    if stock == "beam":
         return DEFAULT_MACHINE
     return SHEET_MACHINES.get(PurePath(output).suffix.lower(), DEFAULT_SHEET_MACHINE)
 
@@ -156,6 +166,15 @@ def parts_of(
     return tuple(parts), tuple(said)
 
 
+def counted(reading: Reading) -> Sequence[Part]:
+    """The parts of a reading, equal members of a model as one with their number as quantity."""
+    if reading.format != "ifc":
+        return reading.parts
+    from beamcam.readers.ifc.quantities import equal_parts
+
+    return equal_parts(reading.parts)
+
+
 def read_back(
     text: str,
     parts: Sequence[Part],
@@ -199,17 +218,20 @@ def post(
     turn: bool = False,
     strict: bool = False,
     style: str | None = None,
+    stage: Stage = untold,
 ) -> Posted:
     """The program that makes `parts` from one bar or sheet, read back and compared with them.
 
     `style` is how a controller that knows several is told: "chain" or "table" of triggers; of
     step tables the suffix of the output, whose bytes are then in `pieces`. Unless `verified` a
-    comment in the program says so. Raises PlanError if the machine cannot make the parts, or
-    under `strict` if there is a warning; VerifyError if the program would make anything else.
+    comment in the program says so. `stage` is told each step that is done. Raises PlanError if
+    the machine cannot make the parts, or under `strict` if there is a warning; VerifyError if the
+    program would make anything else.
     """
     if machine.stock == "sheet":
-        return _post_sheet(parts, machine, job, skips, verified, strict, style)
+        return _post_sheet(parts, machine, job, skips, verified, strict, style, stage)
     plan = plan_bar(parts, machine, bar, skips, order, turn)
+    stage(f"planned {len(plan.operations)} operation(s)")
     if strict and any(said.severity is Severity.WARNING for said in plan.remarks):
         raise PlanError(map(as_error, plan.remarks))
     kind = POSTS[machine.controller, machine.stock]
@@ -217,13 +239,16 @@ def post(
     if not verified:
         start, *work = program.commands
         program = replace(program, commands=(start, NOT_READ_BACK, *work))
+    stage("put in motion")
     text = kind.emit(program, machine)
+    stage("printed the program")
     said: tuple[Diagnostic, ...] = ()
     if verified:
         skipped = {o.feature for o in plan.outcomes if o.how == "skipped"}
         lying = [piece.part for piece in plan.pieces]
         given = [parts[piece.given] for piece in plan.pieces]
         said = read_back(text, lying, machine, skipped, job, given)
+        stage("read the program back")
         if errors_in(said):
             raise VerifyError(said)
     return Posted(text, plan, (*plan.remarks, *said))
@@ -237,17 +262,20 @@ def _post_sheet(
     verified: bool,
     strict: bool,
     style: str | None,
+    stage: Stage,
 ) -> Posted:
     """As `post`, for a machine that cuts sheets."""
     from beamcam.planning.sheet import plan_sheet
 
     plan = plan_sheet(parts, machine, skips)
+    stage(f"planned {len(plan.operations)} operation(s)")
     if strict and any(said.severity is Severity.WARNING for said in plan.remarks):
         raise PlanError(map(as_error, plan.remarks))
     kind = sheet_post(machine)
     program = kind.motion(plan, machine, job)
     if not verified:
         program = _not_read_back(program)
+    stage("put in motion")
     pieces: Callable[[], Iterable[bytes]] | None = None
     text = ""
     if machine.controller == "stepper" and style is not None:
@@ -256,6 +284,7 @@ def _post_sheet(
         text = _triggers_text(program, machine, style, parts)
     else:
         text = kind.emit(program, machine)
+    stage("printed the program")
     said: tuple[Diagnostic, ...] = ()
     if verified:
         skipped = {o.feature for o in plan.outcomes if o.how == "skipped"}
@@ -267,6 +296,7 @@ def _post_sheet(
             said = verify_steps(read(), parts, machine, skipped, job)
         else:
             said = read_back(text, parts, machine, skipped, job)
+        stage("read the program back")
         if errors_in(said):
             raise VerifyError(said)
     return Posted(text, plan, (*plan.remarks, *said), pieces)

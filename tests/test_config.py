@@ -7,16 +7,16 @@ import pytest
 from click.testing import CliRunner, Result
 
 from beamcam.cli import main
-from beamcam.config import KEYS, ConfigError, apply_map, apply_tolerances, find, load
-from beamcam.config.keys import Table
-from beamcam.errors import Source
-from beamcam.geometry.curves import Line
+from beamcam.config.apply import with_tolerances
+from beamcam.config.keys import KEYS, Table
+from beamcam.config.load import ConfigError, load
+from beamcam.config.values import Config, beside, over
 from beamcam.machine import load as load_machine
-from beamcam.model.part import Contour, Part, Profile
 from tests.runs import batch, counts, fill, part, report
 
 ALL = """# the shop
 machine = "beamline-annex"
+machines = { sheet = "plate-codesys" }
 stock_lengths = [12000, 6000.5]
 allow_skips = ["cope"]
 strict = true
@@ -27,6 +27,10 @@ flat = true
 
 [tolerances]
 merge = 0.25
+
+[sheet]
+thickness = 3
+lead = "arc"
 
 [map]
 "#F00" = "cut"
@@ -52,13 +56,14 @@ def test_every_key_is_read_and_knows_its_line(tmp_path: Path) -> None:
     assert config.map == {"#F00": "cut", "ENGRAVE": "engrave"}
     where = {row.key: row.source and row.source.line for row in config.settings()}
     assert where == {
-        "machine": 2, "stock_lengths": 3, "allow_skips": 4, "strict": 5, "job": 6, "jobs": 7,
-        "name": 8, "flat": 9, "tolerances.merge": 12, "map.#F00": 15, "map.ENGRAVE": 16,
+        "machine": 2, "machines.sheet": 3, "stock_lengths": 4, "allow_skips": 5, "strict": 6,
+        "job": 7, "jobs": 8, "name": 9, "flat": 10, "tolerances.merge": 13,
+        "sheet.thickness": 16, "sheet.lead": 17, "map.#F00": 20, "map.ENGRAVE": 21,
     }  # fmt: skip
 
 
 def test_defaults_come_from_nowhere() -> None:
-    config = load(None)
+    config = Config()
     assert all(row.source is None for row in config.settings())
     for key, known in KEYS.items():
         if not isinstance(known, Table):
@@ -84,7 +89,7 @@ def test_defaults_come_from_nowhere() -> None:
         ("tolerances = 1", "found 1 for 'tolerances'; expected a table"),
         ("[tolerances]\nmerge = -1", ":2: error config-value: found -1 for 'tolerances.merge';"
          " expected a length in mm, 0 or more"),
-        ("[map]\nred = 'burn'", "expected one of cut, mark, engrave, punch, powder"),
+        ("[map]\nred = 'burn'", "expected one of cut, mark, engrave, ignore"),
         ("[map]\n'#ff' = 'cut'", "expected a colour such as '#ff0000'"),
         ("a = ", "beamcam.toml: error config-toml: not a TOML file: Invalid value"),
     ],
@@ -111,12 +116,14 @@ def test_no_such_file(tmp_path: Path) -> None:
 def test_where_it_is_looked_for(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     (tmp_path / "jobs").mkdir()
     monkeypatch.chdir(tmp_path)
-    assert find(("jobs",)) is None
+    assert beside(("jobs",)) == ()
     write(tmp_path, "")
-    assert find(("jobs",)) == Path("beamcam.toml")
+    assert beside(("jobs",)) == beside(("-",)) == ("beamcam.toml",)
     write(tmp_path / "jobs", "")
-    assert find(("jobs",)) == find(("jobs/a.nc1", "x")) == Path("jobs/beamcam.toml")
-    assert find() == Path("beamcam.toml")
+    assert beside(("jobs",)) == beside(("jobs/a.nc1", "jobs/b.nc1")) == ("jobs/beamcam.toml",)
+    assert beside(("jobs/**/*.nc1",)) == ("jobs/beamcam.toml",)
+    assert beside(("jobs/a.nc1", "x")) == ("jobs/beamcam.toml", "beamcam.toml")
+    assert beside(("none/a.nc1",)) == beside(()) == ("beamcam.toml",)
 
 
 def test_the_command_shows_values_and_origins(tmp_path: Path) -> None:
@@ -128,7 +135,7 @@ def test_the_command_shows_values_and_origins(tmp_path: Path) -> None:
     )
     assert any(line.startswith('map."#F00" = "cut"') for line in lines)
     record = json.loads(run(tmp_path, "--json").stdout)
-    assert record["job"] == {"value": "NIGHT", "source": f"{path}:6"}
+    assert record["job"] == {"value": "NIGHT", "source": f"{path}:7"}
     assert set(dict.fromkeys(key.partition(".")[0] for key in record)) == set(KEYS)
     plain = run("--config", write(tmp_path, "")).stdout
     assert 'job = "JOB"' in plain
@@ -185,28 +192,12 @@ def test_tolerances_go_over_the_machine(tmp_path: Path) -> None:
 
 
 def test_tolerances_without_a_drill(tmp_path: Path) -> None:
-    from msgspec.structs import replace
-
-    machine = replace(load_machine("beamline"), drill=None)
-    assert apply_tolerances(machine, load(None)) is machine
-    config = load(write(tmp_path, "[tolerances]\nmerge = 1\n"))
-    with pytest.raises(ConfigError, match=r"config-tolerance: .* beamline has no drill"):
-        apply_tolerances(machine, config)
-
-
-def test_the_map_says_what_is_done() -> None:
-    source = Source("a.dxf")
-    line = (Line((0.0, 0.0), (1.0, 0.0)),)
-    part = Part(
-        "A", Profile("B", "", 1.0, 0.0, 0.0, 1.0), 1.0, source,
-        features=(
-            Contour("v", "open", line, source, layer="engrave", colour="#ff0000"),
-            Contour("v", "open", line, source, layer="0", colour="#ed3237"),
-            Contour("v", "open", line, source, layer="0", colour="#00ff00"),
-            Contour("v", "open", line, source),
-        ),
-    )  # fmt: skip
-    mapped = apply_map(part, {"ENGRAVE": "engrave", "red": "mark"})
-    assert [c.process for c in mapped.contours] == ["engrave", "mark", "cut", "cut"]
-    assert apply_map(part, {}) is part
-    assert apply_map(part, {"none": "mark"}) is part
+    """They are for another machine, unless the configuration names none that drills."""
+    plate = load_machine("plate-linuxcnc")
+    assert with_tolerances(plate, Config()) is plate
+    table = "[tolerances]\nmerge = 1\n"
+    assert with_tolerances(plate, load(write(tmp_path, table))) is plate
+    config = load(write(tmp_path, f'machine = "plate-linuxcnc"\n{table}'))
+    with pytest.raises(ConfigError, match=r"3: error config-tolerance: .* plate-linuxcnc has no"):
+        with_tolerances(plate, config)
+    assert with_tolerances(plate, over(config, {"machine": "plate-linuxcnc"})) is plate

@@ -58,7 +58,8 @@ def test_examples_run(page: Path, tmp_path: Path) -> None:
 
 
 def test_configurations_in_the_documentation_are_read(tmp_path: Path) -> None:
-    from beamcam.config import KEYS, load
+    from beamcam.config.keys import KEYS
+    from beamcam.config.load import load
 
     path = tmp_path / "beamcam.toml"
     (example,) = blocks((ROOT / "docs" / "config.md").read_text(encoding="utf-8"), "toml")

@@ -282,13 +282,15 @@ class _Run:
         if self._shop.name is not None:
             return  # without the part there is no name to look for
         tree = os.path.basename(slot.input.tree) if self._flat else slot.input.tree
-        output = os.path.splitext(tree)[0] + self._shop.machine.suffix
-        stands = False
-        with suppress(OSError):
-            stands = os.path.lexists(os.path.join(self._folder, output))
-        if stands and folded(output) not in self._claims:
-            said = rules.STALE.at(Source(slot.input.path), found=output)
-            row["messages"].append(as_message(said))
+        machines = (self._shop.machine, self._shop.sheets)
+        for suffix in dict.fromkeys(machine.suffix for machine in machines if machine is not None):
+            output = os.path.splitext(tree)[0] + suffix
+            stands = False
+            with suppress(OSError):
+                stands = os.path.lexists(os.path.join(self._folder, output))
+            if stands and folded(output) not in self._claims:
+                said = rules.STALE.at(Source(slot.input.path), found=output)
+                row["messages"].append(as_message(said))
 
 
 def _row(path: str, status: Status, said: Diagnostic) -> Row:

@@ -10,25 +10,24 @@ import os
 import pickle
 import traceback
 from collections import Counter
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping
 from functools import lru_cache
 from hashlib import sha256
 from typing import cast
 
-from msgspec import Struct
+from msgspec import Struct, field, json
 from msgspec.structs import replace
 
 from beamcam import __version__
 from beamcam.batch import rules
 from beamcam.batch.names import folded, numbered, output_name
-from beamcam.config import apply_map
-from beamcam.errors import BeamcamError, Diagnostic, PlanError, ReadError, Source, errors_in
+from beamcam.errors import BeamcamError, PlanError, ReadError, Source, errors_in
 from beamcam.machine.machine import Formula, Machine
-from beamcam.model.part import Part, Process
+from beamcam.model.part import Part
 from beamcam.model.plan import ContourOp, Plan, SheetPlan
-from beamcam.pipeline import Posted, as_error, parts_of, post
-from beamcam.planning.rules import BAR_FULL, BAR_SHORT
+from beamcam.pipeline import Posted, as_error, counted, parts_of, post, stock_of
 from beamcam.planning.sheet_times import sheet_time_s
+from beamcam.planning.stock import from_store
 from beamcam.planning.times import work_time
 from beamcam.readers import read
 from beamcam.report.run import Ledger, PartRow, Row, as_message
@@ -40,15 +39,15 @@ copyreg.pickle(Formula, lambda formula: (Formula, (formula.text,)))
 class Shop(Struct, frozen=True):
     """All that decides what becomes of a file's bytes."""
 
-    machine: Machine
+    machine: Machine  #: of bars
     job: str = "JOB"
-    bar: float | None = None
     stock_lengths: tuple[float, ...] = ()  #: rising; a part takes the first that it fits on
     skips: tuple[str, ...] = ()
     strict: bool = False
     read_back: bool = True
     name: str | None = None  #: template of the outputs' names
-    table: tuple[tuple[str, Process], ...] = ()  #: what is done with layers and colours
+    sheets: Machine | None = None  #: the machine of sheets, if it is another
+    reading: Mapping[str, object] = field(default_factory=dict)  #: what readers are told
     version: str = __version__
     timed: bool = True  #: whether the machine's time is worked out
     clock: Callable[[], float] | None = None
@@ -61,7 +60,16 @@ class Shop(Struct, frozen=True):
     @property
     def settings(self) -> bytes:
         """What outputs depend on besides the input, as bytes to be hashed."""
-        return repr(replace(self, timed=True, clock=None)).encode("utf-8", "backslashreplace")
+        plain = repr(replace(self, timed=True, clock=None, reading={}))
+        # Of sets the order differs from process to process.
+        told = json.encode(self.reading, order="deterministic")
+        return plain.encode("utf-8", "backslashreplace") + told
+
+    def machine_for(self, part: Part) -> Machine:
+        """The machine that makes a part, by the stock that it is made of."""
+        if self.sheets is not None and stock_of((part,)) == "sheet":
+            return self.sheets
+        return self.machine
 
 
 @lru_cache(maxsize=4)
@@ -125,27 +133,31 @@ def _no_clock() -> float:
 
 def _post_all(task: Task, shop: Shop, row: Row) -> tuple[tuple[str, bytes], ...]:
     """The programs of all parts of a file that can be made; the others refuse the file."""
-    reading = read(task.data, task.name)
+    reading = read(task.data, task.name, **shop.reading)
     row["format"] = reading.format
     if shop.strict:
         reading = replace(reading, diagnostics=tuple(map(as_error, reading.diagnostics)))
-    parts, said = parts_of((reading,))
+    if reading.format == "ifc" and reading.refused:
+        # The members of a model are parts of their own: those that cannot be read stop no other.
+        row["status"], parts, said = "refused", counted(reading), reading.diagnostics
+    else:
+        parts, said = parts_of((reading,), counted)
     row["messages"] += map(as_message, said)
     if not parts:
         raise ReadError(rules.NO_PART.at(Source(task.name)))
-    table = dict(shop.table)
     stem = os.path.splitext(os.path.basename(task.name))[0]
     outputs: list[tuple[str, bytes]] = []
     taken: dict[str, str] = {}
     for number, part in enumerate(parts, 1):
+        machine = shop.machine_for(part)
         try:
-            posted = post_part(apply_map(part, table), shop)
+            posted = post_part(part, shop)
         except BeamcamError as error:
             row["status"] = "refused"
             row["messages"] += map(as_message, error.diagnostics)
             continue
         row["messages"] += map(as_message, posted.remarks)
-        name = output_name(shop.name, stem, part, number, len(parts) > 1, shop.machine)
+        name = output_name(shop.name, stem, part, number, len(parts) > 1, machine)
         if shop.name is None:
             name = numbered(name, taken)
         elif folded(name) in taken:
@@ -156,44 +168,31 @@ def _post_all(task: Task, shop: Shop, row: Row) -> tuple[tuple[str, bytes], ...]
         taken[folded(name)] = part.mark
         content = posted.text.encode("utf-8")
         outputs.append((name, content))
-        row["parts"].append(_part_row(part, posted, name, content, shop))
+        row["parts"].append(_part_row(part, posted, name, content, machine, shop.timed))
     return tuple(outputs)
 
 
 def post_part(part: Part, shop: Shop) -> Posted:
-    """The program of one part, from the shop's bar or the shortest one in stock that takes it.
+    """The program of one part, from the shortest bar in stock that takes it.
 
     Raises PlanError and VerifyError as `post` does; of bars that are all too short for the longest.
     """
+    machine = shop.machine_for(part)
 
     def made(bar: float | None) -> Posted:
-        posted = post((part,), shop.machine, shop.job, bar, shop.skips, shop.read_back)
+        posted = post((part,), machine, shop.job, bar, shop.skips, shop.read_back)
         if shop.strict:
             remarks = tuple(map(as_error, posted.remarks))
             if errors_in(remarks):
                 raise PlanError(remarks)
         return posted
 
-    if shop.bar is not None or not shop.stock_lengths:
-        return made(shop.bar)
-    *shorter, longest = shop.stock_lengths
-    for length in shorter:
-        if length < part.length:
-            continue
-        try:
-            return made(length)
-        except PlanError as error:
-            if not _is_too_short(error.diagnostics):
-                raise
-    return made(longest)
+    return from_store(made, shop.stock_lengths, part.length)
 
 
-def _is_too_short(said: Sequence[Diagnostic]) -> bool:
-    """Whether a longer bar would help."""
-    return {d.code for d in errors_in(said)} <= {BAR_FULL.code, BAR_SHORT.code}
-
-
-def _part_row(part: Part, posted: Posted, name: str, content: bytes, shop: Shop) -> PartRow:
+def _part_row(
+    part: Part, posted: Posted, name: str, content: bytes, machine: Machine, timed: bool
+) -> PartRow:
     plan = posted.plan
     how = Counter(outcome.how for outcome in plan.outcomes)
     ledger = {"read": len(plan.outcomes)} | {
@@ -212,7 +211,7 @@ def _part_row(part: Part, posted: Posted, name: str, content: bytes, shop: Shop)
         "skipped_by": dict(sorted(skipped_by.items())),
         "tools": sorted({_tool_name(op) for op in plan.operations}),
         "operations": len(plan.operations),
-        "machine_time_s": round(_time_s(plan, shop.machine), 3) if shop.timed else None,
+        "machine_time_s": round(_time_s(plan, machine), 3) if timed else None,
     }
 
 

@@ -3,18 +3,24 @@
 import json
 import re
 from pathlib import Path
+from typing import Any
 
 import click
 from msgspec import Struct
 from msgspec.structs import asdict
 
 from beamcam import readers
-from beamcam.commands.common import REFUSED, as_record, say
+from beamcam.commands import options
+from beamcam.commands.common import REFUSED, Voice
+from beamcam.commands.programs import program_text
+from beamcam.commands.settings import machine_for, settled
 from beamcam.commands.tables import outputs, table_style
+from beamcam.config.values import Config, over
 from beamcam.errors import BeamcamError, Diagnostic, errors_in
-from beamcam.machine import Machine, load, shipped
+from beamcam.machine import Machine, shipped
 from beamcam.pipeline import parts_of, post, read_file
-from beamcam.planning import SKIP_NAMES
+from beamcam.planning.stock import from_store
+from beamcam.report.run import as_message
 from beamcam.verify import run
 from beamcam.verify.differ import Difference, diff_programs
 from beamcam.verify.statements import diff_sheets
@@ -38,19 +44,25 @@ class Checked(Struct, frozen=True):
     show_default=True,
     help="Folder in which the parts are found, at any depth.",
 )
-@click.option("--machine", help="Of programs that lie in FOLDER itself; a subfolder names its own.")
-@click.option("--bar", type=click.FloatRange(min=0, min_open=True), help="Length of the bar, mm.")
 @click.option(
-    "--allow-skips", "skips", multiple=True, type=click.Choice(SKIP_NAMES), help="As for post."
+    "--machine",
+    shell_complete=options.machine_names,
+    metavar="NAME",
+    help="Of programs that lie in FOLDER itself; a subfolder names its own.",
 )
-@click.option("--json", "as_json", is_flag=True, help="Print the results as a JSON list.")
+@options.config
+@options.bar
+@options.skips
+@options.strict
+@options.as_json
+@options.voiced
 def command(
     folder: Path,
     samples: Path,
     machine: str | None,
-    bar: float | None,
-    skips: tuple[str, ...],
     as_json: bool,
+    voice: Voice,
+    **asked: Any,
 ) -> None:
     """Post every golden program in FOLDER again and say what differs, by meaning and by bytes.
 
@@ -61,7 +73,14 @@ def command(
     beamcam check golden --samples parts
     beamcam check golden/beamline --machine beamline --samples parts
     """
-    results = [_check(path, samples, name, bar, skips) for path, name in _programs(folder, machine)]
+    try:
+        config = settled(asked, (str(folder),))
+    except BeamcamError as error:
+        voice.stop(error.diagnostics)
+    results = []
+    for path, name in _programs(folder, machine or config.machine):
+        results.append(_check(path, samples, over(config, {"machine": name})))
+        voice.did(f"{path} on {name}: {results[-1].result}")
     if not results:
         raise click.UsageError(f"{folder}: found no program.")
     if as_json:
@@ -70,27 +89,29 @@ def command(
                 "file": r.path,
                 "result": r.result,
                 "differences": [asdict(d) for d in r.differences],
-                "messages": [as_record(d) for d in r.diagnostics],
+                "messages": [as_message(d) for d in r.diagnostics if voice.wants(d.severity)],
             }
             for r in results
         ]
         click.echo(json.dumps(records, ensure_ascii=False, indent=1))
     else:
         for r in results:
-            _show(r)
+            _show(r, voice)
         same = sum(r.result == "same" for r in results)
-        click.echo(f"{same} of {len(results)} programs are the same")
+        if not voice.quiet:
+            click.echo(f"{same} of {len(results)} programs are the same")
+    voice.end()
     if any(r.result != "same" for r in results):
         raise SystemExit(REFUSED)
 
 
-def _show(checked: Checked) -> None:
+def _show(checked: Checked, voice: Voice) -> None:
     texts = {"bytes": "another text that means the same", "differs": "makes something else"}
     if checked.result != "same":
         click.echo(f"{checked.path}: {texts.get(checked.result, checked.result)}")
     for difference in checked.differences:
         click.echo(f"  {difference.text}")
-    say(checked.diagnostics)
+    voice.say(checked.diagnostics)
 
 
 def _programs(folder: Path, machine: str | None) -> list[tuple[Path, str]]:
@@ -110,22 +131,28 @@ def _is_program(path: Path, machine: str | None) -> bool:
     )  # fmt: skip
 
 
-def _check(
-    path: Path, samples: Path, machine: str, bar: float | None, skips: tuple[str, ...]
-) -> Checked:
+def _check(path: Path, samples: Path, config: Config) -> Checked:
     try:
-        loaded = load(machine)
-        old = path.read_bytes().decode("utf-8", "replace")
-        parts, _ = parts_of(read_file(str(_sample(samples, n))) for n in path.stem.split("+"))
-        style = table_style(loaded, str(path), None)
-        posted = post(parts, loaded, _job(old), bar, skips, style=style)
-        new = dict(outputs(posted, loaded, str(path)))[str(path)]
+        old = program_text(str(path))
+        found = (str(_sample(samples, name)) for name in path.stem.split("+"))
+        parts, _ = parts_of(read_file(sample, config.strict) for sample in found)
+        machine = machine_for(config, parts, str(path))
+        style = table_style(machine, str(path), None)
+        posted = from_store(
+            lambda bar: post(
+                parts, machine, _job(old), bar, config.allow_skips, strict=config.strict,
+                style=style,
+            ),
+            config.stock_lengths,
+            max(part.length for part in parts),
+        )  # fmt: skip
+        new = dict(outputs(posted, machine, str(path)))[str(path)]
         new = new if isinstance(new, str) else b"".join(new).decode("utf-8", "replace")
     except BeamcamError as error:
         return Checked(str(path), "refused", (), error.diagnostics)
     if old == new:
         return Checked(str(path), "same")
-    differences, said = _differences(old, new, loaded, str(path))
+    differences, said = _differences(old, new, machine, str(path))
     return Checked(str(path), "differs" if differences or said else "bytes", differences, said)
 
 

@@ -8,6 +8,7 @@ from collections.abc import Iterator
 import click
 
 import beamcam
+from beamcam.commands import options
 from beamcam.errors import Rule
 
 
@@ -42,7 +43,7 @@ def as_markdown(rules: list[Rule]) -> str:
 
 @click.command("codes")
 @click.option("--markdown", is_flag=True, help="Print a page for the documentation.")
-@click.option("--json", "as_json", is_flag=True, help="Print as JSON.")
+@options.as_json
 def command(markdown: bool, as_json: bool) -> None:
     """List the codes of all messages, with their severity and reason.
 

@@ -1,53 +1,110 @@
-"""What the commands share: how they print messages and stop."""
+"""What the commands share: how they talk, how they write, how they stop."""
 
-from collections.abc import Iterable
-from typing import NoReturn
+from collections.abc import Iterable, Iterator
+from time import perf_counter
+from typing import TYPE_CHECKING, NoReturn
 
 import click
 
-from beamcam.errors import Diagnostic
+from beamcam.commands.rules import ACCOUNT, CANNOT_WRITE
+from beamcam.errors import Diagnostic, Severity, Source
 from beamcam.files import write_whole
 
+if TYPE_CHECKING:
+    from beamcam.readers.reading import Reading
+
 REFUSED = 1  #: exit status if an input was refused
+STANDARD = "-"  #: input or output
 
 
-def say(diagnostics: Iterable[Diagnostic], as_json: bool = False) -> None:
-    """Print messages on standard error, a line each, or as one JSON list."""
-    if as_json:
-        import json
+class Voice:
+    """What a command says on standard error, a line each or as one JSON list.
 
-        click.echo(json.dumps([as_record(d) for d in diagnostics], ensure_ascii=False), err=True)
-    else:
-        for said in diagnostics:
-            click.echo(str(said), err=True)
+    Quiet it says errors only; verbose also what it did and how long that took.
+    """
+
+    def __init__(self, quiet: bool = False, verbose: bool = False, as_json: bool = False) -> None:
+        self.quiet, self.verbose, self.as_json = quiet, verbose, as_json
+        self._account: list[Diagnostic] = []  #: what is kept for a JSON list
+        self._since = perf_counter()
+
+    def wants(self, severity: Severity) -> bool:
+        """Whether a message of that weight is said."""
+        return not self.quiet or severity is Severity.ERROR
+
+    def say(self, diagnostics: Iterable[Diagnostic]) -> None:
+        """Say messages. As JSON they are one list with what was done, so this is said once."""
+        said = [d for d in diagnostics if self.wants(d.severity)]
+        if self.as_json:
+            _echo_json([*self._account, *said])
+            self._account.clear()
+        else:
+            for one in said:
+                click.echo(str(one), err=True)
+
+    def did(self, what: str) -> None:
+        """Tell a step that is done, and the time since the one before."""
+        if not self.verbose:
+            return
+        now = perf_counter()
+        text = f"{what} ({1000 * (now - self._since):.1f} ms)"
+        self._since = now
+        if self.as_json:
+            self._account.append(ACCOUNT.at(Source("beamcam"), found=text))
+        else:
+            click.echo(text, err=True)
+
+    def end(self) -> None:
+        """Say what was kept of the steps done, where nothing else was to be said."""
+        if self._account:
+            self.say(())
+
+    def stop(self, diagnostics: Iterable[Diagnostic]) -> NoReturn:
+        """Say messages and end with the status of a refused input."""
+        self.say(diagnostics)
+        raise SystemExit(REFUSED)
 
 
-def as_record(said: Diagnostic) -> dict[str, object]:
-    """A message as data."""
-    return {
-        "file": said.source.file,
-        "line": said.source.line,
-        "where": said.source.where,
-        "severity": said.severity.value,
-        "code": said.code,
-        "message": said.message,
-    }
+def _echo_json(diagnostics: Iterable[Diagnostic]) -> None:
+    import json
+
+    from beamcam.report.run import as_message
+
+    click.echo(json.dumps([as_message(d) for d in diagnostics], ensure_ascii=False), err=True)
 
 
-def stop(diagnostics: Iterable[Diagnostic], as_json: bool = False) -> NoReturn:
-    """Print messages and end with the status of a refused input."""
-    say(diagnostics, as_json)
-    raise SystemExit(REFUSED)
+def read_all(
+    inputs: Iterable[str], strict: bool, options: dict[str, object], voice: Voice
+) -> "Iterator[Reading]":
+    """What is in each input; `options` as `read_file` takes them."""
+    from beamcam.pipeline import read_file
+
+    for path in inputs:
+        reading = read_file(path, strict, **options)
+        if voice.verbose:
+            features = sum(len(part.features) for part in reading.parts)
+            found = f"{reading.format}, {len(reading.parts)} part(s), {features} feature(s)"
+            voice.did(f"read {shown_name(path)}: {found}")
+        yield reading
 
 
-def write(output: str, data: str | bytes | Iterable[bytes]) -> None:
-    """Write to a file, whole or not at all, or to standard output for `-`."""
-    if output == "-":
-        for piece in (data,) if isinstance(data, str | bytes) else data:
-            click.echo(piece, nl=False)
-        return
+def shown_name(path: str) -> str:
+    """How an input is called in messages."""
+    return "stdin" if path == STANDARD else path
+
+
+def write(output: str, data: str | bytes | Iterable[bytes], voice: Voice) -> None:
+    """Write to a file, whole or not at all, or to standard output for `-`; else stop."""
     try:
-        write_whole(output, data)
+        if output == STANDARD:
+            for piece in (data,) if isinstance(data, str | bytes) else data:
+                click.echo(piece, nl=False)
+        else:
+            write_whole(output, data)
+    except BrokenPipeError:
+        raise  # whoever read it has had enough
     except OSError as error:
-        click.echo(f"{output}: cannot be written: {error.strerror or error}", err=True)
-        raise SystemExit(REFUSED) from error
+        found = "stdout" if output == STANDARD else output
+        reason = error.strerror or str(error)
+        voice.stop([CANNOT_WRITE.at(Source(found), found=found, reason=reason)])
+    voice.did(f"wrote {'stdout' if output == STANDARD else output}")

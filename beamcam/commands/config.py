@@ -1,13 +1,15 @@
 """`beamcam config`: the configuration that holds, and where each value comes from."""
 
 import json
+from typing import Any
 
 import click
 
-from beamcam.commands.common import stop
-from beamcam.commands.running import settled
-from beamcam.config import Setting
-from beamcam.config.keys import KEYS
+from beamcam.commands import options
+from beamcam.commands.common import Voice
+from beamcam.commands.settings import settled
+from beamcam.config.keys import KEYS, Table
+from beamcam.config.values import Setting
 from beamcam.errors import BeamcamError
 
 
@@ -23,15 +25,15 @@ def shown(setting: Setting) -> str:
 
 
 @click.command("config")
-@click.argument("inputs", nargs=-1, metavar="[IN]...")
-@click.option("--config", "config_file", metavar="FILE", help="Instead of beamcam.toml.")
-@click.option("--json", "as_json", is_flag=True, help="Print as JSON.")
+@click.argument("inputs", nargs=-1, metavar="[IN]...", type=click.Path())
+@options.config
+@options.as_json
 @click.option("--keys", is_flag=True, help="Print what keys there are, and what they are for.")
-def command(inputs: tuple[str, ...], config_file: str | None, as_json: bool, keys: bool) -> None:
+def command(inputs: tuple[str, ...], as_json: bool, keys: bool, **asked: Any) -> None:
     """Show every value of the configuration that a job would have, and where it comes from.
 
-    The configuration is the file given by --config, else the beamcam.toml beside the first IN,
-    else the one in this folder. What stands on the command line goes over it.
+    The configuration is the file given by --config, else the beamcam.toml beside IN, else the one
+    in this folder. What stands on the command line of the job goes over it.
 
     \b
     beamcam config
@@ -41,12 +43,13 @@ def command(inputs: tuple[str, ...], config_file: str | None, as_json: bool, key
     if keys:
         width = max(map(len, KEYS))
         for name, key in KEYS.items():
-            click.echo(f"{name:{width}}  {key.help}")
+            names = ", ".join(key.rows) if isinstance(key, Table) else ""
+            click.echo(f"{name:{width}}  {key.help}{': ' if names else ''}{names}")
         return
     try:
-        config = settled(config_file, inputs)
+        config = settled(asked, inputs)
     except BeamcamError as error:
-        stop(error.diagnostics, as_json)
+        Voice(as_json=as_json).stop(error.diagnostics)
     rows = config.settings()
     if as_json:
         record = {r.key: {"value": r.value, "source": r.source and str(r.source)} for r in rows}

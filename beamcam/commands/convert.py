@@ -8,13 +8,15 @@ from typing import Any
 import click
 from msgspec import Struct
 
-from beamcam.commands.common import REFUSED, say, stop, write
-from beamcam.commands.members import counted, member_choice, member_options
-from beamcam.commands.rules import ONE_PART, OUTPUT_FORMAT
-from beamcam.commands.sheets import DRAWING_NAMES, drawing_options, taken
+from beamcam.commands import options
+from beamcam.commands.common import REFUSED, Voice, read_all, write
+from beamcam.commands.members import member_choice, member_options
+from beamcam.commands.rules import CANNOT_WRITE, ONE_PART, OUTPUT_FORMAT
+from beamcam.commands.settings import settled
+from beamcam.commands.sheets import drawing_choice, drawing_options
 from beamcam.errors import BeamcamError, ReadError, Severity, Source
 from beamcam.model.part import Part
-from beamcam.pipeline import read_file
+from beamcam.pipeline import counted
 
 
 class Target(Struct, frozen=True):
@@ -69,15 +71,17 @@ def file_names(parts: Iterable[Part], suffix: str) -> list[str]:
 
 
 @click.command("convert")
-@click.argument("source", metavar="INPUT")
-@click.option("-o", "--output", required=True, help="File, folder/ for a file a part, or -.")
+@click.argument("source", metavar="INPUT", type=click.Path())
+@options.output("File, folder/ for a file a part, or -.")
+@options.config
 @click.option("--to", "to", type=click.Choice([t.name for t in TARGETS]), help="Format.")
 @member_options
 @drawing_options
-@click.option("--strict", is_flag=True, help="Let warnings refuse a part as errors do.")
-@click.option("--json", "as_json", is_flag=True, help="Print messages as JSON.")
+@options.strict
+@options.json_messages
+@options.voiced
 def command(
-    source: str, output: str, to: str | None, strict: bool, as_json: bool, **more: Any
+    source: str, output: str, to: str | None, as_json: bool, voice: Voice, **asked: Any
 ) -> None:
     """Write a part in another format: DSTV, JSON, or a drawing of its faces.
 
@@ -91,10 +95,11 @@ def command(
     beamcam convert M58.nc1 -o faces.dxf
     beamcam convert model.ifc -o nc/
     """
-    how = taken(more, DRAWING_NAMES) | member_choice(more, kernel=True)
+    how = drawing_choice(asked) | member_choice(asked, kernel=True)
     try:
+        config = settled(asked, (source,))
         target = target_of(output, to)
-        reading = read_file(source, strict, **how)
+        (reading,) = read_all((source,), config.strict, how, voice)
         parts = counted(reading)
         if not is_folder(output):
             if reading.refused:
@@ -103,13 +108,21 @@ def command(
                 raise ReadError(ONE_PART.at(Source(source), found=len(parts), output=output))
         texts = [target.write(part) for part in parts]
     except BeamcamError as error:
-        stop(error.diagnostics, as_json)
+        voice.stop(error.diagnostics)
     if is_folder(output):
-        Path(output).mkdir(parents=True, exist_ok=True)
+        _make_folder(output, voice)
         for name, text in zip(file_names(parts, target.suffixes[0]), texts, strict=True):
-            write(str(Path(output) / name), text)
+            write(str(Path(output) / name), text, voice)
     else:
-        write(output, texts[0])
-    say([d for d in reading.diagnostics if d.severity is not Severity.NOTE], as_json)
+        write(output, texts[0], voice)
+    voice.say([d for d in reading.diagnostics if d.severity is not Severity.NOTE])
     if reading.refused:
         raise SystemExit(REFUSED)
+
+
+def _make_folder(path: str, voice: Voice) -> None:
+    try:
+        Path(path).mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        reason = error.strerror or str(error)
+        voice.stop([CANNOT_WRITE.at(Source(path), found=path, reason=reason)])

@@ -1,18 +1,23 @@
 """`beamcam diff`: two programs, or two parts, compared by what they mean."""
 
 import json
+from pathlib import PurePath
+from typing import Any
 
 import click
-from msgspec.structs import asdict
+from msgspec.structs import asdict, replace
 
 from beamcam import readers
-from beamcam.commands.common import REFUSED, say, stop
-from beamcam.commands.programs import read_program, shown_name
-from beamcam.errors import BeamcamError, VerifyError
-from beamcam.machine import Machine, load
-from beamcam.pipeline import DEFAULT_MACHINE, parts_of, read_file
-from beamcam.verify import Made, run
+from beamcam.commands import options
+from beamcam.commands.common import REFUSED, STANDARD, Voice, shown_name
+from beamcam.commands.programs import input_bytes
+from beamcam.commands.settings import machine_for_program, settled
+from beamcam.errors import BeamcamError, Diagnostic, VerifyError
+from beamcam.machine import Machine
+from beamcam.model.part import Part
+from beamcam.pipeline import SHEET_MACHINES, as_error, parts_of
 from beamcam.verify import rules as verify_rules
+from beamcam.verify import run
 from beamcam.verify.differ import Difference, diff_parts, diff_programs
 from beamcam.verify.statements import diff_sheets
 
@@ -21,11 +26,14 @@ NOT_UNDERSTOOD = {r.code for r in (verify_rules.SYNTAX, verify_rules.WORD, verif
 
 
 @click.command("diff")
-@click.argument("a")
-@click.argument("b")
-@click.option("--machine", default=DEFAULT_MACHINE, show_default=True, help="Of both programs.")
-@click.option("--json", "as_json", is_flag=True, help="Print the differences as a JSON list.")
-def command(a: str, b: str, machine: str, as_json: bool) -> None:
+@click.argument("a", type=click.Path())
+@click.argument("b", type=click.Path())
+@options.machine
+@options.config
+@options.strict
+@options.as_json
+@options.voiced
+def command(a: str, b: str, as_json: bool, voice: Voice, **asked: Any) -> None:
     """Say what program or part B makes otherwise than A.
 
     Block numbers, comments, spacing, and the order of holes in a part's file count for nothing.
@@ -34,25 +42,32 @@ def command(a: str, b: str, machine: str, as_json: bool) -> None:
     \b
     beamcam diff yesterday.gcode today.gcode --machine beamline-annex
     beamcam diff M58.nc1 M58-revised.nc1
+    beamcam post M58.nc1 -o - | beamcam diff yesterday.gcode -
     """
+    if a == b == STANDARD:
+        raise click.UsageError("found - twice; expected it once, standard input is read once.")
     try:
-        loaded = load(machine)
-        kinds = [_is_part(path) for path in (a, b)]
+        config = settled(asked, (a, b))
+        machine = machine_for_program(config, a)
+        data = [(shown_name(path), input_bytes(path)) for path in (a, b)]
+        kinds = [_is_part(name, content) for name, content in data]
         if kinds[0] != kinds[1]:
             raise click.UsageError("A and B have to be two programs or two parts.")
+        voice.did(f"read {data[0][0]} and {data[1][0]}")
+        said: tuple[Diagnostic, ...] = ()
         if kinds[0]:
-            first, _ = parts_of([read_file(a)])
-            second, _ = parts_of([read_file(b)])
+            first, second = (_parts(name, content, config.strict) for name, content in data)
             found = diff_parts(first, second)
-        elif loaded.stock == "sheet":
-            found, said = diff_sheets(read_program(a), read_program(b), loaded, shown_name(a))
-            if said:
-                raise VerifyError(said)
         else:
-            found = diff_programs(_made(a, loaded), _made(b, loaded), loaded.format.resolution)
+            texts = [(name, content.decode("utf-8", "replace")) for name, content in data]
+            found, said = _diff_programs(texts, machine)
     except BeamcamError as error:
-        stop(error.diagnostics, as_json)
+        voice.stop(error.diagnostics)
+    voice.did(f"compared them: {len(found)} difference(s)")
     show(found, as_json)
+    if said:
+        voice.say(said)
+    voice.end()
     if found:
         raise SystemExit(REFUSED)
 
@@ -66,18 +81,36 @@ def show(found: tuple[Difference, ...], as_json: bool) -> None:
             click.echo(difference.text)
 
 
-def _is_part(path: str) -> bool:
-    """Whether a file is of a format that a reader knows."""
-    if any(path.lower().endswith(f.suffixes) for f in readers.FORMATS):
-        return True
-    data = read_program(path).encode() if path != "-" else b""
-    return any(f.looks_like(data) for f in readers.FORMATS)
+def _is_part(name: str, data: bytes) -> bool:
+    """Whether a file is of a format that a reader knows; `.nc` is that of programs too."""
+    suffix = PurePath(name).suffix.lower()
+    by_name = suffix not in SHEET_MACHINES and any(suffix in f.suffixes for f in readers.FORMATS)
+    return by_name or any(f.looks_like(data) for f in readers.FORMATS)
 
 
-def _made(path: str, machine: Machine) -> Made:
-    """What a program makes, faults and all; VerifyError where its blocks are not understood."""
-    done = run(read_program(path), machine, None, shown_name(path))
-    if any(d.code in NOT_UNDERSTOOD for d in done.diagnostics):
-        raise VerifyError(done.diagnostics)
-    say(done.diagnostics)
-    return done.made
+def _parts(name: str, data: bytes, strict: bool) -> tuple[Part, ...]:
+    reading = readers.read(data, name)
+    if strict:
+        reading = replace(reading, diagnostics=tuple(map(as_error, reading.diagnostics)))
+    return parts_of([reading])[0]
+
+
+def _diff_programs(
+    texts: list[tuple[str, str]], machine: Machine
+) -> tuple[tuple[Difference, ...], tuple[Diagnostic, ...]]:
+    """What two programs, each with its name, make otherwise, and what is wrong with them.
+
+    Raises VerifyError where their blocks are not understood.
+    """
+    (first_name, first), (_, second) = texts
+    if machine.stock == "sheet":
+        found, said = diff_sheets(first, second, machine, first_name)
+        if said:
+            raise VerifyError(said)
+        return found, ()
+    runs = [run(text, machine, None, name) for name, text in texts]
+    said = tuple(d for done in runs for d in done.diagnostics)
+    if any(d.code in NOT_UNDERSTOOD for d in said):
+        raise VerifyError(said)
+    old, new = (done.made for done in runs)
+    return diff_programs(old, new, machine.format.resolution), said

@@ -9,14 +9,18 @@ from typing import Any
 
 import click
 
-from beamcam.commands.common import REFUSED, as_record, say
+from beamcam.commands import options
+from beamcam.commands.common import REFUSED, Voice, shown_name
 from beamcam.commands.members import member_choice, member_options
-from beamcam.commands.sheets import DRAWING_NAMES, drawing_options, taken
+from beamcam.commands.settings import settled
+from beamcam.commands.sheets import drawing_choice, drawing_options
+from beamcam.errors import BeamcamError
 from beamcam.model.part_json import part_to_json
 from beamcam.pipeline import read_file
 from beamcam.readers.reading import Reading
 from beamcam.report.member_table import member_table
 from beamcam.report.part_table import part_table
+from beamcam.report.run import as_message
 
 SCHEMA = "beamcam/inspect/1"
 
@@ -28,11 +32,11 @@ def as_json_object(path: str, reading: Reading) -> dict[str, object]:
         "file": os.path.basename(path),
         "format": reading.format,
         "parts": [part_to_json(part) for part in reading.parts],
-        "diagnostics": [as_record(said) for said in reading.diagnostics],
+        "diagnostics": [as_message(said) for said in reading.diagnostics],
     }
 
 
-def show(path: str, reading: Reading) -> None:
+def show(path: str, reading: Reading, voice: Voice) -> None:
     """Print a reading for people: a model's members a line each, other parts at length."""
     click.echo(f"{path}: {reading.format}, {len(reading.parts)} part(s)")
     if reading.format == "ifc":
@@ -41,12 +45,12 @@ def show(path: str, reading: Reading) -> None:
     else:
         for part in reading.parts:
             click.echo(part_table(part), nl=False)
-    say(reading.diagnostics)
+    voice.say(reading.diagnostics)
 
 
-def shown_progress(stack: ExitStack, path: str) -> Callable[[int, int], None] | None:
+def shown_progress(stack: ExitStack, path: str, voice: Voice) -> Callable[[int, int], None] | None:
     """A bar on the terminal that follows a long reading; None where there is no terminal."""
-    if not sys.stderr.isatty():
+    if voice.quiet or not sys.stderr.isatty():
         return None
     bar = stack.enter_context(click.progressbar(length=1, label=path, file=sys.stderr))
 
@@ -58,13 +62,17 @@ def shown_progress(stack: ExitStack, path: str) -> Callable[[int, int], None] | 
 
 
 @click.command("inspect")
-@click.argument("inputs", nargs=-1, required=True, metavar="INPUT...")
+@options.inputs
+@options.config
 @member_options
 @drawing_options
 @click.option("--check", is_flag=True, help="Check members by the geometry kernel too.")
 @click.option("--json", "as_json", is_flag=True, help="Print JSON, one object a file.")
-@click.option("--strict", is_flag=True, help="Let warnings refuse a file as errors do.")
-def command(inputs: tuple[str, ...], check: bool, as_json: bool, strict: bool, **more: Any) -> None:
+@options.strict
+@options.voiced
+def command(
+    inputs: tuple[str, ...], check: bool, as_json: bool, voice: Voice, **asked: Any
+) -> None:
     """Print what a file holds, and everything that is wrong with it.
 
     Exit status 1 if there is an error; what could be read is printed all the same.
@@ -75,15 +83,22 @@ def command(inputs: tuple[str, ...], check: bool, as_json: bool, strict: bool, *
     beamcam inspect --strict *.nc1
     beamcam inspect model.ifc --class IfcColumn
     """
+    try:
+        config = settled(asked, inputs)
+    except BeamcamError as error:
+        voice.stop(error.diagnostics)
     refused = False
-    how = taken(more, DRAWING_NAMES) | member_choice(more, kernel=check)
+    how = drawing_choice(asked) | member_choice(asked, kernel=check)
     for path in inputs:
         with ExitStack() as stack:
-            reading = read_file(path, strict, **how, progress=shown_progress(stack, path))
+            follow = shown_progress(stack, path, voice)
+            reading = read_file(path, config.strict, **how, progress=follow)
+        voice.did(f"read {shown_name(path)}")
         if as_json:
             click.echo(json.dumps(as_json_object(path, reading), ensure_ascii=False))
         else:
-            show(path, reading)
+            show(path, reading, voice)
         refused |= reading.refused
+    voice.end()
     if refused:
         raise SystemExit(REFUSED)

@@ -4,7 +4,8 @@ import json
 
 import click
 
-from beamcam.commands.common import stop
+from beamcam.commands import options
+from beamcam.commands.common import Voice
 from beamcam.errors import BeamcamError
 from beamcam.machine import load, settings, shipped
 
@@ -24,7 +25,7 @@ def command() -> None:
 
 
 @command.command("list")
-@click.option("--json", "as_json", is_flag=True, help="Print as JSON.")
+@options.as_json
 def list_machines(as_json: bool) -> None:
     """Print the name, the controller and the title of every shipped machine."""
     machines = [load(name) for name in shipped()]
@@ -39,13 +40,13 @@ def list_machines(as_json: bool) -> None:
 
 @command.command("show")
 @click.argument("name")
-@click.option("--json", "as_json", is_flag=True, help="Print as JSON.")
+@options.as_json
 def show(name: str, as_json: bool) -> None:
     """Print every value of the machine NAME, and the file and line it comes from."""
     try:
         rows = settings(name)
     except BeamcamError as error:
-        stop(error.diagnostics, as_json)
+        Voice(as_json=as_json).stop(error.diagnostics)
     if as_json:
         record = {r.key: {"value": r.value, "source": r.source and str(r.source)} for r in rows}
         click.echo(json.dumps(record, ensure_ascii=False, indent=1))

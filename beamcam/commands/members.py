@@ -1,28 +1,24 @@
 """Options of the commands that take building models: which members, how far they are trusted."""
 
-from collections.abc import Callable, Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from collections.abc import Mapping
+from typing import Any
 
 import click
 
-if TYPE_CHECKING:
-    from beamcam.model.part import Part
-    from beamcam.readers.reading import Reading
+from beamcam.commands.options import group
 
-Function = Callable[..., Any]
-
-
-def member_options(function: Function) -> Function:
-    """Adds `marks`, `guids`, `classes`, `assemblies` and `force`: which members are meant."""
-    for option in (
-        click.option("--force", is_flag=True, help="Take members whose data contradict them."),
-        click.option("--assembly", "assemblies", multiple=True, help="Members of this assembly."),
-        click.option("--class", "classes", multiple=True, help="Members of this IFC class."),
-        click.option("--guid", "guids", multiple=True, help="The member with this GlobalId."),
-        click.option("--mark", "marks", multiple=True, help="Members of a model with this mark."),
-    ):
-        function = option(function)
-    return function
+#: Which members of a model are meant: `marks`, `guids`, `classes` and `assemblies`.
+selection_options = group(
+    click.option("--mark", "marks", multiple=True, help="Members of a model with this mark."),
+    click.option("--guid", "guids", multiple=True, help="The member with this GlobalId."),
+    click.option("--class", "classes", multiple=True, help="Members of this IFC class."),
+    click.option("--assembly", "assemblies", multiple=True, help="Members of this assembly."),
+)
+#: The same, and `force`: whether they are trusted where their data contradict each other.
+member_options = group(
+    selection_options,
+    click.option("--force", is_flag=True, help="Take members whose data contradict them."),
+)
 
 
 def member_choice(values: Mapping[str, Any], kernel: bool) -> dict[str, object]:
@@ -32,14 +28,5 @@ def member_choice(values: Mapping[str, Any], kernel: bool) -> dict[str, object]:
     names = ("marks", "guids", "classes", "assemblies")
     return {
         "selection": Selection(*(frozenset(values[name]) for name in names)),
-        "options": Options(force=values["force"], kernel=kernel),
+        "options": Options(force=values.get("force", False), kernel=kernel),
     }
-
-
-def counted(reading: "Reading") -> "Sequence[Part]":
-    """The parts of a reading, equal members of a model as one with their number as quantity."""
-    if reading.format != "ifc":
-        return reading.parts
-    from beamcam.readers.ifc.quantities import equal_parts
-
-    return equal_parts(reading.parts)

@@ -2,51 +2,48 @@
 
 import json
 from collections.abc import Iterator
+from typing import Any
 
 import click
 
-from beamcam.commands.common import as_record, say, stop, write
-from beamcam.errors import BeamcamError, Diagnostic
-from beamcam.machine import load
+from beamcam.commands import options
+from beamcam.commands.common import Voice, read_all, write
+from beamcam.commands.members import member_choice, member_options
+from beamcam.commands.settings import machine_for, settled
+from beamcam.errors import BeamcamError, Diagnostic, PlanError, errors_in
 from beamcam.machine.machine import Machine
 from beamcam.model.part import Part
 from beamcam.model.plan import Plan, ToolLoad
-from beamcam.pipeline import DEFAULT_MACHINE, parts_of, read_file
-from beamcam.planning import SKIP_NAMES, plan_bar
+from beamcam.pipeline import as_error, counted, parts_of
+from beamcam.planning import Order, plan_bar
 from beamcam.planning.choose import Trial, try_turns
 from beamcam.planning.explain import Explanation, explain
+from beamcam.planning.stock import from_store
+from beamcam.report.ledger import ledger_of
+from beamcam.report.run import as_message
 
 
 @click.command("plan")
-@click.argument("inputs", nargs=-1, required=True, metavar="INPUT...")
-@click.option("-o", "--output", default="-", help="A file; standard output if not given.")
-@click.option("--machine", default=DEFAULT_MACHINE, show_default=True, help="Name or TOML file.")
-@click.option("--bar", type=click.FloatRange(min=0, min_open=True), help="Length of the bar, mm.")
-@click.option(
-    "--order",
-    type=click.Choice(["given", "best"]),
-    default="given",
-    show_default=True,
-    help="Whether parts lie as named, or so that mitres nest.",
-)
-@click.option("--turn", is_flag=True, help="Let parts be turned, and list all eight ways.")
-@click.option(
-    "--allow-skips",
-    "skips",
-    multiple=True,
-    type=click.Choice(SKIP_NAMES),
-    help="Leave out what the machine cannot make, of this kind only; may be repeated.",
-)
-@click.option("--json", "as_json", is_flag=True, help="Print the plan and messages as JSON.")
+@options.inputs
+@options.output("A file; standard output if not given.", required=False)
+@options.machine
+@options.config
+@options.bar
+@options.order
+@options.turn
+@options.skips
+@member_options
+@options.strict
+@options.as_json
+@options.voiced
 def command(
     inputs: tuple[str, ...],
     output: str,
-    machine: str,
-    bar: float | None,
-    order: str,
+    order: Order,
     turn: bool,
-    skips: tuple[str, ...],
     as_json: bool,
+    voice: Voice,
+    **asked: Any,
 ) -> None:
     """Explain the work that makes parts, step by step.
 
@@ -59,21 +56,35 @@ def command(
     beamcam plan M58.nc1 --json | jq .time
     """
     try:
-        loaded = load(machine)
-        if loaded.saw is None or loaded.drill is None or loaded.layout is None:
-            raise click.UsageError(f"{machine} has no saw and drill, whose work could be planned")
-        parts, said = parts_of(read_file(path) for path in inputs)
-        plan = plan_bar(parts, loaded, bar, skips, "best" if order == "best" else "given", turn)
-        trials = [(part, try_turns(part, loaded, skips)) for part in _each(parts)] if turn else []
+        config = settled(asked, inputs)
+        how = member_choice(asked, kernel=True)
+        parts, said = parts_of(read_all(inputs, config.strict, how, voice), counted)
+        machine = machine_for(config, parts, output)
+        if machine.saw is None or machine.drill is None or machine.layout is None:
+            raise click.UsageError(
+                f"{machine.name} has no saw and drill, whose work could be planned"
+            )
+        skips = config.allow_skips
+        plan = from_store(
+            lambda bar: plan_bar(parts, machine, bar, skips, order, turn),
+            config.stock_lengths,
+            max((part.length for part in parts), default=0.0),
+        )
+        if config.strict and errors_in(remarks := tuple(map(as_error, plan.remarks))):
+            raise PlanError(remarks)
+        trials = [(part, try_turns(part, machine, skips)) for part in _each(parts)] if turn else []
     except BeamcamError as error:
-        stop(error.diagnostics, as_json)
-    explained = explain(plan, loaded)
+        voice.stop(error.diagnostics)
+    voice.did(f"planned {len(plan.operations)} operation(s): {ledger_of(plan.outcomes)}")
+    explained = explain(plan, machine)
+    said = (*said, *plan.remarks)
     if as_json:
-        record = plan_record(plan, explained, loaded, trials, (*said, *plan.remarks))
-        write(output, json.dumps(record, ensure_ascii=False, indent=1) + "\n")
+        record = plan_record(plan, explained, machine, trials, said)
+        write(output, json.dumps(record, ensure_ascii=False, indent=1) + "\n", voice)
+        voice.end()
     else:
-        write(output, "\n".join(plan_lines(plan, explained, loaded, trials)) + "\n")
-        say((*said, *plan.remarks))
+        write(output, "\n".join(plan_lines(plan, explained, machine, trials)) + "\n", voice)
+        voice.say(said)
 
 
 Trials = list[tuple[Part, tuple[Trial, ...]]]
@@ -208,5 +219,5 @@ def plan_record(
             "reloads_s": round(explained.reloads_s, 3),
             "total_s": round(explained.total_s, 3),
         },
-        "messages": [as_record(d) for d in said],
+        "messages": [as_message(d) for d in said],
     }

@@ -4,70 +4,50 @@ from typing import Any
 
 import click
 
-from beamcam.commands.common import say, stop, write
-from beamcam.commands.members import counted, member_choice, member_options
-from beamcam.commands.sheets import (
-    DRAWING_NAMES,
-    drawing_options,
-    taken,
-    torch_options,
-    with_options,
-)
+from beamcam.commands import options
+from beamcam.commands.common import Voice, read_all, write
+from beamcam.commands.members import member_choice, member_options
+from beamcam.commands.settings import machine_for, settled
+from beamcam.commands.sheets import drawing_choice, drawing_options, torch_options
 from beamcam.commands.tables import outputs, table_style
 from beamcam.errors import BeamcamError
-from beamcam.machine import load
-from beamcam.pipeline import default_machine, parts_of, post, read_file
-from beamcam.planning import SKIP_NAMES, Order
+from beamcam.pipeline import Posted, counted, parts_of, post, untold
+from beamcam.planning import Order
+from beamcam.planning.stock import from_store
 
 
 @click.command("post")
-@click.argument("inputs", nargs=-1, required=True, metavar="INPUT...")
-@click.option("-o", "--output", required=True, help="The program's file; - is standard output.")
-@click.option("--machine", help="Name or TOML file; by default what suits parts and output.")
-@click.option("--bar", type=click.FloatRange(min=0, min_open=True), help="Length of the bar, mm.")
-@click.option("--job", default="JOB", show_default=True, help="Name in the program's first line.")
-@click.option(
-    "--allow-skips",
-    "skips",
-    multiple=True,
-    type=click.Choice(SKIP_NAMES),
-    help="Leave out what the machine cannot make, of this kind only; may be repeated.",
-)
-@click.option(
-    "--order",
-    type=click.Choice(["given", "best"]),
-    default="given",
-    show_default=True,
-    help="Whether parts lie as named, or so that mitres nest.",
-)
+@options.inputs
+@options.output("The program's file; - is standard output.")
+@options.machine
+@options.config
+@options.bar
+@options.job_name
+@options.skips
+@options.order
 @click.option(
     "--style",
     type=click.Choice(["chain", "table"]),
     help="How a trigger program is written; by default as the machine and its length ask for.",
 )
-@click.option("--turn", is_flag=True, help="Let parts be turned on the rollers.")
+@options.turn
 @member_options
 @drawing_options
 @torch_options
-@click.option(
-    "--no-verify", is_flag=True, help="Do not read the program back; a comment in it says so."
-)
-@click.option("--strict", is_flag=True, help="Let warnings refuse a part as errors do.")
-@click.option("--json", "as_json", is_flag=True, help="Print messages as JSON.")
+@options.no_verify
+@options.strict
+@options.json_messages
+@options.voiced
 def command(
     inputs: tuple[str, ...],
     output: str,
-    machine: str | None,
-    bar: float | None,
-    job: str,
-    skips: tuple[str, ...],
     order: Order,
     style: str | None,
     turn: bool,
     no_verify: bool,
-    strict: bool,
     as_json: bool,
-    **more: Any,
+    voice: Voice,
+    **asked: Any,
 ) -> None:
     """Turn parts into a machine program.
 
@@ -84,13 +64,25 @@ def command(
     beamcam post model.ifc --mark B12 -o b12.gcode
     """
     try:
-        how = taken(more, DRAWING_NAMES) | member_choice(more, kernel=True)
-        parts, said = parts_of((read_file(path, strict, **how) for path in inputs), counted)
-        loaded = with_options(load(machine or default_machine(parts, output)), more)
-        style = table_style(loaded, output, style)
-        posted = post(parts, loaded, job, bar, skips, not no_verify, order, turn, strict, style)
+        config = settled(asked, inputs)
+        how = drawing_choice(asked) | member_choice(asked, kernel=True)
+        parts, said = parts_of(read_all(inputs, config.strict, how, voice), counted)
+        machine = machine_for(config, parts, output)
+        style = table_style(machine, output, style)
+
+        def made(bar: float | None) -> Posted:
+            return post(
+                parts, machine, config.job, bar, config.allow_skips, not no_verify, order, turn,
+                config.strict, style, voice.did if voice.verbose else untold,
+            )  # fmt: skip
+
+        posted = from_store(made, config.stock_lengths, max((p.length for p in parts), default=0.0))
     except BeamcamError as error:
-        stop(error.diagnostics, as_json)
-    for path, content in outputs(posted, loaded, output):
-        write(path, content)
-    say((*said, *posted.remarks), as_json)
+        voice.stop(error.diagnostics)
+    if voice.verbose:
+        from beamcam.report.ledger import ledger_of
+
+        voice.did(f"{machine.name}: {ledger_of(posted.plan.outcomes)}")
+    for path, content in outputs(posted, machine, output):
+        write(path, content, voice)
+    voice.say((*said, *posted.remarks))

@@ -5,7 +5,8 @@ from typing import TYPE_CHECKING
 
 import click
 
-from beamcam.commands.common import write
+from beamcam.commands import options
+from beamcam.commands.common import Voice, write
 
 if TYPE_CHECKING:
     from beamcam.motion.profile import Profile
@@ -67,7 +68,7 @@ def wanted_profile(
 
 
 @click.command("profile")
-@click.option("-o", "--output", required=True, help=".csv, .svg or .png; - is a table.")
+@options.output(".csv, .svg or .png; - is a table.")
 @click.option("--velocity", type=float, help="To reach, or the limit of the fastest profile.")
 @click.option("--acceleration", type=float, help="The greatest one, or a limit.")
 @click.option("--distance", type=float, help="To travel from rest to rest.")
@@ -79,6 +80,7 @@ def wanted_profile(
 @click.option("--step", type=float, help="Seconds between rows; a 200th of the time if absent.")
 @click.option("--pulses", type=int, help="Encoder pulses a revolution: adds Hz and rpm columns.")
 @click.option("--travel", type=float, help="Way of a revolution, where velocities are no rpm.")
+@options.voiced
 def command(
     output: str,
     velocity: float | None,
@@ -92,6 +94,7 @@ def command(
     step: float | None,
     pulses: int | None,
     travel: float | None,
+    voice: Voice,
 ) -> None:
     """Write the velocity profile of an axis, as a table or a picture.
 
@@ -124,4 +127,5 @@ def command(
             data = "\n".join([",".join(rows.columns), *lines]) + "\n"
     except ValueError as error:
         raise click.UsageError(str(error)) from error
-    write(output, data)
+    voice.did(f"profile of {profile.duration_s:g} s")
+    write(output, data, voice)

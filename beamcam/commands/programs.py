@@ -1,23 +1,24 @@
 """What the commands that read programs share."""
 
-import click
+import sys
 
-from beamcam.commands.common import REFUSED
+from beamcam.commands.common import STANDARD, shown_name
+from beamcam.errors import ReadError, Source
+from beamcam.readers.rules import UNREADABLE
 
 
-def read_program(path: str) -> str:
-    """The text of a program, `-` for standard input; bytes that are no text become `\\ufffd`.
-
-    Ends the process with the status of a refused input if the file cannot be read.
-    """
+def input_bytes(path: str) -> bytes:
+    """What is in a file, `-` for standard input. Raises ReadError."""
     try:
-        with click.open_file(path, "rb") as file:
-            data: bytes = file.read()
+        if path == STANDARD:
+            return sys.stdin.buffer.read()
+        with open(path, "rb") as file:
+            return file.read()
     except OSError as error:
-        click.echo(f"{path}: cannot be read: {error.strerror or error}", err=True)
-        raise SystemExit(REFUSED) from error
-    return data.decode("utf-8", "replace")
+        said = UNREADABLE.at(Source(shown_name(path)), found=error.strerror or error)
+        raise ReadError(said) from error
 
 
-def shown_name(path: str) -> str:
-    return "stdin" if path == "-" else path
+def program_text(path: str) -> str:
+    """The text of a program; bytes that are no text become `\\ufffd`. Raises ReadError."""
+    return input_bytes(path).decode("utf-8", "replace")

@@ -3,7 +3,7 @@
 import os
 import sys
 import tempfile
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import PurePath
 from time import monotonic, perf_counter
@@ -13,15 +13,18 @@ from typing import IO, Any, Self
 import click
 
 from beamcam.batch import Here, Processes, Shop, Workers, check_template
-from beamcam.config import Config, apply_tolerances, find, load
+from beamcam.commands import options
+from beamcam.commands.common import Voice
+from beamcam.commands.members import member_choice, selection_options
+from beamcam.commands.settings import machine_of_stock
+from beamcam.commands.sheets import drawing_choice, drawing_options, torch_options
+from beamcam.config.values import Config
+from beamcam.errors import Severity
 from beamcam.files import write_whole
-from beamcam.machine import load as load_machine
-from beamcam.pipeline import DEFAULT_MACHINE
-from beamcam.planning import SKIP_NAMES
+from beamcam.report.ledger import ledger_line
 from beamcam.report.run import Counts, Message, Row, dumped, encoded, message_line
 
 REPORTS = (".json", ".csv", ".html")
-Function = Callable[..., Any]
 
 
 def _template(ctx: click.Context, param: click.Parameter, value: str | None) -> str | None:
@@ -39,100 +42,47 @@ def checked_report(ctx: click.Context, param: click.Parameter, value: str | None
     return value
 
 
-def _machines(ctx: click.Context, param: click.Parameter, incomplete: str) -> list[str]:
-    from beamcam.machine import shipped
-
-    return [name for name in shipped() if name.startswith(incomplete)]
-
-
-_OPTIONS = (
-    click.option("-o", "--output", required=True, metavar="FOLDER", help="Where programs go."),
-    click.option("--machine", shell_complete=_machines, help="Name or TOML file."),
-    click.option("--config", "config_file", metavar="FILE", help="Instead of beamcam.toml."),
-    click.option("--bar", type=click.FloatRange(min=0, min_open=True), help="Length of bars, mm."),
-    click.option("--job", help="Name in each program's first line."),
+#: The options of a command that posts many files.
+run_options = options.group(
+    options.output("Folder that programs go to."),
+    options.machine,
+    options.config,
+    options.bar,
+    options.job_name,
     click.option(
         "--name", callback=_template, metavar="TEMPLATE", help='As "{mark}_{quantity}.gcode".'
     ),
     click.option("--flat/--tree", default=None, help="All outputs in one folder, or as inputs."),
-    click.option(
-        "--allow-skips",
-        "skips",
-        multiple=True,
-        type=click.Choice(SKIP_NAMES),
-        help="Leave out what the machine cannot make, of this kind only; may be repeated.",
-    ),
-    click.option("--strict", is_flag=True, help="Let warnings refuse a part as errors do."),
-    click.option("--no-verify", is_flag=True, help="Do not read programs back; they say so."),
+    options.skips,
+    selection_options,
+    drawing_options,
+    torch_options,
+    options.strict,
+    options.no_verify,
     click.option("--jobs", type=click.IntRange(min=1), help="Worker processes; default all cores."),
     click.option("--scheduler", metavar="ADDRESS", help="Work on this Dask cluster."),
-    click.option("-q", "--quiet", is_flag=True, help="Print errors only."),
-    click.option("-v", "--verbose", is_flag=True, help="Print a line for every file."),
+    options.voiced,
 )
 
 
-def run_options(function: Function) -> Function:
-    """The options of a command that posts many files."""
-    for option in reversed(_OPTIONS):
-        function = option(function)
-    return function
+def shop_of(config: Config, asked: Mapping[str, Any], timed: bool = False) -> Shop:
+    """What decides about the outputs: the job's configuration, and how its inputs are read.
 
-
-def settled(config_file: str | None, inputs: Iterable[str]) -> Config:
-    """The configuration of a run, the templates and names in it checked. Raises ConfigError."""
-    config = load(config_file if config_file is not None else find(inputs))
-    for key, check in (("name", _check_name), ("allow_skips", _check_skips)):
-        value = getattr(config, key)
-        if value and (expected := check(value)):
-            from beamcam.config import ConfigError
-            from beamcam.config.rules import WRONG_VALUE
-
-            said = WRONG_VALUE.at(
-                config.sources[key], key=key, found=repr(value), expected=expected
-            )
-            raise ConfigError(said)
-    return config
-
-
-def _check_name(template: str) -> str:
-    try:
-        check_template(template)
-    except ValueError as error:
-        return str(error).partition("; expected ")[2]
-    return ""
-
-
-def _check_skips(skips: tuple[str, ...]) -> str:
-    known = ", ".join(SKIP_NAMES)
-    return "" if set(skips) <= set(SKIP_NAMES) else f"names of {known}"
-
-
-def shop_of(
-    config: Config,
-    machine: str | None,
-    bar: float | None,
-    job: str | None,
-    name: str | None,
-    skips: tuple[str, ...],
-    strict: bool,
-    no_verify: bool,
-    timed: bool = False,
-) -> Shop:
-    """What decides about the outputs: the command line over the configuration.
-
-    Raises MachineError and ConfigError.
+    Raises MachineError, ConfigError and PlanError.
     """
-    loaded = load_machine(machine or config.machine or DEFAULT_MACHINE)
+    name = config.name or ""
+    bars = machine_of_stock(config, "beam", name, is_one_of_two=True)
+    sheets = machine_of_stock(config, "sheet", name, is_one_of_two=bars.torch is None)
     return Shop(
-        apply_tolerances(loaded, config),
-        job or config.job,
-        bar,
-        () if bar is not None else config.stock_lengths,
-        tuple(sorted({*skips, *config.allow_skips})),
-        strict or config.strict,
-        not no_verify,
-        name if name is not None else config.name,
-        tuple(sorted(config.map.items())),
+        bars,
+        config.job,
+        config.stock_lengths,
+        config.allow_skips,
+        config.strict,
+        not asked["no_verify"],
+        config.name,
+        None if sheets == bars else sheets,
+        drawing_choice(asked) | member_choice(asked, kernel=True),
         timed=timed,
         clock=perf_counter,
     )
@@ -164,10 +114,10 @@ class Screen:
     WIDTH = 30
     EVERY_S = 0.1
 
-    def __init__(self, total: int | None, quiet: bool, verbose: bool) -> None:
+    def __init__(self, total: int | None, voice: Voice) -> None:
         self.counts = Counts()
-        self._total, self._quiet, self._verbose = total, quiet, verbose
-        self._bar = total is not None and not quiet and sys.stderr.isatty()
+        self._total, self._voice = total, voice
+        self._bar = total is not None and not voice.quiet and sys.stderr.isatty()
         self._drawn = -1.0
 
     def __enter__(self) -> Self:
@@ -185,9 +135,8 @@ class Screen:
         """Count a file and print what there is to be said about it."""
         self.counts.add(row)
         lines = [message_line(m) for m in row["messages"] if self._wanted(m)]
-        if self._verbose:
-            outputs = ", ".join(part["output"] for part in row["parts"])
-            lines.append(f"{row['file']}: {row['status']}{' ' + outputs if outputs else ''}")
+        if self._voice.verbose:
+            lines += account_lines(row)
         if lines:
             self._clear()
             click.echo("\n".join(lines), err=True)
@@ -203,14 +152,15 @@ class Screen:
     def end(self, interrupted: bool = False) -> None:
         """Print the line of counts."""
         self._clear()
-        if not self._quiet:
+        if not self._voice.quiet:
             click.echo(f"{self.counts}{' (interrupted)' if interrupted else ''}", err=True)
 
     def _wanted(self, said: Message) -> bool:
-        if self._quiet:
-            return said["severity"] == "error"
+        severity = Severity(said["severity"])
         # A note is harmless, and thousands of them would hide what is not.
-        return self._verbose or said["severity"] != "note"
+        return self._voice.wants(severity) and (
+            self._voice.verbose or severity is not Severity.NOTE
+        )
 
     def _clear(self) -> None:
         if self._bar and self._drawn >= 0:
@@ -225,6 +175,15 @@ class Screen:
             bar = "#" * full + "-" * (self.WIDTH - full)
             click.echo(f"\r\x1b[K[{bar}] {done}/{self._total}", nl=False, err=True)
             self._drawn = now
+
+
+def account_lines(row: Row) -> Iterator[str]:
+    """What is told of a file under --verbose: what became of it and of its parts, and the time."""
+    outputs = "".join(f" {part['output']}" for part in row["parts"])
+    yield f"{row['file']}: {row['status']}{outputs} ({1000 * row['seconds']:.1f} ms)"
+    for part in row["parts"]:
+        ledger = ledger_line(part["ledger"], part["skipped_by"])  # type: ignore[arg-type]
+        yield f"  {part['mark']}: {ledger}"
 
 
 class Report:

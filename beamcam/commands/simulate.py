@@ -1,14 +1,15 @@
 """`beamcam simulate`: the axes of the cell over time, from a program."""
 
 import re
+from typing import Any
 
 import click
 
-from beamcam.commands.common import stop, write
-from beamcam.commands.programs import read_program, shown_name
+from beamcam.commands import options
+from beamcam.commands.common import Voice, shown_name, write
+from beamcam.commands.programs import program_text
+from beamcam.commands.settings import machine_for_program, settled
 from beamcam.errors import BeamcamError, VerifyError, errors_in
-from beamcam.machine import load
-from beamcam.pipeline import DEFAULT_MACHINE
 from beamcam.verify import run
 from beamcam.verify.simulate import rows, stretches, trace
 
@@ -44,9 +45,12 @@ class Address(click.ParamType[tuple[str, int]]):
 
 
 @click.command("simulate")
-@click.argument("program")
-@click.option("--machine", default=DEFAULT_MACHINE, show_default=True, help="Name or TOML file.")
-@click.option("-o", "--output", help="The trace's CSV file; - is standard output.")
+@click.argument("program", type=click.Path())
+@options.machine
+@options.config
+@click.option(
+    "-o", "--output", type=click.Path(), help="The trace's CSV file; - is standard output."
+)
 @click.option("--every", type=Duration(), help="Sample at this step, such as 10ms; else by event.")
 @click.option("--modbus", type=Address(), help="Send the trace to this Modbus TCP server.")
 @click.option(
@@ -56,15 +60,17 @@ class Address(click.ParamType[tuple[str, int]]):
     show_default=True,
     help="Seconds to send a second of the cell in; 0 is as fast as it goes.",
 )
-@click.option("--json", "as_json", is_flag=True, help="Print messages as JSON.")
+@options.json_messages
+@options.voiced
 def command(
     program: str,
-    machine: str,
     output: str | None,
     every: float | None,
     modbus: tuple[str, int] | None,
     pace: float,
     as_json: bool,
+    voice: Voice,
+    **asked: Any,
 ) -> None:
     """Run PROGRAM on a model of the cell and write where its axes are when.
 
@@ -76,19 +82,22 @@ def command(
     if output is None and modbus is None:
         raise click.UsageError("Say where the trace goes: -o FILE or --modbus HOST:PORT.")
     try:
-        loaded = load(machine)
-        if loaded.stock != "beam":
-            raise click.UsageError(f"{machine} is no cell; simulate runs programs for bars.")
-        done = run(read_program(program), loaded, None, shown_name(program))
+        machine = machine_for_program(settled(asked, (program,)), program)
+        if machine.stock != "beam":
+            raise click.UsageError(f"{machine.name} is no cell; simulate runs programs for bars.")
+        done = run(program_text(program), machine, None, shown_name(program))
         if errors_in(done.diagnostics):
             raise VerifyError(done.diagnostics)
-        course = stretches(done, loaded)
+        course = stretches(done, machine)
+        voice.did(f"ran {shown_name(program)} on {machine.name}")
         if modbus is not None:
             from beamcam.verify.modbus import send
 
             sent = send(rows(course, every), *modbus, pace)
-            click.echo(f"{sent} rows sent to {modbus[0]}:{modbus[1]}", err=True)
+            if not (voice.quiet or as_json):
+                click.echo(f"{sent} rows sent to {modbus[0]}:{modbus[1]}", err=True)
     except BeamcamError as error:
-        stop(error.diagnostics, as_json)
+        voice.stop(error.diagnostics)
     if output is not None:
-        write(output, trace(course, loaded, every))
+        write(output, trace(course, machine, every), voice)
+    voice.say(done.diagnostics)

@@ -1,37 +1,41 @@
 """`beamcam verify`: a program against the parts that it should make."""
 
 import json
+from typing import Any
 
 import click
 
-from beamcam.commands.common import REFUSED, as_record, say, stop
-from beamcam.commands.programs import read_program, shown_name
+from beamcam.commands import options
+from beamcam.commands.common import REFUSED, STANDARD, Voice, read_all, shown_name
+from beamcam.commands.members import member_choice, member_options
+from beamcam.commands.programs import program_text
+from beamcam.commands.settings import machine_for, machine_for_program, settled
+from beamcam.commands.sheets import drawing_choice, drawing_options, torch_options
 from beamcam.errors import BeamcamError, errors_in
-from beamcam.machine import load
-from beamcam.pipeline import default_machine, left_out, parts_of, read_back, read_file
-from beamcam.planning import SKIP_NAMES
+from beamcam.pipeline import counted, left_out, parts_of, read_back
+from beamcam.report.run import as_message
 
 
 @click.command("verify")
-@click.argument("program")
+@click.argument("program", type=click.Path())
 @click.option("--against", is_flag=True, help="Compare with the PARTs that follow.")
-@click.argument("parts", nargs=-1, metavar="[PART]...")
-@click.option("--machine", help="Name or TOML file; by default what suits parts and program.")
-@click.option(
-    "--allow-skips",
-    "skips",
-    multiple=True,
-    type=click.Choice(SKIP_NAMES),
-    help="What of this kind is not made may be missing; may be repeated.",
-)
-@click.option("--json", "as_json", is_flag=True, help="Print what differs as a JSON list.")
+@click.argument("parts", nargs=-1, metavar="[PART]...", type=click.Path())
+@options.machine
+@options.config
+@options.skips
+@member_options
+@drawing_options
+@torch_options
+@options.strict
+@options.as_json
+@options.voiced
 def command(
     program: str,
     against: bool,
     parts: tuple[str, ...],
-    machine: str | None,
-    skips: tuple[str, ...],
     as_json: bool,
+    voice: Voice,
+    **asked: Any,
 ) -> None:
     """Read PROGRAM back and say what it makes otherwise than its parts.
 
@@ -42,23 +46,33 @@ def command(
     beamcam verify job.gcode --against M58.nc1
     beamcam verify gasket.ngc --against gasket.dxf --machine plate-linuxcnc
     beamcam verify job.gcode --against M74.nc1 M58.nc1 M74.nc1 --machine beamline-annex --json
+    beamcam post M58.nc1 -o - | beamcam verify - --against M58.nc1
     """
     if against and not parts:
         raise click.UsageError("--against needs at least one PART.")
     if parts and not against:
         raise click.UsageError("PARTs stand behind --against.")
+    if (program, *parts).count(STANDARD) > 1:
+        raise click.UsageError("found - twice; expected it once, standard input is read once.")
     try:
-        wanted, said = parts_of(read_file(path) for path in parts)
-        loaded = load(machine or default_machine(wanted, program))
-        skipped = left_out(wanted, loaded, skips)
+        config = settled(asked, parts or (program,))
+        how = drawing_choice(asked) | member_choice(asked, kernel=True)
+        wanted, said = parts_of(read_all(parts, config.strict, how, voice), counted)
+        text = program_text(program)
+        if wanted:
+            machine = machine_for(config, wanted, program)
+        else:
+            machine = machine_for_program(config, program)
+        skipped = left_out(wanted, machine, config.allow_skips)
     except BeamcamError as error:
-        stop(error.diagnostics, as_json)
-    text = read_program(program)
-    found = read_back(text, wanted, loaded, skipped, shown_name(program))
+        voice.stop(error.diagnostics)
+    found = read_back(text, wanted, machine, skipped, shown_name(program))
+    voice.did(f"read {shown_name(program)} back on {machine.name}: {len(found)} message(s)")
     if as_json:
-        records = [as_record(d) for d in (*said, *found)]
+        records = [as_message(d) for d in (*said, *found) if voice.wants(d.severity)]
         click.echo(json.dumps(records, ensure_ascii=False, indent=1))
+        voice.end()
     else:
-        say((*said, *found))
+        voice.say((*said, *found))
     if errors_in(found):
         raise SystemExit(REFUSED)

@@ -2,20 +2,15 @@
 
 import os
 import time
+from typing import Any
 
 import click
 
 from beamcam.batch import BatchError, Input, find_inputs, run
 from beamcam.batch.rules import NOTHING, WRITE
-from beamcam.commands.common import REFUSED, stop
-from beamcam.commands.running import (
-    Screen,
-    ended_by_term,
-    run_options,
-    settled,
-    shop_of,
-    workers_of,
-)
+from beamcam.commands.common import REFUSED, Voice
+from beamcam.commands.running import Screen, ended_by_term, run_options, shop_of, workers_of
+from beamcam.commands.settings import settled
 from beamcam.errors import BeamcamError, Diagnostic, Source
 from beamcam.report.run import Row, as_message
 from beamcam.watch import HotFolder, file_away, look
@@ -38,24 +33,14 @@ from beamcam.watch import HotFolder, file_away, look
 def command(
     folder: str,
     output: str,
-    machine: str | None,
-    config_file: str | None,
-    bar: float | None,
-    job: str | None,
-    name: str | None,
-    flat: bool | None,
-    skips: tuple[str, ...],
-    strict: bool,
-    no_verify: bool,
-    jobs: int | None,
     scheduler: str | None,
-    quiet: bool,
-    verbose: bool,
     done: str | None,
     refused: str | None,
     settle: float,
     every: float,
     once: bool,
+    voice: Voice,
+    **asked: Any,
 ) -> None:
     """Post what is put into IN_FOLDER, as it comes, until Ctrl-C.
 
@@ -69,19 +54,18 @@ def command(
     beamcam watch hot -o programs --once --settle 0
     """
     try:
-        config = settled(config_file, (folder,))
-        shop = shop_of(config, machine, bar, job, name, skips, strict, no_verify)
+        config = settled(asked, (folder,))
+        shop = shop_of(config, asked)
         for place in (output, done, refused):
             if place is not None:
                 _make(place)
     except BeamcamError as error:
-        stop(error.diagnostics)
+        voice.stop(error.diagnostics)
     hot = HotFolder(settle)
     leave_out = tuple(place for place in (output, done, refused) if place is not None)
-    in_one = config.flat if flat is None else flat
     claims: dict[str, str] = {}
     told: tuple[Diagnostic, ...] = ()
-    with Screen(None, quiet, verbose) as screen, ended_by_term():
+    with Screen(None, voice) as screen, ended_by_term():
         try:
             while True:
                 found = find_inputs((folder,), leave_out)
@@ -92,8 +76,8 @@ def command(
                     told = said
                 ready = hot.take(look(found.inputs), time.monotonic())
                 if ready:
-                    workers = workers_of(shop, jobs or config.jobs, scheduler, len(ready))
-                    rows = run(ready, output, shop, workers, in_one, claims=claims)
+                    workers = workers_of(shop, config.jobs, scheduler, len(ready))
+                    rows = run(ready, output, shop, workers, config.flat, claims=claims)
                     try:
                         for one, row in zip(ready, rows, strict=True):
                             screen.show(row)
@@ -107,7 +91,7 @@ def command(
         except KeyboardInterrupt:
             pass  # the way to end it
         except BeamcamError as error:
-            stop(error.diagnostics)
+            voice.stop(error.diagnostics)
         screen.end()
     if screen.counts.refused or screen.counts.failed:
         raise SystemExit(REFUSED)

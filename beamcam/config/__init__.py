@@ -1,9 +1,9 @@
 """The shop's configuration: `beamcam.toml` beside the job, or the file given by `--config`.
 
-    command line  over  beamcam.toml  over  the defaults
+    command line  over  --config  or else  beamcam.toml beside the job  over  the defaults
 
     machine = "beamline"                # name, or a path from the file's own folder
-    stock_lengths = [6000, 12000]       # a part takes the shortest bar that it fits on
+    stock_lengths = [6000, 12000]       # a bar is the shortest that its parts fit on
     allow_skips = ["cope"]
     name = "{mark}_{quantity}.gcode"    # of a batch's outputs
 
@@ -15,13 +15,6 @@
     "ENGRAVE" = "engrave"
 
 Every key has a default, an unknown one is an error, and each value knows where it was set.
+`values` is what a configuration holds, `keys` what may stand in it, `load` reads it, `apply` lays
+it over a machine.
 """
-
-from beamcam.config.apply import apply_map, apply_tolerances
-from beamcam.config.keys import KEYS, TOLERANCES
-from beamcam.config.load import CONFIG_NAME, Config, ConfigError, Setting, find, load
-
-__all__ = [
-    "CONFIG_NAME", "KEYS", "TOLERANCES", "Config", "ConfigError", "Setting", "apply_map",
-    "apply_tolerances", "find", "load",
-]  # fmt: skip

@@ -11,8 +11,8 @@ from typing import get_args
 
 from msgspec import Struct, field
 
+from beamcam.config.values import Meaning, Stock
 from beamcam.model.colour import parse_colour
-from beamcam.model.part import Process
 
 Check = Callable[[object, Path], object]  #: value and the folder of the file that sets it
 
@@ -70,16 +70,33 @@ def texts(value: object, folder: Path) -> tuple[str, ...]:
     return tuple(value)
 
 
-def tolerance(value: object, folder: Path) -> float:
+def length(value: object, folder: Path) -> float:
     if not isinstance(value, int | float) or isinstance(value, bool) or not 0 <= value < 1e9:
         raise Unfit("a length in mm, 0 or more")
     return float(value)
 
 
-def process(value: object, folder: Path) -> str:
-    if value not in get_args(Process):
-        raise Unfit("one of " + ", ".join(get_args(Process)))
-    return str(value)
+def some_length(value: object, folder: Path) -> float:
+    if not isinstance(value, int | float) or isinstance(value, bool) or not 0 < value < 1e9:
+        raise Unfit("a length in mm above 0")
+    return float(value)
+
+
+def number(value: object, folder: Path) -> int:
+    if not isinstance(value, int) or isinstance(value, bool) or value < 0:
+        raise Unfit("a whole number from 0 on")
+    return value
+
+
+def one_of(*words: str) -> Check:
+    """The check of a value that is one of `words`."""
+
+    def check(value: object, folder: Path) -> str:
+        if value not in words:
+            raise Unfit("one of " + ", ".join(words))
+        return str(value)
+
+    return check
 
 
 def layer_or_colour(key: str) -> str:
@@ -106,21 +123,37 @@ _NO_ROWS: Mapping[str, object] = MappingProxyType({})
 class Table(Struct, frozen=True):
     """A key that holds a table: each of its rows is set, and named, by itself."""
 
-    check: Check  #: of each value
+    rows: Mapping[str, Check]  #: what each row's value has to be
     help: str
-    names: tuple[str, ...] | None = None  #: of its rows; None lets them be layers and colours
+    others: Check | None = None  #: of rows that are called after layers and colours
     default: Mapping[str, object] = field(default_factory=lambda: _NO_ROWS)
 
 
+#: How a sheet is cut: the names are those of the options of the command line.
+SHEET: Mapping[str, Check] = {
+    "thickness": some_length,
+    "material": text,
+    "kerf": length,
+    "kerf_by": one_of("none", "offset", "machine"),
+    "lead": one_of("none", "line", "arc"),
+    "tabs": number,
+    "place": one_of("corner", "drawn"),
+}
+
 KEYS: Mapping[str, Key | Table] = {
     "machine": Key(machine, None, "machine of --machine: a name or a TOML file"),
-    "stock_lengths": Key(lengths, (), "bars in store, mm; a part takes the shortest that it fits"),
+    "machines": Table(
+        dict.fromkeys(get_args(Stock), machine), "of one kind of stock, before `machine`"
+    ),
+    "stock_lengths": Key(lengths, (), "bars in store, mm; a bar is the shortest that will do"),
     "allow_skips": Key(texts, (), "kinds of features that may be left out"),
     "strict": Key(truth, False, "whether warnings refuse a part"),
     "job": Key(text, "JOB", "name in a program's first line"),
     "jobs": Key(count, None, "worker processes of a batch; all cores if not given"),
     "name": Key(text, None, "template of a batch's output names"),
     "flat": Key(truth, False, "whether a batch writes all outputs to one folder"),
-    "tolerances": Table(tolerance, "over those of the machine, mm", tuple(TOLERANCES)),
-    "map": Table(process, "what is done with a layer or a colour of a drawing"),
-}
+    "tolerances": Table(dict.fromkeys(TOLERANCES, length), "of drills, over the machine's own, mm"),
+    "sheet": Table(SHEET, "how sheets are cut, over the machine's own"),
+    "map": Table({}, "what is done with a layer or a colour of a drawing",
+                 one_of(*get_args(Meaning))),
+}  # fmt: skip

@@ -32,5 +32,18 @@ NO_DRILL = Rule(
     "found a value for {key!r}, but {machine} has no drill; expected none",
     "A tolerance without effect would promise what is not done.",
 )
+TWO = Rule(
+    "config-two",
+    Severity.ERROR,
+    "found {found} beside another input of the same job; expected one of both, name it by --config",
+    "Which of the two holds for the job would be a guess.",
+)
+UNUSED = Rule(
+    "config-unused",
+    Severity.WARNING,
+    "found a configuration in a folder below the inputs, which is not used; expected one beside "
+    "the job",
+    "All files of a run are made alike. Run that folder by itself, or name the file by --config.",
+)
 
-RULES = (UNREADABLE, NOT_TOML, UNKNOWN_KEY, WRONG_VALUE, NO_DRILL)
+RULES = (UNREADABLE, NOT_TOML, UNKNOWN_KEY, WRONG_VALUE, NO_DRILL, TWO, UNUSED)

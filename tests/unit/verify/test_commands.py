@@ -80,7 +80,7 @@ def test_verify_used_wrongly(job: Path, words: tuple[str, ...]) -> None:
 def test_no_such_program(command: str) -> None:
     done = cli(command, "nowhere.gcode", *(["-o", "-"] if command == "simulate" else []))
     assert done.exit_code == 1
-    assert "nowhere.gcode: cannot be read: " in done.stderr
+    assert "nowhere.gcode: error read-file: found no file that can be read (No such" in done.stderr
 
 
 def test_what_is_left_out_by_name(tmp_path: Path) -> None:

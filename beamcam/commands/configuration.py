@@ -1,0 +1,54 @@
+"""A configuration file as the commands take it: read, and its words checked against what they know.
+
+Apart from `settings`, so that a job without such a file pays nothing for it.
+"""
+
+from collections.abc import Callable, Sequence
+from typing import Any
+
+from beamcam.config import rules
+from beamcam.config.load import ConfigError, load
+from beamcam.config.values import Config
+from beamcam.errors import Source
+from beamcam.planning import SKIP_NAMES
+
+
+def checked(files: Sequence[str]) -> Config:
+    """The configuration of a job that lies beside `files`, of which there may be one only.
+
+    Raises ConfigError.
+    """
+    first, *others = files
+    if others:
+        raise ConfigError(rules.TWO.at(Source(others[0]), found=first))
+    config = load(first)
+    for key, check in _CHECKS.items():
+        value = getattr(config, key)
+        if value and (expected := check(value)):
+            said = rules.WRONG_VALUE.at(
+                config.sources[key], key=key, found=repr(value), expected=expected
+            )
+            raise ConfigError(said)
+    return config
+
+
+def _expected_name(template: str) -> str:
+    """What was expected of a template of names; "" if it is one."""
+    from beamcam.batch.names import check_template
+
+    try:
+        check_template(template)
+    except ValueError as error:
+        return str(error).partition("; expected ")[2]
+    return ""
+
+
+def _expected_skips(skips: Sequence[str]) -> str:
+    known = ", ".join(SKIP_NAMES)
+    return "" if set(skips) <= set(SKIP_NAMES) else f"names of {known}"
+
+
+_CHECKS: dict[str, Callable[[Any], str]] = {
+    "name": _expected_name,
+    "allow_skips": _expected_skips,
+}

@@ -1,0 +1,121 @@
+"""Options that commands share, each written once.
+
+    @options.machine     is the option --machine
+    @options.job         is a group of them: how a program is made
+
+What they give comes to the command under the names that stand here; `settings.settled` lays it over
+the configuration. An option that a configuration can set is None where it is not given.
+"""
+
+from collections.abc import Callable
+from functools import wraps
+from typing import Any
+
+import click
+
+from beamcam.commands.common import STANDARD, Voice
+from beamcam.planning import SKIP_NAMES
+
+Function = Callable[..., Any]
+Decorator = Callable[[Function], Function]
+
+NO_SKIPS = "none"
+
+
+def group(*options: Decorator) -> Decorator:
+    """The options as one, in this order."""
+
+    def with_options(function: Function) -> Function:
+        for option in reversed(options):
+            function = option(function)
+        return function
+
+    return with_options
+
+
+def _once(ctx: click.Context, param: click.Parameter, values: tuple[str, ...]) -> tuple[str, ...]:
+    if values.count(STANDARD) > 1:
+        raise click.BadParameter("found - twice; expected it once, standard input is read once.")
+    return values
+
+
+def _skips(
+    ctx: click.Context, param: click.Parameter, values: tuple[str, ...]
+) -> tuple[str, ...] | None:
+    """The names in order; None if none was given, () for `none`."""
+    if not values:
+        return None
+    return tuple(sorted({name for name in values if name != NO_SKIPS}))
+
+
+def machine_names(ctx: click.Context, param: click.Parameter, incomplete: str) -> list[str]:
+    from beamcam.machine import shipped
+
+    return [name for name in shipped() if name.startswith(incomplete)]
+
+
+inputs = click.argument(
+    "inputs", nargs=-1, required=True, metavar="INPUT...", callback=_once, type=click.Path()
+)
+machine = click.option(
+    "--machine", shell_complete=machine_names, metavar="NAME",
+    help="Name or TOML file; by default what suits the job.",
+)  # fmt: skip
+config = click.option(
+    "--config", "config_file", type=click.Path(), metavar="FILE",
+    help="Configuration, instead of the beamcam.toml beside the job.",
+)  # fmt: skip
+bar = click.option(
+    "--bar", type=click.FloatRange(min=0, min_open=True), metavar="MM",
+    help="Length of the bar; by default the shortest in stock, or what the parts need.",
+)  # fmt: skip
+job_name = click.option("--job", metavar="NAME", help="In the program's first line; else JOB.")
+order = click.option(
+    "--order",
+    type=click.Choice(["given", "best"]),
+    default="given",
+    show_default=True,
+    help="Whether parts lie as named, or so that mitres nest.",
+)
+turn = click.option("--turn", is_flag=True, help="Let parts be turned on the rollers.")
+skips = click.option(
+    "--allow-skips",
+    "skips",
+    multiple=True,
+    callback=_skips,
+    type=click.Choice([*SKIP_NAMES, NO_SKIPS]),
+    help="Leave out what the machine cannot make, of this kind only; may be repeated.",
+)
+strict = click.option(
+    "--strict/--no-strict", default=None, help="Let warnings refuse a part as errors do."
+)
+no_verify = click.option(
+    "--no-verify", is_flag=True, help="Do not read programs back; a comment in them says so."
+)
+as_json = click.option("--json", "as_json", is_flag=True, help="Print as JSON.")
+json_messages = click.option("--json", "as_json", is_flag=True, help="Print messages as JSON.")
+
+
+def output(help: str, required: bool = True) -> Decorator:
+    """-o, by default standard output if it is not required."""
+    otherwise: dict[str, Any] = {} if required else {"default": STANDARD}
+    return click.option(
+        "-o", "--output", required=required, type=click.Path(), help=help, **otherwise
+    )
+
+
+def voiced(function: Function) -> Function:
+    """Adds --quiet and --verbose, which come to the command as `voice`; `as_json` counts too."""
+
+    @click.option("-q", "--quiet", is_flag=True, help="Print errors only.")
+    @click.option(
+        "-v", "--verbose", is_flag=True, help="Print what is done, and the time it takes."
+    )
+    @wraps(function)
+    def with_voice(*args: Any, quiet: bool, verbose: bool, **values: Any) -> Any:
+        if quiet and verbose:
+            raise click.UsageError("--quiet and --verbose exclude each other.")
+        voice = Voice(quiet, verbose, values.get("as_json", False))
+        return function(*args, voice=voice, **values)
+
+    return with_voice

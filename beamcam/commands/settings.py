@@ -1,0 +1,106 @@
+"""What a job is made with: the command line over the configuration, and the machine that follows.
+
+--machine and other options   over   --config FILE, or else beamcam.toml beside the job   over
+the defaults; the same for every command
+"""
+
+from collections.abc import Iterable, Mapping, Sequence
+from pathlib import PurePath
+from typing import Any
+
+from beamcam.config.values import COMMAND_LINE, Config, Stock, beside, over
+from beamcam.errors import PlanError, Source
+from beamcam.machine import Machine, load
+from beamcam.model.part import Part
+from beamcam.pipeline import SHEET_MACHINES, default_machine, stock_of
+
+#: Keys of a configuration that are options of their own, by the name of the option's value.
+_OPTIONS = {
+    "machine": "machine", "skips": "allow_skips", "strict": "strict", "job": "job", "jobs": "jobs",
+    "name": "name", "flat": "flat", "colours": "map",
+}  # fmt: skip
+#: Options that are rows of the table `[sheet]`.
+SHEET_OPTIONS = ("thickness", "material", "kerf", "kerf_by", "lead", "tabs", "place")
+
+
+def settled(asked: Mapping[str, Any], inputs: Iterable[str]) -> Config:
+    """The configuration of a job on `inputs`, what the command line asks for laid over it.
+
+    `asked` holds the values of the options, `config_file` among them. Raises ConfigError.
+    """
+    return over(_config(asked.get("config_file"), inputs), _wanted(asked))
+
+
+def _config(file: str | None, inputs: Iterable[str]) -> Config:
+    files = (file,) if file is not None else beside(inputs)
+    if not files:
+        return Config()
+    from beamcam.commands.configuration import checked
+
+    return checked(files)
+
+
+def _wanted(asked: Mapping[str, Any]) -> dict[str, Any]:
+    """The options that were given, by the names of a configuration's values."""
+    wanted = {key: asked[name] for name, key in _OPTIONS.items() if asked.get(name) is not None}
+    if asked.get("bar") is not None:
+        wanted["stock_lengths"] = (asked["bar"],)
+    sheet = {name: asked[name] for name in SHEET_OPTIONS if asked.get(name) is not None}
+    return wanted | {"sheet": sheet} if sheet else wanted
+
+
+def machine_for(config: Config, parts: Sequence[Part], output: str) -> Machine:
+    """The machine that makes `parts`, as the job wants it; `output` is the program's name.
+
+    Where none is asked for it is that for their kind of stock, and of sheets by the suffix of
+    `output`. Raises MachineError, ConfigError and PlanError.
+    """
+    return machine_of_stock(config, stock_of(parts), output)
+
+
+def machine_for_program(config: Config, program: str) -> Machine:
+    """The machine that a program of that name is for; `machine_for` where its parts are unknown."""
+    suffix = PurePath(program).suffix.lower()
+    sheet = suffix in SHEET_MACHINES and suffix != ".gcode"  # which programs for bars have too
+    return machine_of_stock(config, "sheet" if sheet else "beam", program)
+
+
+def machine_of_stock(
+    config: Config, stock: Stock, output: str, is_one_of_two: bool = False
+) -> Machine:
+    """The machine for a kind of stock, as `machine_for`.
+
+    `is_one_of_two` says that there is one for the other kind, which may be who can do what the
+    command line asks for.
+    """
+    named = config.machines.get(stock) or config.machine
+    machine = load(named or default_machine(stock, output))
+    if config.tolerances:
+        from beamcam.config.apply import with_tolerances
+
+        machine = with_tolerances(machine, config)
+    if not (config.sheet or config.map) or (machine.torch is None and is_one_of_two):
+        return machine
+    return _with_sheet(machine, config)
+
+
+def _with_sheet(machine: Machine, config: Config) -> Machine:
+    """The machine as the map and the table `[sheet]` want it.
+
+    One configuration serves all kinds of machines, so that only what the command line asks for is
+    asked of one without a torch.
+    """
+    asked = COMMAND_LINE in (
+        config.sources.get(f"{table}.{name}")
+        for table in ("sheet", "map")
+        for name in getattr(config, table)
+    )
+    if machine.torch is None and not asked:
+        return machine
+    from beamcam.machine.overlay import with_torch
+    from beamcam.planning.contours import rules
+
+    try:
+        return with_torch(machine, config.map, **config.sheet)
+    except ValueError as error:
+        raise PlanError(rules.OPTION.at(Source(machine.name), found=error)) from error
