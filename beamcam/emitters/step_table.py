@@ -149,7 +149,7 @@ def _packed(table: StepTable) -> Iterator[NDArray[np.uint32]]:
         waits = np.empty_like(times)
         waits[0] = times[0] - last_us
         np.subtract(times[1:], times[:-1], out=waits[1:])
-        if int(waits.max()) > GREATEST_WAIT_US:
+        if times[-1] - last_us > GREATEST_WAIT_US < int(waits.max()):
             before = np.append(np.uint8(last_bits), bits[:-1])
             extra = waits // (GREATEST_WAIT_US + 1)
             where = np.repeat(np.arange(len(waits)), extra)

@@ -14,7 +14,8 @@ from beamcam.emitters import step_table as forms
 from beamcam.machine import load
 from beamcam.machine.machine import Machine
 from beamcam.model.steps import StepRows, StepTable
-from beamcam.motion import steps
+from beamcam.motion import step_events, steps
+from beamcam.motion.step_events import BACK, FORWARD, MOVE_BITS, MOVES, TIME_BIT, Ints, events
 from beamcam.motion.velocity_table import Way, speed_at
 from beamcam.verify.steps import verify_steps
 
@@ -53,6 +54,13 @@ places = st.floats(0.0, 40.0).map(lambda v: round(v, 3))
 corners = st.lists(st.tuples(places, places), min_size=2, max_size=8)
 
 
+def signs_of(found: Ints, axis: int) -> Ints:
+    """+1 and -1 for the events of an axis, which have no other moves."""
+    moves = (found & MOVES) >> (axis * MOVE_BITS)
+    assert set(moves.tolist()) <= {FORWARD, BACK}
+    return np.where(moves == FORWARD, 1, -1)
+
+
 @given(corners, st.floats(1.0, 60.0))
 @settings(max_examples=60, deadline=None)
 def test_steps_follow_any_path_within_half_a_step(
@@ -63,10 +71,10 @@ def test_steps_follow_any_path_within_half_a_step(
         path = [(0.0, 0.0), (1.0, 2.0)]
     way = Way(np.array(path), speed, True, 0.0)
     planned = steps.plan_way(way, STEPPER)
-    events = list(steps.events(planned, STEPPER))
+    windows = list(events(planned, STEPPER))
     for axis in (0, 1):
-        found = np.concatenate([window[axis] for window in events])
-        times, signs = found >> 2, np.where(found & 1, 1, -1)
+        found = np.concatenate([window[axis] for window in windows])
+        times, signs = found >> TIME_BIT, signs_of(found, axis)
         assert (np.diff(times) >= int(1e6 / STEPPER.greatest_hz)).all()
         at = np.floor(path[0][axis] / STEPPER.step + 0.5) + np.cumsum(signs)
         # Between a step and the next the axis stands; both ends of that time are looked at.
@@ -83,17 +91,46 @@ def test_steps_follow_any_path_within_half_a_step(
 def test_windows_make_no_difference(bits: int) -> None:
     way = Way(np.array([[0.0, 0.0], [9.0, 4.0], [3.0, 8.0], [3.0, 1.0]]), 30.0, True, 0.0)
     planned = steps.plan_way(way, STEPPER)
-    kept = steps.WINDOW_STEPS
-    whole = [np.concatenate(w) for w in zip(*steps.events(planned, STEPPER), strict=True)]
+    kept = step_events.WINDOW_STEPS
+    whole = [np.concatenate(w) for w in zip(*events(planned, STEPPER), strict=True)]
     try:
-        steps.WINDOW_STEPS = 1 << (bits - 6)
-        split = [np.concatenate(w) for w in zip(*steps.events(planned, STEPPER), strict=True)]
+        step_events.WINDOW_STEPS = 1 << (bits - 6)
+        split = [np.concatenate(w) for w in zip(*events(planned, STEPPER), strict=True)]
     finally:
-        steps.WINDOW_STEPS = kept
+        step_events.WINDOW_STEPS = kept
     for a, b in zip(whole, split, strict=True):
         assert len(a) == len(b)
-        assert ((a & 1) == (b & 1)).all()
-        assert np.abs((a >> 2) - (b >> 2)).max(initial=0) <= 1
+        assert ((a & MOVES) == (b & MOVES)).all()
+        assert np.abs((a >> TIME_BIT) - (b >> TIME_BIT)).max(initial=0) <= 1
+
+
+@given(
+    st.lists(st.tuples(st.integers(0, 300), st.booleans()), max_size=200, unique_by=lambda e: e[0]),
+    st.lists(st.tuples(st.integers(0, 300), st.booleans()), max_size=200, unique_by=lambda e: e[0]),
+    st.booleans(),
+)
+def test_rows_are_the_steps_one_by_one(
+    x: list[tuple[int, bool]], y: list[tuple[int, bool]], laser: bool
+) -> None:
+    """Few and many steps of one microsecond, each against a walk through the table."""
+    packed = [
+        np.array(
+            [t << TIME_BIT | (FORWARD if up else BACK) << bit for t, up in sorted(axis)], dtype=int
+        )
+        for axis, bit in ((x, 0), (y, MOVE_BITS))
+    ]
+    words = steps._Words(STEPPER)
+    words.x, words.y = 3, 1
+    rows = words.rows(packed[0], packed[1], 1000, laser)
+    steps_at = {t: [0, 0] for t, _ in (*x, *y)}
+    for axis, listed in enumerate((x, y)):
+        for t, up in listed:
+            steps_at[t][axis] = 1 if up else -1
+    at, expected = [3, 1], []
+    for t in sorted(steps_at):
+        at = [a + d for a, d in zip(at, steps_at[t], strict=True)]
+        expected.append((1000 + t, at[0] % 4 | at[1] % 4 << 2 | laser << 4))
+    assert list(zip(rows.time_us.tolist(), rows.bits.tolist(), strict=True)) == expected
 
 
 def test_velocities_add_up_and_follow_their_formula() -> None:
