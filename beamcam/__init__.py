@@ -5,6 +5,7 @@ functions of `beamcam.api`, imported when they are first asked for.
 """
 
 import sys
+from importlib import import_module
 from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
@@ -40,11 +41,9 @@ sys.modules[__name__].__class__ = _Package
 
 def __getattr__(name: str) -> Any:
     if name in ("plan", "post", "read", "verify"):
-        from beamcam import api
-
         if name == "verify":
-            return sys.modules["beamcam.verify"]  # which `api` has imported
-        return getattr(api, name)
+            return import_module("beamcam.verify")
+        return getattr(import_module("beamcam.api"), name)
     raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
 
 

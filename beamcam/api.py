@@ -24,7 +24,7 @@ from beamcam.model.plan import FeatureRef, Plan, SheetPlan
 from beamcam.pipeline import DEFAULT_MACHINE, Posted, as_error, read_file
 from beamcam.pipeline import post as post_bar
 from beamcam.pipeline import read_back as read_program_back
-from beamcam.planning import plan_bar
+from beamcam.posts import Job, post_of
 from beamcam.readers import read as read_bytes
 from beamcam.readers.reading import Reading
 
@@ -66,11 +66,7 @@ def plan(
     may be left out, as `--allow-skips` does. Raises PlanError and MachineError.
     """
     loaded = _machine(machine)
-    if loaded.stock == "sheet":
-        from beamcam.planning.sheet import plan_sheet
-
-        return plan_sheet(_parts(parts), loaded, skips)
-    return plan_bar(_parts(parts), loaded, bar, skips)
+    return post_of(loaded).plan(Job(_parts(parts), loaded, bar=bar, skips=tuple(skips)))
 
 
 def post(
@@ -92,7 +88,7 @@ def post(
 
 
 def verify(
-    program: str,
+    program: str | bytes,
     parts: Part | Iterable[Part],
     machine: AnyMachine = DEFAULT_MACHINE,
     *,

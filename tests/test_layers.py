@@ -17,6 +17,7 @@ STEPS = (
     ("machine",),
     ("model",),
     ("readers", "writers", "planning", "motion", "emitters", "verify", "report", "config"),
+    ("posts",),
     ("pipeline",),
     ("batch", "api"),
     ("watch",),

@@ -40,9 +40,6 @@ def outputs(
     A trigger program of several units becomes a file a unit, the set-points beside the main one
     and before it, so that it never stands there without them.
     """
-    if posted.pieces is not None:
-        yield output, posted.pieces()
-        return
     if machine.controller == "simotion" and output != STANDARD_OUTPUT:
         from beamcam.emitters.simotion import split_units
 
@@ -52,4 +49,4 @@ def outputs(
             yield str(folder / f"{name}{machine.suffix}"), text
         yield output, main
         return
-    yield output, posted.text
+    yield output, posted.pieces()

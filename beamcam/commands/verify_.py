@@ -1,6 +1,7 @@
 """`beamcam verify`: a program against the parts that it should make."""
 
 import json
+from pathlib import PurePath
 from typing import Any
 
 import click
@@ -8,7 +9,7 @@ import click
 from beamcam.commands import options
 from beamcam.commands.common import REFUSED, STANDARD, Voice, read_all, shown_name
 from beamcam.commands.members import member_choice, member_options
-from beamcam.commands.programs import program_text
+from beamcam.commands.programs import input_bytes
 from beamcam.commands.settings import machine_for, machine_for_program, settled
 from beamcam.commands.sheets import drawing_choice, drawing_options, torch_options
 from beamcam.errors import BeamcamError, errors_in
@@ -58,7 +59,7 @@ def command(
         config = settled(asked, parts or (program,))
         how = drawing_choice(asked) | member_choice(asked, kernel=True)
         wanted, said = parts_of(read_all(parts, config.strict, how, voice), counted)
-        text = program_text(program)
+        data = input_bytes(program)
         if wanted:
             machine = machine_for(config, wanted, program)
         else:
@@ -66,7 +67,9 @@ def command(
         skipped = left_out(wanted, machine, config.allow_skips)
     except BeamcamError as error:
         voice.stop(error.diagnostics)
-    found = read_back(text, wanted, machine, skipped, shown_name(program))
+    found = read_back(
+        data, wanted, machine, skipped, shown_name(program), style=PurePath(program).suffix.lower()
+    )
     voice.did(f"read {shown_name(program)} back on {machine.name}: {len(found)} message(s)")
     if as_json:
         records = [as_message(d) for d in (*said, *found) if voice.wants(d.severity)]

@@ -1,0 +1,191 @@
+"""What belongs together for each kind of machine: planner, motion, emitter and read-back.
+
+`post_of` gives the row of a machine. Its functions load what they need when they are called, so
+that a bar never loads what only a sheet needs.
+"""
+
+from collections.abc import Callable, Collection, Iterable, Sequence
+from typing import Any
+
+from msgspec import Struct
+from msgspec.structs import replace
+
+from beamcam.errors import Diagnostic, PlanError
+from beamcam.machine.machine import Machine
+from beamcam.model.part import Part
+from beamcam.model.plan import FeatureRef, Plan, SheetPlan
+from beamcam.model.program import Comment, Program
+from beamcam.planning import Order
+
+NOT_READ_BACK = Comment("NOT VERIFIED: THIS PROGRAM WAS NOT READ BACK")
+
+#: A program as it is written: its text, or bytes piece by piece where it may be of any length.
+Written = str | Callable[[], Iterable[bytes]]
+
+
+class Job(Struct, frozen=True):
+    """What is to be made, on which machine and how."""
+
+    parts: tuple[Part, ...]
+    machine: Machine
+    name: str = "JOB"
+    bar: float | None = None
+    skips: tuple[str, ...] = ()  #: names of `--allow-skips`
+    order: Order = "given"
+    turn: bool = False
+    style: str | None = None  #: "chain" or "table" of triggers; the suffix of a step table
+
+
+class Wanted(Struct, frozen=True):
+    """What a program has to make."""
+
+    parts: tuple[Part, ...]  #: in their order on the bar, and as they lie there
+    machine: Machine
+    skipped: Collection[FeatureRef] = ()  #: features that may be missing
+    name: str = "program"  #: of the program, for messages
+    given: tuple[Part, ...] = ()  #: the parts before they were turned
+    style: str | None = None
+
+
+class Post(Struct, frozen=True):
+    """How a kind of machine gets its program, and how that is read back."""
+
+    plan: Callable[[Job], Plan | SheetPlan]
+    motion: Callable[[Any, Machine, str], Any]
+    emit: Callable[[Any, Job], Written]
+    verify: Callable[[Written, Wanted], tuple[Diagnostic, ...]]
+    skippable: Callable[[Sequence[Part], Machine, Collection[str]], frozenset[FeatureRef]]
+    unverified: Callable[[Any], Any]  #: the program with a remark that it was not read back
+
+
+def post_of(machine: Machine) -> Post:
+    """The row of a machine."""
+    return POSTS[machine.stock, machine.controller]()
+
+
+def bar_post() -> Post:
+    """Of a saw and drilling line."""
+    from beamcam.emitters import gcode
+    from beamcam.motion.beam import beam_program
+    from beamcam.planning import plan_bar
+    from beamcam.verify import skippable, verify
+
+    def plan(job: Job) -> Plan:
+        return plan_bar(job.parts, job.machine, job.bar, job.skips, job.order, job.turn)
+
+    def read_back(program: Written, wanted: Wanted) -> tuple[Diagnostic, ...]:
+        w = wanted
+        return verify(_text(program), w.parts, w.machine, w.skipped, w.name, w.given)
+
+    def emit(program: Program, job: Job) -> str:
+        return gcode.emit(program, job.machine)
+
+    return Post(plan, beam_program, emit, read_back, skippable, _with_comment)
+
+
+def sheet_post() -> Post:
+    """Of a torch or laser that is told by G-code."""
+    from beamcam.emitters import cutting
+    from beamcam.motion.sheet import sheet_program
+    from beamcam.verify.sheets import verify_sheet
+
+    def read_back(program: Written, wanted: Wanted) -> tuple[Diagnostic, ...]:
+        w = wanted
+        return verify_sheet(_text(program), w.parts, w.machine, w.skipped, w.name)
+
+    def emit(program: Program, job: Job) -> str:
+        return cutting.emit(program, job.machine)
+
+    return Post(_plan_sheet, sheet_program, emit, read_back, _skipped_on_sheet, _with_comment)
+
+
+def trigger_post() -> Post:
+    """Of a table that is told by triggers in Structured Text."""
+    from beamcam.emitters import simotion
+    from beamcam.motion.triggers import trigger_table
+    from beamcam.planning.contours.rules import CHAIN
+    from beamcam.verify.st import verify_triggers
+
+    def emit(program: Any, job: Job) -> str:
+        try:
+            return simotion.emit(program, job.machine, job.style)
+        except simotion.ChainError as error:
+            source = job.parts[0].source
+            said = CHAIN.at(source, found=error.found, expected=error.expected)
+            raise PlanError(said) from error
+
+    def read_back(program: Written, wanted: Wanted) -> tuple[Diagnostic, ...]:
+        w = wanted
+        return verify_triggers(_text(program), w.parts, w.machine, w.skipped, w.name)
+
+    return Post(_plan_sheet, trigger_table, emit, read_back, _skipped_on_sheet, _with_remark)
+
+
+def step_post() -> Post:
+    """Of a table whose motors are told step by step; its style is the suffix of the file."""
+    from beamcam.emitters.step_table import FORMS
+    from beamcam.motion.steps import step_table
+    from beamcam.verify.steps import verify_steps
+
+    class Steps(Struct, frozen=True):
+        """A table in one of its forms."""
+
+        table: Any
+        form: str
+
+        def __call__(self) -> Iterable[bytes]:
+            return FORMS[self.form](self.table)
+
+    def emit(program: Any, job: Job) -> Written:
+        return Steps(program, job.style or job.machine.suffix)
+
+    def read_back(program: Written, wanted: Wanted) -> tuple[Diagnostic, ...]:
+        w = wanted
+        if isinstance(program, Steps) and program.form not in (".steps", ".bin"):
+            program = Steps(program.table, ".bin")  # velocities and the C header say the same steps
+        pieces = (program.encode("utf-8"),) if isinstance(program, str) else program()
+        return verify_steps(pieces, w.parts, w.machine, w.skipped, w.name)
+
+    return Post(_plan_sheet, step_table, emit, read_back, _skipped_on_sheet, _with_remark)
+
+
+#: By the kind of stock and the family of the controller.
+POSTS = {
+    ("beam", "codesys"): bar_post,
+    ("sheet", "codesys"): sheet_post,
+    ("sheet", "linuxcnc"): sheet_post,
+    ("sheet", "grbl"): sheet_post,
+    ("sheet", "simotion"): trigger_post,
+    ("sheet", "stepper"): step_post,
+}
+
+
+def _plan_sheet(job: Job) -> SheetPlan:
+    from beamcam.planning.sheet import plan_sheet
+
+    return plan_sheet(job.parts, job.machine, job.skips)
+
+
+def _skipped_on_sheet(
+    parts: Sequence[Part], machine: Machine, skips: Collection[str]
+) -> frozenset[FeatureRef]:
+    from beamcam.planning.sheet import plan_sheet
+
+    outcomes = plan_sheet(parts, machine, skips).outcomes
+    return frozenset(o.feature for o in outcomes if o.how == "skipped")
+
+
+def _with_comment(program: Program) -> Program:
+    start, *work = program.commands
+    return replace(program, commands=(start, NOT_READ_BACK, *work))
+
+
+def _with_remark(program: Any) -> Any:
+    return replace(program, remarks=(NOT_READ_BACK.text, *program.remarks))
+
+
+def _text(program: Written) -> str:
+    """Of bytes that are no text, `\\ufffd` for each that is none."""
+    if isinstance(program, str):
+        return program
+    return b"".join(program()).decode("utf-8", "replace")
