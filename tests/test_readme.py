@@ -1,7 +1,7 @@
 """The examples of the README and of the documentation are run as they stand there.
 
-A line of an `sh` block that starts with `beamcam ` is run in a copy of the samples and has to
-exit 0, unless a comment behind it says another status, as `# exit 1`.
+A line of an `sh` block that calls `beamcam` is run in a copy of the samples and has to exit 0,
+unless a comment behind it says another status, as `# exit 1`.
 """
 
 import re
@@ -15,8 +15,9 @@ import pytest
 
 from tests.conftest import ROOT, SAMPLES
 
-PAGES = (ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md")))
+PAGES = (ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md")))
 _BLOCK = re.compile(r"^```(\w+)\n(.*?)^```", re.MULTILINE | re.DOTALL)
+_CALL = re.compile(r"(?:^|(?<=\| ))beamcam ")
 _STATUS = re.compile(r"\s+# exit (\d+)\s*$")
 
 
@@ -29,7 +30,7 @@ def commands(text: str) -> list[tuple[str, int]]:
     found = []
     for body in blocks(text, "sh"):
         for line in body.replace("\\\n", " ").splitlines():
-            if line.startswith("beamcam "):
+            if _CALL.search(line):
                 status = _STATUS.search(line)
                 found.append((_STATUS.sub("", line), int(status[1]) if status else 0))
     return found
@@ -45,7 +46,7 @@ def test_examples_run(page: Path, tmp_path: Path) -> None:
                    "LC_ALL": "C.UTF-8", "HOME": str(tmp_path)}  # fmt: skip
     for command, status in commands(text):
         done = subprocess.run(
-            ["sh", "-c", command.replace("beamcam ", beamcam, 1)], cwd=tmp_path, env=environment,
+            ["sh", "-c", _CALL.sub(beamcam, command)], cwd=tmp_path, env=environment,
             capture_output=True, text=True, stdin=subprocess.DEVNULL, timeout=60,
         )  # fmt: skip
         assert done.returncode == status, f"{command}\n{done.stderr}"
@@ -70,10 +71,15 @@ def test_configurations_in_the_documentation_are_read(tmp_path: Path) -> None:
 def test_commands_are_found() -> None:
     text = (
         "```sh\nbeamcam a  # exit 1\nls\nbeamcam b \\\n  -c\n```\n```text\nbeamcam d\n```\n"
-        "```sh\nbeamcam e # why\n```\n"
+        "```sh\nbeamcam e # why\ncat x | beamcam f\n```\n"
     )
-    assert commands(text) == [("beamcam a", 1), ("beamcam b    -c", 0), ("beamcam e # why", 0)]
-    assert commands((ROOT / "docs" / "batch.md").read_text(encoding="utf-8"))
+    assert commands(text) == [
+        ("beamcam a", 1),
+        ("beamcam b    -c", 0),
+        ("beamcam e # why", 0),
+        ("cat x | beamcam f", 0),
+    ]
+    assert commands((ROOT / "docs" / "commands" / "batch.md").read_text(encoding="utf-8"))
 
 
 def test_the_check_can_fail(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

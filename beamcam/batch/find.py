@@ -15,6 +15,7 @@ from collections.abc import Collection, Iterable, Iterator, Sequence
 from msgspec import Struct
 
 from beamcam.batch import rules
+from beamcam.config.values import CONFIG_NAME
 from beamcam.errors import Diagnostic, Source
 from beamcam.readers import FORMATS
 from beamcam.readers.rules import UNREADABLE
@@ -38,29 +39,32 @@ class Found(Struct, frozen=True):
 
     inputs: tuple[Input, ...]
     diagnostics: tuple[Diagnostic, ...] = ()
+    configurations: tuple[str, ...] = ()  #: that lie in the folders looked through
 
 
 def find_inputs(names: Sequence[str], leave_out: Collection[str] = ()) -> Found:
     """The files that `names` stand for, below folders without those below `leave_out`."""
     said: list[Diagnostic] = []
+    configurations: list[str] = []
     places: list[tuple[str, str]] = []  # path, and the folder that it was looked for in
     without = {identity for path in leave_out if (identity := _identity(path)) is not None}
     for name in names:
         before = len(places), len(said)
         if os.path.isdir(name):
-            places += ((path, name) for path in _walk(name, without, said))
+            places += ((path, name) for path in _walk(name, without, said, configurations))
         elif os.path.lexists(name) or not glob.has_magic(name):
             places.append((name, os.path.dirname(name)))
         else:
             root = _fixed_folder(name)
             for path in sorted(glob.glob(name, recursive=True)):
                 if os.path.isdir(path):
-                    places += ((inner, root) for inner in _walk(path, without, said))
+                    below = _walk(path, without, said, configurations)
+                    places += ((inner, root) for inner in below)
                 else:
                     places.append((path, root))
         if (len(places), len(said)) == before:
             said.append(rules.NOTHING.at(Source(name), found=name))
-    return Found(tuple(_inputs(places)), tuple(said))
+    return Found(tuple(_inputs(places)), tuple(said), tuple(dict.fromkeys(configurations)))
 
 
 def _inputs(places: Iterable[tuple[str, str]]) -> Iterator[Input]:
@@ -110,6 +114,7 @@ def _walk(
     folder: str,
     without: Collection[tuple[int, int]],
     said: list[Diagnostic],
+    configurations: list[str],
     above: tuple[tuple[tuple[int, int], str], ...] = (),
 ) -> Iterator[str]:
     """The files below a folder, in order of their names; links are followed, but never back."""
@@ -127,7 +132,10 @@ def _walk(
         said.append(rules.FOLDER.at(Source(folder), found=error.strerror or error))
         return
     for entry in entries:
-        if entry.name.startswith(".") or entry.name == "beamcam.toml":
+        if entry.name.startswith("."):
+            continue
+        if entry.name == CONFIG_NAME:
+            configurations.append(entry.path)
             continue
         try:
             is_folder = entry.is_dir()
@@ -135,7 +143,9 @@ def _walk(
             said.append(UNREADABLE.at(Source(entry.path), found=error.strerror or error))
             continue
         if is_folder:
-            yield from _walk(entry.path, without, said, (*above, (identity, folder)))
+            yield from _walk(
+                entry.path, without, said, configurations, (*above, (identity, folder))
+            )
         elif entry.name.lower().endswith(SUFFIXES):
             yield entry.path
 

@@ -15,6 +15,7 @@ from beamcam.commands.running import (
     ended_by_term,
     run_options,
     shop_of,
+    unused,
     workers_of,
 )
 from beamcam.commands.settings import settled
@@ -63,7 +64,7 @@ def command(
         workers = workers_of(shop, config.jobs, scheduler, len(found.inputs))
     except BeamcamError as error:
         voice.stop(error.diagnostics)
-    said = [as_message(d) for d in found.diagnostics]
+    said = [as_message(d) for d in (*found.diagnostics, *unused(found, config))]
     account = Report(report)
     interrupted = False
     with Screen(len(found.inputs), voice) as screen, ended_by_term():

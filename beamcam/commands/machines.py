@@ -27,7 +27,12 @@ def command() -> None:
 @command.command("list")
 @options.as_json
 def list_machines(as_json: bool) -> None:
-    """Print the name, the controller and the title of every shipped machine."""
+    """Print the name, the controller and the title of every shipped machine.
+
+    \b
+    beamcam machines list
+    beamcam machines list --json
+    """
     machines = [load(name) for name in shipped()]
     if as_json:
         rows = [{"name": m.name, "controller": m.controller, "title": m.title} for m in machines]
@@ -42,7 +47,12 @@ def list_machines(as_json: bool) -> None:
 @click.argument("name")
 @options.as_json
 def show(name: str, as_json: bool) -> None:
-    """Print every value of the machine NAME, and the file and line it comes from."""
+    """Print every value of the machine NAME, and the file and line it comes from.
+
+    \b
+    beamcam machines show beamline-annex
+    beamcam machines show ./mine.toml --json
+    """
     try:
         rows = settings(name)
     except BeamcamError as error:

@@ -12,15 +12,17 @@ from typing import IO, Any, Self
 
 import click
 
-from beamcam.batch import Here, Processes, Shop, Workers, check_template
+from beamcam.batch import Found, Here, Processes, Shop, Workers, check_template
 from beamcam.commands import options
 from beamcam.commands.common import Voice
 from beamcam.commands.members import member_choice, selection_options
 from beamcam.commands.settings import machine_of_stock
 from beamcam.commands.sheets import drawing_choice, drawing_options, torch_options
+from beamcam.config.rules import UNUSED
 from beamcam.config.values import Config
-from beamcam.errors import Severity
+from beamcam.errors import Diagnostic, Severity, Source
 from beamcam.files import write_whole
+from beamcam.machine import Machine
 from beamcam.report.ledger import ledger_line
 from beamcam.report.run import Counts, Message, Row, dumped, encoded, message_line
 
@@ -73,6 +75,8 @@ def shop_of(config: Config, asked: Mapping[str, Any], timed: bool = False) -> Sh
     name = config.name or ""
     bars = machine_of_stock(config, "beam", name, is_one_of_two=True)
     sheets = machine_of_stock(config, "sheet", name, is_one_of_two=bars.torch is None)
+    for machine in (bars, sheets):
+        _check_suffix(name, machine)
     return Shop(
         bars,
         config.job,
@@ -86,6 +90,23 @@ def shop_of(config: Config, asked: Mapping[str, Any], timed: bool = False) -> Sh
         timed=timed,
         clock=perf_counter,
     )
+
+
+def _check_suffix(template: str, machine: Machine) -> None:
+    """Raises UsageError if programs would be called what `post` writes another form into."""
+    suffix = PurePath(template.replace("{suffix}", machine.suffix)).suffix
+    if template and machine.controller == "stepper" and suffix != machine.suffix:
+        raise click.UsageError(
+            f"found {template!r} for names of {machine.name}; expected them to end with "
+            f"{machine.suffix}, post writes the other forms of its table"
+        )
+
+
+def unused(found: Found, config: Config) -> tuple[Diagnostic, ...]:
+    """A warning for each configuration among the inputs that is not the one of the run."""
+    used = config.file and os.path.realpath(config.file)
+    others = (path for path in found.configurations if os.path.realpath(path) != used)
+    return tuple(UNUSED.at(Source(path)) for path in others)
 
 
 def workers_of(shop: Shop, jobs: int | None, scheduler: str | None, most: int) -> Workers:

@@ -9,7 +9,7 @@ import click
 from beamcam.batch import BatchError, Input, find_inputs, run
 from beamcam.batch.rules import NOTHING, WRITE
 from beamcam.commands.common import REFUSED, Voice
-from beamcam.commands.running import Screen, ended_by_term, run_options, shop_of, workers_of
+from beamcam.commands.running import Screen, ended_by_term, run_options, shop_of, unused, workers_of
 from beamcam.commands.settings import settled
 from beamcam.errors import BeamcamError, Diagnostic, Source
 from beamcam.report.run import Row, as_message
@@ -71,6 +71,7 @@ def command(
                 found = find_inputs((folder,), leave_out)
                 # An empty folder is nothing wrong; what else there is to say is said once.
                 said = tuple(d for d in found.diagnostics if d.code != NOTHING.code)
+                said += unused(found, config)
                 if said != told:
                     screen.say(map(as_message, said))
                     told = said

@@ -1,0 +1,104 @@
+"""Each command has a page, which ends with the command's own help.
+
+The examples of the pages are run by test_readme.py; `pytest tests/test_docs.py --update-golden`
+writes the help into them anew.
+"""
+
+import re
+import shlex
+from collections.abc import Iterator
+from pathlib import Path
+
+import click
+import pytest
+from click.testing import CliRunner
+
+from beamcam.cli import COMMANDS, main
+from tests.command_help import section
+from tests.conftest import ROOT, Golden
+
+DOCS = ROOT / "docs"
+PAGES = sorted(DOCS.rglob("*.md"))
+MARK = "<!-- of the command itself -->\n"
+_LINK = re.compile(r"\]\(([^)#:]+\.md)\)")
+
+
+def every_command() -> Iterator[tuple[str, click.Command]]:
+    """The words that call a command, and the command; those of groups too."""
+    context = click.Context(main)
+    for name in COMMANDS:
+        command = main.get_command(context, name)
+        assert command is not None
+        yield name, command
+        if isinstance(command, click.Group):
+            yield from ((f"{name} {below}", one) for below, one in command.commands.items())
+
+
+WORDS = dict(every_command())
+
+
+def calls(line: str) -> Iterator[list[str]]:
+    """The words of each call of beamcam in a line for a shell."""
+    words = shlex.shlex(line, posix=True, punctuation_chars="|>")
+    words.whitespace_split = True
+    call: list[str] = []
+    for word in [*words, "|"]:
+        if word in ("|", ">"):
+            if call[:1] == ["beamcam"]:
+                yield call[1:]
+            call = []
+        else:
+            call.append(word)
+
+
+@pytest.mark.parametrize("name", COMMANDS)
+def test_a_page_ends_with_the_help(name: str, golden: Golden) -> None:
+    page = DOCS / "commands" / f"{name}.md"
+    text, mark, _ = page.read_text(encoding="utf-8").partition(MARK)
+    assert mark
+    assert f"`beamcam {name}`" in text.splitlines()[0]
+    assert f"\nbeamcam {name}" in text
+    helps = [section(words, WORDS[words]) for words in WORDS if words.split()[0] == name]
+    golden.check(page, text + mark + "\n" + "\n".join(helps))
+
+
+@pytest.mark.parametrize("words", WORDS)
+def test_the_help_has_examples_that_can_be_called(words: str) -> None:
+    done = CliRunner().invoke(main, [*words.split(), "--help"], terminal_width=200)
+    lines = (line.strip() for line in done.stdout.splitlines())
+    shown = [line for line in lines if line.startswith(("beamcam ", "find "))]
+    assert any(f"beamcam {words}" in line for line in shown)
+    for name, *args in (call for line in shown for call in calls(line)):
+        if name == "machines":
+            name, *args = f"machines {args[0]}", *args[1:]
+        try:
+            WORDS[name].make_context(name, args)
+        except click.BadParameter as error:
+            # An example's folder need not be there; a value has to be one.
+            if "does not exist" not in error.message:
+                raise
+
+
+@pytest.mark.parametrize("words", WORDS)
+def test_every_option_has_its_help(words: str) -> None:
+    for option in WORDS[words].params:
+        assert not isinstance(option, click.Option) or option.help, option.name
+
+
+def test_the_index_leads_to_every_page() -> None:
+    index = DOCS / "README.md"
+    linked = {(DOCS / link).resolve() for link in _LINK.findall(index.read_text(encoding="utf-8"))}
+    assert linked == set(PAGES) - {index}
+
+
+@pytest.mark.parametrize("page", [ROOT / "README.md", *PAGES], ids=lambda p: p.stem)
+def test_links_lead_somewhere(page: Path) -> None:
+    for link in _LINK.findall(page.read_text(encoding="utf-8")):
+        assert (page.parent / link).is_file(), link
+
+
+def test_the_version() -> None:
+    from beamcam import __version__
+
+    done = CliRunner().invoke(main, ["--version"], prog_name="beamcam")
+    assert done.stdout == f"beamcam, version {__version__}\n"
