@@ -9,7 +9,7 @@ from beamcam.commands.options import group
 from beamcam.machine.overlay import MEANINGS, Meaning
 
 _POSITIVE = click.FloatRange(min=0, min_open=True)
-_DRAWING_NAMES = ("units", "width", "layers")
+_DRAWING_NAMES = ("units", "width", "layers", "fit")
 
 
 def _map(
@@ -28,12 +28,25 @@ def _map(
     return table or None
 
 
-#: How a drawing is read: `units`, `width` and `layers`.
+def _fit(ctx: click.Context, param: click.Parameter, values: tuple[str, ...]) -> tuple[str, ...]:
+    """The layers of "newton=LAYER"; "" of "newton", which the reader answers with their names."""
+    layers = []
+    for value in values:
+        method, _, layer = value.partition("=")
+        if method.strip() != "newton":
+            raise click.BadParameter(f"found {value!r}; expected newton=LAYER")
+        layers.append(layer.strip())
+    return tuple(layers)
+
+
+#: How a drawing is read: `units`, `width`, `layers` and `fit`.
 drawing_options = group(
     click.option("--units", help="Unit of a drawing's numbers: mm, in, cm, ..."),
     click.option("--width", help="Width of an SVG's page, as 600mm."),
     click.option("--layers", multiple=True, help="Read this layer only; may be repeated."),
-)
+    click.option("--fit", multiple=True, callback=_fit, metavar="newton=LAYER",
+                 help="Polylines of this layer become polynomials through their vertices."),
+)  # fmt: skip
 
 #: What is said about a sheet and its cuts, over what the machine's file says.
 torch_options = group(

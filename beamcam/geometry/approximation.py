@@ -1,13 +1,20 @@
-"""Functions given as text, as polynomials that stay within a tolerance of them."""
+"""Functions given as text, as polynomials that stay within a tolerance of them.
+
+    y = f(x)           cubics through nodes on the graph, in Newton's form
+    x = f(t), y = g(t) cubics through places of the way, in Bezier form
+
+Each stretch is cut in halves until the measured distance is small enough.
+"""
 
 from collections.abc import Callable
-from math import cos, isfinite, pi
+from math import cos, hypot, isfinite, pi
 
 from msgspec import Struct
 
 from beamcam.geometry.curves import Bezier, Curve, Line
 from beamcam.geometry.expression import compile_expression
 from beamcam.geometry.newton import NewtonCurve
+from beamcam.geometry.plane import Point
 
 #: Nodes of each polynomial.
 NODES = 4
@@ -36,58 +43,96 @@ def curves_of_function(text: str, low: float, high: float, tolerance: float) -> 
     Raises ValueError where the text is no function of x, has no value, or cannot be followed
     (a jump, a pole), with the x where that is.
     """
+    y = _value_of(text, "x")
+    return _followed(lambda x: (x, y(x)), low, high, tolerance, NewtonCurve, f"{text!r}", "x")
+
+
+def curves_of_way(x_text: str, y_text: str, low: float, high: float, tolerance: float) -> Fit:
+    """The way of the point (`x_text`, `y_text`), functions of t, from t = `low` to t = `high`.
+
+    As `curves_of_function`, in cubic Bezier curves; the distance is that of the two places at the
+    same t, which is no less than that of the curves.
+    """
+    x, y = _value_of(x_text, "t"), _value_of(y_text, "t")
+    shown = f"({x_text!r}, {y_text!r})"
+    return _followed(lambda t: (x(t), y(t)), low, high, tolerance, cubic_through, shown, "t")
+
+
+def _value_of(text: str, name: str) -> Callable[[float], float]:
+    """The function that `text` is of the variable `name`; it raises ValueError for no value."""
+    expression = compile_expression(text, (name,))
+
+    def value(at: float) -> float:
+        try:
+            found = expression({name: at})
+        except (ArithmeticError, ValueError) as error:
+            raise ValueError(f"{text!r} has no value at {name} = {at:g}: {error}") from error
+        if not isfinite(found):
+            raise ValueError(f"{text!r} has no value at {name} = {at:g}: {found}")
+        return found
+
+    return value
+
+
+def _followed(
+    point: Callable[[float], Point],
+    low: float,
+    high: float,
+    tolerance: float,
+    shape: Callable[[tuple[Point, ...]], Curve],
+    text: str,
+    name: str,
+) -> Fit:
     if low == high or not (isfinite(low) and isfinite(high)):
         raise ValueError(f"a graph needs two different ends, found {low:g} and {high:g}")
     if not tolerance > 0.0:
         raise ValueError(f"tolerance must be above 0, found {tolerance:g}")
-    expression = compile_expression(text, ("x",))
-
-    def value(x: float) -> float:
-        try:
-            y = expression({"x": x})
-        except (ArithmeticError, ValueError) as error:
-            raise ValueError(f"{text!r} has no value at x = {x:g}: {error}") from error
-        if not isfinite(y):
-            raise ValueError(f"{text!r} has no value at x = {x:g}: {y}")
-        return y
-
     pieces: list[tuple[Curve, float]] = []
-    _follow(value, low, high, tolerance / 2, pieces, MAX_HALVINGS, text)
+
+    def follow(low: float, high: float, halvings: int) -> None:
+        places = [low + (high - low) * k / (NODES - 1) for k in range(NODES - 1)] + [high]
+        nodes = tuple(map(point, places))
+        curve: Curve = Line(nodes[0], nodes[-1])
+        off = _distance(point, curve, low, high)
+        if off > tolerance / 2 * 1e-3:
+            curve = shape(nodes)
+            off = _distance(point, curve, low, high)
+        elif nodes[0] == nodes[-1]:
+            raise ValueError(f"{text} stands still near {name} = {low:g}; expected a way")
+        if off <= tolerance / 2:
+            pieces.append((curve, off))
+            return
+        if halvings == 0:
+            raise ValueError(f"{text} jumps near {name} = {low:g}; expected a smooth function")
+        middle = (low + high) / 2
+        follow(low, middle, halvings - 1)
+        follow(middle, high, halvings - 1)
+
+    follow(low, high, MAX_HALVINGS)
     return Fit(tuple(c for c, _ in pieces), max(d for _, d in pieces))
 
 
-def _follow(
-    value: Callable[[float], float],
-    low: float,
-    high: float,
-    tolerance: float,
-    pieces: list[tuple[Curve, float]],
-    halvings: int,
-    text: str,
-) -> None:
-    xs = [low + (high - low) * k / (NODES - 1) for k in range(NODES - 1)] + [high]
-    nodes = tuple((x, value(x)) for x in xs)
-    curve: Curve = Line(nodes[0], nodes[-1])
-    off = _distance(value, curve, low, high)
-    if off > tolerance * 1e-3:
-        curve = NewtonCurve(nodes)
-        off = _distance(value, curve, low, high)
-    if off <= tolerance:
-        pieces.append((curve, off))
-        return
-    if halvings == 0:
-        raise ValueError(f"{text!r} jumps near x = {low:g}; expected a smooth function")
-    middle = (low + high) / 2
-    _follow(value, low, middle, tolerance, pieces, halvings - 1, text)
-    _follow(value, middle, high, tolerance, pieces, halvings - 1, text)
-
-
-def _distance(value: Callable[[float], float], curve: Curve, low: float, high: float) -> float:
+def _distance(point: Callable[[float], Point], curve: Curve, low: float, high: float) -> float:
     count = PROBES * (NODES - 1)
     # Chebyshev's places lie denser at the ends, where polynomials through nodes err most, and
     # on none of the nodes.
     shares = [(1 - cos(pi * (k + 0.5) / count)) / 2 for k in range(count)]
-    return max(abs(curve.point(t)[1] - value(low + t * (high - low))) for t in shares)
+    worst = 0.0
+    for t in shares:
+        (x, y), (fx, fy) = curve.point(t), point(low + t * (high - low))
+        worst = max(worst, hypot(x - fx, y - fy))
+    return worst
+
+
+def cubic_through(nodes: tuple[Point, ...]) -> Bezier:
+    """The cubic that passes its four nodes at t = 0, 1/3, 2/3 and 1."""
+    (ax, ay), (bx, by), (cx, cy), (dx, dy) = nodes
+
+    def legs(a: float, b: float, c: float, d: float) -> tuple[float, float]:
+        return (-5 * a + 18 * b - 9 * c + 2 * d) / 6, (2 * a - 9 * b + 18 * c - 5 * d) / 6
+
+    (x1, x2), (y1, y2) = legs(ax, bx, cx, dx), legs(ay, by, cy, dy)
+    return Bezier((nodes[0], (x1, y1), (x2, y2), nodes[3]))
 
 
 def bezier_of_monomial(coefficients: tuple[float, ...], low: float, high: float) -> Bezier:

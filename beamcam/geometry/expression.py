@@ -10,6 +10,10 @@ import math
 import operator
 from collections.abc import Callable, Collection, Mapping
 
+#: Operations inside each other; no drawing needs more, and Python's own stack ends somewhere.
+MOST_NESTED = 100
+MANY = 100
+
 Expression = Callable[[Mapping[str, float]], float]
 
 _OPERATORS: dict[type[ast.operator], Callable[[float, float], float]] = {
@@ -24,6 +28,10 @@ FUNCTIONS: dict[str, Callable[..., float]] = {
     "sin": math.sin, "cos": math.cos, "tan": math.tan, "asin": math.asin, "acos": math.acos,
     "atan": math.atan, "atan2": math.atan2, "hypot": math.hypot, "radians": math.radians,
     "degrees": math.degrees, "floor": math.floor, "ceil": math.ceil,
+}  # fmt: skip
+#: How many values the functions take that do not take one: least and most.
+_COUNTS: dict[str, tuple[int, int]] = {
+    "min": (2, MANY), "max": (2, MANY), "hypot": (1, MANY), "atan2": (2, 2), "log": (1, 2),
 }  # fmt: skip
 CONSTANTS = {"pi": math.pi, "e": math.e}
 
@@ -40,12 +48,25 @@ def compile_expression(text: str, names: Collection[str]) -> Expression:
         tree = ast.parse(text.strip().replace("^", "**"), mode="eval")
     except (SyntaxError, ValueError, RecursionError, MemoryError) as error:
         raise ValueError(f"{text!r} is no arithmetic expression") from error
+    if _depth(tree.body) > MOST_NESTED:
+        raise ValueError(f"{text[:40]!r}... is nested more than {MOST_NESTED} deep")
     return _compile(tree.body, frozenset(names))
+
+
+def _depth(tree: ast.expr) -> int:
+    """How many nodes lie inside each other, found without recursion."""
+    deepest, waiting = 0, [(tree, 1)]
+    while waiting:
+        node, depth = waiting.pop()
+        deepest = max(deepest, depth)
+        waiting += ((child, depth + 1) for child in ast.iter_child_nodes(node)
+                    if isinstance(child, ast.expr))  # fmt: skip
+    return deepest
 
 
 def _compile(node: ast.expr, names: frozenset[str]) -> Expression:
     match node:
-        case ast.Constant(value=int() | float() as value) if not isinstance(value, bool):
+        case ast.Constant(value=int() | float() as value) if _is_number(value):
             number = float(value)
             return lambda _: number
         case ast.Name(id=name) if name in names:
@@ -66,9 +87,18 @@ def _compile(node: ast.expr, names: frozenset[str]) -> Expression:
             )
             return lambda values: apply(first(values), second(values))
         case ast.Call(func=ast.Name(id=name), args=args, keywords=[]) if name in FUNCTIONS:
+            least, most = _COUNTS.get(name, (1, 1))
+            if not least <= len(args) <= most:
+                some = f"{least}" if least == most else f"{least} or more"
+                raise ValueError(f"{name!r} takes {some}, found {len(args)} values")
             function, arguments = FUNCTIONS[name], [_compile(a, names) for a in args]
             return lambda values: float(function(*[a(values) for a in arguments]))
     known = ", ".join(sorted(names))
     raise ValueError(
         f"{ast.unparse(node)!r} is not understood; names known here: {known or 'none'}"
     )
+
+
+def _is_number(value: object) -> bool:
+    """Whether a constant is a number that a float can hold; True and False are none."""
+    return isinstance(value, float) or (type(value) is int and value.bit_length() <= 1023)

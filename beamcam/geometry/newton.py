@@ -21,6 +21,9 @@ EQUIDISTANT_SLACK = 1e-12
 #: Polynomials through more nodes than this swing between them more often than not.
 CALM_NODES = 5
 
+#: A polynomial may leave the band between two nodes by this share of the extent of all of them.
+CALM_SHARE = 0.25
+
 
 def divided_differences(u: Sequence[float], values: Sequence[float]) -> tuple[float, ...]:
     """Newton's coefficients of the polynomial through (u, values). The `u` must all differ."""
@@ -193,6 +196,13 @@ class NewtonCurve(Struct, frozen=True):
         return parabola_of(self.as_bezier())
 
 
+def newton_through(nodes: tuple[Point, ...]) -> NewtonCurve:
+    """The polynomial through `nodes`; ValueError where two of them are too near to differ."""
+    curve = NewtonCurve(nodes)
+    _newton_form(curve)
+    return curve
+
+
 def parabola_of(curve: Bezier) -> tuple[Point, Point, Point]:
     """Start, vertex and end of a quadratic Bezier curve, as G06 takes them.
 
@@ -216,6 +226,10 @@ def _newton_form(
         for a, b in itertools.pairwise(nodes):
             along.append(along[-1] + distance(a, b))
     u = (*(a / along[-1] for a in along[:-1]), 1.0)
+    for k, (here, there) in enumerate(itertools.pairwise(u)):
+        if not here < there:
+            x, y = nodes[k + 1]
+            raise ValueError(f"node ({x:g}, {y:g}) is too near to the one before")
     xs = newton_coefficients(u, [node[0] for node in nodes])
     ys = newton_coefficients(u, [node[1] for node in nodes])
     return u, xs, ys
@@ -254,15 +268,23 @@ class Oscillation(Struct, frozen=True):
 
 
 def find_oscillation(curve: NewtonCurve) -> Oscillation | None:
-    """The measured overshoot of a curve with more than five nodes that turns more often than
-    its nodes do; None if it does not."""
+    """The measured overshoot of a curve with more than five nodes that turns more often than its
+    nodes do, or leaves them by more than `CALM_SHARE` of their extent; None if it is calm."""
     if len(curve.nodes) <= CALM_NODES:
         return None
     turns = [(t, curve.point(t)) for t in curve.extremes()]
-    box = curve.bbox
-    size = max(box[2] - box[0], box[3] - box[1])
-    if len(turns) <= sum(_count_turns([node[i] for node in curve.nodes]) for i in (0, 1)):
-        return None
+    low_x, low_y, high_x, high_y = box_around(curve.nodes)
+    size = max(high_x - low_x, high_y - low_y)
+    overshoot, near = _greatest_overshoot(curve, turns)
+    of_nodes = sum(_count_turns([node[i] for node in curve.nodes]) for i in (0, 1))
+    least = 1e-9 if len(turns) > of_nodes else CALM_SHARE
+    return Oscillation(len(curve.nodes), overshoot, near) if overshoot > least * size else None
+
+
+def _greatest_overshoot(
+    curve: NewtonCurve, turns: Sequence[tuple[float, Point]]
+) -> tuple[float, Point]:
+    """How far a curve leaves the band between two neighbouring nodes, and where."""
     parameters = curve.parameters
     worst, where = 0.0, curve.start
     for t, point in turns:
@@ -273,7 +295,15 @@ def find_oscillation(curve: NewtonCurve) -> Oscillation | None:
             excess = max(low - point[i], point[i] - high)
             if excess > worst:
                 worst, where = excess, point
-    return Oscillation(len(curve.nodes), worst, where) if worst > 1e-9 * size else None
+    return worst, where
+
+
+def node_error(curve: NewtonCurve) -> float:
+    """How far the curve misses its nodes by rounding: its Bezier form loses a digit a node or so,
+    and what follows the curve follows that form."""
+    form = curve.as_bezier()
+    pairs = zip(curve.parameters, curve.nodes, strict=True)
+    return max(distance(form.point(t), node) for t, node in pairs)
 
 
 def _count_turns(values: Sequence[float]) -> int:

@@ -6,6 +6,9 @@ weights `{"bezier": {"points", "weights"}}`), `{"bspline": {"degree", "control",
 "weights"}}`, `{"newton": [[x, y], ...]}`. By hand also `{"polygon": [[x, y], ...]}`, `{"circle":
 {"centre", "radius"}}` and `{"tangent_arc": {"from", "to", "radius", "side"}}`: the arc of at most
 180 degrees through two tangency points, its centre left or right of the way from one to the other.
+
+A formula is `{"function": {"y": "20 + 5 * sin(x / 10)", "from": 0, "to": 62.8}}`, a graph, or
+`{"function": {"x": "30 * cos(t)", "y": "30 * sin(t)", "t": [0, "2 * pi"]}}`, a way.
 """
 
 from typing import Any
@@ -21,11 +24,13 @@ from beamcam.geometry.curves import (
     NewtonCurve,
     arc_through,
 )
+from beamcam.geometry.newton import newton_through
+from beamcam.model.function_json import curves_of_text
 from beamcam.model.json_object import JSON_VALUE, JsonObject, show
 
 CURVE_KINDS = (
     *("line", "arc", "ellipse", "bezier", "bspline", "newton"),
-    *("polygon", "circle", "tangent_arc"),
+    *("polygon", "circle", "tangent_arc", "function"),
 )
 
 JSON_CURVE = Rule(
@@ -84,7 +89,7 @@ def _lists(points: tuple[tuple[float, float], ...]) -> list[list[float]]:
 
 
 def curves_from_json(item: JsonObject) -> tuple[Curve, ...]:
-    """The curve of one object, or the curves of a polygon. Raises ReadError."""
+    """The curve of one object, or those of a polygon or a function. Raises ReadError."""
     kind = next((key for key in CURVE_KINDS if key in item), None)
     if kind is None:
         expected = "one of " + " ".join(CURVE_KINDS)
@@ -96,6 +101,8 @@ def curves_from_json(item: JsonObject) -> tuple[Curve, ...]:
         if points[0] == points[-1]:
             points = points[:-1]
         return tuple(map(Line, points, (*points[1:], points[0])))
+    if kind == "function":
+        return curves_of_text(item.child(kind))
     try:
         return (_curve(item, kind),)
     except ReadError:
@@ -112,7 +119,7 @@ def _curve(item: JsonObject, kind: str) -> Curve:
             raise item.fault(JSON_VALUE, kind, found=f"{len(points)} points", expected="2 points")
         return Line(*points)
     if kind == "newton":
-        return NewtonCurve(item.points(kind))
+        return newton_through(item.points(kind))
     if kind == "bezier" and isinstance(item.raw(kind), list):
         return Bezier(item.points(kind))
     fields = item.child(kind)

@@ -6,6 +6,7 @@ from typing import cast
 from beamcam.errors import ReadError, Rule, Severity, Source
 from beamcam.geometry.curves import Arc, Curve, signed_area
 from beamcam.model.curve_json import JSON_CURVE, curves_from_json
+from beamcam.model.function_json import JSON_EXPRESSION
 from beamcam.model.json_object import JSON_OBJECT_RULES, JSON_VALUE, JsonObject, show
 from beamcam.model.part import (
     FACES,
@@ -57,7 +58,14 @@ JSON_INDEX = Rule(
     "A bevel or notch belongs to a curve of its contour.",
 )
 
-JSON_PART_RULES = (*JSON_OBJECT_RULES, JSON_CURVE, JSON_SCHEMA, JSON_FACE, JSON_INDEX)
+JSON_PART_RULES = (
+    *JSON_OBJECT_RULES,
+    JSON_CURVE,
+    JSON_EXPRESSION,
+    JSON_SCHEMA,
+    JSON_FACE,
+    JSON_INDEX,
+)
 
 
 def part_from_json(value: object, file: str) -> Part:
@@ -267,13 +275,13 @@ def _contour(item: JsonObject, face: str, file: str) -> Contour:
     drawn = True  # by shorthands only, which have no direction of their own
     for i, value in enumerate(item.items("curves")):
         curve = JsonObject(value, f"{item.at('curves')}[{i}]", item.file)
-        drawn = drawn and ("polygon" in curve or "circle" in curve)
+        drawn = drawn and any(key in curve for key in ("polygon", "circle", "function"))
         found += curves_from_json(curve)
         curve.finish()
     if not found:
         raise item.fault(JSON_VALUE, "curves", found="no curves", expected="one curve or more")
     curves = tuple(found)
-    if drawn and kind != "open":
+    if drawn and kind != "open" and _is_closed(curves):
         curves = _turned_as(curves, kind, face)
     item.ignore(("length", "bbox"))
     return Contour(
@@ -292,7 +300,7 @@ def _contour(item: JsonObject, face: str, file: str) -> Contour:
 
 
 def _turned_as(curves: tuple[Curve, ...], kind: ContourKind, face: str) -> tuple[Curve, ...]:
-    """Polygons and circles so that outer ones run counter-clockwise seen from outside."""
+    """Polygons, circles and ways so that outer ones run counter-clockwise seen from outside."""
     positive = (kind == "outer") != (face in MIRRORED_FACES)
     if (signed_area(curves) > 0) == positive:
         return curves

@@ -36,8 +36,8 @@ class Format(Struct, frozen=True):
 
 FORMATS = (
     Format("dstv", (".nc", ".nc1"), "beamcam.readers.dstv"),
-    Format("dxf", (".dxf",), "beamcam.readers.dxf", ("units", "layers")),
-    Format("svg", (".svg",), "beamcam.readers.svg", ("units", "width", "layers")),
+    Format("dxf", (".dxf",), "beamcam.readers.dxf", ("units", "layers", "fit")),
+    Format("svg", (".svg",), "beamcam.readers.svg", ("units", "width", "layers", "fit")),
     Format("ifc", (".ifc", ".ifczip"), "beamcam.readers.ifc", ("selection", "options", "progress")),
     Format("part-json", (".json",), "beamcam.readers.part_json"),
 )
@@ -47,7 +47,7 @@ def read(data: bytes, name: str, **options: object) -> Reading:
     """The parts of a file called `name`; a file that no reader knows is refused.
 
     The suffix says which reader is asked first, the content decides. `options` that are not None
-    go to a reader that takes them (units, width and layers of a drawing).
+    go to a reader that takes them (units, width, layers and fit of a drawing).
     """
     suffix = os.path.splitext(name)[1].lower()
     likely = sorted(FORMATS, key=lambda f: suffix not in f.suffixes)

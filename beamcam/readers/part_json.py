@@ -6,6 +6,7 @@ from typing import Any
 from beamcam.errors import ReadError, Rule, Severity, Source
 from beamcam.model.part_from_json import JSON_PART_RULES, part_from_json
 from beamcam.model.part_json import PART_SCHEMA
+from beamcam.readers.polynomials import checked_polynomials
 from beamcam.readers.reading import Reading
 
 JSON_SYNTAX = Rule(
@@ -53,9 +54,10 @@ def read(data: bytes, name: str) -> Reading:
     except (RecursionError, ValueError) as error:
         return Reading("part-json", (), (JSON_SYNTAX.at(Source(name), found=str(error)),))
     try:
-        return Reading("part-json", (part_from_json(value, name),))
+        part = part_from_json(value, name)
     except ReadError as error:
         return Reading("part-json", (), error.diagnostics)
+    return Reading("part-json", (part,), checked_polynomials(part))
 
 
 def _unique(pairs: list[tuple[str, Any]]) -> dict[str, Any]:

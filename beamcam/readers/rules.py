@@ -20,5 +20,18 @@ UNREADABLE = Rule(
     "found no file that can be read ({found})",
     "The file does not exist, or the system does not let it be read.",
 )
+OSCILLATION = Rule(
+    "polynomial-oscillates",
+    Severity.WARNING,
+    "found that {found}",
+    "Between many nodes a polynomial swings; take fewer nodes, or several curves of up to five.",
+)
+NODES_LOST = Rule(
+    "polynomial-lost",
+    Severity.ERROR,
+    "found a polynomial through {nodes} nodes that misses them by {found:.3g} mm, expected at "
+    "most {expected:g} mm; take fewer nodes",
+    "Its values cancel each other until no digit of them is left.",
+)
 
-RULES = (EMPTY, UNKNOWN_FORMAT, UNREADABLE)
+RULES = (EMPTY, UNKNOWN_FORMAT, UNREADABLE, OSCILLATION, NODES_LOST)

@@ -33,5 +33,26 @@ TOO_LARGE = Rule(
     "--units overrides it",
     "Programs write metres as their default unit into drawings that are meant in mm.",
 )
+FIT_LAYER = Rule(
+    "drawing-fit-layer",
+    Severity.ERROR,
+    "found {found}, expected --fit newton=LAYER with polylines on one of the layers {expected}",
+    "The option --fit names the layers whose polylines are the nodes of polynomials.",
+)
+FIT_NODES = Rule(
+    "drawing-fit-nodes",
+    Severity.ERROR,
+    "found a polyline that is no polynomial ({found}), expected vertices apart from each other",
+    "A polynomial needs a place of its own for each of its nodes.",
+)
+FITTED = Rule(
+    "drawing-fitted",
+    Severity.NOTE,
+    "found {count} polylines on layer {layer!r}, now polynomials through their vertices; {kept} "
+    "other contours there stay as they are drawn",
+    "This is what --fit newton=LAYER asked for; single lines and polylines with arcs are kept.",
+)
 
-RULES: tuple[Rule, ...] = (UNITS_OPTION, WIDTH_OPTION, LAYER_OPTION, NO_CURVES, TOO_LARGE)
+RULES: tuple[Rule, ...] = (
+    UNITS_OPTION, WIDTH_OPTION, LAYER_OPTION, NO_CURVES, TOO_LARGE, FIT_LAYER, FIT_NODES, FITTED,
+)  # fmt: skip

@@ -235,6 +235,14 @@ def by_fit_points(entity: Any) -> int:
     return int(entity.fit_point_count())
 
 
+def through_fit_points(entity: Any, frame: Frame, heights: Heights) -> list[Chain]:
+    """The polyline through the fit points of a spline: the nodes of a polynomial that is asked
+    for, where drawing programs show a cubic spline."""
+    points: list[Vector] = [(float(x), float(y), float(z)) for x, y, z in entity.fit_points]
+    heights += (frame.height(p) for p in points)
+    return _chain([(*frame.point(p), 0.0) for p in points], IDENTITY)
+
+
 CURVES: dict[str, Callable[[Any, Frame, Heights], list[Chain]]] = {
     "LINE": line,
     "ARC": arc,

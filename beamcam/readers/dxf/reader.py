@@ -7,6 +7,7 @@ from beamcam.errors import Diagnostic, ReadError, Source
 from beamcam.model.drawing import Measures
 from beamcam.model.part import Part
 from beamcam.readers.drawing import LARGEST_SIZE, counted, drawing_part, unknown_layers
+from beamcam.readers.drawing.newton import fit_newton
 from beamcam.readers.drawing.rules import NO_CURVES, TOO_LARGE
 from beamcam.readers.dxf import rules
 from beamcam.readers.dxf.frame import scaled
@@ -22,11 +23,18 @@ __all__ = ["looks_like", "read"]
 FLAT = 1e-3
 
 
-def read(data: bytes, name: str, units: str | None = None, layers: Sequence[str] = ()) -> Reading:
+def read(
+    data: bytes,
+    name: str,
+    units: str | None = None,
+    layers: Sequence[str] = (),
+    fit: Sequence[str] = (),
+) -> Reading:
     """The part that a DXF file draws in model space, and what is to be said; never raises.
 
     `units` ("mm", "in", ...) overrides what the file says about its unit. `layers` names the
-    layers to read, hidden ones too; by default those that are visible and plot.
+    layers to read, hidden ones too; by default those that are visible and plot. `fit` names layers
+    whose polylines and splines by fit points become polynomials through their vertices.
     """
     source = Source(name)
     unit, said = find_unit(data, units, source)
@@ -39,15 +47,16 @@ def read(data: bytes, name: str, units: str | None = None, layers: Sequence[str]
     said += loaded.remarks
     chosen = Layers(loaded.document, frozenset(n.lower() for n in layers) or None)
     said += unknown_layers(chosen.names(), layers, source)
-    walk = Walk(name, chosen, loaded.handles)
+    walk = Walk(name, chosen, loaded.handles, frozenset(n.lower() for n in fit))
     try:
         walk.entities(loaded.document.modelspace(), scaled(unit.mm), Look(), ())
     except ReadError as error:
         return Reading("dxf", (), said + error.diagnostics)
-    part = _part(name, walk.found)
+    part, fitted = fit_newton(_part(name, walk.found), fit)
     said += (
         *contradictions(loaded.document, unit, name),
         *walk.found.said,
+        *fitted,
         *_remarks(walk.found, source),
         *_verdict(part, walk.found, unit, source),
     )

@@ -89,7 +89,8 @@ ENTITY = _error(
 FIT_SPLINE = _warning(
     "fit-spline",
     "found a spline given by {count} fit points only; the curve between them is interpolated",
-    "The file does not hold the curve that the drawing program showed.",
+    "The file does not hold the curve that the drawing program showed, a cubic spline; with "
+    "--fit newton=LAYER it is the polynomial through the points.",
 )
 HIDDEN = _note(
     "hidden",

@@ -19,6 +19,7 @@ from beamcam.readers.dxf.curves import (
     by_fit_points,
     check_finite,
     is_curve,
+    through_fit_points,
 )
 from beamcam.readers.dxf.frame import Frame
 from beamcam.readers.dxf.layers import Layers, Look
@@ -53,6 +54,7 @@ class Walk(Struct):
     name: str
     layers: Layers
     handles: bool  #: whether entities have names of their own
+    newton: frozenset[str] = frozenset()  #: layers whose fit points are nodes of polynomials
     found: Collected = field(default_factory=Collected)
     _seen: Counter[str] = field(default_factory=Counter)
     _copies: int = 0  #: of blocks, so far
@@ -99,7 +101,8 @@ class Walk(Struct):
         heights: Heights = []
         hidden = self.layers.hides(look)
         try:
-            chains = self._chains(entity, kind, frame, heights)
+            polynomial = by_fit_points(entity) > 0 and look.layer.lower() in self.newton
+            chains = self._chains(entity, kind, frame, heights, polynomial)
         except EdgeOnError:
             if not hidden:
                 self.found.edge_on[kind] += 1
@@ -115,11 +118,14 @@ class Walk(Struct):
         self.found.heights += heights
         for chain in chains:
             self.found.contours.append(as_contour(chain, source, look.layer, look.colour))
-        if chains and (count := by_fit_points(entity)):
+        if chains and not polynomial and (count := by_fit_points(entity)):
             self.found.said.append(rules.FIT_SPLINE.at(source, count=count))
 
-    def _chains(self, entity: Any, kind: str, frame: Frame, heights: Heights) -> list[Chain]:
-        chains = CURVES[kind](entity, frame, heights)
+    def _chains(
+        self, entity: Any, kind: str, frame: Frame, heights: Heights, polynomial: bool
+    ) -> list[Chain]:
+        read = through_fit_points if polynomial else CURVES[kind]
+        chains = read(entity, frame, heights)
         check_finite(chains)
         if not chains:
             self.found.empty[kind] += 1

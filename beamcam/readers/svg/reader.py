@@ -6,6 +6,7 @@ from beamcam.errors import Diagnostic, ReadError, Rule, Source
 from beamcam.model.drawing import Measures
 from beamcam.model.part import Part
 from beamcam.readers.drawing import LARGEST_SIZE, counted, drawing_part, unknown_layers
+from beamcam.readers.drawing.newton import fit_newton
 from beamcam.readers.drawing.rules import NO_CURVES, TOO_LARGE
 from beamcam.readers.reading import Reading
 from beamcam.readers.svg import rules
@@ -23,12 +24,14 @@ def read(
     units: str | None = None,
     width: str | float | None = None,
     layers: Sequence[str] = (),
+    fit: Sequence[str] = (),
 ) -> Reading:
     """The part that an SVG file draws, and what is to be said about it; never raises.
 
     `units` names the unit of plain numbers ("mm", "px90"), `width` is the width of the page
     ("600mm"; a number is mm): for files that do not say their size, or say it wrong. `layers`
-    names the layers to read; by default those that show.
+    names the layers to read; by default those that show. `fit` names layers whose polylines become
+    polynomials through their vertices.
     """
     try:
         document = parse(data, name)
@@ -40,13 +43,14 @@ def read(
         walk.elements(document.root.children, Place(page.matrix, style, hidden=hidden))
     except ReadError as error:
         return Reading("svg", (), error.diagnostics)
-    part = _part(name, walk.found, page)
+    part, fitted = fit_newton(_part(name, walk.found, page), fit)
     source = Source(name)
     said = (
         *page.remarks,
         *(rules.SELECTOR.at(source, found=s) for s in sheet.ignored),
         *unknown_layers(sorted(walk.found.layers - {""}), layers, source),
         *walk.found.said,
+        *fitted,
         *_remarks(walk.found, source),
         *_verdict(part, walk.found, units is not None or width is not None, source),
     )

@@ -1,8 +1,11 @@
 """Polynomials through nodes: tables whose answers are known."""
 
+from itertools import pairwise
+from math import dist
+
 import pytest
 
-from beamcam.geometry.approximation import bezier_of_monomial, curves_of_function
+from beamcam.geometry.approximation import bezier_of_monomial, curves_of_function, curves_of_way
 from beamcam.geometry.curves import Bezier, Line, NewtonCurve
 from beamcam.geometry.newton import (
     are_equidistant,
@@ -11,7 +14,9 @@ from beamcam.geometry.newton import (
     forward_differences,
     monomial_coefficients,
     newton_coefficients,
+    newton_through,
     newton_value,
+    node_error,
     parabola_of,
 )
 
@@ -98,6 +103,54 @@ def test_many_nodes_oscillate_and_the_overshoot_is_measured():
     assert str(found).endswith("expected at most 5 nodes")
 
 
+def test_nodes_that_turn_as_often_as_the_curve_may_swing_too():
+    values = (0.0, 5.0, -5.0, 4.0, -4.0, 5.0, -3.0, 5.0)
+    found = find_oscillation(NewtonCurve(tuple((10.0 * k, v) for k, v in enumerate(values))))
+    assert found is not None
+    assert found.overshoot > 0.25 * 70
+
+
+def test_a_polynomial_loses_a_digit_a_node():
+    calm = NewtonCurve(tuple((float(x), x * x / 10.0) for x in range(8)))
+    assert node_error(calm) < 1e-12
+    assert node_error(NewtonCurve(tuple((float(x), (-1.0) ** x) for x in range(40)))) > 1.0
+
+
+def test_nodes_without_a_place_of_their_own_are_refused():
+    assert newton_through(TABLE) == NewtonCurve(TABLE)
+    with pytest.raises(ValueError, match="too near to the one before"):
+        newton_through(((0.0, 0.0), (1e8, 0.0), (1e8, 1e-9)))
+
+
+@pytest.mark.parametrize("tolerance", [1.0, 0.01, 1e-5])
+@pytest.mark.parametrize(
+    ("x", "y", "low", "high"),
+    [("9 * cos(t)", "4 * sin(t)", 0, 6.3), ("t", "t^3", 2, -2), ("t^2", "t^3", -1, 1),
+     ("20*(cos(t)+t*sin(t))", "20*(sin(t)-t*cos(t))", 0, 2)],
+)  # fmt: skip
+def test_a_way_is_followed_within_its_tolerance(x, y, low, high, tolerance):
+    from beamcam.geometry.expression import compile_expression
+
+    fit = curves_of_way(x, y, low, high, tolerance)
+    fx, fy = compile_expression(x, ("t",)), compile_expression(y, ("t",))
+    assert fit.deviation <= tolerance / 2
+    places = [(fx({"t": t}), fy({"t": t})) for t in (low, high)]
+    assert [fit.curves[0].start, fit.curves[-1].end] == places
+    for a, b in pairwise(fit.curves):
+        assert a.end == b.start
+    # Every place of the way has a place of the curves within the tolerance.
+    drawn = [curve.point(k / 200) for curve in fit.curves for k in range(201)]
+    step = max(dist(a, b) for a, b in pairwise(drawn))
+    for k in range(101):
+        t = low + (high - low) * k / 100
+        place = fx({"t": t}), fy({"t": t})
+        assert min(dist(place, p) for p in drawn) <= tolerance + step
+
+
+def test_a_straight_way_is_one_line():
+    assert curves_of_way("2 * t", "t + 1", 0, 5, 0.01).curves == (Line((0, 1), (10, 6)),)
+
+
 def test_few_or_calm_nodes_are_no_oscillation():
     assert find_oscillation(runge(5)) is None
     calm = NewtonCurve(tuple((float(x), x * x / 10.0) for x in range(8)))
@@ -146,6 +199,8 @@ def test_monomials_become_beziers():
         (lambda: curves_of_function("sqrt(x)", -1, 1, 0.1), "has no value at x = -1"),
         (lambda: curves_of_function("floor(x)", 0.1, 1.9, 0.1), "jumps near x = "),
         (lambda: curves_of_function("y", 0, 1, 0.1), "'y' is not understood"),
+        (lambda: curves_of_way("1", "2", 0, 1, 0.1), "stands still near t = 0"),
+        (lambda: curves_of_way("floor(t)", "t", 0, 2.1, 0.1), "jumps near t = "),
     ],
 )
 def test_what_has_no_curve_is_refused(call, message):

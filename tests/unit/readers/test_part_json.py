@@ -1,6 +1,7 @@
 """The JSON form of parts as people write it, and what is said when they err."""
 
 import json
+from math import cos, pi, sin, sqrt
 
 import pytest
 
@@ -228,7 +229,29 @@ FLAWED_CURVES = [
         *("json-curve", AT + ".bspline"),
     ),
     ({"newton": [[0, 0]]}, "json-value", AT + ".newton"),
-]
+    ({"newton": [[0, 0], [1, 1], [1, 1]]}, "json-curve", AT + ".newton"),
+    ({"newton": [[0, 0], [1e8, 0], [1e8, 1e-9]]}, "json-curve", AT + ".newton"),
+    ({"function": {"y": "x"}}, "json-key-missing", AT + ".function.from"),
+    ({"function": {"y": "x", "from": 0}}, "json-key-missing", AT + ".function.to"),
+    ({"function": {"from": 0, "to": 1}}, "json-key-missing", AT + ".function.y"),
+    ({"function": {"y": 5, "from": 0, "to": 1}}, "json-type", AT + ".function.y"),
+    ({"function": {"y": "x +", "from": 0, "to": 1}}, "json-expression", AT + ".function.y"),
+    ({"function": {"y": "t", "from": 0, "to": 1}}, "json-expression", AT + ".function.y"),
+    ({"function": {"y": "x", "from": "pi /", "to": 1}}, "json-expression", AT + ".function.from"),
+    ({"function": {"y": "x", "from": 0, "to": "1 / 0"}}, "json-expression", AT + ".function.to"),
+    ({"function": {"y": "x", "from": 0, "to": True}}, "json-type", AT + ".function.to"),
+    ({"function": {"y": "x", "from": 0, "to": 1, "step": 1}}, "json-key-unknown",
+     AT + ".function.step"),
+    ({"function": {"y": "x", "from": 1, "to": 1}}, "json-expression", AT + ".function"),
+    ({"function": {"y": "1 / x", "from": 0, "to": 1}}, "json-expression", AT + ".function"),
+    ({"function": {"y": "x", "from": 0, "to": 1, "tolerance": 0}}, "json-value",
+     AT + ".function.tolerance"),
+    ({"function": {"y": "t", "t": [0, 1]}}, "json-key-missing", AT + ".function.x"),
+    ({"function": {"x": "x", "y": "t", "t": [0, 1]}}, "json-expression", AT + ".function.x"),
+    ({"function": {"x": "t", "y": "t", "t": [0]}}, "json-value", AT + ".function.t"),
+    ({"function": {"x": "t", "y": "t", "t": [0, None]}}, "json-type", AT + ".function.t[1]"),
+    ({"function": {"x": "1", "y": "2", "t": [0, 1]}}, "json-expression", AT + ".function"),
+]  # fmt: skip
 
 
 @pytest.mark.parametrize(("value", "code", "line", "where"), FLAWED)
@@ -272,3 +295,89 @@ def test_unknown_key_names_the_nearest():
 def test_every_code_is_met():
     met = {code for _, code, *_ in FLAWED} | {code for _, code, _ in FLAWED_CURVES}
     assert {rule.code for rule in RULES} == met | {"json-index"}
+
+
+def test_a_function_is_followed():
+    (contour,) = (
+        read_value(flawed_curve(function={"y": "20 + 5 * sin(x / 10)", "from": 0, "to": "20 * pi"}))
+        .parts[0]
+        .contours
+    )
+    assert contour.curves[0].start == (0, 20)
+    assert contour.curves[-1].end == pytest.approx((20 * pi, 20))
+    for curve in contour.curves:
+        for k in range(11):
+            x, y = curve.point(k / 10)
+            assert y == pytest.approx(20 + 5 * sin(x / 10), abs=5e-4)
+
+
+def test_a_coarse_function_has_fewer_curves():
+    fine = curves_of({"function": {"y": "9 * sin(x)", "from": 0, "to": 9}})
+    coarse = curves_of({"function": {"y": "9 * sin(x)", "from": 0, "to": 9, "tolerance": 0.1}})
+    assert len(coarse.curves) < len(fine.curves)
+
+
+#: The flank of a gear with a base circle of 20 mm.
+INVOLUTE = {
+    "x": "20 * (cos(t) + t * sin(t))", "y": "20 * (sin(t) - t * cos(t))", "t": [0.2, 1],
+}  # fmt: skip
+
+
+def test_the_flank_of_a_gear():
+    contour = curves_of({"function": INVOLUTE})
+    for curve in contour.curves:
+        for k in range(11):
+            x, y = curve.point(k / 10)
+            # Where r is the distance to the centre, t^2 = (r / 20)^2 - 1 on an involute.
+            t = sqrt((x * x + y * y) / 400 - 1)
+            assert x == pytest.approx(20 * (cos(t) + t * sin(t)), abs=1e-3)
+            assert y == pytest.approx(20 * (sin(t) - t * cos(t)), abs=1e-3)
+
+
+def test_a_closed_way_runs_as_its_kind_asks():
+    way = {"x": "9 * cos(t)", "y": "4 * sin(t)", "t": [0, "2 * pi"]}
+    for kind, positive in (("outer", True), ("inner", False)):
+        contour = curves_of({"function": way}, kind=kind)
+        assert contour.closed
+        assert (signed_area(contour.curves) > 0) == positive
+        assert abs(signed_area(contour.curves)) == pytest.approx(36 * pi, rel=1e-4)
+
+
+def test_what_a_function_became_is_kept_to_the_last_bit():
+    (part,) = read_value(flawed_curve(function=INVOLUTE)).parts
+    (again,) = read(write(part).encode(), "part.json").parts
+    assert [c.curves for c in again.contours] == [c.curves for c in part.contours]
+
+
+def test_the_message_of_an_expression():
+    (said,) = read_value(flawed_curve(function={"y": "sinus(x)", "from": 0, "to": 1})).diagnostics
+    assert str(said).startswith(
+        "part.json:contours[0].curves[0].function.y: error json-expression: found 'sinus(x)' is "
+        "not understood; names known here: x, expected arithmetic of x: numbers, pi, e, + - * / ^"
+    )
+    (said,) = read_value(flawed_curve(function={"y": "log(x)", "from": 0, "to": 1})).diagnostics
+    assert said.message == (
+        "found 'log(x)' has no value at x = 0: math domain error, expected a smooth curve from end "
+        "to end"
+    )
+
+
+def test_a_polynomial_that_swings_is_told():
+    runge = [[x * 10, 20 / (1 + x * x)] for x in range(-5, 6)]
+    reading = read_value(flawed_curve(newton=runge))
+    (said,) = reading.diagnostics
+    assert said.severity.value == "warning"
+    assert str(said) == (
+        "part.json:contours[0]: warning polynomial-oscillates: found that the polynomial through "
+        "11 nodes leaves them by 38.003 near (-47.004, 39.179); expected at most 5 nodes"
+    )
+    assert len(reading.parts) == 1
+    assert read_value(flawed_curve(newton=runge[::3])).diagnostics == ()
+
+
+def test_a_polynomial_whose_digits_are_lost_is_refused():
+    zigzag = [[x, (-1) ** x] for x in range(40)]
+    (said,) = read_value(flawed_curve(newton=zigzag)).diagnostics
+    assert said.code == "polynomial-lost"
+    assert said.message.startswith("found a polynomial through 40 nodes that misses them by ")
+    assert said.message.endswith("expected at most 1e-06 mm; take fewer nodes")

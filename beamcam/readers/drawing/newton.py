@@ -1,0 +1,67 @@
+"""Polylines of a layer as polynomials through their vertices: `--fit newton=LAYER`."""
+
+from collections.abc import Sequence
+
+from msgspec.structs import replace
+
+from beamcam.errors import Diagnostic, Source
+from beamcam.geometry.curves import Line
+from beamcam.geometry.newton import newton_through
+from beamcam.model.part import Contour, Part
+from beamcam.readers.drawing import drawing_part
+from beamcam.readers.drawing.rules import FIT_LAYER, FIT_NODES, FITTED
+from beamcam.readers.polynomials import checked_polynomials
+
+
+def fit_newton(part: Part, layers: Sequence[str]) -> tuple[Part, tuple[Diagnostic, ...]]:
+    """The part of a drawing with a polynomial for each polyline on `layers`, and what is said.
+
+    Where x rises or falls from vertex to vertex y is a polynomial of x; elsewhere both are
+    polynomials of the length of the chords. Layers are named without regard to case; "" and a
+    layer without polylines are errors.
+    """
+    if not layers:
+        return part, ()
+    there = {c.layer.lower(): c.layer for c in part.contours if c.layer is not None}
+    with_polylines = {(c.layer or "").lower() for c in part.contours if is_polyline(c)}
+    said: list[Diagnostic] = []
+    contours = list(part.contours)
+    for name in dict.fromkeys(layer.lower() for layer in layers):
+        if name in there and name in with_polylines:
+            said += _fit_layer(contours, there[name], part.source)
+            continue
+        found = f"no layer {name!r}" if name else "no layer"
+        if name in there:
+            found = f"no polylines on layer {there[name]!r}"
+        expected = ", ".join(map(repr, there.values())) or "none"
+        said.append(FIT_LAYER.at(part.source, found=found, expected=expected))
+    measures = part.measures
+    assert measures is not None
+    made = drawing_part(part.source.file, tuple(contours), measures)
+    return made, (*said, *checked_polynomials(made))
+
+
+def is_polyline(contour: Contour) -> bool:
+    """Whether a contour is two lines or more and nothing else."""
+    return len(contour.curves) > 1 and all(isinstance(c, Line) for c in contour.curves)
+
+
+def _fit_layer(contours: list[Contour], layer: str, source: Source) -> list[Diagnostic]:
+    """Replaces the polylines of one layer in `contours`; what is said about it."""
+    said: list[Diagnostic] = []
+    count = kept = 0
+    for k, contour in enumerate(contours):
+        if (contour.layer or "").lower() != layer.lower():
+            continue
+        if not is_polyline(contour):
+            kept += 1
+            continue
+        nodes = (contour.curves[0].start, *(curve.end for curve in contour.curves))
+        try:
+            contours[k] = replace(contour, curves=(newton_through(nodes),))
+        except ValueError as error:
+            said.append(FIT_NODES.at(contour.source, found=error))
+            continue
+        count += 1
+    said.append(FITTED.at(source, count=count, layer=layer, kept=kept))
+    return said
