@@ -4,6 +4,7 @@ Written from the controllers' documentation and the machine file; it shares no c
 planning, motion or the emitters, so that a fault of theirs cannot hide in it.
 
     text -> blocks -> events (codesys) -> Made (cell) -> compared with the parts
+        `------ passages, where all of it is known ------'
 """
 
 from collections.abc import Callable, Collection, Sequence
@@ -22,6 +23,7 @@ from beamcam.verify.lying import is_turned
 from beamcam.verify.made import Bore, Cut, Made
 from beamcam.verify.meaning import Meaning, meaning_of
 from beamcam.verify.needs import FeatureRef, skippable
+from beamcam.verify.passages import Passages
 from beamcam.verify.rack import Rack
 from beamcam.verify.stations import Choice, choices_of
 
@@ -59,6 +61,7 @@ class _Known:
         self.machine = machine
         self.meaning = meaning_of(machine)
         self.choices: dict[Profile | None, dict[int, Choice]] = {}
+        self.passages = Passages(machine, self.meaning)
         self.rack = Rack(machine, machine.drill) if machine.drill else None
 
     def choices_for(self, profile: Profile | None) -> dict[int, Choice]:
@@ -142,16 +145,22 @@ def verify(
     may be left out, and `given` are the same parts before they were turned. Nothing comes back for
     a program that makes exactly the parts.
     """
-    done = run(text, machine, parts[0].profile if parts else None, name)
     if not parts:
-        return done.diagnostics
-    rack = _known_of(machine).rack
-    if rack is None:
+        return run(text, machine, None, name).diagnostics
+    known = _known_of(machine)
+    if known.rack is None:
         raise TypeError(f"{machine.name} has no drill")
-    more = compare(done.made, parts, machine, rack, done.meaning, done.choices, skipped, name)
+    profile = parts[0].profile
+    choices = known.choices_for(profile)
+    said: tuple[Diagnostic, ...] = ()
+    made = known.passages.made(text, profile, choices)
+    if made is None:
+        done = run(text, machine, profile, name)
+        made, said = done.made, done.diagnostics
+    more = compare(made, parts, machine, known.rack, known.meaning, choices, skipped, name)
     turned = (
         rules.TURNED.at(part.source, mark=part.mark)
         for part, lying in zip(given, parts, strict=False)
         if lying is not part and not is_turned(part, lying)
     )
-    return (*done.diagnostics, *turned, *more)
+    return (*said, *turned, *more)

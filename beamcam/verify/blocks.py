@@ -21,13 +21,13 @@ from beamcam.verify import rules
 LETTERS = frozenset("NGMXYZABCPQUVWDEFHIJKLORT")
 _WHOLE = frozenset("NGMH")
 BRAKING = "E-"  #: how `read_blocks` calls an E with a negative value, which may stand beside E
-_NUMBER = r"[+-]?(?:[0-9]{1,15}(?:\.[0-9]{0,15})?|\.[0-9]{1,15})"  # no controller counts further
-_WORD = re.compile(rf"([A-Z])({_NUMBER})")
+NUMBER = r"[+-]?(?:[0-9]{1,15}(?:\.[0-9]{0,15})?|\.[0-9]{1,15})"  # no controller counts further
+_WORD = re.compile(rf"([A-Z])({NUMBER})")
 _COMMENT = re.compile(r"\([^()]*\)")
 # What nearly every block of a program looks like; anything else takes the slower way below.
-_USUAL = re.compile(
-    rf"([GM])([0-9]{{1,15}})(?: X({_NUMBER}))?(?: Y({_NUMBER}))?(?: Z({_NUMBER}))?"
-    rf"(?: F({_NUMBER}))?(?: K({_NUMBER}))?(?: L({_NUMBER}))?"
+USUAL = re.compile(
+    rf"([GM])([0-9]{{1,15}})(?: X({NUMBER}))?(?: Y({NUMBER}))?(?: Z({NUMBER}))?"
+    rf"(?: F({NUMBER}))?(?: K({NUMBER}))?(?: L({NUMBER}))?"
 )
 
 
@@ -53,7 +53,7 @@ def read_blocks(
     for number, body in enumerate(_BODIES.findall(text), 1):
         parsed = known.get(body)
         if parsed is None:
-            usual = _USUAL.fullmatch(body)
+            usual = USUAL.fullmatch(body)
             if usual is not None:
                 known[body] = parsed = _usual(usual)
             else:

@@ -20,12 +20,16 @@ _TRAVEL = frozenset({0, 1, 2, 3})
 _KNOWN = "G00 to G04, G40, G50, G53, G75, G90, G91, G98 or G99"
 
 
-def run(blocks: list[Block], name: str, form: NumberFormat) -> tuple[list[Event], list[Diagnostic]]:
-    """The events of a program, and what its controller would not do as it says."""
+def run(
+    blocks: list[Block], name: str, form: NumberFormat, feed: float = 0.0
+) -> tuple[list[Event], list[Diagnostic]]:
+    """The events of a program, and what its controller would not do as it says.
+
+    `feed` in mm/min is what holds before the first F.
+    """
     events: list[Event] = []
     said: list[Diagnostic] = []
     x = y = z = nan
-    feed = 0.0
     per_minute = 60.0 if form.feed_unit == "mm/s" else 1.0
     absolute, absolute_centre = True, False
     travel = -1

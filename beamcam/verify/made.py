@@ -1,5 +1,6 @@
 """What a program makes, in machine coordinates."""
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 from msgspec import Struct
@@ -54,3 +55,16 @@ class Made(Struct, frozen=True):
     bores: tuple[Bore, ...]
     trails: tuple[Trail, ...]
     order: tuple[Cut | Bore | Trail, ...]  #: all of them, as they follow one another
+
+
+def made_in_order(
+    section: tuple[tuple[str, float], ...], order: Sequence[Cut | Bore | Trail]
+) -> Made:
+    """All that is in `order`, and each kind by itself."""
+    return Made(
+        section,
+        tuple([o for o in order if type(o) is Cut]),
+        tuple([o for o in order if type(o) is Bore]),
+        tuple([o for o in order if type(o) is Trail]),
+        tuple(order),
+    )
