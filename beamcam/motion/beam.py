@@ -3,8 +3,13 @@
 from collections.abc import Iterator
 from typing import cast
 
+from msgspec import Struct
+from msgspec.structs import replace
+
 from beamcam.machine.cutting import speed_and_feed
-from beamcam.machine.machine import Axis, Machine, Tool
+from beamcam.machine.known import Kept, OncePerMachine
+from beamcam.machine.machine import Axis, Drill, Machine
+from beamcam.model.part import Profile
 from beamcam.model.plan import AS_GIVEN, DrillOp, PathOp, Plan, SawOp, SpindleOp, ToolLoad
 from beamcam.model.program import (
     Command,
@@ -17,6 +22,29 @@ from beamcam.model.program import (
     StartBar,
 )
 from beamcam.model.stroke import Stroke, Strokes
+
+MOST_SECTIONS, MOST_CYCLES = 64, 256  #: that are kept of a machine, and of each section of it
+
+
+class Section(Struct, frozen=True):
+    """What is known of a section on a machine."""
+
+    strokes: Strokes
+    cycles: Kept[tuple[object, ...], DrillCycle]  #: by the steel's grade and the stroke
+
+
+def _no_sections(machine: Machine) -> Kept[Profile, Section]:
+    return Kept(MOST_SECTIONS)
+
+
+_sections_of = OncePerMachine(_no_sections)
+
+
+def _section_of(profile: Profile, machine: Machine) -> Section:
+    known = _sections_of(machine)
+    return known.get(profile) or known.keep(
+        profile, Section(Strokes(profile, machine), Kept(MOST_CYCLES))
+    )
 
 
 def beam_program(plan: Plan, machine: Machine, job: str) -> Program:
@@ -34,8 +62,7 @@ def _commands(plan: Plan, machine: Machine) -> Iterator[Command]:
         if piece.turn != AS_GIVEN:
             # Whoever loads the bar cannot see it in the figures, since the part is not marked yet.
             yield Comment(f"part {index + 1}, {piece.part.mark}: {piece.turn}")
-    strokes = Strokes(profile, machine)
-    feeds: dict[tuple[Tool, str], tuple[float, float]] = {}
+    section = _section_of(profile, machine)
     waiting = list(plan.reloads)
     for index, op in enumerate(plan.operations):
         while waiting and waiting[0].before == index:
@@ -44,13 +71,10 @@ def _commands(plan: Plan, machine: Machine) -> Iterator[Command]:
             yield SawStroke(op.x, op.angle, saw.feed_mm_min, op.source, op.tilt)
             continue
         grade = plan.pieces[op.features[0][0]].part.grade
-        key = op.tool, grade
-        if key not in feeds:
-            feeds[key] = speed_and_feed(op.tool, drill, grade)
-        if isinstance(op, DrillOp):
-            yield _drill_cycle(op, strokes, *feeds[key])
+        if isinstance(op, PathOp):
+            yield _path_cycle(op, section.strokes, *speed_and_feed(op.tool, drill, grade))
         else:
-            yield _path_cycle(op, strokes, *feeds[key])
+            yield _drill_cycle(op, section, drill, grade)
 
 
 def _reload_comment(load: ToolLoad) -> Comment:
@@ -59,9 +83,15 @@ def _reload_comment(load: ToolLoad) -> Comment:
     return Comment(f"{load.spindle} station {load.station}: {load.tool.name}{out}")
 
 
-def _drill_cycle(op: DrillOp, strokes: Strokes, speed_rpm: float, feed_mm_min: float) -> DrillCycle:
-    point = _point(op, strokes, op.x, op.y)
-    return DrillCycle(
+def _drill_cycle(op: DrillOp, section: Section, drill: Drill, grade: str) -> DrillCycle:
+    """The cycle of a stroke; most are like one before but for their X."""
+    key = grade, *op[1:6]
+    like = section.cycles.get(key)
+    if like is not None:
+        return replace(like, x=op.x, source=op.source)
+    speed_rpm, feed_mm_min = speed_and_feed(op.tool, drill, grade)
+    point = _point(op, section.strokes, op.x, op.y)
+    cycle = DrillCycle(
         op.spindle,
         op.tool.diameter,
         op.x,
@@ -74,6 +104,7 @@ def _drill_cycle(op: DrillOp, strokes: Strokes, speed_rpm: float, feed_mm_min: f
         cast("str", op.tool.kind),  # type: ignore[arg-type]
         op.tool.pitch,
     )
+    return section.cycles.keep(key, cycle)
 
 
 def _path_cycle(op: PathOp, strokes: Strokes, speed_rpm: float, feed_mm_min: float) -> PathCycle:

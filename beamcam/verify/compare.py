@@ -66,39 +66,46 @@ def compare(
     task = Task(parts, machine, rack, meaning, choices, name, placing.starts)
     wanted: list[Wanted] = []
     paths: list[Pocket | Course] = []
+    from_x = [drill.x + start for start in placing.starts]
     for _, need in needs_of(parts, ends, rack, skipped):
-        if isinstance(need, Stroke):
-            wanted.append(Wanted(need, drill.x + placing.starts[need.part] + need.x))
+        if type(need) is Stroke:
+            wanted.append(Wanted(need, from_x[need.part] + need.x))
         elif isinstance(need, Lack):
             said.append(_lack(need, parts))
-        else:
+        elif not isinstance(need, Stroke):
             paths.append(need)
     matching = Matching(wanted, parts, machine.format.resolution, drill.merge_tolerance, name)
     matches = list(matching.run(made.bores, said))
-    for match in matches:
-        need, bore, size = match
-        hole = need.hole
-        part = parts[need.part]
-        # Most holes are like another one, of this part or of one before.
-        alike = (
-            part.profile, part.grade, need.kind, hole.face, hole.kind, hole.diameter, hole.depth,
-            hole.angle, need.pilot, size, *bore[4:],
-        )  # fmt: skip
-        if alike in rack.fine:
-            continue
-        found = [*_tool(match, task)]
-        if not errors_in(found):  # another tool has another depth and feed, of course
-            found += _depth(match, task)
-            found += _feed(bore, part.grade, task)
-        if found:
-            said += found
-        else:
-            rack.remember(alike)
+    said += _strokes(matches, task)
     if made.trails or paths:
         said += _paths(made.trails, paths, task)
     if machine.layout is not None and machine.layout.order == "drill-saw":
         said += _after_its_cut(matches, made, placing.last_cut, name)
     return tuple(said)
+
+
+def _strokes(matches: Sequence[Match], task: Task) -> Iterator[Diagnostic]:
+    """What is wrong with tool, depth and feed of the strokes."""
+    rack = task.rack
+    fine = [rack.fine(part.profile, part.grade) for part in task.parts]
+    for match in matches:
+        need, bore, size = match
+        hole = need.hole
+        # Most holes are like another one, of this part or of one before.
+        alike = (
+            need.kind, hole.face, hole.kind, hole.diameter, hole.depth, hole.angle, need.diameter,
+            need.pilot, size, *bore[4:],
+        )  # fmt: skip
+        if alike in fine[need.part]:
+            continue
+        found = [*_tool(match, task)]
+        if not errors_in(found):  # another tool has another depth and feed, of course
+            found += _depth(match, task)
+            found += _feed(bore, task.parts[need.part].grade, task)
+        if found:
+            yield from found
+        else:
+            rack.remember(fine[need.part], alike)
 
 
 def _section(made: Made, profile: Profile, machine: Machine, name: str) -> Iterator[Diagnostic]:

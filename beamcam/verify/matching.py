@@ -32,8 +32,7 @@ class Match(NamedTuple):
 class Matching:
     """Bores and strokes.
 
-    Strokes wait in pockets of 1 mm of X by face and tool, so that a bore looks at two pockets at
-    most.
+    Strokes wait in pockets of 1 mm of X by face and tool, so that a bore looks at one or two.
     """
 
     def __init__(
@@ -56,37 +55,52 @@ class Matching:
             groups.setdefault((bore.line, bore.spindle), []).append(bore)
         astray: list[Bore] = []
         for group in groups.values():
-            # What follows a drill stands where that one was, which may be between two holes.
-            merged = len(group) > 1 or group[0].kind != "drill"
-            found = [self._take(bore, self.merge if merged else 0.0) for bore in group]
-            wants = [w for w in found if w is not None]
-            size = max((w.need.hole.diameter for w in wants), default=0.0)
-            for bore, want in zip(group, found, strict=True):
-                if want is None:
-                    astray.append(bore)
-                    continue
-                if not self._between(bore, wants):
-                    said.append(self._elsewhere(bore, want))
-                self.drilled.add((bore.face, bore.x, bore.y))
-                yield Match(want.need, bore, size)
-        for bore in astray:
-            want = self._nearest(bore)
+            bore = group[0]
+            if len(group) > 1 or bore.kind != "drill":
+                yield from self._merged(group, astray, said)
+                continue
+            want = self._take(bore, 0.0)
             if want is None:
-                noun = NOUNS.get(bore.kind, bore.kind)
-                said.append(
-                    rules.HOLE_EXTRA.at(
-                        Source(self.name, bore.line),
-                        what=f"{noun} {bore.diameter:g}",
-                        face=bore.face,
-                        x=f"{bore.x:g}",
-                        y=f"{bore.y:g}",
-                    )
-                )
+                astray.append(bore)
             else:
-                self._remove(want)
-                said.append(self._elsewhere(bore, want))
+                self.drilled.add((bore.face, bore.x, bore.y))
                 yield Match(want.need, bore, want.need.hole.diameter)
+        for bore in astray:
+            yield from self._astray(bore, said)
         said += self._missing()
+
+    def _merged(
+        self, group: Sequence[Bore], astray: list[Bore], said: list[Diagnostic]
+    ) -> Iterator[Match]:
+        """The matches of strokes that may stand between two holes: of two spindles at once, and
+        those that follow a drill, which stand where that one was."""
+        found = [self._take(bore, self.merge) for bore in group]
+        wants = [w for w in found if w is not None]
+        size = max((w.need.hole.diameter for w in wants), default=0.0)
+        for bore, want in zip(group, found, strict=True):
+            if want is None:
+                astray.append(bore)
+                continue
+            if not self._between(bore, wants):
+                said.append(self._elsewhere(bore, want))
+            self.drilled.add((bore.face, bore.x, bore.y))
+            yield Match(want.need, bore, size)
+
+    def _astray(self, bore: Bore, said: list[Diagnostic]) -> Iterator[Match]:
+        """The match of a bore that is in the wrong place, or that belongs to nothing."""
+        want = self._nearest(bore)
+        if want is None:
+            noun = NOUNS.get(bore.kind, bore.kind)
+            said.append(
+                rules.HOLE_EXTRA.at(
+                    Source(self.name, bore.line), what=f"{noun} {bore.diameter:g}",
+                    face=bore.face, x=f"{bore.x:g}", y=f"{bore.y:g}",
+                )
+            )  # fmt: skip
+        else:
+            self._remove(want)
+            said.append(self._elsewhere(bore, want))
+            yield Match(want.need, bore, want.need.hole.diameter)
 
     def _missing(self) -> Iterator[Diagnostic]:
         for left in self.pockets.values():
@@ -107,20 +121,19 @@ class Matching:
         """The nearest stroke within reach of a bore, of those that are left; it is taken."""
         x_reach, y_reach = reach + self.x_tolerance, reach + self.y_tolerance
         x, y = bore.x, bore.y
-        best: Wanted | None = None
-        rank = (x_reach + y_reach, 0.0)
-        first, last = floor(x - x_reach), floor(x + x_reach)
-        for key in (first,) if first == last else (first, last):
-            for want in self.pockets.get((bore.face, bore.kind, key), ()):
-                hole = want.need.hole
-                dx, dy = abs(want.x - x), abs(hole.y - y)
-                if dx <= x_reach and dy <= y_reach:
-                    # Of two in one place the one of the tool's size is meant.
-                    own = (round(dx + dy, 6), abs(want.need.diameter - bore.diameter))
-                    if best is None or own < rank:
-                        best, rank = want, own
-        if best is not None:
-            self._remove(best)
+        near: list[Wanted] = []
+        for key in range(floor(x - x_reach), floor(x + x_reach) + 1):
+            pocket = self.pockets.get((bore.face, bore.kind, key))
+            if pocket is not None:
+                near += [
+                    want for want in pocket
+                    if abs(want.x - x) <= x_reach and abs(want.need.hole.y - y) <= y_reach
+                ]  # fmt: skip
+        if not near:
+            return None
+        # Of two in one place the one of the tool's size is meant.
+        best = near[0] if len(near) == 1 else min(near, key=lambda want: _apart(want, bore))
+        self._remove(best)
         return best
 
     def _remove(self, want: Wanted) -> None:
@@ -157,3 +170,10 @@ class Matching:
             x=f"{hole.x:g}",
             y=f"{hole.y:g}",
         )
+
+
+def _apart(want: Wanted, bore: Bore) -> tuple[float, float]:
+    """How far a bore is from a stroke, and its tool from the one wanted."""
+    need = want.need
+    off = abs(want.x - bore.x) + abs(need.hole.y - bore.y)
+    return round(off, 6), abs(need.diameter - bore.diameter)

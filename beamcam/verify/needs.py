@@ -10,7 +10,7 @@ outer contour      nothing, where the ends of the stock give it
 """
 
 from collections.abc import Collection, Iterator, Sequence
-from math import cos, radians, sin, tan
+from math import cos, floor, radians, sin, tan
 from typing import NamedTuple
 
 from msgspec import Struct
@@ -109,15 +109,11 @@ def needs_of(
         known = seen.get(id(part))
         if known is None or skipped:
             left = [(f, x) for f, x in enumerate(part.features) if (p, f) not in skipped]
-            known = [
-                (f, n)
-                for f, x in _once(left, part, rack)
-                for n in _needs(x, p, part, ends[p], rack)
-            ]
+            known = _part_needs(left, p, part, ends[p], rack)
             seen[id(part)] = known
-            found += (((p, f), need) for f, need in known)
+            found += [((p, f), need) for f, need in known]
         else:  # the same part again
-            found += (((p, f), _moved(need, p)) for f, need in known)
+            found += [((p, f), _moved(need, p)) for f, need in known]
     return found
 
 
@@ -126,29 +122,52 @@ def _moved(need: Need, part: int) -> Need:
     return need._replace(part=part) if isinstance(need, Stroke) else replace(need, part=part)
 
 
+def _part_needs(
+    features: Sequence[tuple[int, Feature]], p: int, part: Part, ends: tuple[End, End], rack: Rack
+) -> list[tuple[int, Need]]:
+    """What the features of a part need, by their indices."""
+    found: list[tuple[int, Need]] = []
+    works = {face for face in rack.faces if _works(face, part, rack)}
+    for f, feature in _once(features, part, rack, works):
+        if type(feature) is Hole and feature.kind in ("through", "blind"):
+            # Most features are plain holes, and most of those like one before.
+            plain = rack.plain(feature.diameter, feature.face)
+            if plain is not None and feature.face in works:
+                found.append((f, Stroke(p, feature, "drill", feature.x, *plain)))
+                continue
+        found += [(f, need) for need in _needs(feature, p, part, ends, rack)]
+    return found
+
+
 def _once(
-    features: Sequence[tuple[int, Feature]], part: Part, rack: Rack
+    features: Sequence[tuple[int, Feature]], part: Part, rack: Rack, works: Collection[Face]
 ) -> Iterator[tuple[int, Feature]]:
     """The features, those made from the plate's other side there, holes written twice once."""
     tolerance = rack.twice
-    seen: dict[tuple[object, ...], list[Hole]] = {}
+    seen: dict[tuple[Face, int], list[Hole]] = {}  # by the millimetre of x
     for f, feature in features:
-        if isinstance(feature, Hole | Slot) and not _works(feature.face, part, rack):
+        if isinstance(feature, Hole | Slot) and feature.face not in works:
             other = OTHER_SIDE.get(part.profile.code, {}).get(feature.face)
             if feature.kind == "through" and feature.depth is None and other in rack.faces:
                 feature = replace(feature, face=other)
         if isinstance(feature, Hole):
-            key = (feature.face, feature.kind, feature.diameter, feature.depth, feature.angle)
-            alike = seen.setdefault(key, [])
-            x, y = feature.x, feature.y
-            for h in alike:
-                if abs(h.x - x) <= tolerance and abs(h.y - y) <= tolerance:
-                    break
-            else:
-                alike.append(feature)
-                yield f, feature
-            continue
+            face, x = feature.face, feature.x
+            places = range(floor(x - tolerance), floor(x + tolerance) + 1)
+            near = [hole for place in places for hole in seen.get((face, place), ())]
+            if near and any(_is_same(feature, hole, tolerance) for hole in near):
+                continue
+            seen.setdefault((face, floor(x)), []).append(feature)
         yield f, feature
+
+
+def _is_same(hole: Hole, other: Hole, tolerance: float) -> bool:
+    """Whether two holes of one face are one that was written twice."""
+    return (
+        abs(hole.x - other.x) <= tolerance
+        and abs(hole.y - other.y) <= tolerance
+        and hole.diameter == other.diameter
+        and (hole.kind, hole.depth, hole.angle) == (other.kind, other.depth, other.angle)
+    )
 
 
 def _works(face: Face, part: Part, rack: Rack) -> bool:
@@ -201,9 +220,9 @@ def _hole(hole: Hole, p: int, part: Part, rack: Rack) -> Iterator[Need]:
     if not _works(hole.face, part, rack):
         yield Lack(p, f"the hole {size}", "face", hole)
     elif hole.kind in ("through", "blind"):
-        drill = rack.drills(hole.diameter, hole.face)
-        if drill is not None:
-            yield Stroke(p, hole, "drill", hole.x, f"hole {size}", drill)
+        plain = rack.plain(hole.diameter, hole.face)
+        if plain is not None:
+            yield Stroke(p, hole, "drill", hole.x, *plain)
         elif rack.milled(hole.diameter, hole.face):
             yield Pocket(
                 p, hole.face, hole.x, hole.y, 0.0, 0.0, 0.0, hole.diameter, hole.depth,

@@ -6,7 +6,7 @@ A square start is made by the cut that parts it from what lies before it, a skew
 its own and a square one behind it that removes the wedge. The blade is always on the waste side.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 
 from beamcam.errors import Diagnostic, Source
 from beamcam.machine.machine import Machine, Saw
@@ -96,13 +96,13 @@ class Placing:
             and abs(end.flange - start.flange) <= COMMON_DEG
         )
 
-    def _like(self, end: End) -> Iterator[Cut]:
+    def _like(self, end: End) -> list[Cut]:
         """The cuts that are left and have an end's angles, in order of X."""
         angle, tilt = end.saw_angles(self.saw)
         limit = self.angle_tolerance
-        return (
+        return [
             c for c in self.left if abs(c.angle - angle) <= limit and abs(c.tilt - tilt) <= limit
-        )
+        ]
 
     def _stands(self, end: End, bar_x: float) -> bool:
         """Whether there is a cut for an end at a place."""
@@ -125,10 +125,10 @@ class Placing:
     def _take(self, end: End, bar_x: float, part: Part) -> Cut | None:
         """The cut at `bar_x`, taken from those that are left; what is wrong with it is said."""
         x = bar_x + self.saw.x
-        angles = end.saw_angles(self.saw)
         right = [c for c in self._like(end) if abs(c.x - x) <= NEAR]
         best = min(right, key=lambda c: abs(c.x - x), default=None)
         if best is None or abs(best.x - x) > self.tolerance:
+            angles = end.saw_angles(self.saw)
             here = [c for c in self.left if abs(c.x - x) <= self.tolerance]
             if here:
                 best = min(here, key=lambda c: abs(c.angle - angles[0]))

@@ -5,7 +5,7 @@ from functools import lru_cache
 from math import radians, tan
 
 from beamcam.machine.machine import FLAT_DEG, Drill, Machine, ToolSet
-from beamcam.model.part import Face, Hole
+from beamcam.model.part import Face, Hole, Profile
 
 USUAL_POINT_DEG = 118.0
 
@@ -20,8 +20,10 @@ class Rack:
             self.kinds[tools.kind] = (*self.kinds.get(tools.kind, ()), tools)
         self.faces = tuple(s.face for s in machine.spindles)
         self.drills = lru_cache(4096)(self._drill)
+        self.plain = lru_cache(4096)(self._plain)
         self.sizes = lru_cache(64)(self._sizes)
-        self.fine: set[object] = set()  #: holes and bores that were found to agree
+        self._fine: dict[tuple[Profile, str], set[object]] = {}
+        self._count = 0
         self.twice = drill.duplicate_tolerance + 1e-9  #: holes nearer than this are one
 
     def of(self, kind: str, face: Face) -> Iterator[ToolSet]:
@@ -31,11 +33,19 @@ class Rack:
         """Diameters of the tools of a kind that the spindle of a face takes."""
         return frozenset(d for tools in self.of(kind, face) for d in tools.sizes)
 
-    def remember(self, alike: object) -> None:
+    def fine(self, profile: Profile, grade: str) -> set[object]:
+        """Holes and the bores that were found to make them, on a section of a grade."""
+        if len(self._fine) >= 256:
+            self._fine.clear()
+        return self._fine.setdefault((profile, grade), set())
+
+    def remember(self, fine: set[object], alike: object) -> None:
         """Note what agrees, so that it is not judged again; a few thousand at most."""
-        if len(self.fine) >= 4096:
-            self.fine.clear()
-        self.fine.add(alike)
+        if self._count >= 4096:
+            self._fine.clear()
+            self._count = 0
+        self._count += 1
+        fine.add(alike)
 
     def fit(self, diameter: float) -> tuple[float, float] | None:
         """Least and greatest drill for a hole; None if the machine says nothing of that size."""
@@ -56,6 +66,11 @@ class Rack:
             if limits[0] <= d <= limits[1]
         ]
         return min(sizes)[1] if sizes else None
+
+    def _plain(self, diameter: float, face: Face) -> tuple[str, float] | None:
+        """A plain hole as messages call it, and the drill that it wants; None if there is none."""
+        drill = self.drills(diameter, face)
+        return None if drill is None else (f"hole {diameter:g}", drill)
 
     def tap(self, hole: Hole) -> tuple[float, float, float] | None:
         """Diameter and pitch of the tap that a thread wants, and the drill before it."""
