@@ -63,7 +63,7 @@ def recipe(
     key = kind, diameters, depth, angle, faces, thickness, pilot
     known = rack.recipes.get(key)
     if known is None:
-        known = rack.recipes[key] = _recipe(rack, *key)
+        known = rack.recipes.keep(key, _recipe(rack, *key))
     return cast("Recipe | Refusal", known)
 
 

@@ -30,26 +30,30 @@ def drop_duplicates(
     kept: list[Placed] = []
     repeats: dict[FeatureRef, Placed] = {}
     limit = tolerance + ROUNDING
-    # By all that has to be equal, and by the millimetre; at its borders two of them are asked.
-    known: dict[tuple[object, ...], list[Placed]] = {}
+    known: dict[tuple[int, str, int], list[Placed]] = {}  # by piece, face and millimetre of x
     for placed in holes:
         (piece, _), hole = placed
-        x, y = hole.x, hole.y
-        own = (piece, hole.face, hole.kind, hole.diameter, hole.depth, hole.angle)
+        face, x = hole.face, hole.x
         low, high = floor(x - limit), floor(x + limit)
-        near = known.get((*own, low), [])
-        if low != high:
-            near = near + known.get((*own, high), [])
-        for other in near:
-            before = other[1]
-            if abs(before.x - x) <= limit and abs(before.y - y) <= limit:
-                repeats[placed[0]] = other
-                break
+        near = [p for at in range(low, high + 1) for p in known.get((piece, face, at), ())]
+        before = next((p for p in near if _is_same(p[1], hole, limit)), None) if near else None
+        if before is not None:
+            repeats[placed[0]] = before
         else:
             kept.append(placed)
-            known.setdefault((*own, floor(x)), []).append(placed)
+            known.setdefault((piece, face, floor(x)), []).append(placed)
     kept.sort(key=_along)
     return kept, repeats
+
+
+def _is_same(a: Hole, b: Hole, limit: float) -> bool:
+    """Whether two holes of one face are the same in every figure."""
+    return (
+        abs(a.x - b.x) <= limit
+        and abs(a.y - b.y) <= limit
+        and a.diameter == b.diameter
+        and (a.kind, a.depth, a.angle) == (b.kind, b.depth, b.angle)
+    )
 
 
 def _along(placed: Placed) -> tuple[int, float]:

@@ -30,7 +30,7 @@ for its drill: the first setup waits for none at that X, and none waits for the 
 """
 
 from collections.abc import Iterable, Sequence
-from itertools import pairwise
+from itertools import chain, pairwise
 from typing import Literal
 
 from beamcam.model.plan import Operation, PathOp, SawOp, SpindleOp
@@ -61,21 +61,20 @@ def sort_along_x(
     strokes: dict[int, list[SpindleOp]] = {}
     for op in operations:
         place = round(op.x / resolution)
-        if op.__class__ is SawOp:
-            cuts.setdefault(place, []).append(op)
+        at = cuts if op.__class__ is SawOp else strokes
+        if place in at:
+            at[place].append(op)  # type: ignore[arg-type]
         else:
-            strokes.setdefault(place, []).append(op)  # type: ignore[arg-type]
+            at[place] = [op]  # type: ignore[assignment]
     places = sorted(strokes)
     worked = dict(zip(places, _work_off([strokes[p] for p in places]), strict=True))
+    if not cuts:
+        return tuple(chain.from_iterable(worked.values()))
     result: list[Operation] = []
     for place in sorted({*cuts, *strokes}):
         sawn = sorted(cuts.get(place, ()), key=_cut_rank)
-        if layout == "saw-drill":
-            result += sawn
-            result += worked.get(place, ())
-        else:
-            result += worked.get(place, ())
-            result += sawn
+        spindles = worked.get(place, ())
+        result += (*sawn, *spindles) if layout == "saw-drill" else (*spindles, *sawn)
     return tuple(result)
 
 
@@ -123,6 +122,8 @@ def _cut_rank(op: SawOp) -> tuple[int, int, float, float]:
 
 def _work_off(stations: Sequence[list[SpindleOp]]) -> list[list[SpindleOp]]:
     """The operations of each X in the best order."""
+    if all(map(_is_one_setup, stations)):
+        return [sorted(ops, key=_place) if len(ops) > 1 else ops for ops in stations]
     setups: dict[tuple[int, int], Setup] = {}  # by spindle and the tool's object
     by_setup: list[dict[Setup, list[SpindleOp]]] = []
     for ops in stations:
@@ -153,6 +154,12 @@ def _work_off(stations: Sequence[list[SpindleOp]]) -> list[list[SpindleOp]]:
             )
         current = last
     return result
+
+
+def _is_one_setup(ops: Sequence[SpindleOp]) -> bool:
+    """Whether all operations of one X are done with one spindle and tool."""
+    first = ops[0]
+    return len(ops) == 1 or all(op.spindle == first.spindle and op.tool is first.tool for op in ops)
 
 
 def _place(op: SpindleOp) -> tuple[float, float, tuple[tuple[int, int], ...]]:

@@ -10,33 +10,37 @@ is settled over the whole bar, so that it needs as few tools as it can:
 """
 
 from collections.abc import Iterable
-from functools import lru_cache
 
+from beamcam.machine.known import Kept, OncePerMachine
 from beamcam.machine.machine import Drill, Fit, Machine, Tool, ToolKind, ToolSet
 from beamcam.model.part import Face
 
 Tools = tuple[Tool, ...]  #: equally good ones, the nearest first
 ROUNDING = 1e-9  #: of decimal tolerances in binary numbers
+MOST_KEPT = 4096  #: answers of each kind that a rack keeps
 MILL_ROOM = 0.98  #: a mill that leads round a circle is smaller than it by this at least
 
 
 class Rack:
     """The tools of a machine by kind and face. It keeps what it was asked, and is otherwise
-    immutable; `rack_of` gives the same one for the same tools."""
+    immutable; `rack_of` gives the same one for the same machine."""
 
     def __init__(self, sets: tuple[ToolSet, ...], drill: Drill) -> None:
         self.drill = drill
         self._sets = sets
-        self._drills: dict[tuple[tuple[float, ...], tuple[Face, ...]], Tools] = {}
-        self.recipes: dict[object, object] = {}  #: for `holes.recipe`
+        # One object for each tool, so that tools can be told apart by identity.
+        self._tools = [(tools, tuple(_tools(tools))) for tools in sets]
+        self._drills: Kept[tuple[tuple[float, ...], tuple[Face, ...]], Tools] = Kept(MOST_KEPT)
+        self.recipes: Kept[object, object] = Kept(MOST_KEPT)  #: for `holes.recipe`
+        self.jobs: Kept[object, object] = Kept(MOST_KEPT)  #: for `work.work_on`
 
     def of_kind(self, kind: ToolKind, faces: tuple[Face, ...]) -> Tools:
         """All tools of a kind that the spindles of all of `faces` take, by diameter."""
         found = (
             tool
-            for tools in self._sets
+            for tools, members in self._tools
             if tools.kind == kind and set(faces) <= set(tools.faces)
-            for tool in _tools(tools)
+            for tool in members
         )
         return tuple(sorted(found, key=lambda t: (t.diameter, t.point_deg, t.pitch, t.hand)))
 
@@ -45,9 +49,8 @@ class Rack:
         key = diameters, faces
         known = self._drills.get(key)
         if known is None:
-            known = self._drills[key] = nearest(
-                self.fitting(diameters, faces), diameters, self.drill.twin
-            )
+            fitting = self.fitting(diameters, faces)
+            known = self._drills.keep(key, nearest(fitting, diameters, self.drill.twin))
         return known
 
     def fitting(self, diameters: tuple[float, ...], faces: tuple[Face, ...]) -> Tools:
@@ -124,14 +127,16 @@ class Rack:
 
 def rack_of(machine: Machine) -> Rack:
     """The tools of a machine that drills. Raises TypeError if it does not."""
+    return _racks(machine)
+
+
+def _rack(machine: Machine) -> Rack:
     if machine.drill is None:
         raise TypeError(f"{machine.name} has no drill")
-    return _rack(machine.tools, machine.drill)
+    return Rack(machine.tools, machine.drill)
 
 
-@lru_cache(maxsize=16)
-def _rack(sets: tuple[ToolSet, ...], drill: Drill) -> Rack:
-    return Rack(sets, drill)
+_racks = OncePerMachine(_rack)
 
 
 def _tools(tools: ToolSet) -> Iterable[Tool]:

@@ -170,7 +170,7 @@ class _Bench:
     def add_holes(self, holes: Sequence[Placed]) -> None:
         """The jobs of all holes, each once and in order along the part."""
         sinks: list[Group] = []
-        known: dict[object, Job] = {}
+        known = self.rack.jobs
         for group in merge_pairs(holes, self.machine, self.rack.drill):
             hole = group[0][1]
             if hole.kind == "countersink":
@@ -179,16 +179,16 @@ class _Bench:
             if hole.kind != "through" or self._behind:
                 self._add_group(group, None)
                 continue
-            # Most holes are like one before them but for their place.
+            # Most holes are like one before, of this part or another, but for their place.
             sizes = tuple([h.diameter for _, h in group])
             like = known.get((hole.face, sizes))
-            if like is not None:
+            if isinstance(like, Job):
                 self.jobs.append(self._at(like, group))
                 continue
             count = len(self.jobs)
             self._add_group(group, None)
             if len(self.jobs) == count + 1 and not self.jobs[count].path:
-                known[hole.face, sizes] = self.jobs[count]
+                known.keep((hole.face, sizes), self.jobs[count])
         if sinks:
             pilots = _pilots(holes, self.rack.drill)
             for group in sinks:
