@@ -194,11 +194,13 @@ def _part_row(
     part: Part, posted: Posted, name: str, content: bytes, machine: Machine, timed: bool
 ) -> PartRow:
     plan = posted.plan
-    how = Counter(outcome.how for outcome in plan.outcomes)
+    how = Counter([outcome.how for outcome in plan.outcomes])
     ledger = {"read": len(plan.outcomes)} | {
         word: how[word] for word in ("made", "merged", "duplicate", "skipped")
     }
-    skipped_by = Counter(o.by for o in plan.outcomes if o.how == "skipped")
+    skipped_by: Counter[str] = Counter()
+    if how["skipped"]:
+        skipped_by.update(o.by for o in plan.outcomes if o.how == "skipped")
     return {
         "mark": part.mark,
         "quantity": part.quantity,
@@ -209,7 +211,7 @@ def _part_row(
         "bar": plan.bar.length if isinstance(plan, Plan) else 0.0,
         "ledger": cast(Ledger, ledger),
         "skipped_by": dict(sorted(skipped_by.items())),
-        "tools": sorted({_tool_name(op) for op in plan.operations}),
+        "tools": sorted({_tool_name(op) for op in _of_each_tool(plan.operations)}),
         "operations": len(plan.operations),
         "machine_time_s": round(_time_s(plan, machine), 3) if timed else None,
     }
@@ -220,6 +222,11 @@ def _time_s(plan: Plan | SheetPlan, machine: Machine) -> float:
     return (
         work_time(plan, machine).total_s if isinstance(plan, Plan) else sheet_time_s(plan, machine)
     )
+
+
+def _of_each_tool(operations: Iterable[object]) -> Iterable[object]:
+    """One of the operations of each tool."""
+    return {id(getattr(op, "tool", None) or op): op for op in operations}.values()
 
 
 def _tool_name(operation: object) -> str:

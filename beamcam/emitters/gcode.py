@@ -7,6 +7,7 @@ a cycle is therefore kept in pieces between its X, so that another X joins them:
 """
 
 from collections.abc import Iterable, Iterator
+from itertools import groupby
 from string import Formatter
 
 from beamcam.emitters.numbers import number
@@ -46,7 +47,7 @@ _cycles_of = OncePerMachine(_no_cycles)
 
 def emit(program: Program, machine: Machine) -> str:
     """The text of a program, with a newline at its end."""
-    blocks = _blocks(program, machine)
+    blocks: Iterable[str] = _blocks(program, machine)
     if machine.format.number_blocks:
         blocks = _numbered(blocks)
     return "\n".join(blocks) + "\n"
@@ -55,9 +56,9 @@ def emit(program: Program, machine: Machine) -> str:
 def _numbered(blocks: Iterable[str]) -> Iterator[str]:
     """Blocks with N1, N2, ... but for the lines that are not blocks (`%`) and comments."""
     count = 0
-    for block in blocks:
-        lines = block.split("\n")
-        if "%" not in block and "(" not in block:
+    for is_plain, run in groupby(blocks, _is_plain):
+        lines = "\n".join(run).split("\n")
+        if is_plain:
             yield "\n".join([f"N{n} {line}" for n, line in enumerate(lines, count + 1)])
             count += len(lines)
             continue
@@ -69,15 +70,21 @@ def _numbered(blocks: Iterable[str]) -> Iterator[str]:
                 yield f"N{count} {line}"
 
 
+def _is_plain(text: str) -> bool:
+    """Whether all lines of a text are blocks for sure."""
+    return "%" not in text and "(" not in text
+
+
 def _blocks(program: Program, machine: Machine) -> Iterator[str]:
     """Blocks, and whole cycles in one."""
     words, form = machine.words, machine.format
     cycles = _cycles_of(machine)
     started = False
     for command in program.commands:
+        if isinstance(command, DrillCycle):
+            yield _cycle(command, cycles, words, form)
+            continue
         match command:
-            case DrillCycle():
-                yield _cycle(command, cycles, words, form)
             case SawStroke():
                 values = {
                     "x": number(command.x, form.length_decimals),

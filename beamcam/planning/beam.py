@@ -126,9 +126,10 @@ def _outcomes(
     """What becomes of each feature, in the order of pieces and features."""
     made: dict[FeatureRef, Outcome] = {}
     for op in operations:
-        kind = op.tool.kind
-        for i, ref in enumerate(op.features):
-            made[ref] = Outcome(ref, "merged" if i else "made", kind)
+        how: Literal["made", "merged"] = "made"
+        for ref in op.features:
+            made[ref] = Outcome(ref, how, op.tool.kind)
+            how = "merged"
     for p, (piece, work) in enumerate(zip(pieces, works, strict=True)):
         for f, feature in enumerate(piece.part.features):
             ref = (p, f)

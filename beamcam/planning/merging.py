@@ -35,12 +35,18 @@ def drop_duplicates(
         (piece, _), hole = placed
         face, x = hole.face, hole.x
         low, high = floor(x - limit), floor(x + limit)
-        near = [p for at in range(low, high + 1) for p in known.get((piece, face, at), ())]
+        if low == high:
+            near = known.get((piece, face, low))
+        else:
+            near = [p for at in range(low, high + 1) for p in known.get((piece, face, at), ())]
         before = next((p for p in near if _is_same(p[1], hole, limit)), None) if near else None
         if before is not None:
             repeats[placed[0]] = before
+            continue
+        kept.append(placed)
+        if near is not None and low == high:
+            near.append(placed)
         else:
-            kept.append(placed)
             known.setdefault((piece, face, floor(x)), []).append(placed)
     kept.sort(key=_along)
     return kept, repeats

@@ -3,7 +3,7 @@
 from collections.abc import Iterator, Sequence
 
 from beamcam.machine.machine import Drill, Tool
-from beamcam.model.plan import DrillOp, PathOp, Piece, SpindleOp
+from beamcam.model.plan import DrillOp, FeatureRef, PathOp, Piece, SpindleOp
 from beamcam.planning.tools import Tools, settle
 from beamcam.planning.work import Job, Work
 
@@ -24,7 +24,9 @@ def spindle_operations(
             tool = tools[0] if len(tools) == 1 else settled[tools]
             if diameter:
                 reasons = (drill_reason(tool, job), *reasons)
-            features = tuple([(index, f) for f in made])
+            features: tuple[FeatureRef, ...] = ((index, made[0]),)
+            if len(made) > 1:
+                features = tuple([(index, f) for f in made])
             if relative:
                 path = tuple((offset + a, b) for a, b in relative)
                 yield PathOp(

@@ -61,19 +61,23 @@ def sort_along_x(
     strokes: dict[int, list[SpindleOp]] = {}
     for op in operations:
         place = round(op.x / resolution)
-        at = cuts if op.__class__ is SawOp else strokes
-        if place in at:
-            at[place].append(op)  # type: ignore[arg-type]
+        if op.__class__ is SawOp:
+            cuts.setdefault(place, []).append(op)
+        elif place in strokes:
+            strokes[place].append(op)  # type: ignore[arg-type]
         else:
-            at[place] = [op]  # type: ignore[assignment]
+            strokes[place] = [op]  # type: ignore[list-item]
     places = sorted(strokes)
     worked = dict(zip(places, _work_off([strokes[p] for p in places]), strict=True))
     if not cuts:
         return tuple(chain.from_iterable(worked.values()))
     result: list[Operation] = []
     for place in sorted({*cuts, *strokes}):
-        sawn = sorted(cuts.get(place, ()), key=_cut_rank)
         spindles = worked.get(place, ())
+        if place not in cuts:
+            result += spindles
+            continue
+        sawn = sorted(cuts[place], key=_cut_rank)
         result += (*sawn, *spindles) if layout == "saw-drill" else (*spindles, *sawn)
     return tuple(result)
 

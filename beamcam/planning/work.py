@@ -180,15 +180,15 @@ class _Bench:
                 self._add_group(group, None)
                 continue
             # Most holes are like one before, of this part or another, but for their place.
-            sizes = tuple([h.diameter for _, h in group])
-            like = known.get((hole.face, sizes))
+            key = hole.face, hole.diameter, group[1][1].diameter if len(group) == 2 else None
+            like = known.get(key)
             if isinstance(like, Job):
                 self.jobs.append(self._at(like, group))
                 continue
             count = len(self.jobs)
             self._add_group(group, None)
             if len(self.jobs) == count + 1 and not self.jobs[count].path:
-                known.keep((hole.face, sizes), self.jobs[count])
+                known.keep(key, self.jobs[count])
         if sinks:
             pilots = _pilots(holes, self.rack.drill)
             for group in sinks:
@@ -197,12 +197,13 @@ class _Bench:
     def _at(self, like: Job, group: Group) -> Job:
         """The job of a plain hole or pair that is `like` another one."""
         (_, f), hole = group[0]
-        x, y, features = hole.x, hole.y, (f,)
+        x, y = hole.x, hole.y
+        features: tuple[int, ...] = (f,)
         if len(group) == 2:
             (_, other_f), other = group[1]
-            x, y, features = (x + other.x) / 2, (y + other.y) / 2, (f, other_f)  # type: ignore[assignment]
-        for feature in features:
-            self._places[feature] = x, y
+            x, y, features = (x + other.x) / 2, (y + other.y) / 2, (f, other_f)
+            self._places[other_f] = x, y
+        self._places[f] = x, y
         _, _, spindle, tools, faces, depth, diameter, _, reasons, _, _ = like
         return Job(x, y, spindle, tools, faces, depth, diameter, features, reasons, hole.source, ())
 

@@ -6,6 +6,7 @@ bad input. `looks_like(data)` tells by the content whether the bytes are of its 
 
 import os.path
 from collections.abc import Callable, Mapping
+from functools import cache
 from importlib import import_module
 
 from msgspec import Struct
@@ -13,6 +14,8 @@ from msgspec import Struct
 from beamcam.errors import Source
 from beamcam.readers import rules
 from beamcam.readers.reading import Reading
+
+_module = cache(import_module)
 
 
 class Format(Struct, frozen=True):
@@ -25,12 +28,12 @@ class Format(Struct, frozen=True):
 
     @property
     def looks_like(self) -> Callable[[bytes], bool]:
-        function: Callable[[bytes], bool] = import_module(self.module).looks_like
+        function: Callable[[bytes], bool] = _module(self.module).looks_like
         return function
 
     @property
     def read(self) -> Callable[..., Reading]:
-        function: Callable[..., Reading] = import_module(self.module).read
+        function: Callable[..., Reading] = _module(self.module).read
         return function
 
 
@@ -49,19 +52,17 @@ def read(data: bytes, name: str, **options: object) -> Reading:
     The suffix says which reader is asked first, the content decides. `options` that are not None
     go to a reader that takes them (units, width, layers and fit of a drawing).
     """
-    suffix = os.path.splitext(name)[1].lower()
-    likely = sorted(FORMATS, key=lambda f: suffix not in f.suffixes)
-    if data.strip():
-        if suffix in likely[0].suffixes:
-            return _read_as(likely[0], data, name, options)
-        for known in likely:
-            if known.looks_like(data):
-                return _read_as(known, data, name, options)
-    source = Source(name)
     if not data.strip():
-        return Reading("unknown", (), (rules.EMPTY.at(source),))
+        return Reading("unknown", (), (rules.EMPTY.at(Source(name)),))
+    suffix = os.path.splitext(name)[1].lower()
+    for known in FORMATS:
+        if suffix in known.suffixes:
+            return _read_as(known, data, name, options)
+    for known in FORMATS:
+        if known.looks_like(data):
+            return _read_as(known, data, name, options)
     known_suffixes = ", ".join(s for f in FORMATS for s in f.suffixes)
-    return Reading("unknown", (), (rules.UNKNOWN_FORMAT.at(source, expected=known_suffixes),))
+    return Reading("unknown", (), (rules.UNKNOWN_FORMAT.at(Source(name), expected=known_suffixes),))
 
 
 def _read_as(known: Format, data: bytes, name: str, options: Mapping[str, object]) -> Reading:

@@ -50,11 +50,8 @@ class Matching:
 
     def run(self, bores: Sequence[Bore], said: list[Diagnostic]) -> Iterator[Match]:
         """The matches; what lies elsewhere, is missing or too much goes to `said`."""
-        groups: dict[tuple[int, int], list[Bore]] = {}
-        for bore in bores:
-            groups.setdefault((bore.line, bore.spindle), []).append(bore)
         astray: list[Bore] = []
-        for group in groups.values():
+        for group in _strokes(bores):
             bore = group[0]
             if len(group) > 1 or bore.kind != "drill":
                 yield from self._merged(group, astray, said)
@@ -177,3 +174,17 @@ def _apart(want: Wanted, bore: Bore) -> tuple[float, float]:
     need = want.need
     off = abs(want.x - bore.x) + abs(need.hole.y - bore.y)
     return round(off, 6), abs(need.diameter - bore.diameter)
+
+
+def _strokes(bores: Sequence[Bore]) -> Iterator[Sequence[Bore]]:
+    """The bores of each stroke, one or those of two spindles at once, which follow each other."""
+    begin = 0
+    for end in range(1, len(bores) + 1):
+        first = bores[begin]
+        if (
+            end == len(bores)
+            or bores[end].line != first.line
+            or bores[end].spindle != first.spindle
+        ):
+            yield bores[begin:end]
+            begin = end

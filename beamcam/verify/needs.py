@@ -11,7 +11,7 @@ outer contour      nothing, where the ends of the stock give it
 
 from collections.abc import Collection, Iterator, Sequence
 from math import cos, floor, radians, sin, tan
-from typing import NamedTuple
+from typing import NamedTuple, TypeVar
 
 from msgspec import Struct
 from msgspec.structs import replace
@@ -146,18 +146,35 @@ def _once(
     tolerance = rack.twice
     seen: dict[tuple[Face, int], list[Hole]] = {}  # by the millimetre of x
     for f, feature in features:
-        if isinstance(feature, Hole | Slot) and feature.face not in works:
-            other = OTHER_SIDE.get(part.profile.code, {}).get(feature.face)
-            if feature.kind == "through" and feature.depth is None and other in rack.faces:
-                feature = replace(feature, face=other)
-        if isinstance(feature, Hole):
-            face, x = feature.face, feature.x
-            places = range(floor(x - tolerance), floor(x + tolerance) + 1)
-            near = [hole for place in places for hole in seen.get((face, place), ())]
-            if near and any(_is_same(feature, hole, tolerance) for hole in near):
-                continue
-            seen.setdefault((face, floor(x)), []).append(feature)
-        yield f, feature
+        if type(feature) is Slot:
+            yield f, _from_behind(feature, part, rack, works)
+            continue
+        if type(feature) is not Hole:
+            yield f, feature
+            continue
+        hole = feature if feature.face in works else _from_behind(feature, part, rack, works)
+        face, x = hole.face, hole.x
+        low, high = floor(x - tolerance), floor(x + tolerance)
+        if low == high:
+            near = seen.get((face, low), ())
+        else:
+            near = [h for place in range(low, high + 1) for h in seen.get((face, place), ())]
+        if near and any(_is_same(hole, other, tolerance) for other in near):
+            continue
+        seen.setdefault((face, floor(x)), []).append(hole)
+        yield f, hole
+
+
+Round = TypeVar("Round", Hole, Slot)
+
+
+def _from_behind(hole: Round, part: Part, rack: Rack, works: Collection[Face]) -> Round:
+    """A through hole or slot on the plate's other side, if it is only there that it is made."""
+    other = OTHER_SIDE.get(part.profile.code, {}).get(hole.face)
+    through = hole.kind == "through" and hole.depth is None
+    if hole.face in works or not through or other not in rack.faces:
+        return hole
+    return replace(hole, face=other)
 
 
 def _is_same(hole: Hole, other: Hole, tolerance: float) -> bool:

@@ -66,10 +66,19 @@ def header_lines(lines: list[str], start: int) -> HeaderLines:
     a block code ends the header, if it stands as far in as ST itself does.
     """
     indent = _indent(lines[start - 1])
-    values: list[str] = []
-    numbers: list[int] = []
     comments: list[tuple[int, str]] = []
     trailing: list[tuple[int, str]] = []
+    while start < len(lines) and (text := lines[start].strip())[:2] == "**":
+        comments.append((1, text[2:]))
+        start += 1
+    if (end := start + MOST_LINES) < len(lines):  # as most files have it: 24 lines and a code
+        values = [line.strip() for line in lines[start:end]]
+        code = lines[end].strip()
+        plain = "\n**" not in "\n".join(values) and all(len(v) != 2 for v in values[LEAST_LINES:])
+        if plain and len(code) == 2 and _is_code(code, lines, end, indent, MOST_LINES):
+            return HeaderLines(values, list(range(start + 1, end + 1)), comments, trailing, end)
+    values = []
+    numbers: list[int] = []
     for index in range(start, len(lines)):
         text = lines[index].strip()
         if text[:2] == "**":

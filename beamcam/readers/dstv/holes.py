@@ -1,5 +1,7 @@
 """Holes and slots: block BO, and Bn on planes."""
 
+import re
+
 from beamcam.errors import Source
 from beamcam.geometry.curves import unit_vector
 from beamcam.model.part import Hole, HoleKind, Slot
@@ -26,10 +28,31 @@ _KINDS: dict[str, HoleKind] = {
 }
 
 
+# "  v   300.00s   50.00   18.00   0.00"   the rows of a block if all of them are as plain as this
+_NUMBER = r"[0-9]{1,9}(?:\.[0-9]{0,9})?"
+_PLAIN = re.compile(
+    rf"^([vouh]) +([+-]?{_NUMBER})([uos]) +([+-]?{_NUMBER}) +({_NUMBER})(?: +({_NUMBER}))?$",
+    re.MULTILINE,
+)
+
+
 def read_holes(block: Block, place: Place) -> list[Hole | Slot]:
     """The holes and slots of a block BO or Bn."""
-    features: list[Hole | Slot] = []
     log = place.log
+    features: list[Hole | Slot] = []
+    found = [] if place.fixed else _PLAIN.findall("\n".join(block.rows))
+    if found and len(found) == len(block.rows):
+        for line, (face, x, edge, y, size, deep) in zip(block.numbers, found, strict=True):
+            diameter, depth = float(size), float(deep or 0)
+            features.append(
+                Hole(
+                    face, float(x), float(y), diameter, Source(log.file, line), depth or None,
+                    _kind(diameter, depth), None, edge,
+                )
+            )  # fmt: skip
+        place.face, place.edge = found[-1][0], found[-1][2]
+        log.taken += block.numbers
+        return features
     for line, row in zip(block.numbers, block.rows, strict=True):
         tokens = row.split()
         if tokens[0] in FACE_LETTERS:
@@ -82,10 +105,17 @@ def _plain_hole(tokens: list[str], line: int, place: Place) -> Hole | Slot:
         if not (sizes[2] or sizes[3]):
             raise RowError(text)
         return _slot(place, line, x, y, "through", sizes)
-    # DSTV NC, page 10: depth 0 means through; a diameter of 0 can only be a mark.
-    kind: HoleKind = "mark" if diameter == 0 else "blind" if depth else "through"
     source = Source(place.log.file, line)
+    kind = _kind(diameter, depth)
     return Hole(place.face, x, y, diameter, source, depth or None, kind, None, edge)
+
+
+def _kind(diameter: float, depth: float) -> HoleKind:
+    """What a row without a letter before its diameter means.
+
+    DSTV NC, page 10: depth 0 means through; a diameter of 0 can only be a mark.
+    """
+    return "mark" if diameter == 0 else "blind" if depth else "through"
 
 
 def _hole(row: str, line: int, place: Place) -> Hole | Slot | None:
@@ -149,8 +179,7 @@ def _drilled(
             log.add(rules.SLOT_LETTER, line, width=width, height=height)
         return _slot(place, line, x, y, kind, sizes)
     if kind == "through":
-        # DSTV NC, page 10: depth 0 means through; a diameter of 0 can only be a mark.
-        kind = "mark" if diameter == 0 else "blind" if depth else kind
+        kind = _kind(diameter, depth)
     if slotted:
         log.add(rules.SLOT_ROUND, line)
     cone = None

@@ -201,18 +201,15 @@ def _check_circle(contour: Contour, log: Log) -> None:
 
 def _check_holes(part: Part, outers: dict[str, list[_Outline]], log: Log) -> None:
     """Holes and texts in the air, holes that are there twice, those that are probably marks."""
-    seen: dict[object, int] = {}
+    places = [(hole.face, hole.x, hole.y) for hole in part.features if type(hole) is Hole]
+    seen: dict[object, int] | None = {} if len({*places}) < len(places) else None
     regions: dict[str, _Region] = {}
     for hole in part.features:
         if isinstance(hole, Hole):
-            line = hole.source.line or 0
-            key = (hole.face, hole.x, hole.y, hole.diameter, hole.kind, hole.depth)
-            first = seen.setdefault(key, line)
-            if first != line:
-                place = {"x": hole.x, "y": hole.y, "diameter": hole.diameter}
-                log.add(rules.HOLE_DUPLICATE, line, first=first, **place)
+            if seen is not None:
+                _check_twice(hole, seen, log)
             if hole.diameter <= LARGEST_MARK and hole.kind in ("through", "blind"):
-                log.add(rules.HOLE_SMALL, line, diameter=hole.diameter)
+                log.add(rules.HOLE_SMALL, hole.source.line or 0, diameter=hole.diameter)
         elif not isinstance(hole, Slot | TextMark):
             continue
         face, x, y = hole.face, hole.x, hole.y
@@ -231,6 +228,16 @@ def _check_holes(part: Part, outers: dict[str, list[_Outline]], log: Log) -> Non
         ):
             what = "a hole" if isinstance(hole, Hole) else "a slot"
             log.add(rules.HOLE_OUTSIDE, hole.source.line or 0, what=what, x=x, y=y, face=face)
+
+
+def _check_twice(hole: Hole, seen: dict[object, int], log: Log) -> None:
+    """Note a hole that is `seen` already, by the line that it was first on."""
+    line = hole.source.line or 0
+    key = (hole.face, hole.x, hole.y, hole.diameter, hole.kind, hole.depth)
+    first = seen.setdefault(key, line)
+    if first != line:
+        place = {"x": hole.x, "y": hole.y, "diameter": hole.diameter}
+        log.add(rules.HOLE_DUPLICATE, line, first=first, **place)
 
 
 class _Region(Struct):
