@@ -39,7 +39,7 @@ from beamcam.verify.switches import EPSILON
 
 MOST_KNOWN = 4096  #: passages that are kept, some 1 KB each
 MOST_BARS = 256  #: heads of programs that are kept
-MOST_M_WORDS = 16  #: in a passage, so that no two of them run the controller out of its queue
+MOST_M_WORDS = 16  #: in a row, so that no three of them run the controller out of its queue
 _X_MARK = "\0"
 _X = re.compile(rf" X({NUMBER})[ \n]")
 _BLOCK_NUMBER = re.compile(r"\nN[0-9]+ ")
@@ -97,34 +97,41 @@ class Passages:
         bar = self._bar(bare[1 : places[0]], profile, choices)
         if bar is None:
             return None
+        order = self._order(bare, places, bar)
+        return None if order is None else made_in_order(bar.section, order)
+
+    def _order(self, bare: str, places: list[int], bar: Bar) -> list[Cut | Bore] | None:
+        """What the passages between `places` make, one after another; None if that is not known."""
         order: list[Cut | Bore] = []
         line = bare.count("\n", 0, places[0] + 1)
         before = furthest = -inf
+        still = 0
         for begin, end in pairwise(places):
             said = bare[begin + 1 : end + 1]
             found = _X.search(said)
             if found is None:
                 return None
-            x = float(found[1])
-            if not self._least <= x <= self._greatest or (
-                self._never_back and x < furthest - EPSILON
-            ):
+            word, x = found[0], float(found[1])
+            if not self._least <= x <= self._greatest:
                 return None
-            word = found[0]
+            if self._never_back and x < furthest - EPSILON:
+                return None
             shape = said.replace(word, _X_MARK + word[-1])
             passage = bar.known[shape] if shape in bar.known else self._read(said, shape, bar)
             if passage is None:
                 return None
             lines, cut, bores = passage
             if cut:
-                if x == before:  # nothing moves, and the M words of both follow one another
+                # Where nothing moves between cuts their M words follow one another.
+                still = still + 1 if x == before else 0
+                if still > MOST_M_WORDS:
                     return None
                 order.append(Cut(line + lines - 1, x, *cut))  # type: ignore[arg-type]
             for at, face, behind in bores:
                 order.append(Bore(line + at, face, x, *behind))  # type: ignore[arg-type]
             line += lines
             before, furthest = x, max(x, furthest)
-        return made_in_order(bar.section, order)
+        return order
 
     def _places(self, bare: str) -> list[int]:
         """Where passages begin, by the line's end before it, and where the end of all does.

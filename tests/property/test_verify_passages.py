@@ -1,0 +1,141 @@
+"""Passages that are known say of any program what the interpreter says, or nothing."""
+
+import random
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from beamcam.machine import Machine, load
+from beamcam.model.part import Profile
+from beamcam.verify import run
+from beamcam.verify.made import Made
+from beamcam.verify.meaning import meaning_of
+from beamcam.verify.passages import MOST_KNOWN, Passages
+from beamcam.verify.stations import choices_of
+from benchmarks.mutation import MUTATIONS, REWRITES, Case, cases
+from tests.unit.verify.programs import BEAM, IPE200, PROGRAM
+
+MUTANTS = 1500
+
+
+def known(text: str, profile: Profile, machine: Machine, passages: Passages) -> Made | None:
+    return passages.made(text, profile, choices_of(machine, profile))
+
+
+def agrees(text: str, profile: Profile, machine: Machine, passages: Passages) -> bool:
+    """Whether the program was known; it has to be what the interpreter finds, without a fault."""
+    made = known(text, profile, machine, passages)
+    if made is None:
+        return False
+    done = run(text, machine, profile)
+    assert done.diagnostics == ()
+    assert made == done.made
+    return True
+
+
+@pytest.fixture(scope="module")
+def programs() -> list[Case]:
+    return list(cases())
+
+
+@pytest.fixture(scope="module")
+def shops() -> dict[str, Passages]:
+    machines = [load(name) for name in ("beamline", "beamline-annex", "beamline-pusher")]
+    return {m.name: Passages(m, meaning_of(m)) for m in machines}
+
+
+def test_programs_of_strokes_and_cuts_are_known(
+    programs: list[Case], shops: dict[str, Passages]
+) -> None:
+    for case in programs:
+        passages, profile = shops[case.machine.name], case.parts[0].profile
+        first = agrees(case.text, profile, case.machine, passages)
+        assert agrees(case.text, profile, case.machine, passages) == first
+        mills = "mill" in {t.kind for t in case.machine.tools}
+        assert first or mills, case.name  # paths have more than one X
+
+
+def test_mutants_are_known_only_for_what_they_are(
+    programs: list[Case], shops: dict[str, Passages]
+) -> None:
+    rng = random.Random(5)
+    taken = 0
+    for _ in range(MUTANTS):
+        case = rng.choice(programs)
+        lines: list[str] | None = case.text.split("\n")
+        for _ in range(rng.choice((1, 2, 3))):
+            step = case.machine.format.resolution
+            try:
+                lines = rng.choice(MUTATIONS)(lines or [], rng, step) or lines
+            except IndexError:
+                continue  # nothing left to break
+        text = "\n".join(lines or [])
+        if rng.random() < 0.2:
+            text = rng.choice(REWRITES)(text, rng)
+        taken += agrees(text, case.parts[0].profile, case.machine, shops[case.machine.name])
+    assert taken > MUTANTS / 50  # such as another X of a hole, which is a fault of the part alone
+
+
+LINES = PROGRAM.split("\n")
+EXTRA = (
+    "G91", "G90", "G00 X1098.56 Y20", "G01 X1098.56 Y20 Z61.409", "G00 Z-5", "M03", "M05", "M30",
+    "(X1 M30)", "%", "N3 N4 M05", "M40 K2 L22", "M40 K1 L14", "G01 X17.98 F41.667", "M42 K0",
+    "G01 X17.98", "M43 K1", "M44 K100 L200", "M44 K100 L201", "g00 x5", "G00 X", "G00 X5 X6", "\0",
+    "G04 T1", "G02 X1 Y1 R5", "M77", "",
+)  # fmt: skip
+
+
+@settings(deadline=None, max_examples=400)
+@given(
+    st.lists(st.tuples(st.integers(0, len(LINES) - 1), st.sampled_from(EXTRA)), max_size=3),
+    st.lists(st.integers(0, len(LINES) - 1), max_size=3),
+)
+def test_lines_put_in_and_left_out(put: list[tuple[int, str]], out: list[int]) -> None:
+    lines = [line for i, line in enumerate(LINES) if i not in out]
+    for at, line in put:
+        lines.insert(min(at, len(lines)), line)
+    passages = Passages(BEAM, meaning_of(BEAM))
+    assert agrees(PROGRAM, IPE200, BEAM, passages)
+    agrees("\n".join(lines), IPE200, BEAM, passages)
+
+
+@pytest.mark.parametrize(("old", "new"), [
+    ("N4 G01 X17.98 F41.667", "N4 G01 X17.98"),  # at a feed from nowhere
+    ("N11 G01 X1098.56 Y20 Z61.409 F1.688", "N11 G01 X1098.56 Y20 Z61.409"),
+    ("N14 M05\n", ""),  # it is left turning
+    ("N12 G00 X1098.56 Y20 Z-5", "N12 G00 X1098.56 Y20 Z5"),  # and here in the bar
+    ("N7 G00 X1098.56 Y20 Z-5", "N7 G00 X1098.56 Z-5"),  # across from where it was before
+    ("N12 G00 X1098.56", "N12 G00 X1098.57"),
+    ("N10 M08", "N10 M08\nG75"),
+    ("X1498.56", "X998.56"),  # the stop would have to go back
+    ("X17.98", "X-17.98"),
+    ("N3 M43 K1\n", ""),
+    ("N25 M30", "N25 M30\nN26 M30"),
+    ("N22 M05\n", "N22 M05\n(by hand)\n"),
+])  # fmt: skip
+def test_what_depends_on_more_than_itself_is_left_to_the_interpreter(old: str, new: str) -> None:
+    passages = Passages(BEAM, meaning_of(BEAM))
+    assert known(PROGRAM, IPE200, BEAM, passages) is not None
+    assert old in PROGRAM
+    assert known(PROGRAM.replace(old, new), IPE200, BEAM, passages) is None
+    assert known(PROGRAM, IPE200, BEAM, passages) is not None
+
+
+def test_another_section_is_another_bar() -> None:
+    passages = Passages(BEAM, meaning_of(BEAM))
+    thinner = Profile("I", "W", 200.0, 100.0, 8.5, 4.0, 12.0)
+    first, other = (known(PROGRAM, p, BEAM, passages) for p in (IPE200, thinner))
+    assert first is not None
+    assert other is not None
+    assert first.bores[0].tip_depth != other.bores[0].tip_depth
+    assert run(PROGRAM, BEAM, thinner).made == other
+
+
+def test_what_is_kept_has_a_bound() -> None:
+    passages = Passages(BEAM, meaning_of(BEAM))
+    for number in range(MOST_KNOWN + 10):
+        text = PROGRAM.replace("Y20 ", f"Y{number / 100 - 20:g} ")
+        agreed = known(text, IPE200, BEAM, passages)
+        assert agreed is not None
+    assert 0 < sum(len(bar.known) for bar in passages._bars.values()) <= MOST_KNOWN
