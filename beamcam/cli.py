@@ -4,6 +4,7 @@ Only the modules of `beamcam.commands` print, exit or read the environment.
 """
 
 from importlib import import_module
+from typing import Any
 
 import click
 
@@ -44,6 +45,19 @@ class Commands(click.Group):
     def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
         with formatter.section("Commands"):
             formatter.write_dl([(name, text) for name, (_, text) in COMMANDS.items()])
+
+    def invoke(self, ctx: click.Context) -> Any:
+        """Run the command; a fault of standard output is told as one of any other output is."""
+        try:
+            return super().invoke(ctx)
+        except BrokenPipeError:
+            raise  # whoever read it has had enough
+        except OSError as error:
+            if error.filename is not None:
+                raise
+            from beamcam.commands.common import stop_without_output
+
+            stop_without_output(error)
 
     def resolve_command(
         self, ctx: click.Context, args: list[str]

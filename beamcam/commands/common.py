@@ -1,6 +1,9 @@
 """What the commands share: how they talk, how they write, how they stop."""
 
+import os
+import sys
 from collections.abc import Iterable, Iterator
+from contextlib import suppress
 from time import perf_counter
 from typing import TYPE_CHECKING, NoReturn
 
@@ -95,16 +98,26 @@ def shown_name(path: str) -> str:
 
 def write(output: str, data: str | bytes | Iterable[bytes], voice: Voice) -> None:
     """Write to a file, whole or not at all, or to standard output for `-`; else stop."""
+    if output == STANDARD:
+        for piece in (data,) if isinstance(data, str | bytes) else data:
+            click.echo(piece, nl=False)
+        voice.did("wrote stdout")
+        return
     try:
-        if output == STANDARD:
-            for piece in (data,) if isinstance(data, str | bytes) else data:
-                click.echo(piece, nl=False)
-        else:
-            write_whole(output, data)
-    except BrokenPipeError:
-        raise  # whoever read it has had enough
+        write_whole(output, data)
     except OSError as error:
-        found = "stdout" if output == STANDARD else output
-        reason = error.strerror or str(error)
-        voice.stop([CANNOT_WRITE.at(Source(found), found=found, reason=reason)])
-    voice.did(f"wrote {'stdout' if output == STANDARD else output}")
+        voice.stop([cannot_write(output, error)])
+    voice.did(f"wrote {output}")
+
+
+def cannot_write(output: str, error: OSError) -> Diagnostic:
+    """What is said of an output that the system does not let be written."""
+    return CANNOT_WRITE.at(Source(output), found=output, reason=error.strerror or str(error))
+
+
+def stop_without_output(error: OSError) -> NoReturn:
+    """Say that standard output cannot be written, and end."""
+    # What is left in its buffer would be tried again at the end of the process.
+    with suppress(OSError, ValueError):
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+    Voice().stop([cannot_write("stdout", error)])

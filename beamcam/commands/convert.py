@@ -9,9 +9,9 @@ import click
 from msgspec import Struct
 
 from beamcam.commands import options
-from beamcam.commands.common import REFUSED, Voice, read_all, write
+from beamcam.commands.common import REFUSED, Voice, cannot_write, read_all, write
 from beamcam.commands.members import member_choice, member_options
-from beamcam.commands.rules import CANNOT_WRITE, ONE_PART, OUTPUT_FORMAT
+from beamcam.commands.rules import ONE_PART, OUTPUT_FORMAT
 from beamcam.commands.settings import settled
 from beamcam.commands.sheets import drawing_choice, drawing_options
 from beamcam.errors import BeamcamError, ReadError, Severity, Source
@@ -124,5 +124,4 @@ def _make_folder(path: str, voice: Voice) -> None:
     try:
         Path(path).mkdir(parents=True, exist_ok=True)
     except OSError as error:
-        reason = error.strerror or str(error)
-        voice.stop([CANNOT_WRITE.at(Source(path), found=path, reason=reason)])
+        voice.stop([cannot_write(path, error)])

@@ -53,7 +53,7 @@ def command(a: str, b: str, as_json: bool, voice: Voice, **asked: Any) -> None:
         kinds = [_is_part(name, content) for name, content in data]
         if kinds[0] != kinds[1]:
             raise click.UsageError("A and B have to be two programs or two parts.")
-        voice.did(f"read {data[0][0]} and {data[1][0]}")
+        voice.did(f"read {data[0][0]} and {data[1][0]}, programs as those of {machine.name}")
         said: tuple[Diagnostic, ...] = ()
         if kinds[0]:
             first, second = (_parts(name, content, config.strict) for name, content in data)
