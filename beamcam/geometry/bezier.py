@@ -21,7 +21,7 @@ from beamcam.geometry.plane import (
 Homogeneous = tuple[float, float, float]  #: (w x, w y, w)
 
 
-class Bezier(Struct, frozen=True):
+class Bezier(Struct, frozen=True, gc=False):
     """A curve in Bernstein form: one point is no curve, two are a line, four a cubic."""
 
     points: tuple[Point, ...]

@@ -9,7 +9,7 @@ from beamcam.geometry.bezier import Bezier, Homogeneous, check_weights, from_hom
 from beamcam.geometry.plane import Box, Matrix, Point, join_boxes, mapped
 
 
-class BSpline(Struct, frozen=True):
+class BSpline(Struct, frozen=True, gc=False):
     """A spline; it is drawn from knot number `degree` to the last but `degree`.
 
     The parameter t in [0, 1] of all methods is the share of that range of knots.
@@ -37,18 +37,35 @@ class BSpline(Struct, frozen=True):
         if not low < high:
             raise ValueError(f"the knots of a spline span nothing: {low:g} to {high:g}")
         inner = [k for k in self.knots if low < k < high]
-        if any(inner.count(k) > self.degree for k in set(inner)):
+        # They do not fall, so that equal ones stand side by side.
+        if any(a == b for a, b in zip(inner, inner[self.degree :], strict=False)):
             raise ValueError(f"a knot inside a spline of degree {self.degree} is there too often")
         if self.weights is not None:
             check_weights(self.weights, len(self.control))
 
     @property
     def start(self) -> Point:
-        return self.pieces()[0].start
+        degree, knots = self.degree, self.knots
+        if knots[1] == knots[degree]:
+            return self.control[0]
+        first = next(k for k in range(degree, len(self.control)) if knots[k] < knots[k + 1])
+        return self._at_knot(first, knots[first])
 
     @property
     def end(self) -> Point:
-        return self.pieces()[-1].end
+        degree, knots, count = self.degree, self.knots, len(self.control)
+        if knots[-2] == knots[count]:
+            return self.control[-1]
+        last = next(k for k in range(count - 1, degree - 1, -1) if knots[k] < knots[k + 1])
+        return self._at_knot(last, knots[last + 1])
+
+    def _at_knot(self, span: int, knot: float) -> Point:
+        """The point at an end of a span of knots: the same numbers as its piece has there."""
+        points = self.control[span - self.degree : span + 1]
+        weights = (self.weights or (1.0,) * len(self.control))[span - self.degree : span + 1]
+        row = [(w * x, w * y, w) for (x, y), w in zip(points, weights, strict=True)]
+        x, y, w = _blossom(row, self.knots, span, [knot] * self.degree)
+        return x / w, y / w
 
     @property
     def length(self) -> float:
@@ -146,8 +163,9 @@ def _decomposed(spline: BSpline) -> tuple[tuple[Bezier, ...], tuple[float, ...]]
         a, b = knots[k], knots[k + 1]
         if a == b:
             continue
+        row = points[k - degree : k + 1]
         polars = tuple(
-            _blossom(points, knots, k, [a] * (degree - j) + [b] * j) for j in range(degree + 1)
+            _blossom(row, knots, k, [a] * (degree - j) + [b] * j) for j in range(degree + 1)
         )
         piece = from_homogeneous(polars)
         if spline.weights is None:
@@ -170,8 +188,9 @@ def _decomposed(spline: BSpline) -> tuple[tuple[Bezier, ...], tuple[float, ...]]
 def _blossom(
     points: list[Homogeneous], knots: tuple[float, ...], k: int, arguments: list[float]
 ) -> Homogeneous:
+    """The blossom in span `k`, whose control points are given."""
     degree = len(arguments)
-    row = points[k - degree : k + 1]
+    row = list(points)
     for r, u in enumerate(arguments, start=1):
         for i in range(degree, r - 1, -1):
             low, high = knots[k - degree + i], knots[k + 1 + i - r]

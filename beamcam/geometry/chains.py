@@ -1,19 +1,26 @@
-"""Curves of a drawing joined to chains, end to end.
+"""Curves of a drawing joined to chains, end to end, in linear time.
 
-A hash grid whose cells are as wide as the tolerance finds the ends near a point in nine cells,
-so joining takes linear time.
+Ends are numbered: 2 k is the start of curve k, 2 k + 1 its end, so that `end ^ 1` is the other end
+of the same curve. Where just two ends meet they are partners, and a chain is found by going from
+an end to the other one of its curve, to the partner of that, and so on.
 """
 
 from collections import defaultdict
 from collections.abc import Iterator, Sequence
-from math import floor, hypot
+from math import hypot
 
+import numpy as np
 from msgspec import Struct
 from msgspec.structs import replace
+from numpy.typing import NDArray
 
+from beamcam.geometry.arrays import ends_of
 from beamcam.geometry.bezier import Bezier
 from beamcam.geometry.curves import Curve, Line
+from beamcam.geometry.near import near_pairs
 from beamcam.geometry.plane import Point, distance
+
+Floats = NDArray[np.float64]
 
 #: Ends nearer than this are one point; nothing has to be moved to join them.
 SAME_POINT = 1e-9
@@ -55,30 +62,6 @@ class Chains(Struct, frozen=True):
     dropped: tuple[int, ...]  #: curves no larger than the tolerance
 
 
-class _Grid:
-    """Points in square cells."""
-
-    def __init__(self, cell: float) -> None:
-        self.cell = cell
-        self.cells: dict[tuple[int, int], list[tuple[Point, int]]] = defaultdict(list)
-
-    def add(self, point: Point, name: int) -> None:
-        self.cells[self._cell_of(point)].append((point, name))
-
-    def near(self, point: Point) -> Iterator[tuple[float, int]]:
-        """Distance and name of the points no farther than a cell is wide."""
-        column, row = self._cell_of(point)
-        for i in (column - 1, column, column + 1):
-            for k in (row - 1, row, row + 1):
-                for other, name in self.cells.get((i, k), ()):
-                    away = distance(point, other)
-                    if away <= self.cell:
-                        yield away, name
-
-    def _cell_of(self, point: Point) -> tuple[int, int]:
-        return floor(point[0] / self.cell), floor(point[1] / self.cell)
-
-
 def join_curves(curves: Sequence[Curve], tolerance: float, look: float | None = None) -> Chains:
     """Chains of curves whose ends are no farther apart than `tolerance`, in the order given.
 
@@ -92,32 +75,33 @@ def join_curves(curves: Sequence[Curve], tolerance: float, look: float | None = 
     """
     if not tolerance > 0.0:
         raise ValueError(f"tolerance must be above 0, found {tolerance:g}")
-    tiny = [_size(c) <= tolerance for c in curves]
-    closed = [distance(c.start, c.end) <= SAME_POINT for c in curves]
-    # Ends are numbered 2 k for the start and 2 k + 1 for the end of curve k.
-    left_out = [a or b for a, b in zip(closed, tiny, strict=True)]
-    clusters = _cluster_ends(curves, left_out, tolerance)
-    partner: dict[int, int] = {}
-    junctions = []
-    for ends in clusters:
-        if len(ends) == 2:
-            partner[ends[0]], partner[ends[1]] = ends[1], ends[0]
-        elif len(ends) > 2:
-            members = tuple(sorted({e // 2 for e in ends}))
-            junctions.append(Junction(_end_point(curves, ends[0]), members))
+    if not curves:
+        return Chains((), (), (), ())
+    ends = ends_of(curves)
+    away = np.hypot(ends[:, 2] - ends[:, 0], ends[:, 3] - ends[:, 1])
+    closed = away <= SAME_POINT
+    # A curve whose ends are far apart is not tiny; the others are looked at.
+    tiny = np.zeros(len(curves), dtype=bool)
+    for k in np.flatnonzero(away <= tolerance * (1 + SAME_POINT)).tolist():
+        tiny[k] = _size(curves[k]) <= tolerance
+    meetings = _meetings(ends.reshape(-1, 2), np.repeat(closed | tiny, 2), tolerance)
+    junctions = tuple(
+        Junction(_end_point(curves, crowd[0]), tuple(sorted({e // 2 for e in crowd})))
+        for crowd in meetings.crowds
+    )
     chains: list[Chain] = []
-    used = [False] * len(curves)
+    used = tiny.tolist()
+    rings = closed.tolist()
     for k in range(len(curves)):
-        if used[k] or tiny[k]:
+        if used[k]:
             continue
-        if closed[k]:
+        if rings[k]:
             used[k] = True
             chains.append(Chain((curves[k],), True, (k,)))
         else:
-            chains.append(_walk(curves, k, partner, used))
+            chains.append(_walk(curves, k, meetings, used))
     gaps = _find_gaps(chains, 10 * tolerance if look is None else look, tolerance)
-    dropped = tuple(k for k in range(len(curves)) if tiny[k])
-    return Chains(tuple(chains), tuple(junctions), gaps, dropped)
+    return Chains(tuple(chains), junctions, gaps, tuple(np.flatnonzero(tiny).tolist()))
 
 
 def _size(curve: Curve) -> float:
@@ -129,64 +113,96 @@ def _end_point(curves: Sequence[Curve], end: int) -> Point:
     return curves[end // 2].end if end % 2 else curves[end // 2].start
 
 
-def _cluster_ends(
-    curves: Sequence[Curve], left_out: Sequence[bool], tolerance: float
-) -> list[list[int]]:
-    """Groups of ends that meet, in the order of their first member."""
-    grid = _Grid(tolerance)
-    ends = [e for k in range(len(curves)) if not left_out[k] for e in (2 * k, 2 * k + 1)]
-    for e in ends:
-        grid.add(_end_point(curves, e), e)
-    group: dict[int, int] = {}
+class _Meetings(Struct, frozen=True):
+    """Which ends meet."""
+
+    partner: list[int]  #: of each end the one that it meets, -1 for none
+    apart: frozenset[int]  #: ends that have to be moved to their partner, both of each pair
+    crowds: list[list[int]]  #: three ends or more that meet, by their first
+
+
+def _meetings(points: Floats, left_out: NDArray[np.bool_], tolerance: float) -> _Meetings:
+    """How the ends at `points` (n, 2) meet; those `left_out` meet none.
+
+    Ends that are near a third one meet one another too.
+    """
+    asked = np.flatnonzero(~left_out)
+    first, second = near_pairs(points[asked], tolerance)
+    first, second = asked[first], asked[second]
+    friends = np.bincount(np.concatenate((first, second)), minlength=len(points))
+    alone = (friends[first] == 1) & (friends[second] == 1)
+    a, b = first[alone], second[alone]
+    partner = np.full(len(points), -1)
+    partner[a], partner[b] = b, a
+    # Ends of arcs are known here but for their last digits: `_joined` looks again.
+    moved = np.hypot(*(points[a] - points[b]).T) > SAME_POINT / 2
+    apart = frozenset(np.concatenate((a[moved], b[moved])).tolist())
+    pairs = zip(first[~alone].tolist(), second[~alone].tolist(), strict=True)
+    return _Meetings(partner.tolist(), apart, _crowds(pairs))
+
+
+def _crowds(pairs: Iterator[tuple[int, int]]) -> list[list[int]]:
+    """Groups of ends that hang together by pairs, each ascending, in the order of their first."""
+    near: defaultdict[int, list[int]] = defaultdict(list)
+    for a, b in pairs:
+        near[a].append(b)
+        near[b].append(a)
     found: list[list[int]] = []
-    for e in ends:
-        if e in group:
+    seen: set[int] = set()
+    for end in sorted(near):
+        if end in seen:
             continue
-        cluster, waiting = [], [e]
-        group[e] = len(found)
+        crowd, waiting = [], [end]
+        seen.add(end)
         while waiting:
             member = waiting.pop()
-            cluster.append(member)
-            for _, other in grid.near(_end_point(curves, member)):
-                if other not in group:
-                    group[other] = len(found)
-                    waiting.append(other)
-        found.append(sorted(cluster))
+            crowd.append(member)
+            fresh = [e for e in near[member] if e not in seen]
+            seen.update(fresh)
+            waiting += fresh
+        found.append(sorted(crowd))
     return found
 
 
-def _walk(curves: Sequence[Curve], first: int, partner: dict[int, int], used: list[bool]) -> Chain:
+def _walk(curves: Sequence[Curve], first: int, meetings: _Meetings, used: list[bool]) -> Chain:
     """The chain through curve `first`, which keeps its direction."""
+    partner = meetings.partner
     ends = list(_follow(2 * first, partner))
-    ring = partner.get(ends[-1] ^ 1) == 2 * first
-    if not ring and 2 * first in partner:
+    ring = partner[ends[-1] ^ 1] == 2 * first
+    if not ring and partner[2 * first] >= 0:
         back = list(_follow(partner[2 * first], partner))
         ends = [e ^ 1 for e in reversed(back)] + ends
     parts = []
     for e in ends:
         used[e // 2] = True
         parts.append(curves[e // 2].reversed() if e % 2 else curves[e // 2])
-    joined, names = _joined(parts, [e // 2 for e in ends], ring)
-    return Chain(joined, ring, names)
+    names = [e // 2 for e in ends]
+    joints = [k for k, e in enumerate(ends) if e ^ 1 in meetings.apart]
+    if joints:
+        parts, names = _joined(parts, names, joints)
+    return Chain(tuple(parts), ring, tuple(names))
 
 
-def _follow(end: int, partner: dict[int, int]) -> Iterator[int]:
+def _follow(end: int, partner: Sequence[int]) -> Iterator[int]:
     """The ends by which curves are entered, from `end` on, until the way stops or closes."""
-    at: int | None = end
-    while at is not None:
+    at = end
+    while at >= 0:
         yield at
-        at = partner.get(at ^ 1)
+        at = partner[at ^ 1]
         if at == end:
             return
 
 
 def _joined(
-    parts: list[Curve], names: list[int], ring: bool
-) -> tuple[tuple[Curve, ...], tuple[int, ...]]:
-    """The curves with their ends moved together, and lines where that cannot be."""
+    parts: list[Curve], names: list[int], joints: Sequence[int]
+) -> tuple[list[Curve], list[int]]:
+    """The curves with their ends moved together, and lines where that cannot be.
+
+    `joints` names the curves whose end has to be brought to the start of the following one.
+    """
     count = len(parts)
     bridges: dict[int, Line] = {}
-    for k in range(count if ring else count - 1):
+    for k in joints:
         following = (k + 1) % count
         a, b = parts[k].end, parts[following].start
         if distance(a, b) <= SAME_POINT:
@@ -207,7 +223,7 @@ def _joined(
         if k in bridges:
             curves.append(bridges[k])
             members.append(-1)
-    return tuple(curves), tuple(members)
+    return curves, members
 
 
 def _with_end(curve: Curve, point: Point) -> Curve | None:
@@ -232,23 +248,21 @@ def _with_start(curve: Curve, point: Point) -> Curve | None:
 
 def _find_gaps(chains: list[Chain], look: float, tolerance: float) -> tuple[Gap, ...]:
     """Pairs of open ends within `look`, each end with its nearest other, nearest pairs first."""
-    grid = _Grid(look)
     ends: list[tuple[Point, int]] = []
     for chain in chains:
         if not chain.closed:
             ends.append((chain.curves[0].start, chain.members[0]))
             ends.append((chain.curves[-1].end, chain.members[-1]))
-    for name, (point, _) in enumerate(ends):
-        grid.add(point, name)
-    pairs = sorted(
-        (away, name, other)
-        for name, (point, _) in enumerate(ends)
-        for away, other in grid.near(point)
-        if name < other and away > tolerance
-    )
+    points = np.array([point for point, _ in ends]).reshape(-1, 2)
+    first, second = near_pairs(points, look)
+    away = np.hypot(*(points[first] - points[second]).T)
+    apart = away > tolerance
+    first, second, away = first[apart], second[apart], away[apart]
+    order = np.lexsort((second, first, away))
+    pairs = zip(first[order].tolist(), second[order].tolist(), strict=True)
     taken: set[int] = set()
     found = []
-    for _, a, b in pairs:
+    for a, b in pairs:
         if a in taken or b in taken:
             continue
         taken |= {a, b}

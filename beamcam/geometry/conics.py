@@ -2,6 +2,9 @@
 
 Angles of records are degrees, counter-clockwise from +x, because files and the JSON form hold
 degrees and a quarter turn shall stay exact.
+
+The records of curves (`gc=False`) hold numbers and tuples of numbers, so that no cycle can pass
+through them: the garbage collector need not walk over the tens of thousands that a drawing has.
 """
 
 from math import atan2, ceil, degrees, floor, hypot, radians, sin, sqrt
@@ -28,7 +31,7 @@ from beamcam.geometry.plane import (
 )
 
 
-class Line(Struct, frozen=True):
+class Line(Struct, frozen=True, gc=False):
     """A straight stretch."""
 
     start: Point
@@ -70,7 +73,7 @@ class Line(Struct, frozen=True):
         return Line(mapped(matrix, self.start), mapped(matrix, self.end))
 
 
-class Arc(Struct, frozen=True):
+class Arc(Struct, frozen=True, gc=False):
     """A stretch of a circle; a sweep of 360 or -360 is the whole of it."""
 
     centre: Point
@@ -154,7 +157,7 @@ class Arc(Struct, frozen=True):
         return EllipseArc(self.centre, (self.radius, 0.0), 1.0, self.start_deg, self.sweep_deg)
 
 
-class EllipseArc(Struct, frozen=True):
+class EllipseArc(Struct, frozen=True, gc=False):
     """A stretch of an ellipse; a sweep of 360 or -360 is the whole of it.
 
     Point at eccentric angle p: centre + cos(p) axis + ratio sin(p) axis turned left.

@@ -11,7 +11,8 @@ from math import ceil
 import numpy as np
 from numpy.typing import NDArray
 
-from beamcam.geometry.curves import Arc, Bezier, BSpline, Curve, Line, NewtonCurve, bezier_pieces
+from beamcam.geometry.arrays import arc_rows, by_kind, cubics_of, line_rows
+from beamcam.geometry.curves import Arc, BSpline, Curve, Line
 from beamcam.geometry.sampling import points_at
 
 Floats = NDArray[np.float64]
@@ -38,41 +39,28 @@ def polylines(curves: Sequence[Curve], tolerance: float) -> Polylines:
     """
     if not tolerance > 0.0:
         raise ValueError(f"tolerance must be above 0, found {tolerance:g}")
-    lines: list[tuple[int, float, float, float, float]] = []
-    arcs: list[tuple[int, float, float, float, float, float]] = []
-    cubics: list[tuple[int, Sequence[tuple[float, float]]]] = []
-    others: list[tuple[int, Floats]] = []
-    for k, curve in enumerate(curves):
-        if isinstance(curve, Line):
-            lines.append((k, *curve.start, *curve.end))
-        elif isinstance(curve, Arc):
-            arcs.append((k, *curve.centre, curve.radius, curve.start_deg, curve.sweep_deg))
-        else:
-            pieces = (
-                bezier_pieces(curve) if isinstance(curve, Bezier | BSpline | NewtonCurve) else ()
-            )
-            if pieces and all(p.weights is None and p.degree == 3 for p in pieces):
-                cubics += ((k, p.points) for p in pieces)
-            else:
-                others.append((k, _one(curve, tolerance)))
+    kinds = by_kind(curves)
+    lines = np.array(kinds.get(Line, []), dtype=np.int64)
+    arcs = np.array(kinds.get(Arc, []), dtype=np.int64)
+    arc_array = arc_rows(curves, arcs.tolist())
+    free = sorted(k for kind, which in kinds.items() if kind not in (Line, Arc) for k in which)
+    control, owner, odd = cubics_of([curves[k] for k in free])
+    cubic_owner = np.array(free, dtype=np.int64)[owner]
+    others = [(free[k], _one(curves[free[k]], tolerance)) for k in odd]
     count = np.zeros(len(curves), dtype=np.int64)
-    line_array = np.array(lines).reshape(-1, 5)
-    arc_array = np.array(arcs).reshape(-1, 6)
-    control = np.array([p for _, p in cubics]).reshape(-1, 4, 2)
     arc_steps = _arc_steps(arc_array, tolerance)
     cubic_steps = _cubic_steps(control, tolerance)
-    cubic_owner = np.array([k for k, _ in cubics], dtype=np.int64)
-    count[line_array[:, 0].astype(np.int64)] = 2
-    count[arc_array[:, 0].astype(np.int64)] = arc_steps + 1
+    count[lines] = 2
+    count[arcs] = arc_steps + 1
     np.add.at(count, cubic_owner, cubic_steps)
     count[np.unique(cubic_owner)] += 1
     for k, points in others:
         count[k] = len(points)
     begins = np.concatenate(([0], np.cumsum(count)))
     found = np.empty((int(begins[-1]), 2))
-    at = begins[line_array[:, 0].astype(np.int64)]
-    found[at], found[at + 1] = line_array[:, 1:3], line_array[:, 3:5]
-    _draw_arcs(found, begins, arc_array, arc_steps)
+    ends = line_rows(curves, lines.tolist())
+    found[begins[lines]], found[begins[lines] + 1] = ends[:, :2], ends[:, 2:]
+    _draw_arcs(found, begins[arcs], arc_array, arc_steps)
     _draw_cubics(found, begins, cubic_owner, control, cubic_steps)
     for k, points in others:
         found[begins[k] : begins[k + 1]] = points
@@ -80,10 +68,10 @@ def polylines(curves: Sequence[Curve], tolerance: float) -> Polylines:
 
 
 def _arc_steps(arcs: Floats, tolerance: float) -> Counts:
-    share = np.clip(1 - tolerance / arcs[:, 3], -1.0, 1.0)
+    share = np.clip(1 - tolerance / arcs[:, 2], -1.0, 1.0)
     step = np.minimum(2 * np.arccos(share), LARGEST_STEP_RAD)
     step = np.maximum(step, 1e-6)
-    turns = np.ceil(np.abs(np.radians(arcs[:, 5])) / step).astype(np.int64)
+    turns = np.ceil(np.abs(np.radians(arcs[:, 4])) / step).astype(np.int64)
     found: Counts = np.maximum(turns, 1)
     return found
 
@@ -104,10 +92,10 @@ def _within(steps: Counts) -> tuple[Counts, Counts]:
 
 def _draw_arcs(found: Floats, begins: Counts, arcs: Floats, steps: Counts) -> None:
     owner, number = _within(steps + 1)
-    turn = np.radians(arcs[owner, 4] + arcs[owner, 5] * (number / steps[owner]))
-    at = begins[arcs[owner, 0].astype(np.int64)] + number
-    found[at, 0] = arcs[owner, 1] + arcs[owner, 3] * np.cos(turn)
-    found[at, 1] = arcs[owner, 2] + arcs[owner, 3] * np.sin(turn)
+    turn = np.radians(arcs[owner, 3] + arcs[owner, 4] * (number / steps[owner]))
+    at = begins[owner] + number
+    found[at, 0] = arcs[owner, 0] + arcs[owner, 2] * np.cos(turn)
+    found[at, 1] = arcs[owner, 1] + arcs[owner, 2] * np.sin(turn)
 
 
 def _draw_cubics(

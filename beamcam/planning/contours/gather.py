@@ -38,7 +38,7 @@ _MEANINGS: dict[Process, TorchProcess] = {
 }  # fmt: skip
 
 
-class Wanted(Struct, frozen=True):
+class Wanted(Struct, frozen=True, gc=False):
     """One curve to follow."""
 
     curve: Curve
@@ -82,10 +82,11 @@ def gather(part: Part, torch: Torch, machine: str, skips: Collection[str]) -> Ga
             elif meaning == "ignore":
                 found.skipped[index] = IGNORED
             else:
-                found.wanted += (Wanted(c, meaning, index, feature.source) for c in feature.curves)
+                source = feature.source
+                found.wanted += [Wanted(c, meaning, index, source) for c in feature.curves]
         else:
             curves = curves_of(cast("Hole | Slot", feature))
-            found.wanted += (Wanted(c, "cut", index, feature.source) for c in curves)
+            found.wanted += [Wanted(c, "cut", index, feature.source) for c in curves]
     for look, count in unmapped.items():
         found.refusals.append(_unmapped(look, count, first[look], torch.colours))
     if _needs_outline(part):

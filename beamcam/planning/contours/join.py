@@ -1,12 +1,14 @@
 """Curves to contours: what lies twice taken away, ends joined, and what lies inside what."""
 
 from collections import defaultdict
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 
+import numpy as np
 from msgspec import Struct
 from msgspec.structs import replace
 
 from beamcam.errors import Diagnostic, Source
+from beamcam.geometry.arrays import ends_of
 from beamcam.geometry.chains import Chains, join_curves
 from beamcam.geometry.curves import Curve
 from beamcam.machine.machine import Torch, TorchProcess
@@ -40,14 +42,14 @@ def join(wanted: Sequence[Wanted], torch: Torch) -> tuple[list[Shape], list[Diag
     shapes: list[tuple[int, Shape]] = []
     said: list[Diagnostic] = []
     loose: dict[TorchProcess, list[int]] = defaultdict(list)
-    for indices in _by_feature(wanted):
-        first = wanted[indices[0]]
-        curves = tuple([wanted[i].curve for i in indices])
-        if _is_closed(curves):
+    for begin, end, closed in _features(wanted):
+        first = wanted[begin]
+        if closed:
+            curves = tuple([w.curve for w in wanted[begin:end]])
             shape = Shape(first.process, curves, True, (first.feature,), first.source)
-            shapes.append((indices[0], shape))
+            shapes.append((begin, shape))
         else:
-            loose[first.process] += indices
+            loose[first.process] += range(begin, end)
     for process, indices in loose.items():
         chains = join_curves([wanted[i].curve for i in indices], torch.gap)
         for chain in chains.chains:
@@ -63,26 +65,18 @@ def join(wanted: Sequence[Wanted], torch: Torch) -> tuple[list[Shape], list[Diag
     return [shape for _, shape in shapes], said
 
 
-def _by_feature(wanted: Sequence[Wanted]) -> list[list[int]]:
-    """Indices of the curves of each feature, in their order."""
-    groups: list[list[int]] = []
-    before: int | None = None
-    for i, one in enumerate(wanted):
-        if before is None or one.feature != before:
-            groups.append([])
-        groups[-1].append(i)
-        before = one.feature
-    return groups
-
-
-def _is_closed(curves: Sequence[Curve]) -> bool:
-    """Whether curves follow one another and end where they begin."""
-    ends = [curves[-1].end, *(c.end for c in curves[:-1])]
-    for before, curve in zip(ends, curves, strict=True):
-        x, y = curve.start
-        if abs(x - before[0]) > SAME_POINT or abs(y - before[1]) > SAME_POINT:
-            return False
-    return True
+def _features(wanted: Sequence[Wanted]) -> Iterator[tuple[int, int, bool]]:
+    """For each feature where its curves begin and end, and whether they are one closed chain:
+    they follow one another and end where they begin."""
+    features = np.array([w.feature for w in wanted])
+    begins = np.flatnonzero(np.concatenate(([True], features[1:] != features[:-1])))
+    ends = np.append(begins[1:], len(wanted))
+    places = ends_of([w.curve for w in wanted])
+    before = np.arange(len(wanted)) - 1
+    before[begins] = ends - 1
+    gaps = np.abs(places[:, :2] - places[before, 2:]).max(axis=1) > SAME_POINT
+    is_open = np.logical_or.reduceat(gaps, begins)
+    yield from zip(begins.tolist(), ends.tolist(), (~is_open).tolist(), strict=True)
 
 
 def _remarks(chains: Chains, sources: Sequence[Source], torch: Torch) -> list[Diagnostic]:
@@ -114,7 +108,6 @@ def nest(shapes: Sequence[Shape], tolerance: float) -> tuple[list[Shape], list[D
     A contour lies in another of greater area that a point inside it lies in. Contours that touch
     are told apart by that, those that cross are not.
     """
-    import numpy as np
     import shapely
 
     closed = [i for i, s in enumerate(shapes) if s.closed and s.process == "cut"]
@@ -123,11 +116,12 @@ def nest(shapes: Sequence[Shape], tolerance: float) -> tuple[list[Shape], list[D
         return found, []
     rings = outlines([shapes[i].curves for i in closed], tolerance)
     signed = shapely.area(rings) * np.where(shapely.is_ccw(shapely.get_exterior_ring(rings)), 1, -1)
-    for i, area in zip(closed, signed.tolist(), strict=True):
-        found[i] = replace(shapes[i], area=area)
     areas = np.abs(signed)
     tree = shapely.STRtree(rings)
-    points = list(shapely.point_on_surface(shapely.make_valid(rings)))
+    simple = shapely.is_valid(rings)
+    insides = rings.copy()
+    insides[~simple] = shapely.make_valid(rings[~simple])
+    points = list(shapely.point_on_surface(insides))
     asked = list(closed)
     own_area = list(areas)
     for i, shape in enumerate(shapes):
@@ -140,13 +134,14 @@ def nest(shapes: Sequence[Shape], tolerance: float) -> tuple[list[Shape], list[D
     for a, b in zip(inner.tolist(), outer.tolist(), strict=True):
         if asked[a] != closed[b] and own_area[a] < areas[b]:
             around[asked[a]].append(b)
-    for i, rings_around in around.items():
-        parent = closed[min(rings_around, key=lambda b: (areas[b], b))]
-        found[i] = replace(found[i], depth=len(rings_around), parent=parent)
+    for i, area in zip(asked, [*signed.tolist(), *[0.0] * (len(asked) - len(closed))], strict=True):
+        rings_around = around[i]
+        parent = closed[min(rings_around, key=lambda b: (areas[b], b))] if rings_around else -1
+        found[i] = replace(shapes[i], area=area, depth=len(rings_around), parent=parent)
     said = []
-    for k in np.flatnonzero(~shapely.is_valid(rings)).tolist():
+    for k in np.flatnonzero(~simple).tolist():
         # Ends that were joined may cross by a hair; that changes no inside worth speaking of.
-        whole = shapely.make_valid(rings[k]).area
+        whole = insides[k].area
         if abs(whole - areas[k]) <= tolerance * shapely.length(rings[k]):
             continue
         # "Self-intersection[12.5 40]"

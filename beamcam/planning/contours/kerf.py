@@ -6,6 +6,7 @@ from msgspec.structs import replace
 
 from beamcam.errors import Diagnostic
 from beamcam.geometry.curves import Arc, Curve, Line, join_boxes, signed_area
+from beamcam.machine.machine import Torch
 from beamcam.planning.contours import rules
 from beamcam.planning.contours.join import Shape
 
@@ -19,6 +20,29 @@ def fitted(curves: Sequence[Curve], tolerance: float) -> tuple[Line | Arc, ...]:
     from beamcam.geometry.arc_fitting import fit_chains
 
     return fit_chains((curves,), tolerance * FIT_SHARE)[0]
+
+
+def compensated(
+    shapes: Sequence[Shape], kerfs: Sequence[float], torch: Torch
+) -> tuple[list[Shape], list[Diagnostic]]:
+    """The ways of the torch along the shapes, one for each, and why that cannot be.
+
+    `kerfs` says for each shape what is to be kept off, 0 for nothing. A controller that keeps off
+    by itself gets lines and arcs.
+    """
+    said: list[Diagnostic] = []
+    found: list[Shape] = []
+    for shape, kerf in zip(shapes, kerfs, strict=True):
+        if kerf and torch.kerf_by == "offset":
+            rings, refused = offset_shape(shape, kerf, torch.tolerance)
+            found += rings
+            if refused is not None:
+                said.append(refused)
+        elif torch.kerf_by == "machine" and shape.process == "cut" and shape.closed:
+            found.append(replace(shape, curves=fitted(shape.curves, torch.tolerance)))
+        else:
+            found.append(shape)
+    return found, said
 
 
 def offset_shape(

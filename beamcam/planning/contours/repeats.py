@@ -7,7 +7,9 @@ from typing import TYPE_CHECKING
 from msgspec.structs import replace
 
 from beamcam.errors import Diagnostic
+from beamcam.geometry.arrays import arc_rows, by_kind, ends_of, line_rows
 from beamcam.geometry.curves import Arc, Curve, Line
+from beamcam.geometry.near import near_pairs
 from beamcam.planning.contours import rules
 from beamcam.planning.contours.gather import Wanted
 
@@ -73,36 +75,26 @@ def _resolved(stands: dict[int, int]) -> dict[int, int]:
 def suspects(curves: Sequence[Curve]) -> list[int]:
     """Indices of the curves that may lie on another one, ascending.
 
-    Boxes that touch are found by a tree, so a drawing without repetitions costs little: lines
-    have to be collinear, arcs on one circle, and other curves to have the same ends.
+    Lines have to be collinear, arcs on one circle, and other curves to have the same ends.
     """
     import numpy as np
-    import shapely
 
+    kinds = by_kind(curves)
+    lines, arcs = kinds.get(Line, []), kinds.get(Arc, [])
+    others = sorted(k for kind, which in kinds.items() if kind not in (Line, Arc) for k in which)
     found: set[int] = set()
-    lines = [i for i, c in enumerate(curves) if isinstance(c, Line)]
     if len(lines) > 1:
-        ends = np.array([(*curves[i].start, *curves[i].end) for i in lines])
-        found |= {lines[k] for k in np.unique(_collinear(ends)).tolist()}
-    arcs = [i for i, c in enumerate(curves) if isinstance(c, Arc)]
+        found |= {lines[k] for k in np.unique(_collinear(line_rows(curves, lines))).tolist()}
     if len(arcs) > 1:
         # Circles near one another are points near one another in centre and radius.
-        circles = np.array([(*c.centre, c.radius) for c in curves if isinstance(c, Arc)])
-        tree = shapely.STRtree(shapely.points(circles[:, :2]))
-        a, b = tree.query(shapely.points(circles[:, :2]), "dwithin", distance=SAME_PLACE)
-        near = (a < b) & (np.abs(circles[a, 2] - circles[b, 2]) <= SAME_PLACE)
+        circles = arc_rows(curves, arcs)
+        a, b = near_pairs(circles[:, :2], SAME_PLACE)
+        near = np.abs(circles[a, 2] - circles[b, 2]) <= SAME_PLACE
         found |= {arcs[k] for k in np.unique((a[near], b[near])).tolist()}
-    others = [i for i, c in enumerate(curves) if not isinstance(c, Line | Arc)]
     if len(others) > 1:
-        middles = np.array(
-            [
-                ((c.start[0] + c.end[0]) / 2, (c.start[1] + c.end[1]) / 2)
-                for c in (curves[i] for i in others)
-            ]
-        )
-        tree = shapely.STRtree(shapely.points(middles))
-        a, b = tree.query(shapely.points(middles), "dwithin", distance=SAME_PLACE)
-        found |= {others[k] for k in np.unique((a[a < b], b[a < b])).tolist()}
+        ends = ends_of([curves[k] for k in others])
+        a, b = near_pairs((ends[:, :2] + ends[:, 2:]) / 2, SAME_PLACE)
+        found |= {others[k] for k in np.unique((a, b)).tolist()}
     return sorted(found)
 
 

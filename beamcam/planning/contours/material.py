@@ -1,0 +1,69 @@
+"""The sheet's material and thickness, and how the machine works it."""
+
+from fnmatch import fnmatchcase
+
+from beamcam.errors import Diagnostic
+from beamcam.machine.machine import Torch, TorchProcess, TorchRow
+from beamcam.model.part import Part
+from beamcam.planning.contours import rules
+
+
+class Material:
+    """What a sheet is, and the machine's row for each process on it."""
+
+    def __init__(self, part: Part, torch: Torch) -> None:
+        self.thickness = part.profile.web_thickness or torch.thickness
+        self.material = part.grade or torch.material
+        self._torch = torch
+        self._source = part.source
+        self._rows: dict[TorchProcess, TorchRow | None] = {}
+        self.remarks: tuple[Diagnostic, ...] = ()
+        if part.profile.web_thickness is None and torch.thickness:
+            self.remarks = (
+                rules.ASSUMED.at(part.source, found=f"{self.thickness:g}", material=self.material),
+            )
+
+    def row(self, process: TorchProcess) -> TorchRow | None:
+        """The first row of the machine that fits the sheet; None if there is none."""
+        if process not in self._rows:
+            self._rows[process] = next(filter(self._fits, self._rows_of(process)), None)
+        return self._rows[process]
+
+    def _rows_of(self, process: TorchProcess) -> list[TorchRow]:
+        return [row for row in self._torch.rows if row.process == process]
+
+    def _fits(self, row: TorchRow) -> bool:
+        is_material = fnmatchcase(self.material.upper(), row.material.upper())
+        return is_material and self.thickness <= row.up_to
+
+    def kerf(self, process: TorchProcess) -> float:
+        """Width of the cut that somebody has to keep off; 0 where nobody has to."""
+        row = self.row(process)
+        if row is None or process != "cut" or self._torch.kerf_by == "none":
+            return 0.0
+        return row.kerf
+
+    def refusals(self, processes: set[TorchProcess]) -> list[Diagnostic]:
+        """Why the sheet cannot be worked; nothing if it can."""
+        if self.thickness <= 0.0:
+            return [rules.NO_THICKNESS.at(self._source)]
+        known = {row.process for row in self._torch.rows}
+        return [
+            rules.THICKNESS.at(
+                self._source,
+                found=f"{self.thickness:g}",
+                material=self.material or "of no known material",
+                process=process,
+                expected=self._limits(process),
+            )
+            for process in sorted(processes & known)
+            if self.row(process) is None
+        ]
+
+    def _limits(self, process: TorchProcess) -> str:
+        """ "above 0 and at most 8 mm of acrylic, 8 mm of wood"."""
+        greatest: dict[str, float] = {}
+        for row in self._rows_of(process):
+            greatest[row.material] = max(row.up_to, greatest.get(row.material, 0.0))
+        limits = (f"{up_to:g} mm of {'any' if m == '*' else m}" for m, up_to in greatest.items())
+        return "above 0 and at most " + ", ".join(limits)

@@ -1,0 +1,128 @@
+"""The greedy tour: from where the head stands, the nearest contour whose inner ones are done.
+
+The ends of the contours that may be done next lie in square cells. They are looked for in rings of
+cells about the head; where the next ones lie far off, all that are left are measured at once.
+"""
+
+from collections import Counter, defaultdict
+from collections.abc import Sequence
+from math import floor, inf
+
+import numpy as np
+
+from beamcam.geometry.plane import Point
+
+#: Ends in a cell, on the average; and rings of cells that are looked into before all are.
+ENDS_A_CELL = 2
+RINGS = 4
+
+#: An end as it is chosen by: square of the distance, 1 for the end of a contour and 0 for its
+#: start, and when the contour came free. So equal distances are decided the same way each time.
+Choice = tuple[float, int, int]
+NOTHING: Choice = (inf, 2, 0)
+
+
+def nearest_first(
+    stage: Sequence[int],
+    starts: Sequence[Point],
+    ends: Sequence[Point],
+    parents: Sequence[int],
+    here: Point,
+) -> list[tuple[int, bool]]:
+    """The contours of `stage` in greedy order, and whether each is begun at its end.
+
+    A contour waits until all those are done whose parent it is.
+    """
+    waiting = Counter(parents[k] for k in stage)
+    members = [k for k in stage if not waiting[k]]
+    free = _Free([(starts[k], ends[k]) for k in stage])
+    for k in members:
+        free.add(starts[k], ends[k])
+    tour: list[tuple[int, bool]] = []
+    while free.count:
+        _, side, number = free.nearest(here)
+        free.remove(number)
+        index, turned = members[number], bool(side)
+        tour.append((index, turned))
+        here = starts[index] if turned else ends[index]
+        parent = parents[index]
+        if parent >= 0:
+            waiting[parent] -= 1
+            if not waiting[parent]:
+                members.append(parent)
+                free.add(starts[parent], ends[parent])
+    return tour
+
+
+class _Free:
+    """The contours that may be done next, by the number in which they came free."""
+
+    def __init__(self, places: Sequence[tuple[Point, Point]]) -> None:
+        """`places` are those of all contours that will ever be free."""
+        xy = np.array(places).reshape(-1, 2)
+        span = np.ptp(xy, axis=0) if len(xy) else np.zeros(2)
+        area = max(float(span[0] * span[1]), float(span.max()) ** 2 / max(len(xy), 1))
+        self._cell = (area * ENDS_A_CELL / max(len(xy), 1)) ** 0.5 or 1.0
+        self._cells: defaultdict[tuple[int, int], list[tuple[float, float, int, int]]]
+        self._cells = defaultdict(list)
+        #: Both ends of each; at infinity once it is done.
+        self._ends = np.full((len(places), 4), inf)
+        self._added = 0
+        self.count = 0
+
+    def add(self, start: Point, end: Point) -> None:
+        """One more contour; its number is how many there were before."""
+        number = self._added
+        self._ends[number] = (*start, *end)
+        for side, point in enumerate((start, end) if start != end else (start,)):
+            self._cells[self._cell_of(point)].append((*point, side, number))
+        self._added += 1
+        self.count += 1
+
+    def remove(self, number: int) -> None:
+        """The contour is done."""
+        x0, y0, x1, y1 = self._ends[number].tolist()
+        for cell in {self._cell_of((x0, y0)), self._cell_of((x1, y1))}:
+            self._cells[cell] = [entry for entry in self._cells[cell] if entry[3] != number]
+        self._ends[number] = inf
+        self.count -= 1
+
+    def _cell_of(self, point: Point) -> tuple[int, int]:
+        return floor(point[0] / self._cell), floor(point[1] / self._cell)
+
+    def nearest(self, here: Point) -> Choice:
+        """The nearest end."""
+        column, row = self._cell_of(here)
+        x, y = here
+        best = NOTHING
+        for ring in range(RINGS + 1):
+            for cell in _ring(column, row, ring):
+                for px, py, side, number in self._cells.get(cell, ()):
+                    dx, dy = px - x, py - y
+                    choice = (dx * dx + dy * dy, side, number)
+                    best = min(best, choice)
+            # So far to every side there is nothing that was not looked at.
+            clear = ring * self._cell + min(
+                x - column * self._cell, (column + 1) * self._cell - x,
+                y - row * self._cell, (row + 1) * self._cell - y,
+            )  # fmt: skip
+            if best[0] < (clear * (1 - 1e-9)) ** 2:
+                return best
+        return self._nearest_of_all(here)
+
+    def _nearest_of_all(self, here: Point) -> Choice:
+        away = self._ends[: self._added] - (*here, *here)
+        squares = away * away
+        to_start, to_end = squares[:, 0] + squares[:, 1], squares[:, 2] + squares[:, 3]
+        first, last = int(np.argmin(to_start)), int(np.argmin(to_end))
+        return min((float(to_start[first]), 0, first), (float(to_end[last]), 1, last))
+
+
+def _ring(column: int, row: int, ring: int) -> list[tuple[int, int]]:
+    """The cells that lie `ring` cells off a cell, in a square about it."""
+    if ring == 0:
+        return [(column, row)]
+    low, high = -ring, ring
+    found = [(column + i, row + k) for i in range(low, high + 1) for k in (low, high)]
+    found += [(column + i, row + k) for i in (low, high) for k in range(low + 1, high)]
+    return found

@@ -1,0 +1,125 @@
+"""Contours in order of work, each with its side of the kerf, its ways in and out, its bridges.
+
+shapes -> half a kerf off the part -> in order -> turned and begun -> led into -> bridged
+"""
+
+from collections.abc import Iterator, Sequence
+from typing import Literal
+
+from msgspec.structs import replace
+
+from beamcam.errors import Diagnostic, errors_in
+from beamcam.geometry.plane import Point
+from beamcam.machine.machine import Torch
+from beamcam.model.lengths import total_length
+from beamcam.model.plan import ContourOp, Pass
+from beamcam.planning.contours import rules
+from beamcam.planning.contours.gather import OUTLINE
+from beamcam.planning.contours.join import Shape
+from beamcam.planning.contours.kerf import closes, compensated
+from beamcam.planning.contours.leads import Lead, Leads
+from beamcam.planning.contours.material import Material
+from beamcam.planning.contours.order import order
+from beamcam.planning.contours.way import (
+    begun,
+    bridged,
+    is_turned,
+    reversed_chain,
+    waste_side,
+)
+
+SHOWN_OPEN = 10  #: open contours are named one by one up to so many
+
+
+def operations_of(
+    shapes: Sequence[Shape], material: Material, torch: Torch
+) -> tuple[tuple[ContourOp, ...], list[Diagnostic]]:
+    """The work on the shapes, and what is to be said; nothing else if that holds an error."""
+    kerfs = [material.kerf(s.process) if closes(s) else 0.0 for s in shapes]
+    ready, said = compensated(shapes, kerfs, torch)
+    if errors_in(said):
+        return (), said
+    said += _open_cuts(shapes)
+    ways = [(shape, kerfs[k]) for k, shape in _in_order(ready, torch)]
+    beside = max(kerfs, default=0.0) / 2 if torch.kerf_by == "offset" else 0.0
+    leads = Leads([shape for shape, _ in ways], torch, beside, shapes)
+    said += leads.remarks
+    found = [
+        _operation(shape, kerf, material, torch, leads.of(k))
+        for k, (shape, kerf) in enumerate(ways)
+    ]
+    if torch.kerf_by == "machine":
+        said += _too_short_leads(found)
+    if torch.tabs:
+        short = sum(
+            len(op.passes) != torch.tabs + 1
+            for op, (shape, _) in zip(found, ways, strict=True)
+            if _wants_tabs(shape)
+        )
+        if short:
+            said.append(rules.NO_TABS.at(ways[0][0].source, count=short, found=torch.tabs))
+    return tuple(found), said
+
+
+def _in_order(shapes: Sequence[Shape], torch: Torch) -> Iterator[tuple[int, Shape]]:
+    """The shapes by their index in order of work, each the way that it is followed."""
+    here: Point = (0.0, 0.0)
+    for index, turned in order(shapes):
+        shape = shapes[index]
+        if shape.closed:
+            if shape.process == "cut" and is_turned(shape.area, shape.depth % 2 == 1, torch):
+                shape = replace(shape, curves=reversed_chain(shape.curves), area=-shape.area)
+            shape = replace(shape, curves=begun(shape.curves, torch, here))
+        elif turned:
+            shape = replace(shape, curves=reversed_chain(shape.curves))
+        yield index, shape
+        here = shape.curves[-1].end
+
+
+def _operation(
+    shape: Shape, kerf: float, material: Material, torch: Torch, lead: Lead
+) -> ContourOp:
+    """The operation of one contour, with as many bridges as there is room for."""
+    row = material.row(shape.process)
+    if row is None:
+        raise AssertionError("a process without a row was let through")
+    side: Literal["on", "left", "right"] = "on"
+    stretches = [shape.curves]
+    if torch.tabs and _wants_tabs(shape):
+        stretches = list(bridged(shape.curves, torch.tabs, torch.tab_width + kerf))
+    if torch.kerf_by == "machine" and kerf:
+        side = "left" if waste_side(shape.area, shape.depth % 2 == 1) > 0 else "right"
+    last = len(stretches) - 1
+    passes = tuple(
+        [
+            Pass(lead[0] if k == 0 else (), curves, lead[1] if k == last else ())
+            for k, curves in enumerate(stretches)
+        ]
+    )
+    features = tuple([(0, f) for f in shape.features if f != OUTLINE])
+    return ContourOp(
+        row, passes, shape.closed, shape.depth, side, kerf, features, shape.source
+    )  # fmt: skip
+
+
+def _wants_tabs(shape: Shape) -> bool:
+    return shape.process == "cut" and closes(shape) and shape.depth % 2 == 0
+
+
+def _too_short_leads(operations: Sequence[ContourOp]) -> Iterator[Diagnostic]:
+    """A controller that keeps beside a contour needs a longer move to get there."""
+    for op in operations:
+        if op.side != "on" and total_length(op.passes[0].lead_in) <= op.kerf / 2:
+            yield rules.NEEDS_LEAD.at(op.source, found=f"{op.kerf:g}")
+
+
+def _open_cuts(shapes: Sequence[Shape]) -> Iterator[Diagnostic]:
+    opened = [s for s in shapes if s.process == "cut" and not s.closed]
+    for shape in opened[:SHOWN_OPEN]:
+        (x0, y0), (x1, y1) = shape.curves[0].start, shape.curves[-1].end
+        yield rules.OPEN_CUT.at(
+            shape.source, x0=f"{x0:.3f}", y0=f"{y0:.3f}", x1=f"{x1:.3f}", y1=f"{y1:.3f}"
+        )
+    if len(opened) > SHOWN_OPEN:
+        more = opened[SHOWN_OPEN]
+        yield rules.MORE_OPEN.at(more.source, found=len(opened) - SHOWN_OPEN)

@@ -1,0 +1,75 @@
+"""Where a sheet lies on the table, and whether its work fits there."""
+
+from collections.abc import Sequence
+
+from beamcam.errors import PlanError
+from beamcam.geometry.arrays import outermost
+from beamcam.geometry.curves import Arc, Curve, Line
+from beamcam.geometry.plane import Box, Matrix, Point
+from beamcam.machine.machine import Torch
+from beamcam.model.drawing import extent
+from beamcam.model.part import Part
+from beamcam.model.plan import ContourOp
+from beamcam.planning.contours import rules
+from beamcam.planning.contours.gather import Wanted
+
+
+def box_of(curves: Sequence[Curve]) -> Box:
+    """The least box around curves, of which there is at least one."""
+    box = extent(outermost(curves))
+    if box is None:
+        raise AssertionError("curves without a box")
+    return box
+
+
+def shift_of(wanted: Sequence[Wanted], torch: Torch) -> Point:
+    """Machine coordinates of the part's x 0, y 0."""
+    if torch.place == "drawn":
+        return 0.0, 0.0
+    box = box_of([w.curve for w in wanted])
+    return torch.margin - box[0], torch.margin - box[1]
+
+
+def moved(wanted: Sequence[Wanted], shift: Point) -> list[Wanted]:
+    """The curves in machine coordinates."""
+    if shift == (0.0, 0.0):
+        return list(wanted)
+    matrix: Matrix = ((1.0, 0.0, shift[0]), (0.0, 1.0, shift[1]))
+    return [
+        Wanted(_shifted(w.curve, shift, matrix), w.process, w.feature, w.source) for w in wanted
+    ]
+
+
+def _shifted(curve: Curve, shift: Point, matrix: Matrix) -> Curve:
+    """As `transformed`, quicker and without rounding of angles for what drawings have most."""
+    dx, dy = shift
+    if isinstance(curve, Line):
+        (x0, y0), (x1, y1) = curve.start, curve.end
+        return Line((x0 + dx, y0 + dy), (x1 + dx, y1 + dy))
+    if isinstance(curve, Arc):
+        x, y = curve.centre
+        return Arc((x + dx, y + dy), curve.radius, curve.start_deg, curve.sweep_deg)
+    return curve.transformed(matrix)
+
+
+def refuse_size(operations: Sequence[ContourOp], part: Part, torch: Torch) -> None:
+    """Raises PlanError if the head would have to leave the work area."""
+    passes = [one for op in operations for one in op.passes]
+    box = box_of([c for p in passes for way in (p.lead_in, p.curves, p.lead_out) for c in way])
+    slack = torch.tolerance
+    if box[2] - box[0] > torch.length + slack or box[3] - box[1] > torch.width + slack:
+        raise PlanError(
+            rules.SHEET_SIZE.at(
+                part.source,
+                found=f"{box[2] - box[0]:.1f} x {box[3] - box[1]:.1f}",
+                expected=f"{torch.length:g} x {torch.width:g}",
+            )
+        )
+    if min(box[:2]) < -slack or box[2] > torch.length + slack or box[3] > torch.width + slack:
+        x0, y0, x1, y1 = (f"{v:.1f}" for v in box)
+        raise PlanError(
+            rules.SHEET_PLACE.at(
+                part.source, x0=x0, y0=y0, x1=x1, y1=y1,
+                length=f"{torch.length:g}", width=f"{torch.width:g}",
+            )
+        )  # fmt: skip
