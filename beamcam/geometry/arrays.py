@@ -196,8 +196,8 @@ def _of_one_size(splines: Sequence[BSpline], names: Sequence[int]) -> tuple[Floa
 
     Control point j of the span [a, b] is the blossom of (a, ..., b, ...) with b taken j times.
     """
-    points = np.array([s.control for s in splines])
-    knots = np.array([s.knots for s in splines])
+    points = np.array([s.control for s in splines], dtype=np.float64)
+    knots = np.array([s.knots for s in splines], dtype=np.float64)
     count = points.shape[1]
     last = points[:, 0].copy()
     begun = np.zeros(len(splines), dtype=bool)

@@ -253,7 +253,7 @@ def _find_gaps(chains: list[Chain], look: float, tolerance: float) -> tuple[Gap,
         if not chain.closed:
             ends.append((chain.curves[0].start, chain.members[0]))
             ends.append((chain.curves[-1].end, chain.members[-1]))
-    points = np.array([point for point, _ in ends]).reshape(-1, 2)
+    points = np.array([point for point, _ in ends], dtype=np.float64).reshape(-1, 2)
     first, second = near_pairs(points, look)
     away = np.hypot(*(points[first] - points[second]).T)
     apart = away > tolerance

@@ -59,7 +59,7 @@ class _Free:
 
     def __init__(self, places: Sequence[tuple[Point, Point]]) -> None:
         """`places` are those of all contours that will ever be free."""
-        xy = np.array(places).reshape(-1, 2)
+        xy = np.array(places, dtype=np.float64).reshape(-1, 2)
         span = np.ptp(xy, axis=0) if len(xy) else np.zeros(2)
         area = max(float(span[0] * span[1]), float(span.max()) ** 2 / max(len(xy), 1))
         self._cell = (area * ENDS_A_CELL / max(len(xy), 1)) ** 0.5 or 1.0

@@ -20,7 +20,7 @@ Tour = list[tuple[int, bool]]
 def order(shapes: Sequence[Shape], home: Point = (0.0, 0.0)) -> Tour:
     """Each shape by its index, and whether it is followed backwards, in the order of work.
 
-    Closed shapes are met at their first point and never turned here.
+    Closed shapes are met at their first point; which way round they go is not said here.
     """
     starts = [s.curves[0].start for s in shapes]
     ends = [
@@ -33,7 +33,13 @@ def order(shapes: Sequence[Shape], home: Point = (0.0, 0.0)) -> Tour:
     done: Tour = []
     for stage in (marks, cuts):
         tour = nearest_first(stage, starts, ends, parents, here)
-        tour = turn_stretches(tour, np.array(starts), np.array(ends), np.array(parents), here)
+        tour = turn_stretches(
+            tour,
+            np.array(starts, dtype=float),
+            np.array(ends, dtype=float),
+            np.array(parents),
+            here,
+        )
         done += tour
         if tour:
             last, turned = tour[-1]

@@ -1,0 +1,107 @@
+"""Laws of what is asked of many curves at once: each curve by itself says the same."""
+
+import itertools
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from beamcam.geometry.arrays import cubics_of, ends_of, hulls_of, outermost
+from beamcam.geometry.curves import Arc, Bezier, BSpline, NewtonCurve, bezier_pieces
+from beamcam.geometry.near import near_pairs
+from beamcam.model.drawing import extent
+from tests.property.curve_strategies import arcs, beziers, ellipses, lines, newton_curves, splines
+
+curves = st.lists(
+    st.one_of(lines(), arcs, ellipses(), beziers(), splines(), newton_curves()),
+    min_size=1,
+    max_size=5,
+)
+
+
+@settings(max_examples=50, deadline=None)
+@given(curves)
+def test_ends_are_those_of_the_curves(found):
+    for row, curve in zip(ends_of(found).tolist(), found, strict=True):
+        assert row == pytest.approx([*curve.start, *curve.end], abs=1e-9)
+
+
+@settings(max_examples=50, deadline=None)
+@given(curves)
+def test_hulls_lie_around_the_curves(found):
+    for hull, curve in zip(hulls_of(found).tolist(), found, strict=True):
+        box, slack = curve.bbox, 1e-9 * (1 + max(map(abs, hull)))
+        assert hull[0] <= box[0] + slack
+        assert hull[1] <= box[1] + slack
+        assert box[2] <= hull[2] + slack
+        assert box[3] <= hull[3] + slack
+
+
+@settings(max_examples=60, deadline=None)
+@given(curves)
+def test_the_outermost_curves_have_the_box_of_all(found):
+    assert extent(outermost(found)) == extent(found)
+
+
+def test_no_curves_have_no_box():
+    with pytest.raises(ValueError, match="no curves have no box"):
+        outermost([])
+
+
+@settings(max_examples=60, deadline=None)
+@given(curves)
+def test_cubics_are_the_pieces_to_the_last_bit(found):
+    control, owner, others = cubics_of(found)
+    expected, left = [], []
+    for k, curve in enumerate(found):
+        free = isinstance(curve, Bezier | BSpline | NewtonCurve)
+        pieces = bezier_pieces(curve) if free else ()
+        weighted = isinstance(curve, BSpline) and curve.weights is not None
+        if pieces and not weighted and all(p.weights is None and p.degree == 3 for p in pieces):
+            expected += [(k, piece.points) for piece in pieces]
+        else:
+            left.append(k)
+    assert others == left
+    assert owner.tolist() == [k for k, _ in expected]
+    assert [tuple(map(tuple, c)) for c in control.tolist()] == [points for _, points in expected]
+
+
+@settings(max_examples=60, deadline=None)
+@given(splines())
+def test_ends_of_splines_are_those_of_their_pieces(spline):
+    assert spline.start == spline.pieces()[0].start
+    assert spline.end == spline.pieces()[-1].end
+
+
+def test_ends_of_arcs_are_exact_on_the_axes():
+    arc = Arc((0.1, 0.2), 0.7, -90.0, 450.0)
+    assert ends_of([arc, Arc((1.0, 2.0), 3.0, 180.0, -360.0)]).tolist() == [
+        [*arc.start, *arc.end],
+        [-2.0, 2.0, -2.0, 2.0],
+    ]
+
+
+places = st.tuples(st.integers(-30, 30), st.integers(-9, 9))
+
+
+@settings(max_examples=60, deadline=None)
+@given(st.lists(places, max_size=25), st.sampled_from((0.1, 0.3, 1.0)))
+def test_near_points_are_found_and_no_others(found, reach):
+    points = np.array(found, dtype=np.float64).reshape(-1, 2) / 10
+    expected = [
+        (a, b)
+        for a, b in itertools.combinations(range(len(points)), 2)
+        if np.hypot(*(points[a] - points[b])) <= reach
+    ]
+    assert list(zip(*(v.tolist() for v in near_pairs(points, reach)), strict=True)) == expected
+
+
+def test_near_points_of_a_wide_drawing():
+    points = np.array([(0.0, 0.0), (1e9, 1e9), (1e9, 1e9 + 5e-4), (-1e9, 3.0)])
+    assert [v.tolist() for v in near_pairs(points, 1e-3)] == [[1], [2]]
+
+
+def test_a_reach_of_nothing_is_refused():
+    with pytest.raises(ValueError, match="above 0"):
+        near_pairs(np.zeros((3, 2)), 0.0)
