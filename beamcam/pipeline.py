@@ -26,6 +26,7 @@ from beamcam.errors import (
 from beamcam.machine.machine import Machine
 from beamcam.model.part import Part
 from beamcam.model.plan import FeatureRef, Plan, SheetPlan
+from beamcam.model.work_time import WorkTime
 from beamcam.planning import Order
 from beamcam.posts import Job, Wanted, Written, post_of
 from beamcam.readers import rules
@@ -53,6 +54,11 @@ class Posted(Struct, frozen=True):
     written: Written
     plan: Plan | SheetPlan
     remarks: tuple[Diagnostic, ...]
+    program: object  #: as it was printed: commands, or a table
+
+    def time(self, machine: Machine) -> WorkTime:
+        """How long the machine takes for it."""
+        return post_of(machine).time(self.plan, self.program, machine)
 
     @property
     def text(self) -> str:
@@ -197,7 +203,7 @@ def post(
         stage("read the program back")
         if errors_in(said):
             raise VerifyError(said)
-    return Posted(written, plan, (*plan.remarks, *said))
+    return Posted(written, plan, (*plan.remarks, *said), program)
 
 
 def _wanted(job: Job, plan: Plan | SheetPlan) -> Wanted:

@@ -15,6 +15,7 @@ from beamcam.machine.machine import Machine
 from beamcam.model.part import Part
 from beamcam.model.plan import FeatureRef, Plan, SheetPlan
 from beamcam.model.program import Comment, Program
+from beamcam.model.work_time import WorkTime
 from beamcam.planning import Order
 
 NOT_READ_BACK = Comment("NOT VERIFIED: THIS PROGRAM WAS NOT READ BACK")
@@ -56,6 +57,7 @@ class Post(Struct, frozen=True):
     verify: Callable[[Written, Wanted], tuple[Diagnostic, ...]]
     skippable: Callable[[Sequence[Part], Machine, Collection[str]], frozenset[FeatureRef]]
     unverified: Callable[[Any], Any]  #: the program with a remark that it was not read back
+    time: Callable[[Any, Any, Machine], WorkTime]  #: of a plan and its program, where it is asked
 
 
 def post_of(machine: Machine) -> Post:
@@ -80,7 +82,12 @@ def bar_post() -> Post:
     def emit(program: Program, job: Job) -> str:
         return gcode.emit(program, job.machine)
 
-    return Post(plan, beam_program, emit, read_back, skippable, _with_comment)
+    def time(plan: Plan, _: Program, machine: Machine) -> WorkTime:
+        from beamcam.planning.times import work_time
+
+        return work_time(plan, machine)
+
+    return Post(plan, beam_program, emit, read_back, skippable, _with_comment, time)
 
 
 def sheet_post() -> Post:
@@ -96,7 +103,12 @@ def sheet_post() -> Post:
     def emit(program: Program, job: Job) -> str:
         return cutting.emit(program, job.machine)
 
-    return Post(_plan_sheet, sheet_program, emit, read_back, _skipped_on_sheet, _with_comment)
+    def time(plan: SheetPlan, program: Program, machine: Machine) -> WorkTime:
+        from beamcam.motion.sheet_times import program_time
+
+        return program_time(plan, program, machine)
+
+    return Post(_plan_sheet, sheet_program, emit, read_back, _skipped_on_sheet, _with_comment, time)
 
 
 def trigger_post() -> Post:
@@ -118,7 +130,12 @@ def trigger_post() -> Post:
         w = wanted
         return verify_triggers(_text(program), w.parts, w.machine, w.skipped, w.name)
 
-    return Post(_plan_sheet, trigger_table, emit, read_back, _skipped_on_sheet, _with_remark)
+    def time(plan: SheetPlan, table: Any, machine: Machine) -> WorkTime:
+        from beamcam.motion.table_times import trigger_time
+
+        return trigger_time(plan, table, machine)
+
+    return Post(_plan_sheet, trigger_table, emit, read_back, _skipped_on_sheet, _with_remark, time)
 
 
 def step_post() -> Post:
@@ -146,7 +163,12 @@ def step_post() -> Post:
         pieces = (program.encode("utf-8"),) if isinstance(program, str) else program()
         return verify_steps(pieces, w.parts, w.machine, w.skipped, w.name)
 
-    return Post(_plan_sheet, step_table, emit, read_back, _skipped_on_sheet, _with_remark)
+    def time(plan: SheetPlan, _: Any, machine: Machine) -> WorkTime:
+        from beamcam.motion.table_times import step_time
+
+        return step_time(plan, machine)
+
+    return Post(_plan_sheet, step_table, emit, read_back, _skipped_on_sheet, _with_remark, time)
 
 
 #: By the kind of stock and the family of the controller.

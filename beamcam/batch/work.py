@@ -24,11 +24,9 @@ from beamcam.batch.names import folded, numbered, output_name
 from beamcam.errors import BeamcamError, PlanError, ReadError, Source, errors_in
 from beamcam.machine.machine import Formula, Machine
 from beamcam.model.part import Part
-from beamcam.model.plan import ContourOp, Plan, SheetPlan
+from beamcam.model.plan import ContourOp, Plan
 from beamcam.pipeline import Posted, as_error, counted, parts_of, post, stock_of
-from beamcam.planning.sheet_times import sheet_time_s
 from beamcam.planning.stock import from_store
-from beamcam.planning.times import work_time
 from beamcam.readers import read
 from beamcam.report.run import Ledger, PartRow, Row, as_message
 
@@ -213,15 +211,8 @@ def _part_row(
         "skipped_by": dict(sorted(skipped_by.items())),
         "tools": sorted({_tool_name(op) for op in _of_each_tool(plan.operations)}),
         "operations": len(plan.operations),
-        "machine_time_s": round(_time_s(plan, machine), 3) if timed else None,
+        "machine_time_s": round(posted.time(machine).total_s, 3) if timed else None,
     }
-
-
-def _time_s(plan: Plan | SheetPlan, machine: Machine) -> float:
-    """Work time of a bar or a sheet."""
-    return (
-        work_time(plan, machine).total_s if isinstance(plan, Plan) else sheet_time_s(plan, machine)
-    )
 
 
 def _of_each_tool(operations: Iterable[object]) -> Iterable[object]:

@@ -1,7 +1,7 @@
 """`beamcam plan`: the work that makes parts, step by step, with the reasons and the time."""
 
 import json
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from typing import Any
 
 import click
@@ -10,10 +10,12 @@ from beamcam.commands import options
 from beamcam.commands.common import Voice, read_all, write
 from beamcam.commands.members import member_choice, member_options
 from beamcam.commands.settings import machine_for, settled
+from beamcam.commands.sheets import drawing_choice, drawing_options, torch_options
+from beamcam.config.values import Config
 from beamcam.errors import BeamcamError, Diagnostic, PlanError, errors_in
 from beamcam.machine.machine import Machine
 from beamcam.model.part import Part
-from beamcam.model.plan import Plan, ToolLoad
+from beamcam.model.plan import Plan, SheetPlan, ToolLoad
 from beamcam.pipeline import as_error, counted, parts_of
 from beamcam.planning import Order, plan_bar
 from beamcam.planning.choose import Trial, try_turns
@@ -33,6 +35,8 @@ from beamcam.report.run import as_message
 @options.turn
 @options.skips
 @member_options
+@drawing_options
+@torch_options
 @options.strict
 @options.as_json
 @options.voiced
@@ -48,18 +52,24 @@ def command(
     """Explain the work that makes parts, step by step.
 
     Each operation stands with its machine X, its tool, its time and a code for each reason: why
-    this tool, why merged, why here, and what was rejected. No program is written.
+    this tool, why merged, why here, and what was rejected. Of a sheet each contour stands with its
+    start, its length and its time. No program is written.
 
     \b
     beamcam plan M58.nc1
+    beamcam plan gasket.dxf --thickness 3 --machine plate-codesys
     beamcam plan M74.nc1 M58.nc1 --machine beamline-pusher --order best --turn
     beamcam plan M58.nc1 --json | jq .time
     """
     try:
         config = settled(asked, inputs)
-        how = member_choice(asked, kernel=True)
+        how = drawing_choice(asked) | member_choice(asked, kernel=True)
         parts, said = parts_of(read_all(inputs, config.strict, how, voice), counted)
         machine = machine_for(config, parts, output)
+        if machine.stock == "sheet":
+            sheet = _planned_sheet(parts, said, machine, config)
+            _print(output, voice, as_json, *sheet)
+            return
         if machine.saw is None or machine.drill is None or machine.layout is None:
             raise click.UsageError(
                 f"{machine.name} has no saw and drill, whose work could be planned"
@@ -78,12 +88,41 @@ def command(
     voice.did(f"planned {len(plan.operations)} operation(s): {ledger_of(plan.outcomes)}")
     explained = explain(plan, machine)
     said = (*said, *plan.remarks)
+    record = plan_record(plan, explained, machine, trials, said)
+    _print(output, voice, as_json, plan_lines(plan, explained, machine, trials), record, said)
+
+
+def _planned_sheet(
+    parts: tuple[Part, ...], said: tuple[Diagnostic, ...], machine: Machine, config: Config
+) -> tuple[Iterable[str], dict[str, object], tuple[Diagnostic, ...]]:
+    """The plan of a sheet as lines and as data, and what is said. Raises PlanError."""
+    from beamcam.commands.plan_sheet import sheet_lines, sheet_record
+    from beamcam.posts import Job, post_of
+
+    kind = post_of(machine)
+    plan = kind.plan(Job(parts, machine, skips=config.allow_skips))
+    if not isinstance(plan, SheetPlan):
+        raise TypeError(f"{machine.name} has a plan for bars")
+    if config.strict and errors_in(remarks := tuple(map(as_error, plan.remarks))):
+        raise PlanError(remarks)
+    time = kind.time(plan, kind.motion(plan, machine, config.job), machine)
+    said = (*said, *plan.remarks)
+    return sheet_lines(plan, time, machine), sheet_record(plan, time, machine, said), said
+
+
+def _print(
+    output: str,
+    voice: Voice,
+    as_json: bool,
+    lines: Iterable[str],
+    record: dict[str, object],
+    said: tuple[Diagnostic, ...],
+) -> None:
     if as_json:
-        record = plan_record(plan, explained, machine, trials, said)
         write(output, json.dumps(record, ensure_ascii=False, indent=1) + "\n", voice)
         voice.end()
     else:
-        write(output, "\n".join(plan_lines(plan, explained, machine, trials)) + "\n", voice)
+        write(output, "\n".join(lines) + "\n", voice)
         voice.say(said)
 
 

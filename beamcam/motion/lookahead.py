@@ -80,7 +80,8 @@ def plan_speeds(points: ArrayLike, speed_mm_s: ArrayLike, rules: LookAheadRules)
     stretches = join_segments(
         lengths.tolist(), limits.tolist(), ends.tolist(), acceleration.tolist(), jerk.tolist()
     )
-    return cut_phases(p, lengths, along, *_joint_speeds(stretches))
+    moving, speeds = joint_speeds(stretches)
+    return cut_phases(p, lengths, along, moving, np.array(speeds))
 
 
 def _along(directions: Floats, axes: Sequence[float]) -> Floats:
@@ -116,7 +117,7 @@ def _junction_limits(
     return limit, ~straight & (cosine > CURVE_TURN_COS)
 
 
-def _joint_speeds(stretches: list[Stretch]) -> tuple[list[Stretch], Floats]:
+def joint_speeds(stretches: list[Stretch]) -> tuple[list[Stretch], list[float]]:
     """The stretches that have a length, and the speeds at their n + 1 joints."""
     moving: list[Stretch] = []
     speeds: list[float] = []
@@ -137,4 +138,4 @@ def _joint_speeds(stretches: list[Stretch]) -> tuple[list[Stretch], Floats]:
         if speeds[k + 1] > speeds[k]:
             reach = reachable_speed(speeds[k], s.length, s.acceleration, s.jerk)
             speeds[k + 1] = min(speeds[k + 1], reach)
-    return moving, np.array(speeds)
+    return moving, speeds

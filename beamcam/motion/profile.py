@@ -17,6 +17,8 @@ import numpy as np
 from msgspec import Struct
 from numpy.typing import ArrayLike, NDArray
 
+from beamcam.geometry.moves import ramp_seconds
+
 Floats = NDArray[np.float64]
 
 #: A ramp that is rounded by less than this share is not rounded.
@@ -118,10 +120,7 @@ def ramp_pieces(change: float, time_s: float, jerk_percent: float) -> list[Piece
 
 def ramp_time_s(change: float, limits: Limits) -> float:
     """Least time in which the velocity changes by `change`, from and to acceleration 0."""
-    size, a, j = abs(change), limits.acceleration, limits.jerk
-    if j == inf or size * j >= a * a:
-        return size / a + a / j
-    return 2 * sqrt(size / j)
+    return ramp_seconds(abs(change), limits.acceleration, limits.jerk)
 
 
 def fastest_ramp(change: float, limits: Limits) -> list[Piece]:

@@ -12,9 +12,11 @@ its own:
 """
 
 from collections.abc import Sequence
-from math import inf, sqrt
+from math import inf
 
 from msgspec import Struct
+
+from beamcam.geometry.moves import ramp_seconds
 
 #: A tower is worth climbing if the speed rises by this share of its foot in half its width.
 WORTH_RISE = 0.1
@@ -37,21 +39,14 @@ class Stretch(Struct):
     jerk: float
 
 
-def _ramp_way(speed: float, change: float, acceleration: float, jerk: float) -> float:
-    if jerk == inf or change * jerk >= acceleration * acceleration:
-        time_s = change / acceleration + acceleration / jerk
-    else:
-        time_s = 2 * sqrt(change / jerk)
-    return (speed + change / 2) * time_s
-
-
 def _is_worth(tower: Stretch, foot: float) -> bool:
     """Whether a stretch is long enough to rise above `foot` and come down again."""
     gain = tower.limit - foot
     if gain <= SAME_SPEED * foot:
         return False
     change = min(gain, WORTH_RISE * foot)
-    return tower.length >= 2 * _ramp_way(foot, change, tower.acceleration, tower.jerk)
+    ramp_s = ramp_seconds(change, tower.acceleration, tower.jerk)
+    return tower.length >= 2 * (foot + change / 2) * ramp_s
 
 
 def _absorb(into: Stretch, other: Stretch) -> None:

@@ -1,53 +1,51 @@
 """How long the work takes, from the speeds of the machine's file.
 
-Each operation waits for the slower of the bar (X) and the spindle's place across, both run up
-and braked, then for its spindle and tool, then strokes: rapid to near the surface, feed to the
-bottom, rapid back. A cut waits for the saw to turn, feeds through the section and goes back.
+Each operation waits for the slower of the bar (X) and the spindle's place across, then for its
+spindle and tool, then strokes: rapid to near the surface, feed to the bottom, rapid back. A cut
+waits for the saw to turn, feeds through the section and goes back. Every move is run up and braked
+by the axis that makes it, with its acceleration and, where the file gives it, its jerk.
 
-    v |   _______            an axis with speed v and acceleration a needs
-      |  /       \\           s / v + v / a        if s >= v * v / a
-      |_/_________\\__ t      2 * sqrt(s / a)      else
-
-The controller's own look-ahead and the operator's ways are not in it.
+Where the operator goes meanwhile is not in it.
 """
 
 from collections.abc import Sequence
-from math import cos, radians, sqrt
+from math import cos, inf, radians
 
 from msgspec import Struct
 
+from beamcam.geometry.moves import move_seconds
 from beamcam.machine.cutting import speed_and_feed
 from beamcam.machine.machine import Machine, Times, Tool
 from beamcam.model.part import Profile
 from beamcam.model.plan import Operation, PathOp, Plan, SawOp, SpindleOp
 from beamcam.model.stroke import Strokes
+from beamcam.model.work_time import WorkTime
 from beamcam.planning.magazine import tool_loads
-from beamcam.planning.paths import path_length
+from beamcam.planning.paths import straight_runs
 
 SECONDS_PER_MINUTE = 60.0
+UNKNOWN_MM_S2 = 1000.0  #: of an axis that the machine's file does not have
 
 
 class AxisSpeed(Struct, frozen=True):
-    """How fast an axis moves, mm/s and mm/s2."""
+    """How fast an axis moves, mm/s, mm/s2 and mm/s3."""
 
     speed_mm_s: float
     acceleration_mm_s2: float
+    jerk_mm_s3: float = inf
 
-    def seconds(self, distance: float) -> float:
-        """Time from rest to rest over a distance."""
-        s, v, a = abs(distance), self.speed_mm_s, self.acceleration_mm_s2
-        return s / v + v / a if s >= v * v / a else 2 * sqrt(s / a)
+    def seconds(self, distance: float, greatest_mm_s: float = inf) -> float:
+        """Time from rest to rest over a distance, at most at a speed."""
+        speed = min(self.speed_mm_s, greatest_mm_s)
+        return move_seconds(distance, speed, self.acceleration_mm_s2, self.jerk_mm_s3)
 
-
-class WorkTime(Struct, frozen=True):
-    """Seconds of each operation, in the order of work, and of the whole."""
-
-    operations: tuple[float, ...]
-    reloads_s: float  #: tools put into stations by hand during the work
-
-    @property
-    def total_s(self) -> float:
-        return sum(self.operations) + self.reloads_s
+    def with_other(self, other: "AxisSpeed") -> "AxisSpeed":
+        """What two axes can do together, whichever way the path runs."""
+        return AxisSpeed(
+            min(self.speed_mm_s, other.speed_mm_s),
+            min(self.acceleration_mm_s2, other.acceleration_mm_s2),
+            min(self.jerk_mm_s3, other.jerk_mm_s3),
+        )
 
 
 def work_time(plan: Plan, machine: Machine) -> WorkTime:
@@ -76,11 +74,12 @@ class _Clock:
         self._times: Times = machine.times
         self._profile, self._grades = profile, grades
         self._strokes = Strokes(profile, machine)
-        rapid = AxisSpeed(machine.drill.greatest_feed_mm_min / SECONDS_PER_MINUTE, 1000.0)
+        rapid = machine.drill.greatest_feed_mm_min / SECONDS_PER_MINUTE
+        self._rapid = AxisSpeed(rapid, UNKNOWN_MM_S2)
         self._axes: dict[tuple[str, int | None], AxisSpeed] = {
-            (a.moves, a.spindle): AxisSpeed(a.speed, a.acceleration) for a in machine.axes
+            (a.moves, a.spindle): AxisSpeed(a.speed, a.acceleration, a.jerk or inf)
+            for a in machine.axes
         }
-        self._rapid = rapid
         self._x = 0.0
         self._angle = machine.saw.square
         self._tilt = 0.0
@@ -112,8 +111,9 @@ class _Clock:
         turning += self._axis("angle").seconds(op.tilt - self._tilt)
         self._angle, self._tilt, self._last_s = op.angle, op.tilt, 0.0
         stroke = self._profile.width / cos(radians(op.tilt)) + 2 * self._drill.clearance
-        down = stroke * SECONDS_PER_MINUTE / self._saw.feed_mm_min
-        return max(travel, turning) + self._times.saw_s + down + self._axis("saw").seconds(stroke)
+        blade = self._axis("saw")
+        down = blade.seconds(stroke, self._saw.feed_mm_min / SECONDS_PER_MINUTE)
+        return max(travel, turning) + self._times.saw_s + down + blade.seconds(stroke)
 
     def _spindle_seconds(self, op: SpindleOp, travel: float) -> float:
         first = self._strokes.spindle(op)
@@ -130,14 +130,17 @@ class _Clock:
             self._tools[face] = op.tool
             self._across[face] = stroke.across
         _, feed_mm_min = speed_and_feed(op.tool, self._drill, self._grades[op.features[0][0]])
-        fed = abs(stroke.bottom - stroke.near)
+        feed = feed_mm_min / SECONDS_PER_MINUTE
+        stroking = self._axis(along, first.number)
+        fed = stroking.seconds(stroke.bottom - stroke.near, feed)
         if op.tool.kind == "tap":
             fed *= 2
         if isinstance(op, PathOp):
-            fed += path_length(op.path)
+            table = self._axis("X").with_other(self._axis(across, first.number))
+            fed += sum(table.seconds(run, feed) for run in straight_runs(op.path))
             self._across[first.face] = self._strokes(op, op.path[-1][1]).across
-        rapid = self._axis(along, first.number)
         back = stroke.near if op.tool.kind == "tap" else stroke.bottom
-        moves = rapid.seconds(stroke.near - stroke.start) + rapid.seconds(back - stroke.start)
+        moves = stroking.seconds(stroke.near - stroke.start)
+        moves += stroking.seconds(back - stroke.start)
         turning = 0.0 if op.tool.kind in ("punch", "scribe") else self._times.spindle_s
-        return waiting + turning + moves + fed * SECONDS_PER_MINUTE / feed_mm_min
+        return waiting + turning + moves + fed

@@ -138,3 +138,44 @@ def test_a_machine_without_a_saw_is_wrong_usage(path: str, tmp_path: Path) -> No
     status, _, said = run(path, "--machine", str(file))
     assert status == 2
     assert "has no saw and drill" in said
+
+
+CAM = str(Path(__file__).resolve().parents[3] / "samples" / "json" / "cam.json")
+
+
+def test_a_sheet_has_a_line_for_each_contour() -> None:
+    status, out, _ = run(CAM, "--machine", "plate-linuxcnc")
+    assert status == 0
+    lines = out.splitlines()
+    assert lines[0] == "machine plate-linuxcnc: plasma table on LinuxCNC"
+    assert lines[1].startswith("sheet CAM 110.000 x 100.000 x 6, its x 0, y 0 at X 8.000 Y ")
+    assert [line.split()[5] for line in lines[2:5]] == ["mark", "cut", "cut"]
+    assert lines[2].endswith("cam.json:contours[2]")
+    assert lines[-1].startswith("3 contours, ")
+    seconds = [float(line.split(" s  ")[0].split()[-1]) for line in lines[2:5]]
+    assert sum(seconds) == pytest.approx(float(lines[-1].split()[-2]), abs=1.0)
+
+
+def test_a_sheet_as_data() -> None:
+    status, out, _ = run(CAM, "--machine", "plate-codesys", "--json")
+    assert status == 0
+    record = json.loads(out)
+    assert [o["process"] for o in record["operations"]] == ["mark", "cut", "cut"]
+    assert record["sheet"]["thickness"] == 6
+    total = sum(o["seconds"] for o in record["operations"]) + record["time"]["home_s"]
+    assert record["time"]["total_s"] == pytest.approx(total, abs=0.01)
+    assert [f["how"] for f in record["features"]] == ["made"] * 3
+    thin = json.loads(run(CAM, "--machine", "plate-codesys", "--json", "--tabs", "2")[1])
+    assert thin["operations"][-1]["passes"] > 1
+    assert thin["time"]["total_s"] > record["time"]["total_s"]
+
+
+def test_what_is_left_out_of_a_sheet_is_said() -> None:
+    plate = CAM.replace("json/cam.json", "dstv/plate.nc1")
+    skips = [word for name in ("bevel", "tool", "mark") for word in ("--allow-skips", name)]
+    status, out, said = run(plate, "--machine", "plate-codesys", *skips)
+    assert status == 0
+    assert "left out: " in out
+    assert run(plate, "--machine", "plate-codesys")[0] == 1
+    assert run(plate, "--machine", "plate-codesys", "--strict", *skips)[0] == 1
+    assert "warning" in said

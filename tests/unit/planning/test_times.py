@@ -1,6 +1,6 @@
 """Times of operations in figures, and what an explanation holds."""
 
-from math import cos, pi, radians, sqrt
+from math import cos, hypot, pi, radians, sqrt
 
 import pytest
 from msgspec.structs import replace
@@ -12,6 +12,7 @@ from beamcam.model.plan import Plan
 from beamcam.planning import plan_bar
 from beamcam.planning.choose import try_turns
 from beamcam.planning.explain import explain
+from beamcam.planning.paths import straight_runs
 from beamcam.planning.reasons import REASONS
 from beamcam.planning.times import AxisSpeed, work_time
 from beamcam.planning.turning import TURNS
@@ -24,6 +25,26 @@ def test_an_axis_runs_up_and_brakes() -> None:
     assert axis.seconds(5.0) == pytest.approx(2 * sqrt(5 / 500))
     assert axis.seconds(-1000.0) == pytest.approx(10.2)
     assert axis.seconds(20.0) == pytest.approx(0.4)  # just reaches its speed
+
+
+def test_a_jerk_makes_it_slower_and_a_feed_is_run_up_too() -> None:
+    stiff, soft = AxisSpeed(100.0, 500.0), AxisSpeed(100.0, 500.0, 5000.0)
+    assert soft.seconds(1000.0) == pytest.approx(10 + 0.2 + 0.1)
+    assert soft.seconds(5.0) > stiff.seconds(5.0)
+    assert stiff.seconds(30.0, 10.0) == pytest.approx(3 + 10 / 500)
+    assert stiff.with_other(AxisSpeed(50.0, 900.0, 70.0)) == AxisSpeed(50.0, 500.0, 70.0)
+    machine = load("beamline")
+    jerky = replace(machine, axes=tuple(replace(a, jerk=a.acceleration * 2) for a in machine.axes))
+    found = plan_bar([part(hole(500), hole(700))], machine)
+    for fast, slow in zip(seconds(found, machine), seconds(found, jerky), strict=True):
+        assert slow > fast
+
+
+def test_a_path_stops_at_its_corners() -> None:
+    assert straight_runs([(0, 0), (10, 0), (10, 0), (20, 1), (20, 11)]) == pytest.approx(
+        [10 + hypot(10, 1), 10]
+    )
+    assert straight_runs([(5, 5)]) == []
 
 
 def rigid(name: str, **times: float) -> Machine:

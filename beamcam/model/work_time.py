@@ -1,0 +1,15 @@
+"""How long the work of a plan takes."""
+
+from msgspec import Struct
+
+
+class WorkTime(Struct, frozen=True):
+    """Seconds of each operation, in the order of work, and of what lies between and behind them."""
+
+    operations: tuple[float, ...]
+    reloads_s: float = 0.0  #: tools put into stations by hand during the work
+    home_s: float = 0.0  #: from the last operation to where the next work begins
+
+    @property
+    def total_s(self) -> float:
+        return sum(self.operations) + self.reloads_s + self.home_s

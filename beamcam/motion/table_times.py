@@ -1,0 +1,89 @@
+"""How long the tables without G-code take: chains of triggers, and step tables."""
+
+from collections.abc import Iterator
+from math import asin, ceil, dist
+
+from beamcam.geometry.moves import move_seconds
+from beamcam.geometry.plane import Point, cross
+from beamcam.machine.machine import Machine
+from beamcam.machine.tables import Triggers
+from beamcam.model.plan import SheetPlan
+from beamcam.model.triggers import Round, Switch, TriggerOp, TriggerTable
+from beamcam.model.work_time import WorkTime
+from beamcam.motion.step_events import MICROSECONDS
+from beamcam.motion.steps import plan_way
+from beamcam.motion.velocity_table import ways
+
+CYCLE_SLACK = 1e-9
+
+
+def trigger_time(plan: SheetPlan, table: TriggerTable, machine: Machine) -> WorkTime:
+    """How long a chain of triggers takes, from the corner of the work area and back to it.
+
+    Each operation runs from rest to rest; the next begins in the cycle behind the one that sees
+    its arrival. Homing is not in it, as nobody knows from where.
+    """
+    triggers = machine.triggers
+    if triggers is None:
+        raise TypeError(f"{machine.name} has no trigger program")
+    passes = _passes(table, triggers)
+    operations = tuple(sum(next(passes) for _ in op.passes) for op in plan.operations)
+    return WorkTime(operations, 0.0, sum(passes))
+
+
+def _passes(table: TriggerTable, triggers: Triggers) -> Iterator[float]:
+    """Seconds of each pass with the way to it, and of the way home."""
+    here, seconds = (0.0, 0.0), 0.0
+    for op in table.operations:
+        cycles = ceil(_seconds(op, here, triggers) / triggers.cycle_s - CYCLE_SLACK) + 1
+        seconds += cycles * triggers.cycle_s
+        if not isinstance(op, Switch):
+            here = op.x, op.y
+        elif not op.on:
+            yield seconds
+            seconds = 0.0
+    yield seconds
+
+
+def length_through(start: Point, middle: Point, end: Point) -> float:
+    """Length of the arc through three points, neither half of it above half a circle."""
+    a, b, c = dist(start, middle), dist(middle, end), dist(start, end)
+    to_middle = middle[0] - start[0], middle[1] - start[1]
+    twice_area = abs(cross(to_middle, (end[0] - start[0], end[1] - start[1])))
+    if twice_area <= 1e-12 * c * c:
+        return a + b
+    radius = a * b * c / (2 * twice_area)
+    return 2 * radius * sum(asin(min(1.0, chord / (2 * radius))) for chord in (a, b))
+
+
+def _seconds(op: TriggerOp, here: Point, triggers: Triggers) -> float:
+    if isinstance(op, Switch):
+        return op.wait_s
+    end = op.x, op.y
+    way = dist(here, end)
+    if isinstance(op, Round):
+        way = length_through(here, (op.middle_x, op.middle_y), end)
+    return move_seconds(way, op.speed_mm_s, triggers.acceleration)
+
+
+def step_time(plan: SheetPlan, machine: Machine) -> WorkTime:
+    """How long a step table takes: until its last step, and the standstill behind that.
+
+    Each way is planned by the look-ahead, from rest to rest, as for the rows themselves.
+    """
+    stepper = machine.stepper
+    if stepper is None:
+        raise TypeError(f"{machine.name} has no stepping motors")
+    rest_us = int(2 * MICROSECONDS / stepper.greatest_hz) + 1
+    passes: list[float] = []
+    microseconds = 0
+    for way in ways(plan, machine):
+        waits = round(way.wait_s * MICROSECONDS) if way.laser else 0
+        moves = ceil(plan_way(way, stepper).duration_s * MICROSECONDS)
+        microseconds += waits + moves + 2 * rest_us
+        if way.laser:
+            passes.append(microseconds / MICROSECONDS)
+            microseconds = 0
+    each = iter(passes)
+    operations = tuple(sum(next(each) for _ in op.passes) for op in plan.operations)
+    return WorkTime(operations, 0.0, microseconds / MICROSECONDS)

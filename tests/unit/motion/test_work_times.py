@@ -1,0 +1,194 @@
+"""Times of cutting tables: from the look-ahead over the program, whatever the controller."""
+
+from itertools import pairwise
+from math import cbrt, ceil, dist, hypot, pi
+
+import pytest
+from msgspec.structs import replace
+
+from beamcam.emitters import simotion
+from beamcam.geometry.curves import Arc, Line
+from beamcam.geometry.moves import move_seconds
+from beamcam.machine import Machine, load
+from beamcam.machine.path_limits import path_limits
+from beamcam.model.part import Part
+from beamcam.model.program import ArcFeed, EllipseFeed, Feed, ParabolaFeed
+from beamcam.model.work_time import WorkTime
+from beamcam.motion.curves_of_moves import curve_of
+from beamcam.motion.densify import DensifyRules, densify
+from beamcam.motion.lookahead import LookAheadRules, plan_speeds
+from beamcam.motion.profile import Limits
+from beamcam.motion.sheet import sheet_program
+from beamcam.motion.sheet_times import SECONDS_PER_MINUTE, program_time, seconds_along, segment_of
+from beamcam.motion.steps import step_table
+from beamcam.motion.table_times import length_through, step_time, trigger_time
+from beamcam.pipeline import post
+from beamcam.planning.sheet import plan_sheet
+from beamcam.verify.st import check_text
+from beamcam.verify.st.cell import Cell
+from tests.unit.sheets.parts import NESTED, box, circle, contour, drawing, lines, table
+from tests.unit.tables.shop import NAMES, plan, table_machine, triggers
+
+GCODE = ("plate-linuxcnc", "plate-codesys", "laser-grbl")
+
+
+def time_of(part: Part, machine: Machine) -> WorkTime:
+    found = plan_sheet((part,), machine)
+    return program_time(found, sheet_program(found, machine, "J"), machine)
+
+
+def plain(name: str, **values: object) -> Machine:
+    return table(name, material="wood", kerf_by="none", lead="none", place="drawn", **values)
+
+
+@pytest.mark.parametrize("name", GCODE)
+def test_a_line_takes_its_move_its_piercing_and_the_ways(name: str) -> None:
+    machine = plain(name)
+    limits, torch = path_limits(machine), machine.torch
+    assert limits is not None
+    assert torch is not None
+    time = time_of(drawing(contour(lines((30, 40), (330, 40), closed=False))), machine)
+    row = next(r for r in torch.rows if r.process == "cut" and r.up_to >= 6)
+    row = next((r for r in torch.rows if r.material == "wood" and r.up_to >= 6), row)
+    rapid, a, j = torch.traverse_mm_min / 60, limits.straight_mm_s2, limits.jerk_mm_s3
+    there = move_seconds(50.0, min(rapid, 500.0, 400 / 0.8), a, j)
+    cut = move_seconds(300.0, row.feed_mm_min / SECONDS_PER_MINUTE, a, j)
+    assert time.operations == (pytest.approx(there + row.pierce_s + cut, rel=1e-2),)
+    assert time.home_s == pytest.approx(move_seconds(hypot(330, 40), rapid, a, j), rel=1e-2)
+    assert time.total_s == sum(time.operations) + time.home_s
+
+
+@pytest.mark.parametrize("name", GCODE)
+def test_no_sheet_takes_less_than_its_ways_at_full_speed(name: str) -> None:
+    machine = plain(name)
+    assert machine.torch is not None
+    found = plan_sheet((NESTED,), machine)
+    program = sheet_program(found, machine, "J")
+    time = program_time(found, program, machine)
+    unlimited = program_time(found, program, replace(machine, axes=()))
+    assert len(time.operations) == len(found.operations) == 5
+    for seconds, least, op in zip(
+        time.operations, unlimited.operations, found.operations, strict=True
+    ):
+        way = sum(c.length for one in op.passes for c in one.curves)
+        assert least >= way / (op.row.feed_mm_min / 60) * (1 - 1e-6) + op.row.pierce_s
+        assert seconds > least
+    assert time.total_s > unlimited.total_s
+
+
+def test_a_contour_takes_as_long_as_the_look_ahead_over_its_points() -> None:
+    """Arcs and lines as they are against chords that another function looks ahead over."""
+    machine = plain("plate-linuxcnc")
+    limits = path_limits(machine)
+    assert limits is not None
+    curves = (
+        Line((20, 10), (40, 10)), Arc((40, 20), 10, -90, 90), Line((50, 20), (50, 40)),
+        Arc((40, 40), 10, 0, 90), Line((40, 50), (20, 50)), Arc((20, 40), 10, 90, 90),
+        Line((10, 40), (10, 20)), Arc((20, 20), 10, 180, 90),
+    )  # fmt: skip
+    here, segments = (20.0, 10.0), []
+    for curve in curves:
+        move: Feed | ArcFeed = Feed(*curve.end)
+        if isinstance(curve, Arc):
+            (cx, cy), (sx, sy) = curve.centre, curve.start
+            move = ArcFeed(*curve.end, cx - sx, cy - sy, False)
+        segment = segment_of(here, move, 60.0, limits)
+        assert segment is not None
+        segments.append(segment)
+        here = curve.end
+    axis = Limits(400.0, 2000.0)
+    points = densify(curves, DensifyRules(0.0005)).points
+    by_points = plan_speeds(points, 60.0, LookAheadRules((axis, axis), 0.01)).duration_s
+    assert seconds_along(segments, limits) == pytest.approx(by_points, rel=0.01)
+
+
+def test_corners_cost_time_and_a_controller_that_stops_there_more() -> None:
+    machine = plain("plate-linuxcnc")
+    zigzag = lines(*((10.0 * k, 20.0 + 20.0 * (k % 2)) for k in range(30)), closed=False)
+    straight = lines((10, 20), (10 + sum(c.length for c in zigzag), 20), closed=False)
+    stops = plain("plate-linuxcnc")
+    assert stops.torch is not None
+    stops = replace(stops, torch=replace(stops.torch, corner=0.0))
+    times = [
+        time_of(drawing(contour(curves)), m).operations[0]
+        for curves, m in ((straight, machine), (zigzag, machine), (zigzag, stops))
+    ]
+    assert times == sorted(times)
+    assert times[2] > times[0] + 0.2
+
+
+def test_lines_in_pieces_take_as_long_as_one() -> None:
+    limits = path_limits(plain("plate-codesys"))
+    ends = [(x, 0.75 * x) for x in (0.0, 1.0, 1.5, 40.0, 41.0, 200.0)]
+    pieces = [segment_of(a, Feed(*b), 35.0, limits) for a, b in pairwise(ends)]
+    whole = segment_of(ends[0], Feed(*ends[-1]), 35.0, limits)
+    assert limits is not None
+    assert whole is not None
+    assert None not in pieces
+    one = seconds_along([whole], limits)
+    assert seconds_along([p for p in pieces if p], limits) == pytest.approx(one, rel=1e-6)
+    assert segment_of((1.0, 2.0), Feed(1.0, 2.0), 35.0, limits) is None
+    assert seconds_along([], limits) == 0.0
+
+
+def test_curves_of_moves() -> None:
+    circle_back = curve_of((10.0, 0.0), ArcFeed(10.0, 0.0, -10.0, 0.0, True))
+    assert circle_back.length == pytest.approx(20 * pi)
+    quarter = curve_of((10.0, 0.0), ArcFeed(0.0, 10.0, -10.0, 0.0, False))
+    assert quarter.length == pytest.approx(5 * pi)
+    assert quarter.end == pytest.approx((0.0, 10.0))
+    ellipse = curve_of((20.0, 0.0), EllipseFeed(0.0, 10.0, -20.0, 0.0, 0.0, 0.5, False))
+    assert ellipse.end == pytest.approx((0.0, 10.0))
+    assert ellipse.point(0.5) == pytest.approx((20 * 0.5**0.5, 10 * 0.5**0.5))
+    parabola = curve_of((0.0, 0.0), ParabolaFeed(20.0, 0.0, 10.0, 5.0))
+    assert parabola.point(0.5) == pytest.approx((10.0, 5.0))
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_a_chain_of_triggers_takes_as_long_as_its_simulation(name: str) -> None:
+    machine = table_machine()
+    found = triggers(name, machine)
+    cell = Cell(check_text(simotion.emit(found, machine), machine)[0], machine, "a")
+    switched = []
+    while not cell.interpreter.globals["WORKDONE"]:
+        before = cell.tool_on
+        cell.cycle()
+        if cell.tool_on != before:
+            switched.append(cell.clock_s)
+    time = trigger_time(plan(name, "table-simotion"), found, machine)
+    # From the first start of the tool on; before is homing.
+    here, ways_there = (0.0, 0.0), 0.0
+    first = found.operations[0]
+    assert machine.triggers is not None
+    cycle = machine.triggers.cycle_s
+    if hasattr(first, "x"):
+        way = move_seconds(dist(here, (first.x, first.y)), 20.0, 100.0)
+        ways_there = (ceil(way / cycle) + 1) * cycle
+    simulated = cell.clock_s - switched[0]
+    assert time.total_s - ways_there == pytest.approx(simulated, rel=0.01, abs=4 * cycle)
+    assert length_through((10, 0), (0, 10), (-10, 0)) == pytest.approx(10 * pi)
+    assert length_through((0, 0), (1, 1), (3, 3)) == pytest.approx(18**0.5)
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_a_step_table_takes_as_long_as_its_last_row_says(name: str) -> None:
+    machine = load("laser-stepper")
+    stepper = machine.stepper
+    assert stepper is not None
+    found = plan(name, "laser-stepper")
+    table = step_table(found, machine, name)
+    last = max(int(rows.time_us[-1]) for rows in table.rows() if len(rows.time_us))
+    time = step_time(found, machine)
+    # Behind the last step the axis still brakes over half of one.
+    half_step_s = cbrt(6 * stepper.step / 2 / stepper.jerk)
+    assert last / 1e6 <= time.total_s <= last / 1e6 + 1.1 * half_step_s
+
+
+def test_every_machine_tells_the_time_of_what_it_posts() -> None:
+    part = drawing(contour(box(20, 20, 40, 30)), contour(circle(40, 35, 8)), thickness=3.0)
+    for name in (*GCODE, "table-simotion", "laser-stepper"):
+        machine = load(name)
+        time = post((part,), machine).time(machine)
+        assert len(time.operations) == 2
+        assert all(seconds > 0 for seconds in time.operations)
+        assert 2 < time.total_s < 60
