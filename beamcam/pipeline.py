@@ -19,7 +19,6 @@ from beamcam.errors import (
     PlanError,
     ReadError,
     Severity,
-    Source,
     VerifyError,
     errors_in,
 )
@@ -29,7 +28,7 @@ from beamcam.model.plan import FeatureRef, Plan, SheetPlan
 from beamcam.model.work_time import WorkTime
 from beamcam.planning import Order
 from beamcam.posts import Job, Wanted, Written, post_of
-from beamcam.readers import rules
+from beamcam.readers.content import content, shown_name
 from beamcam.readers.reading import Reading
 
 DEFAULT_MACHINE = "beamline"
@@ -40,7 +39,6 @@ SHEET_MACHINES = {
     ".bin": "laser-stepper", ".h": "laser-stepper",
 }  # fmt: skip
 DEFAULT_SHEET_MACHINE = "plate-linuxcnc"
-STANDARD_INPUT = "-"
 Stage = Callable[[str], None]  #: is told what has been done
 
 
@@ -90,18 +88,9 @@ def read_file(path: str, strict: bool = False, **options: object) -> Reading:
     `strict` makes its warnings errors. `options` go to a reader that takes them: units, width and
     layers of a drawing.
     """
-    name = "stdin" if path == STANDARD_INPUT else path
-    try:
-        if path == STANDARD_INPUT:
-            import sys
-
-            data = sys.stdin.buffer.read()
-        else:
-            with open(path, "rb") as file:
-                data = file.read()
-    except OSError as error:
-        said = rules.UNREADABLE.at(Source(name), found=error.strerror or error)
-        return Reading("unknown", (), (said,))
+    name, data = shown_name(path), content(path)
+    if isinstance(data, Diagnostic):
+        return Reading("unknown", (), (data,))
     reading = readers.read(data, name, **options)
     if strict:
         reading = replace(reading, diagnostics=tuple(map(as_error, reading.diagnostics)))

@@ -81,7 +81,7 @@ def test_files_that_are_none(tmp_path: Path) -> None:
     assert counts(result) == (1, 0, 5, 0)
     for said in (
         "empty.nc1: error read-empty: found an empty file",
-        "zeros.nc1: error batch-zeros: found 209 715 200 bytes that are all zero",
+        "zeros.nc1: error read-zeros: found 209 715 200 bytes that are all zero",
         "pipe.nc1: error batch-not-a-file: found a pipe or a device; expected a plain file",
         "none.nc1: error read-file: found no file that can be read (No such file",
         "text.nc1:1: error dstv-not-dstv",

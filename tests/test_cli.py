@@ -1,6 +1,8 @@
 """What all commands have in common: how they talk, and where they read and write."""
 
+import errno
 import json
+import os
 import subprocess
 import sys
 from pathlib import Path
@@ -239,3 +241,35 @@ def test_names_of_odd_files(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> 
         assert Path(f"{name}.gcode").read_text().endswith("M30\n%\n")
     Path("bad.nc1").write_text(BAD)
     assert "bad.nc1:28: error plan-tool" in call("post bad.nc1 -o -").stderr
+
+
+@pytest.mark.parametrize(
+    "line",
+    ["post {i} -o x", "plan {i}", "inspect {i}", "convert {i} -o x.json", "verify {i}",
+     "verify w.gcode --against {i}", "diff {i} w.nc1", "simulate {i} -o x"],
+)  # fmt: skip
+def test_a_file_of_zeros_is_not_read_into_memory(good: str, line: str) -> None:
+    with open("zeros.nc1", "wb") as file:
+        file.truncate(200 * 1024 * 1024)
+    done = call(line.format(i="zeros.nc1"))
+    assert done.exit_code == 1
+    assert "zeros.nc1: error read-zeros: found 209 715 200 bytes that are all zero" in done.stderr
+    assert len(done.output) < 1000
+    assert not Path("x").exists()
+
+
+@pytest.mark.parametrize("command", ["post {i} -o x", "convert {i} -o x.json", "verify {i}"])
+def test_a_file_that_may_not_be_read(
+    good: str, command: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def refuse(path: object, *_: object, **__: object) -> object:
+        raise PermissionError(errno.EACCES, os.strerror(errno.EACCES), path)
+
+    # Modes do not hold back the superuser, who may well run the tests.
+    monkeypatch.setattr(os, "access", lambda path, mode: mode != os.R_OK)
+    monkeypatch.setattr("builtins.open", refuse)
+    done = call(command.format(i="w.nc1"))
+    assert done.exit_code == 1
+    assert "w.nc1: error read-file: found no file that can be read (Permission denied)" in (
+        done.stderr
+    )

@@ -18,13 +18,11 @@ from beamcam.batch import rules
 from beamcam.config.values import CONFIG_NAME
 from beamcam.errors import Diagnostic, Source
 from beamcam.readers import FORMATS
+from beamcam.readers.content import content
 from beamcam.readers.rules import UNREADABLE
 
 #: What every input of a batch may end with.
 SUFFIXES = tuple(suffix for known in FORMATS for suffix in known.suffixes)
-
-_PIECE = 1 << 20
-_ZEROS = bytes(_PIECE)
 
 
 class Input(Struct, frozen=True):
@@ -153,26 +151,10 @@ def _walk(
 def read_input(path: str) -> bytes | Diagnostic:
     """The content of an input, or why it cannot be had."""
     try:
-        about = os.stat(path)
-        if not stat.S_ISREG(about.st_mode):
-            what = "a folder" if stat.S_ISDIR(about.st_mode) else "a pipe or a device"
-            return rules.NOT_A_FILE.at(Source(path), found=what)
-        with open(path, "rb", buffering=0) as file:
-            if about.st_size < _PIECE:
-                data = file.readall()
-                if data[:1] == b"\0" and not data.strip(b"\0"):
-                    return rules.ZEROS.at(Source(path), found=len(data))
-                return data
-            head = file.read(_PIECE)
-            if head and head == _ZEROS[: len(head)]:
-                # Read piece by piece: such files are often as large as the disk had room.
-                size = len(head)
-                while piece := file.read(_PIECE):
-                    size += len(piece)
-                    if piece != _ZEROS[: len(piece)]:
-                        file.seek(0)
-                        return file.readall()
-                return rules.ZEROS.at(Source(path), found=f"{size:,}".replace(",", " "))
-            return head + file.readall()
+        mode = os.stat(path).st_mode
     except OSError as error:
         return UNREADABLE.at(Source(path), found=error.strerror or error)
+    if not stat.S_ISREG(mode):
+        what = "a folder" if stat.S_ISDIR(mode) else "a pipe or a device"
+        return rules.NOT_A_FILE.at(Source(path), found=what)
+    return content(path)

@@ -14,12 +14,6 @@ NOT_A_FILE = Rule(
     "found {found}; expected a plain file",
     "A pipe or a device has no end that could be waited for in a batch.",
 )
-ZEROS = Rule(
-    "batch-zeros",
-    Severity.ERROR,
-    "found {found} bytes that are all zero; expected a part or a drawing",
-    "A copy that was broken off leaves such a file; copy it again.",
-)
 LOOP = Rule(
     "batch-loop",
     Severity.WARNING,
@@ -91,6 +85,6 @@ SCHEDULER = Rule(
 )
 
 RULES = (
-    NOTHING, NOT_A_FILE, ZEROS, LOOP, FOLDER, NO_PART, SAME_NAME, OVER_INPUT, WRITE, RECORD, STALE,
+    NOTHING, NOT_A_FILE, LOOP, FOLDER, NO_PART, SAME_NAME, OVER_INPUT, WRITE, RECORD, STALE,
     DIED, INTERNAL, SCHEDULER,
 )  # fmt: skip

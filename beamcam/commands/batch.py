@@ -7,6 +7,7 @@ import click
 
 from beamcam.batch import find_inputs, run
 from beamcam.batch.rules import WRITE
+from beamcam.commands import options
 from beamcam.commands.common import REFUSED, STANDARD, Voice
 from beamcam.commands.running import (
     Report,
@@ -26,7 +27,7 @@ INTERRUPTED = 130  #: exit status after Ctrl-C, as shells have it
 
 
 @click.command("batch")
-@click.argument("inputs", nargs=-1, required=True, metavar="IN...", type=click.Path())
+@click.argument("inputs", nargs=-1, required=True, metavar="IN...", type=options.FILE)
 @run_options
 @click.option("--force", "redo", is_flag=True, help="Post unchanged inputs again too.")
 @click.option(

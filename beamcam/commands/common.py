@@ -81,6 +81,7 @@ def read_all(
 ) -> "Iterator[Reading]":
     """What is in each input; `options` as `read_file` takes them."""
     from beamcam.pipeline import read_file
+    from beamcam.readers.content import shown_name
 
     for path in inputs:
         reading = read_file(path, strict, **options)
@@ -89,11 +90,6 @@ def read_all(
             found = f"{reading.format}, {len(reading.parts)} part(s), {features} feature(s)"
             voice.did(f"read {shown_name(path)}: {found}")
         yield reading
-
-
-def shown_name(path: str) -> str:
-    """How an input is called in messages."""
-    return "stdin" if path == STANDARD else path
 
 
 def write(output: str, data: str | bytes | Iterable[bytes], voice: Voice) -> None:

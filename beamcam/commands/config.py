@@ -25,7 +25,7 @@ def shown(setting: Setting) -> str:
 
 
 @click.command("config")
-@click.argument("inputs", nargs=-1, metavar="[IN]...", type=click.Path())
+@click.argument("inputs", nargs=-1, metavar="[IN]...", type=options.FILE)
 @options.config
 @options.as_json
 @click.option("--keys", is_flag=True, help="Print what keys there are, and what they are for.")

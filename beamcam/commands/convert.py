@@ -71,7 +71,7 @@ def file_names(parts: Iterable[Part], suffix: str) -> list[str]:
 
 
 @click.command("convert")
-@click.argument("source", metavar="INPUT", type=click.Path())
+@click.argument("source", metavar="INPUT", type=options.FILE)
 @options.output("File, folder/ for a file a part, or -.")
 @options.config
 @click.option("--to", "to", type=click.Choice([t.name for t in TARGETS]), help="Format.")

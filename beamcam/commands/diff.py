@@ -9,13 +9,14 @@ from msgspec.structs import asdict, replace
 
 from beamcam import readers
 from beamcam.commands import options
-from beamcam.commands.common import REFUSED, STANDARD, Voice, shown_name
+from beamcam.commands.common import REFUSED, STANDARD, Voice
 from beamcam.commands.programs import input_bytes
 from beamcam.commands.settings import machine_for_program, settled
 from beamcam.errors import BeamcamError, Diagnostic, VerifyError
 from beamcam.machine import Machine
 from beamcam.model.part import Part
 from beamcam.pipeline import SHEET_MACHINES, as_error, parts_of
+from beamcam.readers.content import shown_name
 from beamcam.verify import rules as verify_rules
 from beamcam.verify import run
 from beamcam.verify.differ import Difference, diff_parts, diff_programs
@@ -26,8 +27,8 @@ NOT_UNDERSTOOD = {r.code for r in (verify_rules.SYNTAX, verify_rules.WORD, verif
 
 
 @click.command("diff")
-@click.argument("a", type=click.Path())
-@click.argument("b", type=click.Path())
+@click.argument("a", type=options.FILE)
+@click.argument("b", type=options.FILE)
 @options.machine
 @options.config
 @options.strict

@@ -10,13 +10,14 @@ from typing import Any
 import click
 
 from beamcam.commands import options
-from beamcam.commands.common import REFUSED, Voice, shown_name
+from beamcam.commands.common import REFUSED, Voice
 from beamcam.commands.members import member_choice, member_options
 from beamcam.commands.settings import settled
 from beamcam.commands.sheets import drawing_choice, drawing_options
 from beamcam.errors import BeamcamError
 from beamcam.model.part_json import part_to_json
 from beamcam.pipeline import read_file
+from beamcam.readers.content import shown_name
 from beamcam.readers.reading import Reading
 from beamcam.report.member_table import member_table
 from beamcam.report.part_table import part_table

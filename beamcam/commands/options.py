@@ -20,6 +20,8 @@ Function = Callable[..., Any]
 Decorator = Callable[[Function], Function]
 
 NO_SKIPS = "none"
+#: Whether it can be read or written is told by whoever does so, with a code.
+FILE = click.Path(readable=False)
 
 
 def group(*options: Decorator) -> Decorator:
@@ -55,14 +57,14 @@ def machine_names(ctx: click.Context, param: click.Parameter, incomplete: str) -
 
 
 inputs = click.argument(
-    "inputs", nargs=-1, required=True, metavar="INPUT...", callback=_once, type=click.Path()
+    "inputs", nargs=-1, required=True, metavar="INPUT...", callback=_once, type=FILE
 )
 machine = click.option(
     "--machine", shell_complete=machine_names, metavar="NAME",
     help="Name or TOML file; by default what suits the job.",
 )  # fmt: skip
 config = click.option(
-    "--config", "config_file", type=click.Path(), metavar="FILE",
+    "--config", "config_file", type=FILE, metavar="FILE",
     help="Configuration, instead of the beamcam.toml beside the job.",
 )  # fmt: skip
 bar = click.option(
@@ -99,9 +101,7 @@ json_messages = click.option("--json", "as_json", is_flag=True, help="Print mess
 def output(help: str, required: bool = True) -> Decorator:
     """-o, by default standard output if it is not required."""
     otherwise: dict[str, Any] = {} if required else {"default": STANDARD}
-    return click.option(
-        "-o", "--output", required=required, type=click.Path(), help=help, **otherwise
-    )
+    return click.option("-o", "--output", required=required, type=FILE, help=help, **otherwise)
 
 
 def voiced(function: Function) -> Function:

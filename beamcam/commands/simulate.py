@@ -6,10 +6,11 @@ from typing import Any
 import click
 
 from beamcam.commands import options
-from beamcam.commands.common import Voice, shown_name, write
+from beamcam.commands.common import Voice, write
 from beamcam.commands.programs import program_text
 from beamcam.commands.settings import machine_for_program, settled
 from beamcam.errors import BeamcamError, VerifyError, errors_in
+from beamcam.readers.content import shown_name
 from beamcam.verify import run
 from beamcam.verify.simulate import rows, stretches, trace
 
@@ -45,11 +46,11 @@ class Address(click.ParamType[tuple[str, int]]):
 
 
 @click.command("simulate")
-@click.argument("program", type=click.Path())
+@click.argument("program", type=options.FILE)
 @options.machine
 @options.config
 @click.option(
-    "-o", "--output", type=click.Path(), help="The trace's CSV file; - is standard output."
+    "-o", "--output", type=options.FILE, help="The trace's CSV file; - is standard output."
 )
 @click.option("--every", type=Duration(), help="Sample at this step, such as 10ms; else by event.")
 @click.option("--modbus", type=Address(), help="Send the trace to this Modbus TCP server.")

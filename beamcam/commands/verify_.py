@@ -7,20 +7,21 @@ from typing import Any
 import click
 
 from beamcam.commands import options
-from beamcam.commands.common import REFUSED, STANDARD, Voice, read_all, shown_name
+from beamcam.commands.common import REFUSED, STANDARD, Voice, read_all
 from beamcam.commands.members import member_choice, member_options
 from beamcam.commands.programs import input_bytes
 from beamcam.commands.settings import machine_for, machine_for_program, settled
 from beamcam.commands.sheets import drawing_choice, drawing_options, torch_options
 from beamcam.errors import BeamcamError, errors_in
 from beamcam.pipeline import counted, left_out, parts_of, read_back
+from beamcam.readers.content import shown_name
 from beamcam.report.run import as_message
 
 
 @click.command("verify")
-@click.argument("program", type=click.Path())
+@click.argument("program", type=options.FILE)
 @click.option("--against", is_flag=True, help="Compare with the PARTs that follow.")
-@click.argument("parts", nargs=-1, metavar="[PART]...", type=click.Path())
+@click.argument("parts", nargs=-1, metavar="[PART]...", type=options.FILE)
 @options.machine
 @options.config
 @options.skips

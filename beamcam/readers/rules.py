@@ -20,6 +20,12 @@ UNREADABLE = Rule(
     "found no file that can be read ({found})",
     "The file does not exist, or the system does not let it be read.",
 )
+ZEROS = Rule(
+    "read-zeros",
+    Severity.ERROR,
+    "found {found} bytes that are all zero; expected a part, a drawing or a program",
+    "A copy that was broken off leaves such a file; copy it again.",
+)
 OSCILLATION = Rule(
     "polynomial-oscillates",
     Severity.WARNING,
@@ -34,4 +40,4 @@ NODES_LOST = Rule(
     "Its values cancel each other until no digit of them is left.",
 )
 
-RULES = (EMPTY, UNKNOWN_FORMAT, UNREADABLE, OSCILLATION, NODES_LOST)
+RULES = (EMPTY, UNKNOWN_FORMAT, UNREADABLE, ZEROS, OSCILLATION, NODES_LOST)
