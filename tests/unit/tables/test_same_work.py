@@ -11,7 +11,9 @@ from beamcam.pipeline import post
 from beamcam.verify.sheets import events_of
 from beamcam.verify.sheets.events import Leg
 from beamcam.verify.st import check_text, run
-from beamcam.verify.steps import _Table, read_rows
+from beamcam.verify.steps.follow import Followed
+from beamcam.verify.steps.outline import Floats, Outline
+from beamcam.verify.steps.rows import Stream, binary_rows
 
 from .shop import part, plan, program, table_machine
 
@@ -46,14 +48,28 @@ def by_simotion() -> shapely.LineString:
     return shapely.LineString(stroke.points)
 
 
+class Kept(Outline):
+    """An outline that keeps all points of its strokes."""
+
+    def begin(self, line: int) -> None:
+        self.strokes = [*getattr(self, "strokes", []), []]
+
+    def draw(self, points: Floats, corners: Floats | None = None) -> None:
+        self.strokes[-1].append(points)
+
+
 def by_stepper() -> shapely.LineString:
     machine = load("laser-stepper")
     table = step_table(plan(NAME, "laser-stepper"), machine, NAME)
-    followed = _Table(machine, NAME)
-    for rows in read_rows(forms.as_bytes(table), NAME):
+    outline = Kept(None, machine, (), 0.0, 0.0, NAME)
+    followed = Followed(machine, NAME, outline)
+    assert machine.stepper is not None
+    for rows in binary_rows(Stream(forms.as_bytes(table), NAME), machine.stepper):
         followed.follow(rows)
-    (stroke,) = followed.strokes
-    return shapely.LineString(np.concatenate(stroke) * 0.01)
+    followed.finish()
+    assert followed.said == []
+    (stroke,) = outline.strokes
+    return shapely.LineString(np.concatenate(stroke))
 
 
 def test_three_controllers_make_the_same_path() -> None:

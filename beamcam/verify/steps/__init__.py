@@ -1,0 +1,97 @@
+"""Tables for stepping motors read back: steps one by one, or velocities stretch by stretch.
+
+Written from docs/step-tables.md and the machine file; nothing is shared with motion or emitters.
+
+    .steps .bin .h  -> rows -> motors followed (follow, pace) -> strokes
+    .csv            -> stretches, each by itself (velocities) -> strokes -> compared (outline)
+
+All goes block by block, so that a table of any length takes the memory of its drawing.
+"""
+
+from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
+from itertools import chain
+from math import sqrt
+from typing import Any
+
+from beamcam.errors import Diagnostic, errors_in
+from beamcam.machine.machine import Machine
+from beamcam.machine.tables import Stepper
+from beamcam.model.part import Part
+from beamcam.verify.steps.follow import Followed
+from beamcam.verify.steps.header import header_rows
+from beamcam.verify.steps.outline import FeatureRef, Outline
+from beamcam.verify.steps.rows import Rows, Stream, TableFault, binary_rows, text_rows
+from beamcam.verify.steps.velocities import ROUND, Velocities, stretches
+
+__all__ = ["FORMS", "verify_table"]
+
+#: Steps that a path of single steps may be simplified by before it is compared as a whole.
+SIMPLIFY = 0.75
+
+_STEPS: dict[str, Callable[[Stream, Stepper], Iterator[Rows]]] = {
+    ".steps": text_rows, ".bin": binary_rows, ".h": header_rows,
+}  # fmt: skip
+VELOCITIES = ".csv"
+FORMS = (*_STEPS, VELOCITIES)
+
+
+def verify_table(
+    form: str,
+    pieces: Iterable[bytes],
+    parts: Sequence[Part],
+    machine: Machine,
+    skipped: Collection[FeatureRef] = (),
+    name: str = "program",
+) -> tuple[Diagnostic, ...]:
+    """Everything that is wrong with a table, by itself and against its part.
+
+    `form` is the suffix of its file, one of `FORMS`; `pieces` are its bytes in any cut. Without
+    parts it is looked at by itself. Raises ValueError for another form.
+    """
+    stepper = machine.stepper
+    if stepper is None:
+        raise TypeError(f"{machine.name} has no stepping motors")
+    if form not in FORMS:
+        raise ValueError(f"found a table of form {form!r}; expected one of {', '.join(FORMS)}")
+    stream = Stream(pieces, name)
+    (part,) = parts or (None,)
+    table: Followed | Velocities
+    if form == VELOCITIES:
+        outline = Outline(part, machine, skipped, sqrt(2.0) * ROUND, 0.0, name)
+        table = Velocities(machine, name, outline)
+        fault = _read(table.follow, stretches(stream, stepper.step))
+    else:
+        half, simplify = stepper.step * sqrt(0.5), stepper.step * SIMPLIFY
+        outline = Outline(part, machine, skipped, half, simplify, name)
+        table = Followed(machine, name, outline)
+        fault = _read(table.follow, _STEPS[form](stream, stepper))
+    if fault is not None:
+        return (*table.said, fault)
+    table.finish()
+    if errors_in(table.said):
+        return (*table.said, *outline.said)
+    return (*table.said, *outline.compare())
+
+
+def _read(follow: Callable[[Any], None], rows: Iterator[Any]) -> Diagnostic | None:
+    """Follow all rows; what cannot be read ends a table."""
+    try:
+        for row in rows:
+            follow(row)
+    except TableFault as fault:
+        return fault.diagnostic
+    return None
+
+
+def verify_steps(
+    table: str | Iterable[bytes],
+    parts: Sequence[Part],
+    machine: Machine,
+    skipped: Collection[FeatureRef] = (),
+    name: str = "program",
+) -> tuple[Diagnostic, ...]:
+    """As `verify_table`, for a text or for the bytes of either form of steps."""
+    pieces = iter((table.encode("ascii", "replace"),) if isinstance(table, str) else table)
+    first = next(pieces, b"")
+    form = ".bin" if first.startswith(b"BCSTEPS1") else ".steps"
+    return verify_table(form, chain((first,), pieces), parts, machine, skipped, name)

@@ -1,0 +1,252 @@
+"""What a laser drew, compared with the part: stroke by stroke as it comes, and then as a whole."""
+
+from collections.abc import Collection
+from fnmatch import fnmatchcase
+from typing import NamedTuple
+
+import numpy as np
+import shapely
+from msgspec import Struct
+from numpy.typing import NDArray
+
+from beamcam.errors import Diagnostic, Source
+from beamcam.geometry.curves import Curve
+from beamcam.machine.machine import Machine, Torch, TorchProcess
+from beamcam.model.part import Part
+from beamcam.verify.polylines import compare_polylines
+from beamcam.verify.sheets.need import need_of, shift_of
+from beamcam.verify.sheets.ways import Ways
+from beamcam.verify.steps import rules
+
+Floats = NDArray[np.float64]
+FeatureRef = tuple[int, int]
+
+SPEED_SLACK = 1e-3  #: mm/s
+COARSE = 2.0  #: steps by which stairs of steps are smoothed for their length
+#: Motors may be kept this share below their greatest frequency, for the rounding of times.
+BELOW_GREATEST = 0.02
+
+
+class Work(Struct, frozen=True):
+    """How a process has to be done on a sheet."""
+
+    speed_mm_s: float
+    pierce_s: float
+
+
+def work_of(part: Part, torch: Torch) -> dict[TorchProcess, Work]:
+    """Each process by the machine's table for the part's material and thickness.
+
+    Between the rows of a table speeds lie on a straight line; below the thinnest it is that row's.
+    """
+    thickness = part.profile.web_thickness or torch.thickness
+    material = (part.grade or torch.material).upper()
+    found: dict[TorchProcess, Work] = {}
+    for process in {row.process for row in torch.rows}:
+        rows = sorted(
+            (row.up_to, row.feed_mm_min, row.pierce_s)
+            for row in torch.rows
+            if row.process == process and fnmatchcase(material, row.material.upper())
+        )
+        if rows and thickness <= rows[-1][0]:
+            upto, feeds, _ = zip(*rows, strict=True)
+            speed = float(np.interp(thickness, upto, feeds)) / 60.0
+            pierce_s = next(pierce for most, _, pierce in rows if thickness <= most)
+            found[process] = Work(speed, pierce_s)
+    return found
+
+
+class Seen(NamedTuple):
+    """A speed, and the line that it was seen at."""
+
+    mm_s: float
+    line: int
+
+
+class Times(NamedTuple):
+    """How long a stroke takes."""
+
+    waited_s: float  #: before the head moves
+    lasted_s: float  #: under way
+
+
+class _Stroke:
+    """What is drawn between on and off, and how far it is off the curves of each process.
+
+    What is within the band of one process alone was not measured and counts as 0.
+    """
+
+    def __init__(self, line: int, processes: Collection[TorchProcess]) -> None:
+        self.line = line
+        self.away = dict.fromkeys(processes, 0.0)
+        self.worst: dict[TorchProcess, tuple[float, float]] = {}
+        self.pieces: list[Floats] = []
+
+    def measure(self, process: TorchProcess, ways: Ways, points: Floats) -> None:
+        """How far points are off the curves of a process."""
+        away = ways.nearest(points)[0]
+        k = int(np.argmax(away))
+        if away[k] >= self.away[process]:
+            self.away[process] = float(away[k])
+            self.worst[process] = float(points[k, 0]), float(points[k, 1])
+
+
+class _Track:
+    """The curves of a process, and the band in which a path may be.
+
+    The ends and corners of the band are cut straight, so that nothing in it is farther off than
+    `most`. To look whether a point is in it takes a fiftieth of measuring how far it is off.
+    """
+
+    def __init__(self, ways: Ways, most: float) -> None:
+        self.ways = ways
+        self.band = shapely.MultiLineString(list(ways.lines)).buffer(most, quad_segs=4)
+        shapely.prepare(self.band)
+
+
+class Outline:
+    """The strokes of a table against the curves of a part; without one they are not looked at.
+
+    `rounding` is what a table may be off its path by: half a step along both axes, or the decimals
+    of a velocity table. Paths of single steps are simplified by `simplify`.
+    """
+
+    def __init__(
+        self,
+        part: Part | None,
+        machine: Machine,
+        skipped: Collection[FeatureRef],
+        rounding: float,
+        simplify: float,
+        name: str,
+    ) -> None:
+        if machine.torch is None:
+            raise TypeError(f"{machine.name} has no torch")
+        self.part, self.machine, self.torch = part, machine, machine.torch
+        self.skipped, self.name = skipped, name
+        self.rounding, self.simplify = rounding, simplify
+        self.said: list[Diagnostic] = []
+        self.ways: list[tuple[TorchProcess, list[tuple[float, float]]]] = []
+        self.tracks: dict[TorchProcess, _Track] = {}
+        self.work: dict[TorchProcess, Work] = {}
+        self._stroke: _Stroke | None = None
+        if part is not None:
+            need = need_of(part, self.torch, {feature for _, feature in skipped})
+            shift = shift_of(need, self.torch)
+            self.work = work_of(part, self.torch)
+            for process, curves in need.curves.items():
+                listed: list[Curve] = list(curves)
+                ways = Ways(listed, self.torch.tolerance / 8, shift)
+                self.tracks[process] = _Track(ways, rounding + self.torch.tolerance)
+
+    def begin(self, line: int) -> None:
+        """The laser is switched on."""
+        self._stroke = _Stroke(line, self.tracks)
+
+    def draw(self, points: Floats, corners: Floats | None = None) -> None:
+        """The head passes some points (n, 2) with the laser on.
+
+        `corners` are those that the path is made of, if it is known.
+        """
+        stroke = self._stroke
+        if self.part is None or stroke is None:
+            return
+        inside = []
+        for process, track in self.tracks.items():
+            off = ~shapely.contains_xy(track.band, points)
+            if off.any():
+                stroke.measure(process, track.ways, points[off])
+            else:
+                inside.append(process)
+        if len(inside) > 1:  # near the curves of several: it matters how near
+            for process in inside:
+                stroke.measure(process, self.tracks[process].ways, points)
+        stroke.pieces.append(simple(points, self.simplify) if corners is None else corners)
+
+    def end(self, fastest: Seen, slowest: Seen | None = None, times: Times | None = None) -> None:
+        """The laser is switched off; the speeds of the head, and its times, as far as known.
+
+        The table does not say which process a stroke is of: it is that whose curves it is on.
+        """
+        stroke, self._stroke = self._stroke, None
+        if self.part is None or stroke is None:
+            return
+        process = min(stroke.away, key=lambda p: stroke.away[p], default=None)
+        points = np.concatenate(stroke.pieces)
+        source = Source(self.name, stroke.line)
+        most = self.rounding + self.torch.tolerance
+        if (points == points[0]).all():
+            found, expected = "the laser on and the head at rest", "a stroke"
+            self.said.append(rules.LASER.at(source, found=found, expected=expected))
+        elif process is None:
+            said = rules.PLACE.at(source, x="any", y="any", expected="the laser off")
+            self.said.append(said)
+        elif stroke.away[process] > most:
+            x, y = (f"{v:.2f}" for v in stroke.worst[process])
+            off = f"{stroke.away[process]:.4f}"
+            expected = f"it within {most:.4f} mm of the path, not {off} mm off"
+            self.said.append(rules.PLACE.at(source, x=x, y=y, expected=expected))
+        elif process not in self.work:
+            found, expected = f"{fastest.mm_s:.2f}", "a sheet that the machine has a speed for"
+            said = rules.SPEED.at(source, found=found, process=process, expected=expected)
+            self.said.append(said)
+        else:
+            work = self.work[process]
+            self._speeds(process, work, fastest, slowest)
+            if times is not None:
+                self._times(process, work, source, times, points)
+            self.ways.append((process, [(float(x), float(y)) for x, y in points]))
+
+    def _speeds(
+        self, process: TorchProcess, work: Work, fastest: Seen, slowest: Seen | None
+    ) -> None:
+        """Neither faster nor slower than the machine's table has it."""
+        speeds = [(fastest, fastest.mm_s > work.speed_mm_s + SPEED_SLACK, "at most")]
+        if slowest is not None:
+            speeds.append((slowest, slowest.mm_s < work.speed_mm_s - SPEED_SLACK, "at least"))
+        for seen, is_wrong, how in speeds:
+            if is_wrong:
+                found, expected = f"{seen.mm_s:.2f}", f"{how} {work.speed_mm_s:g} mm/s"
+                at = Source(self.name, seen.line)
+                said = rules.SPEED.at(at, found=found, process=process, expected=expected)
+                self.said.append(said)
+
+    def _times(
+        self, process: TorchProcess, work: Work, source: Source, times: Times, points: Floats
+    ) -> None:
+        """The laser pierces before the head moves, and the head is no slower than it has to be.
+
+        It may come to rest at every corner, which takes as long again as one ramp of its speed.
+        """
+        if times.waited_s < work.pierce_s - 1e-6:
+            found = f"a wait of {times.waited_s:.3f} s behind the start of the laser"
+            self.said.append(rules.LASER.at(source, found=found, expected=f"{work.pierce_s:g} s"))
+        stepper = self.machine.stepper
+        if stepper is None:
+            raise TypeError(f"{self.machine.name} has no stepping motors")
+        speed = min(work.speed_mm_s, stepper.step * stepper.greatest_hz * (1.0 - BELOW_GREATEST))
+        ramp_s = speed / stepper.acceleration + stepper.acceleration / stepper.jerk
+        corners = simple(points, COARSE * stepper.step)
+        way = float(np.hypot(*np.diff(corners, axis=0).T).sum())
+        longest_s = way / speed + len(corners) * ramp_s
+        if times.lasted_s > longest_s:
+            found, expected = f"{way / times.lasted_s:.2f}", f"about {speed:g} mm/s"
+            said = rules.SPEED.at(source, found=found, process=process, expected=expected)
+            self.said.append(said)
+
+    def compare(self) -> list[Diagnostic]:
+        """Everything in which the strokes differ from what the part needs."""
+        if self.part is None or self.said:
+            return self.said
+        slack = self.rounding + self.simplify
+        return compare_polylines(self.ways, self.part, self.machine, self.skipped, slack, self.name)
+
+
+def simple(points: Floats, slack: float) -> Floats:
+    """The corners of a path, which miss none of its points by more than `slack`."""
+    if len(points) < 2:
+        return points
+    found: Floats = shapely.get_coordinates(
+        shapely.LineString(points).simplify(slack, preserve_topology=False)
+    )
+    return found

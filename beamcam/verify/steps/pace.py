@@ -1,0 +1,138 @@
+"""How fast steps follow one another, seen through windows of time.
+
+A motor stands up to half a step off its path, so that places tell speeds and accelerations only
+over a while: the longer it is, the finer is what can be told.
+"""
+
+from math import sqrt
+
+import numpy as np
+from numpy.typing import NDArray
+
+from beamcam.machine.tables import Stepper
+
+Ints = NDArray[np.int64]
+Floats = NDArray[np.float64]
+
+
+class _Samples:
+    """Places at multiples of a window, from rows that come block by block.
+
+    In a long wait all samples would be the same; the first three of them tell as much as all.
+    """
+
+    def __init__(self, window_us: int, first_us: int) -> None:
+        self.window_us, self._first_us = window_us, first_us
+        self._next = 0  #: the next multiple
+        self._times: Ints = np.zeros(0, dtype=np.int64)  #: of the row before
+        self._places: Ints = np.zeros((0, 2), dtype=np.int64)
+
+    def take(self, time_us: Ints, places: Ints) -> Ints:
+        """The samples (n, 2) up to the last of some rows."""
+        times = np.concatenate((self._times, time_us)) - self._first_us
+        places = np.concatenate((self._places, places))
+        behind = _once(-(-times // self.window_us))
+        index = _once(np.sort(np.concatenate((behind, behind + 1, behind + 2))))
+        index = index[(index >= self._next) & (index <= int(times[-1]) // self.window_us)]
+        if len(index):
+            self._next = int(index[-1]) + 1
+        self._times, self._places = time_us[-1:], places[-1:]
+        found: Ints = places[np.searchsorted(times, index * self.window_us, side="right") - 1]
+        return found
+
+
+def _once(ascending: Ints) -> Ints:
+    found: Ints = ascending[np.append(True, ascending[1:] != ascending[:-1])]
+    return found
+
+
+class Pace:
+    """The wait at the start of a stroke, how long it takes, and the greatest speed in it.
+
+    The chord of a window is never longer than the way in it. Each of its ends is half a step off
+    at most along each axis, which is taken off.
+    """
+
+    WINDOWS_US = (20_000, 500_000)
+
+    def __init__(self, step: float) -> None:
+        self.step = step
+        self.greatest_mm_s = 0.0
+        self._begin_us: int | None = None
+        self._moved_us = self._last_us = 0  #: the first and the last step
+        self._moved = False
+        self._here: Ints = np.zeros(2, dtype=np.int64)
+        self._samples: list[_Samples] = []
+        self._before: list[Ints] = []
+
+    def follow(self, time_us: Ints, places: Ints) -> None:
+        """Take some rows of the stroke."""
+        if self._begin_us is None:
+            self._begin_us, self._here = int(time_us[0]), places[0]
+            self._samples = [_Samples(w, self._begin_us) for w in self.WINDOWS_US]
+            self._before = [places[:0]] * len(self._samples)
+        moved = (places != np.concatenate((self._here[None], places[:-1]))).any(axis=1)
+        if moved.any():
+            self._last_us = int(time_us[np.flatnonzero(moved)[-1]])
+            if not self._moved:
+                self._moved, self._moved_us = True, int(time_us[np.argmax(moved)])
+        self._here = places[-1]
+        for k, samples in enumerate(self._samples):
+            at = np.concatenate((self._before[k], samples.take(time_us, places)))
+            self._before[k] = at[-1:]
+            if len(at) > 1:
+                chords = np.hypot(*np.diff(at, axis=0).T) * self.step
+                sure = float(chords.max()) - sqrt(2.0) * self.step
+                self.greatest_mm_s = max(self.greatest_mm_s, sure / (samples.window_us / 1e6))
+
+    @property
+    def waited_s(self) -> float:
+        """How long the head stood where the stroke begins."""
+        if self._begin_us is None or not self._moved:
+            return 0.0
+        return (self._moved_us - self._begin_us) / 1e6
+
+    @property
+    def lasted_s(self) -> float:
+        """How long the head was under way."""
+        return (self._last_us - self._moved_us) / 1e6
+
+
+class Swerve:
+    """The greatest accelerations of both axes: second differences of places.
+
+    A motor stands half a step off its path, and the path up to `corner` off one that keeps the
+    acceleration, so that each of the three places may be off by both.
+    """
+
+    WINDOWS_US = (5_000, 20_000)
+
+    def __init__(self, stepper: Stepper) -> None:
+        self.stepper = stepper
+        self._samples = [_Samples(window_us, 0) for window_us in self.WINDOWS_US]
+        self._before: list[Ints] = [np.zeros((0, 2), dtype=np.int64)] * len(self._samples)
+        self._greatest: Floats = np.zeros((len(self._samples), 2))
+
+    def follow(self, time_us: Ints, places: Ints) -> None:
+        """Take some rows."""
+        for k, samples in enumerate(self._samples):
+            at = np.concatenate((self._before[k], samples.take(time_us, places)))
+            self._before[k] = at[-2:]
+            if len(at) > 2:
+                second = np.abs(np.diff(at, n=2, axis=0)).max(axis=0)
+                self._greatest[k] = np.maximum(self._greatest[k], second * self.stepper.step)
+
+    def finish(self, clock_us: int, place: Ints) -> None:
+        """The head stands from now on."""
+        self.follow(np.array([clock_us + 3 * max(self.WINDOWS_US)]), place[None])
+
+    def beyond(self) -> list[float | None]:
+        """The acceleration of X and of Y in mm/s2, where it is more than the axis can do."""
+        windows_s2 = (np.array(self.WINDOWS_US) / 1e6) ** 2
+        slack = 4 * (self.stepper.step / 2 + self.stepper.corner)
+        most = self.stepper.acceleration * windows_s2 + slack
+        found: list[float | None] = []
+        for worst in self._greatest.T:
+            over = (worst / windows_s2)[worst > most]
+            found.append(float(over.max()) if len(over) else None)
+        return found

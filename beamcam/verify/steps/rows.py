@@ -1,0 +1,167 @@
+"""The rows of a step table, from each of the forms that hold them.
+
+    .steps   a row is a line of 20 signs
+    .bin     a head of 32 bytes, a row is 4 bytes
+    .h       the same 4 bytes as a number in an array of C
+
+All come in blocks of rows, so that a table of any length takes no memory.
+"""
+
+import re
+import struct
+from collections.abc import Iterable, Iterator
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from beamcam.errors import Diagnostic, Rule, Source
+from beamcam.machine.tables import Stepper
+from beamcam.verify.steps import rules
+
+Ints = NDArray[np.int64]
+
+BLOCK_ROWS = 1 << 16
+COLUMNS = b"time_us,x,y,laser"
+ROW_BYTES = 21  #: 12 digits, 3 commas, 2 + 2 + 1 bits and the end of the line
+_FIRST_LINE = re.compile(rb"# beamcam/steps/1 job [\w.-]+ step (\d+(?:\.\d+)?) mm")
+_HEAD = struct.Struct("<8sIIIIII")  #: magic, own size, step in nm, words
+_MAGIC = b"BCSTEPS1"
+_NM = 1e6  #: nanometres in a millimetre
+
+
+class Rows(NamedTuple):
+    """Some rows as they stand in a table."""
+
+    first: int  #: line of the first of them
+    time_us: Ints
+    x: Ints  #: words
+    y: Ints
+    laser: Ints
+
+
+class TableFault(Exception):
+    """A table that cannot be read."""
+
+    def __init__(self, diagnostic: Diagnostic) -> None:
+        super().__init__(str(diagnostic))
+        self.diagnostic = diagnostic
+
+
+class Stream:
+    """Bytes that come piece by piece, taken by lines or by numbers of bytes."""
+
+    def __init__(self, pieces: Iterable[bytes], name: str) -> None:
+        self._pieces = iter(pieces)
+        self._rest, self._at = b"", 0
+        self.name, self.line = name, 1
+
+    def fault(
+        self, found: str, expected: str, line: int | None = None, rule: Rule = rules.ROW
+    ) -> TableFault:
+        """What is wrong at a line, or at the next one."""
+        source = Source(self.name, self.line if line is None else line)
+        return TableFault(rule.at(source, found=found, expected=expected))
+
+    def _fill(self, size: int) -> int:
+        """How many bytes there are, of `size` that are asked for."""
+        while len(self._rest) - self._at < size:
+            piece = next(self._pieces, None)
+            if piece is None:
+                break
+            self._rest, self._at = self._rest[self._at :] + piece, 0
+        return min(size, len(self._rest) - self._at)
+
+    def take(self, size: int) -> bytes:
+        """The next bytes, `size` of them unless the table ends."""
+        size = self._fill(size)
+        found = self._rest[self._at : self._at + size]
+        self._at += size
+        return found
+
+    def give_back(self, data: bytes) -> None:
+        """Put bytes back that belong to what comes."""
+        self._rest, self._at = data + self._rest[self._at :], 0
+
+    def take_line(self, expected: str) -> bytes:
+        """The next line without its end."""
+        size = 256
+        while True:
+            there = self._fill(size)
+            end = self._rest.find(b"\n", self._at, self._at + there)
+            if end >= 0:
+                break
+            if there < size:
+                found = repr(shown(self._rest[self._at :])) if there else "the end of the table"
+                raise self.fault(found, expected)
+            size *= 2
+        line = self._rest[self._at : end]
+        self._at = end + 1
+        self.line += 1
+        return line
+
+
+def shown(data: bytes) -> str:
+    """Bytes as a message shows them."""
+    return data[:40].decode("ascii", "replace")
+
+
+def text_rows(stream: Stream, stepper: Stepper) -> Iterator[Rows]:
+    """The rows of the text form. Raises TableFault."""
+    while (line := stream.take_line(COLUMNS.decode())) != COLUMNS:
+        if not line.startswith(b"#"):
+            raise stream.fault(shown(line), COLUMNS.decode(), stream.line - 1)
+        if line.startswith(b"# beamcam/"):
+            said = _FIRST_LINE.fullmatch(line)
+            if said is None or float(said[1]) != stepper.step:
+                expected = f"# beamcam/steps/1 job JOB step {stepper.step:g} mm"
+                raise stream.fault(shown(line), expected, stream.line - 1, rules.HEAD)
+    while data := stream.take(BLOCK_ROWS * ROW_BYTES):
+        if len(data) % ROW_BYTES:
+            whole = len(data) // ROW_BYTES
+            found = repr(shown(data[whole * ROW_BYTES :]))
+            raise stream.fault(found, "rows of 20 signs", stream.line + whole)
+        rows = _text_block(data, stream)
+        yield rows
+        stream.line += len(rows.x)
+
+
+def _text_block(data: bytes, stream: Stream) -> Rows:
+    signs = np.frombuffer(data, dtype=np.uint8).reshape(-1, ROW_BYTES)
+    fixed = (signs[:, [12, 15, 18]] == ord(",")).all(axis=1) & (signs[:, 20] == ord("\n"))
+    figures = signs[:, [*range(12), 13, 14, 16, 17, 19]].astype(np.int64) - ord("0")
+    good = fixed & (figures >= 0).all(axis=1) & (figures[:, :12] <= 9).all(axis=1)
+    good &= (figures[:, 12:] <= 1).all(axis=1)
+    if not good.all():
+        bad = int(np.argmin(good))
+        found = repr(shown(signs[bad].tobytes()))
+        raise stream.fault(found, "as 000000001234,01,10,1", stream.line + bad)
+    time = figures[:, :12] @ (10 ** np.arange(11, -1, -1))
+    x, y = 2 * figures[:, 12] + figures[:, 13], 2 * figures[:, 14] + figures[:, 15]
+    return Rows(stream.line, time, x, y, figures[:, 16])
+
+
+def binary_rows(stream: Stream, stepper: Stepper) -> Iterator[Rows]:
+    """The rows of the binary form, which are counted from 1. Raises TableFault."""
+    data = stream.take(_HEAD.size)
+    if not data.startswith(_MAGIC) or len(data) < _HEAD.size:
+        raise stream.fault(repr(shown(data[:8])), f"{_MAGIC.decode()} and a head of 32 bytes")
+    _, *head = _HEAD.unpack(data)
+    wanted = [_HEAD.size, round(stepper.step * _NM), *(int(w, 2) for w in stepper.sequence)]
+    if head != wanted:
+        raise stream.fault(str(head), f"size, step in nm and words {wanted}", rule=rules.HEAD)
+    clock_us = 0
+    while data := stream.take(BLOCK_ROWS * 4):
+        if len(data) % 4:
+            raise stream.fault(f"{len(data) % 4} bytes at the end", "rows of 4")
+        rows = unpacked(np.frombuffer(data, dtype="<u4"), stream.line, clock_us)
+        clock_us = int(rows.time_us[-1])
+        yield rows
+        stream.line += len(rows.x)
+
+
+def unpacked(packed: NDArray[np.uint32], first: int, clock_us: int) -> Rows:
+    """Rows of the binary form: the time since the row before, laser, word of Y, word of X."""
+    numbers = packed.astype(np.int64)
+    time = clock_us + np.cumsum(numbers >> 5)
+    return Rows(first, time, numbers & 3, numbers >> 2 & 3, numbers >> 4 & 1)

@@ -1,0 +1,76 @@
+"""What can be wrong with a table of steps or of velocities."""
+
+from beamcam.errors import Rule, Severity
+
+_E = Severity.ERROR
+
+ROW = Rule(
+    "steps-row",
+    _E,
+    "found {found}; expected {expected}",
+    "The micro-controller would stop there, or read something else.",
+)
+HEAD = Rule(
+    "steps-head",
+    _E,
+    "found {found} in the head of the table; expected {expected}",
+    "The table is for motors or lead screws that this machine does not have.",
+)
+WORD = Rule(
+    "steps-word",
+    _E,
+    "found word {found} of {axis} behind {before}; expected a neighbour in the sequence {sequence}",
+    "A motor that is told to jump loses its place.",
+)
+TIME = Rule(
+    "steps-time",
+    _E,
+    "found {found}; expected {expected}",
+    "Rows are sent in the order of their times.",
+)
+FREQUENCY = Rule(
+    "steps-frequency",
+    _E,
+    "found steps of {axis} {found} us apart; expected at least {expected} us",
+    "A motor that is asked for more steps than it can do loses its place.",
+)
+ACCELERATION = Rule(
+    "steps-acceleration",
+    _E,
+    "found {axis} at {found} mm/s2; expected at most {expected} mm/s2",
+    "A motor cannot jump to another speed.",
+)
+LASER = Rule(
+    "steps-laser",
+    _E,
+    "found {found}; expected {expected}",
+    "The laser starts and ends in the shielded corner, switched off, and pierces at rest.",
+)
+PLACE = Rule(
+    "steps-place",
+    _E,
+    "found the head at X {x}, Y {y}; expected {expected}",
+    "The head would be somewhere else than the drawing.",
+)
+SPEED = Rule(
+    "steps-speed",
+    _E,
+    "found {found} mm/s to {process}; expected {expected}",
+    "A laser that is too fast does not get through, one that is too slow burns the edge.",
+)
+VELOCITY = Rule(
+    "steps-velocity",
+    _E,
+    "found {found}; expected {expected}",
+    "The velocity of a stretch leads from its start to its end, and the motors follow it.",
+)
+COUNT = Rule(
+    "steps-count",
+    _E,
+    "found {found} steps of {axis} up to {place}; expected {expected}",
+    "Steps that are missing or too many stay for all that comes behind.",
+)
+
+RULES = (
+    ROW, HEAD, WORD, TIME, FREQUENCY, ACCELERATION, LASER, PLACE, SPEED, VELOCITY, COUNT,
+)  # fmt: skip

@@ -1,0 +1,201 @@
+"""Velocity tables read back: one row a stretch, by itself and against the part.
+
+A row says the same thing three times: where the stretch ends, the velocity along it, and the steps
+and frequency of each motor. All have to agree with one another and with the machine.
+"""
+
+import re
+from collections.abc import Iterator
+from math import hypot, inf, sqrt
+from typing import NamedTuple
+
+import numpy as np
+import shapely
+
+from beamcam.errors import Diagnostic, Rule, Source
+from beamcam.machine.machine import Machine
+from beamcam.verify.steps import rules
+from beamcam.verify.steps.outline import BELOW_GREATEST, SPEED_SLACK, Outline, Seen
+from beamcam.verify.steps.rows import Stream, shown
+
+COLUMNS = b"x,y,velocity_x,velocity_y,laser,steps_x,steps_y,hz_x,hz_y"
+#: Half of the last decimal of lengths and velocities, and of frequencies.
+ROUND, ROUND_HZ = 0.5e-4, 0.5e-2
+SPACING = 0.25  #: of the points of a stretch that are looked at
+BLOCK = 4096  #: stretches that are looked at together
+SHOWN = 5  #: of one kind of fault
+NOTHING_FAST, NOTHING_SLOW = Seen(0.0, 0), Seen(inf, 0)
+_FIRST_LINE = re.compile(rb"# beamcam/velocities/1 job [\w.-]+ step (\d+(?:\.\d+)?) mm")
+_NUMBER = rb"(-?\d{1,9}(?:\.\d+)?)"
+_ROW = re.compile(
+    b",".join((*[_NUMBER] * 4, rb"([01])", *[rb"(-?\d{1,9})"] * 2, *[rb"(\d{1,9}(?:\.\d+)?)"] * 2))
+)
+
+
+class Stretch(NamedTuple):
+    """A row, and where its stretch begins."""
+
+    line: int
+    start: tuple[float, float]
+    end: tuple[float, float]
+    velocity: tuple[float, float]  #: mm/s
+    laser: bool
+    steps: tuple[int, int]
+    hz: tuple[float, float]
+
+    @property
+    def way(self) -> tuple[float, float]:
+        return self.end[0] - self.start[0], self.end[1] - self.start[1]
+
+
+def stretches(stream: Stream, step: float) -> Iterator[Stretch]:
+    """The rows of a velocity table, from the corner on. Raises TableFault."""
+    while (line := stream.take_line(COLUMNS.decode())) != COLUMNS:
+        if not line.startswith(b"#"):
+            raise stream.fault(shown(line), COLUMNS.decode(), stream.line - 1)
+        if line.startswith(b"# beamcam/"):
+            said = _FIRST_LINE.fullmatch(line)
+            if said is None or float(said[1]) != step:
+                expected = f"# beamcam/velocities/1 job JOB step {step:g} mm"
+                raise stream.fault(shown(line), expected, stream.line - 1, rules.HEAD)
+    here = (0.0, 0.0)
+    while first := stream.take(1):
+        stream.give_back(first)
+        line = stream.take_line("a row and its end")
+        row = _ROW.fullmatch(line)
+        if row is None:
+            raise stream.fault(repr(shown(line)), f"as {COLUMNS.decode()}", stream.line - 1)
+        x, y, vx, vy, laser, nx, ny, fx, fy = row.groups()
+        end = float(x), float(y)
+        yield Stretch(
+            stream.line - 1, here, end, (float(vx), float(vy)), laser == b"1",
+            (int(nx), int(ny)), (float(fx), float(fy)),
+        )  # fmt: skip
+        here = end
+
+
+class Velocities:
+    """A velocity table that is followed row by row; its strokes go to an outline."""
+
+    def __init__(self, machine: Machine, name: str, outline: Outline) -> None:
+        if machine.stepper is None or machine.torch is None:
+            raise TypeError(f"{machine.name} has no stepping motors")
+        self.stepper, self.torch, self.name = machine.stepper, machine.torch, name
+        self.outline = outline
+        self.said: list[Diagnostic] = []
+        self.steps = [0, 0]
+        self.here = (0.0, 0.0)
+        self.rows = 0
+        self._drawing = False
+        self._stretches: list[Stretch] = []  #: of a stroke, not looked at yet
+        self._fastest, self._slowest = NOTHING_FAST, NOTHING_SLOW
+
+    def say(self, rule: Rule, line: int | None, **values: object) -> None:
+        """Note what is wrong, a few of each kind."""
+        if sum(d.code == rule.code for d in self.said) < SHOWN:
+            self.said.append(rule.at(Source(self.name, line), **values))
+
+    def follow(self, row: Stretch) -> None:
+        """Take a row."""
+        self.rows += 1
+        x, y = row.end
+        if not (0.0 <= x <= self.torch.length and 0.0 <= y <= self.torch.width):
+            expected = f"it between 0, 0 and {self.torch.length:g}, {self.torch.width:g}"
+            self.say(rules.PLACE, row.line, x=f"{x:g}", y=f"{y:g}", expected=expected)
+        self._count(row)
+        self._direction(row)
+        self._frequency(row)
+        if row.laser:
+            self._draw(row)
+        else:
+            self._end_stroke()
+            self._traverse(row)
+        self.here = row.end
+
+    def _count(self, row: Stretch) -> None:
+        """Each motor stands on the place nearest to the end."""
+        for k, axis in enumerate("XY"):
+            self.steps[k] += row.steps[k]
+            wanted = row.end[k] / self.stepper.step
+            if abs(self.steps[k] - wanted) > 0.5 + ROUND / self.stepper.step:
+                expected = f"{row.steps[k] + round(wanted) - self.steps[k]}"
+                place = f"X {row.end[0]:g}, Y {row.end[1]:g}"
+                self.say(
+                    rules.COUNT, row.line, found=row.steps[k], axis=axis, place=place,
+                    expected=expected,
+                )  # fmt: skip
+                self.steps[k] = round(wanted)
+
+    def _direction(self, row: Stretch) -> None:
+        """The velocity leads along the stretch; both are rounded."""
+        (dx, dy), (vx, vy) = row.way, row.velocity
+        length, speed = hypot(dx, dy), hypot(vx, vy)
+        if length <= 2 * sqrt(2.0) * ROUND and speed > 0.0:
+            return  # too short to have a direction
+        slack = 2 * sqrt(2.0) * ROUND * (speed + length)
+        if dx * vx + dy * vy <= 0.0 or abs(dx * vy - dy * vx) > slack:
+            found = f"velocity {vx:g}, {vy:g} for a way of {dx:g}, {dy:g}"
+            self.say(rules.VELOCITY, row.line, found=found, expected="it along the way")
+
+    def _frequency(self, row: Stretch) -> None:
+        """Frequencies are those of the velocity, and none is above the greatest."""
+        step, greatest_hz = self.stepper.step, self.stepper.greatest_hz
+        for axis, v, hz in zip("XY", row.velocity, row.hz, strict=True):
+            found = f"{hz:g} Hz of {axis}"
+            if abs(hz - abs(v) / step) > ROUND / step + 2 * ROUND_HZ:
+                expected = f"{abs(v) / step:g} Hz for {v:g} mm/s"
+                self.say(rules.VELOCITY, row.line, found=found, expected=expected)
+            if hz > greatest_hz + ROUND_HZ:
+                expected = f"at most {greatest_hz:g} Hz"
+                self.say(rules.VELOCITY, row.line, found=found, expected=expected)
+
+    def _is_at_limit(self, row: Stretch) -> bool:
+        """Whether a motor keeps the stretch from being any faster."""
+        return max(row.hz) >= (1.0 - BELOW_GREATEST) * self.stepper.greatest_hz
+
+    def _traverse(self, row: Stretch) -> None:
+        speed, wanted = hypot(*row.velocity), self.stepper.traverse_mm_s
+        too_slow = speed < wanted - SPEED_SLACK and not self._is_at_limit(row)
+        if too_slow or speed > wanted + SPEED_SLACK:
+            found, expected = f"{speed:g}", f"{wanted:g} mm/s"
+            self.say(rules.SPEED, row.line, found=found, process="traverse", expected=expected)
+
+    # -- strokes ----------------------------------------------------------------------------
+
+    def _draw(self, row: Stretch) -> None:
+        if not self._drawing:
+            self.outline.begin(row.line)
+            self._drawing = True
+            self._fastest, self._slowest = NOTHING_FAST, NOTHING_SLOW
+        seen = Seen(hypot(*row.velocity), row.line)
+        self._fastest = max(self._fastest, seen)
+        if not self._is_at_limit(row):
+            self._slowest = min(self._slowest, seen)
+        self._stretches.append(row)
+        if len(self._stretches) >= BLOCK:
+            self._look()
+
+    def _look(self) -> None:
+        if self._stretches:
+            ends = [self._stretches[0].start, *(row.end for row in self._stretches)]
+            corners = np.array(ends)
+            self.outline.draw(
+                shapely.get_coordinates(shapely.segmentize(shapely.LineString(corners), SPACING)),
+                corners,
+            )
+            self._stretches = []
+
+    def _end_stroke(self) -> None:
+        if self._drawing:
+            self._look()
+            self.outline.end(self._fastest, self._slowest)
+            self._drawing = False
+
+    def finish(self) -> None:
+        """What can be said at the end only."""
+        self._end_stroke()
+        if not self.rows:
+            self.say(rules.ROW, None, found="no rows", expected="a row at least")
+        if self.here != (0.0, 0.0):
+            x, y = (f"{v:g}" for v in self.here)
+            self.say(rules.PLACE, None, x=x, y=y, expected="it in the corner at the end")
