@@ -142,26 +142,18 @@ def step_post() -> Post:
     """Of a table whose motors are told step by step; its style is the suffix of the file."""
     from beamcam.emitters.step_table import FORMS
     from beamcam.motion.steps import step_table
-    from beamcam.verify.steps import verify_steps
-
-    class Steps(Struct, frozen=True):
-        """A table in one of its forms."""
-
-        table: Any
-        form: str
-
-        def __call__(self) -> Iterable[bytes]:
-            return FORMS[self.form](self.table)
+    from beamcam.verify.steps import FORMS as READ_BACK
+    from beamcam.verify.steps import verify_table
 
     def emit(program: Any, job: Job) -> Written:
-        return Steps(program, job.style or job.machine.suffix)
+        form = FORMS[job.style or job.machine.suffix]
+        return lambda: form(program)
 
     def read_back(program: Written, wanted: Wanted) -> tuple[Diagnostic, ...]:
         w = wanted
-        if isinstance(program, Steps) and program.form not in (".steps", ".bin"):
-            program = Steps(program.table, ".bin")  # velocities and the C header say the same steps
+        form = w.style if w.style in READ_BACK else w.machine.suffix
         pieces = (program.encode("utf-8"),) if isinstance(program, str) else program()
-        return verify_steps(pieces, w.parts, w.machine, w.skipped, w.name)
+        return verify_table(form, pieces, w.parts, w.machine, w.skipped, w.name)
 
     def time(plan: SheetPlan, _: Any, machine: Machine) -> WorkTime:
         from beamcam.motion.table_times import step_time

@@ -9,7 +9,6 @@ All goes block by block, so that a table of any length takes the memory of its d
 """
 
 from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
-from itertools import chain
 from math import sqrt
 from typing import Any
 
@@ -81,17 +80,3 @@ def _read(follow: Callable[[Any], None], rows: Iterator[Any]) -> Diagnostic | No
     except TableFault as fault:
         return fault.diagnostic
     return None
-
-
-def verify_steps(
-    table: str | Iterable[bytes],
-    parts: Sequence[Part],
-    machine: Machine,
-    skipped: Collection[FeatureRef] = (),
-    name: str = "program",
-) -> tuple[Diagnostic, ...]:
-    """As `verify_table`, for a text or for the bytes of either form of steps."""
-    pieces = iter((table.encode("ascii", "replace"),) if isinstance(table, str) else table)
-    first = next(pieces, b"")
-    form = ".bin" if first.startswith(b"BCSTEPS1") else ".steps"
-    return verify_table(form, chain((first,), pieces), parts, machine, skipped, name)

@@ -2,6 +2,7 @@
 
 import re
 import struct
+from collections.abc import Sequence
 from math import hypot, sqrt
 
 import numpy as np
@@ -11,13 +12,15 @@ from hypothesis import strategies as st
 from msgspec.structs import replace
 
 from beamcam.emitters import step_table as forms
+from beamcam.errors import Diagnostic
 from beamcam.machine import load
 from beamcam.machine.machine import Machine
+from beamcam.model.part import Part
 from beamcam.model.steps import StepRows, StepTable
 from beamcam.motion import step_events, steps
 from beamcam.motion.step_events import BACK, FORWARD, MOVE_BITS, MOVES, TIME_BIT, Ints, events
 from beamcam.motion.velocity_table import Way, speed_at
-from beamcam.verify.steps import verify_steps
+from beamcam.verify.steps import verify_table
 
 from .shop import NAMES, part, plan
 
@@ -32,21 +35,27 @@ def table(name: str, machine: Machine = LASER) -> StepTable:
 
 
 def codes(text: str, name: str = "shield-small") -> set[str]:
-    return {d.code for d in verify_steps(text, [part(name)], LASER, (), "a.steps")}
+    return {d.code for d in verify_text(text, [part(name)])}
+
+
+def verify_text(
+    text: str, parts: Sequence[Part], machine: Machine = LASER
+) -> tuple[Diagnostic, ...]:
+    return verify_table(".steps", (text.encode(),), parts, machine, (), "a.steps")
 
 
 @pytest.mark.parametrize("name", NAMES)
-def test_every_sample_makes_its_part_in_either_form(name: str) -> None:
+def test_every_sample_makes_its_part_in_every_form(name: str) -> None:
     made = table(name)
-    assert verify_steps(forms.emit(made, LASER), [part(name)], LASER) == ()
-    assert verify_steps(forms.as_bytes(made), [part(name)], LASER) == ()
+    for form, write in forms.FORMS.items():
+        assert verify_table(form, write(made), [part(name)], LASER) == ()
 
 
 def test_another_sequence_and_a_motor_that_turns_back() -> None:
     stepper = replace(STEPPER, sequence=("00", "10", "11", "01"), reversed_axes=("Y",))
     machine = replace(LASER, stepper=stepper)
     text = forms.emit(table("shield-small", machine), machine)
-    assert verify_steps(text, [part("shield-small")], machine) == ()
+    assert verify_text(text, [part("shield-small")], machine) == ()
     assert "steps-" in " ".join(codes(text))
 
 
@@ -217,14 +226,14 @@ def rows_text(rows: list[tuple[int, int, int, int]]) -> str:
 
 def test_steps_too_near_and_too_sudden_and_outside() -> None:
     near = [(0, 0, 0, 0), (50, 1, 0, 0), (100, 0, 0, 0)]
-    assert "steps-frequency" in {d.code for d in verify_steps(rows_text(near), [], LASER)}
+    assert "steps-frequency" in {d.code for d in verify_text(rows_text(near), [])}
     jump = [(k * 110, k, 0, 0) for k in range(2000)]
     jump += [(2000 * 110 + k * 110, 2000 - k, 0, 0) for k in range(1, 2001)]
-    assert "steps-acceleration" in {d.code for d in verify_steps(rows_text(jump), [], LASER)}
+    assert "steps-acceleration" in {d.code for d in verify_text(rows_text(jump), [])}
     skip = [(0, 0, 0, 0), (900, 2, 0, 0)]
-    assert "steps-word" in {d.code for d in verify_steps(rows_text(skip), [], LASER)}
+    assert "steps-word" in {d.code for d in verify_text(rows_text(skip), [])}
     below = [(k * 20000, -k, 0, 0) for k in range(4)]
-    assert "steps-place" in {d.code for d in verify_steps(rows_text(below), [], LASER)}
+    assert "steps-place" in {d.code for d in verify_text(rows_text(below), [])}
 
 
 def test_a_table_cut_short_is_told() -> None:
@@ -232,7 +241,7 @@ def test_a_table_cut_short_is_told() -> None:
     assert "steps-row" in codes(text[:-5])
     assert "steps-place" in codes(text[: len(text) // 2 // 21 * 21 + text.index("0000")] or text)
     data = b"".join(forms.as_bytes(table("shield-small")))
-    assert "steps-row" in {d.code for d in verify_steps((data[:-1],), [], LASER)}
+    assert "steps-row" in {d.code for d in verify_table(".bin", (data[:-1],), [], LASER)}
 
 
 def test_another_part_is_not_this_one() -> None:
