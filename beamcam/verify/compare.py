@@ -74,8 +74,8 @@ def compare(
             said.append(_lack(need, parts))
         elif not isinstance(need, Stroke):
             paths.append(need)
-    matching = Matching(wanted, parts, machine.format.resolution, drill.merge_tolerance, name)
-    matches = list(matching.run(made.bores, said))
+    matching = Matching(wanted, parts, machine.format.resolution, rack, name)
+    matches = sorted(matching.run(made.bores, said), key=lambda match: match.bore.line)
     said += _strokes(matches, task)
     if made.trails or paths:
         said += _paths(made.trails, paths, task)

@@ -1,6 +1,13 @@
-"""Which bore makes which hole: each at most one of the others, in its place."""
+"""Which bore makes which hole: each at most one of the others, in its place.
+
+Several holes may be at one place, such as a wider one that goes less deep, or a thread beside a
+hole of its drill's size. Of those the nearest is meant, then the one of the tool's size, then the
+one of the depth. Strokes of two spindles choose first, since they need a hole on either side, and
+what follows a drill chooses last.
+"""
 
 from collections.abc import Iterator, Sequence
+from itertools import product
 from math import floor
 from typing import NamedTuple
 
@@ -10,6 +17,7 @@ from beamcam.verify import rules
 from beamcam.verify.made import Bore
 from beamcam.verify.needs import Stroke
 from beamcam.verify.placing import NEAR
+from beamcam.verify.rack import Rack
 
 NOUNS = {"drill": "hole", "tap": "thread", "countersink": "countersink", "punch": "punch mark"}
 
@@ -36,10 +44,11 @@ class Matching:
     """
 
     def __init__(
-        self, wanted: Sequence[Wanted], parts: Sequence[Part], resolution: float, merge: float,
+        self, wanted: Sequence[Wanted], parts: Sequence[Part], resolution: float, rack: Rack,
         name: str,
     ) -> None:  # fmt: skip
-        self.parts, self.name, self.merge = parts, name, merge
+        self.parts, self.rack, self.name = parts, rack, name
+        self.merge = rack.drill.merge_tolerance
         self.x_tolerance = resolution + 1e-6  # of the cut that the part starts at, and its own
         self.y_tolerance = 0.75 * resolution + 1e-6
         self.pockets: dict[tuple[str, str, int], list[Wanted]] = {}
@@ -50,18 +59,26 @@ class Matching:
 
     def run(self, bores: Sequence[Bore], said: list[Diagnostic]) -> Iterator[Match]:
         """The matches; what lies elsewhere, is missing or too much goes to `said`."""
-        astray: list[Bore] = []
+        pairs: list[Sequence[Bore]] = []
+        alone: list[Sequence[Bore]] = []
+        after: list[Sequence[Bore]] = []
         for group in _strokes(bores):
-            bore = group[0]
-            if len(group) > 1 or bore.kind != "drill":
-                yield from self._merged(group, astray, said)
-                continue
-            want = self._take(bore, 0.0)
+            if group[0].kind != "drill":
+                after.append(group)
+            else:
+                (alone if len(group) == 1 else pairs).append(group)
+        astray: list[Bore] = []
+        for group in pairs:
+            yield from self._merged(group, astray, said)
+        for (bore,) in alone:
+            want = self._take(bore)
             if want is None:
                 astray.append(bore)
             else:
                 self.drilled.add((bore.face, bore.x, bore.y))
                 yield Match(want.need, bore, want.need.hole.diameter)
+        for group in sorted(after, key=len, reverse=True):
+            yield from self._merged(group, astray, said)
         for bore in astray:
             yield from self._astray(bore, said)
         said += self._missing()
@@ -71,7 +88,7 @@ class Matching:
     ) -> Iterator[Match]:
         """The matches of strokes that may stand between two holes: of two spindles at once, and
         those that follow a drill, which stand where that one was."""
-        found = [self._take(bore, self.merge) for bore in group]
+        found = self._take_all(group)
         wants = [w for w in found if w is not None]
         size = max((w.need.hole.diameter for w in wants), default=0.0)
         for bore, want in zip(group, found, strict=True):
@@ -114,8 +131,28 @@ class Matching:
                         machine_x=f"{want.x:g}",
                     )
 
-    def _take(self, bore: Bore, reach: float) -> Wanted | None:
-        """The nearest stroke within reach of a bore, of those that are left; it is taken."""
+    def _take(self, bore: Bore) -> Wanted | None:
+        """The stroke that a bore alone makes, of those that are left; it is taken."""
+        near = self._near(bore, 0.0)
+        if not near:
+            return None
+        best = near[0] if len(near) == 1 else min(near, key=lambda want: self._apart(want, bore))
+        self._remove(best)
+        return best
+
+    def _take_all(self, group: Sequence[Bore]) -> list[Wanted | None]:
+        """The strokes that the bores of a group make, those that go best together."""
+        near: list[Sequence[Wanted | None]] = [
+            self._near(bore, self.merge) or (None,) for bore in group
+        ]
+        best = min(product(*near), key=lambda wants: self._asunder(wants, group))
+        for want in best:
+            if want is not None:
+                self._remove(want)
+        return list(best)
+
+    def _near(self, bore: Bore, reach: float) -> list[Wanted]:
+        """The strokes within reach of a bore, of those that are left."""
         x_reach, y_reach = reach + self.x_tolerance, reach + self.y_tolerance
         x, y = bore.x, bore.y
         near: list[Wanted] = []
@@ -126,12 +163,40 @@ class Matching:
                     want for want in pocket
                     if abs(want.x - x) <= x_reach and abs(want.need.hole.y - y) <= y_reach
                 ]  # fmt: skip
-        if not near:
-            return None
-        # Of two in one place the one of the tool's size is meant.
-        best = near[0] if len(near) == 1 else min(near, key=lambda want: _apart(want, bore))
-        self._remove(best)
-        return best
+        return near
+
+    def _apart(self, want: Wanted, bore: Bore) -> tuple[float, float, float]:
+        """How far a bore is from a stroke, its tool from the one wanted, and its depth."""
+        need = want.need
+        off = abs(want.x - bore.x) + abs(need.hole.y - bore.y)
+        return round(off, 6), abs(need.diameter - bore.diameter), self._deeper(want, bore)
+
+    def _deeper(self, want: Wanted, bore: Bore) -> float:
+        """How much deeper or less deep a bore goes than its hole."""
+        hole = want.need.hole
+        depth = hole.depth
+        if depth is None:
+            depth = self.parts[want.need.part].profile.thickness(hole.face)
+        tip = self.rack.tip("drill", bore.diameter, bore.face) if bore.kind == "drill" else 0.0
+        return abs(bore.tip_depth - tip - depth)
+
+    def _asunder(
+        self, wants: Sequence[Wanted | None], group: Sequence[Bore]
+    ) -> tuple[float, float, float, float]:
+        """How far a group is from the middle of what it may make, and how unlike that is."""
+        made = [(w, bore) for w, bore in zip(wants, group, strict=True) if w is not None]
+        if not made:
+            return 0.0, 0.0, 0.0, 0.0
+        count, bore = len(made), group[0]
+        x = sum(w.x for w, _ in made) / count
+        y = sum(w.need.hole.y for w, _ in made) / count
+        sizes = [w.need.hole.diameter for w, _ in made]
+        return (
+            round(abs(x - bore.x) + abs(y - bore.y), 6),
+            max(sizes) - min(sizes),
+            sum(abs(w.need.diameter - bore.diameter) for w, bore in made),
+            sum(self._deeper(w, bore) for w, bore in made),
+        )
 
     def _remove(self, want: Wanted) -> None:
         self.pockets[want.need.hole.face, want.need.kind, floor(want.x)].remove(want)
@@ -167,13 +232,6 @@ class Matching:
             x=f"{hole.x:g}",
             y=f"{hole.y:g}",
         )
-
-
-def _apart(want: Wanted, bore: Bore) -> tuple[float, float]:
-    """How far a bore is from a stroke, and its tool from the one wanted."""
-    need = want.need
-    off = abs(want.x - bore.x) + abs(need.hole.y - bore.y)
-    return round(off, 6), abs(need.diameter - bore.diameter)
 
 
 def _strokes(bores: Sequence[Bore]) -> Iterator[Sequence[Bore]]:

@@ -258,7 +258,7 @@ def _hole(hole: Hole, p: int, part: Part, rack: Rack) -> Iterator[Need]:
             yield Stroke(p, hole, "drill", hole.x, f"hole before the thread M{size}", drill)
             yield Stroke(p, hole, "tap", hole.x, f"thread M{size}", tap[0])
     elif hole.kind == "countersink":
-        pilot = _pilot(hole, part, rack.drill.merge_tolerance + 1e-9)
+        pilot = _pilot(hole, part, rack)
         lack = _no_sink(hole, pilot, rack)
         if pilot is None or lack:
             yield Lack(p, f"the countersink {size}", lack, hole)
@@ -301,17 +301,20 @@ def _no_sink(hole: Hole, pilot: float | None, rack: Rack) -> str:
     return "" if (exact if below else any(d >= hole.diameter - 1e-9 for d in sizes)) else "tool"
 
 
-def _pilot(sink: Hole, part: Part, tolerance: float) -> float | None:
+def _pilot(sink: Hole, part: Part, rack: Rack) -> float | None:
     """Diameter of the widest hole that a countersink stands on; None if there is none."""
+    tolerance = rack.drill.merge_tolerance + 1e-9
+    works = {face for face in rack.faces if _works(face, part, rack)}
+    near = (
+        _from_behind(h, part, rack, works) for h in part.holes
+        if abs(h.x - sink.x) <= tolerance and abs(h.y - sink.y) <= tolerance
+    )  # fmt: skip
     below = [
-        h.diameter
-        for h in part.holes
+        h.diameter for h in near
         if h.kind in ("through", "blind", *THREADS)
         and h.face == sink.face
         and h.diameter < sink.diameter
-        and abs(h.x - sink.x) <= tolerance
-        and abs(h.y - sink.y) <= tolerance
-    ]
+    ]  # fmt: skip
     return max(below, default=None)
 
 
