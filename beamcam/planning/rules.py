@@ -137,6 +137,14 @@ IN_THE_WAY = Rule(
     "{greatest}, the flange stands in the tool's way",
     "A tool that comes to the web between the flanges needs room beside them.",
 )
+STROKE = Rule(
+    "plan-stroke",
+    _E,
+    "found a stroke to {found} mm below face {face}, the same for every hole; "
+    "expected {expected} mm for {what}",
+    "A stroke that is the same for every hole fits no blind hole, and through ones of small "
+    "sections alone. A machine file whose `bottom` follows `depth` has no such limit.",
+)
 OFF_FACE = Rule(
     "plan-off-face",
     _E,
@@ -216,14 +224,12 @@ RELOAD = Rule(
 RULES = (
     NO_PARTS, STOCK, MIXED_PROFILES, SECTION_SIZE, SAW_ANGLE, FLANGE_CUT, COMPOUND, CUT_DENIED,
     CUT_FROM_CONTOUR, BAR_SHORT, BAR_LONG, BAR_FULL, PART_SHORT, REMNANT, NO_TOOL, NO_PILOT,
-    SINK_DEPTH, THREAD_DEPTH, DUPLICATE, NO_SPINDLE, IN_THE_WAY, OFF_FACE, SLOT, COPE, CUTOUT,
-    MARK, BEVEL,
-    OTHER, QUANTITY, TURNED, TURN_HELPS, ORDER, RELOAD,
+    SINK_DEPTH, THREAD_DEPTH, DUPLICATE, NO_SPINDLE, IN_THE_WAY, STROKE, OFF_FACE, SLOT, COPE,
+    CUTOUT, MARK, BEVEL, OTHER, QUANTITY, TURNED, TURN_HELPS, ORDER, RELOAD,
 )  # fmt: skip
 
 SKIPPABLE = (
-    NO_TOOL, NO_PILOT, SINK_DEPTH, THREAD_DEPTH, NO_SPINDLE, IN_THE_WAY, OFF_FACE, SLOT, COPE,
-    CUTOUT, MARK,
-    BEVEL, OTHER,
+    NO_TOOL, NO_PILOT, SINK_DEPTH, THREAD_DEPTH, NO_SPINDLE, IN_THE_WAY, STROKE, OFF_FACE, SLOT,
+    COPE, CUTOUT, MARK, BEVEL, OTHER,
 )  # fmt: skip
 SKIP_NAMES = tuple(rule.code.removeprefix("plan-") for rule in SKIPPABLE)

@@ -30,6 +30,7 @@ from beamcam.planning.refuse import (
     refuse_place,
     refuse_slot,
 )
+from beamcam.planning.strokes import fixed_faces, refuse_strokes
 from beamcam.planning.tools import Rack, Tools
 
 SQUARE: Ends = (End("start", 0.0, 0.0), End("end", 0.0, 0.0))
@@ -76,6 +77,8 @@ def work_on(part: Part, machine: Machine, saw: Saw, rack: Rack, skips: Collectio
     holes = bench.sort_features(ends)
     kept, dropped = drop_duplicates(holes, rack.drill.duplicate_tolerance)
     bench.add_holes(kept)
+    if fixed_faces(machine):
+        bench.refuse_strokes()
     refused = bench.refused
     repeats = {f: ref[1] for (_, f), (ref, _) in dropped.items()}
     if repeats:
@@ -260,6 +263,15 @@ class _Bench:
                     hole.source, path,
                 )
             )  # fmt: skip
+
+    def refuse_strokes(self) -> None:
+        """Drop the jobs whose stroke is the machine's own and does not fit, and all beside them."""
+        for job in self.jobs:
+            self.refused |= refuse_strokes(
+                self.part, self.machine, self.rack.drill, (job.x, job.y), job.tools, job.faces,
+                job.depth, job.features,
+            )  # fmt: skip
+        self.jobs = [job for job in self.jobs if self.refused.keys().isdisjoint(job.features)]
 
     def _number(self, faces: tuple[Face, ...]) -> int:
         if len(faces) == 1:

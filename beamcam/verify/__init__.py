@@ -22,9 +22,10 @@ from beamcam.verify.events import Event
 from beamcam.verify.lying import is_turned
 from beamcam.verify.made import Bore, Cut, Made
 from beamcam.verify.meaning import Meaning, meaning_of
-from beamcam.verify.needs import FeatureRef, skippable
+from beamcam.verify.needs import FeatureRef
 from beamcam.verify.passages import Passages
 from beamcam.verify.rack import Rack
+from beamcam.verify.skips import skippable
 from beamcam.verify.stations import Choice, choices_of
 
 __all__ = [

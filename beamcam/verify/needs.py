@@ -17,7 +17,7 @@ from msgspec import Struct
 from msgspec.structs import replace
 
 from beamcam.geometry.curves import Curve
-from beamcam.machine.machine import FLAT_DEG, Machine
+from beamcam.machine.machine import FLAT_DEG
 from beamcam.model.part import (
     Bend,
     Camber,
@@ -30,7 +30,7 @@ from beamcam.model.part import (
     Slot,
     TextMark,
 )
-from beamcam.verify.ends import ANGLE_TOLERANCE_DEG, End, ends_of, off_outline
+from beamcam.verify.ends import ANGLE_TOLERANCE_DEG, End, off_outline
 from beamcam.verify.rack import Rack
 
 FeatureRef = tuple[int, int]  #: index of the part on the bar, index of its feature
@@ -341,32 +341,3 @@ def _slot(slot: Slot, p: int, part: Part, rack: Rack) -> Iterator[Need]:
         x, y = slot.x + c * a - s * b, slot.y + s * a + c * b
         end = Hole(slot.face, x, y, slot.diameter, slot.source, slot.depth)
         yield Stroke(p, end, "drill", x, f"end of the {what}", drill, 0.0, True)
-
-
-def skippable(
-    parts: Sequence[Part], machine: Machine, names: Collection[str]
-) -> frozenset[FeatureRef]:
-    """The features that may be left out under the names that `--allow-skips` takes.
-
-    Raises TypeError for a machine without saw and drill.
-    """
-    if machine.saw is None or machine.drill is None:
-        raise TypeError(f"{machine.name} has no saw and drill")
-    rack = Rack(machine, machine.drill)
-    ends = [ends_of(part, machine.saw) for part in parts]
-    left = {
-        ref
-        for ref, need in needs_of(parts, ends, rack, ())
-        if isinstance(need, Lack) and need.name in names
-    }
-    if "off-face" in names:
-        left |= {
-            (p, f)
-            for p, part in enumerate(parts)
-            for f, hole in enumerate(part.features)
-            if isinstance(hole, Hole)
-            and not (
-                0 <= hole.x <= part.length and 0 <= hole.y <= part.profile.face_width(hole.face)
-            )
-        }
-    return frozenset(left)

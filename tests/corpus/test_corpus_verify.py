@@ -13,8 +13,6 @@ from tests.conftest import CORPUS
 
 FILES = sorted((CORPUS / "dstv").glob("*/*.[nN][cC]*"))
 MACHINES = ("beamline", "beamline-annex", "beamline-pusher")
-#: The annex dialect strokes 150 mm whatever the section, which does not reach the web of this one.
-TOO_SHALLOW = ("beamline-annex", "HEB400.nc")
 
 pytestmark = pytest.mark.skipif(not FILES, reason="no corpus of real files is at hand")
 
@@ -39,8 +37,12 @@ def test_real_parts_are_read_back(name: str) -> None:
     found = planned(name)
     assert len(found) >= 5
     for path, _, said in found:
-        if (name, path.name) == TOO_SHALLOW:
-            assert "verify-depth" in said
-            assert "at least 13.500" in said
-        else:
-            assert said == "", path.name
+        assert said == "", path.name
+
+
+def test_a_web_too_deep_for_the_machines_stroke_is_refused() -> None:
+    (path,) = (path for path in FILES if path.name == "HEB400.nc")
+    parts, _ = parts_of([read_file(str(path))])
+    with pytest.raises(PlanError) as caught:
+        post(parts[:1], load("beamline-annex"), bar=15500.0)
+    assert "plan-stroke" in {d.code for d in caught.value.diagnostics}

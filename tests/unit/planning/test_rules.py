@@ -6,7 +6,7 @@ from msgspec.structs import replace
 from beamcam.errors import PlanError
 from beamcam.geometry.curves import Line
 from beamcam.machine import load
-from beamcam.model.part import Bend, Bevel, Contour, EndCuts, Part, Slot, TextMark
+from beamcam.model.part import Bend, Bevel, Contour, EndCuts, Part, Profile, Slot, TextMark
 from beamcam.planning import SKIP_NAMES, plan_bar
 from beamcam.planning.rules import RULES, SKIPPABLE
 from tests.unit.planning.shop import BEAM, CHANNEL, SOURCE, TUBE, hole, part
@@ -28,6 +28,8 @@ HOUSE = Contour("v", "inner", (Line((1, 2), (61, 2)), Line((61, 2), (1, 42)),
                                Line((1, 42), (1, 2))), SOURCE)  # fmt: skip
 THREAD = hole(500, diameter=16, kind="thread", depth=2.0)
 MITRED = part(cuts=EndCuts(web_start=30.0, web_end=30.0))
+
+HEB400 = Profile("I", "HEB400", 400.0, 300.0, 24.0, 13.5, 27.0)
 
 #: Code, machine, parts and options, and the message.
 Case = tuple[str, str, tuple[Part, ...], dict[str, object], str]
@@ -95,6 +97,12 @@ CASES: tuple[Case, ...] = (
     ("plan-reach", "beamline", (part(hole(500, 19.0)),), {},
      "found a hole of diameter 18 at y 19 on face v; expected y from 19.7 to 280.3, "
      "the flange stands in the tool's way"),
+    ("plan-stroke", "beamline-annex", (part(hole(500, 200, 22), profile=HEB400),), {},
+     "found a stroke to 6.750 mm below face v, the same for every hole; "
+     "expected at least 20.109 mm for a hole of diameter 22"),
+    ("plan-stroke", "beamline-annex", (part(hole(500, 150, kind="blind", depth=4.0)),), {},
+     "found a stroke to 78.550 mm below face v, the same for every hole; "
+     "expected 9.408 mm for a hole of diameter 18"),
     ("plan-slot", "beamline", (part(Slot("v", 500, 150, 22, 40, 0, 0, SOURCE)),), {},
      "found a slot of 62 x 22 mm on face v; expected no slot, the machine has no mill"),
     ("plan-slot", "beamline-pusher", (part(Slot("v", 500, 150, 6, 40, 0, 0, SOURCE)),), {},
