@@ -1,9 +1,9 @@
 """Which bore makes which hole: each at most one of the others, in its place.
 
 Several holes may be at one place, such as a wider one that goes less deep, or a thread beside a
-hole of its drill's size. Of those the nearest is meant, then the one of the tool's size, then the
-one of the depth. Strokes of two spindles choose first, since they need a hole on either side, and
-what follows a drill chooses last.
+hole of its drill's size. Of those that the output cannot tell apart by their place the one of the
+tool's size is meant, then the nearest, then the one of the depth. Strokes of two spindles choose
+first, since they need a hole on either side, and what follows a drill chooses last.
 """
 
 from collections.abc import Iterator, Sequence
@@ -166,10 +166,10 @@ class Matching:
         return near
 
     def _apart(self, want: Wanted, bore: Bore) -> tuple[float, float, float]:
-        """How far a bore is from a stroke, its tool from the one wanted, and its depth."""
+        """How far a bore's tool is from the one wanted, its place, and its depth."""
         need = want.need
         off = abs(want.x - bore.x) + abs(need.hole.y - bore.y)
-        return round(off, 6), abs(need.diameter - bore.diameter), self._deeper(want, bore)
+        return abs(need.diameter - bore.diameter), round(off, 6), self._deeper(want, bore)
 
     def _deeper(self, want: Wanted, bore: Bore) -> float:
         """How much deeper or less deep a bore goes than its hole."""
@@ -191,11 +191,12 @@ class Matching:
         x = sum(w.x for w, _ in made) / count
         y = sum(w.need.hole.y for w, _ in made) / count
         sizes = [w.need.hole.diameter for w, _ in made]
+        off = round(abs(x - bore.x) + abs(y - bore.y), 6)
         return (
-            round(abs(x - bore.x) + abs(y - bore.y), 6),
-            max(sizes) - min(sizes),
-            sum(abs(w.need.diameter - bore.diameter) for w, bore in made),
-            sum(self._deeper(w, bore) for w, bore in made),
+            max(0.0, off - self.x_tolerance - self.y_tolerance),
+            max(sizes) - min(sizes) + sum(abs(w.need.diameter - b.diameter) for w, b in made),
+            off,
+            sum(self._deeper(w, b) for w, b in made),
         )
 
     def _remove(self, want: Wanted) -> None:

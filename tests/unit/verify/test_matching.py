@@ -61,12 +61,12 @@ def test_holes_at_one_place_are_each_found(machine: str, made: Part) -> None:
         assert errors_in(verify(text, (replace(made, features=features),), loaded))
 
 
-@pytest.mark.parametrize("machine", ["beamline", "beamline-pusher"])
+@pytest.mark.parametrize("machine", ["beamline", "beamline-annex", "beamline-pusher"])
 def test_whatever_is_planned_at_one_place_is_read_back(machine: str) -> None:
     rng = random.Random(11)
     loaded = load(machine)
     posted = 0
-    for _ in range(250):
+    for _ in range(200):
         holes = [crowded(rng, machine) for _ in range(rng.randrange(2, 7))]
         made = part(rng.choice((UPN200, IPE300, L150)), *holes)
         try:
@@ -74,7 +74,7 @@ def test_whatever_is_planned_at_one_place_is_read_back(machine: str) -> None:
         except PlanError:
             continue
         posted += any(o.how in ("made", "merged") for o in plan.outcomes)
-    assert posted > 180
+    assert posted > 100
 
 
 def crowded(rng: random.Random, machine: str) -> Hole:
