@@ -1,6 +1,5 @@
 """Paths of points compared with the contours of a sheet: of tables that no G-code runs."""
 
-import itertools
 from collections.abc import Collection, Sequence
 
 from msgspec.structs import replace
@@ -25,26 +24,31 @@ def compare_polylines(
 
     `slack` is what the controller may miss each point by, beside the machine's tolerance.
     """
+    import numpy as np
+
     from beamcam.verify.sheets.compare import compare
-    from beamcam.verify.sheets.events import Leg
+    from beamcam.verify.sheets.moves import straight_moves
     from beamcam.verify.sheets.need import need_of, rows_of, shift_of
-    from beamcam.verify.sheets.strokes import Stroke
+    from beamcam.verify.sheets.strokes import Stroke, Strokes
 
     torch = machine.torch
     if torch is None:
         raise TypeError(f"{machine.name} has no torch")
     rows = {row.process: row for row in reversed(rows_of(part, torch))}
     need = need_of(part, torch, {feature for _, feature in skipped})
-    strokes = []
+    strokes: list[Stroke] = []
+    chains = []
+    count = 0
     for number, (process, points) in enumerate(ways, 1):
-        legs = [
-            Leg(number, False, a, b, None, rows[process].feed_mm_min)
-            for a, b in itertools.pairwise(points)
-            if a != b
-        ]
-        if legs:
-            strokes.append(Stroke(number, rows[process], "on", 0.0, legs))
+        places = np.array(points, dtype=np.float64).reshape(-1, 2)
+        moved = np.any(places[1:] != places[:-1], axis=1)
+        if moved.any():
+            chains.append((number, places[:-1][moved], places[1:][moved]))
+            last = count + int(moved.sum())
+            strokes.append(Stroke(number, rows[process], "on", 0.0, count, last))
+            count = last
     if not need.curves and not strokes:
         return need.said
     loose = replace(torch, tolerance=torch.tolerance + slack)
-    return need.said + compare(strokes, need, machine, loose, shift_of(need, torch), name)
+    done = Strokes(strokes, straight_moves(chains))
+    return need.said + compare(done, need, machine, loose, shift_of(need, torch), name)

@@ -133,9 +133,9 @@ def test_ellipses_by_their_own_word(
         if isinstance(m, EllipseFeed)
     )
     text = f"G90\nG99\nG00 X{here[0]:.3f} Y{here[1]:.3f}\n{words}\nM30\n"
-    events, said = codesys.run(text, "e", 1e-3, 60.0)
+    done, said = codesys.run(text, "e", 1e-3, 60.0)
     assert not said
-    for event in events:
+    for event in done.events():
         curve = getattr(event, "curve", None)
         if not isinstance(curve, EllipseArc):
             continue
@@ -164,8 +164,8 @@ def test_parabolas_by_their_vertex(
             f"G90\nG99\nG00 X{here[0]:.3f} Y{here[1]:.3f}\n"
             f"G06 X{move.x:.3f} Y{move.y:.3f} I{i:.3f} J{j:.3f} F1\nM30\n"
         )
-        events, said = codesys.run(text, "p", 1e-3, 60.0)
+        done, said = codesys.run(text, "p", 1e-3, 60.0)
         assert not said
-        (back,) = (e.curve for e in events if isinstance(getattr(e, "curve", None), Bezier))
+        (back,) = (e.curve for e in done.events() if isinstance(getattr(e, "curve", None), Bezier))
         for k in range(5):
             assert dist(back.point(k / 4), curve.point(k / 4)) <= 5 * numbers.step

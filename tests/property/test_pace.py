@@ -2,6 +2,7 @@
 
 from math import cos, hypot, inf, radians, sin
 
+import numpy as np
 import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
@@ -12,8 +13,9 @@ from beamcam.geometry.plane import cross
 from beamcam.machine.path_limits import PathLimits
 from beamcam.model.program import ArcFeed, EllipseFeed, Feed, Pace, ParabolaFeed
 from beamcam.motion.pace import SECONDS_PER_MINUTE, calm_radius, paced, turning_mm_s
-from beamcam.verify.sheets.ability import expected_feed
+from beamcam.verify.sheets.ability import expected_feeds
 from beamcam.verify.sheets.events import Leg
+from beamcam.verify.sheets.moves import moves_of
 
 coordinates = st.floats(-50, 50).map(lambda v: round(v, 3))
 points = st.tuples(coordinates, coordinates)
@@ -75,7 +77,8 @@ def test_every_move_has_the_feed_that_the_read_back_expects(start, chain, asked,
             feed = step.feed_mm_min
             continue
         if (step.x, step.y) != here:
-            expected = expected_feed(leg_of(here, step), asked * SECONDS_PER_MINUTE, limits)
+            row = np.array([asked * SECONDS_PER_MINUTE])
+            (expected,) = expected_feeds(moves_of([leg_of(here, step)]), row, limits)
             assert feed == pytest.approx(expected, rel=1.1e-3, abs=1e-6)
             assert feed <= asked * SECONDS_PER_MINUTE
         here = step.x, step.y

@@ -15,8 +15,9 @@ from beamcam.model.part import Part
 
 if TYPE_CHECKING:
     from beamcam.verify.sheets.events import Event
+    from beamcam.verify.sheets.moves import Run
 
-__all__ = ["events_of", "verify_sheet"]
+__all__ = ["events_of", "run", "verify_sheet"]
 
 FeatureRef = tuple[int, int]
 
@@ -25,6 +26,12 @@ def events_of(
     text: str, machine: Machine, name: str = "program"
 ) -> "tuple[list[Event], list[Diagnostic]]":
     """What a program does, event by event, and what is wrong with its blocks."""
+    done, said = run(text, machine, name)
+    return done.events(), said
+
+
+def run(text: str, machine: Machine, name: str = "program") -> "tuple[Run, list[Diagnostic]]":
+    """What a program does, its moves as arrays, and what is wrong with its blocks."""
     if machine.controller == "codesys":
         from beamcam.verify.sheets import codesys
 
@@ -57,12 +64,12 @@ def verify_sheet(
     torch = machine.torch
     if torch is None:
         raise TypeError(f"{machine.name} has no torch")
-    events, said = events_of(text, machine, name)
+    done, said = run(text, machine, name)
     if errors_in(said) or not parts:
         return tuple(said)
     (part,) = parts
     strokes, more = strokes_of(
-        events,
+        done,
         machine,
         torch,
         rows_of(part, torch),
@@ -72,6 +79,6 @@ def verify_sheet(
     said += more
     need = need_of(part, torch, {feature for _, feature in skipped})
     said += need.said
-    if need.curves or strokes:
+    if need.curves or strokes.each:
         said += compare(strokes, need, machine, torch, shift_of(need, torch), name)
     return tuple(said)

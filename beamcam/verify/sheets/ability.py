@@ -4,12 +4,14 @@ The feed of the machine's row, or the greatest one that the axes can follow: on 
 of the curve the acceleration across is v^2 / r and the jerk v^3 / r^2.
 """
 
-from math import cbrt, dist, inf, sqrt
+from math import inf
 
-from beamcam.geometry.curves import Arc, Bezier, EllipseArc
+import numpy as np
+
+from beamcam.geometry.curves import Bezier, EllipseArc
 from beamcam.machine.machine import Machine
 from beamcam.machine.path_limits import PathLimits, path_limits
-from beamcam.verify.sheets.events import Leg
+from beamcam.verify.sheets.moves import Floats, Moves
 
 SECONDS_PER_MINUTE = 60.0
 FLAT = 1e-12
@@ -21,37 +23,39 @@ def told_limits(machine: Machine) -> PathLimits | None:
     return path_limits(machine) if told else None
 
 
-def expected_feed(leg: Leg, asked_mm_min: float, limits: PathLimits) -> float:
-    """The feed in mm/min that a move should have, at most what is asked for."""
+def expected_feeds(moves: Moves, asked_mm_min: Floats, limits: PathLimits) -> Floats:
+    """The feed in mm/min that each move should have, at most what is asked for it, (n,)."""
     asked = asked_mm_min / SECONDS_PER_MINUTE
-    if leg.curve is None:
-        if asked <= limits.speed_mm_s:
-            return asked_mm_min
-        greatest = _straight_mm_s(leg, limits)
-    else:
-        radius = _least_radius(leg.curve)
-        greatest = min(
-            limits.speed_mm_s,
-            sqrt(limits.across_mm_s2 * radius),
-            cbrt(limits.jerk_mm_s3 * radius**2),
-        )
-    return min(asked, greatest) * SECONDS_PER_MINUTE
-
-
-def _straight_mm_s(leg: Leg, limits: PathLimits) -> float:
-    length = dist(leg.start, leg.end)
-    speeds = (limits.speed_x_mm_s, limits.speed_y_mm_s)
-    ways = (abs(b - a) for a, b in zip(leg.start, leg.end, strict=True))
-    return min(
-        (speed * length / way for speed, way in zip(speeds, ways, strict=True) if way),
-        default=inf,
+    radius = np.where(moves.is_arc, moves.arcs[:, 2], inf)
+    for k, curve in moves.curves.items():
+        radius[k] = _least_radius(curve)
+    turning = np.minimum(
+        np.sqrt(limits.across_mm_s2 * radius), np.cbrt(limits.jerk_mm_s3 * radius**2)
     )
+    straight = ~moves.is_arc
+    straight[list(moves.curves)] = False
+    greatest = np.where(
+        straight, _straight_mm_s(moves, limits), np.minimum(limits.speed_mm_s, turning)
+    )
+    greatest[straight & (asked <= limits.speed_mm_s)] = inf
+    lowered: Floats = np.where(greatest < asked, greatest * SECONDS_PER_MINUTE, asked_mm_min)
+    return lowered
 
 
-def _least_radius(curve: Arc | Bezier | EllipseArc) -> float:
-    """The least radius of an arc or a parabola; of an ellipse that at the ends of its main axis."""
-    if isinstance(curve, Arc):
-        return curve.radius
+def _straight_mm_s(moves: Moves, limits: PathLimits) -> Floats:
+    """The greatest speed of both axes along each chord; inf where it has no length."""
+    ways = np.abs(moves.end - moves.start)
+    length = np.hypot(ways[:, 0], ways[:, 1])
+    speeds = np.array([limits.speed_x_mm_s, limits.speed_y_mm_s])
+    reached = np.divide(
+        length[:, None] * speeds, ways, out=np.full(ways.shape, inf), where=ways > 0.0
+    )
+    found: Floats = reached.min(axis=1, initial=inf)
+    return found
+
+
+def _least_radius(curve: Bezier | EllipseArc) -> float:
+    """The least radius of a parabola; of an ellipse that at the ends of its main axis."""
     if isinstance(curve, EllipseArc):
         return curve.major * curve.ratio**2
     # The curvature of a parabola grows towards its vertex from both sides: it is greatest there,

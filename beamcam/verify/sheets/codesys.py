@@ -11,7 +11,10 @@ main axis. What cannot be becomes a straight line without a word, so it is check
 CODESYS online help, "CNC: DIN 66025".
 """
 
+from bisect import bisect_left
 from math import atan2, cos, degrees, dist, isnan, nan, radians, sin, sqrt
+
+from msgspec.structs import replace
 
 from beamcam.errors import Diagnostic, Source
 from beamcam.geometry.curves import Arc, Bezier, EllipseArc
@@ -19,7 +22,10 @@ from beamcam.geometry.plane import Point, cross
 from beamcam.verify.arcs import arc_fault, sweep_of
 from beamcam.verify.blocks import BRAKING, read_blocks
 from beamcam.verify.sheets import rules
-from beamcam.verify.sheets.events import Event, Keep, Leg, Pause, Ramp, Side, Switch
+from beamcam.verify.sheets.events import Keep, Leg, Pause, Ramp, Side, Switch
+from beamcam.verify.sheets.moves import Run
+from beamcam.verify.sheets.scan import Scan, scan
+from beamcam.verify.sheets.track import Track
 
 NAME = "CODESYS"
 M_WORDS_IN_A_ROW = 64  #: SMC_DEC_OUTQUEUE_RAN_EMPTY
@@ -31,103 +37,172 @@ _TRAVEL = {
 _BESIDE: dict[int, Side] = {40: "on", 41: "left", 42: "right"}
 
 
-def run(
-    text: str, name: str, resolution: float, per_minute: float
-) -> tuple[list[Event], list[Diagnostic]]:
-    """The events of a program, and what its controller would not do as it says.
+def run(text: str, name: str, resolution: float, per_minute: float) -> tuple[Run, list[Diagnostic]]:
+    """What a program does, and what its controller would not do as it says.
 
     `resolution` is the step of its numbers, `per_minute` what makes mm/min of an F word.
     """
-    blocks, said = read_blocks(text, name)
-    events: list[Event] = []
-    place: Point = (nan, nan)
-    feed = 0.0
-    travel = -1
-    absolute, absolute_centre = True, False
-    absolute_said = False
-    row = 0
-    ends = 0
-
-    def wrong(line: int, found: str, expected: str) -> None:
-        said.append(rules.WORD.at(Source(name, line), found=found, expected=expected))
-
+    found = scan(text, traverse_with_feed=False)
+    numbers = [number for number, _ in found.odd]
+    blocks, said = read_blocks("\n".join(line for _, line in found.odd), name)
+    reader = _Reader(name, resolution, found, [_at(d, numbers) for d in said])
     for line, command, number, words in blocks:
-        if ends:
-            wrong(line, "a block behind the end", "M30 as the last one")
+        reader.plain_until(numbers[line - 1])
+        reader.block(numbers[line - 1], command, number, words)
+    return reader.finish(text.count("\n"), per_minute)
+
+
+def _at(said: Diagnostic, numbers: list[int]) -> Diagnostic:
+    """What was said about the odd lines of a text, at the numbers that they have in it."""
+    source = said.source
+    if source.line is None:
+        return said
+    return replace(said, source=replace(source, line=numbers[source.line - 1]))
+
+
+class _Reader:
+    """The state of the controller between two blocks."""
+
+    def __init__(self, name: str, resolution: float, found: Scan, said: list[Diagnostic]) -> None:
+        self.said = said
+        self._name = name
+        self._resolution = resolution
+        self._plain = found.plain
+        self._lines = found.plain.line.tolist()
+        self._next = 0  #: plain move
+        self._track = Track(found.plain)
+        self._place: Point = (nan, nan)
+        self._feed = 0.0
+        self._motion = -1
+        self._absolute, self._absolute_centre = True, False
+        self._absolute_said = False
+        self._row = 0  #: M words since the last move
+        self._ends = 0
+
+    def _wrong(self, line: int, found: str, expected: str) -> None:
+        self.said.append(rules.WORD.at(Source(self._name, line), found=found, expected=expected))
+
+    def plain_until(self, line: int) -> None:
+        """Carries out the plain moves before a line."""
+        first, last = self._next, bisect_left(self._lines, line, self._next)
+        self._next = last
+        while first < last and not self._is_simple():
+            self._one_plain(first)
+            first += 1
+        if first < last:
+            self._place, self._feed = self._track.run(first, last, self._place, self._feed)
+            self._motion, self._row = int(self._plain.motion[last - 1]), 0
+
+    def _is_simple(self) -> bool:
+        """Whether moves are to where they say, and from somewhere."""
+        counted = self._absolute and self._absolute_said and not self._absolute_centre
+        return counted and not self._ends and not isnan(sum(self._place))
+
+    def _one_plain(self, row: int) -> None:
+        plain = self._plain
+        numbers = (*plain.end[row].tolist(), *plain.centre[row].tolist(), float(plain.feed[row]))
+        words = {k: v for k, v in zip("XYIJF", numbers, strict=True) if not isnan(v)}
+        self.block(int(plain.line[row]), "G", int(plain.motion[row]), words)
+
+    def block(self, line: int, command: str, number: int, words: dict[str, float]) -> None:
+        """Carries out one block."""
+        if self._ends:
+            self._wrong(line, "a block behind the end", "M30 as the last one")
         if command == "M":
-            row += 1
-            if row == M_WORDS_IN_A_ROW + 1:
-                wrong(line, f"{row} M words in a row", f"at most {M_WORDS_IN_A_ROW}, or a move")
-            ends += number in (2, 30)
-            events.append(Switch(line, number, tuple(sorted(words.items()))))
-            continue
-        if command == "G" and number not in _TRAVEL:
-            if number == 4 and set(words) == {"T"}:
-                row += 1
-                events.append(Pause(line, words["T"]))
-            elif number in _BESIDE and set(words) <= {"D"}:
-                events.append(Keep(line, _BESIDE[number], words.get("D", 0.0)))
-            elif number in (90, 91) and not words:
-                absolute, absolute_said = number == 90, True
-            elif number in (98, 99) and not words:
-                absolute_centre = number == 98
-            elif not (number in (50, 53, 75) and not words):
-                wrong(line, f"G{number:02}", "a G word that is known here, with its own letters")
-            continue
-        if command == "G":
-            travel = number
-        if travel < 0:
-            wrong(line, "words without a command", "G or M")
-            continue
-        if words.keys() - _TRAVEL[travel]:
-            stray = min(words.keys() - _TRAVEL[travel])
-            wrong(line, f"{stray} behind G{travel:02}", "no such word there")
-            continue
-        if "F" in words:
-            feed = words["F"] * per_minute
-        if "E" in words or BRAKING in words:
-            events += (
-                Ramp(line, letter == BRAKING, abs(words[letter]))
-                for letter in ("E", BRAKING)
-                if letter in words
-            )
-        if not absolute_said:
-            said.append(rules.SETTING.at(Source(name, line), found="G90"))
-            absolute_said = True
-        base = (0.0, 0.0) if absolute else place
-        end = (
-            base[0] + words["X"] if "X" in words else place[0],
-            base[1] + words["Y"] if "Y" in words else place[1],
+            self._row += 1
+            if self._row == M_WORDS_IN_A_ROW + 1:
+                expected = f"at most {M_WORDS_IN_A_ROW}, or a move"
+                self._wrong(line, f"{self._row} M words in a row", expected)
+            self._ends += number in (2, 30)
+            self._track.event(Switch(line, number, tuple(sorted(words.items()))))
+        elif command == "G" and number not in _TRAVEL:
+            self._setting(line, number, words)
+        else:
+            if command == "G":
+                self._motion = number
+            self._travel(line, words)
+
+    def _setting(self, line: int, number: int, words: dict[str, float]) -> None:
+        if number == 4 and set(words) == {"T"}:
+            self._row += 1
+            self._track.event(Pause(line, words["T"]))
+        elif number in _BESIDE and set(words) <= {"D"}:
+            self._track.event(Keep(line, _BESIDE[number], words.get("D", 0.0)))
+        elif number in (90, 91) and not words:
+            self._absolute, self._absolute_said = number == 90, True
+        elif number in (98, 99) and not words:
+            self._absolute_centre = number == 98
+        elif not (number in (50, 53, 75) and not words):
+            expected = "a G word that is known here, with its own letters"
+            self._wrong(line, f"G{number:02}", expected)
+
+    def _travel(self, line: int, words: dict[str, float]) -> None:
+        """The words of a move."""
+        if self._motion < 0:
+            self._wrong(line, "words without a command", "G or M")
+            return
+        stray = words.keys() - _TRAVEL[self._motion]
+        if stray:
+            self._wrong(line, f"{min(stray)} behind G{self._motion:02}", "no such word there")
+            return
+        self._feed = words.get("F", self._feed)
+        for letter in ("E", BRAKING):
+            if letter in words:
+                self._track.event(Ramp(line, letter == BRAKING, abs(words[letter])))
+        if not self._absolute_said:
+            self.said.append(rules.SETTING.at(Source(self._name, line), found="G90"))
+            self._absolute_said = True
+        start = self._place
+        base = (0.0, 0.0) if self._absolute else start
+        self._place = end = (
+            base[0] + words["X"] if "X" in words else start[0],
+            base[1] + words["Y"] if "Y" in words else start[1],
         )
-        start, place = place, end
-        row = 0
-        if isnan(end[0]) or isnan(end[1]) or (travel and isnan(start[0])):
-            wrong(line, "a move from or to nowhere", "X and Y of a traverse before")
-            continue
-        if travel < 2:
-            events.append(Leg(line, travel == 0, start, end, None, feed))
-            continue
-        if not {"I", "J"} <= words.keys():
-            wrong(line, f"G{travel:02} without I and J", "both")
-            continue
-        shift = (0.0, 0.0) if absolute_centre else start
+        self._row = 0
+        if isnan(end[0]) or isnan(end[1]) or (self._motion and isnan(start[0])):
+            self._wrong(line, "a move from or to nowhere", "X and Y of a traverse before")
+        elif self._motion < 2:
+            self._track.leg(Leg(line, self._motion == 0, start, end, None, self._feed))
+        elif not {"I", "J"} <= words.keys():
+            self._wrong(line, f"G{self._motion:02} without I and J", "both")
+        else:
+            self._curve(line, start, end, words)
+
+    def _curve(self, line: int, start: Point, end: Point, words: dict[str, float]) -> None:
+        shift = (0.0, 0.0) if self._absolute_centre else start
         at = (shift[0] + words["I"], shift[1] + words["J"])
         curve: Arc | Bezier | EllipseArc | str
-        if travel == 6:
+        if self._motion == 6:
             curve = _parabola(start, end, at)
-        elif travel in (2, 3):
-            curve = _arc(start, end, at, travel == 2, resolution)
+        elif self._motion in (2, 3):
+            curve = _arc(start, end, at, self._motion == 2, self._resolution)
         else:
             angle, ratio = words.get("K", 0.0), words.get("R", 0.0)
-            curve = _ellipse(start, end, at, angle, ratio, travel == 8, resolution)
+            curve = _ellipse(start, end, at, angle, ratio, self._motion == 8, self._resolution)
         if isinstance(curve, str):
-            said.append(rules.ARC.at(Source(name, line), found=curve, controller=NAME))
+            self._arc_fault(line, curve)
         else:
-            events.append(Leg(line, False, start, end, curve, feed))
-    if ends != 1:
-        last = text.count("\n")
-        said.append(rules.END.at(Source(name, last), found=f"{ends} ends of program"))
-    return events, said
+            self._track.leg(Leg(line, False, start, end, curve, self._feed))
+
+    def _arc_fault(self, line: int, fault: str) -> None:
+        self.said.append(rules.ARC.at(Source(self._name, line), found=fault, controller=NAME))
+
+    def finish(self, last: int, per_minute: float) -> tuple[Run, list[Diagnostic]]:
+        """The whole program, and what it has not that a whole one has."""
+        self.plain_until(last + 2)
+        if self._ends != 1:
+            found = f"{self._ends} ends of program"
+            self.said.append(rules.END.at(Source(self._name, last), found=found))
+
+        def fault_of(start: Point, end: Point, centre: Point, clockwise: bool) -> str | None:
+            return arc_fault(start, end, centre, self._resolution)
+
+        difference = 2 * sqrt(2) * self._resolution
+        done, faults = self._track.finish(per_minute, difference, fault_of)
+        for line, fault in faults:
+            self._arc_fault(line, fault)
+        self.said.sort(key=lambda said: said.source.line or 0)
+        return done, self.said
 
 
 def _arc(start: Point, end: Point, centre: Point, clockwise: bool, resolution: float) -> Arc | str:

@@ -1,18 +1,23 @@
 """What a sheet needs to have cut and marked, read from the part and the machine's table alone."""
 
-from collections.abc import Collection
+from collections.abc import Collection, Iterable
 from fnmatch import fnmatchcase
-from typing import cast
+from typing import TYPE_CHECKING, cast
 
+import numpy as np
 from msgspec import Struct, field
 
 from beamcam.errors import Diagnostic
 from beamcam.geometry.curves import Arc, Curve, Line, unit_vector
+from beamcam.geometry.plane import Point
 from beamcam.machine.machine import Torch, TorchProcess, TorchRow
 from beamcam.model.colour import process_of
 from beamcam.model.drawing import extent
 from beamcam.model.part import Contour, Hole, Part, Process, Slot
 from beamcam.verify.sheets import rules
+
+if TYPE_CHECKING:
+    from beamcam.verify.sheets.ways import Ways
 
 Needs = dict[TorchProcess, list[Curve]]
 
@@ -22,9 +27,19 @@ class Need(Struct):
 
     curves: Needs = field(default_factory=dict)
     said: list[Diagnostic] = field(default_factory=list)
+    drawn: "dict[tuple[TorchProcess, float], Ways]" = field(default_factory=dict)
 
-    def add(self, process: TorchProcess, curve: Curve) -> None:
-        self.curves.setdefault(process, []).append(curve)
+    def add(self, process: TorchProcess, curves: Iterable[Curve]) -> None:
+        self.curves.setdefault(process, []).extend(curves)
+
+    def ways(self, process: TorchProcess, tolerance: float) -> "Ways":
+        """The curves of a process as elements, where the part has them; made once."""
+        from beamcam.verify.sheets.ways import Ways
+
+        key = process, tolerance
+        if key not in self.drawn:
+            self.drawn[key] = Ways(self.curves.get(process, []), tolerance)
+        return self.drawn[key]
 
 
 def need_of(part: Part, torch: Torch, skipped: Collection[int]) -> Need:
@@ -49,22 +64,20 @@ def need_of(part: Part, torch: Torch, skipped: Collection[int]) -> Need:
                 process = known[look]
             made = process is not None and feature.face in ("v", "h")
             if made and process != "ignore":
-                for curve in feature.curves:
-                    need.add(cast("TorchProcess", process), curve)
+                need.add(cast("TorchProcess", process), feature.curves)
         elif isinstance(feature, Hole | Slot):
             made = feature.kind == "through" and feature.depth is None
             made = made and feature.face in ("v", "h")
             if made:
-                for curve in _ring(feature):
-                    need.add("cut", curve)
+                need.add("cut", _ring(feature))
         if not made:
             source = getattr(feature, "source", part.source)
             need.said.append(rules.NOT_MADE.at(source, found=type(feature).__name__.lower()))
     if part.measures is None and not outlined:
         width = part.profile.height
         corners = [(0.0, 0.0), (part.length, 0.0), (part.length, width), (0.0, width)]
-        for a, b in zip(corners, [*corners[1:], corners[0]], strict=True):
-            need.add("cut", Line(a, b))
+        ends = zip(corners, [*corners[1:], corners[0]], strict=True)
+        need.add("cut", [Line(a, b) for a, b in ends])
     return need
 
 
@@ -105,8 +118,27 @@ def shift_of(need: Need, torch: Torch) -> tuple[float, float]:
     """Machine coordinates of the part's x 0, y 0, as the machine places a sheet."""
     if torch.place == "drawn":
         return 0.0, 0.0
-    box = extent(curve for curves in need.curves.values() for curve in curves)
-    return (0.0, 0.0) if box is None else (torch.margin - box[0], torch.margin - box[1])
+    corners = [_least_corner(need, process, torch.tolerance / 8) for process in need.curves]
+    if not corners:
+        return 0.0, 0.0
+    return torch.margin - min(x for x, _ in corners), torch.margin - min(y for _, y in corners)
+
+
+def _least_corner(need: Need, process: TorchProcess, tolerance: float) -> Point:
+    """The least x and y of the curves of a process.
+
+    Lines and arcs say it themselves. Of the others the chords are known, and those that come
+    within a chord's tolerance of the least are asked.
+    """
+    low, _ = need.ways(process, tolerance).boxes
+    curves = need.curves[process]
+    exact = np.array([isinstance(curve, Line | Arc) for curve in curves], dtype=bool)
+    least = low.min(axis=0)
+    near = np.flatnonzero(~exact & np.any(low <= least + 2 * tolerance, axis=1))
+    box = extent(curves[k] for k in near.tolist())
+    corners = np.concatenate((low[exact], np.array([box[:2]] if box else []).reshape(-1, 2)))
+    x, y = corners.min(axis=0).tolist()
+    return x, y
 
 
 def rows_of(part: Part, torch: Torch) -> list[TorchRow]:

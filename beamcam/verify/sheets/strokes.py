@@ -4,155 +4,248 @@ The words that start and stop a tool are the machine's own, filled with the figu
 program that says anything else, or moves as it should not, is told.
 """
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable
 
-from msgspec import Struct, field
+import numpy as np
+from msgspec import Struct
 
-from beamcam.errors import Diagnostic, Source
+from beamcam.errors import Diagnostic, Rule, Source
 from beamcam.machine.machine import Machine, Torch, TorchProcess, TorchRow
 from beamcam.verify.sheets import rules
-from beamcam.verify.sheets.ability import expected_feed, told_limits
-from beamcam.verify.sheets.events import Event, Keep, Leg, Pause, Ramp, Side, Switch
+from beamcam.verify.sheets.ability import expected_feeds, told_limits
+from beamcam.verify.sheets.events import Event, Keep, Pause, Ramp, Side, Switch
+from beamcam.verify.sheets.moves import Counts, Moves, Run
 
 ENDS = (2, 30)
 FEED_SLACK = 1e-3
 LOWERED_SLACK = 5e-3  #: of a feed that follows from a curve whose numbers are rounded
+PAUSE_SLACK_S = 1e-6
+
+
+Said = tuple[int, tuple[tuple[str, float], ...]]  #: number of an M word, and its parameters
 
 
 class Stroke(Struct):
-    """One way of the head with its tool on."""
+    """One way of the head with its tool on: some of the moves that belong to it."""
 
     line: int
     row: TorchRow
     side: Side
     radius: float  #: that the controller keeps off the path
-    legs: list[Leg] = field(default_factory=list)
+    first: int  #: of its moves
+    last: int  #: behind the last of them
 
     @property
     def process(self) -> TorchProcess:
         return self.row.process
 
 
+class Strokes(Struct, frozen=True):
+    """The strokes of a program and their moves, one behind the other."""
+
+    each: list[Stroke]
+    moves: Moves
+
+
 class _Words(Struct, frozen=True):
     """The M words of one row: what starts its tool and what stops it."""
 
     row: TorchRow
-    on: tuple[Switch, ...]
-    off: tuple[Switch, ...]
+    on: tuple[Said, ...]
+    off: tuple[Said, ...]
     pierce_s: float
 
 
 def strokes_of(
-    events: Sequence[Event],
+    run: Run,
     machine: Machine,
     torch: Torch,
     rows: Iterable[TorchRow],
     parse: Callable[[str], list[Event]],
     name: str,
-) -> tuple[list[Stroke], list[Diagnostic]]:
+) -> tuple[Strokes, list[Diagnostic]]:
     """The strokes of a program whose sheet is worked with `rows`, and what is wrong between them.
 
     `parse` gives the events of a few blocks.
     """
-    known = [_words_of(row, machine, parse) for row in rows]
-    said: list[Diagnostic] = []
-    strokes: list[Stroke] = []
-    current: Stroke | None = None
-    words: _Words | None = None
-    pause = 0.0
-    side: Side = "on"
-    radius = 0.0
-    slack = machine.format.resolution / 2
-    last = 0
+    head = _Head([_words_of(row, machine, parse) for row in rows], machine, name)
+    for before, event in run.others:
+        head.take(before, event)
+    head.finish(run)
+    head.check_places(run.moves, torch, machine.format.resolution / 2)
+    return head.strokes(run.moves), sorted(head.said, key=lambda said: said.source.line or 0)
 
-    limits = told_limits(machine)
-    ramps: dict[bool, float] = {}
 
-    def wrong_ramp(line: int, found: str, expected: str) -> None:
-        said.append(rules.RAMP.at(Source(name, line), found=found, expected=expected))
+class _Head:
+    """The state of the head while a program runs; strokes count all moves of the program."""
 
-    def wrong(line: int, found: str, expected: str) -> None:
-        said.append(rules.TOOL.at(Source(name, line), found=found, expected=expected))
+    def __init__(self, known: list[_Words], machine: Machine, name: str) -> None:
+        self.said: list[Diagnostic] = []
+        self._known = known
+        self._starting: dict[Said, _Words] = {}
+        for words in known:
+            for said in words.on:
+                self._starting.setdefault(said, words)
+        self._name = name
+        self._limits = told_limits(machine)
+        self._started: list[Stroke] = []
+        self._words: list[_Words] = []  #: of each stroke
+        self._pauses: list[list[tuple[int, float]]] = []  #: of each stroke, and the moves before
+        self._on = False
+        self._side: Side = "on"
+        self._radius = 0.0
+        self._ramps: set[bool] = set()
+        self._ramped: int | None = None  #: moves before both ramps were told
 
-    for event in events:
-        last = event.line
-        if type(event) is Leg:
-            x, y = event.end
-            if not (-slack <= x <= torch.length + slack and -slack <= y <= torch.width + slack):
-                said.append(
-                    rules.AREA.at(
-                        Source(name, event.line), x=f"{x:g}", y=f"{y:g}",
-                        length=f"{torch.length:g}", width=f"{torch.width:g}",
-                    )
+    def _wrong(self, rule: Rule, line: int, **values: str) -> None:
+        self.said.append(rule.at(Source(self._name, line), **values))
+
+    def take(self, before: int, event: Event) -> None:
+        """Anything but a move, with the number of moves before it."""
+        if isinstance(event, Switch):
+            self._switch(before, event)
+        elif isinstance(event, Pause):
+            if self._on:
+                self._pauses[-1].append((before, event.seconds))
+        elif isinstance(event, Ramp):
+            self._ramp(before, event)
+        elif isinstance(event, Keep):
+            if self._on:
+                self._wrong(
+                    rules.TOOL, event.line, found="compensation with the tool on",
+                    expected="it before",
                 )  # fmt: skip
-            if current is None or words is None:
-                if not event.rapid:
-                    said.append(rules.IDLE.at(Source(name, event.line), x=f"{x:g}", y=f"{y:g}"))
-                continue
-            if event.rapid:
-                said.append(rules.RAPID.at(Source(name, event.line), x=f"{x:g}", y=f"{y:g}"))
-                continue
-            if not current.legs and abs(pause - words.pierce_s) > 1e-6:
-                wrong(event.line, f"a pause of {pause:g} s", f"{words.pierce_s:g} s to pierce")
-            feed = words.row.feed_mm_min
-            if limits is not None:
-                if not (ramps.keys() >= {False, True}):
-                    expected = f"{limits.along_mm_s2:g} mm/s2 to run up and to brake"
-                    wrong_ramp(event.line, "no E word before the first move", expected)
-                    ramps = {False: 0.0, True: 0.0}  # said once
-                feed = expected_feed(event, feed, limits)
-            slower = feed < words.row.feed_mm_min
-            if abs(event.feed_mm_min - feed) > (LOWERED_SLACK if slower else FEED_SLACK) * feed:
-                said.append(
-                    rules.FEED.at(
-                        Source(name, event.line), found=f"{event.feed_mm_min:g}",
-                        process=words.row.process, expected=f"{feed:g}",
-                    )
-                )  # fmt: skip
-            current.legs.append(event)
-        elif type(event) is Switch:
-            if event.number in ENDS:
-                if current is not None:
-                    source = Source(name, event.line)
-                    said.append(rules.END.at(source, found="the end with the tool on"))
-                    current = None
-                continue
-            starts = next((w for w in known if _same(w.on, event)), None)
-            if words is not None and current is not None and _same(words.off, event):
-                current = None
-            elif starts is not None and current is None:
-                words, pause = starts, 0.0
-                current = Stroke(event.line, starts.row, side, radius)
-                strokes.append(current)
-            elif any(_same(w.off, event) for w in known):
-                if current is not None:
-                    wrong(event.line, str(event), "the word that stops the tool that is on")
+            self._side, self._radius = event.side, event.radius
+
+    def _switch(self, before: int, event: Switch) -> None:
+        if event.number in ENDS:
+            if self._on:
+                self._wrong(rules.END, event.line, found="the end with the tool on")
+                self._stop(before)
+            return
+        said = event.number, event.words
+        starts = self._starting.get(said)
+        if self._on and said in self._words[-1].off:
+            self._stop(before)
+        elif starts is not None and not self._on:
+            self._on = True
+            self._words.append(starts)
+            self._pauses.append([])
+            self._started.append(
+                Stroke(event.line, starts.row, self._side, self._radius, before, before)
+            )
+        elif any(said in w.off for w in self._known):
+            if self._on:
+                expected = "the word that stops the tool that is on"
+                self._wrong(rules.TOOL, event.line, found=str(event), expected=expected)
+        else:
+            words = " or ".join(str(Switch(0, *one)) for one in self._starting)
+            expected = f"{words} on this sheet, the other tool off"
+            self._wrong(rules.TOOL, event.line, found=str(event), expected=expected)
+
+    def _stop(self, before: int) -> None:
+        self._started[-1].last = before
+        self._on = False
+
+    def _ramp(self, before: int, event: Ramp) -> None:
+        self._ramps.add(event.braking)
+        if self._ramped is None and len(self._ramps) == 2:
+            self._ramped = before
+        allowed = self._limits.along_mm_s2 if self._limits is not None else 0.0
+        if abs(event.mm_s2 - allowed) > FEED_SLACK * allowed:
+            expected = f"{allowed:g} mm/s2" if allowed else "none, the machine has no limit"
+            what = "to brake" if event.braking else "to run up"
+            self._wrong(
+                rules.RAMP, event.line, found=f"{event.mm_s2:g} mm/s2 {what}", expected=expected
+            )
+
+    def finish(self, run: Run) -> None:
+        """The end of the program."""
+        if self._on:
+            self._stop(len(run.moves))
+            lines = [event.line for _, event in run.others[-1:]]
+            last = max([*lines, *run.moves.line[-1:].tolist()], default=0)
+            self._wrong(rules.END, last, found="the end with the tool on")
+
+    def check_places(self, moves: Moves, torch: Torch, slack: float) -> None:
+        """Says which moves leave the table."""
+        high = np.array([torch.length, torch.width]) + slack
+        for k in np.flatnonzero(~np.all((moves.end >= -slack) & (moves.end <= high), axis=1)):
+            x, y = moves.end[k].tolist()
+            self._wrong(
+                rules.AREA, int(moves.line[k]), x=f"{x:g}", y=f"{y:g}",
+                length=f"{torch.length:g}", width=f"{torch.width:g}",
+            )  # fmt: skip
+
+    def strokes(self, moves: Moves) -> Strokes:
+        """The strokes with the moves that are theirs, and what is wrong with how they are made."""
+        owner = np.full(len(moves), -1)
+        for number, stroke in enumerate(self._started):
+            owner[stroke.first : stroke.last] = number
+        on = owner >= 0
+        for rule, wrong in ((rules.IDLE, ~on & ~moves.rapid), (rules.RAPID, on & moves.rapid)):
+            for k in np.flatnonzero(wrong).tolist():
+                x, y = moves.end[k].tolist()
+                self._wrong(rule, int(moves.line[k]), x=f"{x:g}", y=f"{y:g}")
+        rows = np.flatnonzero(on & ~moves.rapid)
+        counts = np.bincount(owner[rows], minlength=len(self._started))
+        lasts = np.cumsum(counts)
+        self._check_pauses(moves, rows, (lasts - counts).tolist(), counts.tolist())
+        self._check_ramps(moves, rows)
+        kept = moves if len(rows) == len(moves) else moves.take(rows)
+        self._check_feeds(kept, owner[rows])
+        each = []
+        for stroke, first, last in zip(
+            self._started, (lasts - counts).tolist(), lasts.tolist(), strict=True
+        ):
+            if first == last:
+                found = "a tool that is started and not moved"
+                self._wrong(rules.TOOL, stroke.line, found=found, expected="a contour")
             else:
-                expected = " or ".join(dict.fromkeys(str(s) for w in known for s in w.on))
-                wrong(event.line, str(event), f"{expected} on this sheet, the other tool off")
-        elif type(event) is Ramp:
-            ramps[event.braking] = event.mm_s2
-            allowed = limits.along_mm_s2 if limits is not None else 0.0
-            if abs(event.mm_s2 - allowed) > FEED_SLACK * allowed:
-                expected = f"{allowed:g} mm/s2" if allowed else "none, the machine has no limit"
-                what = "to brake" if event.braking else "to run up"
-                wrong_ramp(event.line, f"{event.mm_s2:g} mm/s2 {what}", expected)
-        elif type(event) is Pause:
-            pause += event.seconds
-        elif type(event) is Keep:
-            if current is not None:
-                wrong(event.line, "compensation with the tool on", "it before")
-            side, radius = event.side, event.radius
-    if current is not None:
-        said.append(rules.END.at(Source(name, last), found="the end with the tool on"))
-    for stroke in strokes:
-        if not stroke.legs:
-            wrong(stroke.line, "a tool that is started and not moved", "a contour")
-    return [s for s in strokes if s.legs], said
+                stroke.first, stroke.last = first, last
+                each.append(stroke)
+        return Strokes(each, kept)
 
+    def _check_pauses(
+        self, moves: Moves, rows: Counts, firsts: list[int], counts: list[int]
+    ) -> None:
+        """Whether each stroke waits before its first move as long as its row says."""
+        for words, pauses, first, count in zip(
+            self._words, self._pauses, firsts, counts, strict=True
+        ):
+            if not count:
+                continue
+            row = int(rows[first])
+            pause = sum(seconds for before, seconds in pauses if before <= row)
+            if abs(pause - words.pierce_s) > PAUSE_SLACK_S:
+                self._wrong(
+                    rules.TOOL, int(moves.line[row]), found=f"a pause of {pause:g} s",
+                    expected=f"{words.pierce_s:g} s to pierce",
+                )  # fmt: skip
 
-def _same(words: tuple[Switch, ...], event: Switch) -> bool:
-    return any(w.number == event.number and w.words == event.words for w in words)
+    def _check_ramps(self, moves: Moves, rows: Counts) -> None:
+        """Whether both accelerations are told before the first move, where they have to be."""
+        if self._limits is None or not len(rows):
+            return
+        if self._ramped is None or self._ramped > rows[0]:
+            self._wrong(
+                rules.RAMP, int(moves.line[rows[0]]), found="no E word before the first move",
+                expected=f"{self._limits.along_mm_s2:g} mm/s2 to run up and to brake",
+            )  # fmt: skip
+
+    def _check_feeds(self, moves: Moves, owner: Counts) -> None:
+        """Whether each move has the feed of its row, or the one that the axes can follow."""
+        rows = [stroke.row for stroke in self._started]
+        asked = np.array([row.feed_mm_min for row in rows])[owner] if rows else np.zeros(0)
+        feeds = asked
+        if self._limits is not None:
+            feeds = expected_feeds(moves, asked, self._limits)
+        slack = np.where(feeds < asked, LOWERED_SLACK, FEED_SLACK) * feeds
+        for k in np.flatnonzero(np.abs(moves.feed_mm_min - feeds) > slack):
+            self._wrong(
+                rules.FEED, int(moves.line[k]), found=f"{moves.feed_mm_min[k]:g}",
+                process=rows[owner[k]].process, expected=f"{feeds[k]:g}",
+            )  # fmt: skip
 
 
 def _words_of(row: TorchRow, machine: Machine, parse: Callable[[str], list[Event]]) -> _Words:
@@ -169,7 +262,7 @@ def _words_of(row: TorchRow, machine: Machine, parse: Callable[[str], list[Event
     off = events(getattr(machine.words, f"{row.process}_off"))
     return _Words(
         row,
-        tuple(e for e in on if isinstance(e, Switch)),
-        tuple(e for e in off if isinstance(e, Switch)),
+        tuple((e.number, e.words) for e in on if isinstance(e, Switch)),
+        tuple((e.number, e.words) for e in off if isinstance(e, Switch)),
         sum(e.seconds for e in on if isinstance(e, Pause)),
     )

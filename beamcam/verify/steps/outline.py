@@ -98,9 +98,10 @@ class _Track:
     `most`. To look whether a point is in it takes a fiftieth of measuring how far it is off.
     """
 
-    def __init__(self, ways: Ways, most: float) -> None:
+    def __init__(self, ways: Ways, most: float, fine: float) -> None:
         self.ways = ways
-        self.band = shapely.MultiLineString(list(ways.lines)).buffer(most, quad_segs=4)
+        lines = [ways.outline(k, k + 1, fine) for k in range(ways.count)]
+        self.band = shapely.MultiLineString(lines).buffer(most, quad_segs=4)
         shapely.prepare(self.band)
 
 
@@ -136,8 +137,9 @@ class Outline:
             self.work = work_of(part, self.torch)
             for process, curves in need.curves.items():
                 listed: list[Curve] = list(curves)
-                ways = Ways(listed, self.torch.tolerance / 8, shift)
-                self.tracks[process] = _Track(ways, rounding + self.torch.tolerance)
+                fine = self.torch.tolerance / 8
+                ways = Ways(listed, fine, shift)
+                self.tracks[process] = _Track(ways, rounding + self.torch.tolerance, fine)
 
     def begin(self, line: int) -> None:
         """The laser is switched on."""

@@ -1,0 +1,121 @@
+"""Lines and arcs in arrays, what every way is made of.
+
+Arcs are kept as they are. Other curves are chains of chords.
+"""
+
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+Floats = NDArray[np.float64]
+Counts = NDArray[np.int64]
+Flags = NDArray[np.bool_]
+
+QUARTERS = ((1.0, 0.0), (0.0, 1.0), (-1.0, 0.0), (0.0, -1.0))
+
+
+class Elements:
+    """Lines and arcs; rows of `arcs` are 0 where an element is a line."""
+
+    def __init__(self, start: Floats, end: Floats, is_arc: Flags, arcs: Floats) -> None:
+        self.start = start  #: (n, 2)
+        self.end = end
+        self.is_arc = is_arc
+        self.arcs = arcs  #: centre x, y, radius, start and sweep in rad, (n, 5)
+        x, y = (end - start).T
+        self.length: Floats = np.hypot(x, y)
+        safe = np.where(self.length > 0.0, self.length, 1.0)
+        #: Direction of the chord, along x and along y; 0 where an element has no length.
+        self.along: tuple[Floats, Floats] = (x / safe, y / safe)
+        self.length[is_arc] = arcs[is_arc, 2] * np.abs(arcs[is_arc, 4])
+
+    def __len__(self) -> int:
+        return len(self.length)
+
+    @cached_property
+    def columns(self) -> tuple[Floats, ...]:
+        """x and y of the start, and of the direction of the chord, each in one piece."""
+        return (*(np.ascontiguousarray(c) for c in self.start.T), *self.along)
+
+    def moved(self, shift: tuple[float, float]) -> "Elements":
+        """The same elsewhere."""
+        arcs = self.arcs.copy()
+        arcs[self.is_arc, :2] += shift
+        return Elements(self.start + shift, self.end + shift, self.is_arc, arcs)
+
+    def boxes(self) -> tuple[Floats, Floats]:
+        """Least and greatest corner of the box around each element, (n, 2) each."""
+        low, high = np.minimum(self.start, self.end), np.maximum(self.start, self.end)
+        rows = np.flatnonzero(self.is_arc)
+        arcs = self.arcs[rows]
+        for quarter, direction in enumerate(QUARTERS):
+            turn = (quarter * np.pi / 2 - arcs[:, 3]) * np.sign(arcs[:, 4]) % (2 * np.pi)
+            passes = turn <= np.abs(arcs[:, 4])
+            corner = arcs[passes, :2] + arcs[passes, 2:3] * direction
+            row = rows[passes]
+            low[row] = np.minimum(low[row], corner)
+            high[row] = np.maximum(high[row], corner)
+        return low, high
+
+    def places(self, which: Counts, share: Floats) -> Floats:
+        """The places of elements at shares of their lengths, (n, 2)."""
+        start = self.start[which]
+        found: Floats = start + (self.end[which] - start) * share[:, None]
+        bent = np.flatnonzero(self.is_arc[which])
+        if len(bent):
+            arcs = self.arcs[which[bent]]
+            turn = arcs[:, 3] + arcs[:, 4] * share[bent]
+            unit = np.column_stack((np.cos(turn), np.sin(turn)))
+            found[bent] = arcs[:, :2] + arcs[:, 2:3] * unit
+        return found
+
+    def directions(self, which: Counts, share: Floats) -> Floats:
+        """The direction of travel at shares of elements, (n, 2)."""
+        found = np.column_stack([column[which] for column in self.along])
+        bent = np.flatnonzero(self.is_arc[which])
+        arcs = self.arcs[which[bent]]
+        turn = arcs[:, 3] + arcs[:, 4] * share[bent]
+        sign = np.sign(arcs[:, 4])
+        found[bent] = np.column_stack((-np.sin(turn) * sign, np.cos(turn) * sign))
+        return found
+
+    def distances(self, x: Floats, y: Floats, which: Counts) -> tuple[Floats, Floats]:
+        """How far places are from an element each, and how far along it the nearest place lies."""
+        start_x, start_y, way_x, way_y = (column.take(which) for column in self.columns)
+        to_x, to_y = x - start_x, y - start_y
+        along = to_x * way_x
+        along += to_y * way_y
+        np.clip(along, 0.0, self.length.take(which), out=along)
+        to_x -= along * way_x
+        to_y -= along * way_y
+        to_x *= to_x
+        to_y *= to_y
+        to_x += to_y
+        away = np.sqrt(to_x)
+        bent = np.flatnonzero(self.is_arc.take(which))
+        if len(bent):
+            away[bent], along[bent] = self._from_arcs(x[bent], y[bent], which[bent])
+        return away, along
+
+    def _from_arcs(self, x: Floats, y: Floats, which: Counts) -> tuple[Floats, Floats]:
+        centre_x, centre_y, radius, first, sweep = self.arcs[which].T
+        to_x, to_y = x - centre_x, y - centre_y
+        turn = (np.arctan2(to_y, to_x) - first) * np.sign(sweep)
+        turn %= 2 * np.pi
+        reach = np.abs(sweep)
+        away = np.abs(np.sqrt(to_x * to_x + to_y * to_y) - radius)
+        beyond = np.flatnonzero(turn > reach)  # nearest to one of the ends
+        if len(beyond):
+            ends = [
+                np.hypot(x[beyond] - p[:, 0], y[beyond] - p[:, 1])
+                for p in (self.start[which[beyond]], self.end[which[beyond]])
+            ]
+            away[beyond] = np.minimum(*ends)
+            turn[beyond] = np.where(ends[1] < ends[0], reach[beyond], 0.0)
+        return away, turn * radius
+
+
+def points_as_elements(points: Floats) -> Elements:
+    """Points (n, 2) as lines of no length."""
+    return Elements(points, points, np.zeros(len(points), dtype=bool), np.zeros((len(points), 5)))

@@ -1,0 +1,64 @@
+"""Strokes that begin or end in the middle of a contour."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from beamcam.errors import Diagnostic, Source
+from beamcam.verify.sheets import rules
+from beamcam.verify.sheets.bridges import is_bridge
+from beamcam.verify.sheets.elements import Floats, points_as_elements
+from beamcam.verify.sheets.grid import Grid
+from beamcam.verify.sheets.ways import Ways
+from beamcam.verify.sheets.work import SHOWN, Traced, Work
+
+#: Contours that leave a place in directions as near as this lie on one another there.
+SAME_DIRECTION_DEG = 2.0
+
+
+def end_faults(work: Work, traced: Sequence[Traced]) -> list[Diagnostic]:
+    """What is open and should not be: no contour ends there, and no bridge begins."""
+    said: list[Diagnostic] = []
+    opened = [t for t in traced if not t.closed]
+    if not opened:
+        return said
+    starts = work.path.starts[[t.first for t in opened]]
+    stops = work.path.ends[[t.last - 1 for t in opened]]
+    branches = _Branches(work.need, work.tolerance)
+    out_of_starts, out_of_stops = branches.at(starts), branches.at(stops)
+    for k, t in enumerate(opened):
+        for what, place, count, others, way in (
+            ("begins", starts[k], out_of_starts[k], stops, t.first),
+            ("ends", stops[k], out_of_stops[k], starts, t.last - 1),
+        ):
+            if count != 2 or is_bridge(work, place, others, t.half_kerf):
+                continue
+            x, y = place.tolist()
+            source = Source(work.name, int(work.moves.line[way]))
+            said.append(rules.OPEN.at(source, what=what, x=f"{x:.3f}", y=f"{y:.3f}"))
+    return said[:SHOWN]
+
+
+class _Branches:
+    """Where contours end, and in how many directions they go on from there."""
+
+    def __init__(self, need: Ways, reach: float) -> None:
+        apart = np.flatnonzero(np.hypot(*(need.ends - need.starts).T) > 1e-9)
+        lengths = need.lengths[apart]
+        near = np.minimum(lengths / 2, 20 * reach)
+        places = np.concatenate((need.starts[apart], need.ends[apart]))
+        inner = np.concatenate((need.point(apart, near), need.point(apart, lengths - near)))
+        towards = inner - places
+        self._angles = np.degrees(np.arctan2(towards[:, 1], towards[:, 0]))
+        self._grid = Grid(points_as_elements(places), reach)
+
+    def at(self, places: Floats) -> list[int]:
+        """Directions in which contours leave each place; 2 in the middle of one."""
+        found: list[list[float]] = [[] for _ in range(len(places))]
+        pairs = self._grid.near(places, self._grid.reach)
+        angles = self._angles[pairs.element].tolist()
+        for place, angle in zip(pairs.point.tolist(), angles, strict=True):
+            apart = found[place]
+            if all(abs((angle - a + 180.0) % 360.0 - 180.0) > SAME_DIRECTION_DEG for a in apart):
+                apart.append(angle)
+        return [len(apart) or 2 for apart in found]

@@ -1,0 +1,133 @@
+"""Which elements lie near which points, by the cells of a square grid."""
+
+import numpy as np
+from msgspec import Struct
+
+from beamcam.verify.sheets.elements import Counts, Elements, Flags, Floats
+
+GREATEST_TURN_RAD = 0.5  #: of a piece of an arc whose cells are looked for
+MOST_CELLS = 1 << 20  #: along one side, so that the number of a cell and an element fits
+MOST_PAIRS = 1 << 21  #: of points and elements that are measured at once
+
+
+class Pairs(Struct, frozen=True):
+    """Points and elements that are near each other, by the number of the point."""
+
+    point: Counts
+    element: Counts
+    away: Floats
+    along: Floats  #: from the start of the element to the place nearest to the point
+
+    def kept(self, which: Flags | Counts) -> "Pairs":
+        """Some of them."""
+        return Pairs(self.point[which], self.element[which], self.away[which], self.along[which])
+
+
+class Grid:
+    """The cells of a square grid that elements come within a reach of."""
+
+    def __init__(self, elements: Elements, reach: float) -> None:
+        self.reach = reach
+        self._elements = elements
+        count = max(len(elements), 1)
+        ends = np.concatenate((elements.start, elements.end))
+        wide = float(np.ptp(ends, axis=0).max()) if len(ends) else 0.0
+        mean = float(elements.length.sum()) / count
+        self._size = max(2.0 * mean, 2.0 * reach, wide / MOST_CELLS, 1e-6)
+        low, high, owner = _boxes(elements, self._size)
+        x0, y0 = (np.floor((c - reach) / self._size).astype(np.int64) for c in low.T)
+        x1, y1 = (np.floor((c + reach) / self._size).astype(np.int64) for c in high.T)
+        self._origin = int(x0.min(initial=0)), int(y0.min(initial=0))
+        self._rows = int(y1.max(initial=0)) - self._origin[1] + 1
+        self._columns = int(x1.max(initial=0)) - self._origin[0] + 1
+        x1 -= x0
+        y1 -= y0
+        x1 += 1
+        y1 += 1
+        first = self._key(x0, y0)
+        # Most boxes lie in one cell; of the others every cell is listed.
+        cells = x1 * y1
+        wider = np.flatnonzero(cells > 1)
+        box = np.repeat(wider, cells[wider])
+        number = np.arange(len(box)) - np.repeat(
+            np.cumsum(cells[wider]) - cells[wider], cells[wider]
+        )
+        across, up = np.divmod(number, y1[box])
+        single = np.flatnonzero(cells == 1)
+        key = np.concatenate((first[single], first[box] + across * self._rows + up))
+        # Cell and element in one number, so that one sort orders both and shows what is double.
+        both = np.sort(key * count + np.concatenate((owner[single], owner[box])))
+        both = both[np.diff(both, prepend=-1) != 0]
+        key = both // count
+        self._members = both - key * count
+        self._begins = np.flatnonzero(np.diff(key, prepend=-1))
+        self._cells = key[self._begins]
+        self._sizes = np.diff(self._begins, append=len(key))
+
+    def _key(self, x: Counts, y: Counts) -> Counts:
+        found: Counts = (x - self._origin[0]) * self._rows + (y - self._origin[1])
+        return found
+
+    def near(self, points: Floats, reach: float) -> Pairs:
+        """All pairs of a point (n, 2) and an element no farther from it than `reach`.
+
+        That is at most the reach of the grid.
+        """
+        x, y = (np.ascontiguousarray(c) for c in points.T)
+        column, row = (np.floor(c / self._size).astype(np.int64) for c in (x, y))
+        key = self._key(column, row)
+        row -= self._origin[1]
+        inside = (row >= 0) & (row < self._rows)
+        at = np.searchsorted(self._cells, key)
+        at[at == len(self._cells)] = 0
+        known = inside & (self._cells[at] == key) if len(self._cells) else inside & False
+        found = np.flatnonzero(known)
+        at = at[found]
+        total = np.cumsum(self._sizes[at])
+        parts = [Pairs(found[:0], found[:0], x[:0], x[:0])]
+        begin = 0
+        while begin < len(found):
+            done = int(total[begin - 1]) if begin else 0
+            end = max(begin + 1, int(np.searchsorted(total, done + MOST_PAIRS, "right")))
+            parts.append(self._measured(x, y, found[begin:end], at[begin:end], reach))
+            begin = end
+        return parts[-1] if len(parts) <= 2 else _joined(parts)
+
+    def _measured(self, x: Floats, y: Floats, which: Counts, cell: Counts, reach: float) -> Pairs:
+        """Points against all elements of a cell each."""
+        sizes = self._sizes[cell]
+        point = np.repeat(which, sizes)
+        member = np.arange(len(point))
+        member += np.repeat(self._begins[cell] - (np.cumsum(sizes) - sizes), sizes)
+        element = self._members.take(member)
+        away, along = self._elements.distances(x.take(point), y.take(point), element)
+        return Pairs(point, element, away, along).kept(np.flatnonzero(away <= reach))
+
+
+def _joined(parts: list[Pairs]) -> Pairs:
+    names = Pairs.__struct_fields__
+    return Pairs(*(np.concatenate([getattr(part, name) for part in parts]) for name in names))
+
+
+def _boxes(elements: Elements, size: float) -> tuple[Floats, Floats, Counts]:
+    """Boxes around pieces of elements about as long as a cell: least and greatest corner, owner."""
+    low, high = elements.boxes()
+    turns = np.abs(elements.arcs[:, 4]) / GREATEST_TURN_RAD
+    count = np.ceil(np.maximum(elements.length / size, turns)).astype(np.int64)
+    long = np.flatnonzero(count > 1)
+    if not len(long):
+        return low, high, np.arange(len(elements))
+    short = np.flatnonzero(count <= 1)
+    count = count[long]
+    owner = np.repeat(long, count)
+    whole = np.repeat(count, count)
+    number = np.arange(len(owner)) - np.repeat(np.cumsum(count) - count, count)
+    ends = [elements.places(owner, (number + k) / whole) for k in (0, 1)]
+    # An arc leaves the box around its ends by its sagitta at most.
+    turn = np.abs(elements.arcs[owner, 4]) / whole
+    rise = (elements.arcs[owner, 2] * (1 - np.cos(turn / 2)))[:, None]
+    return (
+        np.concatenate((low[short], np.minimum(*ends) - rise)),
+        np.concatenate((high[short], np.maximum(*ends) + rise)),
+        np.concatenate((short, owner)),
+    )

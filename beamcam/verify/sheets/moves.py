@@ -1,0 +1,165 @@
+"""The moves of a head in arrays, whatever they are read from."""
+
+from collections.abc import Iterator, Mapping, Sequence
+
+import numpy as np
+from msgspec import Struct, field
+from numpy.typing import NDArray
+
+from beamcam.geometry.curves import Arc, Bezier, EllipseArc
+from beamcam.verify.sheets.events import Event, Leg
+
+Floats = NDArray[np.float64]
+Counts = NDArray[np.int64]
+Flags = NDArray[np.bool_]
+
+#: Share of what is allowed to an arc that no controller looks at twice.
+SURE_SHARE = 0.9
+SURE_SWEEP_RAD = 1e-3
+
+
+class Moves(Struct, frozen=True):
+    """Moves one behind the other; a row of `arcs` is 0 where the move is no arc."""
+
+    line: Counts
+    rapid: Flags
+    start: Floats  #: (n, 2)
+    end: Floats  #: (n, 2)
+    feed_mm_min: Floats
+    is_arc: Flags
+    arcs: Floats  #: centre x, y, radius, start and sweep in degrees, (n, 5)
+    curves: Mapping[int, Bezier | EllipseArc] = field(default_factory=dict)  #: by their number
+
+    def __len__(self) -> int:
+        return len(self.line)
+
+    def take(self, rows: Counts) -> "Moves":
+        """The moves of some numbers, each at most once."""
+        curves: dict[int, Bezier | EllipseArc] = {}
+        if self.curves:
+            place = {row: k for k, row in enumerate(rows.tolist())}
+            curves = {place[k]: curve for k, curve in self.curves.items() if k in place}
+        return Moves(
+            self.line[rows], self.rapid[rows], self.start[rows], self.end[rows],
+            self.feed_mm_min[rows], self.is_arc[rows], self.arcs[rows], curves,
+        )  # fmt: skip
+
+    def legs(self) -> Iterator[Leg]:
+        """The moves one by one."""
+        columns = (self.line, self.rapid, self.start, self.end, self.is_arc, self.arcs)
+        rows = zip(*(c.tolist() for c in columns), self.feed_mm_min.tolist(), strict=True)
+        for k, (line, rapid, start, end, is_arc, (x, y, radius, first, sweep), feed) in enumerate(
+            rows
+        ):
+            curve: Arc | Bezier | EllipseArc | None = self.curves.get(k)
+            if is_arc:
+                curve = Arc((x, y), radius, first, sweep)
+            yield Leg(line, rapid, tuple(start), tuple(end), curve, feed)
+
+
+class Run(Struct, frozen=True):
+    """What a program does: its moves, and its other events between them."""
+
+    moves: Moves
+    others: list[tuple[int, Event]]  #: each with the number of moves before it
+
+    def events(self) -> list[Event]:
+        """Everything in its order."""
+        found: list[Event] = []
+        legs = list(self.moves.legs())
+        done = 0
+        for before, event in self.others:
+            found += legs[done:before]
+            found.append(event)
+            done = before
+        return found + legs[done:]
+
+
+def moves_of(legs: Sequence[Leg]) -> Moves:
+    """Moves given one by one, as arrays."""
+    is_arc = np.array([isinstance(leg.curve, Arc) for leg in legs], dtype=bool)
+    arcs = np.zeros((len(legs), 5))
+    curves: dict[int, Bezier | EllipseArc] = {}
+    for k, leg in enumerate(legs):
+        if isinstance(leg.curve, Arc):
+            c = leg.curve
+            arcs[k] = (*c.centre, c.radius, c.start_deg, c.sweep_deg)
+        elif leg.curve is not None:
+            curves[k] = leg.curve
+    return Moves(
+        np.array([leg.line for leg in legs], dtype=np.int64),
+        np.array([leg.rapid for leg in legs], dtype=bool),
+        np.array([leg.start for leg in legs], dtype=np.float64).reshape(-1, 2),
+        np.array([leg.end for leg in legs], dtype=np.float64).reshape(-1, 2),
+        np.array([leg.feed_mm_min for leg in legs], dtype=np.float64),
+        is_arc,
+        arcs,
+        curves,
+    )
+
+
+def straight_moves(chains: Sequence[tuple[int, Floats, Floats]]) -> Moves:
+    """Straight moves of no feed: of each chain its line, and where its moves start and end."""
+    sizes = [len(start) for _, start, _ in chains]
+    count = sum(sizes)
+    nowhere = np.zeros((0, 2))
+    flags = np.zeros(count, dtype=bool)
+    return Moves(
+        np.repeat(np.array([line for line, _, _ in chains], dtype=np.int64), sizes),
+        flags,
+        np.concatenate([nowhere, *(start for _, start, _ in chains)]),
+        np.concatenate([nowhere, *(end for _, _, end in chains)]),
+        np.zeros(count),
+        flags,
+        np.zeros((count, 5)),
+    )
+
+
+def joined(first: Moves, second: Moves, order: Counts) -> Moves:
+    """The moves of both, in an order of their numbers; the second's count on from the first's."""
+    if not len(second):
+        return first if len(order) == len(first) else first.take(order)
+    both = Moves(
+        np.concatenate((first.line, second.line)),
+        np.concatenate((first.rapid, second.rapid)),
+        np.concatenate((first.start, second.start)),
+        np.concatenate((first.end, second.end)),
+        np.concatenate((first.feed_mm_min, second.feed_mm_min)),
+        np.concatenate((first.is_arc, second.is_arc)),
+        np.concatenate((first.arcs, second.arcs)),
+        {len(first) + k: curve for k, curve in second.curves.items()},
+    )
+    return both.take(order)
+
+
+def arcs_between(start: Floats, end: Floats, centre: Floats, clockwise: Flags) -> Floats:
+    """The rows of arcs that a controller makes of its numbers, (n, 5).
+
+    From a point to itself it is a whole circle.
+    """
+    u, v = start - centre, end - centre
+    first = np.degrees(np.arctan2(u[:, 1], u[:, 0]))
+    last = np.degrees(np.arctan2(v[:, 1], v[:, 0]))
+    turn = np.where(clockwise, first - last, last - first) % 360.0
+    turn[(turn == 0.0) | np.all(start == end, axis=1)] = 360.0
+    sweep = np.where(clockwise, -turn, turn)
+    return np.column_stack((centre, np.hypot(u[:, 0], u[:, 1]), first, sweep))
+
+
+def sure_arcs(start: Floats, end: Floats, centre: Floats, difference: float) -> Flags:
+    """Arcs so far inside of what their controller takes that its rules need not be asked.
+
+    `difference` of the radii is what it allows at least. Besides, the radius is not tiny, the
+    sweep neither tiny nor all but a circle, and the centre near the bisector of the chord.
+    """
+    near = np.hypot(*(start - centre).T)
+    far = np.hypot(*(end - centre).T)
+    chord = np.hypot(*(end - start).T)
+    off = np.abs(near - far)
+    sure: Flags = off <= SURE_SHARE * difference
+    sure &= near >= 10 * difference
+    sure &= chord >= SURE_SWEEP_RAD * near
+    # The centre lies |near^2 - far^2| / (2 chord) beside the bisector; a tenth of the radius is
+    # what CODESYS takes.
+    sure &= off * (near + far) <= SURE_SHARE * 0.2 * near * chord
+    return sure

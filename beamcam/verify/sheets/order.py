@@ -1,0 +1,75 @@
+"""In which order contours are cut: marks first, and what lies in a contour before it."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from beamcam.errors import Diagnostic, Source
+from beamcam.verify.sheets import rules
+from beamcam.verify.sheets.work import SHOWN, Traced
+
+
+def order_faults(traced: Sequence[Traced], name: str) -> list[Diagnostic]:
+    """Marks behind cuts, and what lies in a contour that was cut before, in the program's order."""
+    said: list[Diagnostic] = []
+    first_cut = next((t for t in traced if t.stroke.process == "cut"), None)
+    for t in traced:
+        if first_cut and t.stroke.process != "cut" and t.stroke.line > first_cut.stroke.line:
+            said.append(
+                rules.ORDER.at(
+                    Source(name, t.stroke.line), found=f"work to {t.stroke.process}",
+                    before=f"the cut on line {first_cut.stroke.line}",
+                )
+            )  # fmt: skip
+            break
+    cuts = [t for t in traced if t.stroke.process == "cut"]
+    for a, b in _inside_of_earlier(cuts):
+        if cuts[a].group != cuts[b].group:
+            said.append(
+                rules.ORDER.at(
+                    Source(name, cuts[a].stroke.line), found="an inner contour",
+                    before=f"the one around it on line {cuts[b].stroke.line}",
+                )
+            )  # fmt: skip
+    return said[:SHOWN]
+
+
+def _inside_of_earlier(cuts: Sequence[Traced]) -> list[tuple[int, int]]:
+    """Pairs of a cut and an earlier one whose ring it lies in.
+
+    Boxes are looked at first: in most programs no contour is in the box of an earlier one.
+    """
+    rings = [k for k, t in enumerate(cuts) if t.ring]
+    if not rings:
+        return []
+    boxes = np.array([cuts[k].box for k in rings])
+    middles = np.array([t.middle for t in cuts])
+    order = np.argsort(middles[:, 0], kind="stable")
+    xs = middles[order, 0]
+    first, last = np.searchsorted(xs, boxes[:, 0]), np.searchsorted(xs, boxes[:, 2], "right")
+    found = []
+    for k, low, high in zip(rings, first.tolist(), last.tolist(), strict=True):
+        inside = order[low:high]
+        found.append(inside[inside > k])
+    outer = np.repeat(np.arange(len(rings)), [len(one) for one in found])
+    inner = np.concatenate(found)
+    y = middles[inner, 1]
+    near = (y >= boxes[outer, 1]) & (y <= boxes[outer, 3])
+    pairs: list[tuple[int, int]] = []
+    for ring in np.unique(outer[near]).tolist():
+        pairs += _within(cuts, inner[near & (outer == ring)].tolist(), rings[ring])
+    return sorted(pairs)
+
+
+def _within(cuts: Sequence[Traced], inner: list[int], ring: int) -> list[tuple[int, int]]:
+    """Those of some cuts that lie in the ring of one, with it."""
+    import shapely
+
+    from beamcam.verify.sheets.sides import polygon_of
+
+    polygon = polygon_of(cuts[ring])
+    if polygon is None:
+        return []
+    places = np.array([cuts[k].middle for k in inner])
+    inside = shapely.contains_xy(polygon, places)
+    return [(k, ring) for k, is_in in zip(inner, inside.tolist(), strict=True) if is_in]

@@ -1,0 +1,127 @@
+"""What a program does, collected while its blocks are carried out.
+
+Plain moves are carried out in runs, as rows of arrays; what stands between them one by one.
+"""
+
+from collections.abc import Callable
+from itertools import starmap
+from typing import cast
+
+import numpy as np
+from msgspec.structs import replace
+
+from beamcam.geometry.plane import Point
+from beamcam.verify.sheets.events import Event, Leg
+from beamcam.verify.sheets.moves import Moves, Run, arcs_between, joined, moves_of, sure_arcs
+from beamcam.verify.sheets.scan import Counts, Floats, PlainMoves
+
+#: Start, end, centre, clockwise: what is wrong with an arc, None if nothing is.
+ArcFault = Callable[[Point, Point, Point, bool], str | None]
+
+
+class Track:
+    """The moves and events so far."""
+
+    def __init__(self, plain: PlainMoves) -> None:
+        self.plain = plain
+        self._runs: list[tuple[int, int]] = []  #: first row of each, and the one behind its last
+        self._starts: list[Point] = []  #: where each run begins
+        self._feeds: list[float] = []  #: that each begins with
+        self._legs: list[Leg] = []
+        self._order: list[tuple[int, int]] = []  #: runs as above, legs behind all plain rows
+        self._others: list[tuple[int, Event]] = []
+        self._count = 0
+        rows = np.arange(len(plain.feed))
+        #: The last row up to each that says a feed; -1 before the first.
+        self._fed: Counts = np.maximum.accumulate(np.where(np.isnan(plain.feed), -1, rows))
+
+    def event(self, event: Event) -> None:
+        """Anything but a move."""
+        self._others.append((self._count, event))
+
+    def leg(self, leg: Leg) -> None:
+        """A move by itself."""
+        number = len(self.plain.line) + len(self._legs)
+        self._legs.append(leg)
+        self._order.append((number, number + 1))
+        self._count += 1
+
+    def run(self, first: int, last: int, start: Point, feed: float) -> tuple[Point, float]:
+        """Plain moves from a place, with the feed that holds there; place and feed behind them.
+
+        Feeds are in the unit of the program's F words.
+        """
+        self._runs.append((first, last))
+        self._starts.append(start)
+        self._feeds.append(feed)
+        self._order.append((first, last))
+        self._count += last - first
+        x, y = self.plain.end[last - 1].tolist()
+        fed = int(self._fed[last - 1])
+        return (x, y), feed if fed < first else float(self.plain.feed[fed])
+
+    def finish(
+        self, per_minute: float, difference: float, arc_fault: ArcFault
+    ) -> tuple[Run, list[tuple[int, str]]]:
+        """All of it, and by their lines the arcs that are none, which are left out.
+
+        `per_minute` makes mm/min of an F word, `difference` is what the radii at the ends of an
+        arc may always differ by.
+        """
+        moves = self._plain_moves()
+        faults = _arc_faults(moves, self._rows(), difference, arc_fault)
+        order = np.concatenate([np.zeros(0, dtype=np.int64), *starmap(np.arange, self._order)])
+        others = self._others
+        if faults:
+            wrong = np.isin(order, [row for row, _ in faults])
+            lost = np.concatenate(([0], np.cumsum(wrong)))
+            others = [(before - int(lost[before]), event) for before, event in others]
+            order = order[~wrong]
+        lines = [(int(moves.line[row]), fault) for row, fault in faults]
+        done = joined(moves, moves_of(self._legs), order)
+        if per_minute != 1.0:
+            done = replace(done, feed_mm_min=done.feed_mm_min * per_minute)
+        return Run(done, others), lines
+
+    def _rows(self) -> Counts:
+        """The plain rows that were carried out."""
+        return np.concatenate([np.zeros(0, dtype=np.int64), *starmap(np.arange, self._runs)])
+
+    def _plain_moves(self) -> Moves:
+        """All plain moves; those that were not carried out say nothing."""
+        plain = self.plain
+        start = np.roll(plain.end, 1, axis=0)
+        feed = np.zeros(len(plain.line))
+        if self._runs:
+            firsts = np.array([first for first, _ in self._runs])
+            sizes = np.array([last - first for first, last in self._runs])
+            start[firsts] = self._starts
+            rows = self._rows()
+            own = self._fed[rows] >= np.repeat(firsts, sizes)
+            feed[rows] = np.where(own, plain.feed[self._fed[rows]], np.repeat(self._feeds, sizes))
+        is_arc = plain.motion >= 2
+        arcs = np.zeros((len(plain.line), 5))
+        centre = start[is_arc] + plain.centre[is_arc]
+        clockwise = plain.motion[is_arc] == 2
+        arcs[is_arc] = arcs_between(start[is_arc], plain.end[is_arc], centre, clockwise)
+        rapid = plain.motion == 0
+        return Moves(plain.line, rapid, start, plain.end, feed, is_arc, arcs)
+
+
+def _arc_faults(
+    moves: Moves, rows: Counts, difference: float, arc_fault: ArcFault
+) -> list[tuple[int, str]]:
+    """Which of some rows are arcs that the controller would not take, and why."""
+    rows = rows[moves.is_arc[rows]]
+    start, end, centre = moves.start[rows], moves.end[rows], moves.arcs[rows, :2]
+    found = []
+    for k in np.flatnonzero(~sure_arcs(start, end, centre, difference)).tolist():
+        clockwise = bool(moves.arcs[rows[k], 4] < 0.0)
+        fault = arc_fault(_point(start[k]), _point(end[k]), _point(centre[k]), clockwise)
+        if fault is not None:
+            found.append((int(rows[k]), fault))
+    return found
+
+
+def _point(row: Floats) -> Point:
+    return cast("Point", tuple(row.tolist()))

@@ -1,0 +1,229 @@
+"""What the read-back of tables does in bulk is what it would do one by one."""
+
+from math import atan2, cos, hypot, pi, radians, sin
+from random import Random
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from beamcam.geometry.curves import Arc, BSpline, Curve, Line
+from beamcam.machine import load
+from beamcam.verify.arcs import arc_fault as codesys_fault
+from beamcam.verify.sheets import events_of, grbl, linuxcnc
+from beamcam.verify.sheets.events import Event
+from beamcam.verify.sheets.moves import sure_arcs
+from beamcam.verify.sheets.scan import scan
+from beamcam.verify.sheets.splines import spans_of, spline_points
+from beamcam.verify.sheets.ways import Ways
+
+numbers = st.decimals(-9999, 9999, places=4).map(lambda d: f"{d.normalize():f}")
+
+
+@given(st.lists(st.tuples(st.integers(0, 1), numbers, numbers), min_size=2, max_size=30))
+def test_numbers_are_read_as_python_reads_them(rows: list[tuple[int, str, str]]) -> None:
+    text = "".join(f"G{motion} X{x} Y{y}\n" for motion, x, y in rows) + "M2\n"
+    found = scan(text)
+    assert found.lines == len(rows) + 1
+    # The first move and the last line are left to be read one by one.
+    assert [line for line, _ in found.odd] == [1, len(rows) + 1]
+    assert found.plain.motion.tolist() == [motion for motion, _, _ in rows[1:]]
+    assert found.plain.end.tolist() == [[float(x), float(y)] for _, x, y in rows[1:]]
+
+
+LINES = [
+    "G1 X1 Y2", "G0 X-1.5 Y.5", "G2 X1 Y1 I1 J1", "N7 G03 X1 Y1 I0 J-1 F600", "G1 X1", "G1 X1 Y2 ",
+    "G1  X1 Y2", "g1 X1 Y2", "G1X1Y2", "G1 X1 Y2 (a)", "", "%", "M3 S1", "G1 X1.2.3 Y1", "G1 X. Y1",
+    "G1 X+ Y1", "G4 P1", "G1 X1 Y2 I1 J1", "G2 X1 Y1", "G1.5 X1 Y1", "N1.5 G1 X1 Y1", "(a X1",
+    "G1 X1 Y2 Z3", "G1 Y1 X2", "N1 G1 X1 Y1", "X1 Y1", "\xe9", "G1 X1.00000000000000001 Y0",
+    "G1 X1 Y1 F5", "G4 X1 Y1",
+]  # fmt: skip
+PLAIN = {
+    "G1 X1 Y2", "G2 X1 Y1 I1 J1", "N7 G03 X1 Y1 I0 J-1 F600", "N1 G1 X1 Y1", "G1 X1 Y1 F5",
+    "G0 X-1.5 Y.5",
+}  # fmt: skip
+
+
+@given(st.lists(st.sampled_from(LINES), min_size=1, max_size=30))
+def test_each_line_is_plain_or_odd(lines: list[str]) -> None:
+    lines = ["G1 X0 Y0", *lines, "M2"]
+    found = scan("\n".join(lines) + "\n")
+    plain = [k for k, line in enumerate(lines, 1) if line in PLAIN and k > 1]
+    assert found.plain.line.tolist() == plain
+    rest = [k for k in range(1, len(lines) + 1) if k not in plain]
+    assert found.odd == [(k, lines[k - 1]) for k in rest]
+
+
+def unlike(text: str, machine: str, random: Random) -> str:
+    """The same program in other words, so that no block is plain."""
+    lines = []
+    for line in text.split("\n"):
+        other = random.choice([line.lower(), line + " ", line.replace(" ", "  "), line + " (a)"])
+        if machine != "plate-codesys":
+            other = random.choice([other, line.replace(" ", ""), f" {line}"])
+        lines.append(other if line.strip("%") else line)
+    return "\n".join(lines)
+
+
+def walk(machine: str, random: Random) -> str:
+    """A program that goes anywhere, with modes that change and moves that are none."""
+    head = {"plate-codesys": "G90\nG99", "plate-linuxcnc": "G21 G17 G90 G91.1 G40 G94"}
+    lines = [head.get(machine, "G21 G17 G90 G94"), "G0 X0 Y0"]
+    for _ in range(80):
+        x, y, r, a = random.randint(-90, 90), random.randint(-90, 90), random.random() * 9, 0.3
+        kind = random.randrange(10)
+        feed = random.choice(["", "", f" F{random.randint(1, 900)}"])
+        if kind < 5:
+            lines.append(f"G{1 if feed else kind % 2} X{x} Y{y / 8}{feed}")
+        elif kind < 8:
+            i, j = r * cos(a * x), r * sin(a * x)
+            lines.append(f"G0{kind % 2 + 2} X{x} Y{y} I{i:.3f} J{j:.3f}{feed}")
+            lines.append(f"G1 X{x} Y{y}")
+            lines.append(f"G0{kind % 2 + 2} X{x + 2 * round(i, 3)} Y{y} I{i:.3f} J0{feed}")
+        else:
+            lines.append(random.choice(["M5", "G91", "G90", "", "(a)", "M3", "G1 X5 Y5 Y6"]))
+    return "\n".join([*lines, random.choice(["M2\nG1 X1 Y1", "M2", "G1 X1 Y1"]), ""])
+
+
+def flat(event: Event) -> list[object]:
+    """All numbers and words of an event."""
+    found: list[object] = [type(event).__name__]
+    for value in event:
+        if isinstance(value, Arc):
+            found += [*value.centre, value.radius, value.sweep_deg % 360.0]
+        else:
+            found += value if isinstance(value, tuple) else [value]
+    rounded = [round(v, 6) if isinstance(v, float) else v for v in found]
+    return [None if v != v else v for v in rounded]
+
+
+@pytest.mark.parametrize("name", ["plate-codesys", "plate-linuxcnc", "laser-grbl"])
+def test_plain_blocks_say_what_others_say(name: str) -> None:
+    """However a block is written, the same events follow, and the same faults on the same lines."""
+    machine = load(name)
+    legs = faults = 0
+    for seed in range(60):
+        random = Random(seed)
+        text = walk(name, random)
+        events, said = events_of(text, machine)
+        others, more = events_of(unlike(text, name, random), machine)
+        assert [flat(e) for e in events] == [flat(e) for e in others]
+        assert sorted((d.source.line or 0, d.code) for d in said) == sorted(
+            (d.source.line or 0, d.code) for d in more
+        )
+        legs, faults = legs + len(events), faults + len(said)
+    assert legs > 2000
+    assert faults > 100
+
+
+@settings(max_examples=500)
+@given(*[st.floats(-50, 50)] * 4, st.floats(0.01, 100), st.floats(-0.02, 0.02), st.booleans())
+def test_no_controller_refuses_a_sure_arc(
+    x: float, y: float, u: float, v: float, radius: float, off: float, clockwise: bool
+) -> None:
+    start, angle = (x, y), atan2(v, u)
+    centre = (x - radius, y)
+    end = (centre[0] + (radius + off) * cos(angle), centre[1] + (radius + off) * sin(angle))
+    ends = (np.array([p]) for p in (start, end, centre))
+    one, other, middle = ends
+    if sure_arcs(one, other, middle, 0.005)[0]:
+        assert grbl.arc_fault(start, end, centre, clockwise) is None
+        assert linuxcnc.arc_fault(start, end, centre, clockwise) is None
+    if sure_arcs(one, other, middle, 2 * 2**0.5 * 1e-3)[0]:
+        assert codesys_fault(start, end, centre, 1e-3) is None
+
+
+def test_most_arcs_are_sure() -> None:
+    """Arcs whose numbers are rounded to 0.001 mm need not be asked about."""
+    random = np.random.default_rng(1)
+    centre, radius = random.uniform(-500, 500, (5000, 2)), random.uniform(1, 200, 5000)
+    first, last = random.uniform(0, 2 * pi, (2, 5000))
+    start, end = (
+        np.round(centre + radius[:, None] * np.column_stack((np.cos(a), np.sin(a))), 3)
+        for a in (first, last)
+    )
+    assert sure_arcs(start, end, np.round(centre, 3), 0.005).mean() > 0.98
+
+
+def random_curves(random: Random, count: int) -> list[Curve]:
+    found: list[Curve] = []
+    for _ in range(count):
+        a, b = ((random.uniform(0, 60), random.uniform(0, 60)) for _ in range(2))
+        if random.random() < 0.5:
+            found.append(Line(a, b))
+        else:
+            sweep = random.choice([360.0, -360.0, random.uniform(-359, 359) or 1.0])
+            found.append(Arc(a, random.uniform(0.1, 20), random.uniform(0, 360), sweep))
+    return found
+
+
+def distance(curve: Curve, p: tuple[float, float]) -> float:
+    """How far a point is from a line or an arc, by the book."""
+    if isinstance(curve, Arc):
+        cx, cy = curve.centre
+        turn = (atan2(p[1] - cy, p[0] - cx) - radians(curve.start_deg)) * (
+            1 if curve.sweep_deg > 0 else -1
+        )
+        if turn % (2 * pi) <= abs(radians(curve.sweep_deg)):
+            return abs(hypot(p[0] - cx, p[1] - cy) - curve.radius)
+        return min(hypot(p[0] - e[0], p[1] - e[1]) for e in (curve.start, curve.end))
+    (ax, ay), (bx, by) = curve.start, curve.end
+    dx, dy = bx - ax, by - ay
+    t = max(0.0, min(1.0, ((p[0] - ax) * dx + (p[1] - ay) * dy) / (dx * dx + dy * dy)))
+    return hypot(p[0] - ax - t * dx, p[1] - ay - t * dy)
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_what_is_near_is_found(seed: int) -> None:
+    """The pairs of the grid are those of all points with all curves."""
+    random = Random(seed)
+    curves = random_curves(random, 40)
+    points = [(random.uniform(-5, 65), random.uniform(-5, 65)) for _ in range(200)]
+    reach = random.choice([0.05, 1.0, 7.0])
+    pairs = Ways(curves, 0.01).near(np.array(points), reach)
+    found = dict(
+        zip(zip(pairs.point.tolist(), pairs.element.tolist(), strict=True), pairs.away, strict=True)
+    )
+    for i, point in enumerate(points):
+        for k, curve in enumerate(curves):
+            away = distance(curve, point)
+            if abs(away - reach) > 1e-9:
+                assert ((i, k) in found) == (away < reach)
+            if (i, k) in found:
+                assert found[i, k] == pytest.approx(away, abs=1e-9)
+    away, who = Ways(curves, 0.01).nearest(np.array(points))
+    for i, point in enumerate(points):
+        every = [distance(curve, point) for curve in curves]
+        assert away[i] == pytest.approx(min(every), abs=1e-9)
+        assert every[who[i]] == pytest.approx(min(every), abs=1e-9)
+
+
+coordinates = st.floats(-50, 50)
+
+
+@settings(max_examples=150, deadline=None)
+@given(st.integers(1, 5), st.data())
+def test_chords_of_splines(degree: int, data: st.DataObject) -> None:
+    """No chord is farther from its spline than it may be, and both ends are those of the spline."""
+    control = data.draw(
+        st.lists(st.tuples(coordinates, coordinates), min_size=degree + 1, max_size=degree + 8)
+    )
+    steps = data.draw(
+        st.lists(st.floats(0.2, 3), min_size=len(control) + degree, max_size=len(control) + degree)
+    )
+    knots = np.concatenate(([0.0], np.cumsum(steps)))
+    if data.draw(st.booleans()):
+        knots[: degree + 1], knots[-degree - 1 :] = knots[degree], knots[-degree - 1]
+    spline = BSpline(degree, tuple(control), tuple(knots.tolist()))
+    assert spans_of(spline) == len(spline.pieces())
+    (points,) = spline_points([spline], 0.01)
+    assert points[0] == pytest.approx(spline.start, abs=1e-8)
+    assert points[-1] == pytest.approx(spline.end, abs=1e-8)
+    a, step = points[:-1], np.diff(points, axis=0)
+    size = np.maximum(np.sum(step * step, axis=1), 1e-30)
+    for k in range(41):
+        to = np.array(spline.point(k / 40)) - a
+        share = np.clip(np.sum(to * step, axis=1) / size, 0.0, 1.0)
+        off = np.hypot(*(to - share[:, None] * step).T)
+        assert off.min() <= 0.01 * 1.001 + 1e-9
