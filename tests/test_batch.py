@@ -216,6 +216,38 @@ def test_formats_are_mixed(tmp_path: Path) -> None:
     assert [row["format"] for row in report(tmp_path / "r.json")["files"]] == ["dstv", "part-json"]
 
 
+def test_bars_sheets_and_models_go_to_their_machines(tmp_path: Path) -> None:
+    """A folder of all formats: each program is the one that post makes of that file by itself."""
+    folder = tmp_path / "in"
+    folder.mkdir()
+    names = {
+        "dstv/channel.nc1": ".gcode", "dstv/gusset.nc1": ".ngc", "dxf/plate.dxf": ".ngc",
+        "svg/corel-2021.svg": ".ngc", "json/curves.json": ".ngc", "ifc/bolted.ifc": ".gcode",
+    }  # fmt: skip
+    for name in names:
+        (folder / Path(name).name).write_bytes((SAMPLES / name).read_bytes())
+    how = ("--bar", "12000", "--thickness", "4", "--map", "blue=cut")
+    said = tmp_path / "r.json"
+    result = batch(folder, "-o", tmp_path / "out", *how, "--jobs", 2, "--report", said)
+    assert counts(result) == (6, 0, 0, 0)
+    made = programs(tmp_path / "out")
+    machines = {
+        row["file"].rpartition("/")[2]: row["parts"][0]["machine"] for row in report(said)["files"]
+    }
+    for name, suffix in names.items():
+        source, target = folder / Path(name).name, tmp_path / f"one{suffix}"
+        flat = how[:2] if suffix == ".gcode" else how[2:]
+        args = ["post", str(source), "-o", str(target), *flat]
+        assert CliRunner().invoke(main, args).exit_code == 0
+        assert made[f"{source.stem}{suffix}"] == target.read_bytes()
+        assert machines[source.name] == ("beamline" if suffix == ".gcode" else "plate-linuxcnc")
+    assert counts(batch(folder, "-o", tmp_path / "out", *how)) == (0, 6, 0, 0)
+    # An option for sheets where no machine of the run cuts any is a mistake.
+    result = batch(folder, "-o", tmp_path / "no", "--machine", "beamline", "--kerf", "1")
+    assert result.exit_code == 1
+    assert "plan-sheet-option" in result.stderr
+
+
 def test_reports(jobs: Path, tmp_path: Path) -> None:
     (jobs / "A" / "bad <b>&.nc1").write_text(BAD)
     made = {}
@@ -230,6 +262,7 @@ def test_reports(jobs: Path, tmp_path: Path) -> None:
     assert first["ledger"] == {"read": 1, "made": 1, "merged": 0, "duplicate": 0, "skipped": 0}
     assert first["tools"] == ["drill 18", "saw"]
     assert first["output"] == "A/P000.gcode"
+    assert first["machine"] == "beamline"
     assert first["machine_time_s"] > 10
     rows = list(csv.DictReader(made["csv"].splitlines()))
     assert [r["status"] for r in rows] == ["posted", "posted", "refused", "posted", "posted"]
@@ -239,6 +272,11 @@ def test_reports(jobs: Path, tmp_path: Path) -> None:
     assert "plan-tool" in rows[2]["messages"]
     page = Page(made["html"])
     assert page.cells.count("posted") == 4
+    assert page.cells.count("beamline") == 4
+    assert page.cells.count("1 read = 1 made") == 4
+    times = [float(r["machine_time_s"]) * int(r["quantity"]) for r in rows if r["machine_time_s"]]
+    minutes, seconds = page.cells[page.cells.index("all") + 1].split()[0].split(":")
+    assert int(minutes) * 60 + int(seconds) == pytest.approx(sum(times), abs=1)
     assert any(cell.endswith("bad <b>&.nc1") for cell in page.cells)
     assert "<script" not in made["html"]
 

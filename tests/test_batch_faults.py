@@ -18,7 +18,7 @@ from beamcam.batch.find import Input, read_input
 from beamcam.batch.pool import Processes, Result
 from beamcam.batch.record import RECORD_NAME
 from beamcam.batch.work import Made, Task
-from beamcam.errors import Diagnostic
+from beamcam.errors import Diagnostic, Source
 from beamcam.machine import load
 from beamcam.pipeline import Posted
 from tests.conftest import ROOT
@@ -169,6 +169,25 @@ def test_several_parts_in_a_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch
     assert [name for name, _ in made.outputs] == ["M_1.gcode", "M2.gcode"]
     codes = [m["code"] for m in made.row["messages"] if m["severity"] == "error"]
     assert codes == ["plan-tool", "batch-same-name"]
+
+
+def test_members_that_cannot_be_read_stop_no_other(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The members of a model are parts of their own; of any other file an error refuses all."""
+    from beamcam.readers import read
+    from beamcam.readers.reading import Reading
+    from beamcam.readers.rules import EMPTY
+
+    (good,) = read(part("M1").encode(), "1.nc1").parts
+    said = EMPTY.at(Source("model.ifc", None, "GUID"))
+    for name, outputs in (("ifc", 1), ("dstv", 0)):
+        reading = Reading(name, (good,), (said,))
+        monkeypatch.setattr(work, "read", lambda data, file, reading=reading: reading)
+        made = work.make(Task(0, "in/model.ifc", b"x"), Shop(load("beamline")))
+        assert made.row["status"] == "refused"
+        assert [m["code"] for m in made.row["messages"] if m["severity"] == "error"] == [
+            "read-empty"
+        ]
+        assert len(made.outputs) == len(made.row["parts"]) == outputs
 
 
 def test_a_fault_of_the_program_is_one_of_its_file(

@@ -1,9 +1,11 @@
 """What shells are given, and what they complete with it."""
 
 import os
+import shlex
 import shutil
 import subprocess
 import sys
+from pathlib import Path
 
 import pytest
 from click.testing import CliRunner
@@ -19,6 +21,46 @@ def test_the_lines_of_a_shell(shell: str) -> None:
     assert f"_BEAMCAM_COMPLETE={shell}_complete" in done.stdout
     if shutil.which(shell):
         subprocess.run([shell, "-n"], input=done.stdout, text=True, check=True)
+
+
+#: Each shell, made to say what it offers behind a line; BEAMCAM is how it is called here.
+ASKED = {
+    "bash": "source lines; COMP_WORDS=({words} {last}); COMP_CWORD={count}; "
+    "_beamcam_completion beamcam; printf '%s\\n' \"${{COMPREPLY[@]}}\"",
+    "zsh": "compdef() {{ }}; compadd() {{ print -l -- $completions }}; "
+    "_describe() {{ print -l -- $completions_with_descriptions }}; source ./lines; "
+    "words=({words} {last}); CURRENT={count}+1; _beamcam_completion",
+    "fish": "source lines; complete -C '{words} {last}'",
+}
+
+
+@pytest.mark.parametrize("shell", [shell for shell in ASKED if shutil.which(shell)])
+@pytest.mark.parametrize(
+    ("words", "last", "offered"),
+    [
+        ("beamcam", "ba", {"batch"}),
+        ("beamcam batch in --machine", "beamline-", {"beamline-annex", "beamline-pusher"}),
+        ("beamcam post a.nc1", "--verb", {"--verbose"}),
+        ("beamcam machines", "sh", {"show"}),
+    ],
+)
+def test_a_shell_that_is_at_hand_completes(
+    tmp_path: Path, shell: str, words: str, last: str, offered: set[str]
+) -> None:
+    program = tmp_path / "beamcam"
+    program.write_text(
+        f"#!/bin/sh\nPYTHONPATH={shlex.quote(str(ROOT))} exec {shlex.quote(sys.executable)} "
+        '-m beamcam "$@"\n'
+    )
+    program.chmod(0o755)
+    (tmp_path / "lines").write_text(CliRunner().invoke(main, ["completion", shell]).stdout)
+    asked = ASKED[shell].format(words=words, last=last, count=len(words.split()))
+    done = subprocess.run(
+        [shell, "-c", asked], cwd=tmp_path, capture_output=True, text=True, check=False,
+        env=os.environ | {"PATH": f"{tmp_path}:{os.environ['PATH']}", "HOME": str(tmp_path)},
+    )  # fmt: skip
+    found = {line.partition("\t")[0].partition(":")[0] for line in done.stdout.splitlines()}
+    assert found - {""} == offered, done.stderr
 
 
 def complete(words: str, number: int) -> list[str]:

@@ -61,7 +61,9 @@ class Shop(Struct, frozen=True):
         plain = repr(replace(self, timed=True, clock=None, reading={}))
         # Of sets the order differs from process to process.
         told = json.encode(self.reading, order="deterministic")
-        return plain.encode("utf-8", "backslashreplace") + told
+        # A record of rows of another form is none.
+        form = " ".join(PartRow.__annotations__)
+        return f"{plain} {form} ".encode("utf-8", "backslashreplace") + told
 
     def machine_for(self, part: Part) -> Machine:
         """The machine that makes a part, by the stock that it is made of."""
@@ -204,6 +206,7 @@ def _part_row(
         "quantity": part.quantity,
         "profile": part.profile.name,
         "length": part.length,
+        "machine": machine.name,
         "output": name,
         "sha256": sha256(content).hexdigest(),
         "bar": plan.bar.length if isinstance(plan, Plan) else 0.0,

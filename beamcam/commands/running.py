@@ -74,7 +74,7 @@ def shop_of(config: Config, asked: Mapping[str, Any], timed: bool = False) -> Sh
     """
     name = config.name or ""
     bars = machine_of_stock(config, "beam", name, is_one_of_two=True)
-    sheets = machine_of_stock(config, "sheet", name, is_one_of_two=bars.torch is None)
+    sheets = machine_of_stock(config, "sheet", name, is_one_of_two=bars.torch is not None)
     for machine in (bars, sheets):
         _check_suffix(name, machine)
     return Shop(
@@ -203,7 +203,7 @@ def account_lines(row: Row) -> Iterator[str]:
     outputs = "".join(f" {part['output']}" for part in row["parts"])
     yield f"{row['file']}: {row['status']}{outputs} ({1000 * row['seconds']:.1f} ms)"
     for part in row["parts"]:
-        ledger = ledger_line(part["ledger"], part["skipped_by"])  # type: ignore[arg-type]
+        ledger = ledger_line(part["ledger"], part["skipped_by"])
         yield f"  {part['mark']}: {ledger}"
 
 

@@ -48,6 +48,7 @@ class PartRow(TypedDict):
     quantity: int
     profile: str
     length: float
+    machine: str  #: that the program is for
     output: str  #: below the output folder, with "/"
     sha256: str  #: of the output
     bar: float  #: length of the bar, mm; 0 for a sheet
@@ -102,11 +103,11 @@ def as_message(said: Diagnostic) -> Message:
     }
 
 
-def message_line(said: Message) -> str:
-    """A message as the one line that it is printed as."""
-    place = [said["file"], said["line"], said["where"]]
+def message_line(said: Message, file: bool = True) -> str:
+    """A message as the one line that it is printed as; without its file where that is known."""
+    place = [said["file"] if file else None, said["line"], said["where"]]
     shown = ":".join(str(word) for word in place if word is not None)
-    return f"{shown}: {said['severity']} {said['code']}: {said['message']}"
+    return f"{shown}{': ' if shown else ''}{said['severity']} {said['code']}: {said['message']}"
 
 
 def dumped(data: object) -> str:

@@ -3,13 +3,14 @@
 from collections.abc import Iterable, Iterator
 from html import escape
 
-from beamcam.report.run import STATUSES, Counts, Message, PartRow, Row, encoded
+from beamcam.report.ledger import ledger_line
+from beamcam.report.run import STATUSES, Counts, Message, PartRow, Row, encoded, message_line
 
 _STYLE = """
 body { font: 15px/1.4 system-ui, sans-serif; margin: 2em; color: #222 }
 table { border-collapse: collapse; width: 100% }
 th, td { text-align: left; vertical-align: top; padding: .3em .6em; border-bottom: 1px solid #ddd }
-td.n { text-align: right; font-variant-numeric: tabular-nums }
+td.n, th.n { text-align: right; white-space: nowrap; font-variant-numeric: tabular-nums }
 .posted { color: #176b2c } .unchanged { color: #667 } .refused, .failed { color: #b3211b }
 .error { color: #b3211b } .warning { color: #8a5a00 } .note { color: #667 }
 .messages { font: 13px/1.4 ui-monospace, monospace }
@@ -26,27 +27,36 @@ def as_html(rows: Iterable[Row], counts: Counts, said: Iterable[Message]) -> Ite
         + ", ".join(f'<b class="{s}">{getattr(counts, s)}</b> {s}' for s in STATUSES)
         + "</p>\n"
     )
-    yield encoded(f'<div class="messages">{"".join(map(_message, said))}</div>\n')
+    yield encoded(f'<div class="messages">{"".join(_message(m, file=True) for m in said)}</div>\n')
     yield encoded(
-        "<table>\n<tr><th>file<th>result<th>part<th>features<th>tools<th>machine time"
-        "<th>messages</tr>\n"
+        "<table>\n<tr><th>file<th>result<th>time<th>part<th>machine<th>features<th>tools"
+        "<th>machine time<th>messages</tr>\n"
     )
+    whole = 0.0
     for row in rows:
+        whole += _machine_time_s(row)
         yield encoded(_row(row))
+    yield encoded(f'<tr><th>all<th><th><th><th><th><th><th class="n">{_clock(whole)}<th></tr>\n')
     yield b"</table>\n</html>\n"
 
 
 def _row(row: Row) -> str:
     parts = row["parts"]
-    seconds = sum((part["machine_time_s"] or 0.0) * part["quantity"] for part in parts)
     return (
         f"<tr><td>{escape(row['file'])}<td class={row['status']}>{row['status']}"
+        f'<td class="n">{1000 * row["seconds"]:.0f} ms'
         f"<td>{'<br>'.join(map(_part, parts))}"
+        f"<td>{'<br>'.join(escape(part['machine']) for part in parts)}"
         f"<td>{'<br>'.join(map(_ledger, parts))}"
         f"<td>{'<br>'.join(escape(', '.join(part['tools'])) for part in parts)}"
-        f'<td class="n">{_clock(seconds) if parts else ""}'
+        f'<td class="n">{_clock(_machine_time_s(row)) if parts else ""}'
         f'<td class="messages">{"".join(map(_message, row["messages"]))}</tr>\n'
     )
+
+
+def _machine_time_s(row: Row) -> float:
+    """Of all pieces of a file's parts."""
+    return sum((part["machine_time_s"] or 0.0) * part["quantity"] for part in row["parts"])
 
 
 def _part(part: PartRow) -> str:
@@ -55,17 +65,11 @@ def _part(part: PartRow) -> str:
 
 
 def _ledger(part: PartRow) -> str:
-    ledger = part["ledger"]
-    words = [f"{ledger['read']} read", f"{ledger['made']} made"]
-    words += [f"{ledger[how]} {how}" for how in ("merged", "duplicate", "skipped") if ledger[how]]
-    words += [f"{count} × {code}" for code, count in part["skipped_by"].items()]
-    return escape(", ".join(words))
+    return escape(ledger_line(part["ledger"], part["skipped_by"]))
 
 
-def _message(said: Message) -> str:
-    line = "" if said["line"] is None else f"{said['line']}: "
-    text = f"{line}{said['severity']} {said['code']}: {said['message']}"
-    return f'<div class="{said["severity"]}">{escape(text)}</div>'
+def _message(said: Message, file: bool = False) -> str:
+    return f'<div class="{said["severity"]}">{escape(message_line(said, file))}</div>'
 
 
 def _clock(seconds: float) -> str:

@@ -4,12 +4,12 @@ import csv
 import io
 from collections.abc import Iterable, Iterator
 
-from beamcam.report.run import Counts, Message, PartRow, Row, encoded
+from beamcam.report.run import Counts, Message, PartRow, Row, encoded, message_line
 
 HEAD = (
-    "file", "status", "format", "seconds", "mark", "quantity", "profile", "length", "output", "bar",
-    "features", "made", "merged", "duplicate", "skipped", "tools", "operations", "machine_time_s",
-    "errors", "warnings", "notes", "messages",
+    "file", "status", "format", "seconds", "mark", "quantity", "profile", "length", "machine",
+    "output", "bar", "features", "made", "merged", "duplicate", "skipped", "tools", "operations",
+    "machine_time_s", "errors", "warnings", "notes", "messages",
 )  # fmt: skip
 
 
@@ -20,7 +20,7 @@ def as_csv(rows: Iterable[Row], counts: Counts, said: Iterable[Message]) -> Iter
         file = (row["file"], row["status"], row["format"], f"{row['seconds']:.4f}")
         severities = [m["severity"] for m in row["messages"]]
         weights = tuple(severities.count(kind) for kind in ("error", "warning", "note"))
-        text = " | ".join(_shown(m) for m in row["messages"])
+        text = " | ".join(message_line(m, file=False) for m in row["messages"])
         parts = [_cells(part) for part in row["parts"]] or [("",) * len(_CELLS)]
         for number, cells in enumerate(parts):
             # What is said of a file stands in its first row, so that sums over a column hold.
@@ -29,25 +29,31 @@ def as_csv(rows: Iterable[Row], counts: Counts, said: Iterable[Message]) -> Iter
     for message in said:
         severity = message["severity"]
         weights = tuple(int(severity == kind) for kind in ("error", "warning", "note"))
-        yield _line((message["file"], "", "", "", *("",) * len(_CELLS), *weights, _shown(message)))
+        yield _line(
+            (
+                message["file"],
+                "",
+                "",
+                "",
+                *("",) * len(_CELLS),
+                *weights,
+                message_line(message, file=False),
+            )
+        )
 
 
-_CELLS = HEAD[4:18]
+_CELLS = HEAD[4:19]
 
 
 def _cells(part: PartRow) -> tuple[object, ...]:
     ledger, seconds = part["ledger"], part["machine_time_s"]
     return (
-        part["mark"], part["quantity"], part["profile"], f"{part['length']:g}", part["output"],
-        f"{part['bar']:g}", ledger["read"], ledger["made"], ledger["merged"], ledger["duplicate"],
-        ledger["skipped"], " ".join(t.replace(" ", "-") for t in part["tools"]),
+        part["mark"], part["quantity"], part["profile"], f"{part['length']:g}", part["machine"],
+        part["output"], f"{part['bar']:g}", ledger["read"], ledger["made"], ledger["merged"],
+        ledger["duplicate"], ledger["skipped"],
+        " ".join(t.replace(" ", "-") for t in part["tools"]),
         part["operations"], "" if seconds is None else f"{seconds:.1f}",
     )  # fmt: skip
-
-
-def _shown(message: Message) -> str:
-    line = "" if message["line"] is None else f"{message['line']}: "
-    return f"{line}{message['severity']} {message['code']}: {message['message']}"
 
 
 def _line(cells: Iterable[object]) -> bytes:
