@@ -68,6 +68,7 @@ def command(
         machine = machine_for(config, parts, output)
         if machine.stock == "sheet":
             sheet = _planned_sheet(parts, said, machine, config)
+            voice.did(f"planned a sheet on {machine.name}")
             _print(output, voice, as_json, *sheet)
             return
         if machine.saw is None or machine.drill is None or machine.layout is None:
