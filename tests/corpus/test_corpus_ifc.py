@@ -17,6 +17,7 @@ from beamcam.readers.ifc import Options, Selection, read
 from beamcam.readers.ifc.quantities import equal_parts
 from beamcam.readers.reading import Reading
 from beamcam.writers.dstv import write
+from tests.unit.readers.ifc.models import opened
 
 CORPUS = Path(
     os.environ.get("BEAMCAM_CORPUS", Path(__file__).parents[2].parent / "shared" / "corpus")
@@ -201,17 +202,15 @@ def test_a_selection_reads_nothing_else() -> None:
 @pytest.mark.parametrize("name", FILES)
 def test_the_geometric_route_alone_reads_the_same(name: str) -> None:
     """The kernel's solid, told by its faces only: section, length, end angles, holes."""
-    import ifcopenshell
-
     from beamcam.errors import Source
-    from beamcam.readers.ifc.entities import open_model
     from beamcam.readers.ifc.geometric import read_kernel
 
-    model = open_model(ifcopenshell.open(str(FOLDER / name)))
+    model = opened((FOLDER / name).read_bytes())
+    elements = {e.GlobalId: e for e in model.file.by_type("IfcElement")}
     parts = {p.profile.name: p for p in reading(name).parts}.values()
     assert parts
     for part in parts:
-        found = read_kernel(model, model.file.by_guid(part.guid), Source(name))
+        found = read_kernel(model, elements[part.guid], Source(name))
         assert found.section.code == part.profile.code
         assert found.section.height == pytest.approx(part.profile.height, abs=0.1)
         assert found.length == pytest.approx(part.length, abs=0.05)

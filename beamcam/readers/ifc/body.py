@@ -14,11 +14,11 @@ from msgspec import Struct
 from msgspec.structs import replace
 
 from beamcam.geometry.curves import Arc
-from beamcam.readers.ifc.cutters import Bounded, Cutter, HalfSpace, Less, Prism, prism
-from beamcam.readers.ifc.entities import Entity, Model, Unreadable, argument, ratios
+from beamcam.readers.ifc.cutters import Bounded, Cutter, HalfSpace, Less, Prism, hole_of, prism
+from beamcam.readers.ifc.entities import Entity, Model, Unreadable, ratios
 from beamcam.readers.ifc.facets import shell_of
-from beamcam.readers.ifc.outline import Round
-from beamcam.readers.ifc.profiles import Outline, outline_of, rounded_box
+from beamcam.readers.ifc.outline import Round, Slotted
+from beamcam.readers.ifc.profiles import Outline, definition, outline_of, rounded_box
 from beamcam.readers.ifc.shell import Shell
 from beamcam.readers.ifc.space import IDENTITY, Frame, Vec, scale, unit
 
@@ -59,7 +59,7 @@ class Body(Struct, frozen=True):
 def body_of(model: Model, element: Entity) -> Body:
     """The body of an element with its openings. Raises Unreadable, which says what was found."""
     representation = body_representation(element)
-    bodies = [_item(model, item, IDENTITY, None) for item in argument(representation, 3)]
+    bodies = [_item(model, item, IDENTITY, None) for item in representation.values[3]]
     if len(bodies) != 1:
         raise Unreadable(f"a body of {len(bodies)} solids")
     (body,) = bodies
@@ -68,19 +68,19 @@ def body_of(model: Model, element: Entity) -> Body:
 
 def body_representation(element: Entity) -> Entity:
     """The representation that holds the solid; its identifier is Body, or missing in old files."""
-    shape = argument(element, 6)
+    shape = element.values[6]
     if shape is None:
         raise Unreadable("no geometry")
-    candidates = [
+    candidates: list[Entity] = [
         r
-        for r in argument(shape, 2)
-        if argument(r, 1) not in _SKIPPED_REPRESENTATIONS
-        and argument(r, 2) not in _FLAT_TYPES
-        and argument(r, 3)
+        for r in shape.values[2]
+        if r.values[1] not in _SKIPPED_REPRESENTATIONS
+        and r.values[2] not in _FLAT_TYPES
+        and r.values[3]
     ]
     for wanted in ("Body", None, "", "Facetation", "Body-FallBack"):
         for one in candidates:
-            if argument(one, 1) == wanted:
+            if one.values[1] == wanted:
                 return one
     if candidates:
         return candidates[0]
@@ -93,23 +93,23 @@ def openings_of(model: Model, element: Entity) -> Iterator[Cutter]:
     if not voids:
         return
     for relation in voids:
-        opening = argument(relation, 5)
+        opening = relation.values[5]
         frame = relative_placement(model, element, opening)
-        if argument(opening, 6) is None:
+        if opening.values[6] is None:
             raise Unreadable(f"an opening {opening.GlobalId} without geometry")
-        guid = argument(opening, 0)
-        for item in argument(body_representation(opening), 3):
+        guid = opening.values[0]
+        for item in body_representation(opening).values[3]:
             yield from _solid_cutters(model, item, frame, guid)
 
 
 def relative_placement(model: Model, element: Entity, other: Entity) -> Frame:
     """Where `other` stands in the coordinates of `element`."""
-    mine, its = argument(element, 5), argument(other, 5)
+    mine, its = element.values[5], other.values[5]
     if its is not None and mine is not None and its.is_a("IfcLocalPlacement"):
-        relative = argument(its, 0)
+        relative = its.values[0]
         # Directly below the element the world's large numbers never come in.
-        if relative is not None and relative.id() == mine.id():
-            return model.axes(argument(its, 1))
+        if relative is mine:
+            return model.axes(its.values[1])
     return model.placement(mine).inverse().times(model.placement(its))
 
 
@@ -120,11 +120,11 @@ def _item(model: Model, item: Entity, frame: Frame, where: str | None) -> Body:
         return Body(_swept(model, item, frame), ())
     if item.is_a("IfcBooleanResult"):
         chain = []
-        seen = set[int]()
+        seen = set[Entity]()
         while item.is_a("IfcBooleanResult"):
-            if item.id() in seen:
+            if item in seen:
                 raise Unreadable("geometry that contains itself")
-            seen.add(item.id())
+            seen.add(item)
             if item.Operator != "DIFFERENCE":
                 raise Unreadable(f"a boolean {item.Operator}")
             chain.append(item.SecondOperand)
@@ -152,17 +152,17 @@ def _item(model: Model, item: Entity, frame: Frame, where: str | None) -> Body:
 
 def mapping(model: Model, item: Entity, frame: Frame) -> tuple[Frame, tuple[Entity, ...]]:
     """The frame of a mapped item's source and the source's items."""
-    source = argument(item, 0)
-    target = model.operator(argument(item, 1))
-    inner = frame.times(target).times(model.axes(argument(source, 0)))
-    return inner, argument(argument(source, 1), 3)
+    source = item.values[0]
+    target = model.operator(item.values[1])
+    inner = frame.times(target).times(model.axes(source.values[0]))
+    return inner, source.values[1].values[3]
 
 
 def _swept(model: Model, item: Entity, frame: Frame) -> Swept:
-    position = frame.times(model.axes(argument(item, 1)))
-    direction = unit(ratios(argument(item, 2)) or (0.0, 0.0, 1.0))
-    along = position.vector(scale(direction, argument(item, 3) * model.mm))
-    return Swept(argument(item, 0), position, along)
+    position = frame.times(model.axes(item.values[1]))
+    direction = unit(ratios(item.values[2]) or (0.0, 0.0, 1.0))
+    along = position.vector(scale(direction, item.values[3] * model.mm))
+    return Swept(item.values[0], position, along)
 
 
 def _solid_cutters(model: Model, item: Entity, frame: Frame, where: str | None) -> Iterator[Cutter]:
@@ -170,9 +170,8 @@ def _solid_cutters(model: Model, item: Entity, frame: Frame, where: str | None) 
     kind = item.is_a()
     if kind == "IfcExtrudedAreaSolid":
         swept = _swept(model, item, frame)
-        yield _drill(model, swept, where) or prism(
-            swept.frame, swept.along, outline_of(model, swept.profile), where
-        )
+        outline, hole = _cut_out(model, swept.profile)
+        yield prism(swept.frame, swept.along, outline, where, hole)
     elif kind == "IfcHalfSpaceSolid":
         yield _half_space(model, item, frame, where)
     elif kind == "IfcPolygonalBoundedHalfSpace":
@@ -180,7 +179,8 @@ def _solid_cutters(model: Model, item: Entity, frame: Frame, where: str | None) 
         position = frame.times(model.axes(item.Position))
         bound = outline_of_curve(model, item.PolygonalBoundary)
         start = Frame(position.point((0.0, 0.0, -FAR)), position.x, position.y)
-        yield Bounded(half, prism(start, scale(position.z, 2 * FAR), bound, where), where)
+        column = prism(start, scale(position.z, 2 * FAR), bound, where, hole_of(bound))
+        yield Bounded(half, column, where)
     elif kind == "IfcMappedItem":
         inner, source = mapping(model, item, frame)
         for one in source:
@@ -201,17 +201,14 @@ def _solid_cutters(model: Model, item: Entity, frame: Frame, where: str | None) 
         raise Unreadable(f"a cut by {kind}")
 
 
-def _drill(model: Model, swept: Swept, where: str | None) -> Prism | None:
-    """The cutter of a round hole, which most cuts are, without a look at its outline."""
-    profile, at = swept.profile, swept.frame
-    if profile.is_a() != "IfcCircleProfileDef":
-        return None
-    position = model.axes(argument(profile, 2))
-    radius = argument(profile, 3) * model.mm
-    centre = (position.o[0], position.o[1])
-    outline = Outline((Arc(centre, radius, 0.0, 360.0),))
-    frame = Frame(at.o, at.x, at.y, swept.along)
-    return Prism(frame, outline, where, Round(centre, 2 * radius))
+def _cut_out(model: Model, profile: Entity) -> tuple[Outline, Round | Slotted | None]:
+    """The outline of what is cut out, and the hole or slot that it is; worked out once."""
+    key = definition(profile)
+    known: tuple[Outline, Round | Slotted | None] | None = model.cut_outs.get(key)
+    if known is None:
+        outline = outline_of(model, profile)
+        known = model.cut_outs[key] = outline, hole_of(outline)
+    return known
 
 
 def _compound(model: Model, item: Entity, frame: Frame, where: str | None) -> Iterator[Cutter]:
@@ -252,9 +249,8 @@ def _primitive(model: Model, item: Entity, frame: Frame, where: str | None) -> P
     if item.is_a("IfcBlock"):
         x, y = item.XLength * mm, item.YLength * mm
         corner = Frame(position.point((x / 2, y / 2, 0.0)), position.x, position.y)
-        return prism(
-            corner, scale(position.z, item.ZLength * mm), Outline(rounded_box(x, y, 0.0)), where
-        )
+        up = scale(position.z, item.ZLength * mm)
+        return prism(corner, up, Outline(rounded_box(x, y, 0.0)), where, None)
     radius = item.Radius * mm
     outline = Outline((Arc((0.0, 0.0), radius, 0.0, 360.0),))
     along = scale(position.z, item.Height * mm)

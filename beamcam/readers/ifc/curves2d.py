@@ -2,9 +2,11 @@
 
 import itertools
 from math import degrees, hypot, pi
+from typing import Any
 
 from beamcam.geometry.curves import Arc, Curve, Line, Point
-from beamcam.readers.ifc.entities import Entity, Model, Unreadable, argument
+from beamcam.readers.ifc.entities import Entity, Model, Unreadable
+from beamcam.readers.ifc.step import Typed
 
 Chain = tuple[Curve, ...]
 SAME_POINT = 1e-4  #: mm between the end of a curve and the start of the next
@@ -38,17 +40,16 @@ def _curve(model: Model, entity: Entity) -> list[Curve]:
     kind = entity.is_a()
     if kind == "IfcPolyline":
         mm = model.mm
-        coordinates = [argument(p, 0) for p in argument(entity, 0)]
-        return _polyline([(c[0] * mm, c[1] * mm) for c in coordinates])
+        return _polyline([(c[0] * mm, c[1] * mm) for c in entity.values[0]])
     if kind == "IfcCompositeCurve" or entity.is_a("IfcCompositeCurve"):
         chain: list[Curve] = []
-        for segment in argument(entity, 0):
+        for segment in entity.values[0]:
             if segment.is_a("IfcReparametrisedCompositeCurveSegment") or not segment.is_a(
                 "IfcCompositeCurveSegment"
             ):
                 raise Unreadable(f"a curve segment {segment.is_a()}")
-            pieces = _curve(model, argument(segment, 2))
-            if not argument(segment, 1):
+            pieces = _curve(model, segment.values[2])
+            if not segment.values[1]:
                 pieces = [c.reversed() for c in reversed(pieces)]
             chain += pieces
         return chain
@@ -73,7 +74,7 @@ def _indexed(model: Model, entity: Entity) -> list[Curve]:
         return _polyline(points)
     chain: list[Curve] = []
     for segment in entity.Segments:
-        run = [points[i - 1] for i in segment.wrappedValue]
+        run = [points[i - 1] for i in segment.value]
         if segment.is_a("IfcArcIndex"):
             chain.append(arc_by_points(run[0], run[1], run[2]))
         else:
@@ -101,14 +102,14 @@ def _angle(x: float, y: float) -> float:
 
 
 def _trimmed(model: Model, entity: Entity) -> Curve:
-    basis = argument(entity, 0)
-    ends = [_trim(model, entity, trim) for trim in (argument(entity, 1), argument(entity, 2))]
+    basis = entity.values[0]
+    ends = [_trim(model, entity, trim) for trim in (entity.values[1], entity.values[2])]
     if basis.is_a("IfcLine"):
         return Line(*(_on_line(model, basis, end) for end in ends))
     if not basis.is_a("IfcCircle"):
         raise Unreadable(f"an outline by a trimmed {basis.is_a()}")
-    frame = model.axes(argument(basis, 0))
-    radius = argument(basis, 1) * model.mm
+    frame = model.axes(basis.values[0])
+    radius = basis.values[1] * model.mm
     angles = []
     for end in ends:
         if isinstance(end, float):
@@ -117,7 +118,7 @@ def _trimmed(model: Model, entity: Entity) -> Curve:
         dx, dy = end[0] - frame.o[0], end[1] - frame.o[1]
         angles.append(_angle(dx * frame.x[0] + dy * frame.x[1], dx * frame.y[0] + dy * frame.y[1]))
     start, end = angles
-    sense = argument(entity, 3)
+    sense = entity.values[3]
     turn = (end - start) % (2 * pi) if sense else -((start - end) % (2 * pi))
     if abs(turn) < 1e-9:
         turn = 2 * pi if sense else -2 * pi
@@ -125,10 +126,10 @@ def _trimmed(model: Model, entity: Entity) -> Curve:
     return Arc((frame.o[0], frame.o[1]), radius, degrees(start + tilt), degrees(turn))
 
 
-def _trim(model: Model, entity: Entity, trim: tuple[Entity, ...]) -> Point | float:
+def _trim(model: Model, entity: Entity, trim: tuple[Any, ...]) -> Point | float:
     """Where a curve is trimmed: a parameter, or a point if the file has one."""
-    points = [t for t in trim if t.is_a("IfcCartesianPoint")]
-    values = [float(t[0]) for t in trim if not t.is_a("IfcCartesianPoint")]
+    points = [t for t in trim if isinstance(t, tuple)]
+    values = [float(t.value) for t in trim if isinstance(t, Typed)]
     if values and (entity.MasterRepresentation != "CARTESIAN" or not points):
         return values[0]
     if points:
@@ -142,6 +143,6 @@ def _on_line(model: Model, basis: Entity, at: Point | float) -> Point:
         return at
     x, y, _ = model.point(basis.Pnt)
     vector = basis.Dir
-    dx, dy = vector.Orientation.DirectionRatios[:2]
+    dx, dy = vector.Orientation[:2]
     by = vector.Magnitude * model.mm * at / hypot(dx, dy)
     return x + dx * by, y + dy * by

@@ -45,6 +45,8 @@ class HalfSpace(Struct, frozen=True):
         return EVERYWHERE
 
     def moved(self, by: Frame) -> "HalfSpace":
+        if by.rigid:
+            return HalfSpace(by.point(self.point), by.vector(self.normal), self.where)
         # A normal goes with the two directions in its plane, so that scales and mirrors are right.
         a, b = _in_plane(self.normal)
         normal = unit(cross(by.vector(a), by.vector(b)))
@@ -222,12 +224,19 @@ class Less(Struct, frozen=True):
         return shape
 
 
-def prism(frame: Frame, along: Vec, outline: Outline, where: str | None) -> Prism:
+def prism(
+    frame: Frame, along: Vec, outline: Outline, where: str | None, hole: Round | Slotted | None
+) -> Prism:
     """The prism over an outline in the plane of `frame`, pushed by the vector `along`."""
+    return Prism(Frame(frame.o, frame.x, frame.y, along), outline, where, hole)
+
+
+def hole_of(outline: Outline) -> Round | Slotted | None:
+    """The hole or slot that an outline is; None if it is neither."""
     shape = None if outline.inner else shape_of(outline.outer)
     if isinstance(shape, Slotted) and shape.height > 0:
-        shape = None  # a cut-out with round corners, not a slot for a bolt
-    return Prism(Frame(frame.o, frame.x, frame.y, along), outline, where, shape)
+        return None  # a cut-out with round corners, not a slot for a bolt
+    return shape
 
 
 def _in_plane(normal: Vec) -> tuple[Vec, Vec]:

@@ -55,18 +55,16 @@ def _through_wall(
     source: Source,
 ) -> Hole | Slot | str | None:
     """The hole in one wall; None beside it, "open" where it is not whole."""
-    factor = size(cutter.frame.x)
     low, high = cutter.box
     q0, c0 = wall.split(low)
     q1, c1 = wall.split(high)
+    if c1 - wall.low < TOUCH or wall.high - c0 < TOUCH:  # most walls are not touched at all
+        return None
     deep = min(c1, wall.high) - max(c0, wall.low)
     if deep < TOUCH or q1 <= TOUCH or q0 >= wall.width - TOUCH:
         return None
-    x_low, x_high = (
-        max(min(e.x(*_yz(wall, q, wall.surface)) for q in (q0, q1)) for e in ends[0][:1]),
-        min(max(e.x(*_yz(wall, q, wall.surface)) for q in (q0, q1)) for e in ends[1][:1]),
-    )
-    if high[0] <= x_low or low[0] >= x_high:
+    stock = ends[0][0].c, ends[1][0].c  # the first planes are the stock's own, square ends
+    if high[0] <= stock[0] or low[0] >= stock[1]:
         return None
     along = unit(cutter.frame.z)
     lean = abs(dot(along, wall.direction))
@@ -75,13 +73,15 @@ def _through_wall(
     if lean < 1 - SQUARE * SQUARE / 2:
         angle = degrees(atan2((1 - lean * lean) ** 0.5, lean))
         raise Unreadable(f"a hole at {angle:.2f} degrees to face {wall.face}")
-    for q in (q0, q1):
-        for side, planes in zip((-1, 1), ends, strict=True):
-            edge = low[0] if side < 0 else high[0]
-            if any(side * edge > side * e.x(*_yz(wall, q, wall.surface)) - 1e-3 for e in planes):
+    for side, edge, planes in ((-1, low[0], ends[0]), (1, high[0], ends[1])):
+        for plane in planes:
+            slope = plane.b if wall.normal == "y" else plane.a
+            q = q1 if (slope < 0) == (side > 0) else q0  # where the plane comes nearest
+            if side * edge > side * plane.x(*_yz(wall, q, wall.surface)) - 1e-3:
                 return _beyond(side, (low[0], high[0]), (q0, q1), planes, wall)
     if q0 < 1e-3 or q1 > wall.width - 1e-3:
         return "open"
+    factor = size(cutter.frame.x)
     return _drilled(cutter, shape, factor, wall, section, (c0, c1), source)
 
 

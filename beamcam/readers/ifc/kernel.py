@@ -35,11 +35,14 @@ def build(model: Model, element: Entity) -> Built:
     settings.set("mesher-linear-deflection", CHORD)
     settings.set("mesher-angular-deflection", ANGLE)
     settings.set("weld-vertices", True)
+    file = _file_of(model)
     kernel: Any = ifcopenshell
     kernel.get_log()  # what earlier shapes left
-    with _buildable_slots(model):
+    with _buildable_slots(file):
         try:
-            shape: Any = geom.create_shape(settings, element, geometry_library="opencascade")
+            shape: Any = geom.create_shape(
+                settings, file.by_id(element.id()), geometry_library="opencascade"
+            )
         except RuntimeError as fault:
             raise Unreadable(f"no solid by the kernel ({fault})") from fault
     log = tuple(line for line in str(kernel.get_log()).splitlines() if line.strip())
@@ -63,11 +66,11 @@ def contains_itself(element: Entity) -> bool:
 
     The kernel follows such references until the process dies, so it is never given any.
     """
-    open_, done = set[int](), set[int]()
+    open_, done = set[Entity](), set[Entity]()
     stack: list[tuple[Any, bool]] = [(element, False)]
     while stack:
         entity, leave = stack.pop()
-        key = entity.id()
+        key = entity
         if leave:
             open_.discard(key)
             done.add(key)
@@ -76,7 +79,7 @@ def contains_itself(element: Entity) -> bool:
         elif key not in done:
             open_.add(key)
             stack.append((entity, True))
-            stack += [(each, False) for each in _referred(tuple(entity))]
+            stack += [(each, False) for each in _referred(entity.values)]
     return False
 
 
@@ -85,18 +88,30 @@ def _referred(values: tuple[Any, ...]) -> Iterator[Any]:
     for value in values:
         if isinstance(value, tuple):
             yield from _referred(value)
-        elif hasattr(value, "is_a") and value.id():
+        elif isinstance(value, Entity):
             yield value
 
 
+def _file_of(model: Model) -> Any:
+    """The model as the kernel reads it, once. Raises Unreadable if it does not."""
+    import ifcopenshell
+
+    if not model.kernel:
+        try:
+            model.kernel.append(ifcopenshell.file.from_string(model.data.decode("latin-1")))
+        except Exception as fault:  # the parser's own errors have no class of their own
+            raise Unreadable(f"a file that the kernel does not read ({fault})") from fault
+    return model.kernel[0]
+
+
 @contextmanager
-def _buildable_slots(model: Model) -> Iterator[None]:
+def _buildable_slots(file: Any) -> Iterator[None]:
     """Rounded rectangles whose radius is half of a side, a hair less round for the while.
 
     The kernel leaves such slots out of the solid without an error to its caller.
     """
     changed = []
-    for profile in model.file.by_type("IfcRoundedRectangleProfileDef"):
+    for profile in file.by_type("IfcRoundedRectangleProfileDef"):
         radius = profile.RoundingRadius
         if radius >= min(profile.XDim, profile.YDim) / 2 * ROUNDER:
             changed.append((profile, radius))

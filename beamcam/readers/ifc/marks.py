@@ -5,7 +5,8 @@ from collections.abc import Iterator
 
 from msgspec import Struct, field
 
-from beamcam.readers.ifc.entities import Entity, Model, argument
+from beamcam.readers.ifc.entities import Entity, Model
+from beamcam.readers.ifc.step import Typed
 
 Value = str | float
 
@@ -58,11 +59,11 @@ def data_of(model: Model, element: Entity) -> Data:
     """The property sets and quantities of an element, those of its type behind them."""
     found: dict[str, dict[str, Value]] = {}
     for definition in _definitions(element):
-        name = argument(definition, 2) or ""
+        name = definition.values[2] or ""
         if _SETS.search(name):
-            known = model.psets.get(definition.id())
+            known = model.psets.get(definition)
             if known is None:
-                known = model.psets[definition.id()] = dict(_values(model, definition))
+                known = model.psets[definition] = dict(_values(model, definition))
             found.setdefault(name, known)
     return Data(found)
 
@@ -70,17 +71,17 @@ def data_of(model: Model, element: Entity) -> Data:
 def _definitions(element: Entity) -> Iterator[Entity]:
     for relation in getattr(element, "IsDefinedBy", ()):
         if relation.is_a("IfcRelDefinesByProperties"):
-            definition = argument(relation, 5)
+            definition = relation.values[5]
             if definition.is_a("IfcPropertySetDefinition"):
                 yield definition
 
 
 def _values(model: Model, definition: Entity) -> Iterator[tuple[str, Value]]:
     if definition.is_a("IfcPropertySet"):
-        for one in argument(definition, 4):
-            if argument(one, 0) not in _WANTED:
-                continue
-            if one.is_a("IfcPropertySingleValue") and one.NominalValue is not None:
+        # Most properties are of no interest, and stay unread.
+        wanted = _wanted(model)
+        for one in (model.file.entity(n) for n in definition.listed if n in wanted):
+            if one.NominalValue is not None:
                 yield one.Name, _value(model, one.NominalValue)
     elif definition.is_a("IfcElementQuantity"):
         for one in definition.Quantities:
@@ -90,11 +91,20 @@ def _values(model: Model, definition: Entity) -> Iterator[tuple[str, Value]]:
                 yield one.Name, one.WeightValue * model.kilograms
 
 
-def _value(model: Model, value: Entity) -> Value:
-    raw = value.wrappedValue
-    if value.is_a() in ("IfcLengthMeasure", "IfcPositiveLengthMeasure"):
+def _wanted(model: Model) -> frozenset[str]:
+    """The records of properties of a single value that matter here, told by their first letters."""
+    if model.wanted is None:
+        opened = tuple(f"'{name}'" for name in _WANTED)
+        rows = model.file.records_of("IFCPROPERTYSINGLEVALUE")
+        model.wanted = frozenset(n for n, inner in rows.items() if inner.startswith(opened))
+    return model.wanted
+
+
+def _value(model: Model, value: Typed) -> Value:
+    raw = value.value
+    if value.is_a("IfcLengthMeasure") or value.is_a("IfcPositiveLengthMeasure"):
         return float(raw) * model.mm
-    if value.is_a() == "IfcMassMeasure":
+    if value.is_a("IfcMassMeasure"):
         return float(raw) * model.kilograms
     return float(raw) if isinstance(raw, (int, float)) and not isinstance(raw, bool) else str(raw)
 
@@ -152,9 +162,9 @@ def _type_of(element: Entity) -> Iterator[Entity]:
 
 
 def _material_name(model: Model, material: Entity) -> str:
-    known = model.materials.get(material.id())
+    known = model.materials.get(material)
     if known is None:
-        known = model.materials[material.id()] = _name_of(material)
+        known = model.materials[material] = _name_of(material)
     return known
 
 

@@ -1,19 +1,23 @@
-"""Opening a model: bytes, zipped or not, to an ifcopenshell file."""
+"""Opening a model: its bytes, zipped or not."""
 
 import io
 import re
 import zipfile
-from typing import Any
+
+from msgspec.structs import replace
 
 from beamcam.errors import Diagnostic, Source
 from beamcam.readers.ifc import rules
+from beamcam.readers.ifc.entities import Model, open_model
+from beamcam.readers.ifc.records import File
+from beamcam.readers.ifc.step import Malformed
 
 _SCHEMA = re.compile(rb"FILE_SCHEMA\s*\(\s*\(\s*'([^']*)'", re.IGNORECASE)
 _KNOWN = re.compile(r"IFC(2X3(_TC1)?|4|4X3(_ADD[12]|_TC1)?)$", re.IGNORECASE)
 
 
-def open_file(data: bytes, source: Source) -> Any | Diagnostic:
-    """The file of a model's bytes, or what is wrong with them."""
+def open_file(data: bytes, source: Source) -> Model | Diagnostic:
+    """The model of its bytes, or what is wrong with them."""
     if data.startswith(b"PK"):
         unzipped = _unzip(data)
         if unzipped is None:
@@ -30,16 +34,26 @@ def open_file(data: bytes, source: Source) -> Any | Diagnostic:
         return rules.SCHEMA.at(source, found=name)
     if re.search(rb"(?m)^\s*DATA\s*;", data) is None or b"END-ISO-10303-21" not in data[-4000:]:
         return rules.SYNTAX.at(source, found="a file that is cut short")
-    import ifcopenshell
-
-    from beamcam.readers.ifc.entities import open_model
-
     try:
-        file = ifcopenshell.file.from_string(data.decode("latin-1"))
-        open_model(file)  # a length unit that is not well formed makes all measures void
-        return file
-    except Exception as fault:  # the parser's own errors have no class of their own
+        # A length unit that is not well formed makes all measures void.
+        return open_model(File(text_of(data), _schema(name)), data)
+    except Malformed as fault:
+        return rules.SYNTAX.at(replace(source, line=fault.line), found=str(fault))
+    except (ArithmeticError, AttributeError, LookupError, TypeError, ValueError) as fault:
         return rules.SYNTAX.at(source, found=str(fault) or type(fault).__name__)
+
+
+def text_of(data: bytes) -> str:
+    """The text of a file; STEP is plain ASCII, and exporters that are not write UTF-8 or Latin."""
+    try:
+        return data.decode("utf-8")
+    except UnicodeDecodeError:
+        return data.decode("latin-1")
+
+
+def _schema(name: str) -> str:
+    """The schema by its bare name: IFC2X3, IFC4 or IFC4X3."""
+    return name.upper().split("_")[0]
 
 
 def _unzip(data: bytes) -> bytes | None:

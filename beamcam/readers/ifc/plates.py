@@ -29,10 +29,10 @@ class Plate(Struct, frozen=True):
 
 def plate_of(model: Model, element: Entity, profile: Entity, depth: float) -> Plate | None:
     """The plate that a profile pushed by `depth` is; None if it is a bar of that section."""
-    known = model.plates.get((profile.id(), round(depth, 4), element.is_a()))
+    known = model.plates.get((profile, round(depth, 4), element.is_a()))
     if known is None:
         known = _plate_of(model, element, profile, depth) or "bar"
-        model.plates[(profile.id(), round(depth, 4), element.is_a())] = known
+        model.plates[(profile, round(depth, 4), element.is_a())] = known
     return known if isinstance(known, Plate) else None
 
 

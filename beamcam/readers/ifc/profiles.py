@@ -11,7 +11,7 @@ from beamcam.model.part import ProfileCode
 from beamcam.readers.ifc.curves2d import Chain, chain_of, points_chain
 from beamcam.readers.ifc.entities import Entity, Model, Unreadable
 from beamcam.readers.ifc.section import Section, classify, placed, special
-from beamcam.readers.ifc.space import Frame
+from beamcam.readers.ifc.space import IDENTITY, Frame
 
 
 class Outline(Struct, frozen=True):
@@ -21,11 +21,19 @@ class Outline(Struct, frozen=True):
     inner: tuple[Chain, ...] = ()
 
 
+def definition(entity: Entity) -> Any:
+    """What two profile definitions of one form have in common: the numbers, but not the name."""
+    if entity.is_a("IfcParameterizedProfileDef"):
+        return entity.row.name, entity.values[2:]
+    return entity
+
+
 def section_of(model: Model, entity: Entity) -> Section:
     """The section of an IfcProfileDef. Raises Unreadable where it has none."""
-    known: Section | None = model.sections.get(entity.id())
+    key = definition(entity)
+    known: Section | None = model.sections.get(key)
     if known is None:
-        known = model.sections[entity.id()] = _section(model, entity)
+        known = model.sections[key] = _section(model, entity)
     return known
 
 
@@ -47,9 +55,10 @@ def _section(model: Model, entity: Entity) -> Section:
 
 def outline_of(model: Model, entity: Entity) -> Outline:
     """The outline of an IfcProfileDef, as exact curves. Raises Unreadable."""
-    known: Outline | None = model.outlines.get(entity.id())
+    key = definition(entity)
+    known: Outline | None = model.outlines.get(key)
     if known is None:
-        known = model.outlines[entity.id()] = _outline(model, entity)
+        known = model.outlines[key] = _outline(model, entity)
     return known
 
 
@@ -125,6 +134,8 @@ def _circle(radius: float) -> Chain:
 
 
 def _moved(chain: Chain, by: Frame) -> Chain:
+    if by is IDENTITY:
+        return chain
     matrix = ((by.x[0], by.y[0], by.o[0]), (by.x[1], by.y[1], by.o[1]))
     return tuple(c.transformed(matrix) for c in chain)
 

@@ -1,7 +1,9 @@
 """From a model's bytes to parts: candidates, selection, reading, checks, ledger."""
 
+import gc
 from collections import Counter
 from collections.abc import Iterator
+from contextlib import contextmanager
 from typing import Any
 
 from msgspec import Struct, field
@@ -14,7 +16,7 @@ from beamcam.model.part import Part, Profile
 from beamcam.readers.ifc import rules
 from beamcam.readers.ifc.body import Body, Swept, body_of
 from beamcam.readers.ifc.checks import check_data, check_kernel
-from beamcam.readers.ifc.entities import Entity, Model, Unreadable, open_model
+from beamcam.readers.ifc.entities import Entity, Model, Unreadable
 from beamcam.readers.ifc.finish import Shaped
 from beamcam.readers.ifc.geometric import read_kernel, read_shell
 from beamcam.readers.ifc.marks import (
@@ -60,11 +62,23 @@ def read_model(
     data: bytes, name: str, selection: Selection, options: Options, progress: Progress | None
 ) -> Reading:
     """As `beamcam.readers.ifc.read`."""
-    source = Source(name)
-    opened = open_file(data, source)
-    if isinstance(opened, Diagnostic):
-        return Reading("ifc", (), (opened,))
-    return _Run(open_model(opened), name, selection, options).read(progress)
+    with _collector_off():
+        opened = open_file(data, Source(name))
+        if isinstance(opened, Diagnostic):
+            return Reading("ifc", (), (opened,))
+        return _Run(opened, name, selection, options).read(progress)
+
+
+@contextmanager
+def _collector_off() -> Iterator[None]:
+    """No search for cycles meanwhile: it would walk all records of the model again and again."""
+    was_on = gc.isenabled()
+    gc.disable()
+    try:
+        yield
+    finally:
+        if was_on:
+            gc.enable()
 
 
 class _Run(Struct):
@@ -104,11 +118,11 @@ class _Run(Struct):
         names: tuple[str, ...] = CLASSES
         if "buildingelementproxy" in wanted or "proxy" in wanted:
             names = (*CLASSES, PROXY)
-        known = set()
+        known = set[Entity]()
         for name in names:
             for element in self.model.file.by_type(name):
-                if element.id() not in known:
-                    known.add(element.id())
+                if element not in known:
+                    known.add(element)
                     yield element
 
     def _whole_member(self, element: Entity) -> tuple[Part, Shaped] | None:
@@ -298,12 +312,12 @@ def _items_below(element: Entity) -> Iterator[Entity]:
         for representation in element.Representation.Representations:
             if representation.RepresentationIdentifier not in ("Axis", "Box", "FootPrint"):
                 todo += list(representation.Items)
-    seen = set[int]()
+    seen = set[Entity]()
     while todo:
         item = todo.pop()
-        if item.id() in seen:  # shared, or geometry that contains itself
+        if item in seen:  # shared, or geometry that contains itself
             continue
-        seen.add(item.id())
+        seen.add(item)
         yield item
         if item.is_a("IfcMappedItem"):
             todo += list(item.MappingSource.MappedRepresentation.Items)

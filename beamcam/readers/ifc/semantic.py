@@ -58,7 +58,19 @@ def read_swept(model: Model, element: Entity, body: Body, source: Source) -> Sha
     stock = stock_of(model, element, body.base)
     inverse = stock.frame.inverse()
     cutters = [c.moved(inverse) for c in body.cutters]
-    return in_place(cut(stock, cutters, source), stock.frame)
+    return in_place(_cut_once(model, stock, cutters, source), stock.frame)
+
+
+def _cut_once(model: Model, stock: Stock, cutters: Sequence[Cutter], source: Source) -> Shaped:
+    """As `cut`, for equal members once; a building has each of its pieces several times."""
+    if stock.outline is not None or any(c.where is not None for c in cutters):
+        return cut(stock, cutters, source)  # features that name their own opening are nobody else's
+    key = (stock.section, stock.x0, stock.x1, stock.hollows, tuple(cutters))
+    known: Shaped | None = model.members.get(key)
+    if known is None:
+        known = model.members[key] = cut(stock, cutters, source)
+        return known
+    return replace(known, features=tuple(replace(f, source=source) for f in known.features))
 
 
 def in_place(shaped: Shaped, frame: Frame) -> Shaped:

@@ -7,6 +7,7 @@ from msgspec import Struct
 Vec = tuple[float, float, float]
 
 ORIGIN: Vec = (0.0, 0.0, 0.0)
+RIGID = 1e-13  #: by which the axes of a rigid frame may be off 1 and off square, from rounding
 
 
 def add(a: Vec, b: Vec) -> Vec:
@@ -60,14 +61,11 @@ class Frame(Struct, frozen=True):
     y: Vec = (0.0, 1.0, 0.0)
     z: Vec = (0.0, 0.0, 1.0)
 
-    def vector(self, v: Vec) -> Vec:
+    def vector(self, vector: Vec) -> Vec:
         """A direction of this frame, in the frame that it stands in."""
-        x, y, z = self.x, self.y, self.z
-        return (
-            x[0] * v[0] + y[0] * v[1] + z[0] * v[2],
-            x[1] * v[0] + y[1] * v[1] + z[1] * v[2],
-            x[2] * v[0] + y[2] * v[1] + z[2] * v[2],
-        )
+        (ax, ay, az), (bx, by, bz), (cx, cy, cz) = self.x, self.y, self.z
+        u, v, w = vector
+        return ax * u + bx * v + cx * w, ay * u + by * v + cy * w, az * u + bz * v + cz * w
 
     def point(self, p: Vec) -> Vec:
         """A point of this frame, in the frame that it stands in."""
@@ -75,8 +73,27 @@ class Frame(Struct, frozen=True):
 
     def times(self, inner: "Frame") -> "Frame":
         """`inner`, which stands in this frame, in the frame that this one stands in."""
-        return Frame(
-            self.point(inner.o), self.vector(inner.x), self.vector(inner.y), self.vector(inner.z)
+        if self is IDENTITY or inner is IDENTITY:
+            return inner if self is IDENTITY else self
+        # Most of a model's arithmetic is here, and calls cost more than sums.
+        (ax, ay, az), (bx, by, bz), (cx, cy, cz) = self.x, self.y, self.z
+        x, y, z, o = [
+            (ax * u + bx * v + cx * w, ay * u + by * v + cy * w, az * u + bz * v + cz * w)
+            for u, v, w in (inner.x, inner.y, inner.z, inner.o)
+        ]
+        return Frame(add(self.o, o), x, y, z)
+
+    @property
+    def rigid(self) -> bool:
+        """Whether lengths and right angles are kept; a mirror keeps them too."""
+        x, y, z = self.x, self.y, self.z
+        return (
+            abs(dot(x, x) - 1.0) < RIGID
+            and abs(dot(y, y) - 1.0) < RIGID
+            and abs(dot(z, z) - 1.0) < RIGID
+            and abs(dot(x, y)) < RIGID
+            and abs(dot(y, z)) < RIGID
+            and abs(dot(z, x)) < RIGID
         )
 
     def inverse(self) -> "Frame":

@@ -7,7 +7,7 @@ from beamcam.errors import Source
 from beamcam.readers.ifc import Options, checks, kernel, read
 from beamcam.readers.ifc.kernel import Built, build
 from beamcam.readers.ifc.marks import Data
-from tests.unit.readers.ifc.models import Small
+from tests.unit.readers.ifc.models import Small, opened
 
 
 def drilled(**properties: str) -> Small:
@@ -40,11 +40,7 @@ def losing(monkeypatch: pytest.MonkeyPatch) -> None:
     """A kernel that loses every cut."""
 
     def lost(model: object, element: object) -> Built:
-        import ifcopenshell
-
-        from beamcam.readers.ifc.entities import open_model
-
-        other = open_model(ifcopenshell.file.from_string(solid().decode()))
+        other = opened(solid())
         return build(other, other.file.by_type("IfcBeam")[0])
 
     monkeypatch.setattr(kernel, "build", lost)

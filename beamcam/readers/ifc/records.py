@@ -1,0 +1,163 @@
+"""A model's entities: their attributes by name or place, and the relations between them."""
+
+from collections import defaultdict
+from collections.abc import Iterable
+from functools import partial
+from typing import Any
+
+from beamcam.readers.ifc.schema import Row, rows
+from beamcam.readers.ifc.step import Malformed, Tokens, Values, records, tidy
+from beamcam.readers.ifc.tuples import KINDS, tuples
+
+# A relation's attributes 4 and 5 are its two sides; this is the side that an element stands on.
+_SIDES = {
+    "HasOpenings": (("IfcRelVoidsElement",), 4),
+    "IsDefinedBy": (("IfcRelDefinesByProperties", "IfcRelDefinesByType"), 4),
+    "IsTypedBy": (("IfcRelDefinesByType",), 4),
+    "HasAssociations": (("IfcRelAssociatesMaterial",), 4),
+    "Decomposes": (("IfcRelAggregates", "IfcRelNests"), 5),
+}
+
+
+class Entity:
+    """A record of the file. Its values are read from the text when one is first asked for.
+
+    `beam.Tag` is an attribute by its name, `beam.values[7]` the same by its place, which is
+    faster; `beam.HasOpenings` are the relations that refer to it.
+    """
+
+    __slots__ = ("file", "name", "row", "values")
+
+    file: "File"
+    name: str  #: #12
+    row: Row
+    values: tuple[Any, ...]
+
+    def __init__(self, file: "File", name: str) -> None:
+        self.file = file
+        self.name = name
+
+    def id(self) -> int:
+        """Its number, by which the geometry kernel knows it."""
+        return int(self.name[1:])
+
+    def is_a(self, name: str | None = None) -> Any:
+        """The entity's class; or whether it is of a class, be it as a subtype."""
+        return self.row.name if name is None else name in self.row.kinds
+
+    def __getitem__(self, index: int) -> Any:
+        return self.values[index]
+
+    def __len__(self) -> int:
+        return len(self.values)
+
+    def __getattr__(self, name: str) -> Any:
+        # Called for what has no value yet: the two slots that are filled late, and attributes.
+        if name in ("values", "row"):
+            self.row, self.values = self.file.parsed(self.name)
+            return self.row if name == "row" else self.values
+        place = self.row.places.get(name)
+        if place is not None:
+            return self.values[place]
+        if name in _SIDES:
+            return self.file.relations(name).get(self, ())
+        raise AttributeError(f"{self.row.name} has no {name}")
+
+    @property
+    def listed(self) -> list[str]:
+        """The names in its last value, which is a list of references, without a look at them."""
+        inner = self.file.inner(self.name)
+        return inner[inner.rfind("(") + 1 : -1].split(",")
+
+    def __repr__(self) -> str:
+        return f"{self.name}=({self.file.inner(self.name)})"
+
+
+class File:
+    """A model's records, with its schema; an entity is made when it is first referred to.
+
+    Points, directions and placements are no entities but tuples; see tuples.py.
+    """
+
+    def __init__(self, text: str, schema: str) -> None:
+        """Raises Malformed if the text is no STEP file."""
+        self.schema = schema  #: IFC2X3, IFC4 or IFC4X3
+        self._records = records(tidy(text))
+        self._rows = rows(schema)
+        self._names = self._by_kind()
+        known = tuples({kind: self.records_of(kind) for kind in KINDS})
+        # Where some point, direction or placement is written in an unusual way, each is looked at.
+        usual = len(known) == sum(len(self._names.get(kind, ())) for kind in KINDS)
+        self.tokens = Tokens(known, partial(Entity, self) if usual else self._entity)
+        self._relations: dict[str, dict[Entity, list[Entity]]] = {}
+
+    def _entity(self, name: str) -> Any:
+        """What stands for a name among values; a missing entity fails when it is looked at."""
+        made = Entity(self, name)
+        if self._records.kinds.get(name, "").upper() in KINDS:
+            values = made.values
+            return values if made.is_a("IfcPlacement") else tuple(map(float, values[0]))
+        return made
+
+    def entity(self, name: str) -> Entity:
+        """The entity of a name."""
+        found: Entity = self.tokens[name]
+        return found
+
+    def inner(self, name: str) -> str:
+        """The text in a record's brackets. Raises LookupError if there is none of that name."""
+        inner = self._records.inner.get(name)
+        if inner is None:
+            raise LookupError(f"a reference to {name}, which is not in the file")
+        if inner[-1:] != ")":
+            inner = inner.rstrip()
+            if inner[-1:] != ")":
+                raise Malformed(f"{inner[:40]!r} as the values of {name}")
+        return inner[:-1]
+
+    def parsed(self, name: str) -> tuple[Row, Values]:
+        """What the schema says of a record, and its values. Raises LookupError, and Malformed."""
+        values = self.tokens.values(self.inner(name))
+        kind = self._records.kinds[name]
+        row = self._rows.get(kind) or self._rows.get(kind.upper())
+        return row or Row(kind, frozenset((kind,)), {}), values
+
+    def records_of(self, kind: str) -> dict[str, str]:
+        """What is behind the opening brackets of the records of one class, by their names."""
+        names, inner = self._names.get(kind, ()), self._records.inner
+        return {name: inner[name] for name in names}
+
+    def by_type(self, name: str) -> list[Entity]:
+        """The entities of a class and of its subtypes, in the order of the file."""
+        kinds = [kind for kind, row in self._rows.items() if name in row.kinds]
+        lists = [self._names[kind] for kind in kinds if kind in self._names]
+        if len(lists) == 1:
+            return [self.entity(n) for n in lists[0]]
+        order = {n for one in lists for n in one}
+        return [self.entity(n) for n in self._records.kinds if n in order] if order else []
+
+    def _by_kind(self) -> dict[str, list[str]]:
+        """The names of all records by their class."""
+        found: dict[str, list[str]] = defaultdict(list)
+        for name, kind in self._records.kinds.items():
+            found[kind].append(name)
+        for kind in [k for k in found if k != k.upper()]:  # the rare file has small letters
+            found[kind.upper()] += found.pop(kind)
+        return found
+
+    def relations(self, name: str) -> dict[Entity, list[Entity]]:
+        """The relations of a kind by the entity that stands on the near side."""
+        known = self._relations.get(name)
+        if known is None:
+            known = self._relations[name] = self._related(*_SIDES[name])
+        return known
+
+    def _related(self, classes: Iterable[str], side: int) -> dict[Entity, list[Entity]]:
+        found: dict[Entity, list[Entity]] = defaultdict(list)
+        for name in classes:
+            for relation in self.by_type(name):
+                near = relation.values[side]
+                for one in near if isinstance(near, tuple) else (near,):
+                    if isinstance(one, Entity):
+                        found[one].append(relation)
+        return dict(found)

@@ -1,0 +1,49 @@
+"""What the schemas say of the entities that the reader knows: attributes and supertypes."""
+
+from functools import cache
+from importlib.resources import files
+
+from msgspec import Struct
+
+
+class Row(Struct, frozen=True):
+    """An entity of a schema."""
+
+    name: str  #: IfcBeam
+    kinds: frozenset[str]  #: its name and those of its supertypes
+    places: dict[str, int]  #: of its attributes among its values
+
+
+@cache
+def rows(schema: str) -> dict[str, Row]:
+    """The entities of IFC2X3, IFC4 or IFC4X3 by their names in capitals."""
+    drawn = dict(_sections()["IFC4"])
+    drawn.update(_sections()[schema])
+    found: dict[str, Row] = {}
+
+    def row(name: str) -> Row:
+        known = found.get(name.upper())
+        if known is None:
+            parent, own = drawn[name]
+            above = row(parent) if parent != "-" else Row("", frozenset(), {})
+            first = len(above.places)
+            places = above.places | {own[i]: first + i for i in range(len(own))}
+            known = found[name.upper()] = Row(name, above.kinds | {name}, places)
+        return known
+
+    for name in drawn:
+        row(name)
+    return found
+
+
+@cache
+def _sections() -> dict[str, dict[str, tuple[str, tuple[str, ...]]]]:
+    """Supertype and own attributes by name; of each schema what IFC4 has not alike."""
+    sections: dict[str, dict[str, tuple[str, tuple[str, ...]]]] = {}
+    for line in files(__package__).joinpath("schema.txt").read_text("ascii").splitlines():
+        if line.startswith("["):
+            section = sections.setdefault(line.strip("[]"), {})
+        elif line and not line.startswith("#"):
+            name, parent, *own = line.split()
+            section[name] = (parent, tuple(own))
+    return sections
