@@ -19,7 +19,7 @@ class Severity(Enum):
     ERROR = "error"
 
 
-class Source(Struct, frozen=True):
+class Source(Struct, frozen=True, gc=False):
     """The place in an input that a feature, an operation or a message comes from."""
 
     file: str

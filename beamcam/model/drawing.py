@@ -8,7 +8,7 @@ from collections.abc import Iterable
 
 from msgspec import Struct
 
-from beamcam.geometry.curves import Bezier, BSpline, Curve
+from beamcam.geometry.curves import Arc, Bezier, BSpline, Curve, Line
 from beamcam.geometry.plane import Box, Point, box_around
 from beamcam.model.lengths import total_length
 
@@ -35,33 +35,41 @@ class Measures(Struct, frozen=True):
 def extent(curves: Iterable[Curve]) -> Box | None:
     """The least box around all curves; None if there are none.
 
-    A free curve lies inside the hull of its control points, so that its turning points are
-    looked for only where the hull reaches beyond the box that is known already.
+    An arc lies inside the box around its circle and a free curve inside the hull of its control
+    points, so that their turning points are looked for only where these reach beyond the box that
+    is known already.
     """
-    box: Box | None = None
+    points: list[Point] = []
+    arcs: list[Arc] = []
     free: list[Bezier | BSpline] = []
     for curve in curves:
-        if isinstance(curve, Bezier | BSpline):
+        if isinstance(curve, Line):
+            points += (curve.start, curve.end)
+        elif isinstance(curve, Arc):
+            arcs.append(curve)
+        elif isinstance(curve, Bezier | BSpline):
             free.append(curve)
-            ends = curve_ends(curve)
-            box = _joined(box, box_around(ends))
+            points += (curve.start, curve.end)
         else:
-            box = _joined(box, curve.bbox)
+            x0, y0, x1, y1 = curve.bbox
+            points += ((x0, y0), (x1, y1))
+    box = box_around(points) if points else None
+    for arc in arcs:
+        (x, y), r = arc.centre, arc.radius
+        if not _holds(box, (x - r, y - r, x + r, y + r)):
+            box = _joined(box, arc.bbox)
     for curve in free:
-        assert box is not None
         hull = box_around(curve.points if isinstance(curve, Bezier) else curve.control)
-        if _joined(box, hull) != box:
+        if not _holds(box, hull):
             box = _joined(box, curve.bbox)
     return box
 
 
-def curve_ends(curve: Curve) -> tuple[Point, Point]:
-    """Start and end; those of a clamped spline without taking it apart."""
-    if isinstance(curve, BSpline):
-        degree, knots = curve.degree, curve.knots
-        if knots[1] == knots[degree] and knots[-2] == knots[-1 - degree]:
-            return curve.control[0], curve.control[-1]
-    return curve.start, curve.end
+def _holds(box: Box | None, other: Box) -> bool:
+    if box is None:
+        return False
+    low = box[0] <= other[0] and box[1] <= other[1]
+    return low and other[2] <= box[2] and other[3] <= box[3]
 
 
 def _joined(first: Box | None, second: Box) -> Box:

@@ -125,7 +125,7 @@ class Notch(Struct, frozen=True):
     radius: float
 
 
-class Contour(Struct, frozen=True):
+class Contour(Struct, frozen=True, gc=False):
     """A chain of curves on a face; outer ones run counter-clockwise seen from outside."""
 
     face: Face
