@@ -1,7 +1,7 @@
 """What the readers of drawings share: units of length, contours, and the part that holds them."""
 
 import re
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from difflib import get_close_matches
 from itertools import pairwise
 from math import hypot
@@ -10,7 +10,7 @@ from pathlib import PurePath
 from beamcam.errors import Diagnostic, Source
 from beamcam.geometry.conics import direction_deg
 from beamcam.geometry.curves import Arc, Curve, EllipseArc, Line
-from beamcam.model.drawing import Measures, curve_ends, extent
+from beamcam.model.drawing import Measures, extent
 from beamcam.model.part import Contour, Part, Profile
 from beamcam.readers.drawing.rules import LAYER_OPTION
 
@@ -53,12 +53,11 @@ def split_length(text: str) -> tuple[float, str]:
     return float(found[1]), found[2].lower()
 
 
-def joined(curves: Iterable[Curve]) -> bool:
+def joined(chain: Sequence[Curve]) -> bool:
     """Whether the end of a chain is its start."""
-    chain = tuple(curves)
     if not chain:
         return False
-    (x0, y0), (x1, y1) = curve_ends(chain[0])[0], curve_ends(chain[-1])[1]
+    (x0, y0), (x1, y1) = chain[0].start, chain[-1].end
     return hypot(x1 - x0, y1 - y0) <= ONE_POINT
 
 

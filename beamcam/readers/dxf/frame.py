@@ -7,7 +7,11 @@ from msgspec import Struct
 from beamcam.geometry.plane import Matrix, Point
 
 Vector = tuple[float, float, float]
+Axes = tuple[Vector, Vector, Vector]  #: x, y and z of a plane, each of length 1
 Row = tuple[float, float, float, float]  #: x' = a x + b y + c z + d
+
+#: The axes of a plane that is seen from above, as the drawing is.
+FROM_ABOVE: Axes = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
 
 
 class Frame(Struct, frozen=True):
@@ -18,11 +22,15 @@ class Frame(Struct, frozen=True):
     z: Row
 
     def height(self, v: Vector) -> float:
-        return _value(self.z, v)
+        x, y, z = v
+        a, b, c, d = self.z
+        return a * x + b * y + c * z + d
 
     def point(self, v: Vector) -> Point:
         """Where a point comes to lie, seen from above."""
-        return _value(self.x, v), _value(self.y, v)
+        x, y, z = v
+        (a, b, c, d), (e, f, g, h) = self.x, self.y
+        return a * x + b * y + c * z + d, e * x + f * y + g * z + h
 
     def vector(self, v: Vector) -> Point:
         """The image of a direction, seen from above."""
@@ -39,11 +47,24 @@ class Frame(Struct, frozen=True):
 
         return Frame(composed(self.x), composed(self.y), composed(self.z))
 
-    def plane(self, ux: Vector, uy: Vector, uz: Vector, elevation: float) -> Matrix:
-        """The map of the plane that `ux` and `uy` span at `elevation` along `uz`, to mm."""
+    def plane(self, axes: Axes, elevation: float) -> Matrix:
+        """The map of the plane of the first two axes at `elevation` along the third, to mm."""
+        ux, uy, uz = axes
         base = (uz[0] * elevation, uz[1] * elevation, uz[2] * elevation)
         x, y = ((_slope(row, ux), _slope(row, uy), _value(row, base)) for row in (self.x, self.y))
         return x, y
+
+
+def in_world(axes: Axes, point: Vector) -> Vector:
+    """A point of an entity's own plane in the coordinates of the drawing."""
+    if axes is FROM_ABOVE:
+        return point
+    (ux, uy, uz), (x, y, z) = axes, point
+    return (
+        ux[0] * x + uy[0] * y + uz[0] * z,
+        ux[1] * x + uy[1] * y + uz[1] * z,
+        ux[2] * x + uy[2] * y + uz[2] * z,
+    )
 
 
 def scaled(mm: float) -> Frame:

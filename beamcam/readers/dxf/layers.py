@@ -4,13 +4,22 @@ from typing import Any
 
 from msgspec import Struct, field
 
-from beamcam.readers.dxf.load import Document
+Document = Any  #: of ezdxf, which publishes no types that mypy can follow
 
 # Values of group 62. Source: Autodesk DXF reference, "Common group codes for entities".
 BYBLOCK, BYLAYER = 0, 256
 
 #: The colour of what says none anywhere: number 7, white on a dark screen.
 WHITE = "#ffffff"
+
+
+class Attributes(Struct, frozen=True):
+    """What an entity says itself about how it shows."""
+
+    layer: str = "0"
+    colour: int = BYLAYER  #: number in AutoCAD's palette, or one of the two above
+    true_colour: int | None = None  #: 0xrrggbb
+    invisible: bool = False  #: group 60
 
 
 class Look(Struct, frozen=True):
@@ -32,16 +41,13 @@ class Layers(Struct):
     def names(self) -> tuple[str, ...]:
         return tuple(layer.dxf.name for layer in self.document.layers)
 
-    def look(self, entity: Any, above: Look, inside: bool) -> Look:
-        """How `entity` shows below `above`; `inside` tells whether it stands in a block.
+    def look(self, said: Attributes, above: Look, inside: bool) -> Look:
+        """How what says `said` shows below `above`; `inside` tells whether it stands in a block.
 
         In a block, layer 0 stands for the layer of the insert, and BYBLOCK for its colour.
         """
-        layer = entity.dxf.layer
-        if inside and layer == "0":
-            layer = above.layer
-        invisible = above.invisible or bool(entity.dxf.get("invisible", 0))
-        return Look(layer, self._colour(entity, layer, above), invisible)
+        layer = above.layer if inside and said.layer == "0" else said.layer
+        return Look(layer, self._colour(said, layer, above), above.invisible or said.invisible)
 
     def hides(self, look: Look) -> bool:
         """Whether what looks so is not read: off, frozen, not plotting, Defpoints, not chosen."""
@@ -66,11 +72,10 @@ class Layers(Struct):
         """The layer's entry; None where an entity names a layer that the table has not."""
         return self.document.layers.get(name) if self.document.layers.has_entry(name) else None
 
-    def _colour(self, entity: Any, layer: str, above: Look) -> str:
-        true_colour = entity.dxf.get("true_color")
-        if true_colour is not None:
-            return _hex(true_colour)
-        number = abs(entity.dxf.get("color", BYLAYER))
+    def _colour(self, said: Attributes, layer: str, above: Look) -> str:
+        if said.true_colour is not None:
+            return _hex(said.true_colour)
+        number = abs(said.colour)
         if number == BYBLOCK:
             return above.colour
         if number == BYLAYER or number > 255:
@@ -88,6 +93,14 @@ class Layers(Struct):
             else:
                 self._colours[key] = colour_of_number(abs(layer.dxf.get("color", 7)))
         return self._colours[key]
+
+
+def attributes_of(entity: Any) -> Attributes:
+    """What an entity of ezdxf says about how it shows."""
+    dxf = entity.dxf
+    return Attributes(
+        dxf.layer, dxf.get("color", BYLAYER), dxf.get("true_color"), bool(dxf.get("invisible", 0))
+    )
 
 
 def colour_of_number(number: int) -> str:

@@ -3,18 +3,16 @@
 import io
 import logging
 import re
-from typing import Any
 
 from msgspec import Struct
 
 from beamcam.errors import Diagnostic, ReadError, Source
 from beamcam.readers.dxf import rules
+from beamcam.readers.dxf.bulk import Run, Taken, take_plain
+from beamcam.readers.dxf.layers import Document
 
 #: Without a handler, Python would print what ezdxf logs.
 _SILENT = logging.NullHandler()
-
-#: What ezdxf calls a document; it publishes no types that mypy can follow.
-Document = Any
 
 BINARY_MARK = b"AutoCAD Binary DXF\r\n\x1a\x00"
 _DWG = re.compile(rb"AC1\.\d|AC10\d\d")
@@ -22,12 +20,16 @@ _START = re.compile(rb"(?:\s*999[^\r\n]*[\r\n]+[^\r\n]*[\r\n]+)*\s*0\s*[\r\n]+\s
 # Group 5 holds the handle of an entity, a hexadecimal number; R12 may go without.
 _HANDLE = re.compile(rb"[\r\n][ \t]*5[ \t]*(?:\r\n|\r|\n)[ \t]*[0-9A-Fa-f]+[ \t]*[\r\n]")
 
+_EOF = re.compile(rb"[\r\n][ \t]*0[ \t]*(?:\r\n|\r|\n)[ \t]*EOF[ \t]*(?:[\r\n\x1a\x00]|\Z)")
+NEAR_THE_END = 1000  #: bytes in which EOF is looked for first; nearly all files have it there
+
 
 class Loaded(Struct, frozen=True):
     """A document and what is to be said about how it was read."""
 
     document: Document
     handles: bool  #: whether the file names its entities; ezdxf invents names where it does not
+    runs: tuple[Run, ...] = ()  #: what stood at the markers in the document
     remarks: tuple[Diagnostic, ...] = ()
 
 
@@ -46,17 +48,20 @@ def load(data: bytes, source: Source) -> Loaded:
     if _DWG.match(data):
         raise ReadError(rules.DWG.at(source, found=data[:6].decode("ascii")))
     remarks = _check_end(data, source)
+    handles = is_binary(data) or bool(_HANDLE.search(data))
+    document: Document
+    runs: tuple[Run, ...]
     logging.getLogger("ezdxf").addHandler(_SILENT)
     try:
-        document = _load_binary(data) if is_binary(data) else _load_text(data)
+        document, runs = (_load_binary(data), ()) if is_binary(data) else _load_text(data, handles)
     # ezdxf lets errors of every kind pass through for damaged files (ValueError, KeyError,
     # AttributeError of half-read entities): whatever it is, the file is not sound.
     except Exception as error:
         if is_binary(data):
             raise ReadError(rules.STRUCTURE.at(source, found=_said(error))) from error
         document, repair = _recover(data, source, error)
-        remarks += (repair,)
-    return Loaded(document, is_binary(data) or bool(_HANDLE.search(data)), remarks)
+        remarks, runs = (*remarks, repair), ()
+    return Loaded(document, handles, runs, remarks)
 
 
 def _check_end(data: bytes, source: Source) -> tuple[Diagnostic, ...]:
@@ -71,7 +76,7 @@ def _check_end(data: bytes, source: Source) -> tuple[Diagnostic, ...]:
         if data.rstrip(b"\x00\x1a\r\n").endswith(b"EOF"):
             return ()
         raise ReadError(rules.TRUNCATED.at(source, found="binary data"))
-    if re.search(rb"[\r\n][ \t]*0[ \t]*(?:\r\n|\r|\n)[ \t]*EOF[ \t]*(?:[\r\n\x1a\x00]|\Z)", data):
+    if _EOF.search(data, max(0, len(data) - NEAR_THE_END)) or _EOF.search(data):
         return ()
     last = data.rstrip().splitlines()[-1:] or [b""]
     if last[0].strip() == b"ENDSEC":
@@ -79,12 +84,30 @@ def _check_end(data: bytes, source: Source) -> tuple[Diagnostic, ...]:
     raise ReadError(rules.TRUNCATED.at(source, found=last[0].decode("latin-1").strip()))
 
 
-def _load_text(data: bytes) -> Document:
+def _load_text(data: bytes, handles: bool) -> tuple[Document, tuple[Run, ...]]:
+    """The document, without the plain entities of model space where they can be taken apart."""
     from ezdxf.filemanagement import dxf_stream_info, read
 
     data = data.removeprefix(b"\xef\xbb\xbf")
     info = dxf_stream_info(_text(data, "utf-8", "ignore"))
-    return read(_text(data, info.encoding, "surrogateescape"))
+    text = _text(data, info.encoding, "surrogateescape").read()
+    taken = take_plain(text, info.version, handles)
+    document = _rest(taken, info.version) if taken is not None else None
+    if taken is None or document is None:
+        return read(io.StringIO(text)), ()
+    return document, taken.runs
+
+
+def _rest(taken: Taken, version: str) -> Document | None:
+    """The document of what plain entities leave; None if these are not all of model space's."""
+    from ezdxf.filemanagement import read
+
+    try:
+        document = read(io.StringIO(taken.rest))
+    except Exception:  # the file is not sound: ezdxf shall say so of the whole of it
+        return None
+    owners = {document.modelspace().layout_key}
+    return document if document.loaded_dxfversion == version and taken.owners <= owners else None
 
 
 def _text(data: bytes, encoding: str, errors: str) -> io.TextIOWrapper:

@@ -47,7 +47,8 @@ def read(
     said += loaded.remarks
     chosen = Layers(loaded.document, frozenset(n.lower() for n in layers) or None)
     said += unknown_layers(chosen.names(), layers, source)
-    walk = Walk(name, chosen, loaded.handles, frozenset(n.lower() for n in fit))
+    newton = frozenset(n.lower() for n in fit)
+    walk = Walk(name, chosen, loaded.handles, iter(loaded.runs), newton)
     try:
         walk.entities(loaded.document.modelspace(), scaled(unit.mm), Look(), ())
     except ReadError as error:

@@ -12,7 +12,8 @@ from beamcam.errors import Diagnostic, Source
 from beamcam.readers.drawing import MM_PER_UNIT
 from beamcam.readers.drawing.rules import UNITS_OPTION
 from beamcam.readers.dxf import rules
-from beamcam.readers.dxf.load import Document, is_binary
+from beamcam.readers.dxf.layers import Document
+from beamcam.readers.dxf.load import is_binary
 
 #: Name and mm of the values of $INSUNITS. Source: Autodesk DXF reference, HEADER section. Those
 #: of astronomy (17 to 20) are left out.

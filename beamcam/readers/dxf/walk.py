@@ -1,7 +1,7 @@
 """Every entity of model space, inserts opened, sorted into what is read and what is not."""
 
 from collections import Counter
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable, Iterator
 from typing import Any
 
 from msgspec import Struct, field
@@ -11,18 +11,11 @@ from beamcam.geometry.curves import Curve
 from beamcam.model.part import Contour
 from beamcam.readers.drawing import as_contour
 from beamcam.readers.dxf import rules
-from beamcam.readers.dxf.curves import (
-    CURVES,
-    Chain,
-    EdgeOnError,
-    Heights,
-    by_fit_points,
-    check_finite,
-    is_curve,
-    through_fit_points,
-)
+from beamcam.readers.dxf.bulk import MARKER, Run
+from beamcam.readers.dxf.curves import BY_VALUES, Chain, EdgeOnError, Heights, check_finite
+from beamcam.readers.dxf.entities import CURVES, by_fit_points, is_curve, through_fit_points
 from beamcam.readers.dxf.frame import Frame
-from beamcam.readers.dxf.layers import Layers, Look
+from beamcam.readers.dxf.layers import Attributes, Layers, Look, attributes_of
 
 #: More copies of blocks than this are a damaged number, or blocks that multiply each other.
 MOST_COPIES = 20_000
@@ -54,6 +47,7 @@ class Walk(Struct):
     name: str
     layers: Layers
     handles: bool  #: whether entities have names of their own
+    runs: Iterator[Run] = iter(())  #: the plain entities that stand at the markers
     newton: frozenset[str] = frozenset()  #: layers whose fit points are nodes of polynomials
     found: Collected = field(default_factory=Collected)
     _seen: Counter[str] = field(default_factory=Counter)
@@ -67,12 +61,15 @@ class Walk(Struct):
 
         for entity in entities:
             kind = entity.dxftype()
-            source = self._source(entity, kind)
+            if kind == MARKER:
+                self._run(next(self.runs), frame)
+                continue
+            source = self._source(kind, entity.dxf.get("handle"))
             try:
                 if kind == "INSERT":
                     self._insert(entity, source, frame, above, blocks)
                 elif is_curve(entity):
-                    look = self.layers.look(entity, above, bool(blocks))
+                    look = self.layers.look(attributes_of(entity), above, bool(blocks))
                     self._curve(entity, source, frame, look)
                 elif kind not in _STRUCTURE and not (blocks and kind == "ATTDEF"):
                     self._count(entity, kind, above, bool(blocks))
@@ -80,10 +77,10 @@ class Walk(Struct):
             except (DXFError, *_BAD_NUMBERS, AttributeError) as error:
                 self._say_entity(source, kind, error)
 
-    def _source(self, entity: Any, kind: str) -> Source:
+    def _source(self, kind: str, handle: str | None) -> Source:
         """The entity's handle, or else its kind and number in the order of reading."""
         if self.handles:
-            return Source(self.name, None, entity.dxf.get("handle"))
+            return Source(self.name, None, handle)
         self._seen[kind] += 1
         return Source(self.name, None, f"{kind} {self._seen[kind]}")
 
@@ -93,49 +90,79 @@ class Walk(Struct):
 
     def _count(self, entity: Any, kind: str, above: Look, inside: bool) -> None:
         """Count what is no curve, unless it is hidden anyway."""
-        if not self.layers.hides(self.layers.look(entity, above, inside)):
+        if not self.layers.hides(self.layers.look(attributes_of(entity), above, inside)):
             self.found.not_cut[kind] += 1
+
+    def _run(self, run: Run, frame: Frame) -> None:
+        """Sort plain entities, which stand in model space."""
+        said: Attributes | None = None
+        for plain in run:
+            if plain.says is not said:
+                said = plain.says
+                look = self.layers.look(said, Look(), False)
+                hidden = self.layers.hides(look)
+            kind = plain.kind
+            self._sort(
+                kind,
+                self._source(kind, plain.handle),
+                look,
+                hidden,
+                BY_VALUES[kind],
+                frame,
+                plain.values,
+            )
 
     def _curve(self, entity: Any, source: Source, frame: Frame, look: Look) -> None:
         kind = entity.dxftype()
-        heights: Heights = []
+        polynomial = by_fit_points(entity) > 0 and look.layer.lower() in self.newton
+        read = through_fit_points if polynomial else CURVES[kind]
         hidden = self.layers.hides(look)
-        try:
-            polynomial = by_fit_points(entity) > 0 and look.layer.lower() in self.newton
-            chains = self._chains(entity, kind, frame, heights, polynomial)
-        except EdgeOnError:
-            if not hidden:
-                self.found.edge_on[kind] += 1
-            return
-        except _BAD_NUMBERS as error:
-            if not hidden:
-                self._say_entity(source, kind, error)
-            return
-        if hidden:
-            self.found.hidden += (curve for chain in chains for curve in chain)
-            self.found.hidden_on[look.layer] += 1
-            return
-        self.found.heights += heights
-        for chain in chains:
-            self.found.contours.append(as_contour(chain, source, look.layer, look.colour))
-        if chains and not polynomial and (count := by_fit_points(entity)):
+        seen = self._sort(kind, source, look, hidden, read, frame, (entity,))
+        if seen and not polynomial and (count := by_fit_points(entity)):
             self.found.said.append(rules.FIT_SPLINE.at(source, count=count))
 
-    def _chains(
-        self, entity: Any, kind: str, frame: Frame, heights: Heights, polynomial: bool
-    ) -> list[Chain]:
-        read = through_fit_points if polynomial else CURVES[kind]
-        chains = read(entity, frame, heights)
-        check_finite(chains)
+    def _sort(
+        self,
+        kind: str,
+        source: Source,
+        look: Look,
+        hidden: bool,
+        read: Callable[..., list[Chain]],
+        frame: Frame,
+        values: tuple[Any, ...],
+    ) -> bool:
+        """Contours of the chains that `read` gives, if they are not hidden; whether there are any.
+
+        `read` takes the frame, a list that it adds heights to, and the values.
+        """
+        found = self.found
+        heights: Heights = [] if hidden else found.heights
+        count = len(heights)
+        try:
+            chains = read(frame, heights, *values)
+            check_finite(chains)
+        except _BAD_NUMBERS as error:
+            del heights[count:]
+            if not hidden and isinstance(error, EdgeOnError):
+                found.edge_on[kind] += 1
+            elif not hidden:
+                self._say_entity(source, kind, error)
+            return False
         if not chains:
-            self.found.empty[kind] += 1
-        return chains
+            found.empty[kind] += 1
+        if hidden:
+            found.hidden += (curve for chain in chains for curve in chain)
+            found.hidden_on[look.layer] += 1
+            return False
+        for chain in chains:
+            found.contours.append(as_contour(chain, source, look.layer, look.colour))
+        return bool(chains)
 
     def _insert(
         self, insert: Any, source: Source, frame: Frame, above: Look, blocks: tuple[str, ...]
     ) -> None:
         """Open an insert: its block, once for each place of its array."""
-        look = self.layers.look(insert, above, bool(blocks))
+        look = self.layers.look(attributes_of(insert), above, bool(blocks))
         name = str(insert.dxf.get("name", ""))
         for attribute in insert.attribs:
             self._count(attribute, "ATTRIB", look, True)

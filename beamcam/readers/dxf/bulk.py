@@ -1,0 +1,220 @@
+"""The plain entities of model space taken out of a file, and the rest of it for ezdxf.
+
+Where plain entities follow one another in the section ENTITIES, a marker takes their place, so
+that the rest is a sound file and everything keeps its order. What might connect a plain entity
+with the rest by its name, or by where it stands, leaves the whole file to ezdxf.
+"""
+
+from collections.abc import Iterable, Iterator
+
+import numpy as np
+from msgspec import Struct
+from numpy.typing import NDArray
+
+from beamcam.readers.dxf.layers import Attributes
+from beamcam.readers.dxf.plain import (
+    BEYOND,
+    HANDLE,
+    NOT_SAID,
+    SUBCLASS,
+    UNSAID,
+    Codes,
+    Plan,
+    Values,
+    attributes_from,
+    plan_of,
+)
+
+#: The kind of entity that stands in the rest of a file for plain entities.
+MARKER = "BEAMCAM_PLAIN_ENTITIES"
+
+R12 = "AC1009"
+
+#: Group codes of names: of entities, and of dimension styles.
+_NAMES = (HANDLE, 105)
+
+
+class Plain(Struct, frozen=True, gc=False):
+    """A plain entity and its numbers, as the function of `curves` for its kind takes them."""
+
+    kind: str
+    handle: str | None
+    says: Attributes
+    values: Values
+
+
+Run = list[Plain]  #: plain entities that follow one another
+
+
+class Taken(Struct, frozen=True):
+    """Plain entities of a file and the text of the rest, with a marker for each run."""
+
+    runs: tuple[Run, ...]
+    rest: str
+    owners: frozenset[str]  #: the layouts that the entities say they stand in
+
+
+class _Rows(Struct, frozen=True):
+    """The rows of a file: all lines, the group code of each row, and where entities begin."""
+
+    lines: list[str]
+    codes: NDArray[np.int32]
+    starts: list[int]  #: the rows of group 0
+
+    def value(self, row: int) -> str:
+        return self.lines[2 * row + 1]
+
+    def entities(self, name: str) -> range | None:
+        """Which of `starts` are the entities of a section; None if it is not there just once."""
+        found: range | None = None
+        open_at: int | None = None
+        for k, row in enumerate(self.starts):
+            kind = self.lines[2 * row + 1].strip()
+            if kind == "SECTION":
+                named = self.codes[row + 1] == 2 and self.value(row + 1) == name
+                open_at = k + 1 if named else None
+            elif kind == "ENDSEC" and open_at is not None:
+                if found is not None:
+                    return None
+                found, open_at = range(open_at, k), None
+        return found
+
+    def sequences(self, entities: Iterable[int]) -> Iterator[tuple[int, int, bytes]]:
+        """First row, the row behind the last, and the group codes of entities as bytes."""
+        codes, starts, size = self.codes.tobytes(), self.starts, self.codes.itemsize
+        for k in entities:
+            first, last = starts[k], starts[k + 1]
+            yield first, last, codes[size * first : size * last]
+
+
+def take_plain(text: str, version: str, named: bool) -> Taken | None:
+    """The plain entities of model space and the rest; None if the file is one for ezdxf.
+
+    Lines of `text` end in "\\n". `named` tells whether entities have names of their own (handles).
+    """
+    rows = _rows_of(text)
+    entities = rows.entities("ENTITIES") if rows is not None else None
+    if rows is None or entities is None or MARKER in text:
+        return None
+    blocks = rows.entities("BLOCKS") or range(0)
+    if named and not _all_named(rows, (*entities, *blocks)):
+        return None
+    taker = _Taker(rows, version <= R12)
+    taker.take(entities)
+    if taker.odd or not taker.runs or taker.has_names_of_others():
+        return None
+    return Taken(tuple(taker.runs), taker.rest(), frozenset(taker.owners - {UNSAID}))
+
+
+def _rows_of(text: str) -> _Rows | None:
+    """The rows of a text up to EOF; None if they are not two lines each, or if EOF is missing."""
+    lines = text.rstrip().split("\n")
+    if len(lines) % 2 or lines[-1] != "EOF":
+        return None
+    texts = lines[::2]
+    try:
+        numbers = {text: int(text) for text in set(texts)}
+        codes = np.fromiter(map(numbers.__getitem__, texts), np.int32, len(texts))
+    except (ValueError, OverflowError):
+        return None
+    starts: list[int] = np.flatnonzero(codes == 0).tolist()
+    ends = [k for k in starts if lines[2 * k + 1] == "EOF"]
+    return _Rows(lines, codes, starts) if ends == [len(texts) - 1] else None
+
+
+def _codes(sequence: bytes) -> Codes:
+    return tuple(np.frombuffer(sequence, np.int32).tolist())
+
+
+def _all_named(rows: _Rows, entities: Iterable[int]) -> bool:
+    """Whether every entity has a handle above its subclasses; ends of blocks need none."""
+    seen: dict[bytes, bool] = {}
+    for first, _, sequence in rows.sequences(entities):
+        if sequence not in seen:
+            codes = _codes(sequence)
+            head = codes[: codes.index(SUBCLASS)] if SUBCLASS in codes else codes
+            seen[sequence] = HANDLE in head
+        if not seen[sequence] and rows.value(first) not in ("BLOCK", "ENDBLK"):
+            return False
+    return True
+
+
+class _Taker:
+    """What was taken so far, and where."""
+
+    def __init__(self, rows: _Rows, r12: bool) -> None:
+        self.rows = rows
+        self.r12 = r12
+        self.runs: list[Run] = []
+        self.odd = False  #: whether a plain entity stands where none may
+        self.owners: set[str] = set()
+        self._spans: list[tuple[int, int]] = []  #: first row of each run, and the row behind it
+        self._attributes: dict[tuple[str, str, str, str], Attributes] = {}
+
+    def take(self, entities: Iterable[int]) -> None:
+        """Take those of the entities that are plain."""
+        lines = self.rows.lines
+        plans: dict[tuple[str, bytes], Plan | None] = {}
+        begun = behind = -1  # first row of the run, and the row behind it
+        run: Run = []
+        goes_on = False  # whether the entity before goes on in the one that follows
+        for first, last, sequence in self.rows.sequences(entities):
+            row = lines[2 * first + 1 : 2 * last : 2]
+            key = (row[0], sequence)
+            if key not in plans:
+                plans[key] = plan_of(row[0], _codes(sequence), self.r12)
+            plan = plans[key]
+            plain = None if plan is None else self._read(plan, row)
+            if plain is None:
+                goes_on = _goes_on(row, sequence)
+                continue
+            self.odd |= goes_on
+            if behind != first:
+                run = []
+                self.runs.append(run)
+                self._spans.append((begun := first, last))
+            run.append(plain)
+            behind = last
+            self._spans[-1] = (begun, last)
+
+    def _read(self, plan: Plan, row: list[str]) -> Plain | None:
+        row += BEYOND
+        said = plan.attributes(row)
+        try:
+            attributes = self._attributes.get(said)
+            if attributes is None:
+                attributes = self._attributes[said] = attributes_from(*said)
+            values = plan.read(row)
+        except (ValueError, ArithmeticError):
+            return None
+        self.owners.add(row[plan.owner])
+        return Plain(
+            row[0], None if plan.handle == NOT_SAID else row[plan.handle], attributes, values
+        )
+
+    def has_names_of_others(self) -> bool:
+        """Whether anything in the rest of the file has the handle of a plain entity."""
+        handles = {plain.handle for run in self.runs for plain in run}
+        names = np.isin(self.rows.codes, _NAMES)
+        for first, last in self._spans:
+            names[first:last] = False
+        return any(self.rows.value(row) in handles for row in np.flatnonzero(names).tolist())
+
+    def rest(self) -> str:
+        """The text of the rest, with a marker for each run."""
+        lines = self.rows.lines
+        pieces: list[str] = []
+        kept = 0
+        for first, last in self._spans:
+            pieces += lines[2 * kept : 2 * first]
+            pieces += ("0", MARKER)
+            kept = last
+        return "\n".join((*pieces, *lines[2 * kept :], ""))
+
+
+def _goes_on(row: list[str], sequence: bytes) -> bool:
+    """Whether the vertices or attributes of an entity follow, up to a SEQEND."""
+    if row[0] == "INSERT":
+        codes = _codes(sequence)
+        return 66 in codes and row[codes.index(66)].strip() != "0"
+    return row[0] in ("POLYLINE", "VERTEX", "ATTRIB")
