@@ -26,6 +26,10 @@ PROBES = 8
 MAX_HALVINGS = 24
 
 
+#: More curves than this are an oscillation that no machine cuts.
+MOST_CURVES = 5000
+
+
 class Fit(Struct, frozen=True):
     """Curves that follow one another, and how far they are from what they stand for."""
 
@@ -101,6 +105,11 @@ def _followed(
             raise ValueError(f"{text} stands still near {name} = {low:g}; expected a way")
         if off <= tolerance / 2:
             pieces.append((curve, off))
+            if len(pieces) > MOST_CURVES:
+                raise ValueError(
+                    f"{text} takes more than {MOST_CURVES} curves up to {name} = {high:g}; "
+                    "expected fewer swings or a greater tolerance"
+                )
             return
         if halvings == 0:
             raise ValueError(f"{text} jumps near {name} = {low:g}; expected a smooth function")

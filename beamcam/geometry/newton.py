@@ -21,6 +21,9 @@ EQUIDISTANT_SLACK = 1e-12
 #: Polynomials through more nodes than this swing between them more often than not.
 CALM_NODES = 5
 
+#: Rounding has swallowed a polynomial long before; the work grows with the square of the nodes.
+MOST_NODES = 100
+
 #: A polynomial may leave the band between two nodes by this share of the extent of all of them.
 CALM_SHARE = 0.25
 
@@ -197,7 +200,10 @@ class NewtonCurve(Struct, frozen=True):
 
 
 def newton_through(nodes: tuple[Point, ...]) -> NewtonCurve:
-    """The polynomial through `nodes`; ValueError where two of them are too near to differ."""
+    """The polynomial through `nodes`; ValueError where two of them are too near to differ, or
+    where there are so many that no digit would be left of it."""
+    if len(nodes) > MOST_NODES:
+        raise ValueError(f"a polynomial has at most {MOST_NODES} nodes, found {len(nodes)}")
     curve = NewtonCurve(nodes)
     _newton_form(curve)
     return curve

@@ -118,6 +118,8 @@ def test_a_polynomial_loses_a_digit_a_node():
 
 def test_nodes_without_a_place_of_their_own_are_refused():
     assert newton_through(TABLE) == NewtonCurve(TABLE)
+    with pytest.raises(ValueError, match="at most 100 nodes, found 101"):
+        newton_through(tuple((float(x), 0.0) for x in range(101)))
     with pytest.raises(ValueError, match="too near to the one before"):
         newton_through(((0.0, 0.0), (1e8, 0.0), (1e8, 1e-9)))
 
@@ -200,6 +202,7 @@ def test_monomials_become_beziers():
         (lambda: curves_of_function("floor(x)", 0.1, 1.9, 0.1), "jumps near x = "),
         (lambda: curves_of_function("y", 0, 1, 0.1), "'y' is not understood"),
         (lambda: curves_of_way("1", "2", 0, 1, 0.1), "stands still near t = 0"),
+        (lambda: curves_of_function("sin(9999 * x)", 0, 99, 0.1), "more than 5000 curves up to"),
         (lambda: curves_of_way("floor(t)", "t", 0, 2.1, 0.1), "jumps near t = "),
     ],
 )

@@ -231,6 +231,7 @@ FLAWED_CURVES = [
     ({"newton": [[0, 0]]}, "json-value", AT + ".newton"),
     ({"newton": [[0, 0], [1, 1], [1, 1]]}, "json-curve", AT + ".newton"),
     ({"newton": [[0, 0], [1e8, 0], [1e8, 1e-9]]}, "json-curve", AT + ".newton"),
+    ({"newton": [[x, x % 2] for x in range(30_000)]}, "json-curve", AT + ".newton"),
     ({"function": {"y": "x"}}, "json-key-missing", AT + ".function.from"),
     ({"function": {"y": "x", "from": 0}}, "json-key-missing", AT + ".function.to"),
     ({"function": {"from": 0, "to": 1}}, "json-key-missing", AT + ".function.y"),
