@@ -102,3 +102,9 @@ def test_the_version() -> None:
 
     done = CliRunner().invoke(main, ["--version"], prog_name="beamcam")
     assert done.stdout == f"beamcam, version {__version__}\n"
+
+
+@pytest.mark.parametrize("name", COMMANDS)
+def test_the_readme_shows_every_command(name: str) -> None:
+    text = (ROOT / "README.md").read_text(encoding="utf-8")
+    assert f"\nbeamcam {name}" in text

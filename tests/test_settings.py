@@ -59,9 +59,9 @@ CASES = {
         ("post", "plan", "verify", "diff", "simulate", "check"),
     ),
     "machines": Case(
-        'machines.sheet = "plate-codesys"', 'machines.sheet = "table-simotion"',
+        'machines.sheet = "plate-codesys"', 'machines.sheet = "m-tap.toml"',
         "--machine plate-linuxcnc",
-        ("<d.ngc>", "<d.gcode>", "<d.st>", "<d.ngc>"), ("batch", "watch"), "d.dxf",
+        ("<d.ngc>", "<d.gcode>", "<d.tap>", "<d.ngc>"), ("batch", "watch"), "d.dxf",
     ),
     "stock_lengths": Case(
         "stock_lengths = [100, 7001]", "stock_lengths = [8002, 9000]", "--bar 9003",
@@ -109,6 +109,7 @@ def shop(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     monkeypatch.chdir(tmp_path)
     for name in ("m-one", "m-two", "m-three"):
         (job / f"{name}.toml").write_text('base = "beamline"\n')
+    (job / "m-tap.toml").write_text('base = "plate-linuxcnc"\nsuffix = ".tap"\n')
     return tmp_path
 
 
