@@ -5,7 +5,7 @@ within the wall's outline, if the shank reaches through. The hole is wider than 
 clearance of the bolt's standard.
 """
 
-from collections.abc import Sequence
+from collections.abc import Sequence, Set
 from math import acos, degrees
 
 from msgspec import Struct
@@ -15,7 +15,7 @@ from beamcam.errors import Diagnostic, Source
 from beamcam.model.part import Hole, Part, Slot
 from beamcam.readers.ifc import rules
 from beamcam.readers.ifc.body import body_representation
-from beamcam.readers.ifc.entities import Entity, Model, Unreadable
+from beamcam.readers.ifc.entities import NOT_WELL_FORMED, Entity, Model, Unreadable
 from beamcam.readers.ifc.finish import Shaped, sorted_features
 from beamcam.readers.ifc.options import Options
 from beamcam.readers.ifc.space import Frame, Vec, add, dot, scale, size, sub, unit
@@ -38,17 +38,23 @@ class Bolt(Struct, frozen=True):
     diameter: float
 
 
-def bolts_of(model: Model) -> list[Bolt]:
-    """The bolts of a model that have an axis and a diameter."""
-    found = []
+def bolts_of(model: Model) -> tuple[list[Bolt], list[str]]:
+    """The bolts of a model, and the GlobalIds of fasteners in which no shank can be read.
+
+    Those are nuts, washers and weld symbols, but also bolts of a form that is not understood.
+    """
+    found: list[Bolt] = []
+    without: list[str] = []
     for element in model.file.by_type("IfcMechanicalFastener"):
         try:
             bolt = _bolt(model, element)
-        except Unreadable:
-            continue  # nuts, washers and weld symbols have no shank
-        if bolt is not None:
+        except (Unreadable, *NOT_WELL_FORMED):
+            bolt = None
+        if bolt is None:
+            without.append(str(element.values[0]))
+        else:
             found.append(bolt)
-    return found
+    return found, without
 
 
 def _bolt(model: Model, element: Entity) -> Bolt | None:
@@ -117,11 +123,10 @@ def drill_bolt_holes(
     model: Model, members: Sequence[tuple[Entity, Part, Shaped]], options: Options, name: str
 ) -> tuple[list[Part], list[Diagnostic]]:
     """The parts in order, those without holes drilled where bolts go through, and remarks."""
-    bolts = bolts_of(model)
+    bolts, without = bolts_of(model)
     parts = [part for _, part, _ in members]
     said: list[Diagnostic] = []
-    if not bolts:
-        return parts, said
+    used = set[str]()
     for i, (element, part, shaped) in enumerate(members):
         if any(isinstance(f, (Hole, Slot)) for f in part.features) or not walls_of(shaped.section):
             continue
@@ -133,12 +138,29 @@ def drill_bolt_holes(
         contours = [f for f in part.features if not isinstance(f, (Hole, Slot))]
         drilled = sorted_features(holes)
         parts[i] = replace(part, features=(*contours, *drilled))
-        through = {h.source.where for h in holes}
+        through = {h.source.where or "" for h in holes}
+        used |= through
         sizes = ", ".join(f"{d:g}" for d in sorted({round(h.diameter, 3) for h in holes}))
         said.append(
             rules.BOLT_HOLES.at(part.source, found=len(through), made=len(drilled), sizes=sizes)
         )
+    said += _account(bolts, without, used, Source(name))
     return parts, said
+
+
+def _account(
+    bolts: Sequence[Bolt], without: Sequence[str], used: Set[str], source: Source
+) -> list[Diagnostic]:
+    """What became of every fastener of the file; nothing if it has none."""
+    said = []
+    if without:
+        some = ", ".join(without[:3]) + (", ..." if len(without) > 3 else "")
+        said.append(rules.BOLT_SHANK.at(source, found=len(without), which=some))
+    if bolts or without:
+        drilled = sum(b.guid in used for b in bolts)
+        counts = {"drilled": drilled, "idle": len(bolts) - drilled, "without": len(without)}
+        said.append(rules.BOLTS.at(source, found=len(bolts) + len(without), **counts))
+    return said
 
 
 def _through_member(

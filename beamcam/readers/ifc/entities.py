@@ -27,6 +27,12 @@ Coordinates = tuple[float, ...]  #: an IfcCartesianPoint or an IfcDirection
 Placement = tuple[Any, ...]  #: an IfcAxis2Placement: location, and one direction or two
 
 
+#: What a reference that is missing, or to the wrong kind of entity, ends in.
+NOT_WELL_FORMED = (
+    ArithmeticError, AttributeError, LookupError, RuntimeError, TypeError, ValueError,
+)  # fmt: skip
+
+
 class Unreadable(Exception):
     """Something in a member's geometry that the reader does not take; the text says what."""
 

@@ -16,7 +16,7 @@ from beamcam.model.part import Part, Profile
 from beamcam.readers.ifc import rules
 from beamcam.readers.ifc.body import Body, Swept, body_of
 from beamcam.readers.ifc.checks import check_data, check_kernel
-from beamcam.readers.ifc.entities import Entity, Model, Unreadable
+from beamcam.readers.ifc.entities import NOT_WELL_FORMED, Entity, Model, Unreadable
 from beamcam.readers.ifc.finish import Shaped
 from beamcam.readers.ifc.geometric import read_kernel, read_shell
 from beamcam.readers.ifc.marks import (
@@ -130,13 +130,9 @@ class _Run(Struct):
         before = self.ledger.total
         try:
             return self._member(element)
-        except (
-            ArithmeticError, AttributeError, LookupError, RuntimeError, TypeError, ValueError,
-            ShapelyError,
-        ) as fault:  # fmt: skip
+        except (*NOT_WELL_FORMED, ShapelyError) as fault:
             if self.ledger.total != before:
                 raise  # it was counted already, so that the fault is ours
-            # A reference that is missing, or to the wrong kind of entity.
             found = f"data that are not well formed ({type(fault).__name__}: {fault})"
             self._refuse(rules.GEOMETRY, Source(self.name, where=str(element[0])), found)
             return None

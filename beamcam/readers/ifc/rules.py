@@ -113,6 +113,19 @@ BOLT_HOLES = Rule(
     "found no holes but {found} bolts through the member; made {made} holes of {sizes}",
     "The exporter leaves the holes to the bolts. Their diameter is the bolt's with clearance.",
 )
+BOLT_SHANK = Rule(
+    "ifc-bolt-shank",
+    _W,
+    "found {found} fasteners without a shank that can be read ({which}); expected a round "
+    "extrusion or a line, no hole is made for them",
+    "Nuts and washers have none, which is harmless. A bolt of another form leaves its hole out.",
+)
+BOLTS = Rule(
+    "ifc-bolts",
+    _N,
+    "found {found} fasteners: {drilled} made holes, {idle} made none, {without} without a shank",
+    "A bolt makes a hole only in a member whose solid has no holes of its own.",
+)
 BOLT_SKEW = Rule(
     "ifc-bolt-skew",
     _E,
@@ -122,5 +135,6 @@ BOLT_SKEW = Rule(
 
 RULES = (
     SYNTAX, SCHEMA, NO_MEMBERS, NOT_FOUND, LEDGER, LEFT_OUT, CURVED, TAPERED, GEOMETRY, SECTION,
-    PROFILE_NAME, LENGTH, WEIGHT, KERNEL, KERNEL_LOG, KERNEL_DENIED, PIECES, BOLT_HOLES, BOLT_SKEW,
+    PROFILE_NAME, LENGTH, WEIGHT, KERNEL, KERNEL_LOG, KERNEL_DENIED, PIECES, BOLT_HOLES, BOLT_SHANK,
+    BOLTS, BOLT_SKEW,
 )  # fmt: skip

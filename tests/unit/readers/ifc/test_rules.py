@@ -108,6 +108,16 @@ def bolted() -> bytes:
     return m.data
 
 
+def with_a_nut() -> bytes:
+    """A bolt, a square block and a fastener without geometry."""
+    m = Small()
+    m.element(m.extruded(m.ipe300(), 2000.0))
+    m.bolt((300, -20, 50), (0, 1, 0), 20.0, 60.0)
+    for body in (m.extruded(m.box(30, 30), 16.0), None):
+        m.element(body, "IFCMECHANICALFASTENER", tag="N")
+    return m.data
+
+
 def bolted_askew() -> bytes:
     m = plain()
     m.bolt((300, -20, 50), (0, 0.9961946980917455, 0.08715574274765817), 20.0, 60.0)
@@ -129,6 +139,8 @@ CASES: dict[str, Callable[[], bytes]] = {
     "ifc-pieces": in_two,
     "ifc-bolt-holes": bolted,
     "ifc-bolt-skew": bolted_askew,
+    "ifc-bolt-shank": with_a_nut,
+    "ifc-bolts": bolted,
     "ifc-ledger": lambda: plain().data,
 }
 ELSEWHERE = {"ifc-selection", "ifc-kernel", "ifc-kernel-log", "ifc-kernel-denied"}
@@ -148,6 +160,14 @@ def test_code_is_said(code: str) -> None:
     if rule.severity is Severity.ERROR and code not in ("ifc-syntax", "ifc-schema"):
         assert said.source.where is not None
         assert len(said.source.where) == 22
+
+
+def test_the_ledger_counts_fasteners() -> None:
+    found = read(with_a_nut(), "m.ifc")
+    (said,) = [d.message for d in found.diagnostics if d.code == "ifc-bolts"]
+    assert said == "found 3 fasteners: 1 made holes, 0 made none, 2 without a shank"
+    (said,) = [d.message for d in found.diagnostics if d.code == "ifc-bolt-shank"]
+    assert said.startswith("found 2 fasteners without a shank")
 
 
 @pytest.mark.parametrize("code", ["ifc-length", "ifc-weight"])
