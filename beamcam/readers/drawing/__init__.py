@@ -4,7 +4,7 @@ import re
 from collections.abc import Iterable, Sequence
 from difflib import get_close_matches
 from itertools import pairwise
-from math import hypot
+from math import hypot, isfinite
 from pathlib import PurePath
 
 from beamcam.errors import Diagnostic, Source
@@ -59,6 +59,21 @@ def joined(chain: Sequence[Curve]) -> bool:
         return False
     (x0, y0), (x1, y1) = chain[0].start, chain[-1].end
     return hypot(x1 - x0, y1 - y0) <= ONE_POINT
+
+
+def is_surely_finite(curve: Curve) -> bool:
+    """Whether a line or an arc has finite coordinates only; others are not looked at.
+
+    It takes one sum, which may be beyond all numbers where none of its terms is.
+    """
+    if isinstance(curve, Line):
+        (x0, y0), (x1, y1) = curve.start, curve.end
+        return isfinite(abs(x0) + abs(y0) + abs(x1) + abs(y1))
+    if isinstance(curve, Arc):
+        x, y = curve.centre
+        size = abs(x) + abs(y) + curve.radius
+        return isfinite(size + abs(curve.start_deg) + abs(curve.sweep_deg))
+    return False
 
 
 def lines_through(points: Iterable[tuple[float, float]]) -> tuple[Line, ...]:

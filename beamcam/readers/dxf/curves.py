@@ -7,12 +7,12 @@ for numbers that make no curve.
 
 from collections.abc import Callable, Iterable, Sequence
 from itertools import pairwise
-from math import atan, degrees, hypot, inf, isfinite, tau
+from math import atan, degrees, hypot, isfinite, tau
 
 from beamcam.geometry.conics import direction_deg, ellipse_of
 from beamcam.geometry.curves import Arc, BSpline, Curve, EllipseArc, Line
 from beamcam.geometry.plane import IDENTITY, Matrix, Point
-from beamcam.readers.drawing import round_if_circle
+from beamcam.readers.drawing import is_surely_finite, round_if_circle
 from beamcam.readers.dxf.frame import FROM_ABOVE, Axes, Frame, Vector, in_world
 
 Chain = tuple[Curve, ...]
@@ -227,17 +227,7 @@ def check_finite(chains: Iterable[Chain]) -> None:
     """Raises ValueError where a coordinate is no finite number."""
     for chain in chains:
         for curve in chain:
-            if isinstance(curve, Line):
-                (x0, y0), (x1, y1) = curve.start, curve.end
-                size = abs(x0) + abs(y0) + abs(x1) + abs(y1)
-            elif isinstance(curve, Arc):
-                x, y = curve.centre
-                size = abs(x) + abs(y) + curve.radius
-                size += abs(curve.start_deg) + abs(curve.sweep_deg)
-            else:
-                size = inf
-            # A sum may be beyond all numbers where none of its terms is.
-            if not (isfinite(size) or _is_finite(curve)):
+            if not (is_surely_finite(curve) or _is_finite(curve)):
                 raise ValueError("a coordinate that is no finite number")
 
 

@@ -36,7 +36,10 @@ INITIAL: Mapping[str, str] = {
     "visibility": "visible",
 }
 
-Style = dict[str, str]
+Style = Mapping[str, str]
+
+_OWN = frozenset(OWN)
+_STYLED = _OWN.union(INHERITED, ("style",))  #: attributes that an element is styled by
 
 _COMMENT = re.compile(r"/\*.*?\*/|<!--|-->", re.DOTALL)
 _RULE = re.compile(r"([^{}]*)\{([^{}]*)\}", re.DOTALL)
@@ -124,6 +127,8 @@ def style_of(element: Element, above: Style, sheet: StyleSheet) -> Style:
     Attributes weigh least, then the style sheet, then the attribute `style`; what is important
     weighs most. What is not said is inherited.
     """
+    if not sheet.by_key and _STYLED.isdisjoint(element.attributes):
+        return above if _OWN.isdisjoint(above) else {name: above[name] for name in INHERITED}
     style = {name: above[name] for name in INHERITED}
     settings: list[tuple[str, str, bool]] = [
         (name, value, False) for name, value in element.attributes.items()

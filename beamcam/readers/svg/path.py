@@ -5,6 +5,7 @@ ellipse arcs, Z closes; small letters count from the current point. Source: SVG 
 """
 
 import re
+from functools import lru_cache
 from math import cos, hypot, radians, sin, sqrt
 
 from msgspec import Struct
@@ -17,6 +18,8 @@ from beamcam.readers.drawing import round_if_circle
 _COMMANDS = re.compile(r"([MmZzLlHhVvCcSsQqTtAa])")
 _NUMBER = re.compile(r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?")
 _SEPARATORS = " \t\r\n\f,"
+#: Characters of numbers and separators: what is made of these alone may be numbers set apart.
+_APART = re.compile(r"[0-9eE.+\- \t\r\n\f,]*\Z")
 #: How many numbers a command takes; those of an arc hold two flags, which may stand glued.
 _TAKES = {"M": 2, "L": 2, "H": 1, "V": 1, "C": 6, "S": 4, "Q": 4, "T": 2, "A": 7}
 _N = r"([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)"
@@ -56,13 +59,7 @@ def parse_path(d: str) -> list[Subpath]:
 def _numbers(command: str, text: str) -> list[float]:
     """The numbers behind a command. Raises PathError for anything else, or too few."""
     name = command.upper()
-    if name == "A":
-        numbers = _arc_numbers(text)
-    else:
-        numbers = [float(n) for n in _NUMBER.findall(text)]
-        rest = _NUMBER.sub(" ", text).strip(_SEPARATORS)
-        if rest:
-            raise PathError(_short(rest), "a number")
+    numbers = _arc_numbers(text) if name == "A" else _numbers_apart(text)
     if name == "Z":
         if numbers:
             raise PathError(_short(text), "a command after Z")
@@ -70,6 +67,19 @@ def _numbers(command: str, text: str) -> list[float]:
         expected = f"{_TAKES[name]} numbers, or a multiple of them"
         raise PathError(_short(command + text), expected)
     return numbers
+
+
+def _numbers_apart(text: str) -> list[float]:
+    """The numbers in a text, most of which stand apart; "1-2.5.5" are three as well."""
+    if _APART.match(text):
+        try:
+            return [float(word) for word in text.replace(",", " ").split()]
+        except ValueError:
+            pass  # some are glued together, or it is none
+    rest = _NUMBER.sub(" ", text).strip(_SEPARATORS)
+    if rest:
+        raise PathError(_short(rest), "a number")
+    return [float(n) for n in _NUMBER.findall(text)]
 
 
 def _arc_numbers(text: str) -> list[float]:
@@ -207,6 +217,14 @@ def arc_curves(start: Point, end: Point, numbers: list[float]) -> list[Curve]:
     return [round_if_circle(ellipse_of(centre, *axes, first, sweep_deg))]
 
 
-def decimals(text: str) -> int:
-    """The most digits behind a point in `text`."""
-    return max((len(digits) for digits in re.findall(r"\.(\d+)", text)), default=0)
+def decimals(text: str, least: int = 0) -> int:
+    """The most digits behind a point in `text`, but not fewer than `least`."""
+    while found := _fraction(least + 1).search(text):
+        least = len(found[0]) - 1
+    return least
+
+
+@lru_cache
+def _fraction(digits: int) -> re.Pattern[str]:
+    """A point and as many digits or more."""
+    return re.compile(rf"\.\d{{{digits},}}")

@@ -8,11 +8,11 @@ from msgspec import Struct, field
 from msgspec.structs import replace
 
 from beamcam.errors import Diagnostic, ReadError, Source
-from beamcam.geometry.curves import Curve
-from beamcam.geometry.plane import Matrix
+from beamcam.geometry.curves import Arc, Curve, Line
+from beamcam.geometry.plane import Matrix, Point
 from beamcam.model.colour import parse_colour
 from beamcam.model.part import Contour
-from beamcam.readers.drawing import as_contour, split_length
+from beamcam.readers.drawing import as_contour, is_surely_finite, split_length
 from beamcam.readers.svg import rules
 from beamcam.readers.svg.css import Style, StyleSheet, style_of
 from beamcam.readers.svg.layers import layer_of
@@ -177,7 +177,7 @@ class Walk(Struct):
             self._say_number(element, error)
             return
         chains = self._placed(subpaths, place.matrix)
-        if not all(isfinite(v) for chain in chains for c in chain for v in (*c.start, *c.end)):
+        if not all(_is_finite(curve) for chain in chains for curve in chain):
             endless = NumberError(element.tag, "inf", "coordinates that are finite numbers")
             self._say_number(element, endless)
         elif chains:
@@ -197,11 +197,11 @@ class Walk(Struct):
         chains: list[tuple[Curve, ...]] = []
         for subpath in subpaths:
             try:
-                chain = tuple(curve.transformed(matrix) for curve in subpath.curves)
+                chain = _moved(subpath.curves, matrix)
             except ValueError:  # circles have no image if the map presses them to a line
                 self.found.counts["flattened"] += 1
                 continue
-            if any(curve.start != curve.end or curve.bbox[:2] != curve.bbox[2:] for curve in chain):
+            if any(map(_has_length, chain)):
                 chains.append(chain)
             else:
                 self.found.counts["degenerate"] += 1
@@ -243,7 +243,7 @@ class Walk(Struct):
         numbers = element.get("d") or element.get("points")
         if numbers is None:
             numbers = " ".join(v for k, v in element.attributes.items() if k in _COORDINATES)
-        self.found.decimals = max(self.found.decimals, decimals(numbers))
+        self.found.decimals = decimals(numbers, self.found.decimals)
 
     def _colour(self, style: Style, source: Source) -> str | None:
         """The stroke as "#rrggbb"; None for a pattern, or where it cannot be read."""
@@ -259,6 +259,37 @@ class Walk(Struct):
         except ValueError:
             self.found.said.append(rules.COLOUR.at(source, found=text))
             return None
+
+
+def _moved(curves: Iterable[Curve], matrix: Matrix) -> tuple[Curve, ...]:
+    """The images of curves; where lines follow one another each point is moved once."""
+    (a, b, c), (d, e, f) = matrix
+    last: Point | None = None
+    image = (0.0, 0.0)
+    found: list[Curve] = []
+    for curve in curves:
+        if not isinstance(curve, Line):
+            found.append(curve.transformed(matrix))
+            continue
+        if curve.start is not last:
+            x, y = curve.start
+            image = a * x + b * y + c, d * x + e * y + f
+        start, last = image, curve.end
+        x, y = last
+        image = a * x + b * y + c, d * x + e * y + f
+        found.append(Line(start, image))
+    return tuple(found)
+
+
+def _is_finite(curve: Curve) -> bool:
+    return is_surely_finite(curve) or all(isfinite(v) for v in (*curve.start, *curve.end))
+
+
+def _has_length(curve: Curve) -> bool:
+    if isinstance(curve, Arc) and abs(curve.sweep_deg) == 360.0:
+        (x, y), r = curve.centre, curve.radius
+        return x - r != x + r or y - r != y + r
+    return curve.start != curve.end or curve.bbox[:2] != curve.bbox[2:]
 
 
 _COORDINATES = frozenset(

@@ -1,12 +1,15 @@
 """Path data, basic shapes and transforms."""
 
+import re
 from math import pi, sqrt
 
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from beamcam.geometry.curves import Arc, Bezier, EllipseArc, Line
 from beamcam.geometry.plane import mapped
-from beamcam.readers.svg.path import PathError, parse_path
+from beamcam.readers.svg.path import PathError, _numbers_apart, decimals, parse_path
 from beamcam.readers.svg.transform import parse_transform
 from tests.svg_text import box_of, codes, curves_of, length_of, read
 
@@ -241,3 +244,25 @@ def test_a_matrix_that_flattens_is_said() -> None:
     body = '<circle r="5" transform="scale(1 0)"/><line x2="3"/>'
     assert codes(body) == ["svg-flattened"]
     assert length_of(body) == 3
+
+
+NUMBER = re.compile(r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?")
+
+
+@given(st.text("0123456789.-+eE, \n", max_size=30))
+def test_numbers_set_apart_are_those_that_the_grammar_finds(text: str) -> None:
+    rest = NUMBER.sub(" ", text).strip(" \n,")
+    found = [float(number) for number in NUMBER.findall(text)]
+    try:
+        assert _numbers_apart(text) == found
+        assert not rest
+    except PathError:
+        assert rest
+
+
+@pytest.mark.parametrize(
+    ("text", "least", "most"),
+    [("", 0, 0), ("1 2.5,3.125", 0, 3), ("1.25 7.123456 2.5", 1, 6), ("1.5", 4, 4), ("2.", 0, 0)],
+)
+def test_the_most_digits_behind_a_point(text: str, least: int, most: int) -> None:
+    assert decimals(text, least) == most
