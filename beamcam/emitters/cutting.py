@@ -1,11 +1,16 @@
 """Programs of cutting tables: the machine's word templates, filled in."""
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
+from itertools import chain, count
 
+import numpy as np
+
+from beamcam.emitters.columns import lines
 from beamcam.emitters.numbers import number
 from beamcam.machine.machine import Machine
 from beamcam.model.program import (
     ArcFeed,
+    Command,
     Comment,
     Compensate,
     EllipseFeed,
@@ -21,100 +26,138 @@ from beamcam.model.program import (
 
 SECONDS_PER_MINUTE = 60
 RATIO_DECIMALS = 6
+FEED = "\1"  #: stands in a line for the feed, which is known when its turn comes
+BETWEEN = "\2"  #: stands between the blocks of one move
+
+Row = Traverse | Feed | ArcFeed
 
 
 def emit(program: Program, machine: Machine) -> str:
     """The text of a program, with a newline at its end."""
-    blocks: Iterable[str] = _blocks(program, machine)
-    if machine.format.number_blocks:
-        blocks = _numbered(blocks)
-    return "\n".join(blocks) + "\n"
+    text = "\n".join(_Writer(program, machine).blocks()) + "\n"
+    return _numbered(text) if machine.format.number_blocks else text
 
 
-def _numbered(blocks: Iterable[str]) -> Iterator[str]:
+def _numbered(text: str) -> str:
     """Blocks with N1, N2, ... but for the lines that are not blocks (`%`) and comments."""
-    count = 0
-    for block in blocks:
-        if block.startswith(("%", "(")):
-            yield block
-        else:
-            count += 1
-            yield f"N{count} {block}"
+    number_of = count(1)
+    return "".join(
+        [
+            line if line.startswith(("%", "(")) else f"N{next(number_of)} {line}"
+            for line in text.splitlines(keepends=True)
+        ]
+    )
 
 
-def _blocks(program: Program, machine: Machine) -> Iterator[str]:
-    words, form = machine.words, machine.format
-    places = form.length_decimals
-    per_unit = SECONDS_PER_MINUTE if form.feed_unit == "mm/s" else 1
-    feed = "0"
-    acceleration = number(machine.torch.acceleration if machine.torch else 0.0, 3)
-    carried: tuple[str, ...] = ()  # words of `modal` as they were written last
-    wanted: tuple[str, ...] = ()
+class _Writer:
+    """The blocks of a program, and what has been said of those words that go on."""
 
-    def filled(template: tuple[str, ...], **values: str) -> list[str]:
-        return [line.format_map(values) for line in template]
+    def __init__(self, program: Program, machine: Machine) -> None:
+        self._program, self._words, self._form = program, machine.words, machine.format
+        per_minute = machine.format.feed_unit != "mm/s"
+        self._per_unit = 1 if per_minute else SECONDS_PER_MINUTE
+        self._acceleration = number(machine.torch.acceleration if machine.torch else 0.0, 3)
+        self._feed = "0"
+        self._carried: tuple[str, ...] = ()  #: words of `modal` as they were written last
+        self._wanted: tuple[str, ...] = ()
 
-    def move(template: tuple[str, ...], **values: str) -> list[str]:
-        nonlocal carried
-        lines = filled(template, feed=feed, **values)
-        if wanted is not carried:
-            lines[-1] = " ".join((lines[-1], *(w for w in wanted if w not in carried)))
-            carried = wanted
-        return lines
+    def blocks(self) -> list[str]:
+        """All of them; what stands for one command may be several, with newlines between."""
+        found: list[str] = []
+        traverses, feeds, clockwise, others = self._plain_moves()
+        for command in self._program.commands:
+            kind = type(command)
+            if kind is Feed:
+                found.append(self._move(next(feeds)))
+            elif isinstance(command, ArcFeed):
+                found.append(self._move(next(clockwise if command.clockwise else others)))
+            elif kind is Traverse:
+                found.append(next(traverses))
+            else:
+                found += self._other(command)
+        return [*found, *self._words.footer]
 
-    def modal() -> tuple[str, ...]:
-        now = tuple(w.format_map({"feed": feed, "acceleration": acceleration}) for w in words.modal)
-        return carried if now == carried else now
+    def _plain_moves(self) -> list[Iterator[str]]:
+        """The blocks of all traverses, lines and arcs (clockwise, the others), kind by kind."""
+        words, commands = self._words, self._program.commands
+        arcs = [c for c in commands if isinstance(c, ArcFeed)]
+        kinds: list[tuple[tuple[str, ...], str, list[Row]]] = [
+            (words.traverse, "xy", [c for c in commands if isinstance(c, Traverse)]),
+            (words.feed, "xy", [c for c in commands if isinstance(c, Feed)]),
+            (words.arc_cw, "xyijc", [c for c in arcs if c.clockwise]),
+            (words.arc_ccw, "xyijc", [c for c in arcs if not c.clockwise]),
+        ]
+        return [self._formatted(*kind) for kind in kinds]
 
-    for command in program.commands:
+    def _formatted(self, template: tuple[str, ...], names: str, rows: list[Row]) -> Iterator[str]:
+        table = np.fromiter(chain.from_iterable(rows), dtype=np.float64).reshape(-1, len(names))
+        text = BETWEEN.join(template).replace("{feed}", FEED)
+        columns = dict(zip(names, table.T, strict=True))
+        found = lines(text, columns, self._form.length_decimals).split("\n")
+        if len(template) > 1:
+            found = [record.replace(BETWEEN, "\n") for record in found]
+        return iter(found)
+
+    def _move(self, block: str) -> str:
+        """The block of a move, with the feed and the words that are new."""
+        if FEED in block:
+            block = block.replace(FEED, self._feed)
+        if self._wanted is not self._carried:
+            new = [word for word in self._wanted if word not in self._carried]
+            block = " ".join((block, *new))
+            self._carried = self._wanted
+        return block
+
+    def _want(self, feed_mm_min: float) -> None:
+        """The feed of the next move, and what that one has to have said."""
+        self._feed = number(feed_mm_min / self._per_unit, 3)
+        values = {"feed": self._feed, "acceleration": self._acceleration}
+        wanted = tuple(word.format_map(values) for word in self._words.modal)
+        self._wanted = self._carried if wanted == self._carried else wanted
+
+    def _other(self, command: Command) -> list[str]:
+        words = self._words
         match command:
-            case Feed(x, y):
-                yield from move(words.feed, x=number(x, places), y=number(y, places))
-            case ArcFeed(x, y, i, j, clockwise):
-                yield from move(
-                    words.arc_cw if clockwise else words.arc_ccw,
-                    x=number(x, places), y=number(y, places),
-                    i=number(i, places), j=number(j, places),
-                )  # fmt: skip
-            case Traverse(x, y):
-                yield from filled(words.traverse, x=number(x, places), y=number(y, places))
             case ToolOn():
-                feed = number(command.feed_mm_min / per_unit, 3)
-                carried = ()  # said again for every contour, where an operator may start anew
-                wanted = modal()
-                yield from filled(
-                    getattr(words, f"{command.process}_on"),
-                    power=number(command.power, 3), pierce=number(command.pierce_s, 3), feed=feed,
+                self._carried = ()  # said again for every contour, where an operator may start anew
+                self._want(command.feed_mm_min)
+                return _filled(
+                    getattr(words, f"{command.process}_on"), feed=self._feed,
+                    power=number(command.power, 3), pierce=number(command.pierce_s, 3),
                 )  # fmt: skip
             case Pace(feed_mm_min):
-                feed = number(feed_mm_min / per_unit, 3)
-                wanted = modal()
+                self._want(feed_mm_min)
             case ToolOff():
-                yield from filled(getattr(words, f"{command.process}_off"))
-            case ParabolaFeed(x, y, i, j):
-                yield from move(
-                    words.parabola, x=number(x, places), y=number(y, places),
-                    i=number(i, places), j=number(j, places),
-                )  # fmt: skip
-            case EllipseFeed():
-                yield from move(
-                    words.ellipse_cw if command.clockwise else words.ellipse_ccw,
-                    x=number(command.x, places), y=number(command.y, places),
-                    i=number(command.i, places), j=number(command.j, places),
-                    angle=number(command.angle, form.angle_decimals),
-                    ratio=number(command.ratio, RATIO_DECIMALS),
-                )  # fmt: skip
+                return _filled(getattr(words, f"{command.process}_off"))
+            case ParabolaFeed() | EllipseFeed():
+                return [self._move("\n".join(self._curve(command)))]
             case Compensate():
                 template = {"left": words.left, "right": words.right, "on": words.straight}
-                yield from filled(
+                return _filled(
                     template[command.side],
                     kerf=number(command.kerf, 4), half_kerf=number(command.kerf / 2, 4),
                 )  # fmt: skip
             case Comment():
-                yield words.comment.format(text=_plain(command.text))
+                return [words.comment.format(text=_plain(command.text))]
             case StartSheet():
-                yield from filled(words.header, job=_plain(program.job))
-    yield from words.footer
+                return _filled(words.header, job=_plain(self._program.job))
+        return []
+
+    def _curve(self, command: ParabolaFeed | EllipseFeed) -> list[str]:
+        """The blocks of a parabola or an ellipse."""
+        words, form = self._words, self._form
+        values = {name: number(getattr(command, name), form.length_decimals) for name in "xyij"}
+        if isinstance(command, ParabolaFeed):
+            return _filled(words.parabola, feed=self._feed, **values)
+        return _filled(
+            words.ellipse_cw if command.clockwise else words.ellipse_ccw, feed=self._feed,
+            angle=number(command.angle, form.angle_decimals),
+            ratio=number(command.ratio, RATIO_DECIMALS), **values,
+        )  # fmt: skip
+
+
+def _filled(template: tuple[str, ...], **values: str) -> list[str]:
+    return [line.format_map(values) for line in template]
 
 
 def _plain(text: str) -> str:

@@ -11,6 +11,7 @@ from collections.abc import Iterator
 import numpy as np
 from numpy.typing import NDArray
 
+from beamcam.emitters.columns import DIGITS
 from beamcam.emitters.numbers import number
 from beamcam.machine.machine import Machine
 from beamcam.model.steps import LASER_BIT, StepRows, StepTable
@@ -22,7 +23,6 @@ GREATEST_WAIT_US = (1 << (32 - TIME_SHIFT)) - 1
 BLOCK_ROWS = 1 << 16
 STRETCHES_PER_PIECE = 4096
 
-_DIGITS = np.frombuffer(b"".join(b"%04d" % k for k in range(10000)), dtype="V4")
 _HEX = np.frombuffer(b"".join(b"%04x" % k for k in range(65536)), dtype="V4")
 
 
@@ -44,10 +44,10 @@ def as_text(table: StepTable) -> Iterator[bytes]:
     for rows in _blocks(table):
         text = np.empty(len(rows.time_us), dtype=row)
         high, low = np.divmod(rows.time_us, 10000)
-        text["c"] = _DIGITS.take(low)
+        text["c"] = DIGITS.take(low)
         high, low = np.divmod(high, 10000)
-        text["b"] = _DIGITS.take(low)
-        text["a"] = _DIGITS.take(high)
+        text["b"] = DIGITS.take(low)
+        text["a"] = DIGITS.take(high)
         text["tail"] = tails.take(rows.bits)
         yield text.tobytes()
 
