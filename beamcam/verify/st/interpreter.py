@@ -10,28 +10,7 @@ from math import sqrt
 from typing import Any, Protocol
 
 from beamcam.errors import Diagnostic, Source
-from beamcam.verify.st import rules
-from beamcam.verify.st.syntax import (
-    Array,
-    Assign,
-    Binary,
-    Block,
-    Call,
-    Case,
-    Constant,
-    Element,
-    Expression,
-    For,
-    If,
-    Invoke,
-    Leave,
-    Member,
-    Name,
-    Statement,
-    Unary,
-    Unit,
-    Variable,
-)
+from beamcam.verify.st import rules, syntax
 
 Values = dict[str, Any]
 Get = Callable[[Values], Any]
@@ -102,7 +81,7 @@ class Instance:
 
 
 class _Compiled:
-    def __init__(self, block: Block) -> None:
+    def __init__(self, block: syntax.Block) -> None:
         self.block = block
         self.body: list[Do] = []
 
@@ -117,13 +96,13 @@ class _Compiled:
 class Interpreter:
     """The units of a project, loaded: global variables, and one instance of each program."""
 
-    def __init__(self, units: Sequence[Unit], world: World, name: str) -> None:
+    def __init__(self, units: Sequence[syntax.Unit], world: World, name: str) -> None:
         self.world, self.name = world, name
         self.globals: Values = {}
         self.addresses: dict[str, str] = {}  #: of inputs and outputs: their variable
-        self._variables: dict[str, Variable] = {}
+        self._variables: dict[str, syntax.Variable] = {}
         self._blocks = {b.name.upper(): _Compiled(b) for u in units for b in u.blocks}
-        self._locals: dict[str, Variable] = {}
+        self._locals: dict[str, syntax.Variable] = {}
         for unit in units:
             for variable in unit.variables:
                 key = variable.name.upper()
@@ -143,10 +122,10 @@ class Interpreter:
         for program in self._programs:
             program.run({})
 
-    def first(self, variable: Variable) -> Any:
+    def first(self, variable: syntax.Variable) -> Any:
         """The value that a variable begins with; an array is a list behind its bounds."""
         type_, initial = variable.type, variable.initial
-        if isinstance(type_, Array):
+        if isinstance(type_, syntax.Array):
             count = type_.high - type_.low + 1
             if isinstance(initial, tuple):
                 return [self._constant(v) for v in initial]
@@ -159,33 +138,33 @@ class Interpreter:
             return _FIRST.get(type_.upper(), 0)
         return self._constant(initial)
 
-    def _constant(self, value: Expression) -> Any:
+    def _constant(self, value: syntax.Expression) -> Any:
         return self._get(value)({})
 
     # -- statements -------------------------------------------------------------------------
 
-    def _statement(self, one: Statement) -> Do:
+    def _statement(self, one: syntax.Statement) -> Do:
         match one:
-            case Assign():
+            case syntax.Assign():
                 return self._assign(one)
-            case Invoke(call=call):
+            case syntax.Invoke(call=call):
                 return self._invoke(call)
-            case If():
+            case syntax.If():
                 return self._if(one)
-            case Case():
+            case syntax.Case():
                 return self._case(one)
-            case For():
+            case syntax.For():
                 return self._for(one)
-            case Leave():
+            case syntax.Leave():
                 return _leave
 
-    def _body(self, statements: Sequence[Statement]) -> tuple[Do, ...]:
+    def _body(self, statements: Sequence[syntax.Statement]) -> tuple[Do, ...]:
         return tuple(self._statement(s) for s in statements)
 
-    def _assign(self, one: Assign) -> Do:
+    def _assign(self, one: syntax.Assign) -> Do:
         get = self._get(one.value)
         target = one.target
-        if isinstance(target, Element):
+        if isinstance(target, syntax.Element):
             array, index, low, high, name = self._element(target)
 
             def put(values: Values) -> None:
@@ -195,7 +174,7 @@ class Interpreter:
                 array(values)[k - low] = get(values)
 
             return put
-        assert isinstance(target, Name)
+        assert isinstance(target, syntax.Name)
         key = target.name.upper()
         if key in self._locals:
 
@@ -210,17 +189,17 @@ class Interpreter:
 
         return keep_global
 
-    def _invoke(self, call: Call) -> Do:
+    def _invoke(self, call: syntax.Call) -> Do:
         key = call.callee.upper()
         inputs = [(name.upper(), self._get(value)) for name, value, _ in call.named]
-        instance = self._get(Name(call.line, key))
+        instance = self._get(syntax.Name(call.line, key))
 
         def invoke(values: Values) -> None:
             instance(values).run({name: get(values) for name, get in inputs})
 
         return invoke
 
-    def _if(self, one: If) -> Do:
+    def _if(self, one: syntax.If) -> Do:
         branches = [(self._get(c), self._body(b)) for c, b in one.branches]
         otherwise = self._body(one.otherwise)
         if len(branches) == 1 and not otherwise:
@@ -240,7 +219,7 @@ class Interpreter:
 
         return choose
 
-    def _case(self, one: Case) -> Do:
+    def _case(self, one: syntax.Case) -> Do:
         selector = self._get(one.selector)
         table = {label: self._body(b) for labels, b in one.branches for label in labels}
         otherwise = self._body(one.otherwise)
@@ -251,7 +230,7 @@ class Interpreter:
 
         return choose
 
-    def _for(self, one: For) -> Do:
+    def _for(self, one: syntax.For) -> Do:
         first, last = self._get(one.first), self._get(one.last)
         body, key = self._body(one.body), one.variable.upper()
         local = key in self._locals
@@ -267,27 +246,27 @@ class Interpreter:
 
     # -- expressions ------------------------------------------------------------------------
 
-    def _get(self, value: Expression) -> Get:
+    def _get(self, value: syntax.Expression) -> Get:
         match value:
-            case Constant(value=plain):
+            case syntax.Constant(value=plain):
                 return lambda values: plain
-            case Name():
+            case syntax.Name():
                 return self._name(value)
-            case Member():
+            case syntax.Member():
                 return self._member(value)
-            case Element():
+            case syntax.Element():
                 return self._read(value)
-            case Call():
+            case syntax.Call():
                 return self._call(value)
-            case Unary():
+            case syntax.Unary():
                 inner = self._get(value.value)
                 if value.operator == "NOT":
                     return lambda values: not inner(values)
                 return lambda values: -inner(values)
-            case Binary():
+            case syntax.Binary():
                 return self._binary(value)
 
-    def _name(self, value: Name) -> Get:
+    def _name(self, value: syntax.Name) -> Get:
         key = value.name.upper()
         if key in self._locals:
             return lambda values: values[key]
@@ -298,7 +277,7 @@ class Interpreter:
         plain = key if found is None else found
         return lambda values: plain
 
-    def _member(self, value: Member) -> Get:
+    def _member(self, value: syntax.Member) -> Get:
         base, key, world = self._get(value.base), value.name.upper(), self.world
 
         def read(values: Values) -> Any:
@@ -309,15 +288,15 @@ class Interpreter:
 
         return read
 
-    def _element(self, value: Element) -> tuple[Get, Get, int, int, str]:
-        assert isinstance(value.base, Name)
+    def _element(self, value: syntax.Element) -> tuple[Get, Get, int, int, str]:
+        assert isinstance(value.base, syntax.Name)
         key = value.base.name.upper()
         variable = self._locals.get(key) or self._variables[key]
-        assert isinstance(variable.type, Array)
+        assert isinstance(variable.type, syntax.Array)
         low, high = variable.type.low, variable.type.high
         return self._name(value.base), self._get(value.index), low, high, variable.name
 
-    def _read(self, value: Element) -> Get:
+    def _read(self, value: syntax.Element) -> Get:
         array, index, low, high, name = self._element(value)
 
         def read(values: Values) -> Any:
@@ -332,7 +311,7 @@ class Interpreter:
         source = Source(self.name, line)
         return Fault(rules.BOUNDS.at(source, found=k, name=name, low=low, high=high))
 
-    def _call(self, value: Call) -> Get:
+    def _call(self, value: syntax.Call) -> Get:
         name = value.callee
         if name.upper() == "ABS":
             inner = self._get(value.placed[0])
@@ -348,14 +327,14 @@ class Interpreter:
 
         return command
 
-    def _binary(self, value: Binary) -> Get:
+    def _binary(self, value: syntax.Binary) -> Get:
         left, right = self._get(value.left), self._get(value.right)
         operator = value.operator
         if operator in ("/", "MOD"):
             return self._divide(value, left, right)
         return _BINARY[operator](left, right)
 
-    def _divide(self, value: Binary, left: Get, right: Get) -> Get:
+    def _divide(self, value: syntax.Binary, left: Get, right: Get) -> Get:
         def divide(values: Values) -> Any:
             a, b = left(values), right(values)
             if b == 0:

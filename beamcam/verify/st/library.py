@@ -9,9 +9,18 @@ from msgspec import Struct
 
 Type = str  #: a plain type, "axis", "path", "enum:A|B" or the name of a function block
 
-NUMBERS = ("SINT", "USINT", "INT", "UINT", "DINT", "UDINT", "REAL", "LREAL")
-INTEGERS = NUMBERS[:6]
-TYPES = (*NUMBERS, "BOOL", "TIME", "posAxis", "pathObject")
+INTEGERS = {
+    "SINT": (-(2**7), 2**7 - 1), "USINT": (0, 2**8 - 1), "INT": (-(2**15), 2**15 - 1),
+    "UINT": (0, 2**16 - 1), "DINT": (-(2**31), 2**31 - 1), "UDINT": (0, 2**32 - 1),
+}  # fmt: skip
+NUMBERS = (*INTEGERS, "REAL", "LREAL")
+AXIS, PATH_OBJECT = "posAxis", "pathObjectType"
+TYPES = (*NUMBERS, "BOOL", "TIME", AXIS, PATH_OBJECT)
+
+FUNCTIONS = ("ABS", "SQRT")
+LOGIC = ("AND", "OR", "XOR")
+GIVES_BOOL = (*LOGIC, "=", "<>", "<", ">", "<=", ">=")
+ANSWER = "DINT"  #: type of what a command gives back
 
 _WHEN = "enum:IMMEDIATELY|WHEN_BUFFER_READY|WHEN_COMMAND_DONE|WHEN_MOTION_DONE"
 _MERGE = "enum:IMMEDIATELY|NEXT_MOTION|SEQUENTIAL|SUPERIMPOSED_MOTION_MERGE"
@@ -34,34 +43,34 @@ _DYNAMICS = {
     "velocityProfile": _PROFILE, "mergeMode": _MERGE, "nextCommand": _WHEN,
 }  # fmt: skip
 _PLANE = {
-    "pathObject": "pathObject", "pathPlane": "enum:X_Y|Y_Z|Z_X|X_Y_Z",
+    "pathObject": PATH_OBJECT, "pathPlane": "enum:X_Y|Y_Z|Z_X|X_Y_Z",
     "pathMode": "enum:ABSOLUTE|RELATIVE", "x": "LREAL", "y": "LREAL", "z": "LREAL",
 }  # fmt: skip
 
 COMMANDS = {
     "_pos": Command(
         {
-            "axis": "posAxis", "direction": "enum:POSITIVE|NEGATIVE|BY_VALUE|SHORTEST_WAY",
+            "axis": AXIS, "direction": "enum:POSITIVE|NEGATIVE|BY_VALUE|SHORTEST_WAY",
             "positioningMode": "enum:ABSOLUTE|RELATIVE", "position": "LREAL", **_DYNAMICS,
         },
         ("axis", "direction", "positioningMode", "position", *_DYNAMICS),
     ),
     "_move": Command(
-        {"axis": "posAxis", "direction": "enum:POSITIVE|NEGATIVE|BY_VALUE", **_DYNAMICS},
+        {"axis": AXIS, "direction": "enum:POSITIVE|NEGATIVE|BY_VALUE", **_DYNAMICS},
         ("axis", "direction", "velocityType", "velocity", "nextCommand"),
     ),
     "_stop": Command(
-        {"axis": "posAxis", "stopMode": _STOP, "nextCommand": _WHEN},
+        {"axis": AXIS, "stopMode": _STOP, "nextCommand": _WHEN},
         ("axis", "stopMode", "nextCommand"),
     ),
     "_stopPath": Command(
-        {"pathObject": "pathObject", "stopMode": _STOP, "nextCommand": _WHEN},
+        {"pathObject": PATH_OBJECT, "stopMode": _STOP, "nextCommand": _WHEN},
         ("pathObject", "stopMode", "nextCommand"),
     ),
-    "_enableAxis": Command({"axis": "posAxis", "nextCommand": _WHEN}, ("axis", "nextCommand")),
+    "_enableAxis": Command({"axis": AXIS, "nextCommand": _WHEN}, ("axis", "nextCommand")),
     "_homing": Command(
         {
-            "axis": "posAxis", "homingMode": "enum:DIRECT_HOMING|ACTIVE_HOMING|PASSIVE_HOMING",
+            "axis": AXIS, "homingMode": "enum:DIRECT_HOMING|ACTIVE_HOMING|PASSIVE_HOMING",
             "homePositionType": _DIRECT, "homePosition": "LREAL", "nextCommand": _WHEN,
         },
         ("axis", "homingMode", "homePositionType", "homePosition", "nextCommand"),
@@ -84,9 +93,11 @@ COMMANDS = {
 #: Inputs and outputs of standard function blocks.
 BLOCKS = {"TON": ({"IN": "BOOL", "PT": "TIME"}, {"Q": "BOOL", "ET": "TIME"})}
 
-#: System variables of an axis by path.
-AXIS_VARIABLES = {"control": "enum:ACTIVE|INACTIVE", "basicMotion": "basicMotion"}
-BASIC_MOTION = {"position": "LREAL", "velocity": "LREAL"}
+#: System variables: of an axis, and of what they hold.
+COMPONENTS = {
+    AXIS: {"control": "enum:ACTIVE|INACTIVE", "basicMotion": "basicMotion"},
+    "basicMotion": {"position": "LREAL", "velocity": "LREAL"},
+}
 
 
 def _enumerators() -> frozenset[str]:

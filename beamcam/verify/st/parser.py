@@ -10,7 +10,7 @@ import re
 from typing import Literal, cast
 
 from beamcam.errors import Diagnostic, Source
-from beamcam.verify.st import rules, syntax
+from beamcam.verify.st import library, rules, syntax
 from beamcam.verify.st.lexer import Token, tokens
 from beamcam.verify.st.syntax import Expression, Section, Statement
 
@@ -377,15 +377,9 @@ def _typed(token: Token) -> syntax.Constant:
             return syntax.Constant(token.line, word, float(text))
         if word == "BOOL":
             return syntax.Constant(token.line, word, bool(int(text)))
-        low, high = INTEGERS[word]
+        low, high = library.INTEGERS[word]
         if not low <= int(text) <= high:
             raise ValueError(text)
         return syntax.Constant(token.line, word, int(text))
     except ValueError:
         raise _Stop(token, f"a value of {word}") from None
-
-
-INTEGERS = {
-    "SINT": (-(2**7), 2**7 - 1), "USINT": (0, 2**8 - 1), "INT": (-(2**15), 2**15 - 1),
-    "UINT": (0, 2**16 - 1), "DINT": (-(2**31), 2**31 - 1), "UDINT": (0, 2**32 - 1),
-}  # fmt: skip

@@ -1,0 +1,125 @@
+"""What names stand for: variables, constants, axes, blocks, and what the library has."""
+
+from collections.abc import Collection, Sequence
+from difflib import get_close_matches
+
+from beamcam.errors import Diagnostic, Rule, Source
+from beamcam.verify.st import library, rules, syntax
+
+UNKNOWN = "?"  #: the type of what has been complained about already
+
+
+class Names:
+    """The names that can be seen from where the checker stands, and what was said so far.
+
+    `axes` and `paths` are the names of the project's axes and path objects.
+    """
+
+    def __init__(
+        self, units: Sequence[syntax.Unit], axes: Sequence[str], paths: Sequence[str], name: str
+    ) -> None:
+        self.name = name
+        self.said: list[Diagnostic] = []
+        self.blocks = {b.name.upper(): b for u in units for b in u.blocks}
+        self.objects = {a.upper(): library.AXIS for a in axes}
+        self.objects |= {p.upper(): library.PATH_OBJECT for p in paths}
+        self.globals: dict[str, syntax.Variable] = {}
+        self.locals: dict[str, syntax.Variable] = {}
+
+    def say(self, rule: Rule, line: int, **values: object) -> str:
+        """Note what is wrong; the type of what cannot be known."""
+        self.said.append(rule.at(Source(self.name, line), **values))
+        return UNKNOWN
+
+    def wrong_type(self, line: int, found: str, what: str, wanted: str) -> str:
+        """Note that something has another type than it should."""
+        return self.say(
+            rules.TYPE, line, found=library.shown(found), what=what, expected=library.shown(wanted)
+        )
+
+    def twice(self, name: str, line: int) -> None:
+        """Note a name that stands for two things."""
+        self.say(rules.DECLARED, line, found=name, how="twice", expected="it once")
+
+    def variable(self, name: str) -> syntax.Variable | None:
+        """The variable of a name, if there is one."""
+        key = name.upper()
+        return self.locals.get(key) or self.globals.get(key)
+
+    def types(self) -> dict[str, str]:
+        """The types that a variable may have, by their names in capitals."""
+        own = (b.name for b in self.blocks.values() if b.kind == "FUNCTION_BLOCK")
+        return {t.upper(): t for t in (*library.TYPES, *library.BLOCKS, *own)}
+
+    def canonical(self, type_: str) -> str:
+        """A type as the library writes it."""
+        for known in (*library.TYPES, *library.BLOCKS):
+            if known.upper() == type_.upper():
+                return known
+        return type_
+
+    def components(self, type_: str) -> dict[str, str] | None:
+        """The components of a type with their types; None if it has none."""
+        if type_ in library.BLOCKS:
+            return library.BLOCKS[type_][1]
+        if type_ in library.COMPONENTS:
+            return library.COMPONENTS[type_]
+        return self._of_block(type_, "output")
+
+    def inputs(self, name: str) -> dict[str, str] | None:
+        """The inputs of the function block that a variable is an instance of, if it is one."""
+        variable = self.variable(name)
+        if variable is None or not isinstance(variable.type, str):
+            return None
+        type_ = self.canonical(variable.type)
+        if type_ in library.BLOCKS:
+            return library.BLOCKS[type_][0]
+        return self._of_block(type_, "input", "inout")
+
+    def _of_block(self, type_: str, *sections: syntax.Section) -> dict[str, str] | None:
+        block = self.blocks.get(type_.upper())
+        if block is None:
+            return None
+        return {
+            v.name: self.canonical(v.type)
+            for v in block.variables
+            if v.section in sections and isinstance(v.type, str)
+        }
+
+    def of_value(self, value: syntax.Name) -> str:
+        """The type of what a name stands for in an expression."""
+        variable = self.variable(value.name)
+        if variable is not None:
+            if isinstance(variable.type, syntax.Array):
+                found = f"the array {value.name}"
+                return self.wrong_type(value.line, found, "a value", "one of its elements")
+            return self.canonical(variable.type)
+        key = value.name.upper()
+        if key in self.objects:
+            return self.objects[key]
+        if key in library.ENUMERATORS:
+            return f"enum:{key}"
+        known = (
+            *(v.name for v in self.locals.values()), *(v.name for v in self.globals.values()),
+            *self.objects, *library.ENUMERATORS,
+        )  # fmt: skip
+        return self.say(rules.NAME, value.line, found=value.name, expected=near(value.name, known))
+
+
+def near(word: str, known: Collection[str]) -> str:
+    """What was meant perhaps."""
+    names = {name.upper(): name for name in known}
+    close = get_close_matches(word.upper(), list(names), 1, 0.6)
+    return names[close[0]] if close else "a name that is"
+
+
+def text_of(value: syntax.Expression) -> str:
+    """What may be written to, as a message says it."""
+    match value:
+        case syntax.Name():
+            return value.name
+        case syntax.Member():
+            return f"{text_of(value.base)}.{value.name}"
+        case syntax.Element():
+            return f"{text_of(value.base)}[...]"
+    return "an expression"
