@@ -6,7 +6,7 @@ one would get too large, and one state machine that walks through them by the sa
 """
 
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 
 from beamcam.emitters import simotion_text as text
 from beamcam.emitters.numbers import number
@@ -50,7 +50,16 @@ def emit(table: TriggerTable, machine: Machine, style: str | None = None) -> str
         style = "table" if count > triggers.greatest_chain else triggers.style
     name = unit_name(table.job)
     writer = _Writer(table, machine, triggers, name)
-    return writer.chain() if style == "chain" else writer.table()
+    text_ = writer.chain() if style == "chain" else writer.table()
+    return _as_called(text_, triggers.names)
+
+
+def _as_called(program: str, names: Mapping[str, str]) -> str:
+    """A program with names of the controller's library as the project's package has them."""
+    if not names:
+        return program
+    words = re.compile(rf"\b(?:{'|'.join(map(re.escape, names))})\b")
+    return words.sub(lambda word: names[word[0]], program)
 
 
 def unit_name(job: str) -> str:

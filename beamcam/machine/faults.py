@@ -4,6 +4,7 @@ import re
 from collections.abc import Iterator
 
 from beamcam.machine.machine import FLAT_DEG, Machine, ToolSet, Torch, inch_size
+from beamcam.machine.tables import UNCONFIRMED
 
 #: Kinds of tools whose speed or feed comes from `drill.cutting`.
 TURNING = ("drill", "tap", "countersink", "mill", "punch", "scribe")
@@ -160,6 +161,15 @@ def table_faults(machine: Machine) -> Iterator[Fault]:
         for name in (*triggers.axes, triggers.path_object, triggers.package):
             if not _ST_NAME.fullmatch(name):
                 yield "triggers.axes", name, "letters, digits and single _, a letter first"
+        for name, other in triggers.names.items():
+            if name not in UNCONFIRMED:
+                yield "triggers.names", name, f"one of {', '.join(UNCONFIRMED)}"
+            elif not _ST_NAME.fullmatch(other.removeprefix("_")):
+                yield (
+                    f"triggers.names.{name}",
+                    other,
+                    "letters, digits and single _, a letter first",
+                )
         if triggers.greatest_data < LEAST_DATA:
             yield "triggers.greatest_data", triggers.greatest_data, f"{LEAST_DATA} or more"
         for row in machine.torch.rows if machine.torch else ():

@@ -36,7 +36,7 @@ def check_text(
     triggers = machine.triggers
     if triggers is None:
         raise TypeError(f"{machine.name} has no trigger program")
-    units, said = parse(text, name)
+    units, said = parse(text, name, triggers.names)
     if said:
         return [], said
     paths = (triggers.path_object,) if triggers.path_objects else ()

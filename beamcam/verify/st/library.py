@@ -1,8 +1,15 @@
 """What SIMOTION brings: types, commands with their parameters, enumerators, function blocks.
 
-Sources: SIMOTION Technology Objects (axis), TO Path Interpolation 11/2010; IEC 61131-3 for TON,
-ABS and SQRT. A command has to name what is `needed` here: what it leaves out would be a default
-of the project.
+A command has to name what is `needed` here: what it leaves out would be a default of the project.
+What the simulated axes do not know, such as blending, is no parameter here either.
+
+Sources. `_pos` with its parameters up to `positiveAccel`, and `basicMotion.position`: a program
+that ran on a D425 with firmware 4.0. `_movePathLinear`, `_movePathCircular`, `_stopPath`, `_stop`,
+`pathPlane`, `pathMode`, `x`, `y`, `z`, `circularType` and its values, `ijkMode`, `i`, `j`, `k`,
+`mergeMode` and its values, `nextCommand`, `velocityProfile`, `velocity`, `positiveAccel`,
+`negativeAccel`, `pathObjectType`: manual TO Path Interpolation 11/2010, chapters 2.5, 2.8 and 5.1.
+TON, ABS, SQRT: IEC 61131-3. `UNCONFIRMED` in machine/tables.py lists what no source shows; a
+machine's file can say that the project's package calls it otherwise.
 """
 
 from msgspec import Struct

@@ -5,6 +5,8 @@ import re
 import pytest
 
 from beamcam.emitters import simotion
+from beamcam.machine.faults import table_faults
+from beamcam.machine.machine import Machine
 from beamcam.model.triggers import Switch
 from beamcam.verify.st import check_text, run, verify_triggers
 
@@ -208,3 +210,34 @@ def test_a_program_that_waits_for_ever_is_ended() -> None:
 def test_a_division_by_zero_stops_the_controller() -> None:
     text = program("shield", "chain").replace("length := SQRT(", "length := LREAL#0.0 * SQRT(")
     assert "st-run" in codes(text)
+
+
+def renamed(**names: str) -> Machine:
+    return table_machine(path_objects=True, names=names)
+
+
+@pytest.mark.parametrize("style", ["chain", "table"])
+def test_names_of_the_library_are_written_and_read_as_the_machine_calls_them(style: str) -> None:
+    machine = renamed(pathObject="pathObjectType", X_Y="XY", _homing="_home", control="servo")
+    text = program("shield", style, machine)
+    for name in ("pathObjectType := Path", "pathPlane := XY", "_home(", "axis.servo = ACTIVE"):
+        assert name in text
+    assert not re.search(r"\b(pathObject|X_Y|_homing|control)\b", text)
+    assert verify_triggers(text, [part("shield")], machine, (), "a.st") == ()
+
+
+def test_a_name_that_is_called_otherwise_is_refused() -> None:
+    text = program("shield", "chain", renamed())
+    said = check_text(text, renamed(pathObject="pathObjectType"), "a.st")[1]
+    line = next(k for k, row in enumerate(text.splitlines(), 1) if "pathObject :=" in row)
+    assert str(next(d for d in said if d.source.line == line)) == (
+        f"a.st:{line}: error st-parameter: found pathObject (here pathObjectType) in a call of "
+        "_movePathLinear; expected pathObject"
+    )
+
+
+def test_only_names_that_are_not_confirmed_may_be_called_otherwise() -> None:
+    faults = list(table_faults(renamed(_pos="_position", X_Y="X Y")))
+    assert [(key, found) for key, found, _ in faults] == [
+        ("triggers.names", "_pos"), ("triggers.names.X_Y", "X Y"),
+    ]  # fmt: skip
