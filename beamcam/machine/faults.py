@@ -165,11 +165,7 @@ def table_faults(machine: Machine) -> Iterator[Fault]:
             if name not in UNCONFIRMED:
                 yield "triggers.names", name, f"one of {', '.join(UNCONFIRMED)}"
             elif not _ST_NAME.fullmatch(other.removeprefix("_")):
-                yield (
-                    f"triggers.names.{name}",
-                    other,
-                    "letters, digits and single _, a letter first",
-                )
+                yield f"triggers.names.{name}", other, "letters, digits and single _"
         if triggers.greatest_data < LEAST_DATA:
             yield "triggers.greatest_data", triggers.greatest_data, f"{LEAST_DATA} or more"
         for row in machine.torch.rows if machine.torch else ():

@@ -8,9 +8,9 @@ from msgspec import Struct, field
 #: Names of SIMOTION's library that neither a manual at hand nor a program that ran shows; the
 #: package of a project may call them otherwise.
 UNCONFIRMED = (
-    "_enableAxis", "_move", "_homing", "NEGATIVE", "homingMode", "DIRECT_HOMING", "homePositionType",
-    "homePosition", "control", "ACTIVE", "stopMode", "STOP_AND_ABORT", "negativeAccelType",
-    "TRAPEZOIDAL", "pathObject", "X_Y", "posAxis",
+    "_enableAxis", "_move", "_homing", "NEGATIVE", "homingMode", "DIRECT_HOMING",
+    "homePositionType", "homePosition", "control", "ACTIVE", "stopMode", "STOP_AND_ABORT",
+    "negativeAccelType", "TRAPEZOIDAL", "pathObject", "X_Y", "posAxis",
 )  # fmt: skip
 
 
@@ -35,8 +35,7 @@ class Triggers(Struct, frozen=True):
     greatest_data: int = 65536  #: bytes of set-points in one unit
     path_objects: bool = False  #: whether the controller interpolates lines and circles
     path_object: str = "Path"  #: its name in the project
-    #: What the project's package calls names that are written otherwise here.
-    names: Mapping[str, str] = field(default_factory=dict)
+    names: Mapping[str, str] = field(default_factory=dict)  #: what the package calls otherwise
 
 
 class Stepper(Struct, frozen=True):

@@ -232,7 +232,7 @@ def test_a_name_that_is_called_otherwise_is_refused() -> None:
     line = next(k for k, row in enumerate(text.splitlines(), 1) if "pathObject :=" in row)
     assert str(next(d for d in said if d.source.line == line)) == (
         f"a.st:{line}: error st-parameter: found pathObject (here pathObjectType) in a call of "
-        "_movePathLinear; expected pathObject"
+        "_movePathLinear; expected a name that is"
     )
 
 
