@@ -1,0 +1,212 @@
+"""What is said: each rule of trigger programs and of tables, with what was found and expected."""
+
+import re
+
+import pytest
+from msgspec.structs import replace
+
+from beamcam.emitters import step_table as forms
+from beamcam.machine import load
+from beamcam.machine.faults import table_faults
+from beamcam.machine.machine import Machine
+from beamcam.motion.steps import step_table
+from beamcam.verify.st import rules as st_rules
+from beamcam.verify.st import verify_triggers
+from beamcam.verify.steps import rules as steps_rules
+from beamcam.verify.steps import verify_table
+
+from .shop import part, plan, program, table_machine
+
+# -- trigger programs -----------------------------------------------------------------------
+
+#: Style of the shield's program, what is changed, into what, and the first thing that is said
+#: behind the name of the file.
+SAID_OF_PROGRAMS = [
+    ("chain", r"END_IF;\n +END_FUNCTION_BLOCK", "END_FUNCTION_BLOCK",
+     "70: error st-syntax: found 'END_FUNCTION_BLOCK'; expected a statement or ELSE"),
+    ("chain", "TYPE := DIRECT|Type := DIRECT", "Type := \xdcBER",
+     "91: error st-syntax: found '\xdcBER, veloci'; expected ASCII letters, numbers and signs of "
+     "Structured Text"),
+    ("chain", "INT := INT#0", "INT := INT#99999",
+     "24: error st-syntax: found 'INT#99999'; expected a value of INT"),
+    ("chain", r"wait\.Q", "wait.P",
+     "247: error st-name: found .P, which is not declared; expected a name that is"),
+    ("chain", "USEPACKAGE CAM;", "USEPACKAGE CAN;",
+     "1: error st-name: found no USEPACKAGE CAM, which is not declared; expected CAM"),
+    ("chain", "workState := INT#3", "workStat := INT#3",
+     "333: error st-name: found workStat, which is not declared; expected workState"),
+    ("chain", "length : LREAL;", "dt : LREAL;",
+     "57: error st-declaration: found the name dt as a variable; expected another, as it means "
+     "something already"),
+    ("chain", "answer : DINT;", "answer : DINT; answer : DINT;",
+     "84: error st-declaration: found the name answer twice; expected it once"),
+    ("chain", r"startY := LREAL#5\.0", "startV := LREAL#5.0",
+     "249: error st-parameter: found startV in a call of line; expected startY"),
+    ("chain", "workState := INT#3", "workState := LREAL#3.0",
+     "333: error st-type: found LREAL for workState; expected INT"),
+    ("chain", "direction := POSITIVE", "direction := ABSOLUTE",
+     "90: error st-type: found ABSOLUTE for direction of _pos; expected POSITIVE or NEGATIVE or "
+     "BY_VALUE or SHORTEST_WAY"),
+    ("chain", r"ARRAY \[0\.\.11\] OF BOOL", "ARRAY [0..10] OF BOOL",
+     "322: error st-bounds: found index 11 of triggerActive; expected 0 to 10"),
+    ("table", r"ARRAY \[1\.\.11\] OF LREAL", "ARRAY [1..10] OF LREAL",
+     "313: error st-array: found 11 values for pointX_1; expected 10"),
+    ("chain", r"length := SQRT\(", "length := LREAL#0.0 * SQRT(",
+     "64: error st-run: found a division by 0; expected none"),
+    ("chain", r"endX := LREAL#35\.0, endY := L", "endX := LREAL#-35.0, endY := L",
+     "89: error st-command: found AxisX to -35; expected 0 to 700"),
+    ("chain", r"velocity := scaled\.velocityX", "velocity := LREAL#0.0",
+     "89: error st-command: found velocity 0; expected more than 0"),
+    ("chain", "velocityProfile := TRAPEZOIDAL", "velocityProfile := SMOOTH",
+     "89: error st-command: found a smooth profile; expected TRAPEZOIDAL, so that axes arrive "
+     "together"),
+    ("chain", "mergeMode := IMMEDIATELY,\n +nextCommand := IMMEDIATELY",
+     "mergeMode := SEQUENTIAL, nextCommand := IMMEDIATELY",
+     "89: error st-command: found mergeMode SEQUENTIAL; expected IMMEDIATELY"),
+    ("chain", "homingMode := DIRECT_HOMING", "homingMode := ACTIVE_HOMING",
+     "149: error st-command: found ACTIVE_HOMING; expected DIRECT_HOMING to a DIRECT position"),
+    ("chain", r" AND NOT triggerActive\[5\]", "",
+     "264: error st-trigger: found trigger 5 without its latch; expected NOT 5"),
+    ("chain", " OR limitYHigh", "",
+     " error st-homing: found work going on with the limit switch %I0.3 closed; expected a stop "
+     "with the tool off"),
+    ("chain", "limitXLow AT %I0.0", "limitXLow AT %I0.7",
+     " error st-homing: found nothing at %I0.0; expected a variable AT it"),
+    ("chain", "cutOn AT %Q62.0", "cutOn AT %Q62.7",
+     " error st-tool: found nothing at %Q62.0; expected a variable AT it"),
+    ("chain", "PIERCE_CUT : TIME := T#800ms", "PIERCE_CUT : TIME := T#80ms",
+     " error st-tool: found a wait of 0.100 s behind the start of the tool; expected 0.8 s"),
+    ("chain", r"velocity := scaled\.velocityX", "velocity := scaled.velocityY",
+     " error st-straight: found the axes 3.7992 mm off the line of their operation; expected at "
+     "most 0.01 mm"),
+    ("chain", r"speed := LREAL#2\.0", "speed := LREAL#9.0",
+     " error st-speed: found 9.000 mm/s with the tool on; expected at most 8 mm/s"),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("style", "find", "put", "says"), SAID_OF_PROGRAMS)
+def test_what_is_said_of_a_program(style: str, find: str, put: str, says: str) -> None:
+    text = program("shield", style)
+    changed = re.sub(find, lambda _: put, text, count=1)
+    assert changed != text
+    said = verify_triggers(changed, [part("shield")], table_machine(), (), "a.st")
+    assert str(said[0]) == f"a.st:{says}"
+
+
+def test_every_rule_of_programs_is_said() -> None:
+    met = {word.rstrip(":") for *_, says in SAID_OF_PROGRAMS for word in says.split()
+           if word.startswith("st-")}  # fmt: skip
+    assert met == {rule.code for rule in st_rules.RULES}
+
+
+# -- tables ---------------------------------------------------------------------------------
+
+LASER = load("laser-stepper")
+TABLE = step_table(plan("shield-small", "laser-stepper"), LASER, "shield-small")
+WRITTEN = {form: b"".join(write(TABLE)).decode("latin-1") for form, write in forms.FORMS.items()}
+
+SAID_OF_TABLES = [
+    (".steps", "time_us,x,y,laser", "time,x,y,laser",
+     "2: error steps-row: found time,x,y,laser; expected time_us,x,y,laser"),
+    (".steps", "\n000000000000,00,00,0", "\n000000000000,00,0x,0",
+     "3: error steps-row: found '000000000000,00,0x,0\\n'; expected as 000000001234,01,10,1"),
+    (".steps", "step 0.01 mm", "step 0.02 mm",
+     "1: error steps-head: found # beamcam/steps/1 job shield-small step  in the head of the "
+     "table; expected # beamcam/steps/1 job JOB step 0.01 mm"),
+    (".h", r"\(row\) >> 4", "(row) >> 3",
+     "9: error steps-head: found '#define BEAMCAM_LASER(row) (((row) >> 3)' in the head of the "
+     "table; expected '#define BEAMCAM_LASER(row) (((row) >> 4) & 1u)'"),
+    (".bin", "BCSTEPS1", "BCSTEPS2",
+     "1: error steps-row: found 'BCSTEPS2'; expected BCSTEPS1 and a head of 32 bytes"),
+    (".steps", "\n000000011648,01,01,0", "\n000000011648,10,01,0",
+     "4: error steps-word: found word 10 of X behind 00; expected a neighbour in the sequence "
+     "00 01 10 11"),
+    (".steps", "\n000000016711,", "\n000000000711,",
+     "5: error steps-time: found a time before the last one; expected a later one"),
+    (".steps", "\n000000016711,", "\n000000011700,",
+     "5: error steps-frequency: found steps of X 52 us apart; expected at least 100 us"),
+    (".steps", r"\n(\d{12},\d\d,\d\d),0\n\Z", r"\n\1,1\n",
+     "3205: error steps-laser: found a step in the row that switches the laser; expected the "
+     "head at rest"),
+    (".csv", "\n5,5,56.5685,", "\n5,5.05,56.5685,",
+     "3: error steps-count: found 500 steps of Y up to X 5, Y 5.05; expected 505"),
+    (".csv", "\n7,12,0,4,1,", "\n7,12,0,-4,1,",
+     "5: error steps-velocity: found velocity 0, -4 for a way of 0, 4; expected it along the way"),
+    (".csv", ",0,400,0,400\n", ",0,400,0,401\n",
+     "5: error steps-velocity: found 401 Hz of Y; expected 400 Hz for 4 mm/s"),
+    (".csv", "\n7,12,0,4,1,0,400,0,400\n", "\n7,12,0,4.4,1,0,400,0,440\n",
+     "5: error steps-speed: found 4.40 mm/s to cut; expected at most 4 mm/s"),
+    (".csv", "\n7,12,0,4,1,0,400,0,400\n", "\n7,12,0,3.6,1,0,400,0,360\n",
+     "5: error steps-speed: found 3.60 mm/s to cut; expected at least 4 mm/s"),
+    (".csv", "\n0,0,-56.5685,-56.5685,0,-500,-500,5656.85,5656.85\n", "\n",
+     " error steps-place: found the head at X 5, Y 5; expected it in the corner at the end"),
+    (".csv", "\n0,0,-56.5685,-56.5685,0,-500,-500,5656.85,5656.85\n",
+     "\n0,0,-28.5685,-28.5685,0,-500,-500,2856.85,2856.85\n",
+     "11: error steps-speed: found 40.402 mm/s to traverse; expected 80 mm/s"),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("form", "find", "put", "says"), SAID_OF_TABLES)
+def test_what_is_said_of_a_table(form: str, find: str, put: str, says: str) -> None:
+    changed = re.sub(find, put, WRITTEN[form], count=1)
+    assert changed != WRITTEN[form]
+    data = changed.encode("latin-1")
+    said = verify_table(form, (data,), [part("shield-small")], LASER, (), "a")
+    assert str(said[0]) == f"a:{says}"
+
+
+def test_an_acceleration_is_told_with_its_limit() -> None:
+    up = [(k * 110, k) for k in range(2000)]
+    rows = up + [(220_000 + k * 110, 2000 - k) for k in range(1, 2001)]
+    lines = "".join(f"{t:012d},{x & 3:02b},00,0\n" for t, x in rows)
+    said = verify_table(".steps", (f"time_us,x,y,laser\n{lines}".encode(),), [], LASER, (), "a")
+    assert [str(d) for d in said] == [
+        "a: error steps-acceleration: found X at 35600 mm/s2; expected at most 500 mm/s2"
+    ]
+
+
+def test_every_rule_of_tables_is_said() -> None:
+    met = {word.rstrip(":") for *_, says in SAID_OF_TABLES for word in says.split()
+           if word.startswith("steps-")}  # fmt: skip
+    assert met | {"steps-acceleration"} == {rule.code for rule in steps_rules.RULES}
+
+
+@pytest.mark.parametrize("form", [".st", ".txt", ""])
+def test_another_form_is_refused(form: str) -> None:
+    with pytest.raises(ValueError, match=r"expected one of \.steps, \.bin, \.h, \.csv"):
+        verify_table(form, (), [], LASER)
+
+
+# -- machines -------------------------------------------------------------------------------
+
+
+def stepper(**changes: object) -> Machine:
+    assert LASER.stepper is not None
+    return replace(LASER, stepper=replace(LASER.stepper, **changes))
+
+
+FAULTY = [
+    (replace(LASER, stepper=None), "stepper", None, "a table, since the controller is stepper"),
+    (replace(table_machine(), triggers=None), "triggers", None,
+     "a table, since the controller is simotion"),
+    (stepper(pitch=0.0), "stepper.pitch", 0.0, "more than 0"),
+    (stepper(sequence=("00", "01", "10", "10")), "stepper.sequence", ["00", "01", "10", "10"],
+     "each of 00, 01, 10, 11 once"),
+    (table_machine(cycle_s=0.0), "triggers.cycle_s", 0.0, "more than 0"),
+    (table_machine(axes=("Eje X", "EjeY")), "triggers.axes", "Eje X",
+     "letters, digits and single _, a letter first"),
+    (table_machine(greatest_data=10), "triggers.greatest_data", 10, "1024 or more"),
+    (table_machine(outputs={"cut": "%Q0.0"}), "triggers.outputs", {"cut": "%Q0.0"},
+     "an output for mark"),
+    (table_machine(outputs={"cut": "%Q0.9", "mark": "%Q0.1"}), "triggers.outputs", "%Q0.9",
+     "an address of an output such as %Q62.0"),
+    (table_machine(start="I0.4"), "triggers.limits", "I0.4",
+     "an address of an input such as %I0.0"),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("machine", "key", "found", "expected"), FAULTY)
+def test_what_is_said_of_a_machine(
+    machine: Machine, key: str, found: object, expected: str
+) -> None:
+    assert list(table_faults(machine)) == [(key, found, expected)]
