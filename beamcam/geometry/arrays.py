@@ -11,7 +11,15 @@ from itertools import chain
 import numpy as np
 from numpy.typing import NDArray
 
-from beamcam.geometry.curves import Arc, Bezier, BSpline, Curve, Line, NewtonCurve
+from beamcam.geometry.curves import (
+    Arc,
+    Bezier,
+    BSpline,
+    Curve,
+    Line,
+    NewtonCurve,
+    signed_area,
+)
 from beamcam.geometry.plane import Point
 
 Floats = NDArray[np.float64]
@@ -67,6 +75,22 @@ def arc_ends(arcs: Floats) -> Floats:
     first = centre + radius * unit_vectors(start)
     last = centre + radius * unit_vectors(start + np.where(np.abs(sweep) == 360.0, 0.0, sweep))
     return np.hstack((first, last))
+
+
+def signed_areas(chains: Sequence[Sequence[Curve]]) -> Floats:
+    """The areas (n,) inside closed chains in mm2, as `curves.signed_area` of each."""
+    curves = [curve for chain in chains for curve in chain]
+    ends = ends_of(curves)
+    shares = (ends[:, 0] * ends[:, 3] - ends[:, 1] * ends[:, 2]) / 2
+    for kind, which in by_kind(curves).items():
+        if kind is Arc:
+            arcs = arc_rows(curves, which)
+            sweep = np.radians(arcs[:, 4])
+            shares[which] += arcs[:, 2] * arcs[:, 2] * (sweep - np.sin(sweep)) / 2
+        elif kind is not Line:
+            shares[which] = [signed_area((curves[k],)) for k in which]
+    owner = np.repeat(np.arange(len(chains)), [len(chain) for chain in chains])
+    return np.bincount(owner, weights=shares, minlength=len(chains)).astype(np.float64)
 
 
 def unit_vectors(angles_deg: Floats) -> Floats:

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from msgspec.structs import replace
 
 from beamcam.errors import Diagnostic
-from beamcam.geometry.curves import Arc, Curve, Line, join_boxes, signed_area
+from beamcam.geometry.curves import Arc, Line, join_boxes
 from beamcam.machine.machine import Torch
 from beamcam.planning.contours import rules
 from beamcam.planning.contours.join import Shape
@@ -15,57 +15,70 @@ from beamcam.planning.contours.join import Shape
 FIT_SHARE = 0.4
 
 
-def fitted(curves: Sequence[Curve], tolerance: float) -> tuple[Line | Arc, ...]:
-    """A chain as lines and arcs, its deviation a share of the machine's tolerance."""
-    from beamcam.geometry.arc_fitting import fit_chains
-
-    return fit_chains((curves,), tolerance * FIT_SHARE)[0]
-
-
 def compensated(
     shapes: Sequence[Shape], kerfs: Sequence[float], torch: Torch
 ) -> tuple[list[Shape], list[Diagnostic]]:
     """The ways of the torch along the shapes, one for each, and why that cannot be.
 
-    `kerfs` says for each shape what is to be kept off, 0 for nothing. A controller that keeps off
-    by itself gets lines and arcs.
+    `kerfs` says for each shape what is to be kept off, 0 for nothing. By offset the contours lie
+    half of it away from the part: outwards, in a hole inwards. A controller that keeps off by
+    itself gets lines and arcs.
     """
+    found = list(shapes)
+    by_machine = torch.kerf_by == "machine"
+    which = [
+        k
+        for k, (shape, kerf) in enumerate(zip(shapes, kerfs, strict=True))
+        if (by_machine and shape.process == "cut" and shape.closed)
+        or (kerf and torch.kerf_by == "offset")
+    ]
+    if not which:
+        return found, []
+    from beamcam.geometry.arc_fitting import fit_chains
+
+    fits = fit_chains([shapes[k].curves for k in which], torch.tolerance * FIT_SHARE)
+    if by_machine:
+        for k, curves in zip(which, fits, strict=True):
+            found[k] = replace(shapes[k], curves=curves)
+        return found, []
     said: list[Diagnostic] = []
-    found: list[Shape] = []
-    for shape, kerf in zip(shapes, kerfs, strict=True):
-        if kerf and torch.kerf_by == "offset":
-            rings, refused = offset_shape(shape, kerf, torch.tolerance)
-            found += rings
-            if refused is not None:
-                said.append(refused)
-        elif torch.kerf_by == "machine" and shape.process == "cut" and shape.closed:
-            found.append(replace(shape, curves=fitted(shape.curves, torch.tolerance)))
+    rings = _moved([shapes[k] for k in which], fits, [kerfs[k] for k in which], torch.tolerance)
+    for k, ring in zip(which, rings, strict=True):
+        if ring is None:
+            said.append(_no_room(shapes[k], kerfs[k]))
         else:
-            found.append(shape)
+            found[k] = ring
     return found, said
 
 
-def offset_shape(
-    shape: Shape, kerf: float, tolerance: float
-) -> tuple[list[Shape], Diagnostic | None]:
-    """The contours of a closed cut half a kerf away from the part: outwards, in a hole inwards.
+def _moved(
+    shapes: Sequence[Shape],
+    fits: Sequence[tuple[Line | Arc, ...]],
+    kerfs: Sequence[float],
+    tolerance: float,
+) -> list[Shape | None]:
+    """The shapes half a kerf away from the part; None for what has no room for the kerf.
 
-    A hole with a narrow neck gives several. What has no room for the kerf is refused.
+    A notch narrower than the kerf closes up and leaves a ring, a hole with a narrow neck falls
+    into several: the torch cannot make the one nor the other.
     """
-    from beamcam.geometry.offset import Vanished, offset_chain
+    from beamcam.geometry.arrays import signed_areas
+    from beamcam.geometry.offset import Vanished, offset_chains
 
-    is_hole = shape.depth % 2 == 1
-    curves = fitted(shape.curves, tolerance)
-    moved = offset_chain(curves, -kerf / 2 if is_hole else kerf / 2, tolerance * FIT_SHARE)
-    if isinstance(moved, Vanished):
-        return [], _no_room(shape, kerf)
-    chains = [c for c in moved.chains if abs(signed_area(c)) > tolerance * tolerance]
-    if not is_hole and len(chains) > 1:
-        # A notch narrower than the kerf closes up and leaves a ring: the torch cannot make it.
-        return [], _no_room(shape, kerf)
-    if is_hole and len(chains) != 1:
-        return [], _no_room(shape, kerf)
-    return [replace(shape, curves=c, area=signed_area(c)) for c in chains], None
+    amounts = [
+        -kerf / 2 if shape.depth % 2 == 1 else kerf / 2
+        for shape, kerf in zip(shapes, kerfs, strict=True)
+    ]
+    moved = offset_chains(fits, amounts, tolerance * FIT_SHARE)
+    chains = [() if isinstance(m, Vanished) else m.chains for m in moved]
+    areas = iter(signed_areas([chain for several in chains for chain in several]).tolist())
+    found: list[Shape | None] = []
+    for shape, several in zip(shapes, chains, strict=True):
+        sized = [(chain, next(areas)) for chain in several]
+        rings = [(chain, area) for chain, area in sized if abs(area) > tolerance * tolerance]
+        one = len(rings) == 1
+        found.append(replace(shape, curves=rings[0][0], area=rings[0][1]) if one else None)
+    return found
 
 
 def _no_room(shape: Shape, kerf: float) -> Diagnostic:

@@ -11,6 +11,9 @@ from beamcam.planning.contours.kerf import closes
 from beamcam.planning.contours.outline import ways as polylines_of
 from beamcam.planning.contours.way import leads, waste_side
 
+#: The share of a lead that is not asked for its distance, at the contour.
+AT_CONTOUR = 0.1
+
 Lead = tuple[tuple[Curve, ...], tuple[Curve, ...]]
 
 #: The shares of the machine's lengths that are tried, longest first.
@@ -67,23 +70,18 @@ class _Fence:
     def clear(self, tried: dict[int, Lead], torch: Torch) -> set[int]:
         """Those whose leads keep their distance from every contour.
 
-        The last tenth before the contour touches it where there is no kerf, and is not asked.
+        A lead is one line or arc. What of it is nearest to its contour touches that where there is
+        no kerf, and is not asked.
         """
-        from shapely.ops import substring
-
         leads, owners = [], []
         for k, (way_in, way_out) in tried.items():
-            for curves in (tuple(c.reversed() for c in reversed(way_in)), way_out):
-                if curves:
-                    leads.append(curves)
-                    owners.append(k)
+            # All of them as they lead away from the contour.
+            for curve in (*(c.reversed() for c in way_in), *way_out):
+                leads.append((curve.split(AT_CONTOUR)[1],))
+                owners.append(k)
         if not leads:
             return set(tried)
-        # All of them lead away from the contour now.
-        lines = [
-            substring(line, 0.1, 1.0, normalized=True)
-            for line in polylines_of(leads, torch.tolerance / 4)
-        ]
+        lines = polylines_of(leads, torch.tolerance / 4)
         if self._clearance > 0.0:
             hit, _ = self._tree.query(lines, "dwithin", distance=self._clearance)
         else:

@@ -49,8 +49,11 @@ def begun(curves: Curves, torch: Torch, here: Point) -> Curves:
 
 
 def _size(curve: Curve) -> float:
-    """Length of a line, distance of its ends of any other curve."""
-    return dist(curve.start, curve.end)
+    """Length of a line, distance of its ends of any other curve, to a millionth.
+
+    So the first of equal ones is taken, whatever the last digits of their ends are.
+    """
+    return round(dist(curve.start, curve.end), 6)
 
 
 def waste_side(area: float, is_hole: bool) -> int:

@@ -8,9 +8,10 @@ import shapely
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from beamcam.geometry.corners import intersections
 from beamcam.geometry.curves import Arc, EllipseArc, Line, signed_area
 from beamcam.geometry.nesting import polygon_of
-from beamcam.geometry.offset import Offset, Vanished, intersections, offset_chain
+from beamcam.geometry.offset import Offset, Vanished, offset_chain
 from beamcam.geometry.refit import refit_ring
 from beamcam.geometry.sampling import points_at
 

@@ -1,0 +1,210 @@
+"""Lines and arcs of closed chains moved to their right, cut and joined at their corners.
+
+All chains are worked together in arrays. Only where an arc is cut at a corner that closes are the
+two curves looked at by themselves.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from beamcam.geometry.arrays import arc_ends, arc_rows, by_kind, line_rows, unit_vectors
+from beamcam.geometry.conics import arc_between
+from beamcam.geometry.corners import between, meeting
+from beamcam.geometry.curves import Arc, Curve, Line
+from beamcam.geometry.flat_offset import MITRE_LIMIT
+
+Floats = NDArray[np.float64]
+Flags = NDArray[np.bool_]
+Counts = NDArray[np.int64]
+Ring = tuple[Line | Arc, ...]
+
+#: Moved neighbours whose ends are nearer than this, relative to the move, follow one another.
+SMOOTH = 1e-9
+
+#: Below this the directions of two lines are one.
+PARALLEL = 1e-12
+
+
+@dataclass(slots=True)
+class _Moved:
+    """The curves of all chains, moved but not yet cut, one a row."""
+
+    is_line: Flags
+    bad: Flags  #: neither line nor arc, or nothing is left of it
+    ends: Floats  #: (n, 4); cut at corners they change
+    tangents: Floats  #: (n, 4) at start and end
+    arcs: Floats  #: (n, 5) centre, radius, start and sweep in degrees, of the arcs
+
+
+def raw_offsets(chains: Sequence[Sequence[Curve]], rights: Floats) -> list[Ring | None]:
+    """Each chain moved to its right by so much (n,), to its left if below 0.
+
+    None where that cannot be: for a chain with other curves than lines and arcs, where an arc
+    would vanish, and where two curves do not meet or would run backwards. The rings may cross
+    themselves.
+    """
+    curves = [curve for chain in chains for curve in chain]
+    sizes = np.array([len(chain) for chain in chains], dtype=np.int64)
+    begins = np.cumsum(sizes) - sizes
+    chain_of = np.repeat(np.arange(len(chains)), sizes)
+    right = rights[chain_of]
+    following = np.arange(len(curves)) + 1
+    following[begins + sizes - 1] = begins
+    moved, corners = _beside(curves, right)
+    lonely = (sizes == 1)[chain_of]
+    moved.bad |= lonely & (np.abs(moved.arcs[:, 4]) != 360.0)
+    step = moved.ends[following, :2] - moved.ends[:, 2:]
+    apart = np.hypot(step[:, 0], step[:, 1]) > SMOOTH * (1 + np.abs(right))
+    smooth = np.flatnonzero(~apart & moved.is_line[following])
+    moved.ends[following[smooth], :2] = moved.ends[smooth, 2:]
+    joints, pieces = _cornered(moved, corners, following, right, apart & ~lonely)
+    failed = np.zeros(len(chains), dtype=bool)
+    failed[chain_of[moved.bad]] = True
+    records = _records(moved)
+    for k, piece in pieces.items():
+        records[k] = piece
+    jointed = set(chain_of[list(joints)].tolist())
+    rings: list[Ring | None] = []
+    for c, (begin, size) in enumerate(zip(begins.tolist(), sizes.tolist(), strict=True)):
+        if failed[c]:
+            rings.append(None)
+        elif c in jointed:
+            rings.append(_with_joints(records, joints, begin, begin + size))
+        else:
+            rings.append(tuple(records[begin : begin + size]))
+    return rings
+
+
+def _with_joints(records: list[Line | Arc], joints: dict[int, Arc], begin: int, end: int) -> Ring:
+    ring: list[Line | Arc] = []
+    for k in range(begin, end):
+        ring.append(records[k])
+        if k in joints:
+            ring.append(joints[k])
+    return tuple(ring)
+
+
+def _beside(curves: Sequence[Curve], right: Floats) -> tuple[_Moved, Floats]:
+    """The curves beside themselves, and the corners (n, 2) in which they ended."""
+    kinds, count = by_kind(curves), len(curves)
+    lines = np.array(kinds.get(Line, []), dtype=np.int64)
+    arcs = np.array(kinds.get(Arc, []), dtype=np.int64)
+    is_line, bad = np.zeros(count, dtype=bool), np.ones(count, dtype=bool)
+    ends, tangents = np.zeros((count, 4)), np.zeros((count, 4))
+    corners, all_arcs = np.zeros((count, 2)), np.zeros((count, 5))
+    is_line[lines] = True
+    before = line_rows(curves, lines.tolist())
+    step = before[:, 2:] - before[:, :2]
+    length = np.hypot(step[:, 0], step[:, 1])
+    unit = step / np.where(length > 0.0, length, 1.0)[:, None]
+    aside = right[lines, None] * np.column_stack((unit[:, 1], -unit[:, 0]))
+    ends[lines] = before + np.hstack((aside, aside))
+    tangents[lines] = np.hstack((unit, unit))
+    corners[lines] = before[:, 2:]
+    bad[lines] = length == 0.0
+    rows = arc_rows(curves, arcs.tolist())
+    turn = np.where(rows[:, 4] > 0, 1.0, -1.0)
+    radius = rows[:, 2] + turn * right[arcs]
+    corners[arcs] = arc_ends(rows)[:, 2:]
+    bad[arcs] = radius <= SMOOTH * rows[:, 2]
+    rows[:, 2] = radius
+    all_arcs[arcs] = rows
+    ends[arcs] = arc_ends(rows)
+    for place, angle in ((0, rows[:, 3]), (2, rows[:, 3] + rows[:, 4])):
+        out = unit_vectors(angle)
+        tangents[arcs, place : place + 2] = turn[:, None] * np.column_stack((-out[:, 1], out[:, 0]))
+    return _Moved(is_line, bad, ends, tangents, all_arcs), corners
+
+
+def _cornered(
+    moved: _Moved, corners: Floats, following: Counts, right: Floats, apart: Flags
+) -> tuple[dict[int, Arc], dict[int, Line | Arc]]:
+    """Cuts and prolongs what meets at corners (`apart`), and marks as bad what cannot.
+
+    Gives the arcs about corners that open, by the curve before them, and the arcs that were cut.
+    """
+    k = np.flatnonzero(apart & ~moved.bad & ~moved.bad[following])
+    n = following[k]
+    a, b = moved.tangents[k, 2:], moved.tangents[n, :2]
+    turn = a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]
+    along = np.sum(a * b, axis=1)
+    opens = (turn * right[k] > 0) | ((turn == 0) & (along < 0))
+    straight = moved.is_line[k] & moved.is_line[n]
+    # The mitre of two lines stands out by 1 / cos(turn / 2) of the move.
+    blunt = (1 + along) * MITRE_LIMIT**2 >= 2
+    before = moved.ends.copy()
+    joints = {
+        i: _joint(before[i], before[j], corners[i], right[i])
+        for i, j in zip(*(v[opens & ~(straight & blunt)].tolist() for v in (k, n)), strict=True)
+    }
+    meet = straight & (~opens | blunt)
+    i, j = k[meet], n[meet]
+    gap = before[j, :2] - before[i, :2]
+    parallel = np.abs(turn[meet]) < PARALLEL
+    reach = (gap[:, 0] * b[meet, 1] - gap[:, 1] * b[meet, 0]) / np.where(parallel, 1.0, turn[meet])
+    points = before[i, :2] + reach[:, None] * a[meet]
+    # At a corner that closes both have to reach the point.
+    rest = np.sum((before[j, 2:] - points) * b[meet], axis=1)
+    moved.bad[i[parallel | (~opens[meet] & ((reach <= 0.0) | (rest <= 0.0)))]] = True
+    moved.ends[i, 2:] = points
+    moved.ends[j, :2] = points
+    closing = zip(*(v[~straight & ~opens].tolist() for v in (k, n)), strict=True)
+    pieces = _cut_arcs(moved, before, corners, list(closing))
+    # What was cut at both ends may have turned round.
+    run = moved.ends[:, 2:] - moved.ends[:, :2]
+    moved.bad |= moved.is_line & (np.sum(run * moved.tangents[:, :2], axis=1) <= 0.0)
+    return joints, pieces
+
+
+def _joint(before: Floats, after: Floats, corner: Floats, right: float) -> Arc:
+    """The arc about a corner from the end of one curve to the start of the next."""
+    (x0, y0), (x1, y1), (x, y) = before[2:].tolist(), after[:2].tolist(), corner.tolist()
+    return arc_between((x0, y0), (x1, y1), (x, y), float(right))
+
+
+def _cut_arcs(
+    moved: _Moved, before: Floats, corners: Floats, closing: Sequence[tuple[int, int]]
+) -> dict[int, Line | Arc]:
+    """The arcs that meet a neighbour at a corner that closes, cut there."""
+    touched: set[int] = set()
+    for i, j in closing:
+        a, b = (_record(moved.is_line[k], before[k], moved.arcs[k]) for k in (i, j))
+        x, y = corners[i].tolist()
+        point = meeting(a, b, (x, y), False)
+        if point is None:
+            moved.bad[i] = True
+            continue
+        moved.ends[i, 2:] = point
+        moved.ends[j, :2] = point
+        touched |= {i, j}
+    found: dict[int, Line | Arc] = {}
+    for k in sorted(touched):
+        if not moved.is_line[k]:
+            x0, y0, x1, y1 = moved.ends[k].tolist()
+            whole = _record(False, before[k], moved.arcs[k])
+            piece = between(whole, (x0, y0), (x1, y1))
+            if piece is None:
+                moved.bad[k] = True
+            else:
+                found[k] = piece
+    return found
+
+
+def _record(is_line: bool, ends: Floats, arc: Floats) -> Line | Arc:
+    if is_line:
+        x0, y0, x1, y1 = ends.tolist()
+        return Line((x0, y0), (x1, y1))
+    x, y, radius, start_deg, sweep_deg = arc.tolist()
+    return Arc((x, y), radius, start_deg, sweep_deg)
+
+
+def _records(moved: _Moved) -> list[Line | Arc]:
+    return [
+        Line((x0, y0), (x1, y1)) if is_line else Arc((x, y), radius, start_deg, sweep_deg)
+        for is_line, (x0, y0, x1, y1), (x, y, radius, start_deg, sweep_deg) in zip(
+            moved.is_line.tolist(), moved.ends.tolist(), moved.arcs.tolist(), strict=True
+        )
+    ]
