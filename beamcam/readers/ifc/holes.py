@@ -36,6 +36,8 @@ def pierce(
     place = replace(source, where=cutter.where or source.where)
     if section.code in ("RO", "RU"):
         return _radial(cutter, cutter.shape, section, place)
+    if not walls:
+        return None  # a special section has no face that a hole could be on
     found: list[Hole | Slot] = []
     for wall in walls:
         made = _through_wall(cutter, cutter.shape, wall, section, ends, place)

@@ -192,6 +192,42 @@ def test_clearances_are_the_standards(bolt: float, hole: float) -> None:
     assert hole_for(bolt, None) == pytest.approx(hole)
 
 
+def special(m: Small) -> str:
+    """A solid over a bent plate, which is no rolled form."""
+    corners = ((0, 0), (60, 0), (60, 8), (8, 8), (8, 100), (-52, 100), (-52, 92), (0, 92))
+    return m.extruded(m.polygon(*corners), 2000.0)
+
+
+def test_a_special_section_is_sawn() -> None:
+    m = Small()
+    m.element(m.minus(special(m), m.half((1900, 0, 0), (0.8, 0.6, 0))))
+    part = only(m)
+    assert part.profile.code == "SO"
+    assert max(abs(part.cuts.web_end), abs(part.cuts.flange_end)) == pytest.approx(36.87, abs=0.01)
+
+
+def test_a_hole_in_a_special_section_is_refused_and_not_lost() -> None:
+    m = Small()
+    m.element(m.minus(special(m), m.hole((500, -20, 50), (0, 1, 0), 18.0, 60.0)))
+    found = read(m.data, "m.ifc")
+    assert found.parts == ()
+    (said,) = [d for d in found.diagnostics if d.severity.value == "error"]
+    assert "cuts other than saw cuts and holes in a section of code SO" in said.message
+
+
+def test_a_pipe_may_have_holes_and_mitres() -> None:
+    m = Small()
+    pipe = m.extruded(m.add(f"IFCCIRCLEHOLLOWPROFILEDEF(.AREA.,$,{m.flat},50.,5.)"), 2000.0)
+    mitre, hole = m.half((1900, 0, 0), (0.8, 0.6, 0)), m.hole((500, -80, 0), (0, 1, 0), 18.0, 160.0)
+    m.element(m.minus(pipe, mitre, hole))
+    part = only(m)
+    assert part.profile.code == "RO"
+    assert part.length == pytest.approx(1900 + 0.75 * 50)
+    drilled = [f for f in part.features if isinstance(f, Hole)]
+    assert [(h.x, h.diameter) for h in drilled] == [(500.0, 18.0)] * 2
+    assert abs(drilled[0].y - drilled[1].y) == pytest.approx(50 * 3.14159265, abs=1e-3)
+
+
 def test_fabrication_data_come_first() -> None:
     m = Small()
     e = m.element(m.extruded(m.ipe300(), 900.0), tag="ID-12", name="IPE300")
