@@ -24,6 +24,7 @@ from beamcam.motion import steps
 from beamcam.motion.densify import DensifyRules, densify
 from beamcam.motion.step_events import events
 from beamcam.motion.velocity_table import Way
+from beamcam.verify.steps import verify_table
 
 ROUNDS = 15
 
@@ -101,7 +102,32 @@ def main(millions: float) -> int:
     steps.plan_way = real
     for turns in (10, 40, 160):
         print(f"memory of {memory(turns, stepper)}")
+    for turns in (1, 4, 16):
+        print(f"memory of reading back {memory_of_reading(turns)}")
     return 0
+
+
+def memory_of_reading(turns: int) -> str:
+    """What reading a table back takes; rings with the ways from the corner and to it."""
+    machine = load("laser-stepper")
+    if machine.stepper is None:
+        raise TypeError("laser-stepper has no stepping motors")
+    stepper, (ring,) = machine.stepper, rings(turns)
+    home, start = np.zeros(2), ring.points[0]
+    out, back = (Way(np.array(way), 80.0, False, 0.0) for way in ((home, start), (start, home)))
+    job = [out, ring, back]
+    table = StepTable(
+        "rings", stepper.step, stepper.sequence, lambda: steps.step_rows(job, stepper),
+        lambda: iter(()),
+    )  # fmt: skip
+    pieces = list(as_bytes(table))
+    tracemalloc.start()
+    said = verify_table(".bin", pieces, [], machine)
+    _, peak = tracemalloc.get_traced_memory()
+    tracemalloc.stop()
+    if said:
+        raise ValueError(f"the rings are refused: {said[0]}")
+    return f"{sum(map(len, pieces)) // 4:9} rows: {peak / 1e6:.1f} MB"
 
 
 def memory(turns: int, stepper: object) -> str:

@@ -4,8 +4,8 @@ from collections.abc import Sequence
 
 from beamcam.errors import Diagnostic
 from beamcam.verify.st import library, rules, syntax
+from beamcam.verify.st.expressions import KEYWORDS
 from beamcam.verify.st.names import UNKNOWN, Names, near, text_of
-from beamcam.verify.st.parser import KEYWORDS
 from beamcam.verify.st.types import Types
 
 GREATEST_NAME = 32

@@ -6,39 +6,18 @@ is not understood ends a text with a message, as nothing behind it can be truste
 
 from __future__ import annotations
 
-import re
 from collections.abc import Mapping
 from typing import Literal, cast
 
 from beamcam.errors import Diagnostic, Source
-from beamcam.verify.st import library, rules, syntax
+from beamcam.verify.st import rules, syntax
+from beamcam.verify.st.expressions import KEYWORDS, Expressions, Stop
 from beamcam.verify.st.lexer import Token, tokens
 from beamcam.verify.st.syntax import Expression, Section, Statement
-
-_WORDS = """
-    ACTION AND ARRAY AT BEGIN BY CASE CONFIGURATION CONSTANT DATE DO DT ELSE ELSIF END_ACTION
-    END_CASE END_FOR END_FUNCTION END_FUNCTION_BLOCK END_IF END_IMPLEMENTATION END_INTERFACE
-    END_PROGRAM END_REPEAT END_STRUCT END_TYPE END_VAR END_WHILE EXIT FALSE FOR FROM FUNCTION
-    FUNCTION_BLOCK IF IMPLEMENTATION INTERFACE MOD NOT OF ON OR PROGRAM READ_ONLY REPEAT RETAIN
-    RETURN STEP STRUCT TASK THEN TIME TO TOD TRANSITION TRUE TYPE UNTIL USELIB USEPACKAGE USES VAR
-    VAR_GLOBAL VAR_INPUT VAR_IN_OUT VAR_OUTPUT VAR_TEMP WAITFORCONDITION WHILE WITH XOR
-    R S LD ST N LDN STN JMP CAL RET ADD SUB MUL DIV GT GE EQ NE LE LT"""
-KEYWORDS = frozenset(_WORDS.split())
 
 _SECTIONS: dict[str, Section] = {
     "VAR_INPUT": "input", "VAR_OUTPUT": "output", "VAR_IN_OUT": "inout", "VAR": "local",
 }  # fmt: skip
-_TIME = re.compile(r"(\d+(?:\.\d+)?)(ms|s|m|h|d)", re.IGNORECASE)
-_TIME_S = {"ms": 0.001, "s": 1.0, "m": 60.0, "h": 3600.0, "d": 86400.0}
-_LEVELS = (("OR",), ("XOR",), ("AND", "&"), ("=", "<>"), ("<", ">", "<=", ">="), ("+", "-"),
-           ("*", "/", "MOD"))  # fmt: skip
-
-
-class _Stop(Exception):
-    """What cannot be parsed."""
-
-    def __init__(self, token: Token, expected: str) -> None:
-        self.token, self.expected = token, expected
 
 
 def parse(
@@ -54,7 +33,7 @@ def parse(
     parser = _Parser(_as_known(found, names) if names else found)
     try:
         return parser.units(), []
-    except _Stop as stop:
+    except Stop as stop:
         source = Source(name, stop.token.line)
         shown = stop.token.text or "the end of the text"
         return [], [rules.SYNTAX.at(source, found=shown, expected=stop.expected)]
@@ -70,38 +49,7 @@ def _as_known(found: list[Token], names: Mapping[str, str]) -> list[Token]:
     ]
 
 
-class _Parser:
-    def __init__(self, found: list[Token]) -> None:
-        self.tokens, self.at = found, 0
-
-    # -- words ------------------------------------------------------------------------------
-
-    @property
-    def here(self) -> Token:
-        return self.tokens[self.at]
-
-    def is_word(self, *words: str) -> bool:
-        return self.here.kind in ("name", "sign") and self.here.text.upper() in words
-
-    def take(self, *words: str) -> Token:
-        if not self.is_word(*words):
-            raise _Stop(self.here, " or ".join(words))
-        self.at += 1
-        return self.tokens[self.at - 1]
-
-    def accept(self, *words: str) -> bool:
-        if self.is_word(*words):
-            self.at += 1
-            return True
-        return False
-
-    def identifier(self, what: str) -> Token:
-        token = self.here
-        if token.kind != "name" or token.text.upper() in KEYWORDS:
-            raise _Stop(token, what)
-        self.at += 1
-        return token
-
+class _Parser(Expressions):
     # -- units ------------------------------------------------------------------------------
 
     def units(self) -> list[syntax.Unit]:
@@ -113,7 +61,7 @@ class _Parser:
                 self.at += 1
             found.append(self.unit(name))
         if not found:
-            raise _Stop(self.here, "INTERFACE")
+            raise Stop(self.here, "INTERFACE")
         return found
 
     def unit(self, name: str) -> syntax.Unit:
@@ -157,7 +105,7 @@ class _Parser:
         kind = self.take("FUNCTION_BLOCK", "PROGRAM", "END_IMPLEMENTATION")
         word = cast('Literal["PROGRAM", "FUNCTION_BLOCK"]', kind.text.upper())
         if word not in ("FUNCTION_BLOCK", "PROGRAM"):
-            raise _Stop(kind, "FUNCTION_BLOCK or PROGRAM")
+            raise Stop(kind, "FUNCTION_BLOCK or PROGRAM")
         name = self.identifier("a name").text
         variables: list[syntax.Variable] = []
         while self.is_word(*_SECTIONS):
@@ -172,12 +120,12 @@ class _Parser:
         while not self.accept("END_VAR"):
             token = self.here
             if token.kind != "name":
-                raise _Stop(token, "a name or END_VAR")
+                raise Stop(token, "a name or END_VAR")
             self.at += 1
             address = ""
             if self.accept("AT"):
                 if self.here.kind != "address":
-                    raise _Stop(self.here, "an address such as %Q0.0")
+                    raise Stop(self.here, "an address such as %Q0.0")
                 address = self.here.text
                 self.at += 1
             self.take(":")
@@ -203,7 +151,7 @@ class _Parser:
     def type_name(self) -> str:
         token = self.here
         if token.kind != "name":
-            raise _Stop(token, "a type")
+            raise Stop(token, "a type")
         self.at += 1
         return token.text
 
@@ -211,7 +159,7 @@ class _Parser:
         sign = -1 if self.accept("-") else 1
         token = self.here
         if token.kind != "number" or not token.text.isdigit():
-            raise _Stop(token, "a whole number")
+            raise Stop(token, "a whole number")
         self.at += 1
         return sign * int(token.text)
 
@@ -252,7 +200,7 @@ class _Parser:
             self.take(";")
             return syntax.Leave(token.line)
         if token.kind != "name" or token.text.upper() in KEYWORDS:
-            raise _Stop(token, f"a statement or {ends[-1]}")
+            raise Stop(token, f"a statement or {ends[-1]}")
         target = self.postfix()
         if isinstance(target, syntax.Call):
             self.take(";")
@@ -307,95 +255,3 @@ class _Parser:
         body = self.statements("END_FOR")
         self.take(";")
         return syntax.For(line, variable, first, last, body)
-
-    # -- expressions ------------------------------------------------------------------------
-
-    def expression(self, level: int = 0) -> Expression:
-        if level == len(_LEVELS):
-            return self.unary()
-        left = self.expression(level + 1)
-        while self.is_word(*_LEVELS[level]):
-            token = self.take(*_LEVELS[level])
-            operator = "AND" if token.text == "&" else token.text.upper()
-            left = syntax.Binary(token.line, operator, left, self.expression(level + 1))
-        return left
-
-    def unary(self) -> Expression:
-        token = self.here
-        if self.accept("NOT", "-"):
-            return syntax.Unary(token.line, token.text.upper(), self.unary())
-        if self.accept("("):
-            inner = self.expression()
-            self.take(")")
-            return inner
-        if self.is_word("TRUE", "FALSE"):
-            self.at += 1
-            return syntax.Constant(token.line, "BOOL", token.text.upper() == "TRUE")
-        if token.kind == "number":
-            self.at += 1
-            if "." in token.text:
-                return syntax.Constant(token.line, "real", float(token.text))
-            return syntax.Constant(token.line, "integer", int(token.text))
-        if token.kind == "typed":
-            self.at += 1
-            return _typed(token)
-        return self.postfix()
-
-    def postfix(self) -> Expression:
-        token = self.identifier("a name or a value")
-        found: Expression = syntax.Name(token.line, token.text)
-        if self.is_word("("):
-            return self.call(token)
-        while True:
-            if self.accept("["):
-                index = self.expression()
-                self.take("]")
-                found = syntax.Element(token.line, found, index)
-            elif self.accept("."):
-                member = self.here
-                if member.kind != "name":
-                    raise _Stop(member, "a component")
-                self.at += 1
-                found = syntax.Member(member.line, found, member.text)
-            else:
-                return found
-
-    def call(self, callee: Token) -> Expression:
-        # name(a := 1, b := 2) or name(1, 2)
-        self.take("(")
-        named, placed = [], []
-        while not self.is_word(")"):
-            token, after = self.here, self.tokens[self.at + 1]
-            if token.kind == "name" and after.text == ":=":
-                self.at += 2
-                named.append((token.text, self.expression(), token.line))
-            else:
-                placed.append(self.expression())
-            if not self.accept(","):
-                break
-        self.take(")")
-        return syntax.Call(callee.line, callee.text, tuple(named), tuple(placed))
-
-
-def _typed(token: Token) -> syntax.Constant:
-    word, _, text = token.text.partition("#")
-    word = word.upper()
-    if word in ("T", "TIME"):
-        pieces = _TIME.findall(text)
-        if "".join(a + b for a, b in pieces).upper() != text.upper() or not pieces:
-            raise _Stop(token, "a time such as T#300ms")
-        value = sum(float(a) * _TIME_S[b.lower()] for a, b in pieces)
-        return syntax.Constant(token.line, "TIME", value)
-    try:
-        if word in ("LREAL", "REAL"):
-            if "." not in text:
-                raise ValueError(text)
-            return syntax.Constant(token.line, word, float(text))
-        if word == "BOOL":
-            return syntax.Constant(token.line, word, bool(int(text)))
-        low, high = library.INTEGERS[word]
-        if not low <= int(text) <= high:
-            raise ValueError(text)
-        return syntax.Constant(token.line, word, int(text))
-    except ValueError:
-        raise _Stop(token, f"a value of {word}") from None

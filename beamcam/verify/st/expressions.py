@@ -1,0 +1,158 @@
+"""Expressions of Structured Text: operators by their levels, literals, names and calls."""
+
+import re
+
+from beamcam.verify.st import library, syntax
+from beamcam.verify.st.lexer import Token
+from beamcam.verify.st.syntax import Expression
+
+_WORDS = """
+    ACTION AND ARRAY AT BEGIN BY CASE CONFIGURATION CONSTANT DATE DO DT ELSE ELSIF END_ACTION
+    END_CASE END_FOR END_FUNCTION END_FUNCTION_BLOCK END_IF END_IMPLEMENTATION END_INTERFACE
+    END_PROGRAM END_REPEAT END_STRUCT END_TYPE END_VAR END_WHILE EXIT FALSE FOR FROM FUNCTION
+    FUNCTION_BLOCK IF IMPLEMENTATION INTERFACE MOD NOT OF ON OR PROGRAM READ_ONLY REPEAT RETAIN
+    RETURN STEP STRUCT TASK THEN TIME TO TOD TRANSITION TRUE TYPE UNTIL USELIB USEPACKAGE USES VAR
+    VAR_GLOBAL VAR_INPUT VAR_IN_OUT VAR_OUTPUT VAR_TEMP WAITFORCONDITION WHILE WITH XOR
+    R S LD ST N LDN STN JMP CAL RET ADD SUB MUL DIV GT GE EQ NE LE LT"""
+KEYWORDS = frozenset(_WORDS.split())
+
+_TIME = re.compile(r"(\d+(?:\.\d+)?)(ms|s|m|h|d)", re.IGNORECASE)
+_TIME_S = {"ms": 0.001, "s": 1.0, "m": 60.0, "h": 3600.0, "d": 86400.0}
+_LEVELS = (("OR",), ("XOR",), ("AND", "&"), ("=", "<>"), ("<", ">", "<=", ">="), ("+", "-"),
+           ("*", "/", "MOD"))  # fmt: skip
+
+
+class Stop(Exception):
+    """What cannot be parsed."""
+
+    def __init__(self, token: Token, expected: str) -> None:
+        self.token, self.expected = token, expected
+
+
+class Words:
+    """Tokens that are taken one by one."""
+
+    def __init__(self, found: list[Token]) -> None:
+        self.tokens, self.at = found, 0
+
+    # -- words ------------------------------------------------------------------------------
+
+    @property
+    def here(self) -> Token:
+        return self.tokens[self.at]
+
+    def is_word(self, *words: str) -> bool:
+        return self.here.kind in ("name", "sign") and self.here.text.upper() in words
+
+    def take(self, *words: str) -> Token:
+        if not self.is_word(*words):
+            raise Stop(self.here, " or ".join(words))
+        self.at += 1
+        return self.tokens[self.at - 1]
+
+    def accept(self, *words: str) -> bool:
+        if self.is_word(*words):
+            self.at += 1
+            return True
+        return False
+
+    def identifier(self, what: str) -> Token:
+        token = self.here
+        if token.kind != "name" or token.text.upper() in KEYWORDS:
+            raise Stop(token, what)
+        self.at += 1
+        return token
+
+
+class Expressions(Words):
+    """Takes expressions, one function a construct."""
+
+    def expression(self, level: int = 0) -> Expression:
+        if level == len(_LEVELS):
+            return self.unary()
+        left = self.expression(level + 1)
+        while self.is_word(*_LEVELS[level]):
+            token = self.take(*_LEVELS[level])
+            operator = "AND" if token.text == "&" else token.text.upper()
+            left = syntax.Binary(token.line, operator, left, self.expression(level + 1))
+        return left
+
+    def unary(self) -> Expression:
+        token = self.here
+        if self.accept("NOT", "-"):
+            return syntax.Unary(token.line, token.text.upper(), self.unary())
+        if self.accept("("):
+            inner = self.expression()
+            self.take(")")
+            return inner
+        if self.is_word("TRUE", "FALSE"):
+            self.at += 1
+            return syntax.Constant(token.line, "BOOL", token.text.upper() == "TRUE")
+        if token.kind == "number":
+            self.at += 1
+            if "." in token.text:
+                return syntax.Constant(token.line, "real", float(token.text))
+            return syntax.Constant(token.line, "integer", int(token.text))
+        if token.kind == "typed":
+            self.at += 1
+            return _typed(token)
+        return self.postfix()
+
+    def postfix(self) -> Expression:
+        token = self.identifier("a name or a value")
+        found: Expression = syntax.Name(token.line, token.text)
+        if self.is_word("("):
+            return self.call(token)
+        while True:
+            if self.accept("["):
+                index = self.expression()
+                self.take("]")
+                found = syntax.Element(token.line, found, index)
+            elif self.accept("."):
+                member = self.here
+                if member.kind != "name":
+                    raise Stop(member, "a component")
+                self.at += 1
+                found = syntax.Member(member.line, found, member.text)
+            else:
+                return found
+
+    def call(self, callee: Token) -> Expression:
+        # name(a := 1, b := 2) or name(1, 2)
+        self.take("(")
+        named, placed = [], []
+        while not self.is_word(")"):
+            token, after = self.here, self.tokens[self.at + 1]
+            if token.kind == "name" and after.text == ":=":
+                self.at += 2
+                named.append((token.text, self.expression(), token.line))
+            else:
+                placed.append(self.expression())
+            if not self.accept(","):
+                break
+        self.take(")")
+        return syntax.Call(callee.line, callee.text, tuple(named), tuple(placed))
+
+
+def _typed(token: Token) -> syntax.Constant:
+    word, _, text = token.text.partition("#")
+    word = word.upper()
+    if word in ("T", "TIME"):
+        pieces = _TIME.findall(text)
+        if "".join(a + b for a, b in pieces).upper() != text.upper() or not pieces:
+            raise Stop(token, "a time such as T#300ms")
+        value = sum(float(a) * _TIME_S[b.lower()] for a, b in pieces)
+        return syntax.Constant(token.line, "TIME", value)
+    try:
+        if word in ("LREAL", "REAL"):
+            if "." not in text:
+                raise ValueError(text)
+            return syntax.Constant(token.line, word, float(text))
+        if word == "BOOL":
+            return syntax.Constant(token.line, word, bool(int(text)))
+        low, high = library.INTEGERS[word]
+        if not low <= int(text) <= high:
+            raise ValueError(text)
+        return syntax.Constant(token.line, word, int(text))
+    except ValueError:
+        raise Stop(token, f"a value of {word}") from None
