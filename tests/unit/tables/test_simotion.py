@@ -89,12 +89,13 @@ def test_an_axis_that_does_not_move_is_not_commanded() -> None:
     assert {axis: sent.count(axis) for axis in expected} == expected
 
 
-def test_every_trigger_fires_once() -> None:
+@pytest.mark.parametrize("name", NAMES)
+def test_every_trigger_fires_once(name: str) -> None:
     from beamcam.verify.st.cell import Cell
 
-    units, _ = check_text(program("shield", "chain"), table_machine())
+    units, _ = check_text(program(name, "chain"), table_machine())
     cell = Cell(units, table_machine(), "a.st")
-    fired = [0] * (len(triggers("shield").operations) + 1)
+    fired = [0] * (len(triggers(name).operations) + 1)
     before = [False] * len(fired)
     while not cell.interpreter.globals["WORKDONE"]:
         cell.cycle()
