@@ -5,7 +5,7 @@
 Prints the time of `beamcam post` step by step, in a process that has its libraries loaded, and the
 time that ezdxf takes to read the same DXF and to flatten its entities at the tolerance of the
 machine; then the number of moves of both. Each figure is the least of three runs. --kerf keeps off
-by half a kerf and leads in, which takes several times as long.
+by half a kerf and leads in, which takes two or three times as long to plan.
 """
 
 import sys

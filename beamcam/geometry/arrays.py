@@ -63,6 +63,9 @@ def ends_of(curves: Sequence[Curve]) -> Floats:
             found[which] = line_rows(curves, which)
         elif kind is Arc:
             found[which] = arc_ends(arc_rows(curves, which))
+        elif kind is Bezier:
+            points = [_control(curves[k]) for k in which]
+            found[which] = rows([(*p[0], *p[-1]) for p in points], 4)
         else:
             found[which] = [(*curves[k].start, *curves[k].end) for k in which]
     return found
@@ -117,10 +120,13 @@ def hulls_of(curves: Sequence[Curve]) -> Floats:
             arcs = arc_rows(curves, which)
             found[which] = np.hstack((arcs[:, :2] - arcs[:, 2:3], arcs[:, :2] + arcs[:, 2:3]))
         elif kind is Bezier or kind is BSpline:
+            of_size: defaultdict[int, list[int]] = defaultdict(list)
             for k in which:
-                points = _control(curves[k])
-                xs, ys = zip(*points, strict=True)
-                found[k] = min(xs), min(ys), max(xs), max(ys)
+                of_size[len(_control(curves[k]))].append(k)
+            for size, some in of_size.items():
+                flat = chain.from_iterable(_control(curves[k]) for k in some)
+                points = rows(flat, 2 * size).reshape(-1, size, 2)
+                found[some] = np.hstack((points.min(axis=1), points.max(axis=1)))
         else:
             found[which] = [curves[k].bbox for k in which]
     return found
@@ -137,16 +143,23 @@ def _control(curve: Curve) -> Sequence[Point]:
 def outermost(curves: Sequence[Curve]) -> list[Curve]:
     """Those curves, few as a rule, that may touch the box around all: it is the box around them.
 
-    A curve whose hull lies inside the box around the ends of all touches nothing. Raises
-    ValueError if there are no curves.
+    A curve whose hull lies inside a box around ends of curves touches nothing. Raises ValueError
+    if there are no curves.
     """
     if not curves:
         raise ValueError("no curves have no box")
-    ends, hulls = _sorted_ends(ends_of(curves)), hulls_of(curves)
-    low, high = ends[:, :2].min(axis=0), ends[:, 2:].max(axis=0)
-    slack = TOUCH * (1.0 + np.abs(low) + np.abs(high))
-    out = (hulls[:, :2] <= low + slack).any(axis=1) | (hulls[:, 2:] >= high - slack).any(axis=1)
-    return [curves[k] for k in np.flatnonzero(out).tolist()]
+    hulls = hulls_of(curves)
+    inner = _some_box(curves)
+    slack = TOUCH * (1.0 + np.abs(inner))
+    out = (hulls[:, :2] <= (inner + slack)[:2]) | (hulls[:, 2:] >= (inner - slack)[2:])
+    return [curves[k] for k in np.flatnonzero(out.any(axis=1)).tolist()]
+
+
+def _some_box(curves: Sequence[Curve]) -> Floats:
+    """A box (4,) that the one around all curves holds: around the ends of what is quickly asked."""
+    quick = [c for c in curves if type(c) in (Line, Arc, Bezier)] or curves[:1]
+    ends = _sorted_ends(ends_of(quick))
+    return np.concatenate((ends[:, :2].min(axis=0), ends[:, 2:].max(axis=0)))
 
 
 def cubics_of(curves: Sequence[Curve]) -> tuple[Floats, Counts, list[int]]:

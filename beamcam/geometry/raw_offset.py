@@ -21,8 +21,12 @@ Flags = NDArray[np.bool_]
 Counts = NDArray[np.int64]
 Ring = tuple[Line | Arc, ...]
 
-#: Moved neighbours whose ends are nearer than this, relative to the move, follow one another.
-SMOOTH = 1e-9
+#: Moved neighbours whose ends are nearer than this (mm for a move of 1 mm, no controller tells so
+#: little) follow one another: coordinates rounded to 1e-6 make such corners of smooth joints.
+SMOOTH = 1e-5
+
+#: An arc whose radius shrinks to less than this share is gone.
+GONE = 1e-9
 
 #: Below this the directions of two lines are one.
 PARALLEL = 1e-12
@@ -109,7 +113,7 @@ def _beside(curves: Sequence[Curve], right: Floats) -> tuple[_Moved, Floats]:
     turn = np.where(rows[:, 4] > 0, 1.0, -1.0)
     radius = rows[:, 2] + turn * right[arcs]
     corners[arcs] = arc_ends(rows)[:, 2:]
-    bad[arcs] = radius <= SMOOTH * rows[:, 2]
+    bad[arcs] = radius <= GONE * rows[:, 2]
     rows[:, 2] = radius
     all_arcs[arcs] = rows
     ends[arcs] = arc_ends(rows)
