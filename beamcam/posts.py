@@ -5,6 +5,7 @@ that a bar never loads what only a sheet needs.
 """
 
 from collections.abc import Callable, Collection, Iterable, Sequence
+from functools import cache
 from typing import Any
 
 from msgspec import Struct
@@ -62,7 +63,12 @@ class Post(Struct, frozen=True):
 
 def post_of(machine: Machine) -> Post:
     """The row of a machine."""
-    return POSTS[machine.stock, machine.controller]()
+    return _row(machine.stock, machine.controller)
+
+
+@cache
+def _row(stock: str, controller: str) -> Post:
+    return POSTS[stock, controller]()
 
 
 def bar_post() -> Post:

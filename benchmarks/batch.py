@@ -5,6 +5,9 @@
 Inputs are beams, channels and struts of their own lengths and holes, written to a temporary
 folder (`--folder` to choose the disk). Each figure is the least of `--repeat` runs of a process of
 its own, the whole of it: start, reading, planning, posting, reading back, writing.
+
+A fixed loop of plain Python is timed beside every run, so that figures of slow and busy machines
+can be read: a file costs so many loops, whatever the machine.
 """
 
 import argparse
@@ -17,6 +20,7 @@ import sys
 import tempfile
 import time
 from pathlib import Path
+from typing import NamedTuple
 
 ROOT = Path(__file__).resolve().parent.parent
 BATCH = "import sys; from beamcam.cli import main; main()"
@@ -65,18 +69,43 @@ def fill(folder: Path, count: int) -> None:
         (below / f"P{number}.nc1").write_text(part(number, chance), encoding="ascii")
 
 
-def batch(source: Path, target: Path, jobs: int, code: str = BATCH) -> tuple[float, str]:
-    """Seconds of a whole batch process into a new folder, and what it printed."""
+class Run(NamedTuple):
+    """One batch process."""
+
+    seconds: float
+    processor_s: float  #: of it and its workers
+    loop_us: float  #: of the loop that was timed before and after it
+    printed: str
+
+
+def batch(source: Path, target: Path, jobs: int, code: str = BATCH) -> Run:
+    """A whole batch process into a new folder."""
     shutil.rmtree(target, ignore_errors=True)
     args = ["batch", str(source), "-o", str(target), "--jobs", str(jobs), "-q", "--bar", "12000"]
-    begun = time.perf_counter()
+    loop = loop_us()
+    before, begun = resource.getrusage(resource.RUSAGE_CHILDREN), time.perf_counter()
     done = subprocess.run(
         [sys.executable, "-c", code, *args], capture_output=True, text=True, cwd=ROOT, check=False
     )
-    seconds = time.perf_counter() - begun
+    seconds, after = time.perf_counter() - begun, resource.getrusage(resource.RUSAGE_CHILDREN)
     if done.returncode:
         raise SystemExit(done.stderr[-2000:])
-    return seconds, done.stdout
+    used = after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
+    return Run(seconds, used, (loop + loop_us()) / 2, done.stdout)
+
+
+def loop_us() -> float:
+    """Processor time of a fixed loop of strings, tuples and dictionaries; the least of several."""
+    best = float("inf")
+    for _ in range(7):
+        begun = time.process_time()
+        seen: dict[tuple[str, int], float] = {}
+        for n in range(2000):
+            word, number = f"X{n * 0.37:.3f}".split(".")
+            key = (word, int(number) % 50)
+            seen[key] = seen.get(key, 0.0) + float(number)
+        best = min(best, time.process_time() - begun)
+    return best * 1e6
 
 
 def process_seconds(args: list[str], repeat: int) -> float:
@@ -89,12 +118,14 @@ def process_seconds(args: list[str], repeat: int) -> float:
     return best
 
 
-def cpu_seconds(source: Path, target: Path, jobs: int) -> float:
-    """Seconds that a batch and its workers keep processors busy."""
-    before = resource.getrusage(resource.RUSAGE_CHILDREN)
-    batch(source, target, jobs)
-    after = resource.getrusage(resource.RUSAGE_CHILDREN)
-    return after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
+def shown(run: Run, files: int, jobs: int, first: Run) -> str:
+    """The figures of a run on one line."""
+    cost = run.processor_s * 1e6 / files
+    return (
+        f"{files} files, {jobs} worker(s): {run.seconds:6.2f} s, {files / run.seconds:6.0f} "
+        f"files/s, {first.seconds / run.seconds:4.2f} times the first; a file {cost:5.0f} us of "
+        f"processor, {cost / run.loop_us:5.3f} loops of {run.loop_us:.0f} us"
+    )
 
 
 def main() -> None:
@@ -123,15 +154,14 @@ def main() -> None:
             batch(source, target, 1, code)
             print(f"profile of {chosen.files} files in {chosen.profile}")
             return
-        first = 0.0
+        first: Run | None = None
         for jobs in chosen.jobs:
-            seconds = min(batch(source, target, jobs)[0] for _ in range(chosen.repeat))
-            first = first or seconds
-            print(
-                f"{chosen.files} files, {jobs} worker(s): {seconds:6.2f} s, "
-                f"{chosen.files / seconds:6.0f} files/s, {first / seconds:4.2f} times the first, "
-                f"{cpu_seconds(source, target, jobs):6.2f} s of processor"
-            )
+            runs = [batch(source, target, jobs) for _ in range(chosen.repeat)]
+            best = min(runs)
+            first = first or best
+            print(shown(best, chosen.files, jobs, first))
+            least = min(run.processor_s / run.loop_us for run in runs) * 1e6 / chosen.files
+            print(f"{'':16}least of {chosen.repeat} runs: a file {least:5.3f} loops of processor")
         begun = time.perf_counter()
         again = [sys.executable, "-c", BATCH, "batch", str(source), "-o", str(target), "-q",
                  "--bar", "12000"]  # fmt: skip
@@ -142,7 +172,7 @@ def main() -> None:
         for count in (chosen.files // 10, chosen.files):
             fill(source, count)
             for jobs in chosen.jobs:
-                peak = int(batch(source, target, jobs, MEASURED)[1])
+                peak = int(batch(source, target, jobs, MEASURED).printed)
                 peaks.append(peak)
                 print(f"memory at {count:5d} files, {jobs} worker(s): {peak / 1024:6.1f} MiB")
         click = process_seconds(["-c", "import click"], 10)

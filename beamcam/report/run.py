@@ -7,6 +7,7 @@ import json
 from collections.abc import Iterable, Iterator
 from typing import Literal, TypedDict
 
+import msgspec
 from msgspec import Struct
 
 from beamcam.errors import Diagnostic
@@ -112,7 +113,10 @@ def message_line(said: Message, file: bool = True) -> str:
 
 def dumped(data: object) -> str:
     """`data` as JSON on one line, in UTF-8 even where a file's name is not."""
-    return _ENCODER.encode(data)
+    try:
+        return msgspec.json.encode(data).decode()
+    except UnicodeEncodeError:
+        return _ENCODER.encode(data)  # slower, and knows what to do with such a name
 
 
 def encoded(text: str) -> bytes:
