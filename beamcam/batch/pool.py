@@ -27,6 +27,9 @@ from beamcam.batch.work import Made, Shop, Task, make_all, thaw
 
 Chunk = tuple[Task, ...]
 
+#: When rings of objects are looked for: next to none are made, and all else goes by itself.
+SELDOM = (5000, 20, 100)
+
 
 class Result(Struct, frozen=True):
     """What became of a chunk: made, lost with a worker through no fault of its own, or suspected
@@ -65,6 +68,7 @@ class Here:
     def __init__(self, shop: Shop) -> None:
         self._shop = shop
         self._done: Result | None = None
+        gc.set_threshold(*SELDOM)
 
     def has_room(self) -> bool:
         return self._done is None
@@ -174,6 +178,7 @@ def serve(
     signal.signal(signal.SIGTERM, signal.SIG_DFL)
     shop = thaw(frozen)
     gc.freeze()  # what is there now stays, and need not be looked through again and again
+    gc.set_threshold(*SELDOM)
     queue: SimpleQueue[Chunk | None] = SimpleQueue()
     threading.Thread(target=_receive, args=(tasks, queue), daemon=True).start()
     with contextlib.suppress(BrokenPipeError, ConnectionResetError):

@@ -157,12 +157,9 @@ class Matching:
         x, y = bore.x, bore.y
         near: list[Wanted] = []
         for key in range(floor(x - x_reach), floor(x + x_reach) + 1):
-            pocket = self.pockets.get((bore.face, bore.kind, key))
-            if pocket is not None:
-                near += [
-                    want for want in pocket
-                    if abs(want.x - x) <= x_reach and abs(want.need.hole.y - y) <= y_reach
-                ]  # fmt: skip
+            for want in self.pockets.get((bore.face, bore.kind, key), ()):
+                if abs(want.x - x) <= x_reach and abs(want.need.hole.y - y) <= y_reach:
+                    near.append(want)
         return near
 
     def _apart(self, want: Wanted, bore: Bore) -> tuple[float, float, float]:
