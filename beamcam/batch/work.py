@@ -190,17 +190,19 @@ def post_part(part: Part, shop: Shop) -> Posted:
     return from_store(made, shop.stock_lengths, part.length)
 
 
+#: What may become of a feature, as the ledger has it.
+OUTCOMES = ("made", "merged", "duplicate", "skipped")
+
+
 def _part_row(
     part: Part, posted: Posted, name: str, content: bytes, machine: Machine, timed: bool
 ) -> PartRow:
     plan = posted.plan
-    how = Counter([outcome.how for outcome in plan.outcomes])
-    ledger = {"read": len(plan.outcomes)} | {
-        word: how[word] for word in ("made", "merged", "duplicate", "skipped")
-    }
-    skipped_by: Counter[str] = Counter()
-    if how["skipped"]:
-        skipped_by.update(o.by for o in plan.outcomes if o.how == "skipped")
+    how: list[str] = [outcome.how for outcome in plan.outcomes]
+    ledger = {"read": len(how), **{word: how.count(word) for word in OUTCOMES}}
+    skipped_by = (
+        Counter(o.by for o in plan.outcomes if o.how == "skipped") if "skipped" in how else {}
+    )
     return {
         "mark": part.mark,
         "quantity": part.quantity,
