@@ -11,10 +11,11 @@ Most of a program is a few passages over and over, at another X each time:
     M42 K0                   cut
 
 A passage that finds everything at rest and leaves it so, and that names by itself each place, feed
-and tool that it uses, makes the same whatever stands before it, and at whatever X. So its text
-without block numbers, with a mark in the place of its one X, says what it makes. The interpreter
-is asked once for each such text, alone, from a machine at rest of which neither place nor feed is
-known: what would depend on them is not a number and no passage.
+and tool that it uses, makes the same whatever stands before it, at whatever X, and at whatever
+place across the bar that the spindle reaches freely. So its text without block numbers, with marks
+in the place of its one X and its one place across, says what it makes. The interpreter is asked
+once for each such text, alone, from a machine at rest of which neither place nor feed is known:
+what would depend on them is not a number and no passage.
 
 What is said between two passages is looked at for every program: the stop's limits and that it
 never goes back. Any program that is not all of such passages, or with which anything is wrong, is
@@ -34,14 +35,15 @@ from beamcam.verify.codesys import run
 from beamcam.verify.events import Move
 from beamcam.verify.made import Bore, Cut, Made, made_in_order
 from beamcam.verify.meaning import Meaning
-from beamcam.verify.stations import Choice, limits_of
-from beamcam.verify.switches import EPSILON
+from beamcam.verify.stations import Choice, Station, limits_of
+from beamcam.verify.switches import AXES, EPSILON
 
 MOST_KNOWN = 4096  #: passages that are kept, some 1 KB each
 MOST_BARS = 256  #: heads of programs that are kept
 MOST_M_WORDS = 16  #: in a row, so that no three of them run the controller out of its queue
-_X_MARK = "\0"
+_X_MARK, _ACROSS_MARK = "\0", "\1"
 _X = re.compile(rf" X({NUMBER})[ \n]")
+_PLACES = {letter: re.compile(rf" {letter}({NUMBER})[ \n]") for letter in "YZ"}
 _BLOCK_NUMBER = re.compile(r"\nN[0-9]+ ")
 _END = re.compile(r"\nM30(?:\n%)?\n*")
 #: What an M word of a stroke may do behind the choice of its spindle.
@@ -49,11 +51,12 @@ _AT_A_STROKE = frozenset({"on", "off", "coolant-on", "coolant-off", "other"})
 
 
 class Passage(NamedTuple):
-    """What a passage makes, at any X and on any line: one cut, or bores."""
+    """What a passage makes, at any X, across the bar and on any line: one cut, or bores."""
 
     lines: int
     cut: tuple[object, ...]  #: of a cut what stands behind its X; () is none
-    bores: tuple[tuple[int, str, tuple[object, ...]], ...]  #: line from 0, face, behind X
+    stations: tuple[Station, ...]  #: of a stroke
+    bores: tuple[tuple[int, Station, tuple[object, ...]], ...]  #: line from 0, and behind y
 
 
 Section = tuple[tuple[str, float], ...]  #: what a program says about the bar
@@ -65,6 +68,7 @@ class Bar(NamedTuple):
     profile: Profile
     choices: dict[int, Choice]
     section: Section
+    across: dict[str, re.Pattern[str] | None]  #: place across the bar, by the choosing block
     known: dict[str, Passage | None]  #: by text; None is no passage
 
 
@@ -88,7 +92,12 @@ class Passages:
 
         None says nothing about the program but that the interpreter has to be asked.
         """
-        if _X_MARK in text or not self._ends or (not self._meaning.feeds and "F" in text):
+        if (
+            _X_MARK in text
+            or _ACROSS_MARK in text
+            or not self._ends
+            or (not self._meaning.feeds and "F" in text)
+        ):
             return None
         bare = _BLOCK_NUMBER.sub("\n", "\n" + text)
         places = self._places(bare)
@@ -117,18 +126,26 @@ class Passages:
             if self._never_back and x < furthest - EPSILON:
                 return None
             shape = said.replace(word, _X_MARK + word[-1])
+            first = said[: said.find("\n")]
+            pattern = bar.across[first] if first in bar.across else self._across(first, bar)
+            across = nan
+            if pattern is not None and (found := pattern.search(said)) is not None:
+                word, across = found[0][:-1], float(found[1])
+                shape = shape.replace(word + " ", _ACROSS_MARK + " ")
+                shape = shape.replace(word + "\n", _ACROSS_MARK + "\n")
             passage = bar.known[shape] if shape in bar.known else self._read(said, shape, bar)
-            if passage is None:
+            if passage is None or not all(_is_free(s, x, across) for s in passage.stations):
                 return None
-            lines, cut, bores = passage
+            lines, cut, _, bores = passage
             if cut:
                 # Where nothing moves between cuts their M words follow one another.
                 still = still + 1 if x == before else 0
                 if still > MOST_M_WORDS:
                     return None
                 order.append(Cut(line + lines - 1, x, *cut))  # type: ignore[arg-type]
-            for at, face, behind in bores:
-                order.append(Bore(line + at, face, x, *behind))  # type: ignore[arg-type]
+            for at, station, behind in bores:
+                y = station.y(across)
+                order.append(Bore(line + at, station.face, x, y, *behind))  # type: ignore[arg-type]
             line += lines
             before, furthest = x, max(x, furthest)
         return order
@@ -163,7 +180,7 @@ class Passages:
         section = self._section(head)
         bar = None
         if section is not None:
-            bar = self._bars.setdefault((section, profile), Bar(profile, choices, section, {}))
+            bar = self._bars.setdefault((section, profile), Bar(profile, choices, section, {}, {}))
         self._heads[key] = bar
         return bar
 
@@ -201,10 +218,26 @@ class Passages:
         if self._count >= MOST_KNOWN:
             for other in self._bars.values():
                 other.known.clear()
+                other.across.clear()
             self._count = 0
         self._count += 1
-        passage = bar.known[shape] = None if "X" in shape else self._alone(said, bar)
+        passage = None if "X" in shape else self._alone(said, bar)
+        if passage is not None and passage.stations:
+            letter = AXES[passage.stations[0].across]
+            if letter in shape or _ACROSS_MARK not in shape:  # more places across than one
+                passage = None
+        bar.known[shape] = passage
         return passage
+
+    def _across(self, first: str, bar: Bar) -> re.Pattern[str] | None:
+        """How the place across the bar is written behind a block that chooses a spindle."""
+        cell = self._cell(bar.section, bar.choices, bar.profile)
+        blocks, _ = read_blocks(first, "", self._meaning.letters)
+        if self._is_stroke(blocks):
+            cell.play(run(blocks, "", self._machine.format)[0])
+        letter = "" if cell.choice is None else AXES[cell.choice.stations[0].across]
+        bar.across[first] = pattern = _PLACES.get(letter)
+        return pattern
 
     def _alone(self, said: str, bar: Bar) -> Passage | None:
         """What a text of one X makes, alone; None unless it is from rest to rest and clean."""
@@ -224,15 +257,20 @@ class Passages:
         if is_cut:
             (cut,) = cell.order
             unknown = type(cut) is not Cut or isnan(cut.feed_mm_min)
-            return None if unknown else Passage(len(lines), cut[2:], ())
+            return None if unknown else Passage(len(lines), cut[2:], (), ())
         if any(type(event) is Move and any(map(isnan, event.end)) for event in events):
             return None
+        stations = cell.choice.stations if cell.choice is not None else ()
+        by_face = {station.face: station for station in stations}
         bores = []
         for bore in cell.order:
             if type(bore) is not Bore or isnan(bore.feed_mm_min):
                 return None
-            bores.append((bore.line - 1, bore.face, bore[3:]))
-        return Passage(len(lines), (), tuple(bores))
+            station = by_face[bore.face]
+            if not station.clear_from <= bore.y <= station.clear_to:
+                return None  # a rapid is looked at in another way there
+            bores.append((bore.line - 1, station, bore[4:]))
+        return Passage(len(lines), (), stations, tuple(bores))
 
     def _is_cut(self, blocks: list[Block]) -> bool:
         """Whether the blocks bring the bar and cut it."""
@@ -244,6 +282,8 @@ class Passages:
 
     def _is_stroke(self, blocks: list[Block]) -> bool:
         """Whether the blocks choose a spindle, and then move and switch it and nothing else."""
+        if not blocks:
+            return False
         (_, first, chosen, _), *others = blocks
         if first != "M" or self._role(chosen) != "choose" or len(blocks) > MOST_M_WORDS:
             return False
@@ -255,3 +295,14 @@ class Passages:
     def _role(self, number: int) -> str:
         word = self._meaning.m_words.get(number)
         return "" if word is None else word.role
+
+
+def _is_free(station: Station, x: float, across: float) -> bool:
+    """Whether a spindle may stand at a place, with nothing but its face below."""
+    if not station.clear_from <= station.y(across) <= station.clear_to:
+        return False
+    for index, _, least, greatest in station.limits:
+        at = across if index == station.across else x if index == 0 else least
+        if not least <= at <= greatest:
+            return False
+    return True
