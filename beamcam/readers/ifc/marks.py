@@ -59,7 +59,7 @@ def data_of(model: Model, element: Entity) -> Data:
     """The property sets and quantities of an element, those of its type behind them."""
     found: dict[str, dict[str, Value]] = {}
     for definition in _definitions(element):
-        name = definition.values[2] or ""
+        name = definition.label or ""
         if _SETS.search(name):
             known = model.psets.get(definition)
             if known is None:

@@ -6,7 +6,7 @@ from functools import partial
 from typing import Any
 
 from beamcam.readers.ifc.schema import Row, rows
-from beamcam.readers.ifc.step import Malformed, Tokens, Values, records, tidy
+from beamcam.readers.ifc.step import Malformed, Tokens, Values, records, text_of, tidy
 from beamcam.readers.ifc.tuples import KINDS, tuples
 
 # A relation's attributes 4 and 5 are its two sides; this is the side that an element stands on.
@@ -53,15 +53,27 @@ class Entity:
 
     def __getattr__(self, name: str) -> Any:
         # Called for what has no value yet: the two slots that are filled late, and attributes.
-        if name in ("values", "row"):
-            self.row, self.values = self.file.parsed(self.name)
-            return self.row if name == "row" else self.values
+        if name == "values":
+            self.values = values = self.file.values(self.name)
+            return values
+        if name == "row":
+            self.row = row = self.file.row(self.name)
+            return row
         place = self.row.places.get(name)
         if place is not None:
             return self.values[place]
         if name in _SIDES:
             return self.file.relations(name).get(self, ())
         raise AttributeError(f"{self.row.name} has no {name}")
+
+    @property
+    def label(self) -> str | None:
+        """The Name of a rooted entity, its third value, without a look at the others."""
+        parts = self.file.inner(self.name).split("'", 4)  # '', GlobalId, ',#1,', Name, ',$,...'
+        if len(parts) == 5 and parts[2].count(",") == 2 and parts[4][:1] == ",":
+            return text_of(parts[3])
+        found: str | None = self.values[2]
+        return found
 
     @property
     def listed(self) -> list[str]:
@@ -115,12 +127,20 @@ class File:
                 raise Malformed(f"{inner[:40]!r} as the values of {name}")
         return inner[:-1]
 
-    def parsed(self, name: str) -> tuple[Row, Values]:
-        """What the schema says of a record, and its values. Raises LookupError, and Malformed."""
-        values = self.tokens.values(self.inner(name))
-        kind = self._records.kinds[name]
-        row = self._rows.get(kind) or self._rows.get(kind.upper())
-        return row or Row(kind, frozenset((kind,)), {}), values
+    def values(self, name: str) -> Values:
+        """The values of a record. Raises LookupError if it is missing, and Malformed."""
+        return self.tokens.values(self.inner(name))
+
+    def row(self, name: str) -> Row:
+        """What the schema says of a record; of an entity that it does not know, its name."""
+        kind = self._records.kinds.get(name)
+        if kind is None:
+            raise LookupError(f"a reference to {name}, which is not in the file")
+        return (
+            self._rows.get(kind)
+            or self._rows.get(kind.upper())
+            or Row(kind, frozenset((kind,)), {})
+        )
 
     def records_of(self, kind: str) -> dict[str, str]:
         """What is behind the opening brackets of the records of one class, by their names."""

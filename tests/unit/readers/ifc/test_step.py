@@ -143,3 +143,18 @@ def test_every_entity_has_the_values_that_ifcopenshell_gives(path: Any) -> None:
             assert mine == plain(entity)
         count += 1
     assert count > 20
+
+
+@pytest.mark.parametrize(
+    ("values", "label"),
+    [
+        ("'g',#1,'Tekla Common',$,(#1))", "Tekla Common"), ("'g',#1,$,'x',(#1))", None),
+        ("'g',#1,'it''s',$,(#1))", "it's"), (r"'g',$,'Tr\X\E4ger',$,())", "Träger"),
+        ("$,#1,'Tekla',$,(#1))", "Tekla"), ("'g',#1,'','',())", ""),
+    ],
+)  # fmt: skip
+def test_a_label_is_the_third_value(values: str, label: str | None) -> None:
+    text = f"{HEAD}#1=IFCOWNERHISTORY($);\n#2=IFCPROPERTYSET({values};{TAIL}"
+    entity = File(text, "IFC4").entity("#2")
+    assert entity.label == label
+    assert entity.label == entity.values[2]
