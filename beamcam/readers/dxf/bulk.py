@@ -161,9 +161,10 @@ class _Taker:
         for first, last, sequence in self.rows.sequences(entities):
             row = lines[2 * first + 1 : 2 * last : 2]
             key = (row[0], sequence)
-            if key not in plans:
-                plans[key] = plan_of(row[0], _codes(sequence), self.r12)
-            plan = plans[key]
+            try:
+                plan = plans[key]
+            except KeyError:
+                plan = plans[key] = plan_of(row[0], _codes(sequence), self.r12)
             plain = None if plan is None else self._read(plan, row)
             if plain is None:
                 goes_on = _goes_on(row, sequence)

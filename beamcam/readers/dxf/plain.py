@@ -197,7 +197,8 @@ def _points_are_whole(codes: Codes) -> bool:
 def _numbers(texts: Sequence[str]) -> tuple[float, ...]:
     """The numbers in texts. Raises ValueError for what is no finite number."""
     found = tuple(map(float, texts))
-    if not all(map(isfinite, found)):
+    # A sum that is finite has no other terms; that of great numbers may be beyond all of them.
+    if not isfinite(sum(found)) and not all(map(isfinite, found)):
         raise ValueError("found a number that is not finite")
     return found
 
