@@ -25,6 +25,11 @@ from beamcam.verify import run
 from beamcam.verify.differ import Difference, diff_programs
 from beamcam.verify.statements import diff_sheets
 
+#: Where programs say the job's name: behind `%`, as their unit, in the head of a step table.
+_JOB = re.compile(
+    r"^%[ \t]+(.*\S)|^\(\* =+ UNIT unit_(\w+) =|^# beamcam/steps/1 job (\S+) ", re.MULTILINE
+)
+
 
 class Checked(Struct, frozen=True):
     """What became of one golden program."""
@@ -168,8 +173,8 @@ def _differences(
 
 def _job(text: str) -> str:
     """The job's name as the golden program states it."""
-    match = re.search(r"^%[ \t]+(.*\S)", text, re.MULTILINE)
-    return match[1] if match else "JOB"
+    match = _JOB.search(text)
+    return match[match.lastindex or 0] if match else "JOB"
 
 
 def _sample(samples: Path, stem: str) -> Path:

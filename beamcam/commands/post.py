@@ -9,7 +9,7 @@ from beamcam.commands.common import Voice, read_all, write
 from beamcam.commands.members import member_choice, member_options
 from beamcam.commands.settings import machine_for, settled
 from beamcam.commands.sheets import drawing_choice, drawing_options, torch_options
-from beamcam.commands.tables import outputs, table_style
+from beamcam.commands.tables import job_name, outputs, table_style
 from beamcam.errors import BeamcamError
 from beamcam.pipeline import Posted, counted, parts_of, post, untold
 from beamcam.planning import Order
@@ -69,10 +69,11 @@ def command(
         parts, said = parts_of(read_all(inputs, config.strict, how, voice), counted)
         machine = machine_for(config, parts, output)
         style = table_style(machine, output, style)
+        job = job_name(config, machine, output)
 
         def made(bar: float | None) -> Posted:
             return post(
-                parts, machine, config.job, bar, config.allow_skips, not no_verify, order, turn,
+                parts, machine, job, bar, config.allow_skips, not no_verify, order, turn,
                 config.strict, style, voice.did if voice.verbose else untold,
             )  # fmt: skip
 

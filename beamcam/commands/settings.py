@@ -20,6 +20,7 @@ _OPTIONS = {
     "name": "name", "flat": "flat", "colours": "map",
 }  # fmt: skip
 #: Options that are rows of the table `[sheet]`.
+SAME_THICKNESS = 0.01  #: mm that two statements may differ by
 SHEET_OPTIONS = ("thickness", "material", "kerf", "kerf_by", "lead", "tabs", "place")
 
 
@@ -55,7 +56,22 @@ def machine_for(config: Config, parts: Sequence[Part], output: str) -> Machine:
     Where none is asked for it is that for their kind of stock, and of sheets by the suffix of
     `output`. Raises MachineError, ConfigError and PlanError.
     """
+    _agree_on_thickness(config, parts)
     return machine_of_stock(config, stock_of(parts), output)
+
+
+def _agree_on_thickness(config: Config, parts: Sequence[Part]) -> None:
+    """Raises PlanError where the command line says another thickness than a part."""
+    asked = config.sheet.get("thickness")
+    if asked is None or config.sources.get("sheet.thickness") != COMMAND_LINE:
+        return
+    for part in parts:
+        own = part.profile.web_thickness
+        if own is not None and abs(own - asked) > SAME_THICKNESS:
+            from beamcam.planning.contours.rules import OTHER_THICKNESS
+
+            said = OTHER_THICKNESS.at(part.source, found=f"{asked:g}", expected=f"{own:g}")
+            raise PlanError(said)
 
 
 def machine_for_program(config: Config, program: str) -> Machine:

@@ -5,6 +5,7 @@ from pathlib import PurePath
 
 import click
 
+from beamcam.config.values import Config
 from beamcam.machine import Machine
 from beamcam.pipeline import Posted
 
@@ -30,6 +31,20 @@ def table_style(machine: Machine, output: str, style: str | None) -> str | None:
     if style is not None and machine.controller != "simotion":
         raise click.UsageError(f"--style is not for {machine.name}.")
     return style
+
+
+def job_name(config: Config, machine: Machine, output: str) -> str:
+    """The name of a job: of a trigger program that was given none that of its file.
+
+    Its units are files and variables of one project, and would be taken for those of another job.
+    """
+    if (
+        machine.controller == "simotion"
+        and "job" not in config.sources
+        and output != STANDARD_OUTPUT
+    ):
+        return PurePath(output).stem
+    return config.job
 
 
 def outputs(

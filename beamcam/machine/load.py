@@ -195,8 +195,8 @@ def _check(machine: Machine, place: Place) -> None:
 
 _POSITIVE = ("up_to", "speed_m_min", "feed_per_turn", "_mm_min", "_rpm", "point_deg",
              "greatest_height", "greatest_width", "torch.length", "torch.width", "torch.tolerance",
-             "torch.gap", "torch.tab_width", "_radius", "arc_limit")  # fmt: skip
+             "torch.thickness", "torch.gap", "torch.tab_width", "_radius", "arc_limit")  # fmt: skip
 _NOT_NEGATIVE = ("kerf", "tolerance", "clearance", "breakthrough", "_trim", "least_bar",
                  "plus", "minus", "dead_zone", "least_part", "least_remnant", "twin",
-                 "runout_pitches", "_depth", "_s", "torch.thickness", "torch.margin",
+                 "runout_pitches", "_depth", "_s", "torch.margin",
                  "torch.lead_in", "torch.lead_out", "least_hole", "power")  # fmt: skip

@@ -380,7 +380,7 @@ class Torch(Struct, frozen=True):
     width: float  #: along Y
     rows: tuple[TorchRow, ...]
     colours: Mapping[str, Literal["cut", "mark", "engrave", "ignore"]]  #: of lines, or their layers
-    thickness: float = 0.0  #: of a sheet that does not say; 0 asks for it
+    thickness: float | None = None  #: of a sheet that does not say; without it the job has to
     material: str = ""  #: of a sheet that does not say
     place: Literal["corner", "drawn"] = "corner"  #: moved to the corner, or left where it is drawn
     margin: float = 0.0  #: between the corner and the part

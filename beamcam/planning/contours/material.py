@@ -12,13 +12,16 @@ class Material:
     """What a sheet is, and the machine's row for each process on it."""
 
     def __init__(self, part: Part, torch: Torch) -> None:
-        self.thickness = part.profile.web_thickness or torch.thickness
+        own = part.profile.web_thickness
+        said = torch.thickness if own is None else own
+        self.is_known = said is not None
+        self.thickness = said or 0.0
         self.material = part.grade or torch.material
         self._torch = torch
         self._source = part.source
         self._rows: dict[TorchProcess, TorchRow | None] = {}
         self.remarks: tuple[Diagnostic, ...] = ()
-        if part.profile.web_thickness is None and torch.thickness:
+        if own is None and self.is_known:
             self.remarks = (
                 rules.ASSUMED.at(part.source, found=f"{self.thickness:g}", material=self.material),
             )
@@ -34,7 +37,7 @@ class Material:
 
     def _fits(self, row: TorchRow) -> bool:
         is_material = fnmatchcase(self.material.upper(), row.material.upper())
-        return is_material and self.thickness <= row.up_to
+        return is_material and 0.0 < self.thickness <= row.up_to
 
     def kerf(self, process: TorchProcess) -> float:
         """Width of the cut that somebody has to keep off; 0 where nobody has to."""
@@ -45,7 +48,7 @@ class Material:
 
     def refusals(self, processes: set[TorchProcess]) -> list[Diagnostic]:
         """Why the sheet cannot be worked; nothing if it can."""
-        if self.thickness <= 0.0:
+        if not self.is_known:
             return [rules.NO_THICKNESS.at(self._source)]
         known = {row.process for row in self._torch.rows}
         return [

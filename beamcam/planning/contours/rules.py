@@ -55,6 +55,12 @@ THICKNESS = Rule(
     "found a sheet of {found} mm {material} to {process}; expected {expected}",
     "The machine's file has no speed for that thickness of that material.",
 )
+OTHER_THICKNESS = Rule(
+    "plan-thickness-other",
+    _E,
+    "found --thickness {found}; expected {expected}, as the part itself says",
+    "Only a drawing does not say how thick its sheet is; one of the two is wrong.",
+)
 ASSUMED = Rule(
     "plan-thickness-assumed",
     _N,
@@ -152,7 +158,8 @@ CHAIN = Rule(
 )
 
 RULES = (
-    CHAIN, SHEETS, NOTHING, UNMAPPED, MAP, OPTION, NO_PROCESS, NO_THICKNESS, THICKNESS, ASSUMED,
+    CHAIN, SHEETS, NOTHING, UNMAPPED, MAP, OPTION, NO_PROCESS, NO_THICKNESS, THICKNESS,
+    OTHER_THICKNESS, ASSUMED,
     SHEET_SIZE, SHEET_PLACE, JUNCTION, GAP, OPEN_CUT, MORE_OPEN, OVERLAP, VANISHED, CROSSING,
     NO_LEAD, SQUARE, NEEDS_LEAD, NO_TABS,
 )  # fmt: skip

@@ -141,12 +141,18 @@ def _least_corner(need: Need, process: TorchProcess, tolerance: float) -> Point:
     return x, y
 
 
+def thickness_of(part: Part, torch: Torch) -> float:
+    """Of the part's sheet in mm, what the machine's file takes where it does not say; 0 unknown."""
+    own = part.profile.web_thickness
+    return own if own is not None else torch.thickness or 0.0
+
+
 def rows_of(part: Part, torch: Torch) -> list[TorchRow]:
     """The row of each process that runs on the part's sheet."""
-    thickness = part.profile.web_thickness or torch.thickness
+    thickness = thickness_of(part, torch)
     material = (part.grade or torch.material).upper()
     found: dict[TorchProcess, TorchRow] = {}
     for row in torch.rows:
-        if thickness <= row.up_to and fnmatchcase(material, row.material.upper()):
+        if 0.0 < thickness <= row.up_to and fnmatchcase(material, row.material.upper()):
             found.setdefault(row.process, row)
     return list(found.values())

@@ -14,7 +14,7 @@ from beamcam.geometry.curves import Curve
 from beamcam.machine.machine import Machine, Torch, TorchProcess
 from beamcam.model.part import Part
 from beamcam.verify.polylines import compare_polylines
-from beamcam.verify.sheets.need import need_of, shift_of
+from beamcam.verify.sheets.need import need_of, shift_of, thickness_of
 from beamcam.verify.sheets.ways import Ways
 from beamcam.verify.steps import rules
 
@@ -39,7 +39,7 @@ def work_of(part: Part, torch: Torch) -> dict[TorchProcess, Work]:
 
     Between the rows of a table speeds lie on a straight line; below the thinnest it is that row's.
     """
-    thickness = part.profile.web_thickness or torch.thickness
+    thickness = thickness_of(part, torch)
     material = (part.grade or torch.material).upper()
     found: dict[TorchProcess, Work] = {}
     for process in {row.process for row in torch.rows}:
@@ -48,7 +48,7 @@ def work_of(part: Part, torch: Torch) -> dict[TorchProcess, Work]:
             for row in torch.rows
             if row.process == process and fnmatchcase(material, row.material.upper())
         )
-        if rows and thickness <= rows[-1][0]:
+        if rows and 0.0 < thickness <= rows[-1][0]:
             upto, feeds, _ = zip(*rows, strict=True)
             speed = float(np.interp(thickness, upto, feeds)) / 60.0
             pierce_s = next(pierce for most, _, pierce in rows if thickness <= most)

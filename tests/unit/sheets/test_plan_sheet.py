@@ -8,6 +8,7 @@ from hypothesis import strategies as st
 
 from beamcam.errors import PlanError
 from beamcam.geometry.curves import Line, signed_area
+from beamcam.machine import load
 from beamcam.model.part import Bend, Bevel, Contour, Feature, Hole, Part, Profile, Slot, TextMark
 from beamcam.model.plan import SheetPlan
 from beamcam.planning.contours import rules
@@ -149,7 +150,8 @@ OTHERS: list[tuple[tuple[Part, ...], dict[str, object], str, str]] = [
     ((drawing(contour(box(0, 0, 9, 9), "#00ff00")),), {}, "plan-unmapped", "4 curves of colour"),
     ((drawing(contour(box(0, 0, 9, 9), None, "W")),), {}, "plan-unmapped", "on layer 'W'"),
     ((drawing(SQUARE),), {"colours": {"red": "engrave"}}, "plan-process", "4 curves to engrave"),
-    ((drawing(SQUARE, thickness=None),), {"thickness": 0.0}, "plan-thickness-unknown", "--thick"),
+    ((drawing(SQUARE, thickness=None),), {"thickness": 0.0}, "plan-thickness", "a sheet of 0 mm"),
+    ((drawing(SQUARE, thickness=None),), {"thickness": -1.0}, "plan-thickness", "at most 12 mm"),
     ((drawing(SQUARE, thickness=40.0),), {}, "plan-thickness", "found a sheet of 40 mm mild"),
     ((drawing(contour(box(0, 0, 4000, 50))),), {}, "plan-sheet-size", "takes 3000 x 1500"),
     ((drawing(SQUARE),), {"place": "drawn"}, "plan-sheet-place", "from x -2.7"),
@@ -171,6 +173,14 @@ def test_refused(parts: tuple[Part, ...], values: dict[str, object], code: str, 
         plan_sheet(parts, machine)
     assert caught.value.diagnostics[0].code == code
     assert says in caught.value.diagnostics[0].message
+
+
+def test_a_thickness_that_nobody_says_is_asked_for() -> None:
+    machine = load("laser-grbl")
+    with pytest.raises(PlanError) as caught:
+        plan_sheet((drawing(contour(box(0, 0, 9, 9), "#000000"), thickness=None),), machine)
+    assert caught.value.diagnostics[0].code == "plan-thickness-unknown"
+    assert "give it by --thickness" in caught.value.diagnostics[0].message
 
 
 def test_a_bar_is_no_sheet() -> None:
@@ -201,12 +211,14 @@ def test_remarks(part: Part, values: dict[str, object], expected: set[str]) -> N
 
 
 #: What the command line says, and what only machines without words for a contour can say.
-OF_OTHERS = {"plan-map", "plan-sheet-option", "plan-chain"}
+OF_OTHERS = {"plan-map", "plan-sheet-option", "plan-chain", "plan-thickness-other"}
 
 
 def test_every_rule_has_a_case() -> None:
     shown = {c.code for c in REFUSALS} | {code for _, _, code, _ in OTHERS}
-    shown |= {code for _, _, more in REMARKS for code in more} | {"plan-tabs", "plan-bevel-left"}
+    shown |= {code for _, _, more in REMARKS for code in more} | {
+        "plan-tabs", "plan-bevel-left", "plan-thickness-unknown",
+    }  # fmt: skip
     assert {r.code for r in rules.RULES} - OF_OTHERS <= shown
 
 

@@ -1,0 +1,56 @@
+"""Units of several trigger programs in one folder, and sheets whose thickness is said twice."""
+
+import shutil
+from pathlib import Path
+
+import pytest
+from click.testing import CliRunner
+
+from beamcam.cli import main
+
+SAMPLES = Path(__file__).parents[3] / "samples"
+CAM = SAMPLES / "json" / "cam.json"
+
+
+def run(*args: object) -> tuple[int, str]:
+    done = CliRunner().invoke(main, [str(a) for a in args])
+    return done.exit_code, done.output
+
+
+def test_units_of_two_jobs_lie_beside_each_other_and_are_known_again(tmp_path: Path) -> None:
+    golden, samples = tmp_path / "table-simotion", tmp_path / "samples"
+    golden.mkdir()
+    samples.mkdir()
+    for name in ("one", "two"):
+        shutil.copy(CAM, samples / f"{name}.json")
+        how = ("--machine", "table-simotion", "--style", "table")
+        assert run("post", samples / f"{name}.json", "-o", tmp_path / f"{name}.st", *how)[0] == 0
+    units = sorted(p.name for p in tmp_path.glob("*.st"))
+    assert units == ["one.st", "two.st", "unit_one_1.st", "unit_two_1.st"]
+    assert (tmp_path / "one.st").read_text().startswith("(* ===== UNIT unit_one =")
+    how = ("--machine", "table-simotion")
+    assert run("post", samples / "one.json", "-o", golden / "one.st", *how)[0] == 0
+    code, said = run("check", tmp_path, "--samples", samples)
+    assert code == 0, said
+    assert "1 of 1" in said
+
+
+def test_a_name_that_is_given_is_kept(tmp_path: Path) -> None:
+    how = ("--machine", "table-simotion", "--job", "K7")
+    assert run("post", CAM, "-o", tmp_path / "a.st", *how)[0] == 0
+    assert "UNIT unit_K7 =" in (tmp_path / "a.st").read_text()
+
+
+@pytest.mark.parametrize(
+    ("source", "how", "said"),
+    [
+        ("json/cam.json", "--thickness 9", "found --thickness 9; expected 6, as the part"),
+        ("dxf/plate.dxf", "--thickness 0", "found a sheet of 0 mm mild steel to cut; expected"),
+        ("dxf/plate.dxf", "--thickness -2", "above 0 and at most 12 mm of any"),
+    ],
+)
+def test_thicknesses_that_cannot_be(source: str, how: str, said: str, tmp_path: Path) -> None:
+    code, output = run("post", SAMPLES / source, "-o", tmp_path / "a.ngc", *how.split())
+    assert code == 1
+    assert said in output
+    assert not (tmp_path / "a.ngc").exists()
