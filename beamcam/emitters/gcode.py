@@ -12,7 +12,8 @@ from string import Formatter
 
 from beamcam.emitters.numbers import number
 from beamcam.machine.known import Kept, OncePerMachine
-from beamcam.machine.machine import Machine, NumberFormat, Words
+from beamcam.machine.machine import Machine, NumberFormat
+from beamcam.machine.words import Words
 from beamcam.model.program import (
     Comment,
     DrillCycle,

@@ -12,8 +12,9 @@ from msgspec import Struct
 from beamcam.errors import MachineError, Source
 from beamcam.machine import rules
 from beamcam.machine.faults import axis_faults, tool_faults, torch_faults
-from beamcam.machine.machine import WORD_NAMES, Machine
+from beamcam.machine.machine import Machine
 from beamcam.machine.schema import Place, build, nearest
+from beamcam.machine.words import WORD_NAMES
 
 SHIPPED = Path(__file__).resolve().parent.parent / "machines"
 

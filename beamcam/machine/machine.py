@@ -14,6 +14,7 @@ from msgspec import Struct, field
 
 from beamcam.geometry.expression import Expression, compile_expression
 from beamcam.machine.tables import Stepper, Triggers
+from beamcam.machine.words import Words
 
 Axis = Literal["X", "Y", "Z"]
 
@@ -249,92 +250,6 @@ class Times(Struct, frozen=True):
     reload_s: float = 0.0  #: another tool into a station, by hand
     saw_s: float = 0.0  #: to clamp, start and stop the saw, each cut
     together: bool = False  #: whether spindles work at once where X is the same
-
-
-class Words(Struct, frozen=True):
-    """The blocks of a program as templates; what stands in braces is filled in."""
-
-    header: tuple[str, ...] = ()
-    footer: tuple[str, ...] = ()
-    saw: tuple[str, ...] = ()
-    drill: tuple[str, ...] = ()
-    tap: tuple[str, ...] = ()
-    countersink: tuple[str, ...] = ()
-    punch: tuple[str, ...] = ()
-    mill: tuple[str, ...] = ()  #: from the choice of the spindle to the path's first point
-    mill_to: tuple[str, ...] = ()  #: to each further point of the path
-    mill_end: tuple[str, ...] = ()
-    scribe: tuple[str, ...] = ()  #: likewise
-    scribe_to: tuple[str, ...] = ()
-    scribe_end: tuple[str, ...] = ()
-    comment: str = "({text})"
-
-    traverse: tuple[str, ...] = ()  #: the head to a place, its tool off
-    feed: tuple[str, ...] = ()  #: the tool along a line
-    arc_cw: tuple[str, ...] = ()
-    arc_ccw: tuple[str, ...] = ()
-    parabola: tuple[str, ...] = ()
-    ellipse_cw: tuple[str, ...] = ()
-    ellipse_ccw: tuple[str, ...] = ()
-    cut_on: tuple[str, ...] = ()
-    cut_off: tuple[str, ...] = ()
-    mark_on: tuple[str, ...] = ()
-    mark_off: tuple[str, ...] = ()
-    engrave_on: tuple[str, ...] = ()
-    engrave_off: tuple[str, ...] = ()
-    left: tuple[str, ...] = ()  #: the controller keeps left of the contour by half a kerf
-    right: tuple[str, ...] = ()
-    straight: tuple[str, ...] = ()  #: the controller keeps on the contour again
-    modal: tuple[str, ...] = ()  #: words of a move, each where it says another thing than before
-
-
-_STROKE_NAMES = frozenset(
-    {
-        "spindle", "diameter", "x", "y", "z", "near_y", "near_z", "bottom_y", "bottom_z", "feed",
-        "speed",
-    }
-)  # fmt: skip
-
-_TO_NAMES = frozenset({"x", "y", "feed"})
-_ARC_NAMES = _TO_NAMES | {"i", "j"}
-_ELLIPSE_NAMES = _ARC_NAMES | {"angle", "ratio"}
-_TORCH_NAMES = frozenset({"power", "pierce", "feed"})
-_SIDE_NAMES = frozenset({"kerf", "half_kerf"})
-
-#: What each template of `Words` may name.
-WORD_NAMES: dict[str, frozenset[str]] = {
-    "header": frozenset({"job", "section", "width", "height"}),
-    "footer": frozenset(),
-    "saw": frozenset({"x", "angle", "tilt", "feed"}),
-    "drill": _STROKE_NAMES,
-    "tap": _STROKE_NAMES | {"pitch"},
-    "countersink": _STROKE_NAMES,
-    "punch": _STROKE_NAMES,
-    "mill": _STROKE_NAMES,
-    "mill_to": _STROKE_NAMES,
-    "mill_end": _STROKE_NAMES,
-    "scribe": _STROKE_NAMES,
-    "scribe_to": _STROKE_NAMES,
-    "scribe_end": _STROKE_NAMES,
-    "traverse": frozenset({"x", "y"}),
-    "feed": _TO_NAMES,
-    "arc_cw": _ARC_NAMES,
-    "arc_ccw": _ARC_NAMES,
-    "parabola": _ARC_NAMES,
-    "ellipse_cw": _ELLIPSE_NAMES,
-    "ellipse_ccw": _ELLIPSE_NAMES,
-    "cut_on": _TORCH_NAMES,
-    "cut_off": frozenset(),
-    "mark_on": _TORCH_NAMES,
-    "mark_off": frozenset(),
-    "engrave_on": _TORCH_NAMES,
-    "engrave_off": frozenset(),
-    "left": _SIDE_NAMES,
-    "right": _SIDE_NAMES,
-    "straight": frozenset(),
-    "modal": frozenset({"feed", "acceleration"}),
-    "comment": frozenset({"text"}),
-}
 
 
 class ControlledAxis(Struct, frozen=True):

@@ -10,8 +10,9 @@ from itertools import groupby
 
 from beamcam.geometry.curves import Arc, Curve, EllipseArc, Line, bezier_pieces
 from beamcam.geometry.plane import Point
-from beamcam.machine.machine import Machine, Words
+from beamcam.machine.machine import Machine
 from beamcam.machine.path_limits import path_limits
+from beamcam.machine.words import Words
 from beamcam.model.plan import ContourOp, SheetPlan
 from beamcam.model.program import (
     Command,
