@@ -56,7 +56,7 @@ def outputs(
     and before it, so that it never stands there without them.
     """
     if machine.controller == "simotion" and output != STANDARD_OUTPUT:
-        from beamcam.emitters.simotion import split_units
+        from beamcam.emitters.simotion_units import split_units
 
         (_, main), *more = split_units(posted.text)
         folder = PurePath(output).parent

@@ -10,17 +10,14 @@ from collections.abc import Iterator, Mapping, Sequence
 
 from beamcam.emitters import simotion_text as text
 from beamcam.emitters.numbers import number
+from beamcam.emitters.simotion_units import UNIT_MARK, unit_name
 from beamcam.machine.machine import Machine
 from beamcam.machine.tables import Triggers
 from beamcam.model.triggers import Round, Switch, Travel, TriggerOp, TriggerTable
 
-UNIT_MARK = "(* ===== UNIT {name} ===== *)"
-_MARK = re.compile(r"\(\* ===== UNIT (\w+) ===== \*\)")
-
 #: Bytes of one operation in a unit of set-points: x, y, speed and kind; with path objects the
 #: middle of arcs as well.
 POINT_BYTES, ROUND_BYTES = 3 * 8 + 1, 5 * 8 + 1
-GREATEST_NAME = 24
 VALUES_PER_LINE = 5
 PROCESSES = ("cut", "mark", "engrave")
 TRAVEL, ROUND = 0, 7  #: kinds of operations in a table; between them: on and off of each process
@@ -60,27 +57,6 @@ def _as_called(program: str, names: Mapping[str, str]) -> str:
         return program
     words = re.compile(rf"\b(?:{'|'.join(map(re.escape, names))})\b")
     return words.sub(lambda word: names[word[0]], program)
-
-
-def unit_name(job: str) -> str:
-    """An ASCII name for the units of a job: letters, digits and single underscores."""
-    plain = re.sub(r"[^A-Za-z0-9]+", "_", job).strip("_")[:GREATEST_NAME].strip("_")
-    return f"unit_{plain}" if plain else "unit_job"
-
-
-def units(program: str) -> tuple[tuple[str, str], ...]:
-    """Name and text of each unit of a program, the main one first."""
-    pieces = _MARK.split(program)
-    return tuple((pieces[k], pieces[k + 1].lstrip("\n")) for k in range(1, len(pieces), 2))
-
-
-def split_units(program: str) -> tuple[tuple[str, str], ...]:
-    """Name and text of each unit with its mark, so that joined files are the program again."""
-    marks = list(_MARK.finditer(program))
-    ends = [*(mark.start() for mark in marks[1:]), len(program)]
-    return tuple(
-        (mark[1], program[mark.start() : end]) for mark, end in zip(marks, ends, strict=True)
-    )
 
 
 def lreal(value: float) -> str:

@@ -4,7 +4,7 @@ import re
 
 import pytest
 
-from beamcam.emitters import simotion
+from beamcam.emitters import simotion, simotion_units
 from beamcam.machine.faults import table_faults
 from beamcam.machine.machine import Machine
 from beamcam.model.triggers import Switch
@@ -47,7 +47,7 @@ def test_a_path_object_runs_lines_and_circles(name: str, style: str) -> None:
 def test_set_points_are_split_over_units_by_their_size() -> None:
     machine = table_machine(greatest_data=1024)
     text = program("rounded-rectangle", "table", machine)
-    units = simotion.split_units(text)
+    units = simotion_units.split_units(text)
     count = len(triggers("rounded-rectangle").operations)
     assert len(units) == 1 + -(-count // (1024 // simotion.POINT_BYTES))
     assert "".join(unit for _, unit in units) == text
@@ -108,8 +108,12 @@ def test_every_trigger_fires_once(name: str) -> None:
 def test_the_same_text_for_the_same_part_in_ascii() -> None:
     assert program("shield", "chain") == program("shield", "chain")
     assert program("shield", "table").isascii()
-    assert simotion.unit_name("Träger 12/a") == "unit_Tr_ger_12_a"
-    assert simotion.unit_name("***") == "unit_job"
+    assert simotion_units.unit_name("Träger 12/a") == "unit_Tr_ger_12_a"
+    assert simotion_units.unit_name("***") == "unit_job"
+    left, right = (simotion_units.unit_name(f"bracket of the {w} gallery") for w in ("L", "R"))
+    assert left != right
+    assert len(left) == len("unit_") + simotion_units.GREATEST_NAME
+    assert simotion_units.unit_name(left.removeprefix("unit_")) == left
 
 
 MUTANTS = [
