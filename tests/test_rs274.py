@@ -3,6 +3,7 @@
 import re
 import shutil
 import subprocess
+import tempfile
 from pathlib import Path
 
 import pytest
@@ -26,7 +27,10 @@ pytestmark = pytest.mark.skipif(
 def moves_of(path: Path) -> list[tuple[str, list[float]]]:
     """The canonical moves that the interpreter prints. Fails if it stops with an error."""
     assert RS274 is not None
-    run = subprocess.run([RS274, "-g", str(path)], capture_output=True, text=True, timeout=60)
+    with tempfile.TemporaryDirectory() as own:  # two of them at once write one file of parameters
+        run = subprocess.run(
+            [RS274, "-g", str(path.resolve())], capture_output=True, text=True, timeout=60, cwd=own
+        )
     assert run.returncode == 0, run.stderr
     return [
         (name, [float(v) for v in values.split(",")]) for name, values in _CALL.findall(run.stdout)
