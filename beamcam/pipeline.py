@@ -14,6 +14,7 @@ from msgspec import Struct
 from msgspec.structs import replace
 
 from beamcam import readers
+from beamcam.collector import collector_resting
 from beamcam.errors import (
     Diagnostic,
     PlanError,
@@ -82,6 +83,7 @@ def default_machine(stock: Literal["beam", "sheet"], output: str) -> str:
     return SHEET_MACHINES.get(PurePath(output).suffix.lower(), DEFAULT_SHEET_MACHINE)
 
 
+@collector_resting()
 def read_file(path: str, strict: bool = False, **options: object) -> Reading:
     """What is in a file, `-` for standard input; a file that cannot be opened is refused.
 
@@ -154,6 +156,7 @@ def left_out(
     return post_of(machine).skippable(parts, machine, skips) if skips else frozenset()
 
 
+@collector_resting()
 def post(
     parts: Sequence[Part],
     machine: Machine,

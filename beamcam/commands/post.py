@@ -4,6 +4,7 @@ from typing import Any
 
 import click
 
+from beamcam.collector import collector_resting
 from beamcam.commands import options
 from beamcam.commands.common import Voice, read_all, write
 from beamcam.commands.members import member_choice, member_options
@@ -38,6 +39,7 @@ from beamcam.planning.stock import from_store
 @options.strict
 @options.json_messages
 @options.voiced
+@collector_resting()
 def command(
     inputs: tuple[str, ...],
     output: str,

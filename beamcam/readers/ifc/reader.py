@@ -1,15 +1,14 @@
 """From a model's bytes to parts: candidates, selection, reading, checks, ledger."""
 
-import gc
 from collections import Counter
 from collections.abc import Iterator
-from contextlib import contextmanager
 from typing import Any
 
 from msgspec import Struct, field
 from msgspec.structs import replace
 from shapely.errors import ShapelyError
 
+from beamcam.collector import collector_resting
 from beamcam.errors import Diagnostic, Rule, Severity, Source
 from beamcam.model import catalogue
 from beamcam.model.part import Part, Profile
@@ -62,23 +61,11 @@ def read_model(
     data: bytes, name: str, selection: Selection, options: Options, progress: Progress | None
 ) -> Reading:
     """As `beamcam.readers.ifc.read`."""
-    with _collector_off():
+    with collector_resting():
         opened = open_file(data, Source(name))
         if isinstance(opened, Diagnostic):
             return Reading("ifc", (), (opened,))
         return _Run(opened, name, selection, options).read(progress)
-
-
-@contextmanager
-def _collector_off() -> Iterator[None]:
-    """No search for cycles meanwhile: it would walk all records of the model again and again."""
-    was_on = gc.isenabled()
-    gc.disable()
-    try:
-        yield
-    finally:
-        if was_on:
-            gc.enable()
 
 
 class _Run(Struct):
