@@ -155,8 +155,10 @@ class Matching:
         """The strokes within reach of a bore, of those that are left."""
         x_reach, y_reach = reach + self.x_tolerance, reach + self.y_tolerance
         x, y = bore.x, bore.y
+        least, greatest = floor(x - x_reach), floor(x + x_reach)
         near: list[Wanted] = []
-        for key in range(floor(x - x_reach), floor(x + x_reach) + 1):
+        # Seldom is there more than one millimetre to look at.
+        for key in (least,) if least == greatest else range(least, greatest + 1):
             for want in self.pockets.get((bore.face, bore.kind, key), ()):
                 if abs(want.x - x) <= x_reach and abs(want.need.hole.y - y) <= y_reach:
                     near.append(want)

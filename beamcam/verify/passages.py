@@ -134,9 +134,12 @@ class Passages:
                 shape = shape.replace(word + " ", _ACROSS_MARK + " ")
                 shape = shape.replace(word + "\n", _ACROSS_MARK + "\n")
             passage = bar.known[shape] if shape in bar.known else self._read(said, shape, bar)
-            if passage is None or not all(_is_free(s, x, across) for s in passage.stations):
+            if passage is None:
                 return None
-            lines, cut, _, bores = passage
+            lines, cut, stations, bores = passage
+            for station in stations:
+                if not _is_free(station, x, across):
+                    return None
             if cut:
                 # Where nothing moves between cuts their M words follow one another.
                 still = still + 1 if x == before else 0
@@ -147,7 +150,9 @@ class Passages:
                 y = station.y(across)
                 order.append(Bore(line + at, station.face, x, y, *behind))  # type: ignore[arg-type]
             line += lines
-            before, furthest = x, max(x, furthest)
+            before = x
+            if x > furthest:
+                furthest = x
         return order
 
     def _places(self, bare: str) -> list[int]:

@@ -106,17 +106,21 @@ class Placing:
 
     def _stands(self, end: End, bar_x: float) -> bool:
         """Whether there is a cut for an end at a place."""
-        return any(abs(c.x - self.saw.x - bar_x) <= self.tolerance for c in self._like(end))
+        return self._is_there(bar_x, [c.x - self.saw.x for c in self._like(end)])
+
+    def _is_there(self, bar_x: float, places: Sequence[float]) -> bool:
+        return any(abs(place - bar_x) <= self.tolerance for place in places)
 
     def _start(self, part: Part, ends: tuple[End, End], begin: float | None) -> float:
         """The start of a part: where its first cut fits one at its other end, if there is any."""
         height = part.profile.height
         at, reach = (e.blade(self.saw, height) for e in ends)
         found = [c.x - self.saw.x - at for c in self._like(ends[0])]
-        fitting = [start for start in found if self._stands(ends[1], start + reach)]
-        if fitting:
-            return fitting[0]
-        others = [c.x - self.saw.x - reach for c in self._like(ends[1])]
+        last = [c.x - self.saw.x for c in self._like(ends[1])]
+        for start in found:
+            if self._is_there(start + reach, last):
+                return start
+        others = [place - reach for place in last]
         near = begin
         if near is None and self.machine.layout is not None:
             near = self.machine.layout.front_trim
