@@ -16,7 +16,7 @@ from typing import NamedTuple, TypeVar
 from msgspec import Struct
 from msgspec.structs import replace
 
-from beamcam.geometry.curves import Curve
+from beamcam.geometry.curves import Curve, Point
 from beamcam.machine.machine import FLAT_DEG
 from beamcam.model.part import (
     Bend,
@@ -127,7 +127,7 @@ def _part_needs(
 ) -> list[tuple[int, Need]]:
     """What the features of a part need, by their indices."""
     found: list[tuple[int, Need]] = []
-    works = {face for face in rack.faces if _works(face, part, rack)}
+    works = {face for face in rack.faces if works_on(face, part, rack)}
     for f, feature in _once(features, part, rack, works):
         if type(feature) is Hole and feature.kind in ("through", "blind"):
             # Most features are plain holes, and most of those like one before.
@@ -147,12 +147,12 @@ def _once(
     seen: dict[tuple[Face, int], list[Hole]] = {}  # by the millimetre of x
     for f, feature in features:
         if type(feature) is Slot:
-            yield f, _from_behind(feature, part, rack, works)
+            yield f, from_behind(feature, part, rack, works)
             continue
         if type(feature) is not Hole:
             yield f, feature
             continue
-        hole = feature if feature.face in works else _from_behind(feature, part, rack, works)
+        hole = feature if feature.face in works else from_behind(feature, part, rack, works)
         face, x = hole.face, hole.x
         low, high = floor(x - tolerance), floor(x + tolerance)
         if low == high:
@@ -165,10 +165,10 @@ def _once(
         yield f, hole
 
 
-Round = TypeVar("Round", Hole, Slot)
+Round = TypeVar("Round", bound=Hole | Slot)
 
 
-def _from_behind(hole: Round, part: Part, rack: Rack, works: Collection[Face]) -> Round:
+def from_behind(hole: Round, part: Part, rack: Rack, works: Collection[Face]) -> Round:
     """A through hole or slot on the plate's other side, if it is only there that it is made."""
     other = OTHER_SIDE.get(part.profile.code, {}).get(hole.face)
     through = hole.kind == "through" and hole.depth is None
@@ -187,7 +187,7 @@ def _is_same(hole: Hole, other: Hole, tolerance: float) -> bool:
     )
 
 
-def _works(face: Face, part: Part, rack: Rack) -> bool:
+def works_on(face: Face, part: Part, rack: Rack) -> bool:
     """Whether a spindle works on a face of a part."""
     return face in rack.faces and face not in NO_PLATE.get(part.profile.code, ())
 
@@ -209,7 +209,7 @@ def _needs(
         case Contour(process="cut"):
             yield Lack(p, "the cut-out", "cutout", feature)
         case Contour():
-            if _works(feature.face, part, rack) and any(rack.of("scribe", feature.face)):
+            if works_on(feature.face, part, rack) and any(rack.of("scribe", feature.face)):
                 yield Course(p, feature.face, feature.curves, feature)
             else:
                 yield Lack(p, "the line to mark", "mark", feature)
@@ -234,7 +234,7 @@ def _unsawn_bevel(contour: Contour, ends: tuple[End, End]) -> bool:
 
 def _hole(hole: Hole, p: int, part: Part, rack: Rack) -> Iterator[Need]:
     size = f"{hole.diameter:g}"
-    if not _works(hole.face, part, rack):
+    if not works_on(hole.face, part, rack):
         yield Lack(p, f"the hole {size}", "face", hole)
     elif hole.kind in ("through", "blind"):
         plain = rack.plain(hole.diameter, hole.face)
@@ -304,9 +304,9 @@ def _no_sink(hole: Hole, pilot: float | None, rack: Rack) -> str:
 def _pilot(sink: Hole, part: Part, rack: Rack) -> float | None:
     """Diameter of the widest hole that a countersink stands on; None if there is none."""
     tolerance = rack.drill.merge_tolerance + 1e-9
-    works = {face for face in rack.faces if _works(face, part, rack)}
+    works = {face for face in rack.faces if works_on(face, part, rack)}
     near = (
-        _from_behind(h, part, rack, works) for h in part.holes
+        from_behind(h, part, rack, works) for h in part.holes
         if abs(h.x - sink.x) <= tolerance and abs(h.y - sink.y) <= tolerance
     )  # fmt: skip
     below = [
@@ -323,7 +323,7 @@ def _slot(slot: Slot, p: int, part: Part, rack: Rack) -> Iterator[Need]:
     what = f"slot {along:g} x {across:g}"
     mills = [d for t in rack.of("mill", slot.face) for d in t.sizes]
     fits = min(mills, default=slot.diameter + 1) <= slot.diameter + rack.drill.twin
-    if slot.kind not in ("through", "blind") or not _works(slot.face, part, rack) or not fits:
+    if slot.kind not in ("through", "blind") or not works_on(slot.face, part, rack) or not fits:
         yield Lack(p, f"the {what}", "slot", slot)
         return
     yield Pocket(
@@ -333,11 +333,16 @@ def _slot(slot: Slot, p: int, part: Part, rack: Rack) -> Iterator[Need]:
     drill = rack.drills(slot.diameter, slot.face)
     if drill is None:
         return
+    for x, y in slot_corners(slot):
+        end = Hole(slot.face, x, y, slot.diameter, slot.source, slot.depth)
+        yield Stroke(p, end, "drill", x, f"end of the {what}", drill, 0.0, True)
+
+
+def slot_corners(slot: Slot) -> Iterator[Point]:
+    """Centres of the corner circles of a slot: two, or four of a rectangle."""
     c, s = cos(radians(slot.angle)), sin(radians(slot.angle))
     corners = dict.fromkeys(
         (a * slot.length / 2, b * slot.height / 2) for a in (-1, 1) for b in (-1, 1)
     )
     for a, b in corners:
-        x, y = slot.x + c * a - s * b, slot.y + s * a + c * b
-        end = Hole(slot.face, x, y, slot.diameter, slot.source, slot.depth)
-        yield Stroke(p, end, "drill", x, f"end of the {what}", drill, 0.0, True)
+        yield slot.x + c * a - s * b, slot.y + s * a + c * b

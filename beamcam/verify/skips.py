@@ -3,12 +3,21 @@
 from collections.abc import Collection, Iterator, Sequence
 
 from beamcam.machine.machine import Machine, Spindle
-from beamcam.model.part import Hole, Part
+from beamcam.model.part import Hole, Part, Slot
 from beamcam.verify.depths import REACHES
 from beamcam.verify.ends import ends_of
-from beamcam.verify.needs import FeatureRef, Lack, Need, Stroke, needs_of
+from beamcam.verify.needs import (
+    FeatureRef,
+    Lack,
+    Need,
+    Stroke,
+    from_behind,
+    needs_of,
+    slot_corners,
+    works_on,
+)
 from beamcam.verify.rack import Rack
-from beamcam.verify.stations import choices_of, stroke_values
+from beamcam.verify.stations import Station, choices_of, stroke_values
 
 
 def skippable(
@@ -24,19 +33,42 @@ def skippable(
     ends = [ends_of(part, machine.saw) for part in parts]
     needs = needs_of(parts, ends, rack, ())
     left = {ref for ref, need in needs if isinstance(need, Lack) and need.name in names}
-    if "off-face" in names:
-        left |= {
-            (p, f)
-            for p, part in enumerate(parts)
-            for f, hole in enumerate(part.features)
-            if isinstance(hole, Hole)
-            and not (
-                0 <= hole.x <= part.length and 0 <= hole.y <= part.profile.face_width(hole.face)
-            )
-        }
+    if not {"off-face", "reach"}.isdisjoint(names):
+        left |= {ref for ref, name in _ill_placed(parts, machine, rack) if name in names}
     if "stroke" in names:
         left.update(_off_stroke(parts, machine, rack, needs))
     return frozenset(left)
+
+
+def _ill_placed(
+    parts: Sequence[Part], machine: Machine, rack: Rack
+) -> Iterator[tuple[FeatureRef, str]]:
+    """The holes and slots that lie where no tool comes, and what such a place is called."""
+    spindles: dict[str, int] = {s.face: s.number for s in machine.spindles}
+    for p, part in enumerate(parts):
+        choices = choices_of(machine, part.profile)
+        works = {face for face in rack.faces if works_on(face, part, rack)}
+        for f, feature in enumerate(part.features):
+            if not isinstance(feature, Hole | Slot):
+                continue
+            made = from_behind(feature, part, rack, works)
+            if made.face not in works:
+                continue
+            (station,) = choices[spindles[made.face]].stations
+            places = [(made.x, made.y), *(slot_corners(made) if isinstance(made, Slot) else ())]
+            name = next((n for x, y in places if (n := _fault(x, y, made, part, station))), "")
+            if name:
+                yield (p, f), name
+
+
+def _fault(x: float, y: float, made: Hole | Slot, part: Part, station: Station) -> str:
+    """What is wrong with the place of a hole, or of one of a slot's corners."""
+    if not (0 <= x <= part.length and 0 <= y <= part.profile.face_width(made.face)):
+        return "off-face"
+    radius = made.diameter / 2
+    if not (station.clear_from <= y - radius and y + radius <= station.clear_to):
+        return "reach"
+    return ""
 
 
 def _off_stroke(
