@@ -30,10 +30,11 @@ def drop_duplicates(
     kept: list[Placed] = []
     repeats: dict[FeatureRef, Placed] = {}
     limit = tolerance + ROUNDING
-    known: dict[tuple[int, str, int], list[Placed]] = {}  # by piece, face and millimetre of x
+    known: dict[tuple[int, str, int], list[Placed]] = {}  # by piece, face and nearest mm of x
     for placed in holes:
         (piece, _), hole = placed
-        face, x = hole.face, hole.x
+        # Most x are whole millimetres, in the middle of their own.
+        face, x = hole.face, hole.x + 0.5
         low, high = floor(x - limit), floor(x + limit)
         if low == high:
             near = known.get((piece, face, low))

@@ -55,7 +55,10 @@ class Matching:
         self.drilled: set[tuple[str, float, float]] = set()
         for want in wanted:
             key = want.need.hole.face, want.need.kind, floor(want.x)
-            self.pockets.setdefault(key, []).append(want)
+            if key in self.pockets:
+                self.pockets[key].append(want)
+            else:
+                self.pockets[key] = [want]
 
     def run(self, bores: Sequence[Bore], said: list[Diagnostic]) -> Iterator[Match]:
         """The matches; what lies elsewhere, is missing or too much goes to `said`."""
@@ -237,12 +240,11 @@ class Matching:
 def _strokes(bores: Sequence[Bore]) -> Iterator[Sequence[Bore]]:
     """The bores of each stroke, one or those of two spindles at once, which follow each other."""
     begin = 0
-    for end in range(1, len(bores) + 1):
-        first = bores[begin]
-        if (
-            end == len(bores)
-            or bores[end].line != first.line
-            or bores[end].spindle != first.spindle
-        ):
+    before: Bore | None = None
+    for end, bore in enumerate(bores):
+        if before is not None and (bore.line != before.line or bore.spindle != before.spindle):
             yield bores[begin:end]
             begin = end
+        before = bore
+    if before is not None:
+        yield bores[begin:]

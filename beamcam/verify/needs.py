@@ -144,7 +144,7 @@ def _once(
 ) -> Iterator[tuple[int, Feature]]:
     """The features, those made from the plate's other side there, holes written twice once."""
     tolerance = rack.twice
-    seen: dict[tuple[Face, int], list[Hole]] = {}  # by the millimetre of x
+    seen: dict[tuple[Face, int], list[Hole]] = {}  # by the nearest millimetre of x
     for f, feature in features:
         if type(feature) is Slot:
             yield f, from_behind(feature, part, rack, works)
@@ -153,7 +153,8 @@ def _once(
             yield f, feature
             continue
         hole = feature if feature.face in works else from_behind(feature, part, rack, works)
-        face, x = hole.face, hole.x
+        # Most x are whole millimetres, in the middle of their own.
+        face, x = hole.face, hole.x + 0.5
         low, high = floor(x - tolerance), floor(x + tolerance)
         if low == high:
             near = seen.get((face, low), ())
