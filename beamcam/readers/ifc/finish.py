@@ -44,6 +44,7 @@ class Shaped(Struct, frozen=True):
     remarks: tuple[str, ...] = ()
     x0: float = 0.0  #: where the part's start lies on the stock
     frame: Frame = IDENTITY  #: the part's coordinates in the element's
+    fitted: tuple[str, ...] = ()  #: surfaces of the kernel that only facets stand for
 
 
 Regions = dict[Wall, tuple[tuple[float, Shape], tuple[float, Shape]]]

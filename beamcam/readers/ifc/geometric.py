@@ -19,6 +19,7 @@ from beamcam.readers.ifc.curves2d import Chain
 from beamcam.readers.ifc.cutters import Cutter
 from beamcam.readers.ifc.ends import LEAST_LEAN, End
 from beamcam.readers.ifc.entities import Entity, Model, Unreadable
+from beamcam.readers.ifc.exact import Circle, circles_in
 from beamcam.readers.ifc.finish import (
     Regions,
     Shaped,
@@ -29,14 +30,12 @@ from beamcam.readers.ifc.finish import (
     reach,
     shifted,
 )
-from beamcam.readers.ifc.kernel import Built, build
-from beamcam.readers.ifc.outline import sharpened, with_arcs
+from beamcam.readers.ifc.kernel import build, build_exact
+from beamcam.readers.ifc.outline import sharpened
 from beamcam.readers.ifc.plates import box_of, into
 from beamcam.readers.ifc.region import (
     Circles,
     Shape,
-    chain_of_ring,
-    chains_of,
     cleaned,
     pieces_of,
     points_of,
@@ -45,9 +44,11 @@ from beamcam.readers.ifc.section import Section, classify
 from beamcam.readers.ifc.semantic import LEVEL_IN, Stock, cut, in_place
 from beamcam.readers.ifc.shell import (
     Shell,
+    arcs_of,
     broadest_normal,
     extent,
     longest_direction,
+    ring_arcs,
     section,
     with_circles,
 )
@@ -61,15 +62,19 @@ EDGE = 0.3  #: mm within which a section point lies on a wall's long edge
 EXPLAINED = 0.03  #: share by which the volume may differ from what the walls explain
 
 
-def read_kernel(
-    model: Model, element: Entity, source: Source, built: Built | None = None
-) -> Shaped:
-    """The member of the kernel's solid. Raises Unreadable, also for errors in the kernel's log."""
-    built = built or build(model, element)
-    errors = [line for line in built.log if "[error]" in line.lower()]
+def read_kernel(model: Model, element: Entity, source: Source) -> Shaped:
+    """The member of the kernel's solid. Raises Unreadable, also for errors in the kernel's log.
+
+    The facets give the sections, the kernel's own surfaces the circles in them; where the kernel
+    has others, they are fitted to the facets, and `fitted` of what comes back names them.
+    """
+    built = build(model, element)
+    exact = build_exact(model, element)
+    errors = [line for line in (*built.log, *exact.log) if "[error]" in line.lower()]
     if errors:
         raise Unreadable(f"an error of the geometry kernel ({errors[0][:160]})")
-    return read_shell(built.shell, (), source)
+    shell = Shell(built.shell.faces, built.shell.where, exact.cylinders)
+    return replace(read_shell(shell, (), source), fitted=exact.others)
 
 
 def read_shell(shell: Shell, cutters: Sequence[Cutter], source: Source) -> Shaped:
@@ -116,7 +121,7 @@ def _stock(shell: Shell, axis: Vec) -> _Stock | None:
         pieces = pieces_of(shape)
         if len(pieces) != 1:
             continue
-        outer, inner = chains_of(pieces[0], Circles())
+        outer, inner = arcs_of(pieces[0], circles_in(shell.cylinders, axis, u, v))
         found = _told(outer, inner) if outer else None
         if found is None or found.code == "SO" or (found.code == "B" and found.width > 200):
             continue
@@ -177,11 +182,11 @@ def _member(shell: Shell, cutters: Sequence[Cutter], stock: _Stock, source: Sour
         cs = [wall.low + share * wall.thickness for share in (LEVEL_IN, 1 - LEVEL_IN)]
         raw = [local.raw_slice(wall, c) for c in cs]
         if not taken:
-            drilled, raw = _drilled(raw, wall, source)
+            drilled, raw = _drilled(raw, wall, local.circles(wall), source)
             holes += drilled
         levels: list[tuple[float, Shape]] = []
         for c, shape in zip(cs, raw, strict=True):
-            shape = with_circles(shape, circles)
+            shape = with_circles(shape, circles, local.circles(wall))
             for one in taken:
                 shape = shape.difference(one.slice(wall, c, circles))
             levels.append((c, _full_width(cleaned(shape), wall, c, stock.outline)))
@@ -195,7 +200,7 @@ def _member(shell: Shell, cutters: Sequence[Cutter], stock: _Stock, source: Sour
 
 
 def _drilled(
-    levels: Sequence[Shape], wall: Wall, source: Source
+    levels: Sequence[Shape], wall: Wall, exact: Sequence[Circle], source: Source
 ) -> tuple[list[Hole | Slot], list[Shape]]:
     """The round and slotted hollows that both levels of a wall show; the levels without them."""
     from shapely import MultiPolygon, Polygon
@@ -205,7 +210,7 @@ def _drilled(
         rows = []
         for piece in pieces_of(shape):
             for ring in piece.interiors:
-                chain = with_arcs(chain_of_ring(ring, Circles()))
+                chain = ring_arcs(ring, exact)
                 made = opening(wall, chain, source) if chain else None
                 if isinstance(made, (Hole, Slot)):
                     rows.append((made, ring.bounds))
@@ -305,7 +310,7 @@ def _plate(shell: Shell, cutters: Sequence[Cutter], source: Source) -> Shaped | 
         return None
     if any(float(shapes[0].symmetric_difference(s).area) > PRISMATIC * area for s in shapes[1:]):
         return None
-    outer, inner = chains_of(pieces_of(shapes[0])[0], Circles())
+    outer, inner = arcs_of(pieces_of(shapes[0])[0], circles_in(shell.cylinders, normal, u, v))
     box = box_of(outer)
     x = add(scale(u, box.x[0]), scale(v, box.x[1]))
     y = add(scale(u, box.y[0]), scale(v, box.y[1]))

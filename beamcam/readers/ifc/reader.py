@@ -159,6 +159,7 @@ class _Run(Struct):
         said = check_data(part, shaped, data, source)
         if self.options.kernel and body is not None:
             said += self._kernel_check(element, part, shaped, data)
+        said += tuple(rules.FITTED.at(source, found=kind) for kind in shaped.fitted)
         said += tuple(rules.PIECES.at(source, found=text) for text in shaped.remarks)
         said = tuple(_forced(d) if self.options.force else d for d in said)
         self.said += said

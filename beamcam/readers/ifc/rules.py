@@ -101,6 +101,12 @@ KERNEL_DENIED = Rule(
     "found {found} by the geometry kernel; kept {expected}, which {witness} confirms",
     "The kernel fails on some solids without saying so; the file's own data decides.",
 )
+FITTED = Rule(
+    "ifc-kernel-fitted",
+    _W,
+    "found {found} among the faces of the kernel's solid; expected planes, cylinders and cones",
+    "Arcs near such a face were fitted to its facets. Compare the outline with the model.",
+)
 PIECES = Rule(
     "ifc-pieces",
     _W,
@@ -135,6 +141,6 @@ BOLT_SKEW = Rule(
 
 RULES = (
     SYNTAX, SCHEMA, NO_MEMBERS, NOT_FOUND, LEDGER, LEFT_OUT, CURVED, TAPERED, GEOMETRY, SECTION,
-    PROFILE_NAME, LENGTH, WEIGHT, KERNEL, KERNEL_LOG, KERNEL_DENIED, PIECES, BOLT_HOLES, BOLT_SHANK,
-    BOLTS, BOLT_SKEW,
+    PROFILE_NAME, LENGTH, WEIGHT, KERNEL, KERNEL_LOG, KERNEL_DENIED, FITTED, PIECES, BOLT_HOLES,
+    BOLT_SHANK, BOLTS, BOLT_SKEW,
 )  # fmt: skip

@@ -12,10 +12,15 @@ from typing import Any
 from msgspec import Struct
 
 from beamcam.geometry.curves import Point
-from beamcam.readers.ifc.region import Circles, Shape, chains_of, cleaned, polygon_of
+from beamcam.readers.ifc.curves2d import Chain
+from beamcam.readers.ifc.exact import Circle, circles_in, with_exact_arcs
+from beamcam.readers.ifc.outline import with_arcs
+from beamcam.readers.ifc.region import Circles, Shape, chain_of_ring, cleaned, polygon_of
 from beamcam.readers.ifc.space import ORIGIN, Frame, Vec, add, cross, dot, scale, size, sub, unit
+from beamcam.readers.ifc.surfaces import Cylinder
 from beamcam.readers.ifc.walls import Wall
 
+ALONG = (1.0, 0.0, 0.0)  #: a member
 GRID = 1e-3  #: mm of the grid that section lines are joined on; cracks are narrower
 
 
@@ -31,6 +36,7 @@ class Shell(Struct, frozen=True):
 
     faces: tuple[Face3, ...]
     where: str | None = None
+    cylinders: tuple[Cylinder, ...] = ()  #: that its facets stand for, where they are known
 
     @property
     def points(self) -> list[Vec]:
@@ -57,20 +63,23 @@ class Shell(Struct, frozen=True):
         for face in self.faces:
             rings = tuple(tuple(by.point(p) for p in ring) for ring in face.rings)
             faces.append(Face3(rings, _area_normal(rings)))
-        return Shell(tuple(faces), self.where)
+        return Shell(tuple(faces), self.where, tuple(c.moved(by) for c in self.cylinders))
 
     def slice(self, wall: Wall, c: float, circles: Circles) -> Shape:
         """The shell's section by the wall's plane at `c`, its arcs found again."""
-        return with_circles(self.raw_slice(wall, c), circles)
+        return with_circles(self.raw_slice(wall, c), circles, self.circles(wall))
 
     def raw_slice(self, wall: Wall, c: float) -> Shape:
         """The shell's section by the wall's plane at `c`, as polygons."""
         n = wall.direction
-        across = (0.0, 0.0, 1.0) if wall.normal == "y" else (0.0, 1.0, 0.0)
-        return section(self, scale(n, c), n, (1.0, 0.0, 0.0), across)
+        return section(self, scale(n, c), n, ALONG, wall.across)
+
+    def circles(self, wall: Wall) -> tuple[Circle, ...]:
+        """The circles in which the shell's cylinders go through a wall."""
+        return circles_in(self.cylinders, wall.direction, ALONG, wall.across)
 
 
-def with_circles(shape: Shape, circles: Circles) -> Shape:
+def with_circles(shape: Shape, circles: Circles, exact: Sequence[Circle] = ()) -> Shape:
     """A region whose polygon runs on circles are arcs, remembered in `circles`."""
     from shapely import union_all
 
@@ -78,10 +87,21 @@ def with_circles(shape: Shape, circles: Circles) -> Shape:
     for piece in getattr(shape, "geoms", (shape,)):
         if piece.is_empty:
             continue
-        outer, inner = chains_of(piece, Circles())
+        outer, inner = arcs_of(piece, exact)
         if outer:
             out.append(polygon_of(outer, inner, circles))
     return union_all(out) if out else shape
+
+
+def arcs_of(piece: Any, exact: Sequence[Circle]) -> tuple[Chain, tuple[Chain, ...]]:
+    """The border of a polygon and its hollows, with the arcs of `exact` circles and fitted ones."""
+    hollows = tuple(ring_arcs(ring, exact) for ring in piece.interiors)
+    return ring_arcs(piece.exterior, exact), tuple(c for c in hollows if c)
+
+
+def ring_arcs(ring: Any, exact: Sequence[Circle]) -> Chain:
+    """The lines and arcs of a polygon's ring, those of `exact` circles and fitted ones."""
+    return with_arcs(with_exact_arcs(chain_of_ring(ring, Circles()), exact))
 
 
 def planar_face(rings: Sequence[Sequence[Vec]]) -> Face3 | None:

@@ -43,6 +43,11 @@ class Wall(Struct, frozen=True):
         """The unit vector along c."""
         return (0.0, 1.0, 0.0) if self.normal == "y" else (0.0, 0.0, 1.0)
 
+    @property
+    def across(self) -> Vec:
+        """The unit vector along q."""
+        return (0.0, 0.0, 1.0) if self.normal == "y" else (0.0, 1.0, 0.0)
+
 
 @lru_cache(4096)
 def walls_of(section: Section) -> tuple[Wall, ...]:

@@ -102,6 +102,17 @@ def in_two() -> bytes:
     return m.data
 
 
+def elliptic() -> bytes:
+    """A union, which only the kernel reads, with an elliptic hole."""
+    m = Small()
+    first = m.extruded(m.box(200, 20), 600.0)
+    second = m.extruded(m.box(200, 20), 500.0, m.step.axes((600, 0, 0), (1, 0, 0), (0, 1, 0)))
+    profile = m.add(f"IFCELLIPSEPROFILEDEF(.AREA.,$,{m.flat},60.,30.)")
+    hole = m.extruded(profile, 100.0, m.step.axes((300, 0, -50), (0, 0, 1), (1, 0, 0)))
+    m.element(m.minus(m.add(f"IFCBOOLEANRESULT(.UNION.,{first},{second})"), hole))
+    return m.data
+
+
 def bolted() -> bytes:
     m = plain()
     m.bolt((300, -20, 50), (0, 1, 0), 20.0, 60.0)
@@ -136,6 +147,7 @@ CASES: dict[str, Callable[[], bytes]] = {
     "ifc-profile-name": wrong_name,
     "ifc-length": wrong_length,
     "ifc-weight": wrong_weight,
+    "ifc-kernel-fitted": elliptic,
     "ifc-pieces": in_two,
     "ifc-bolt-holes": bolted,
     "ifc-bolt-skew": bolted_askew,
