@@ -2,21 +2,27 @@
 
     python benchmarks/drawing.py [--kerf]
 
-Prints the time of `beamcam post` step by step, in a process that has its libraries loaded, and the
-time that ezdxf takes to read the same DXF and to flatten its entities at the tolerance of the
-machine; then the number of moves of both. Each figure is the least of three runs. --kerf keeps off
-by half a kerf and leads in, which takes two or three times as long to plan.
+Prints the processor time of `beamcam post` step by step, in a process that has its libraries
+loaded, and the time that ezdxf takes to read the same DXF and to flatten its entities at the
+tolerance of the machine; then the number of moves of both; and at the end both as processes of
+their own, start and imports included, as a user waits for them. Each figure is the least of three
+runs, taken in turns. The collector rests as in `beamcam post`, and for ezdxf too. --kerf keeps off
+by half a kerf and leads in, which takes two or three times as long to plan and to read back.
 """
 
+import os
+import subprocess
 import sys
 import tempfile
 from collections.abc import Callable
+from inspect import getsource
 from pathlib import Path
-from time import perf_counter
+from time import process_time
 from typing import TypeVar
 
 import make_drawing
 
+from beamcam.collector import collector_resting
 from beamcam.emitters import cutting
 from beamcam.machine import load
 from beamcam.machine.machine import Machine
@@ -35,10 +41,20 @@ def least(work: Callable[[], Result]) -> tuple[float, Result]:
     """The least time of `RUNS` runs, and what the last gave."""
     best = float("inf")
     for _ in range(RUNS):
-        start = perf_counter()
-        result = work()
-        best = min(best, perf_counter() - start)
+        start = process_time()
+        with collector_resting():
+            result = work()
+        best = min(best, process_time() - start)
     return best, result
+
+
+def process_s(*arguments: str) -> float:
+    """Processor time of a Python process of its own."""
+    before = os.times()
+    subprocess.run([sys.executable, *arguments], check=True, stderr=subprocess.DEVNULL)
+    after = os.times()
+    used = after.children_user - before.children_user
+    return used + after.children_system - before.children_system
 
 
 def by_ezdxf(path: Path, tolerance: float) -> int:
@@ -67,6 +83,7 @@ def main() -> None:
         print(f"ezdxf reads and flattens    {theirs:7.2f} s   {chords} moves")
         for path in (dxf, svg):
             report(path, machine, theirs, chords)
+        compare_processes(dxf, tolerance, "--kerf" in sys.argv)
 
 
 def report(path: Path, machine: Machine, theirs: float, chords: int) -> None:
@@ -87,6 +104,22 @@ def report(path: Path, machine: Machine, theirs: float, chords: int) -> None:
     print(
         f"    read {reading_s:.2f}, plan {plan_s:.2f}, motion {motion_s:.2f}, emit {emit_s:.2f}, "
         f"read back {verify_s:.2f} s"
+    )
+
+
+def compare_processes(path: Path, tolerance: float, kerf: bool) -> None:
+    """Posts a drawing by the command, reads and flattens it by ezdxf, in turns, and prints both."""
+    alone = (
+        f"from pathlib import Path\n{getsource(by_ezdxf)}by_ezdxf(Path({str(path)!r}), {tolerance})"
+    )
+    command = ["-m", "beamcam", "post", str(path), "-o", str(path.with_suffix(".ngc"))]
+    if not kerf:
+        command += ["--kerf", "0", "--lead", "none"]
+    pairs = [(process_s("-c", alone), process_s(*command)) for _ in range(RUNS)]
+    theirs, ours = (min(times) for times in zip(*pairs, strict=True))
+    print(
+        f"as processes: ezdxf {theirs:.2f} s, beamcam post {ours:.2f} s: "
+        f"{ours / theirs:.2f} of the time"
     )
 
 

@@ -109,15 +109,10 @@ def _written_arc(start: Point, end: Point, arc: Arc, numbers: Numbers) -> ArcFee
     )
     if beside > BISECTOR_SHARE * near:
         return None
-    turned = (
-        side
-        * (
-            atan2(end[1] - centre[1], end[0] - centre[0])
-            - atan2(start[1] - centre[1], start[0] - centre[0])
-        )
-        % (2 * pi)
-    )
-    middle_angle = atan2(start[1] - centre[1], start[0] - centre[0]) + side * turned / 2
+    first = atan2(start[1] - centre[1], start[0] - centre[0])
+    last = atan2(end[1] - centre[1], end[0] - centre[0])
+    turned = side * (last - first) % (2 * pi)
+    middle_angle = first + side * turned / 2
     middle = (centre[0] + near * cos(middle_angle), centre[1] + near * sin(middle_angle))
     if dist(middle, arc.point(0.5)) > 3 * numbers.step:
         return None
