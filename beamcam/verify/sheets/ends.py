@@ -1,6 +1,7 @@
 """Strokes that begin or end in the middle of a contour."""
 
 from collections.abc import Sequence
+from math import hypot
 
 import numpy as np
 
@@ -14,6 +15,7 @@ from beamcam.verify.sheets.work import SHOWN, Traced, Work
 
 #: Contours that leave a place in directions as near as this lie on one another there.
 SAME_DIRECTION_DEG = 2.0
+ROUNDING = 1e-9
 
 
 def end_faults(work: Work, traced: Sequence[Traced]) -> list[Diagnostic]:
@@ -24,7 +26,7 @@ def end_faults(work: Work, traced: Sequence[Traced]) -> list[Diagnostic]:
         return said
     starts = work.path.starts[[t.first for t in opened]]
     stops = work.path.ends[[t.last - 1 for t in opened]]
-    branches = _Branches(work.need, work.tolerance)
+    branches = _Branches(work.need, work.tolerance, work.torch.gap)
     out_of_starts, out_of_stops = branches.at(starts), branches.at(stops)
     for k, t in enumerate(opened):
         for what, place, count, others, way in (
@@ -40,25 +42,41 @@ def end_faults(work: Work, traced: Sequence[Traced]) -> list[Diagnostic]:
 
 
 class _Branches:
-    """Where contours end, and in how many directions they go on from there."""
+    """Where contours end, and in how many directions they go on from there.
 
-    def __init__(self, need: Ways, reach: float) -> None:
+    A path may miss its end by `reach`. Ends farther apart than `gap` do not belong together,
+    though both are within reach of the path's.
+    """
+
+    def __init__(self, need: Ways, reach: float, gap: float) -> None:
         apart = np.flatnonzero(np.hypot(*(need.ends - need.starts).T) > 1e-9)
         lengths = need.lengths[apart]
         near = np.minimum(lengths / 2, 20 * reach)
-        places = np.concatenate((need.starts[apart], need.ends[apart]))
+        self._gap = gap
+        self._places = np.concatenate((need.starts[apart], need.ends[apart]))
         inner = np.concatenate((need.point(apart, near), need.point(apart, lengths - near)))
-        towards = inner - places
+        towards = inner - self._places
         self._angles = np.degrees(np.arctan2(towards[:, 1], towards[:, 0]))
-        self._grid = Grid(points_as_elements(places), reach)
+        self._grid = Grid(points_as_elements(self._places), reach)
 
     def at(self, places: Floats) -> list[int]:
         """Directions in which contours leave each place; 2 in the middle of one."""
-        found: list[list[float]] = [[] for _ in range(len(places))]
+        near: list[list[tuple[float, int]]] = [[] for _ in range(len(places))]
         pairs = self._grid.near(places, self._grid.reach)
-        angles = self._angles[pairs.element].tolist()
-        for place, angle in zip(pairs.point.tolist(), angles, strict=True):
-            apart = found[place]
-            if all(abs((angle - a + 180.0) % 360.0 - 180.0) > SAME_DIRECTION_DEG for a in apart):
+        columns = (pairs.point.tolist(), pairs.away.tolist(), pairs.element.tolist())
+        for place, away, end in zip(*columns, strict=True):
+            near[place].append((away, end))
+        return [self._directions(ends) if ends else 2 for ends in near]
+
+    def _directions(self, ends: list[tuple[float, int]]) -> int:
+        """Of the nearest end and those that belong to it."""
+        x, y = self._places[min(ends)[1]].tolist()
+        apart: list[float] = []
+        for _, end in ends:
+            to_x, to_y = self._places[end].tolist()
+            angle = float(self._angles[end])
+            if hypot(to_x - x, to_y - y) <= self._gap + ROUNDING and all(
+                abs((angle - a + 180.0) % 360.0 - 180.0) > SAME_DIRECTION_DEG for a in apart
+            ):
                 apart.append(angle)
-        return [len(apart) or 2 for apart in found]
+        return len(apart)
