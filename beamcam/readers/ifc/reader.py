@@ -62,10 +62,19 @@ def read_model(
 ) -> Reading:
     """As `beamcam.readers.ifc.read`."""
     with collector_resting():
-        opened = open_file(data, Source(name))
-        if isinstance(opened, Diagnostic):
-            return Reading("ifc", (), (opened,))
+        return _read(data, name, selection, options, progress)
+
+
+def _read(
+    data: bytes, name: str, selection: Selection, options: Options, progress: Progress | None
+) -> Reading:
+    opened = open_file(data, Source(name))
+    if isinstance(opened, Diagnostic):
+        return Reading("ifc", (), (opened,))
+    try:
         return _Run(opened, name, selection, options).read(progress)
+    finally:
+        opened.file.close()
 
 
 class _Run(Struct):

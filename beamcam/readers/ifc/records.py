@@ -103,6 +103,14 @@ class File:
         self.tokens = Tokens(known, partial(Entity, self) if usual else self._entity)
         self._relations: dict[str, dict[Entity, list[Entity]]] = {}
 
+    def close(self) -> None:
+        """Let go of all entities, and they of the file: nothing is left for the collector to find.
+
+        It would have to walk all records of a large model for that.
+        """
+        self._relations.clear()
+        del self.tokens
+
     def _entity(self, name: str) -> Any:
         """What stands for a name among values; a missing entity fails when it is looked at."""
         made = Entity(self, name)
