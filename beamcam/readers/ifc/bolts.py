@@ -122,22 +122,29 @@ def hole_for(diameter: float, clearance: float | None) -> float:
 def drill_bolt_holes(
     model: Model, members: Sequence[tuple[Entity, Part, Shaped]], options: Options, name: str
 ) -> tuple[list[Part], list[Diagnostic]]:
-    """The parts in order, those without holes drilled where bolts go through, and remarks."""
+    """The parts in order, those without holes drilled where bolts go through, and remarks.
+
+    A member with a bolt askew is not among them, unless it is forced.
+    """
     bolts, without = bolts_of(model)
-    parts = [part for _, part, _ in members]
+    parts: list[Part] = []
     said: list[Diagnostic] = []
     used = set[str]()
-    for i, (element, part, shaped) in enumerate(members):
+    for element, part, shaped in members:
         if any(isinstance(f, (Hole, Slot)) for f in part.features) or not walls_of(shaped.section):
+            parts.append(part)
             continue
         world = model.placement(element.ObjectPlacement).times(shaped.frame)
         holes, skew = _through_member(bolts, world, part, shaped, options, name)
-        said += skew
+        said += (rules.forced(d) for d in skew) if options.force else skew
+        if skew and not options.force:
+            continue
         if not holes:
+            parts.append(part)
             continue
         contours = [f for f in part.features if not isinstance(f, (Hole, Slot))]
         drilled = sorted_features(holes)
-        parts[i] = replace(part, features=(*contours, *drilled))
+        parts.append(replace(part, features=(*contours, *drilled)))
         through = {h.source.where or "" for h in holes}
         used |= through
         sizes = ", ".join(f"{d:g}" for d in sorted({round(h.diameter, 3) for h in holes}))

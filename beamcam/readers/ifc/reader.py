@@ -104,6 +104,9 @@ class _Run(Struct):
 
             self.parts, said = drill_bolt_holes(self.model, shapes, self.options, self.name)
             self.said += said
+            askew = len(shapes) - len(self.parts)
+            self.ledger.read -= askew
+            self.ledger.refused += askew
         else:
             self.parts = [part for _, part, _ in shapes]
         self._account(len(elements))
@@ -170,7 +173,7 @@ class _Run(Struct):
             said += self._kernel_check(element, part, shaped, data)
         said += tuple(rules.FITTED.at(source, found=kind) for kind in shaped.fitted)
         said += tuple(rules.PIECES.at(source, found=text) for text in shaped.remarks)
-        said = tuple(_forced(d) if self.options.force else d for d in said)
+        said = tuple(rules.forced(d) if self.options.force else d for d in said)
         self.said += said
         if any(d.severity is Severity.ERROR for d in said):
             self.ledger.refused += 1
@@ -318,10 +321,6 @@ def _items_below(element: Entity) -> Iterator[Entity]:
             todo.append(item.FirstOperand)
         elif item.is_a("IfcCsgSolid"):
             todo.append(item.TreeRootExpression)
-
-
-def _forced(said: Diagnostic) -> Diagnostic:
-    return replace(said, severity=Severity.WARNING) if said.severity is Severity.ERROR else said
 
 
 def named(profile: Profile, label: str) -> tuple[str, str | None]:

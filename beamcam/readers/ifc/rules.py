@@ -1,6 +1,8 @@
 """What can be wrong with an IFC model and its members."""
 
-from beamcam.errors import Rule, Severity
+from msgspec.structs import replace
+
+from beamcam.errors import Diagnostic, Rule, Severity
 
 _E, _W, _N = Severity.ERROR, Severity.WARNING, Severity.NOTE
 
@@ -144,3 +146,8 @@ RULES = (
     PROFILE_NAME, LENGTH, WEIGHT, KERNEL, KERNEL_LOG, KERNEL_DENIED, FITTED, PIECES, BOLT_HOLES,
     BOLT_SHANK, BOLTS, BOLT_SKEW,
 )  # fmt: skip
+
+
+def forced(said: Diagnostic) -> Diagnostic:
+    """An error as the warning that it becomes where the member is wanted all the same."""
+    return replace(said, severity=Severity.WARNING) if said.severity is Severity.ERROR else said

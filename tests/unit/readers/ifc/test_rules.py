@@ -174,6 +174,19 @@ def test_code_is_said(code: str) -> None:
         assert len(said.source.where) == 22
 
 
+def test_a_bolt_askew_refuses_its_member_unless_forced() -> None:
+    found = read(bolted_askew(), "m.ifc")
+    assert found.parts == ()
+    (ledger,) = [d.message for d in found.diagnostics if d.code == "ifc-ledger"]
+    assert "1 refused" in ledger, ledger
+    assert "ifc-bolt-holes" not in [d.code for d in found.diagnostics]
+
+    forced = read(bolted_askew(), "m.ifc", options=Options(force=True))
+    assert len(forced.parts) == 1
+    (said,) = {d.severity for d in forced.diagnostics if d.code == "ifc-bolt-skew"}
+    assert said is Severity.WARNING
+
+
 def test_the_ledger_counts_fasteners() -> None:
     found = read(with_a_nut(), "m.ifc")
     (said,) = [d.message for d in found.diagnostics if d.code == "ifc-bolts"]
