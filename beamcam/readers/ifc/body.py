@@ -115,7 +115,7 @@ def relative_placement(model: Model, element: Entity, other: Entity) -> Frame:
 
 def _item(model: Model, item: Entity, frame: Frame, where: str | None) -> Body:
     """The body of a representation item that stands in `frame`."""
-    kind = item.is_a()
+    kind = item.row.name
     if kind == "IfcExtrudedAreaSolid":
         return Body(_swept(model, item, frame), ())
     if item.is_a("IfcBooleanResult"):
@@ -125,10 +125,11 @@ def _item(model: Model, item: Entity, frame: Frame, where: str | None) -> Body:
             if item in seen:
                 raise Unreadable("geometry that contains itself")
             seen.add(item)
-            if item.Operator != "DIFFERENCE":
-                raise Unreadable(f"a boolean {item.Operator}")
-            chain.append(item.SecondOperand)
-            item = item.FirstOperand
+            operator, first, second = item.values
+            if operator != "DIFFERENCE":
+                raise Unreadable(f"a boolean {operator}")
+            chain.append(second)
+            item = first
         body = _item(model, item, frame, where)
         taken = [
             c for second in reversed(chain) for c in _solid_cutters(model, second, frame, where)
@@ -159,15 +160,15 @@ def mapping(model: Model, item: Entity, frame: Frame) -> tuple[Frame, tuple[Enti
 
 
 def _swept(model: Model, item: Entity, frame: Frame) -> Swept:
-    position = frame.times(model.axes(item.values[1]))
-    direction = unit(ratios(item.values[2]) or (0.0, 0.0, 1.0))
-    along = position.vector(scale(direction, item.values[3] * model.mm))
-    return Swept(item.values[0], position, along)
+    profile, place, way, depth, *_ = item.values
+    position = frame.times(model.axes(place))
+    direction = unit(ratios(way) or (0.0, 0.0, 1.0))
+    return Swept(profile, position, position.vector(scale(direction, depth * model.mm)))
 
 
 def _solid_cutters(model: Model, item: Entity, frame: Frame, where: str | None) -> Iterator[Cutter]:
     """What a solid in `frame` removes."""
-    kind = item.is_a()
+    kind = item.row.name
     if kind == "IfcExtrudedAreaSolid":
         swept = _swept(model, item, frame)
         outline, hole = _cut_out(model, swept.profile)
