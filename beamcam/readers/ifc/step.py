@@ -22,6 +22,11 @@ _PADDED = re.compile(r"('[^']*+')|#0+(?=\d)")
 _REAL = r"\s*([-+]?\d+\.?\d*(?:[Ee][-+]?\d+)?)\s*"
 _NUMBER = re.compile(_REAL)
 _TOKEN = re.compile(r"'[^']*+(?:''[^']*+)*+'|[^\s,()']++|[()]")
+# The two records with strings that a model has most of, properties and relations of many to one:
+#     'Phase',$,IFCLABEL('1'),$                            'guid',#5,$,$,(#100,#101),#200
+_TEXT, _BARE = r"(\$|'[^']*+')", r"([^\s,()'A-Za-z][^\s,()']*+)"
+_PROPERTY = re.compile(rf"{_TEXT},{_TEXT},([A-Za-z]\w*+)\((?:{_TEXT}|{_BARE})\),{_BARE}")
+_RELATION = re.compile(rf"{_TEXT},{_BARE},{_TEXT},{_TEXT},\((#\d++(?:,#\d++)*+)\),(#\d++)")
 _START = re.compile(r"\bDATA\s*;")
 _END = re.compile(r"\bENDSEC\s*;")
 _ESCAPE = re.compile(
@@ -170,7 +175,22 @@ class Tokens(dict[str, Any]):
             if inner[0] == "(" and inner.find(")") == len(inner) - 1 and inner.rfind("(") == 0:
                 listed = inner[1:-1]
                 return (tuple(map(self.__getitem__, listed.split(","))) if listed else (),)
+            return self._nested(inner)
+        found = _PROPERTY.fullmatch(inner)
+        if found is not None:
+            name, about, kind, text, bare, unit = found.groups()
+            value = self[bare] if text is None else self._text(text)
+            return self._text(name), self._text(about), Typed(kind.upper(), value), self[unit]
+        found = _RELATION.fullmatch(inner)
+        if found is not None:
+            guid, owner, name, about, many, one = found.groups()
+            side = tuple(map(self.__getitem__, many.split(",")))
+            texts = self._text(name), self._text(about)
+            return self._text(guid), self[owner], *texts, side, self[one]
         return self._nested(inner)
+
+    def _text(self, token: str) -> str | None:
+        return None if token == "$" else text_of(token[1:-1])
 
     def _nested(self, inner: str) -> Values:
         """Values among which are strings, lists in lists or types."""

@@ -158,3 +158,25 @@ def test_a_label_is_the_third_value(values: str, label: str | None) -> None:
     entity = File(text, "IFC4").entity("#2")
     assert entity.label == label
     assert entity.label == entity.values[2]
+
+
+_TEXTS = st.sampled_from(["$", "''", "'Phase'", "'a, (b) #1'", r"'\X2\00E9\X0\'", "'it''s'"])
+_BARE = st.sampled_from(["$", "*", "#7", "12.5", "-3", ".T.", ".MILLI."])
+
+
+@given(_TEXTS, _TEXTS, st.sampled_from(["IFCLABEL", "IfcLengthMeasure"]), _TEXTS | _BARE, _BARE)
+def test_a_property_is_read_as_any_record(
+    name: str, about: str, kind: str, value: str, unit: str
+) -> None:
+    inner = f"{name},{about},{kind}({value}),{unit}"
+    tokens = Tokens({}, lambda at: ("record", at))
+    assert tokens.values(inner) == tokens._nested(inner)
+
+
+@given(_TEXTS, _BARE, _TEXTS, st.lists(st.integers(1, 99), min_size=1, max_size=4))
+def test_a_relation_is_read_as_any_record(
+    guid: str, owner: str, name: str, many: list[int]
+) -> None:
+    inner = f"{guid},{owner},{name},$,({','.join(f'#{i}' for i in many)}),#200"
+    tokens = Tokens({}, lambda at: ("record", at))
+    assert tokens.values(inner) == tokens._nested(inner)
