@@ -29,7 +29,7 @@ from beamcam.readers.ifc.walls import Wall, corner_points, walls_of
 
 SQUARE_DEG = 0.005  #: an end that is less off square is square
 COMPOUND_DEG = 0.05  #: web and flange angle above which an end needs a plane of its own
-UNEXPLAINED = 0.05  #: mm, the mean width of what no end plane explains
+UNEXPLAINED = 0.05  #: mm, the width of what no end plane explains
 
 
 class Shaped(Struct, frozen=True):
@@ -191,15 +191,17 @@ def _plain(wall: Wall, c: float, ends: tuple[End, End], shape: Shape) -> Shape:
 
 
 def _alike(a: Shape, b: Shape) -> bool:
-    differ = a.symmetric_difference(b)
-    return float(differ.area) < UNEXPLAINED * max(1.0, float(a.length) / 2)
+    """Whether two shapes differ nowhere by a strip wider than twice `UNEXPLAINED`.
+
+    An area would let a deep nick pass in a long edge.
+    """
+    return bool(a.symmetric_difference(b).buffer(-UNEXPLAINED).is_empty)
 
 
 def _alike_through(differ: Shape, plain: Sequence[Shape]) -> bool:
     """Whether two levels of a wall differ no more than the ends alone explain."""
     expected = plain[0].symmetric_difference(plain[1])
-    beyond = differ.difference(expected.buffer(UNEXPLAINED))
-    return float(beyond.area) < UNEXPLAINED * max(1.0, float(plain[0].length) / 2) / 4
+    return bool(differ.difference(expected.buffer(UNEXPLAINED)).buffer(-UNEXPLAINED).is_empty)
 
 
 def _bevels(outer: Chain, wall: Wall, low: Shape, high: Shape) -> tuple[Bevel, ...]:

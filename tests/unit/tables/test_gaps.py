@@ -1,5 +1,7 @@
 """Contours that do not quite close: joined or cut open, what is planned is what is read back."""
 
+from itertools import pairwise
+
 import pytest
 
 from beamcam.geometry.curves import Line
@@ -13,7 +15,7 @@ from tests.unit.sheets.parts import contour, drawing
 def ring(gap: float) -> Contour:
     """A rectangle whose last side ends short of its first corner."""
     corners = ((0.0, 0.0), (60.0, 0.0), (60.0, 40.0), (0.0, 40.0), (0.0, gap))
-    return contour(tuple(Line(a, b) for a, b in zip(corners, corners[1:], strict=False)))
+    return contour(tuple(Line(a, b) for a, b in pairwise(corners)))
 
 
 @pytest.mark.parametrize("gap", [0.0, 0.004, 0.006, 0.02, 0.04, 0.2])

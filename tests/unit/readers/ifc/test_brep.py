@@ -143,6 +143,14 @@ def test_a_short_arc_keeps_its_radius() -> None:
     assert [a.radius for a in arcs] == [pytest.approx(300.0, abs=1e-12)]
 
 
+def test_a_nick_in_a_long_edge_is_not_lost() -> None:
+    """It is 3 mm2 of 220,000, and half a millimetre deep."""
+    m = Small()
+    part = two_plates(m, m.hole((500, 119.5, -50), (0, 0, 1), 40, 100))
+    arcs = [c for c in contours(part)["v", "outer"].curves if isinstance(c, Arc)]
+    assert [a.radius for a in arcs] == [pytest.approx(20.0, abs=1e-9)]
+
+
 def test_a_slot_made_less_round_for_the_kernel_is_as_round_as_it_was() -> None:
     m = Small()
     profile = m.add(f"IFCROUNDEDRECTANGLEPROFILEDEF(.AREA.,$,{m.flat},62.,22.,11.)")
