@@ -95,8 +95,7 @@ def _wanted(model: Model) -> frozenset[str]:
     """The records of properties of a single value that matter here, told by their first letters."""
     if model.wanted is None:
         opened = tuple(f"'{name}'" for name in _WANTED)
-        rows = model.file.records_of("IFCPROPERTYSINGLEVALUE")
-        model.wanted = frozenset(n for n, inner in rows.items() if inner.startswith(opened))
+        model.wanted = frozenset(model.file.beginning("IFCPROPERTYSINGLEVALUE", opened))
     return model.wanted
 
 

@@ -2,12 +2,12 @@
 
 from collections import defaultdict
 from collections.abc import Iterable
-from functools import partial
 from typing import Any
 
 from beamcam.readers.ifc.schema import Row, rows
-from beamcam.readers.ifc.step import Malformed, Tokens, Values, records, text_of, tidy
+from beamcam.readers.ifc.step import Malformed, records
 from beamcam.readers.ifc.tuples import KINDS, tuples
+from beamcam.readers.ifc.values import Tokens, Values, text_of
 
 # A relation's attributes 4 and 5 are its two sides; this is the side that an element stands on.
 _SIDES = {
@@ -26,16 +26,18 @@ class Entity:
     faster; `beam.HasOpenings` are the relations that refer to it.
     """
 
-    __slots__ = ("file", "name", "row", "values")
+    __slots__ = ("file", "index", "name", "row", "values")
 
     file: "File"
     name: str  #: #12
+    index: int  #: of its record, or MISSING
     row: Row
     values: tuple[Any, ...]
 
-    def __init__(self, file: "File", name: str) -> None:
+    def __init__(self, file: "File", name: str, index: int) -> None:
         self.file = file
         self.name = name
+        self.index = index
 
     def id(self) -> int:
         """Its number, by which the geometry kernel knows it."""
@@ -54,10 +56,10 @@ class Entity:
     def __getattr__(self, name: str) -> Any:
         # Called for what has no value yet: the two slots that are filled late, and attributes.
         if name == "values":
-            self.values = values = self.file.values(self.name)
+            self.values = values = self.file.values(self)
             return values
         if name == "row":
-            self.row = row = self.file.row(self.name)
+            self.row = row = self.file.row(self)
             return row
         place = self.row.places.get(name)
         if place is not None:
@@ -69,7 +71,7 @@ class Entity:
     @property
     def label(self) -> str | None:
         """The Name of a rooted entity, its third value, without a look at the others."""
-        parts = self.file.inner(self.name).split("'", 4)  # '', GlobalId, ',#1,', Name, ',$,...'
+        parts = self.file.inner(self).split("'", 4)  # '', GlobalId, ',#1,', Name, ',$,...'
         if len(parts) == 5 and parts[2].count(",") == 2 and parts[4][:1] == ",":
             return text_of(parts[3])
         found: str | None = self.values[2]
@@ -78,11 +80,11 @@ class Entity:
     @property
     def listed(self) -> list[str]:
         """The names in its last value, which is a list of references, without a look at them."""
-        inner = self.file.inner(self.name)
+        inner = self.file.inner(self)
         return inner[inner.rfind("(") + 1 : -1].split(",")
 
     def __repr__(self) -> str:
-        return f"{self.name}=({self.file.inner(self.name)})"
+        return f"{self.name}=({self.file.inner(self)})"
 
 
 class File:
@@ -94,13 +96,13 @@ class File:
     def __init__(self, text: str, schema: str) -> None:
         """Raises Malformed if the text is no STEP file."""
         self.schema = schema  #: IFC2X3, IFC4 or IFC4X3
-        self._records = records(tidy(text))
+        self._records = records(text)
         self._rows = rows(schema)
-        self._names = self._by_kind()
-        known = tuples({kind: self.records_of(kind) for kind in KINDS})
+        self._tuples = tuples(self._records)
         # Where some point, direction or placement is written in an unusual way, each is looked at.
-        usual = len(known) == sum(len(self._names.get(kind, ())) for kind in KINDS)
-        self.tokens = Tokens(known, partial(Entity, self) if usual else self._entity)
+        usual = len(self._tuples) == sum(len(self._records.of(kind)) for kind in KINDS)
+        self._unusual = frozenset(() if usual else KINDS)
+        self.tokens = Tokens(self._referred)
         self._relations: dict[str, dict[Entity, list[Entity]]] = {}
 
     def close(self) -> None:
@@ -111,10 +113,14 @@ class File:
         self._relations.clear()
         del self.tokens
 
-    def _entity(self, name: str) -> Any:
+    def _referred(self, name: str) -> Any:
         """What stands for a name among values; a missing entity fails when it is looked at."""
-        made = Entity(self, name)
-        if self._records.kinds.get(name, "").upper() in KINDS:
+        index = self._records.find(name)
+        known = self._tuples.get(index)
+        if known is not None:
+            return known
+        made = Entity(self, name, index)
+        if self._unusual and index >= 0 and self._records.kind(index).upper() in self._unusual:
             values = made.values
             return values if made.is_a("IfcPlacement") else tuple(map(float, values[0]))
         return made
@@ -124,54 +130,42 @@ class File:
         found: Entity = self.tokens[name]
         return found
 
-    def inner(self, name: str) -> str:
-        """The text in a record's brackets. Raises LookupError if there is none of that name."""
-        inner = self._records.inner.get(name)
-        if inner is None:
-            raise LookupError(f"a reference to {name}, which is not in the file")
+    def inner(self, entity: Entity) -> str:
+        """The text in a record's brackets. Raises LookupError if the file has no such record."""
+        if entity.index < 0:
+            raise _missing(entity)
+        inner = self._records.inner(entity.index)
         if inner[-1:] != ")":
             inner = inner.rstrip()
             if inner[-1:] != ")":
-                raise Malformed(f"{inner[:40]!r} as the values of {name}")
+                raise Malformed(f"{inner[:40]!r} as the values of {entity.name}")
         return inner[:-1]
 
-    def values(self, name: str) -> Values:
+    def values(self, entity: Entity) -> Values:
         """The values of a record. Raises LookupError if it is missing, and Malformed."""
-        return self.tokens.values(self.inner(name))
+        return self.tokens.values(self.inner(entity))
 
-    def row(self, name: str) -> Row:
+    def row(self, entity: Entity) -> Row:
         """What the schema says of a record; of an entity that it does not know, its name."""
-        kind = self._records.kinds.get(name)
-        if kind is None:
-            raise LookupError(f"a reference to {name}, which is not in the file")
+        if entity.index < 0:
+            raise _missing(entity)
+        kind = self._records.kind(entity.index)
         return (
             self._rows.get(kind)
             or self._rows.get(kind.upper())
             or Row(kind, frozenset((kind,)), {})
         )
 
-    def records_of(self, kind: str) -> dict[str, str]:
-        """What is behind the opening brackets of the records of one class, by their names."""
-        names, inner = self._names.get(kind, ()), self._records.inner
-        return {name: inner[name] for name in names}
-
     def by_type(self, name: str) -> list[Entity]:
         """The entities of a class and of its subtypes, in the order of the file."""
         kinds = [kind for kind, row in self._rows.items() if name in row.kinds]
-        lists = [self._names[kind] for kind in kinds if kind in self._names]
-        if len(lists) == 1:
-            return [self.entity(n) for n in lists[0]]
-        order = {n for one in lists for n in one}
-        return [self.entity(n) for n in self._records.kinds if n in order] if order else []
+        found = sorted(i for kind in kinds for i in self._records.of(kind).tolist())
+        return [self.entity(self._records.name(i)) for i in found]
 
-    def _by_kind(self) -> dict[str, list[str]]:
-        """The names of all records by their class."""
-        found: dict[str, list[str]] = defaultdict(list)
-        for name, kind in self._records.kinds.items():
-            found[kind].append(name)
-        for kind in [k for k in found if k != k.upper()]:  # the rare file has small letters
-            found[kind.upper()] += found.pop(kind)
-        return found
+    def beginning(self, kind: str, texts: tuple[str, ...]) -> dict[str, str]:
+        """The text in the brackets of those records of a class that begin with one of `texts`."""
+        of = self._records
+        return {of.name(i): of.inner(i).rstrip()[:-1] for i in of.beginning(kind, texts)}
 
     def relations(self, name: str) -> dict[Entity, list[Entity]]:
         """The relations of a kind by the entity that stands on the near side."""
@@ -189,3 +183,7 @@ class File:
                     if isinstance(one, Entity):
                         found[one].append(relation)
         return dict(found)
+
+
+def _missing(entity: Entity) -> LookupError:
+    return LookupError(f"a reference to {entity.name}, which is not in the file")

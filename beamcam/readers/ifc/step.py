@@ -1,39 +1,45 @@
-r"""STEP physical files (ISO 10303-21): from text to records, and from a record to values.
+"""STEP physical files (ISO 10303-21): where in the text each record stands.
 
     #12=IFCCIRCLEPROFILEDEF(.AREA.,'bolt hole',#5,9.);
+    start                  opening                   end
+        kind
 
-A record is kept as its text until somebody asks for its values, which most are never asked for.
+A record ends at a semicolon that is in no string. All of them are found at once, by arrays over
+the characters; the text of a record is cut out when somebody asks for it, which for most nobody
+does.
 """
 
 import re
-from collections.abc import Callable
-from sys import intern
 from typing import Any
 
+import numpy as np
 from msgspec import Struct
 
-Values = tuple[Any, ...]
+from beamcam.readers.ifc.characters import (
+    Codes,
+    Places,
+    Truths,
+    Words,
+    back_over_blanks,
+    codes_of,
+    hashes,
+    holds,
+    numbers_at,
+    past_blanks,
+    words_before,
+)
 
-# A name, a class, and all behind its bracket up to the semicolon that is in no string. Possessive,
-# so that a string that is never closed costs one look at the rest of the file and not many.
-_RECORD = re.compile(r"(#\d++)\s*+=\s*+(\w++)\s*+\(((?:[^';]++|'[^']*+')*+);")
 _COMMENT = re.compile(r"('[^']*+')|/\*.*?\*/", re.DOTALL)
 _PADDED = re.compile(r"('[^']*+')|#0+(?=\d)")
-_REAL = r"\s*([-+]?\d+\.?\d*(?:[Ee][-+]?\d+)?)\s*"
-_NUMBER = re.compile(_REAL)
-_TOKEN = re.compile(r"'[^']*+(?:''[^']*+)*+'|[^\s,()']++|[()]")
-# The two records with strings that a model has most of, properties and relations of many to one:
-#     'Phase',$,IFCLABEL('1'),$                            'guid',#5,$,$,(#100,#101),#200
-_TEXT, _BARE = r"(\$|'[^']*+')", r"([^\s,()'A-Za-z][^\s,()']*+)"
-_PROPERTY = re.compile(rf"{_TEXT},{_TEXT},([A-Za-z]\w*+)\((?:{_TEXT}|{_BARE})\),{_BARE}")
-_RELATION = re.compile(rf"{_TEXT},{_BARE},{_TEXT},{_TEXT},\((#\d++(?:,#\d++)*+)\),(#\d++)")
 _START = re.compile(r"\bDATA\s*;")
-_END = re.compile(r"\bENDSEC\s*;")
-_ESCAPE = re.compile(
-    r"\\X2\\((?:[0-9A-F]{4})*)\\X0\\|\\X4\\((?:[0-9A-F]{8})*)\\X0\\|\\X\\([0-9A-F]{2})"
-    r"|\\S\\(.)|\\P[A-I]\\|\\(\\)",
-    re.DOTALL,
-)
+_SECTION = re.compile(r"DATA\s*(\(.*\))?", re.DOTALL)
+_CLASS = re.compile(r"\w+", re.ASCII)
+_QUOTE, _HASH, _OPENING, _CLOSING, _SEMICOLON, _EQUALS, _COMMA, _DOLLAR = b"'#();=,$"
+_SPARSE = 8  #: names beyond so many times the count of records are looked up in a dict
+_NONE: Places = np.empty(0, np.int64)
+
+MISSING = -1  #: instead of the index of a record that is not in the file
+NONE_GIVEN = -2  #: instead of an index where there is `$`
 
 
 class Malformed(ValueError):
@@ -55,187 +61,201 @@ class Typed(Struct, frozen=True):
         return name.upper() == self.kind
 
 
-def tidy(text: str) -> str:
-    """The text without comments, and with names of the shortest form; lines stay lines."""
-    if "/*" in text:
-        text = _COMMENT.sub(lambda m: m[1] or "\n" * m[0].count("\n"), text)
-    if "#0" in text:
-        text = _PADDED.sub(lambda m: m[1] or "#", text)
-    return text
+class Spans(Struct, frozen=True):
+    """Where each record stands in the text."""
+
+    start: Places  #: of its name
+    kind: Places  #: of its class
+    opening: Places  #: of the bracket before its values
+    end: Places  #: of its semicolon
 
 
-class Records(Struct, frozen=True):
-    """The records of a file by their names, `#12`."""
+class Records:
+    """The records of a file, known by their indices in the order of the file."""
 
-    kinds: dict[str, str]  #: IFCDIRECTION
-    inner: dict[str, str]  #: what is behind the opening bracket: `(0.,0.,1.))`
+    def __init__(self, text: str, codes: Codes, numbers: Places, spans: Spans) -> None:
+        """Raises Malformed for a number that is there twice, and a class that is no word."""
+        self._text = text
+        self._codes = codes
+        self._spans = spans
+        self._index = _index(numbers)
+        self._hashes = hashes(codes, spans.kind, back_over_blanks(codes, spans.opening))
+        # A memoryview gives single numbers faster than an array does, and as Python's own.
+        self._number, self._hash = numbers.data, self._hashes.data
+        self._opening, self._end = spans.opening.data, spans.end.data
+        if (twice := _second(numbers)) is not None:
+            raise Malformed(f"record {self.name(twice)} twice", self._line(twice))
+        self._kinds = self._classes()
+
+    def __len__(self) -> int:
+        return len(self._hashes)
+
+    def find(self, name: str) -> int:
+        """The index of the record named `#12`, or MISSING."""
+        try:
+            return self._index[int(name[1:])]
+        except LookupError:
+            return MISSING
+
+    def name(self, index: int) -> str:
+        """#12"""
+        return f"#{self._number[index]}"
+
+    def kind(self, index: int) -> str:
+        """The class of a record as it is written: IFCDIRECTION."""
+        return self._kinds[self._hash[index]]
+
+    def inner(self, index: int) -> str:
+        """What is behind the opening bracket: `(0.,0.,1.))`."""
+        return self._text[self._opening[index] + 1 : self._end[index]]
+
+    def of(self, kind: str) -> Places:
+        """The indices of the records of a class, which is in capitals."""
+        numbers = [number for number, written in self._kinds.items() if written.upper() == kind]
+        if len(numbers) == 1:
+            return np.flatnonzero(self._hashes == numbers[0])
+        return np.flatnonzero(np.isin(self._hashes, np.array(numbers, np.uint64)))
+
+    def beginning(self, kind: str, texts: tuple[str, ...]) -> list[int]:
+        """Those of a class whose values begin with one of the texts, of which none is empty."""
+        size = min(8, *map(len, texts))
+        heads = codes_of("".join(text[:size].rjust(8) for text in texts))
+        likely = self.of(kind)
+        words = words_before(self._codes, self._spans.opening[likely] + 1 + size, size)
+        wanted = words_before(heads, np.arange(1, len(texts) + 1) * 8, size)
+        likely = likely[np.isin(words, wanted)]
+        return [i for i in likely.tolist() if self.inner(i).startswith(texts)]
+
+    def inners(self, indices: Places) -> list[str]:
+        """As `inner`, of many records."""
+        text, first = self._text, (self._spans.opening[indices] + 1).tolist()
+        return [text[i:j] for i, j in zip(first, self._spans.end[indices].tolist(), strict=True)]
+
+    def references(self, indices: Places, count: int) -> list[list[int]] | None:
+        """The indices that records refer to whose values are `count` references and no more.
+
+        A column for each value; `$` is NONE_GIVEN, a record that is not there MISSING. None if
+        one of the records is written in another way, as with blanks.
+        """
+        codes, at = self._codes, self._spans.opening[indices]
+        columns = []
+        for closing in (*[_COMMA] * (count - 1), _CLOSING):
+            first = codes[at + 1]
+            numbers, behind = numbers_at(codes, at + 2)
+            given = first == _HASH
+            well = (given | (first == _DOLLAR)) & (given == (behind > at + 2))
+            if not (well & (codes[behind] == closing)).all():
+                return None
+            columns.append(np.where(given, self._find_all(numbers), NONE_GIVEN).tolist())
+            at = behind
+        return columns if (at + 1 == self._spans.end[indices]).all() else None
+
+    def _find_all(self, numbers: Places) -> Places:
+        """The indices of the records of these numbers, or MISSING."""
+        if isinstance(self._index, dict):
+            return np.array([self._index.get(n, MISSING) for n in numbers.tolist()], np.int64)
+        table = np.asarray(self._index)
+        there = numbers < len(table)
+        return np.where(there, table[np.where(there, numbers, 0)], MISSING)
+
+    def _classes(self) -> dict[int, str]:
+        """The classes that there are, as they are written, by their hashes."""
+        found: dict[int, str] = {}
+        rest: Words = self._hashes
+        while len(rest):
+            number = rest[len(rest) // 2]  # likely one of a class with many records
+            rest = rest[rest != number]
+            index = int(np.argmax(self._hashes == number))
+            kind = self._text[self._spans.kind[index] : self._opening[index]].rstrip()
+            if _CLASS.fullmatch(kind) is None:
+                _refuse(self._text, self._spans.start[index : index + 1])
+            found[int(number)] = kind
+        return found
+
+    def _line(self, index: int) -> int:
+        return _line(self._text, int(self._spans.start[index]))
 
 
 def records(text: str) -> Records:
-    """The records of all DATA sections.
+    """The records of all DATA sections, without comments, with names of the shortest form.
 
     Raises Malformed for text that is no record, and for a name that is there twice.
     """
-    found = Records({}, {})
-    at = 0
-    while (start := _START.search(text, at)) is not None:
-        at = start.end()
-        end = text.rfind("ENDSEC") if text.count("ENDSEC") <= 2 else _end_of(text, at)
-        if end < at:
-            raise Malformed("a DATA section without an end", _line(text, at))
-        # [gap, name, class, inner, gap, ...]: no tuple for each of a million records
-        flat = _RECORD.split(text[at:end])
-        gaps = "".join(flat[::4])
-        if gaps and not gaps.isspace():
-            raise _strange(text, at, flat)
-        names = flat[1::4]
-        before = len(found.kinds)
-        found.kinds.update(zip(names, map(intern, flat[2::4]), strict=True))
-        found.inner.update(zip(names, flat[3::4], strict=True))
-        if len(found.kinds) != before + len(names):
-            raise Malformed(f"record {_repeated(names)} twice")
-        at = end
-    return found
+    codes = codes_of(text)
+    if holds(codes, b"/*") or holds(codes, b"#0"):
+        text = _tidy(text)
+        codes = codes_of(text)
+    starts, ends = _in_sections(text, codes)
+    numbers, behind = numbers_at(codes, starts + 1)
+    equals = past_blanks(codes, behind)
+    kinds = past_blanks(codes, np.minimum(equals + 1, ends))
+    brackets = np.append(np.flatnonzero(codes == _OPENING), len(text))
+    openings = brackets[np.searchsorted(brackets, kinds)]
+    well: Truths = (behind > starts + 1) & (codes[equals] == _EQUALS) & (kinds < openings)
+    _refuse(text, starts[~(well & (openings < ends))])
+    return Records(text, codes, numbers, Spans(starts, kinds, openings, ends))
 
 
-def _end_of(text: str, at: int) -> int:
-    """Where the section that begins at `at` ends, if the text has several."""
-    rest = _COMMENT.sub(lambda m: " " * len(m[0]), text[at:])  # strings say ENDSEC; too
-    end = _END.search(rest)
-    return at + end.start() if end is not None else -1
+def _tidy(text: str) -> str:
+    """The text without comments, and with names of the shortest form; lines stay lines."""
+    text = _COMMENT.sub(lambda m: m[1] or "\n" * m[0].count("\n"), text)
+    return _PADDED.sub(lambda m: m[1] or "#", text)
+
+
+def _in_sections(text: str, codes: Codes) -> tuple[Places, Places]:
+    """Where the records of the DATA sections begin and end."""
+    found = _START.search(text)
+    if found is None:
+        return _NONE, _NONE
+    first = found.end()
+    quotes = np.flatnonzero(codes[first:] == _QUOTE)
+    ends = np.flatnonzero(codes[first:] == _SEMICOLON)
+    ends = ends[np.searchsorted(quotes, ends) % 2 == 0] + first
+    starts = past_blanks(codes, np.append(first, ends + 1))
+    inside = np.zeros(len(ends), bool)
+    section: int | None = 0  # the first record of the one that is open
+    for i in np.flatnonzero(codes[starts[:-1]] != _HASH).tolist():
+        word = text[starts[i] : ends[i]].rstrip()
+        if section is None:
+            section = i + 1 if _SECTION.fullmatch(word) else None
+        elif word == "ENDSEC":
+            inside[section:i] = True
+            section = None
+        else:
+            _refuse(text, starts[i:])
+    if section is not None:
+        if text[starts[-1] :]:
+            _refuse(text, starts[-1:])
+        raise Malformed("a DATA section without an end", _line(text, first))
+    _refuse(text, starts[:-1][(codes[starts[:-1]] == _HASH) & ~inside])
+    return starts[:-1][inside], ends[inside]
+
+
+def _refuse(text: str, places: Places) -> None:
+    """Raises Malformed for what stands at the first of the places, if there is one."""
+    for at in places[:1].tolist():
+        found = text[at : at + 40].strip()
+        raise Malformed(f"{found!r} where a record begins", _line(text, at))
 
 
 def _line(text: str, at: int) -> int:
     return text.count("\n", 0, at) + 1
 
 
-def _strange(text: str, at: int, flat: list[str]) -> Malformed:
-    """What stands between the records, and its line."""
-    for i, gap in enumerate(flat[::4]):
-        if gap and not gap.isspace():
-            where = at + sum(map(len, flat[: 4 * i])) + len(gap) - len(gap.lstrip())
-            if i:  # what the pattern took beside its groups
-                last = re.compile(rf"{flat[4 * i - 3]}\s*=")
-                found = list(last.finditer(text, at))[-1]
-                where = text.index(gap.strip()[:40], found.end())
-            return Malformed(f"{gap.strip()[:40]!r} where a record begins", _line(text, where))
-    raise AssertionError("no gap holds anything")
+def _index(numbers: Places) -> memoryview | dict[int, int]:
+    """The indices of records by their numbers; MISSING, or nothing, where there is none."""
+    last = int(numbers.max(initial=0))
+    if last > _SPARSE * len(numbers) + 1000:
+        return dict(zip(numbers.tolist(), range(len(numbers)), strict=True))
+    table = np.full(last + 1, MISSING)
+    table[numbers] = np.arange(len(numbers))
+    return table.data
 
 
-def _repeated(names: list[str]) -> str:
-    seen = set[str]()
-    for name in names:
-        if name in seen:
-            return name
-        seen.add(name)
-    return "of another section"
-
-
-class Tokens(dict[str, Any]):
-    """Values by how they are written: None by `$`, 1.5 by `1.5`, what `reference` gives by `#12`.
-
-    A dict, so that a token that was met before costs one look, without a call.
-    """
-
-    def __init__(self, known: dict[str, Any], reference: Callable[[str], Any]) -> None:
-        super().__init__(known)
-        self.reference = reference
-        self.update({"$": None, "*": None, ".T.": True, ".F.": False, ".U.": "UNKNOWN"})
-
-    def __missing__(self, token: str) -> Any:
-        """Raises Malformed for what is no value."""
-        if token[:1] == "#" and token[1:].isdigit():
-            self[token] = found = self.reference(token)
-            return found
-        if "_" not in token:  # Python's numbers may have some
-            try:
-                # A real number has a point, and 1.E-05 is one.
-                return float(token) if "." in token else int(token)
-            except ValueError:
-                pass  # a word then
-        if len(token) > 2 and token[0] == token[-1] == ".":
-            self[token] = token[1:-1]
-            return token[1:-1]
-        if len(token) > 1 and token[0] == token[-1] == '"':
-            return token[1:-1]
-        bare = token.strip()
-        if bare == token or not bare:
-            raise Malformed(f"{token[:40]!r} as a value")
-        return self[bare]
-
-    def values(self, inner: str) -> Values:  # type: ignore[override]
-        """The values between a record's brackets: None, numbers, strings, truths, references.
-
-        An enumeration is its text, a list a tuple. Raises Malformed for what are no values.
-        """
-        if "'" not in inner:
-            if "(" not in inner:
-                return tuple(map(self.__getitem__, inner.split(","))) if inner else ()
-            # The whole record is one list of plain values, as of polylines and composite curves.
-            if inner[0] == "(" and inner.find(")") == len(inner) - 1 and inner.rfind("(") == 0:
-                listed = inner[1:-1]
-                return (tuple(map(self.__getitem__, listed.split(","))) if listed else (),)
-            return self._nested(inner)
-        found = _PROPERTY.fullmatch(inner)
-        if found is not None:
-            name, about, kind, text, bare, unit = found.groups()
-            value = self[bare] if text is None else self._text(text)
-            return self._text(name), self._text(about), Typed(kind.upper(), value), self[unit]
-        found = _RELATION.fullmatch(inner)
-        if found is not None:
-            guid, owner, name, about, many, one = found.groups()
-            side = tuple(map(self.__getitem__, many.split(",")))
-            texts = self._text(name), self._text(about)
-            return self._text(guid), self[owner], *texts, side, self[one]
-        return self._nested(inner)
-
-    def _text(self, token: str) -> str | None:
-        return None if token == "$" else text_of(token[1:-1])
-
-    def _nested(self, inner: str) -> Values:
-        """Values among which are strings, lists in lists or types."""
-        if inner.count("'") % 2:
-            raise Malformed(f"{inner[:40]!r} as values")
-        stack: list[list[Any]] = [[]]
-        kinds: list[str | None] = []
-        kind: str | None = None
-        for token in _TOKEN.findall(inner):
-            first = token[0]
-            if first == "(":
-                stack.append([])
-                kinds.append(kind)
-                kind = None
-            elif first == ")":
-                if not kinds:
-                    raise Malformed(f"{inner[:40]!r} as values")
-                done, of = tuple(stack.pop()), kinds.pop()
-                stack[-1].append(done if of is None else Typed(of, done[0] if done else None))
-            elif first == "'":
-                stack[-1].append(text_of(token[1:-1]))
-            elif first.isalpha():
-                kind = token.upper()
-            else:
-                stack[-1].append(self[token])
-        if kinds:
-            raise Malformed(f"{inner[:40]!r} as values")
-        return tuple(stack[0])
-
-
-def text_of(raw: str) -> str:
-    """A string as it is meant: doubled quotes and the escapes of ISO 10303-21 undone."""
-    if "''" in raw:
-        raw = raw.replace("''", "'")
-    return _ESCAPE.sub(_unescaped, raw) if "\\" in raw else raw
-
-
-def _unescaped(found: re.Match[str]) -> str:
-    two, four, one, upper, slash = found.groups()
-    if two is not None:
-        return bytes.fromhex(two).decode("utf-16-be", "replace")
-    if four is not None:
-        return bytes.fromhex(four).decode("utf-32-be", "replace")
-    if one is not None:
-        return chr(int(one, 16))
-    if upper is not None:
-        return chr(ord(upper) + 128)
-    return "\\" if slash else ""
+def _second(numbers: Places) -> int | None:
+    """The index of the first number that was there before; None if there is none."""
+    if (np.diff(numbers) > 0).all():
+        return None  # as in nearly all files
+    order = np.argsort(numbers, kind="stable")
+    again = order[1:][numbers[order[1:]] == numbers[order[:-1]]]
+    return int(again.min()) if len(again) else None

@@ -8,46 +8,58 @@ They are most of a file's records, are nothing but numbers, and read together th
 what they cost one by one. So they stand for themselves among the values of others.
 """
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Collection
 from typing import Any
 
 from msgspec import DecodeError
 from msgspec.json import Decoder
 
+from beamcam.readers.ifc.step import NONE_GIVEN, Records
+
 KINDS = ("IFCCARTESIANPOINT", "IFCDIRECTION", "IFCAXIS2PLACEMENT2D", "IFCAXIS2PLACEMENT3D")
 
 _NUMBERS = Decoder(list[tuple[float, ...]])
 
-Texts = Mapping[str, str]  #: what is behind the opening brackets of records, by their names
 
+def tuples(of: Records) -> dict[int, Any]:
+    """The points, directions and axis placements by the indices of their records.
 
-def tuples(of: Mapping[str, Texts]) -> dict[str, Any]:
-    """The points, directions and axis placements by their names; `of` are the records by KINDS.
-
-    What is written in an unusual way is left out; it is read like any other record.
+    A kind of which some are written in an unusual way is left out; it is read like any other.
     """
-    found: dict[str, Any] = {"$": None}
+    found: dict[int, Any] = {NONE_GIVEN: None}
     for kind in KINDS[:2]:
-        numbers = [inner[1:-2] for inner in of[kind].values()]
-        found.update(zip(of[kind], _decoded(numbers), strict=False))
+        indices = of.of(kind)
+        texts = of.inners(indices)
+        # Most directions are along an axis.
+        distinct = dict.fromkeys(texts)
+        known = dict(zip(distinct, _decoded(distinct), strict=False))
+        if len(known) == len(distinct):
+            found.update(zip(indices.tolist(), map(known.__getitem__, texts), strict=True))
     for kind, count in zip(KINDS[2:], (2, 3), strict=True):
-        parts = [inner[:-1].split(",") for inner in of[kind].values()]
-        if any(len(p) != count for p in parts) or not found.keys() >= {x for p in parts for x in p}:
+        indices = of.of(kind)
+        columns = of.references(indices, count)
+        try:
+            sides = [list(map(found.__getitem__, column)) for column in columns or ()]
+        except KeyError:  # a reference to another kind, or to nothing
             continue
-        columns = (map(found.__getitem__, column) for column in zip(*parts, strict=True))
-        found.update(zip(of[kind], zip(*columns, strict=True), strict=True))
-    del found["$"]
+        if sides:
+            found.update(zip(indices.tolist(), zip(*sides, strict=True), strict=True))
+    del found[NONE_GIVEN]
     return found
 
 
-def _decoded(numbers: Iterable[str]) -> list[tuple[float, ...]]:
-    """The numbers of each text; nothing if one of them is not written as numbers are.
+def _decoded(texts: Collection[str]) -> list[tuple[float, ...]]:
+    """The numbers of each text, `(0.,0.,1.))`; nothing if one is not written as numbers are.
 
     Read as JSON, which is the fastest way there is, and wants a digit behind the point.
     """
-    joined = "[[" + "],[".join(numbers) + "]]"
-    joined = joined.replace(".,", ".0,").replace(".]", ".0]").replace(".E", ".0E")
+    joined = ";".join(texts).replace("));(", "],[")
+    if joined[:1] != "(" or joined[-2:] != "))":
+        return []
+    joined = joined[1:-2].replace(".,", ".0,").replace(".]", ".0]").replace(".E", ".0E")
+    if joined[-1:] == ".":
+        joined += "0"
     try:
-        return _NUMBERS.decode(joined)
+        return _NUMBERS.decode(f"[[{joined}]]")
     except DecodeError:
         return []
