@@ -59,16 +59,41 @@ def write_whole(
         raise
 
 
+def write_new(folder: str, name: str, data: bytes) -> bool:
+    """Write `data` as `write_whole` does with `durable=False`, if nothing stands there, and say so.
+
+    Whether something does is found by trying, so that many new files cost little. False too where
+    the system knows no other way than a temporary name. Raises OSError.
+    """
+    file = _unnamed(folder)
+    if file is None:
+        return False
+    try:
+        _write(file, data)
+        return _link(file, f"{folder}/{name}")
+    finally:
+        os.close(file)
+
+
 def _open(folder: str, part: str) -> tuple[int, bool]:
     """A new file in `folder`, and whether it has the name `part` already."""
-    if _UNNAMED:
-        # Not every file system has unnamed files; where it is the folder that is wrong, the other
-        # way says so.
-        with suppress(OSError):
-            return os.open(folder, _UNNAMED | os.O_RDWR, 0o666), False
+    file = _unnamed(folder)
+    if file is not None:
+        return file, False
     with suppress(FileNotFoundError):
         os.unlink(part)
     return os.open(part, _NEW, 0o666), True
+
+
+def _unnamed(folder: str) -> int | None:
+    """A new file in `folder` without a name.
+
+    None where the file system has no such, or the folder is wrong: the other way says so then.
+    """
+    if _UNNAMED:
+        with suppress(OSError):
+            return os.open(folder, _UNNAMED | os.O_RDWR, 0o666)
+    return None
 
 
 def _write(file: int, piece: bytes) -> None:

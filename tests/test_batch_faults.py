@@ -5,6 +5,7 @@ import os
 import pty
 import random
 import signal
+import stat
 import subprocess
 import sys
 import time
@@ -108,15 +109,50 @@ def test_zeros_with_something_behind_them_are_read(tmp_path: Path) -> None:
     assert said.message == "found a folder; expected a plain file"
 
 
+def test_a_file_that_a_server_has_a_lease_on_is_waited_for(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path = tmp_path / "a.nc1"
+    path.write_bytes(b"ST\n")
+    real, asked = os.open, []
+
+    def leased(path: str, how: int) -> int:
+        asked.append(bool(how & os.O_NONBLOCK))
+        if asked[-1]:
+            raise BlockingIOError(errno.EWOULDBLOCK, os.strerror(errno.EWOULDBLOCK))
+        return real(path, how)
+
+    monkeypatch.setattr(os, "open", leased)
+    assert read_input(str(path)) == b"ST\n"
+    assert asked == [True, False]
+
+
+def test_a_file_that_grows_while_it_is_read(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """All of it is read, though the system said that there is less."""
+    path = tmp_path / "a.nc1"
+    path.write_bytes(b"ST" * 1000)
+    real = os.fstat
+
+    def smaller(file: int) -> os.stat_result:
+        values = list(real(file))
+        values[stat.ST_SIZE] = 5
+        return os.stat_result(values)
+
+    monkeypatch.setattr(os, "fstat", smaller)
+    assert read_input(str(path)) == b"ST" * 1000
+
+
 def test_unreadable_files_and_folders(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     fill(tmp_path / "in", 2)
     fill(tmp_path / "in" / "locked", 1)
-    real_open, real_scan = open, os.scandir
+    real_open, real_scan = os.open, os.scandir
 
-    def refuse_file(path: object, *args: object, **options: object) -> object:
-        if str(path).endswith("P001.nc1"):
+    def refuse_file(path: str, *how: int) -> int:
+        if path.endswith("P001.nc1"):
             raise PermissionError(errno.EACCES, os.strerror(errno.EACCES))
-        return real_open(path, *args, **options)  # type: ignore[call-overload]
+        return real_open(path, *how)
 
     def refuse_folder(path: str) -> object:
         if path.endswith("locked"):
@@ -124,7 +160,7 @@ def test_unreadable_files_and_folders(tmp_path: Path, monkeypatch: pytest.Monkey
         return real_scan(path)
 
     # Modes do not hold back the superuser, who may well run the tests.
-    monkeypatch.setattr("builtins.open", refuse_file)
+    monkeypatch.setattr(os, "open", refuse_file)
     monkeypatch.setattr(os, "scandir", refuse_folder)
     result = batch(tmp_path / "in", "-o", tmp_path / "out")
     assert counts(result) == (1, 0, 1, 0)

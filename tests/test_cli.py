@@ -267,7 +267,7 @@ def test_a_file_that_may_not_be_read(
 
     # Modes do not hold back the superuser, who may well run the tests.
     monkeypatch.setattr(os, "access", lambda path, mode: mode != os.R_OK)
-    monkeypatch.setattr("builtins.open", refuse)
+    monkeypatch.setattr(os, "open", refuse)
     done = call(command.format(i="w.nc1"))
     assert done.exit_code == 1
     assert "w.nc1: error read-file: found no file that can be read (Permission denied)" in (

@@ -18,11 +18,14 @@ from beamcam.batch import rules
 from beamcam.config.values import CONFIG_NAME
 from beamcam.errors import Diagnostic, Source
 from beamcam.readers import FORMATS
-from beamcam.readers.content import content
+from beamcam.readers.content import TO_READ, content_of
 from beamcam.readers.rules import UNREADABLE
 
 #: What every input of a batch may end with.
 SUFFIXES = tuple(suffix for known in FORMATS for suffix in known.suffixes)
+
+
+_AT_ONCE = getattr(os, "O_NONBLOCK", 0)
 
 
 class Input(Struct, frozen=True):
@@ -151,10 +154,22 @@ def _walk(
 def read_input(path: str) -> bytes | Diagnostic:
     """The content of an input, or why it cannot be had."""
     try:
-        mode = os.stat(path).st_mode
+        file = _open(path)
+        try:
+            found = os.fstat(file)
+            if stat.S_ISREG(found.st_mode):
+                return content_of(file, found.st_size, path)
+        finally:
+            os.close(file)
     except OSError as error:
         return UNREADABLE.at(Source(path), found=error.strerror or error)
-    if not stat.S_ISREG(mode):
-        what = "a folder" if stat.S_ISDIR(mode) else "a pipe or a device"
-        return rules.NOT_A_FILE.at(Source(path), found=what)
-    return content(path)
+    what = "a folder" if stat.S_ISDIR(found.st_mode) else "a pipe or a device"
+    return rules.NOT_A_FILE.at(Source(path), found=what)
+
+
+def _open(path: str) -> int:
+    """A file, open to be read; a pipe that nobody writes to is not waited for. Raises OSError."""
+    try:
+        return os.open(path, TO_READ | _AT_ONCE)
+    except BlockingIOError:  # a file server has a lease on it, as is only had on plain files
+        return os.open(path, TO_READ)

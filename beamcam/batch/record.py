@@ -13,7 +13,7 @@ from contextlib import suppress
 from pathlib import PurePosixPath
 
 from beamcam.files import write_whole
-from beamcam.report.run import Row, dumped, encoded
+from beamcam.report.run import Row, dumped
 
 RECORD_NAME = ".beamcam-batch.jsonl"
 _HEAD = b'{"key":"'
@@ -77,8 +77,8 @@ class Record:
 
     def add(self, key: bytes, row: Row) -> None:
         """Note what was made of the input with that key. Raises OSError."""
-        outputs = dumped([part["output"] for part in row["parts"]])
-        line = encoded(f'{{"key":"{key.hex()}","outputs":{outputs},"row":{dumped(row)}}}\n')
+        outputs = [part["output"] for part in row["parts"]]
+        line = dumped({"key": key.hex(), "outputs": outputs, "row": row}) + b"\n"
         if self._file is None:
             self._file = os.open(self._path, os.O_WRONLY | os.O_APPEND | os.O_CREAT, 0o666)
         if self._torn:  # end the torn line, so that this one is read

@@ -25,7 +25,7 @@ from beamcam.batch.pool import Chunk, Result, Workers
 from beamcam.batch.record import RECORD_NAME, Record
 from beamcam.batch.work import Made, Shop, Task
 from beamcam.errors import BeamcamError, Diagnostic, Source
-from beamcam.files import write_whole
+from beamcam.files import write_new, write_whole
 from beamcam.report.run import PartRow, Row, Status, as_message
 
 CHUNK_FILES = 16  #: most files that a worker gets at once
@@ -102,19 +102,14 @@ class _Run:
         self._settings = sha256(shop.settings).digest()
         self._next = 0
         self._slots: deque[_Slot] = deque()
-        self._away: dict[int, _Slot] = {}  #: what workers have or are about to get, by index
-        self._chunk: list[Task] = []
+        self._away: dict[int, _Slot] = {}  #: what workers have, by index
         self._again: deque[Chunk] = deque()
         self._deaths: Tally[int] = Tally()
         self._held = self._flying = 0
-        self._under_way = 0  #: chunks
         self._claims = {} if claims is None else claims  #: name of an output -> input that has it
-        self._folders: set[str] = {""}
+        self._folders = {"": folder}  #: that stand, by their names below the first
         self._keeps_record = True
-        at_once = workers.at_once
-        self._most_files = max(1, min(CHUNK_FILES, len(inputs) // (4 * at_once)))
-        if at_once == 1:
-            self._most_files = 1  # nothing is gained by waiting for more
+        self._most_files = max(1, min(CHUNK_FILES, len(inputs) // (4 * workers.at_once)))
 
     def rows(self) -> Iterator[Row]:
         while True:
@@ -125,55 +120,54 @@ class _Run:
                 return
             if not fed:
                 for result in self._workers.wait():
-                    self._under_way -= 1
                     self._take(result)
 
     def _feed(self) -> bool:
-        """Take a step with the next input, if there is room for it, and say whether it was."""
+        """Take some inputs, if there is room for them, and say whether that was so.
+
+        One after the other they are read, and what there is to do is handed on as one chunk: a
+        processor is quicker at doing the same for several than at everything for each in turn.
+        """
         if not self._workers.has_room():
             return False
         if self._again:
-            self._submit(self._again.popleft())
+            self._workers.submit(self._again.popleft())
             return True
-        ended = self._next == len(self._inputs)
-        if self._chunk and (
-            ended
-            or len(self._chunk) >= self._most_files
-            or sum(len(task.data) for task in self._chunk) >= CHUNK_BYTES
-        ):
-            chunk, self._chunk = tuple(self._chunk), []
-            self._submit(chunk)
-            return True
-        if ended or self._held >= MOST_HELD or self._flying >= MOST_FLYING:
+        end = min(self._next + self._most_files, len(self._inputs))
+        if self._next == end or self._held >= MOST_HELD or self._flying >= MOST_FLYING:
             return False
-        self._read(self._next)
-        self._next += 1
+        chunk: list[Task] = []
+        size = 0
+        while self._next < end and size < CHUNK_BYTES:
+            task = self._read(self._next)
+            self._next += 1
+            if task is not None:
+                chunk.append(task)
+                size += len(task.data)
+        if chunk:
+            self._workers.submit(tuple(chunk))
         return True
 
-    def _submit(self, chunk: Chunk) -> None:
-        self._under_way += 1
-        self._workers.submit(chunk)
-
-    def _read(self, index: int) -> None:
-        """Read an input; hand it on unless there is nothing to do for it."""
+    def _read(self, index: int) -> Task | None:
+        """Read an input, and give what is to be done if there is anything."""
         found = self._inputs[index]
         slot = _Slot(index, found)
         self._slots.append(slot)
         data = read_input(found.path)
         if isinstance(data, Diagnostic):
             slot.row = _row(found.path, "refused", data)
-            return
+            return None
         about = f"{found.path}\0{'' if self._flat else found.tree}\0"
         about_bytes = about.encode("utf-8", "surrogateescape")
         slot.key = sha256(self._settings + about_bytes + data).digest()
         done = None if self._force else self._record.find(slot.key)
         if done is not None and not (self._shop.timed and _lacks_time(done)):
             slot.row = {**done, "status": "unchanged", "seconds": 0.0}
-            return
+            return None
         slot.size = len(data)
         self._flying += slot.size
         self._away[index] = slot
-        self._chunk.append(Task(index, found.path, data))
+        return Task(index, found.path, data)
 
     def _take(self, result: Result) -> None:
         """What workers have done, or the loss of it."""
@@ -267,12 +261,15 @@ class _Run:
         return {os.path.realpath(found.path) for found in self._inputs}
 
     def _write(self, output: str, content: bytes, path: str) -> Diagnostic | None:
-        below = output.rpartition("/")[0]
+        below, _, name = output.rpartition("/")
         try:
             if below not in self._folders:
-                os.makedirs(os.path.join(self._folder, below), exist_ok=True)
-                self._folders.add(below)
-            write_whole(os.path.join(self._folder, output), content, durable=False)
+                folder = os.path.join(self._folder, below)
+                os.makedirs(folder, exist_ok=True)
+                self._folders[below] = folder
+            folder = self._folders[below]
+            if not write_new(folder, name, content):
+                write_whole(os.path.join(folder, name), content, durable=False)
         except OSError as error:
             return rules.WRITE.at(Source(path), found=output, reason=error.strerror or error)
         return None

@@ -24,7 +24,7 @@ from beamcam.errors import Diagnostic, Severity, Source
 from beamcam.files import write_whole
 from beamcam.machine import Machine
 from beamcam.report.ledger import ledger_line
-from beamcam.report.run import Counts, Message, Row, dumped, encoded, message_line
+from beamcam.report.run import Counts, Message, Row, dumped, message_line
 
 REPORTS = (".json", ".csv", ".html")
 
@@ -218,7 +218,7 @@ class Report:
         if self.path is not None:
             if self._rows is None:
                 self._rows = tempfile.TemporaryFile()  # noqa: SIM115  closed by `write`
-            self._rows.write(encoded(dumped(row) + "\n"))
+            self._rows.write(dumped(row) + b"\n")
 
     def write(self, counts: Counts, said: Iterable[Message]) -> None:
         """Write the report in the format that its name says; `-` prints JSON. Raises OSError."""

@@ -2,12 +2,12 @@
 
 import os
 import sys
-from typing import BinaryIO
 
 from beamcam.errors import Diagnostic, Source
 from beamcam.readers import rules
 
 STANDARD_INPUT = "-"
+TO_READ = os.O_RDONLY | getattr(os, "O_BINARY", 0)  #: how a file is opened
 _PIECE = 1 << 20
 _ZEROS = bytes(_PIECE)
 
@@ -21,24 +21,36 @@ def content(path: str) -> bytes | Diagnostic:
     """What is in a file, `-` for standard input; a diagnostic if it cannot be read or is zeros."""
     try:
         if path == STANDARD_INPUT:
-            return _of(sys.stdin.buffer, 0, "stdin")
-        with open(path, "rb", buffering=0) as file:
-            return _of(file, os.fstat(file.fileno()).st_size, path)
+            return _unless_zeros(sys.stdin.buffer.read(), "stdin")
+        file = os.open(path, TO_READ)
+        try:
+            return content_of(file, os.fstat(file).st_size, path)
+        finally:
+            os.close(file)
     except OSError as error:
         return rules.UNREADABLE.at(Source(shown_name(path)), found=error.strerror or error)
 
 
-def _of(file: BinaryIO, size: int, name: str) -> bytes | Diagnostic:
-    """`size` is 0 where it is not known."""
+def content_of(file: int, size: int, name: str) -> bytes | Diagnostic:
+    """What is in an open file, as `content`; its `size` as the system has it. Raises OSError."""
     if size >= _PIECE:
         # A broken copy is often as large as the disk had room, and would fill the memory.
         zeros = 0
-        while (piece := file.read(_PIECE)) and piece == _ZEROS[: len(piece)]:
+        while (piece := os.read(file, _PIECE)) and piece == _ZEROS[: len(piece)]:
             zeros += len(piece)
         if not piece:
             return _zeros(zeros, name)
-        file.seek(0)
-    data = file.read()
+        os.lseek(file, 0, os.SEEK_SET)
+    data = os.read(file, size + 1)
+    if len(data) != size:  # a pipe, or a file that someone writes to
+        pieces = [data]
+        while piece := os.read(file, _PIECE):
+            pieces.append(piece)
+        data = b"".join(pieces)
+    return _unless_zeros(data, name)
+
+
+def _unless_zeros(data: bytes, name: str) -> bytes | Diagnostic:
     if data[:1] == b"\0" and not data.strip(b"\0"):
         return _zeros(len(data), name)
     return data

@@ -111,12 +111,12 @@ def message_line(said: Message, file: bool = True) -> str:
     return f"{shown}{': ' if shown else ''}{said['severity']} {said['code']}: {said['message']}"
 
 
-def dumped(data: object) -> str:
+def dumped(data: object) -> bytes:
     """`data` as JSON on one line, in UTF-8 even where a file's name is not."""
     try:
-        return msgspec.json.encode(data).decode()
+        return msgspec.json.encode(data)
     except UnicodeEncodeError:
-        return _ENCODER.encode(data)  # slower, and knows what to do with such a name
+        return encoded(_ENCODER.encode(data))  # slower, and knows what to do with such a name
 
 
 def encoded(text: str) -> bytes:
@@ -131,8 +131,8 @@ def as_json(rows: Iterable[Row], counts: Counts, said: Iterable[Message]) -> Ite
         f'{{"schema": "{SCHEMA}", "counts": {json.dumps(head)}, '
         f'"messages": {json.dumps(list(said), ensure_ascii=False)},\n"files": ['
     )
-    comma = ""
+    comma = b""
     for row in rows:
-        yield encoded(f"{comma}\n{dumped(row)}")
-        comma = ","
+        yield comma + b"\n" + dumped(row)
+        comma = b","
     yield b"\n]}\n"

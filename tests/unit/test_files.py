@@ -1,5 +1,6 @@
 """Files are written whole or not at all."""
 
+import errno
 import os
 import signal
 import subprocess
@@ -10,7 +11,7 @@ from pathlib import Path
 import pytest
 
 from beamcam import files
-from beamcam.files import write_whole
+from beamcam.files import write_new, write_whole
 
 
 @pytest.fixture(params=["unnamed", "unnamed without links", "named"], autouse=True)
@@ -89,6 +90,37 @@ def test_a_failure_in_a_piece_leaves_nothing(tmp_path: Path) -> None:
 
     with pytest.raises(ValueError, match="no more"):
         write_whole(tmp_path / "a.gcode", pieces())
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_new_file_is_written_where_none_is(tmp_path: Path, system: str) -> None:
+    """Only a system with unnamed files can do so at once; any other leaves it to write_whole."""
+    at_once = system == "unnamed"
+    assert write_new(str(tmp_path), "a", b"N1\n") == at_once
+    assert [p.read_bytes() for p in tmp_path.iterdir()] == ([b"N1\n"] if at_once else [])
+
+
+def test_a_new_file_leaves_what_is_there(tmp_path: Path) -> None:
+    (tmp_path / "a").write_text("old")
+    (tmp_path / "link").symlink_to(tmp_path / "gone")
+    (tmp_path / "folder").mkdir()
+    for name in ("a", "link", "folder"):
+        assert not write_new(str(tmp_path), name, b"new")
+    assert not write_new(str(tmp_path / "none"), "a", b"new")
+    assert sorted(p.name for p in tmp_path.iterdir()) == ["a", "folder", "link"]
+    assert (tmp_path / "a").read_text() == "old"
+
+
+def test_a_new_file_that_finds_no_room_is_none(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, system: str
+) -> None:
+    def full(file: int, data: bytes) -> int:
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    monkeypatch.setattr(os, "write", full)
+    if system != "named":
+        with pytest.raises(OSError, match="No space left"):
+            write_new(str(tmp_path), "a", b"N1\n")
     assert list(tmp_path.iterdir()) == []
 
 
