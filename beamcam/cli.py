@@ -9,6 +9,7 @@ from typing import Any
 import click
 
 from beamcam import __version__
+from beamcam.collector import collector_seldom
 
 #: name -> module of beamcam.commands whose `command` it is, and its help in a line
 COMMANDS = {
@@ -32,6 +33,10 @@ COMMANDS = {
 
 class Commands(click.Group):
     """A group that knows its commands by name and imports only the one that runs."""
+
+    def main(self, *args: Any, **values: Any) -> Any:
+        collector_seldom()
+        return super().main(*args, **values)
 
     def list_commands(self, ctx: click.Context) -> list[str]:
         return list(COMMANDS)

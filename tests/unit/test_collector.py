@@ -1,13 +1,15 @@
 """The collector rests while something is made, and goes on as before, whatever happens."""
 
 import gc
+import subprocess
+import sys
 import weakref
 from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
 
-from beamcam.collector import collector_resting
+from beamcam.collector import SELDOM, collector_resting
 from beamcam.errors import PlanError
 from beamcam.machine import load
 from beamcam.pipeline import post, read_file
@@ -63,3 +65,30 @@ def test_it_rests_while_parts_are_posted_and_goes_on_if_they_are_refused() -> No
     with pytest.raises(PlanError):
         post((), load("plate-linuxcnc"))
     assert gc.isenabled()
+
+
+def test_a_command_looks_for_rings_seldom_and_not_at_its_end() -> None:
+    code = (
+        "import atexit, gc\n"
+        "atexit.register(lambda: print(gc.get_threshold(), gc.get_freeze_count() > 1000))\n"
+        "from beamcam.cli import main\n"
+        "print(gc.get_threshold(), gc.get_freeze_count())\n"
+        "main(['--version'])\n"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    before, _, after = done.stdout.splitlines()
+    assert (before, after) == ("(700, 10, 10) 0", f"{SELDOM} True")
+
+
+def test_rings_are_found_all_the_same() -> None:
+    """However long a command runs, what points to itself does not gather."""
+    code = (
+        "import gc\n"
+        "from beamcam.collector import collector_seldom\n"
+        "collector_seldom()\n"
+        "before = len(gc.get_objects())\n"
+        "for _ in range(50_000):\n    ring = []\n    ring.append(ring)\n"
+        "print(len(gc.get_objects()) - before)\n"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert int(done.stdout) <= SELDOM[0]
