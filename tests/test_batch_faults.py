@@ -14,9 +14,10 @@ from pathlib import Path
 
 import pytest
 
-from beamcam.batch import Shop, find_inputs, pool, work
+from beamcam.batch import Shop, find_inputs, processes, work
 from beamcam.batch.find import Input, read_input
-from beamcam.batch.pool import Processes, Result
+from beamcam.batch.pool import Result
+from beamcam.batch.processes import Processes
 from beamcam.batch.record import RECORD_NAME
 from beamcam.batch.work import Made, Task
 from beamcam.errors import Diagnostic, Source
@@ -256,7 +257,7 @@ def test_a_worker_that_dies_is_told_for_its_file(
             os.kill(os.getpid(), signal.SIGKILL)
         return work.make_all(tasks, shop)
 
-    monkeypatch.setattr(pool, "make_all", make_all)  # which the workers are forked with
+    monkeypatch.setattr(processes, "make_all", make_all)  # which the workers are forked with
     said = tmp_path / "r.json"
     result = batch(tmp_path / "in", "-o", tmp_path / "out", "--jobs", 2, "--report", said)
     assert counts(result) == (39, 0, 0, 1)

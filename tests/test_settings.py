@@ -10,7 +10,6 @@ from msgspec import Struct
 
 from beamcam.batch import Here, Shop
 from beamcam.cli import main
-from beamcam.commands import running
 from beamcam.config.keys import KEYS
 from tests.conftest import SAMPLES
 from tests.runs import BAD, part
@@ -199,7 +198,7 @@ def test_flat_and_jobs(shop: Path, command: str, monkeypatch: pytest.MonkeyPatch
         asked.append(count)
         return Here(made)
 
-    monkeypatch.setattr(running, "Processes", processes)
+    monkeypatch.setattr("beamcam.batch.processes.Processes", processes)
     for folder in "AB":
         Path("job", folder).mkdir()
         for k in range(4):

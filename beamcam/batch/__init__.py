@@ -7,11 +7,11 @@
 
 from beamcam.batch.find import Found, Input, find_inputs
 from beamcam.batch.names import check_template
-from beamcam.batch.pool import Here, Processes, Workers
+from beamcam.batch.pool import Here, Workers
 from beamcam.batch.run import BatchError, run
 from beamcam.batch.work import Shop
 
 __all__ = [
-    "BatchError", "Found", "Here", "Input", "Processes", "Shop", "Workers", "check_template",
-    "find_inputs", "run",
+    "BatchError", "Found", "Here", "Input", "Shop", "Workers", "check_template", "find_inputs",
+    "run",
 ]  # fmt: skip

@@ -7,13 +7,12 @@ torn is none. An output that is missing or changed makes its line void.
 
 import errno
 import hashlib
-import json
 import os
 from contextlib import suppress
 from pathlib import PurePosixPath
 
 from beamcam.files import write_whole
-from beamcam.report.run import Row, dumped
+from beamcam.report.run import Row, dumped, loaded
 
 RECORD_NAME = ".beamcam-batch.jsonl"
 _HEAD = b'{"key":"'
@@ -66,7 +65,7 @@ class Record:
         if place is None:
             return None
         try:
-            row: Row = json.loads(self._line(place))["row"]
+            row: Row = loaded(self._line(place))["row"]
             for part in row["parts"]:
                 with open(os.path.join(self._folder, *_words(part["output"])), "rb") as file:
                     if hashlib.sha256(file.read()).hexdigest() != part["sha256"]:

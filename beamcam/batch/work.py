@@ -7,8 +7,6 @@ once, frozen.
 
 import copyreg
 import os
-import pickle
-import traceback
 from collections import Counter
 from collections.abc import Callable, Iterable, Mapping
 from functools import lru_cache
@@ -53,6 +51,8 @@ class Shop(Struct, frozen=True):
     @property
     def freeze(self) -> bytes:
         """The shop for a worker; `thaw` gives it back."""
+        import pickle
+
         return pickle.dumps(self)
 
     @property
@@ -75,6 +75,8 @@ class Shop(Struct, frozen=True):
 @lru_cache(maxsize=4)
 def thaw(frozen: bytes) -> Shop:
     """The shop that was frozen; the same object each time, so that what is known of it is kept."""
+    import pickle
+
     shop: Shop = pickle.loads(frozen)
     return shop
 
@@ -115,6 +117,8 @@ def make(task: Task, shop: Shop) -> Made:
         row["status"] = "refused"
         row["messages"] += map(as_message, error.diagnostics)
     except Exception as error:
+        import traceback
+
         row["status"] = "failed"
         frame = traceback.extract_tb(error.__traceback__)[-1]
         found = f"{type(error).__name__} at {os.path.basename(frame.filename)}:{frame.lineno}"

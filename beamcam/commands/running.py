@@ -2,7 +2,6 @@
 
 import os
 import sys
-import tempfile
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import PurePath
@@ -12,7 +11,7 @@ from typing import IO, Any, Self
 
 import click
 
-from beamcam.batch import Found, Here, Processes, Shop, Workers, check_template
+from beamcam.batch import Found, Here, Shop, Workers, check_template
 from beamcam.commands import options
 from beamcam.commands.common import Voice
 from beamcam.commands.members import member_choice, selection_options
@@ -24,7 +23,7 @@ from beamcam.errors import Diagnostic, Severity, Source
 from beamcam.files import write_whole
 from beamcam.machine import Machine
 from beamcam.report.ledger import ledger_line
-from beamcam.report.run import Counts, Message, Row, dumped, message_line
+from beamcam.report.run import Counts, Message, Row, dumped, loaded, message_line
 
 REPORTS = (".json", ".csv", ".html")
 
@@ -119,7 +118,11 @@ def workers_of(shop: Shop, jobs: int | None, scheduler: str | None, most: int) -
 
         return Cluster(shop, scheduler)
     count = min(jobs or cores(), most)
-    return Processes(shop, count) if count > 1 else Here(shop)
+    if count <= 1:
+        return Here(shop)
+    from beamcam.batch.processes import Processes
+
+    return Processes(shop, count)
 
 
 def cores() -> int:
@@ -217,6 +220,8 @@ class Report:
     def add(self, row: Row) -> None:
         if self.path is not None:
             if self._rows is None:
+                import tempfile
+
                 self._rows = tempfile.TemporaryFile()  # noqa: SIM115  closed by `write`
             self._rows.write(dumped(row) + b"\n")
 
@@ -242,11 +247,9 @@ class Report:
             self._rows.close()
 
     def _read(self) -> Iterator[Row]:
-        import json
-
         if self._rows is not None:
             self._rows.seek(0)
-            yield from map(json.loads, self._rows)
+            yield from map(loaded, self._rows)
 
 
 @contextmanager

@@ -3,9 +3,8 @@
 The rows are plain data, so that they pass between processes and into a report as they are.
 """
 
-import json
 from collections.abc import Iterable, Iterator
-from typing import Literal, TypedDict
+from typing import Any, Literal, TypedDict
 
 import msgspec
 from msgspec import Struct
@@ -13,7 +12,6 @@ from msgspec import Struct
 from beamcam.errors import Diagnostic
 
 SCHEMA = "beamcam/run/1"
-_ENCODER = json.JSONEncoder(ensure_ascii=False, separators=(",", ":"))
 
 #: What can become of a file: posted; nothing to do, since its outputs stand as they were made;
 #: refused for what is in it; failed for what is around it (the disk, a process, a fault here).
@@ -116,7 +114,19 @@ def dumped(data: object) -> bytes:
     try:
         return msgspec.json.encode(data)
     except UnicodeEncodeError:
-        return encoded(_ENCODER.encode(data))  # slower, and knows what to do with such a name
+        import json  # slower, and knows what to do with such a name
+
+        return encoded(json.dumps(data, ensure_ascii=False, separators=(",", ":")))
+
+
+def loaded(line: bytes) -> Any:
+    """What was `dumped`. Raises ValueError."""
+    try:
+        return msgspec.json.decode(line)
+    except msgspec.DecodeError:
+        import json
+
+        return json.loads(line)
 
 
 def encoded(text: str) -> bytes:
@@ -126,6 +136,8 @@ def encoded(text: str) -> bytes:
 
 def as_json(rows: Iterable[Row], counts: Counts, said: Iterable[Message]) -> Iterator[bytes]:
     """The report as JSON, piece by piece: a row a line, so that rows are found by line too."""
+    import json
+
     head = {status: getattr(counts, status) for status in STATUSES}
     yield encoded(
         f'{{"schema": "{SCHEMA}", "counts": {json.dumps(head)}, '
