@@ -12,6 +12,7 @@ from collections.abc import Callable, Collection, Sequence
 from msgspec import Struct
 
 from beamcam.errors import Diagnostic, VerifyError, errors_in
+from beamcam.machine.known import Kept, OncePerMachine
 from beamcam.machine.machine import Machine, NumberFormat
 from beamcam.model.part import Part, Profile
 from beamcam.verify import codesys, rules
@@ -33,6 +34,8 @@ __all__ = [
     "verify",
 ]  # fmt: skip
 
+MOST_SECTIONS = 256  #: of which the places of the spindles are kept
+
 #: Interpreter of each controller family.
 INTERPRETERS: dict[
     str, Callable[[list[Block], str, NumberFormat], tuple[list[Event], list[Diagnostic]]]
@@ -52,38 +55,22 @@ class Run(Struct, frozen=True):
 
 
 class _Known:
-    """What is worked out once for a machine and a section.
-
-    Machines are few and live as long as the process; they are told apart by identity, because a
-    record that holds a table has no hash.
-    """
+    """What is worked out once for a machine and a section."""
 
     def __init__(self, machine: Machine) -> None:
         self.machine = machine
         self.meaning = meaning_of(machine)
-        self.choices: dict[Profile | None, dict[int, Choice]] = {}
+        self.choices: Kept[Profile | None, dict[int, Choice]] = Kept(MOST_SECTIONS)
         self.passages = Passages(machine, self.meaning)
         self.rack = Rack(machine, machine.drill) if machine.drill else None
 
     def choices_for(self, profile: Profile | None) -> dict[int, Choice]:
-        if profile not in self.choices:
-            if len(self.choices) >= 256:
-                self.choices.clear()
-            self.choices[profile] = choices_of(self.machine, profile)
-        return self.choices[profile]
+        if profile in self.choices:
+            return self.choices[profile]
+        return self.choices.keep(profile, choices_of(self.machine, profile))
 
 
-_known: list[_Known] = []
-
-
-def _known_of(machine: Machine) -> _Known:
-    for known in _known:
-        if known.machine is machine:
-            return known
-    known = _Known(machine)
-    _known.insert(0, known)
-    del _known[16:]
-    return known
+_known_of = OncePerMachine(_Known)
 
 
 def events_of(

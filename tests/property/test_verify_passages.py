@@ -1,6 +1,7 @@
 """Passages that are known say of any program what the interpreter says, or nothing."""
 
 import random
+import re
 
 import pytest
 from hypothesis import given, settings
@@ -98,6 +99,39 @@ def test_lines_put_in_and_left_out(put: list[tuple[int, str]], out: list[int]) -
     passages = Passages(BEAM, meaning_of(BEAM))
     assert agrees(PROGRAM, IPE200, BEAM, passages)
     agrees("\n".join(lines), IPE200, BEAM, passages)
+
+
+NUMBER = re.compile(r"(?<= [XYZFKL])[-.0-9]+")
+NUMBERS = (
+    "0", "-0", "+20", "20.", ".5", "20.0", "020", "1.2.3", "--2", "2-", ".", "-", "1e3", "nan",
+    "1_0", "123456789012345", "1234567890123456", "20.00000000000001", "20.000000000000001", "X20",
+    "2 0",
+)  # fmt: skip
+
+
+@settings(deadline=None, max_examples=300)
+@given(st.integers(0), st.sampled_from(NUMBERS), st.booleans(), st.booleans())
+def test_numbers_written_in_any_way(pick: int, number: str, everywhere: bool, bare: bool) -> None:
+    places = list(NUMBER.finditer(PROGRAM))
+    at = places[pick % len(places)]
+    text = PROGRAM[: at.start()] + number + PROGRAM[at.end() :]
+    if everywhere:  # in all blocks of its passage and of others
+        text = re.sub(rf"(?<= [XYZ]){re.escape(at[0])}(?=[ \n])", number, PROGRAM)
+    if bare:
+        text = re.sub(r"(?m)^N\d+ ", "", text)
+    passages = Passages(BEAM, meaning_of(BEAM))
+    agrees(text, IPE200, BEAM, passages)
+    agrees(text, IPE200, BEAM, passages)
+
+
+def test_blocks_without_numbers_are_another_form() -> None:
+    passages = Passages(BEAM, meaning_of(BEAM))
+    bare = re.sub(r"(?m)^N\d+ ", "", PROGRAM)
+    for text in (PROGRAM, bare, PROGRAM, bare):
+        assert agrees(text, IPE200, BEAM, passages)
+    odd = re.sub(r"(?m)^N(\d)\b", r"N4711\1", PROGRAM)
+    assert odd != PROGRAM
+    assert agrees(odd, IPE200, BEAM, passages)
 
 
 @pytest.mark.parametrize(("old", "new"), [
