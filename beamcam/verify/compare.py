@@ -15,9 +15,18 @@ from beamcam.verify.ends import ends_of
 from beamcam.verify.made import Bore, Cut, Made, Trail
 from beamcam.verify.matching import Match, Matching, Wanted
 from beamcam.verify.meaning import Meaning
-from beamcam.verify.needs import Course, FeatureRef, Lack, Pocket, Stroke, needs_of
+from beamcam.verify.needs import (
+    PLAIN_KINDS,
+    Course,
+    FeatureRef,
+    Lack,
+    Pocket,
+    Stroke,
+    needs_of,
+)
 from beamcam.verify.paths import line_error, pocket_error
 from beamcam.verify.placing import NEAR, Placing
+from beamcam.verify.plain import plain_key, plainly_made
 from beamcam.verify.rack import Rack
 from beamcam.verify.stations import Choice, stroke_values
 
@@ -64,23 +73,27 @@ def compare(
     if meaning.saw_feeds:
         said += _saw_feeds(made.cuts, saw, name)
     task = Task(parts, machine, rack, meaning, choices, name, placing.starts)
+    from_x = [drill.x + start for start in placing.starts]
+    resolution = machine.format.resolution
+    drilled = None if skipped else plainly_made(made.bores, parts, from_x, rack, resolution)
     wanted: list[Wanted] = []
     paths: list[Pocket | Course] = []
-    from_x = [drill.x + start for start in placing.starts]
-    for _, need in needs_of(parts, ends, rack, skipped):
+    for _, need in needs_of(parts, ends, rack, skipped, drilled is None):
         if type(need) is Stroke:
             wanted.append(Wanted(need, from_x[need.part] + need.x))
         elif isinstance(need, Lack):
             said.append(_lack(need, parts))
         elif not isinstance(need, Stroke):
             paths.append(need)
-    matching = Matching(wanted, parts, machine.format.resolution, rack, name)
-    matches = sorted(matching.run(made.bores, said), key=lambda match: match.bore.line)
-    said += _strokes(matches, task)
+    if drilled is None:
+        matching = Matching(wanted, parts, resolution, rack, name)
+        matches = sorted(matching.run(made.bores, said), key=lambda match: match.bore.line)
+        said += _strokes(matches, task)
+        drilled = [(match.need.part, match.bore) for match in matches]
     if made.trails or paths:
         said += _paths(made.trails, paths, task)
     if machine.layout is not None and machine.layout.order == "drill-saw":
-        said += _after_its_cut(matches, made, placing.last_cut, name)
+        said += _after_its_cut(drilled, made, placing.last_cut, name)
     return tuple(said)
 
 
@@ -89,13 +102,8 @@ def _strokes(matches: Sequence[Match], task: Task) -> Iterator[Diagnostic]:
     rack = task.rack
     fine = [rack.fine(part.profile, part.grade) for part in task.parts]
     for match in matches:
-        need, bore, size = match
-        hole = need.hole
-        # Most holes are like another one, of this part or of one before.
-        alike = (
-            need.kind, hole.face, hole.kind, hole.diameter, hole.depth, hole.angle, need.diameter,
-            need.pilot, size, *bore[4:],
-        )  # fmt: skip
+        need, bore, _ = match
+        alike = _alike(match)
         if alike in fine[need.part]:
             continue
         found = [*_tool(match, task)]
@@ -106,6 +114,18 @@ def _strokes(matches: Sequence[Match], task: Task) -> Iterator[Diagnostic]:
             yield from found
         else:
             rack.remember(fine[need.part], alike)
+
+
+def _alike(match: Match) -> object:
+    """What a stroke is right or wrong by, but for its place: most are like one before."""
+    need, bore, size = match
+    hole = need.hole
+    if need.kind == "drill" and size == hole.diameter and hole.kind in PLAIN_KINDS:
+        return plain_key(hole, bore)
+    return (
+        need.kind, hole.face, hole.kind, hole.diameter, hole.depth, hole.angle, need.diameter,
+        need.pilot, size, bore[4:],
+    )  # fmt: skip
 
 
 def _section(made: Made, profile: Profile, machine: Machine, name: str) -> Iterator[Diagnostic]:
@@ -375,16 +395,14 @@ def _trail(trail: Trail, need: Pocket | Course, what: str, task: Task) -> Iterat
 
 
 def _after_its_cut(
-    matches: Sequence[Match], made: Made, last_cuts: Sequence[int | None], name: str
+    drilled: Sequence[tuple[int, Bore]], made: Made, last_cuts: Sequence[int | None], name: str
 ) -> Iterator[Diagnostic]:
-    """Holes of a part that has been parted before."""
+    """Holes of a part, by its index, that has been parted before."""
     parted: dict[int, int] = {}  #: line of a cut -> its place in the order of work
     place: dict[int, int] = {}
     for index, op in enumerate(made.order):
         (parted if type(op) is Cut else place)[op.line] = index
-    for match in matches:
-        line = last_cuts[match.need.part]
-        if line is not None and place[match.bore.line] > parted[line]:
-            yield rules.CUT_OFF.at(
-                Source(name, match.bore.line), found=f"{match.bore.x:g}", cut=line
-            )
+    for part, bore in sorted(drilled, key=lambda one: one[1].line):
+        line = last_cuts[part]
+        if line is not None and place[bore.line] > parted[line]:
+            yield rules.CUT_OFF.at(Source(name, bore.line), found=f"{bore.x:g}", cut=line)

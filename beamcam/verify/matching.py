@@ -22,6 +22,16 @@ from beamcam.verify.rack import Rack
 NOUNS = {"drill": "hole", "tap": "thread", "countersink": "countersink", "punch": "punch mark"}
 
 
+def x_tolerance(resolution: float) -> float:
+    """How far a bore may be off in X: by half a step, and the cut that the part starts at too."""
+    return resolution + 1e-6
+
+
+def y_tolerance(resolution: float) -> float:
+    """How far a bore may be off across the bar."""
+    return 0.75 * resolution + 1e-6
+
+
 class Wanted(NamedTuple):
     """A stroke that a part needs, where the machine has to make it."""
 
@@ -49,8 +59,7 @@ class Matching:
     ) -> None:  # fmt: skip
         self.parts, self.rack, self.name = parts, rack, name
         self.merge = rack.drill.merge_tolerance
-        self.x_tolerance = resolution + 1e-6  # of the cut that the part starts at, and its own
-        self.y_tolerance = 0.75 * resolution + 1e-6
+        self.x_tolerance, self.y_tolerance = x_tolerance(resolution), y_tolerance(resolution)
         self.pockets: dict[tuple[str, str, int], list[Wanted]] = {}
         self.drilled: set[tuple[str, float, float]] = set()
         for want in wanted:

@@ -42,6 +42,7 @@ OTHER_SIDE = {
 }
 #: Faces that no spindle works on, by section: what would stand there is not, or not in its way.
 NO_PLATE = {"L": ("o",), "T": ("o", "u")}
+PLAIN_KINDS = ("through", "blind")  #: of a hole that a drill alone makes
 THREADS = ("thread", "left-thread")
 
 
@@ -101,15 +102,22 @@ def needs_of(
     ends: Sequence[tuple[End, End]],
     rack: Rack,
     skipped: Collection[FeatureRef],
+    holes: bool = True,
 ) -> list[tuple[FeatureRef, Need]]:
-    """What every feature needs that is not skipped, part by part; a hole written twice once."""
+    """What every feature needs that is not skipped, part by part; a hole written twice once.
+
+    Without `holes` it is what all else needs.
+    """
     found: list[tuple[FeatureRef, Need]] = []
     seen: dict[int, list[tuple[int, Need]]] = {}
     for p, part in enumerate(parts):
         known = seen.get(id(part))
         if known is None or skipped:
-            left = [(f, x) for f, x in enumerate(part.features) if (p, f) not in skipped]
-            known = _part_needs(left, p, part, ends[p], rack)
+            left = [
+                (f, x) for f, x in enumerate(part.features)
+                if (holes or type(x) is not Hole) and (p, f) not in skipped
+            ]  # fmt: skip
+            known = _part_needs(left, p, part, ends[p], rack) if left else []
             seen[id(part)] = known
             found += [((p, f), need) for f, need in known]
         else:  # the same part again
@@ -129,7 +137,7 @@ def _part_needs(
     found: list[tuple[int, Need]] = []
     works = {face for face in rack.faces if works_on(face, part, rack)}
     for f, feature in _once(features, part, rack, works):
-        if type(feature) is Hole and feature.kind in ("through", "blind"):
+        if type(feature) is Hole and feature.kind in PLAIN_KINDS:
             # Most features are plain holes, and most of those like one before.
             plain = rack.plain(feature.diameter, feature.face)
             if plain is not None and feature.face in works:
@@ -237,7 +245,7 @@ def _hole(hole: Hole, p: int, part: Part, rack: Rack) -> Iterator[Need]:
     size = f"{hole.diameter:g}"
     if not works_on(hole.face, part, rack):
         yield Lack(p, f"the hole {size}", "face", hole)
-    elif hole.kind in ("through", "blind"):
+    elif hole.kind in PLAIN_KINDS:
         plain = rack.plain(hole.diameter, hole.face)
         if plain is not None:
             yield Stroke(p, hole, "drill", hole.x, *plain)
