@@ -65,8 +65,9 @@ class _Known:
         self.rack = Rack(machine, machine.drill) if machine.drill else None
 
     def choices_for(self, profile: Profile | None) -> dict[int, Choice]:
-        if profile in self.choices:
-            return self.choices[profile]
+        known = self.choices.get(profile)
+        if known is not None:
+            return known
         return self.choices.keep(profile, choices_of(self.machine, profile))
 
 

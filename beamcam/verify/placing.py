@@ -7,6 +7,7 @@ its own and a square one behind it that removes the wedge. The blade is always o
 """
 
 from collections.abc import Sequence
+from operator import itemgetter
 
 from beamcam.errors import Diagnostic, Source
 from beamcam.machine.machine import Machine, Saw
@@ -15,7 +16,9 @@ from beamcam.verify import rules
 from beamcam.verify.ends import End
 from beamcam.verify.made import Cut
 
+_by_x = itemgetter(1, 0)  # X and line of a cut
 COMMON_DEG = 0.01  #: ends that differ by no more may share a cut
+SQUARE = End(1, 0.0, 0.0, 0.0)
 NEAR = 60.0  #: mm; a cut this near to where it should be is taken for it, in the wrong place
 
 
@@ -24,7 +27,7 @@ class Placing:
 
     def __init__(self, cuts: Sequence[Cut], machine: Machine, saw: Saw, name: str) -> None:
         self.machine, self.saw, self.name = machine, saw, name
-        self.left = sorted(cuts, key=lambda c: (c.x, c.line))
+        self.left = sorted(cuts, key=_by_x)
         self.tolerance = machine.format.resolution + 1e-6
         self.angle_tolerance = 0.5 * 10.0**-machine.format.angle_decimals + 1e-6
         self.starts: list[float] = []
@@ -33,6 +36,8 @@ class Placing:
 
     def place(self, parts: Sequence[Part], ends: Sequence[tuple[End, End]]) -> None:
         """Find every part's cuts, in the order given; what is left over is too much."""
+        if self._all_square(parts, ends):
+            return
         begin: float | None = None  #: where the cut before lets the next part begin
         shared = False  #: whether that cut made the next start, skew as it may be
         for index, part in enumerate(parts):
@@ -44,6 +49,27 @@ class Placing:
                     Source(self.name, cut.line), angle=_shown(cut.angle, cut.tilt), x=f"{cut.x:g}"
                 )
             )
+
+    def _all_square(self, parts: Sequence[Part], ends: Sequence[tuple[End, End]]) -> bool:
+        """Place parts between square cuts, each where the one before has it; False if any is not.
+
+        As most bars are; what `_place` finds for them is the same.
+        """
+        saw, half = self.saw, self.saw.kerf / 2
+        if len(self.left) != len(parts) + 1 or len(self._like(SQUARE, self.left)) < len(self.left):
+            return False
+        starts: list[float] = []
+        start = self.left[0].x - saw.x + half
+        for part, (first, last), cut in zip(parts, ends, self.left[1:], strict=True):
+            x = start + part.length + half + saw.x
+            stands = abs(cut.x - x) <= self.machine.format.resolution
+            if not (stands and first.square and last.square and part.length > NEAR):
+                return False
+            starts.append(start)
+            start = cut.x - saw.x + half
+        self.starts = starts
+        self.last_cut = [cut.line for cut in self.left[1:]]
+        return True
 
     def _place(
         self,
@@ -74,7 +100,9 @@ class Placing:
         if following is not None and following.square:
             # It makes the next start too, so it says where that is.
             least = end + saw.kerf / 2 - self.tolerance
-            behind += [c.x - saw.x for c in self._like(square) if c.x - saw.x >= least][:1]
+            behind += [c.x - saw.x for c in self._like(square, self.left) if c.x - saw.x >= least][
+                :1
+            ]
         at = next((x for x in behind if self._stands(square, x)), None)
         if (
             at is None
@@ -96,17 +124,15 @@ class Placing:
             and abs(end.flange - start.flange) <= COMMON_DEG
         )
 
-    def _like(self, end: End) -> list[Cut]:
-        """The cuts that are left and have an end's angles, in order of X."""
+    def _like(self, end: End, cuts: Sequence[Cut]) -> list[Cut]:
+        """Those of the cuts that have an end's angles."""
         angle, tilt = end.saw_angles(self.saw)
         limit = self.angle_tolerance
-        return [
-            c for c in self.left if abs(c.angle - angle) <= limit and abs(c.tilt - tilt) <= limit
-        ]
+        return [c for c in cuts if abs(c.angle - angle) <= limit and abs(c.tilt - tilt) <= limit]
 
     def _stands(self, end: End, bar_x: float) -> bool:
         """Whether there is a cut for an end at a place."""
-        return self._is_there(bar_x, [c.x - self.saw.x for c in self._like(end)])
+        return self._is_there(bar_x, [c.x - self.saw.x for c in self._like(end, self.left)])
 
     def _is_there(self, bar_x: float, places: Sequence[float]) -> bool:
         return any(abs(place - bar_x) <= self.tolerance for place in places)
@@ -115,8 +141,8 @@ class Placing:
         """The start of a part: where its first cut fits one at its other end, if there is any."""
         height = part.profile.height
         at, reach = (e.blade(self.saw, height) for e in ends)
-        found = [c.x - self.saw.x - at for c in self._like(ends[0])]
-        last = [c.x - self.saw.x for c in self._like(ends[1])]
+        found = [c.x - self.saw.x - at for c in self._like(ends[0], self.left)]
+        last = [c.x - self.saw.x for c in self._like(ends[1], self.left)]
         for start in found:
             if self._is_there(start + reach, last):
                 return start
@@ -129,11 +155,12 @@ class Placing:
     def _take(self, end: End, bar_x: float, part: Part) -> Cut | None:
         """The cut at `bar_x`, taken from those that are left; what is wrong with it is said."""
         x = bar_x + self.saw.x
-        right = [c for c in self._like(end) if abs(c.x - x) <= NEAR]
-        best = min(right, key=lambda c: abs(c.x - x), default=None)
-        if best is None or abs(best.x - x) > self.tolerance:
+        here = [c for c in self.left if abs(c.x - x) <= self.tolerance]
+        best = min(self._like(end, here), key=lambda c: abs(c.x - x), default=None)
+        if best is None:
             angles = end.saw_angles(self.saw)
-            here = [c for c in self.left if abs(c.x - x) <= self.tolerance]
+            right = [c for c in self._like(end, self.left) if abs(c.x - x) <= NEAR]
+            best = min(right, key=lambda c: abs(c.x - x), default=None)
             if here:
                 best = min(here, key=lambda c: abs(c.angle - angles[0]))
                 self.said.append(

@@ -25,17 +25,17 @@ def plainly_made(
     `from_x` is where the parts begin, in machine X. None says no more than that one has to look
     closer.
     """
-    holes: list[tuple[str, float, float, int, Hole]] = []
+    holes: list[tuple[str, float, float, int, int, Hole]] = []
     for p, part in enumerate(parts):
         begin = from_x[p]
         for feature in part.features:
             if type(feature) is Hole:
-                holes.append((feature.face, begin + feature.x, feature.y, p, feature))
+                holes.append((feature.face, begin + feature.x, feature.y, len(holes), p, feature))
             elif type(feature) is Slot:
                 return None
     if len(holes) != len(bores):
         return None
-    holes.sort(key=itemgetter(0, 1, 2))
+    holes.sort()
     x_off, y_off = x_tolerance(resolution), y_tolerance(resolution)
     merge = rack.drill.merge_tolerance
     x_apart, y_apart = 2 * (x_off + merge), 2 * (y_off + merge)
@@ -43,8 +43,8 @@ def plainly_made(
     found: list[tuple[int, Bore]] = []
     sizes: dict[int, float] = {}  #: of holes, by the line of their stroke
     last_face, last_x, last_y = "", 0.0, 0.0
-    for (face, x, y, p, hole), bore in zip(holes, sorted(bores, key=_by_place), strict=True):
-        line, bore_face, bore_x, bore_y, *_ = bore
+    for (face, x, y, _, p, hole), bore in zip(holes, sorted(bores, key=_by_place), strict=True):
+        line, bore_face, bore_x, bore_y = bore[:4]
         if not (bore_face == face and abs(bore_x - x) <= x_off and abs(bore_y - y) <= y_off):
             return None
         # Holes of one X lie in the order of y; those of nearly one might not.

@@ -1,4 +1,4 @@
-"""What is told of plain holes at a glance is what looking closely tells."""
+"""What is told of plain holes and square cuts at a glance is what looking closely tells."""
 
 import random
 import sys
@@ -14,6 +14,7 @@ from beamcam.machine import Machine, load
 from beamcam.model.part import Hole, Part, Profile
 from beamcam.pipeline import post
 from beamcam.verify import verify
+from beamcam.verify.placing import Placing
 from benchmarks.mutation import MUTATIONS, cases
 
 MUTANTS = 300
@@ -29,17 +30,23 @@ class Glances:
     """Counts how often a glance was enough."""
 
     def __init__(self, patch: pytest.MonkeyPatch) -> None:
-        self.enough = 0
+        self.enough = self.square = 0
         self.closely = False
         compare = sys.modules["beamcam.verify.compare"]
-        glance = compare.plainly_made
+        glance, square = compare.plainly_made, Placing._all_square
 
         def counted(*args):  # type: ignore[no-untyped-def]
             found = None if self.closely else glance(*args)
             self.enough += found is not None
             return found
 
+        def placed(*args):  # type: ignore[no-untyped-def]
+            found = not self.closely and square(*args)
+            self.square += found
+            return found
+
         patch.setattr(compare, "plainly_made", counted)
+        patch.setattr(Placing, "_all_square", placed)
 
     def same(self, text: str, parts: Sequence[Part], machine: Machine) -> None:
         """Assert that a glance and a close look tell the same, before and after they learned."""
@@ -62,7 +69,7 @@ def test_mutants(glances: Glances) -> None:
     rng = random.Random(7)
     for case in programs:
         glances.same(case.text, case.parts, case.machine)
-    before = glances.enough
+    before, square = glances.enough, glances.square
     for _ in range(MUTANTS):
         case = rng.choice(programs)
         lines = MUTATIONS[rng.randrange(len(MUTATIONS))](
@@ -71,6 +78,7 @@ def test_mutants(glances: Glances) -> None:
         if lines is not None:
             glances.same("\n".join(lines), case.parts, case.machine)
     assert glances.enough > before  # such as a stroke that is a little longer
+    assert glances.square > square
 
 
 @st.composite
