@@ -8,26 +8,30 @@ Everything is in the element's own coordinates, in mm; the element's placement o
 the building it is, and its large numbers are kept out.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
+from math import hypot
 
 from msgspec import Struct
-from msgspec.structs import replace
 
 from beamcam.geometry.curves import Arc
 from beamcam.readers.ifc.cutters import Bounded, Cutter, HalfSpace, Less, Prism, hole_of, prism
-from beamcam.readers.ifc.entities import Entity, Model, Unreadable, ratios
+from beamcam.readers.ifc.entities import Coordinates, Entity, Model, Unreadable, ratios
 from beamcam.readers.ifc.facets import shell_of
 from beamcam.readers.ifc.outline import Round, Slotted
 from beamcam.readers.ifc.profiles import Outline, definition, outline_of, rounded_box
 from beamcam.readers.ifc.shell import Shell
 from beamcam.readers.ifc.space import IDENTITY, Frame, Vec, scale, unit
 
-_FACETED = (
-    "IfcFacetedBrep",
-    "IfcTessellatedFaceSet",
-    "IfcFaceBasedSurfaceModel",
-    "IfcShellBasedSurfaceModel",
+_FACETED = frozenset(
+    (
+        "IfcFacetedBrep",
+        "IfcTessellatedFaceSet",
+        "IfcFaceBasedSurfaceModel",
+        "IfcShellBasedSurfaceModel",
+    )
 )
+#: Identifiers of a representation that holds the solid, the best first.
+_BODIES = {"Body": 0, None: 1, "": 2, "Facetation": 3, "Body-FallBack": 4}
 _SKIPPED_REPRESENTATIONS = (
     "Axis",
     "BoundingBox",
@@ -39,6 +43,8 @@ _SKIPPED_REPRESENTATIONS = (
 )
 _FLAT_TYPES = ("Curve2D", "Curve3D", "Curve", "BoundingBox", "GeometricCurveSet", "Point")
 FAR = 1e6  #: mm; how far the prism of a bounded half-space reaches
+UPRIGHT = (0.0, 0.0, 1.0)
+ASKEW = 2e-3  #: tangent of the angle by which a hole may be pushed off square
 
 
 class Swept(Struct, frozen=True):
@@ -49,21 +55,35 @@ class Swept(Struct, frozen=True):
     along: Vec
 
 
+class Removed(Struct, frozen=True):
+    """A solid that is taken away; it stands in `frame`, in the element's coordinates."""
+
+    item: Entity
+    frame: Frame
+    where: str | None = None  #: the GlobalId of its opening
+
+
 class Body(Struct, frozen=True):
     """What a member is made of: one swept profile or one shell, and what is taken from it."""
 
     base: Swept | Shell
-    cutters: tuple[Cutter, ...]
+    removed: tuple[Removed, ...]
+
+    def cutters(self, model: Model, to: Frame) -> list[Cutter]:
+        """What is taken away, in coordinates in which the element stands in `to`."""
+        found: list[Cutter] = []
+        for one in self.removed:
+            found += _solid_cutters(model, one.item, to.times(one.frame), one.where)
+        return found
 
 
 def body_of(model: Model, element: Entity) -> Body:
     """The body of an element with its openings. Raises Unreadable, which says what was found."""
-    representation = body_representation(element)
-    bodies = [_item(model, item, IDENTITY, None) for item in representation.values[3]]
-    if len(bodies) != 1:
-        raise Unreadable(f"a body of {len(bodies)} solids")
-    (body,) = bodies
-    return replace(body, cutters=(*body.cutters, *openings_of(model, element)))
+    items = body_representation(element).values[3]
+    if len(items) != 1:
+        raise Unreadable(f"a body of {len(items)} solids")
+    base, removed = _item(model, items[0], IDENTITY)
+    return Body(base, (*removed, *openings_of(model, element)))
 
 
 def body_representation(element: Entity) -> Entity:
@@ -71,24 +91,22 @@ def body_representation(element: Entity) -> Entity:
     shape = element.values[6]
     if shape is None:
         raise Unreadable("no geometry")
-    candidates: list[Entity] = [
-        r
-        for r in shape.values[2]
-        if r.values[1] not in _SKIPPED_REPRESENTATIONS
-        and r.values[2] not in _FLAT_TYPES
-        and r.values[3]
-    ]
-    for wanted in ("Body", None, "", "Facetation", "Body-FallBack"):
-        for one in candidates:
-            if one.values[1] == wanted:
-                return one
-    if candidates:
-        return candidates[0]
-    raise Unreadable("no solid geometry")
+    best: Entity | None = None
+    first = len(_BODIES) + 1
+    for one in shape.values[2]:
+        _, identifier, kind, items, *_ = one.values
+        if identifier in _SKIPPED_REPRESENTATIONS or kind in _FLAT_TYPES or not items:
+            continue
+        place = _BODIES.get(identifier, len(_BODIES))
+        if place < first:
+            best, first = one, place
+    if best is None:
+        raise Unreadable("no solid geometry")
+    return best
 
 
-def openings_of(model: Model, element: Entity) -> Iterator[Cutter]:
-    """What the openings and voiding features of an element remove, in its coordinates."""
+def openings_of(model: Model, element: Entity) -> Iterator[Removed]:
+    """What the openings and voiding features of an element remove."""
     voids = getattr(element, "HasOpenings", ())
     if not voids:
         return
@@ -99,7 +117,7 @@ def openings_of(model: Model, element: Entity) -> Iterator[Cutter]:
             raise Unreadable(f"an opening {opening.GlobalId} without geometry")
         guid = opening.values[0]
         for item in body_representation(opening).values[3]:
-            yield from _solid_cutters(model, item, frame, guid)
+            yield Removed(item, frame, guid)
 
 
 def relative_placement(model: Model, element: Entity, other: Entity) -> Frame:
@@ -113,42 +131,41 @@ def relative_placement(model: Model, element: Entity, other: Entity) -> Frame:
     return model.placement(mine).inverse().times(model.placement(its))
 
 
-def _item(model: Model, item: Entity, frame: Frame, where: str | None) -> Body:
-    """The body of a representation item that stands in `frame`."""
-    kind = item.row.name
-    if kind == "IfcExtrudedAreaSolid":
-        return Body(_swept(model, item, frame), ())
-    if item.is_a("IfcBooleanResult"):
-        chain = []
+def _item(model: Model, item: Entity, frame: Frame) -> tuple[Swept | Shell, list[Removed]]:
+    """What a representation item that stands in `frame` is made of, and what is taken from it."""
+    kinds = item.row.kinds
+    if item.row.name == "IfcExtrudedAreaSolid":
+        return _swept(model, item, frame), []
+    if "IfcBooleanResult" in kinds:
+        taken = []
         seen = set[Entity]()
-        while item.is_a("IfcBooleanResult"):
+        while "IfcBooleanResult" in item.row.kinds:
             if item in seen:
                 raise Unreadable("geometry that contains itself")
             seen.add(item)
-            operator, first, second = item.values
+            operator, first, second, *_ = item.values
             if operator != "DIFFERENCE":
                 raise Unreadable(f"a boolean {operator}")
-            chain.append(second)
+            taken.append(Removed(second, frame))
             item = first
-        body = _item(model, item, frame, where)
-        taken = [
-            c for second in reversed(chain) for c in _solid_cutters(model, second, frame, where)
-        ]
-        return Body(body.base, (*body.cutters, *taken))
-    if kind == "IfcMappedItem":
+        base, removed = _item(model, item, frame)
+        return base, removed + taken[::-1]
+    if "IfcMappedItem" in kinds:
         inner, source = mapping(model, item, frame)
         if len(source) != 1:
             raise Unreadable(f"a mapped body of {len(source)} solids")
-        return _item(model, source[0], inner, where)
-    if kind == "IfcCsgSolid":
-        return _item(model, item.TreeRootExpression, frame, where)
-    if any(
-        item.is_a(name)
-        for name in _FACETED
-        if name != "IfcTessellatedFaceSet" or model.file.schema != "IFC2X3"
-    ):
-        return Body(shell_of(model, item, frame), ())
-    raise Unreadable(f"a solid by {kind}")
+        return _item(model, source[0], inner)
+    if "IfcCsgSolid" in kinds:
+        return _item(model, item.TreeRootExpression, frame)
+    if _faceted(model, item):
+        return shell_of(model, item, frame), []
+    raise Unreadable(f"a solid by {item.row.name}")
+
+
+def _faceted(model: Model, item: Entity) -> bool:
+    """Whether a solid is given by its faces."""
+    faces = _FACETED if model.file.schema != "IFC2X3" else _FACETED - {"IfcTessellatedFaceSet"}
+    return not faces.isdisjoint(item.row.kinds)
 
 
 def mapping(model: Model, item: Entity, frame: Frame) -> tuple[Frame, tuple[Entity, ...]]:
@@ -162,44 +179,57 @@ def mapping(model: Model, item: Entity, frame: Frame) -> tuple[Frame, tuple[Enti
 def _swept(model: Model, item: Entity, frame: Frame) -> Swept:
     profile, place, way, depth, *_ = item.values
     position = frame.times(model.axes(place))
-    direction = unit(ratios(way) or (0.0, 0.0, 1.0))
-    return Swept(profile, position, position.vector(scale(direction, depth * model.mm)))
+    return Swept(profile, position, _pushed(model, position, way, depth))
 
 
-def _solid_cutters(model: Model, item: Entity, frame: Frame, where: str | None) -> Iterator[Cutter]:
+def _pushed(model: Model, position: Frame, way: Coordinates | None, depth: float) -> Vec:
+    """The vector along which a profile is pushed that lies in the plane of `position`."""
+    if way is None or way == UPRIGHT:
+        return scale(position.z, depth * model.mm)
+    return position.vector(scale(unit(ratios(way) or UPRIGHT), depth * model.mm))
+
+
+def _solid_cutters(model: Model, item: Entity, frame: Frame, where: str | None) -> Sequence[Cutter]:
     """What a solid in `frame` removes."""
-    kind = item.row.name
+    kind, kinds = item.row.name, item.row.kinds
     if kind == "IfcExtrudedAreaSolid":
-        swept = _swept(model, item, frame)
-        outline, hole = _cut_out(model, swept.profile)
-        yield prism(swept.frame, swept.along, outline, where, hole)
-    elif kind == "IfcHalfSpaceSolid":
-        yield _half_space(model, item, frame, where)
-    elif kind == "IfcPolygonalBoundedHalfSpace":
+        return (_extrusion(model, item, frame, where),)
+    if kind == "IfcHalfSpaceSolid":
+        return (_half_space(model, item, frame, where),)
+    if kind == "IfcPolygonalBoundedHalfSpace":
         half = _half_space(model, item, frame, where)
         position = frame.times(model.axes(item.Position))
         bound = outline_of_curve(model, item.PolygonalBoundary)
         start = Frame(position.point((0.0, 0.0, -FAR)), position.x, position.y)
         column = prism(start, scale(position.z, 2 * FAR), bound, where, hole_of(bound))
-        yield Bounded(half, column, where)
-    elif kind == "IfcMappedItem":
+        return (Bounded(half, column, where),)
+    if kind == "IfcMappedItem":
         inner, source = mapping(model, item, frame)
-        for one in source:
-            yield from _solid_cutters(model, one, inner, where)
-    elif kind == "IfcCsgSolid":
-        yield from _solid_cutters(model, item.TreeRootExpression, frame, where)
-    elif item.is_a("IfcBooleanResult"):
-        yield from _compound(model, item, frame, where)
-    elif kind in ("IfcRightCircularCylinder", "IfcBlock"):
-        yield _primitive(model, item, frame, where)
-    elif any(
-        item.is_a(name)
-        for name in _FACETED
-        if name != "IfcTessellatedFaceSet" or model.file.schema != "IFC2X3"
-    ):
-        yield shell_of(model, item, frame, where)
-    else:
-        raise Unreadable(f"a cut by {kind}")
+        return [c for one in source for c in _solid_cutters(model, one, inner, where)]
+    if kind == "IfcCsgSolid":
+        return _solid_cutters(model, item.TreeRootExpression, frame, where)
+    if "IfcBooleanResult" in kinds:
+        return _compound(model, item, frame, where)
+    if kind in ("IfcRightCircularCylinder", "IfcBlock"):
+        return (_primitive(model, item, frame, where),)
+    if _faceted(model, item):
+        return (shell_of(model, item, frame, where),)
+    raise Unreadable(f"a cut by {kind}")
+
+
+def _extrusion(model: Model, item: Entity, frame: Frame, where: str | None) -> Prism:
+    profile, place, way, depth, *_ = item.values
+    outline, hole = _cut_out(model, profile)
+    at = frame.times(model.axes(place))
+    along = _pushed(model, at, way, depth)
+    if hole is not None and not (at.even and (way is None or _upright(way))):
+        hole = None  # a circle that is pushed askew or stretched is none across its length
+    return Prism(Frame(at.o, at.x, at.y, along), outline, where, hole)
+
+
+def _upright(way: Coordinates) -> bool:
+    """Whether a direction is square to the plane of x and y, either way."""
+    return way == UPRIGHT or hypot(way[0], way[1]) <= ASKEW * abs(way[2])
 
 
 def _cut_out(model: Model, profile: Entity) -> tuple[Outline, Round | Slotted | None]:
@@ -212,19 +242,14 @@ def _cut_out(model: Model, profile: Entity) -> tuple[Outline, Round | Slotted | 
     return known
 
 
-def _compound(model: Model, item: Entity, frame: Frame, where: str | None) -> Iterator[Cutter]:
+def _compound(model: Model, item: Entity, frame: Frame, where: str | None) -> Sequence[Cutter]:
     first = tuple(_solid_cutters(model, item.FirstOperand, frame, where))
     second = tuple(_solid_cutters(model, item.SecondOperand, frame, where))
     if item.Operator == "UNION":
-        yield from first
-        yield from second
-    elif item.Operator == "DIFFERENCE":
-        for one in first:
-            yield Less(one, second, where)
-    else:
-        for one in first:
-            for other in second:
-                yield Bounded(one, other, where)
+        return first + second
+    if item.Operator == "DIFFERENCE":
+        return [Less(one, second, where) for one in first]
+    return [Bounded(one, other, where) for one in first for other in second]
 
 
 def outline_of_curve(model: Model, curve: Entity) -> Outline:
@@ -235,12 +260,12 @@ def outline_of_curve(model: Model, curve: Entity) -> Outline:
 
 
 def _half_space(model: Model, item: Entity, frame: Frame, where: str | None) -> HalfSpace:
-    surface = item.BaseSurface
+    surface, agreement, *_ = item.values
     if not surface.is_a("IfcPlane"):
         raise Unreadable(f"a cut by a half-space over {surface.is_a()}")
-    plane = model.axes(surface.Position)
+    plane = model.axes(surface.values[0])
     # AgreementFlag true: the half-space lies against the normal of its plane.
-    normal = scale(plane.z, -1.0) if item.AgreementFlag else plane.z
+    normal = scale(plane.z, -1.0) if agreement else plane.z
     return HalfSpace(plane.o, normal, where).moved(frame)
 
 

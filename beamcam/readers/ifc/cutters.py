@@ -8,7 +8,6 @@ from math import sqrt
 from typing import Any, Protocol
 
 from msgspec import Struct
-from msgspec.structs import force_setattr
 
 from beamcam.geometry.curves import Point, unit_vector
 from beamcam.readers.ifc.outline import Round, Slotted, shape_of
@@ -75,16 +74,9 @@ class Prism(Struct, frozen=True):
     outline: Outline
     where: str | None = None
     shape: Round | Slotted | None = None
-    bounds: Box3 | None = None  #: worked out once
 
     @property
     def box(self) -> Box3:
-        if self.bounds is None:
-            force_setattr(self, "bounds", self._box())
-        assert self.bounds is not None
-        return self.bounds
-
-    def _box(self) -> Box3:
         f = self.frame
         if self.shape is not None:
             return self._round_box(self.shape)
@@ -98,18 +90,19 @@ class Prism(Struct, frozen=True):
     def _round_box(self, shape: Round | Slotted) -> Box3:
         """The box of a round or slotted prism: a circle reaches r sqrt(x_i^2 + y_i^2) along i."""
         f, r = self.frame, shape.diameter / 2
-        c = f.point((*shape.centre, 0.0))
-        way = (0.0, 0.0, 0.0)
+        (ax, ay, az), (bx, by, bz), (cx, cy, cz) = f.x, f.y, f.z
+        x, y, z = f.point((*shape.centre, 0.0))
+        dx = r * sqrt(ax * ax + bx * bx)
+        dy = r * sqrt(ay * ay + by * by)
+        dz = r * sqrt(az * az + bz * bz)
         if isinstance(shape, Slotted):
-            x, y = unit_vector(shape.angle)
-            way = f.vector((x * shape.length / 2, y * shape.length / 2, 0.0))
-        low, high = [], []
-        for i in range(3):
-            reach = r * sqrt(f.x[i] ** 2 + f.y[i] ** 2) + abs(way[i])
-            along = f.z[i]
-            low.append(c[i] - reach + (along if along < 0 else 0.0))
-            high.append(c[i] + reach + (along if along > 0 else 0.0))
-        return (low[0], low[1], low[2]), (high[0], high[1], high[2])
+            u, v = unit_vector(shape.angle)
+            way = f.vector((u * shape.length / 2, v * shape.length / 2, 0.0))
+            dx, dy, dz = dx + abs(way[0]), dy + abs(way[1]), dz + abs(way[2])
+        return (
+            (x - dx + min(cx, 0.0), y - dy + min(cy, 0.0), z - dz + min(cz, 0.0)),
+            (x + dx + max(cx, 0.0), y + dy + max(cy, 0.0), z + dz + max(cz, 0.0)),
+        )
 
     def moved(self, by: Frame) -> "Prism":
         return Prism(by.times(self.frame), self.outline, self.where, self.shape)

@@ -8,11 +8,13 @@ what it does not explain stays in the contours.
 """
 
 import itertools
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from math import atan, degrees, hypot
+from operator import sub
 
 from msgspec import Struct
 
+from beamcam.geometry.curves import Point
 from beamcam.readers.ifc.cutters import HalfSpace
 from beamcam.readers.ifc.region import Shape, half_plane, pieces_of
 from beamcam.readers.ifc.walls import Wall
@@ -55,15 +57,29 @@ def of_plane(half: HalfSpace) -> End:
     return End(1 if n[0] > 0 else -1, -n[1] / n[0], -n[2] / n[0], half.x_at(0.0, 0.0))
 
 
-def sole_end(ends: Sequence[End], corners: Iterable[tuple[float, float]]) -> End | None:
-    """The one of `ends` on one side that cuts the whole section; None if several share it."""
-    points = tuple(corners)
-    for one in ends:
-        mine = [one.side * one.x(y, z) for y, z in points]
-        others = [[o.side * o.x(y, z) for y, z in points] for o in ends if o is not one]
-        if all(m <= x + 1e-4 for other in others for m, x in zip(mine, other, strict=True)):
-            return one
-    return None
+class Trim(Struct, frozen=True):
+    """What the planes at one end leave of a stock, along the lines of its section's corners."""
+
+    planes: tuple[End, ...]
+    sole: End | None  #: the one plane that cuts the whole section; None if several share it
+    least: float  #: side * x up to which no plane takes anything
+    most: float  #: side * x beyond which nothing is left
+
+
+def trim(planes: Sequence[End], corners: Sequence[Point]) -> Trim:
+    """The end of a stock that `planes`, all of one side, cut at the (Y, Z) of `corners`."""
+    lines = [_reaches(one, corners) for one in planes]
+    left = lines[0] if len(lines) == 1 else list(map(min, *lines))
+    for one, line in zip(planes, lines, strict=True):
+        if max(map(sub, line, left)) <= 1e-4:
+            return Trim(tuple(planes), one, min(left), max(left))
+    return Trim(tuple(planes), None, min(left), max(left))
+
+
+def _reaches(end: End, corners: Sequence[Point]) -> list[float]:
+    """side * x of an end at each of the corners."""
+    a, b, c = end.side * end.a, end.side * end.b, end.side * end.c
+    return [a * y + b * z + c for y, z in corners]
 
 
 class _Edge(Struct, frozen=True):
@@ -170,4 +186,4 @@ def _through(side: int, edges: Sequence[_Edge], a: float, b: float) -> tuple[End
     return End(side, a, b, best[1]), best[0]
 
 
-__all__ = ["End", "Level", "fitted_end", "of_plane", "sole_end"]
+__all__ = ["End", "Level", "Trim", "fitted_end", "of_plane", "trim"]

@@ -1,114 +1,118 @@
 """Round and slotted cutters that pierce walls squarely: holes, one for each wall."""
 
 from collections.abc import Sequence
-from math import atan2, cos, degrees, pi, sin
+from math import atan2, cos, degrees, pi, radians, sin, sqrt
 
+from msgspec import Struct
 from msgspec.structs import replace
 
 from beamcam.errors import Source
 from beamcam.model.part import Hole, Slot
-from beamcam.readers.ifc.cutters import Cutter, Prism
-from beamcam.readers.ifc.ends import End
+from beamcam.readers.ifc.cutters import Box3, Cutter, Prism
+from beamcam.readers.ifc.ends import End, Trim
 from beamcam.readers.ifc.entities import Unreadable
 from beamcam.readers.ifc.finish import slot
 from beamcam.readers.ifc.outline import Round, Slotted
 from beamcam.readers.ifc.section import Section
-from beamcam.readers.ifc.space import dot, scale, size, unit
+from beamcam.readers.ifc.space import Frame, dot, scale, size, unit
 from beamcam.readers.ifc.walls import Wall
 
 SQUARE = 2e-3  #: sine of the angle by which a hole may be off square, a tenth of a degree
 THROUGH = 0.05  #: mm that a hole may fall short of the far surface
 TOUCH = 0.02  #: mm into a wall that still counts as beside it
+NEAR = 1e-3  #: mm between a hole and an edge that it does not cut open
 
-Ends = tuple[Sequence[End], Sequence[End]]
+Span = tuple[float, float]
 
 
-def pierce(
-    cutter: Cutter, section: Section, walls: Sequence[Wall], ends: Ends, source: Source
-) -> list[Hole | Slot] | None:
-    """The holes that a cutter makes; None if it is no hole, or cuts an edge open.
+class Drilled(Struct, frozen=True):
+    """What holes are made in: the walls of a section between two ends."""
+
+    section: Section
+    walls: Sequence[Wall]
+    start: Trim
+    end: Trim
+
+
+def pierce(cutter: Cutter, box: Box3, into: Drilled, source: Source) -> list[Hole | Slot] | None:
+    """The holes that a cutter, whose box is `box`, makes; None if it is none, or cuts an edge open.
 
     Raises Unreadable for a hole that is not square to its wall, or ends inside where no drill
     comes.
     """
     if not isinstance(cutter, Prism) or cutter.shape is None:
         return None
-    place = replace(source, where=cutter.where or source.where)
-    if section.code in ("RO", "RU"):
-        return _radial(cutter, cutter.shape, section, place)
-    if not walls:
+    place = source if cutter.where is None else replace(source, where=cutter.where)
+    if into.section.code in ("RO", "RU"):
+        return _radial(cutter, cutter.shape, into.section, place)
+    if not into.walls:
         return None  # a special section has no face that a hole could be on
+    low, high = box
+    # The first planes are the stock's own, square ends.
+    if high[0] <= into.start.planes[0].c or low[0] >= into.end.planes[0].c:
+        return []
     found: list[Hole | Slot] = []
-    for wall in walls:
-        made = _through_wall(cutter, cutter.shape, wall, section, ends, place)
-        if made == "open":
+    for wall in into.walls:
+        q, c = (2, 1) if wall.normal == "y" else (1, 2)
+        c0, c1, q0, q1 = low[c], high[c], low[q], high[q]
+        if (
+            c1 - wall.low < TOUCH  # most walls are not touched at all
+            or wall.high - c0 < TOUCH
+            or c1 - c0 < TOUCH
+            or q1 <= TOUCH
+            or q0 >= wall.width - TOUCH
+        ):
+            continue
+        lean = _lean(cutter.frame, c)
+        if lean < SQUARE:  # it runs along inside the wall
             return None
-        if not isinstance(made, str) and made is not None:
-            found.append(made)
+        if lean < 1 - SQUARE * SQUARE / 2:
+            angle = degrees(atan2(sqrt(1 - lean * lean), lean))
+            raise Unreadable(f"a hole at {angle:.2f} degrees to face {wall.face}")
+        beyond = _beyond((low[0], high[0]), (q0, q1), into, wall)
+        if beyond:
+            continue
+        if beyond is None or q0 < NEAR or q1 > wall.width - NEAR:
+            return None
+        found.append(_drilled(cutter, cutter.shape, wall, (c0, c1), place))
     return found
 
 
-def _through_wall(
-    cutter: Prism,
-    shape: Round | Slotted,
-    wall: Wall,
-    section: Section,
-    ends: Ends,
-    source: Source,
-) -> Hole | Slot | str | None:
-    """The hole in one wall; None beside it, "open" where it is not whole."""
-    low, high = cutter.box
-    q0, c0 = wall.split(low)
-    q1, c1 = wall.split(high)
-    if c1 - wall.low < TOUCH or wall.high - c0 < TOUCH:  # most walls are not touched at all
-        return None
-    deep = min(c1, wall.high) - max(c0, wall.low)
-    if deep < TOUCH or q1 <= TOUCH or q0 >= wall.width - TOUCH:
-        return None
-    stock = ends[0][0].c, ends[1][0].c  # the first planes are the stock's own, square ends
-    if high[0] <= stock[0] or low[0] >= stock[1]:
-        return None
-    along = unit(cutter.frame.z)
-    lean = abs(dot(along, wall.direction))
-    if lean < SQUARE:  # it runs along inside the wall
-        return "open"
-    if lean < 1 - SQUARE * SQUARE / 2:
-        angle = degrees(atan2((1 - lean * lean) ** 0.5, lean))
-        raise Unreadable(f"a hole at {angle:.2f} degrees to face {wall.face}")
-    for side, edge, planes in ((-1, low[0], ends[0]), (1, high[0], ends[1])):
+def _lean(frame: Frame, c: int) -> float:
+    """The cosine of the angle between a prism's length and an axis."""
+    along = frame.z
+    x, y, z = along
+    return abs(along[c]) / sqrt(x * x + y * y + z * z)
+
+
+def _beyond(xs: Span, qs: Span, into: Drilled, wall: Wall) -> bool | None:
+    """Whether a hole lies all beyond an end, where nothing is to drill; None if the end cuts it."""
+    start, end = into.start, into.end
+    if xs[0] > NEAR - start.least and xs[1] < end.least - NEAR:
+        return False  # no plane comes near
+    for side, edge, planes in ((-1, xs[0], start.planes), (1, xs[1], end.planes)):
         for plane in planes:
             slope = plane.b if wall.normal == "y" else plane.a
-            q = q1 if (slope < 0) == (side > 0) else q0  # where the plane comes nearest
-            if side * edge > side * plane.x(*_yz(wall, q, wall.surface)) - 1e-3:
-                return _beyond(side, (low[0], high[0]), (q0, q1), planes, wall)
-    if q0 < 1e-3 or q1 > wall.width - 1e-3:
-        return "open"
-    factor = size(cutter.frame.x)
-    return _drilled(cutter, shape, factor, wall, section, (c0, c1), source)
+            q = qs[1] if (slope < 0) == (side > 0) else qs[0]  # where the plane comes nearest
+            if side * edge > side * _x(plane, wall, q) - NEAR:
+                inner = xs[1] if side < 0 else xs[0]
+                gone = any(
+                    all(side * inner > side * _x(e, wall, q) - NEAR for q in qs) for e in planes
+                )
+                return True if gone else None
+    return False
 
 
-def _beyond(
-    side: int, xs: tuple[float, float], qs: tuple[float, float], planes: Sequence[End], wall: Wall
-) -> str | None:
-    """Whether a hole lies all beyond an end, where there is nothing to drill."""
-    inner = xs[1] if side < 0 else xs[0]
-    for e in planes:
-        if all(side * inner > side * e.x(*_yz(wall, q, wall.surface)) - 1e-3 for q in qs):
-            return None
-    return "open"
-
-
-def _yz(wall: Wall, q: float, c: float) -> tuple[float, float]:
-    return (c, q) if wall.normal == "y" else (q, c)
+def _x(end: End, wall: Wall, q: float) -> float:
+    """x of an end on the surface of a wall."""
+    return end.x(wall.surface, q) if wall.normal == "y" else end.x(q, wall.surface)
 
 
 def _drilled(
     cutter: Prism,
     shape: Round | Slotted,
-    factor: float,
     wall: Wall,
-    section: Section,
-    reach: tuple[float, float],
+    reach: Span,
     source: Source,
 ) -> Hole | Slot:
     face, depth = wall.face, None
@@ -122,14 +126,14 @@ def _drilled(
             if wall.face != "v":
                 raise Unreadable(f"a blind hole from inside of face {wall.face}")
             face = "h"
+    factor = size(cutter.frame.x)
     p = cutter.frame.point((*shape.centre, 0.0))
-    q = wall.split(p)[0]
+    q = p[2] if wall.normal == "y" else p[1]
     if isinstance(shape, Round):
         return Hole(
             face, p[0], q, shape.diameter * factor, source, depth, "blind" if depth else "through"
         )
-    turn = shape.angle * pi / 180
-
+    turn = radians(shape.angle)
     way = cutter.frame.vector((cos(turn), sin(turn), 0.0))
     angle = degrees(atan2(wall.split(way)[0], way[0])) % 180.0
     placed = Slotted(
@@ -140,7 +144,7 @@ def _drilled(
         0.0 if angle < 1e-7 or angle > 180 - 1e-7 else angle,
     )
     made = slot(wall, placed, source, depth)
-    return replace(made, face=face, kind="blind" if depth else "through")
+    return made if depth is None else replace(made, face=face, kind="blind")
 
 
 def _radial(

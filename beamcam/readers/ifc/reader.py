@@ -31,6 +31,7 @@ from beamcam.readers.ifc.marks import (
 from beamcam.readers.ifc.opening import open_file
 from beamcam.readers.ifc.options import Options, Progress, Selection
 from beamcam.readers.ifc.semantic import read_swept
+from beamcam.readers.ifc.space import IDENTITY
 from beamcam.readers.reading import Reading
 
 STEEL = 7.85e-6  #: kg/mm3
@@ -184,7 +185,7 @@ class _Run(Struct):
     def _shape(self, element: Entity, body: Body, source: Source) -> tuple[Shaped, Entity | None]:
         if isinstance(body.base, Swept):
             return read_swept(self.model, element, body, source), body.base.profile
-        return read_shell(body.base, body.cutters, source), None
+        return read_shell(body.base, body.cutters(self.model, IDENTITY), source), None
 
     def _by_kernel(self, element: Entity, source: Source, reason: Unreadable) -> Shaped | None:
         """The member as the kernel builds it, where its definition is not understood."""

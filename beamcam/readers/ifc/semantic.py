@@ -16,8 +16,8 @@ from beamcam.geometry.curves import Line, Point
 from beamcam.model.part import Hole, Slot
 from beamcam.readers.ifc.body import Body, Swept
 from beamcam.readers.ifc.curves2d import Chain
-from beamcam.readers.ifc.cutters import Bounded, Cutter, HalfSpace, Prism
-from beamcam.readers.ifc.ends import LEAST_LEAN, End, of_plane, sole_end
+from beamcam.readers.ifc.cutters import Bounded, Box3, Cutter, HalfSpace, Prism
+from beamcam.readers.ifc.ends import LEAST_LEAN, End, of_plane, trim
 from beamcam.readers.ifc.entities import Entity, Model, Unreadable
 from beamcam.readers.ifc.finish import (
     Regions,
@@ -30,7 +30,7 @@ from beamcam.readers.ifc.finish import (
     shifted,
     sorted_features,
 )
-from beamcam.readers.ifc.holes import pierce
+from beamcam.readers.ifc.holes import Drilled, pierce
 from beamcam.readers.ifc.plates import Plate, plate_of
 from beamcam.readers.ifc.profiles import section_of
 from beamcam.readers.ifc.region import Circles, Shape, polygon_of, rectangle
@@ -38,6 +38,7 @@ from beamcam.readers.ifc.section import Section
 from beamcam.readers.ifc.space import Frame, add, cross, dot, scale, size, sub, unit
 from beamcam.readers.ifc.walls import Wall, corner_points, walls_of
 
+LEAST_LENGTH = 0.1  #: mm that the ends have to leave
 LEVEL_IN = 0.1  #: share of a wall's thickness that its two levels lie inside it
 
 
@@ -56,8 +57,7 @@ def read_swept(model: Model, element: Entity, body: Body, source: Source) -> Sha
     """The member of a swept body. Raises Unreadable, which says what the route cannot take."""
     assert isinstance(body.base, Swept)
     stock = stock_of(model, element, body.base)
-    inverse = stock.frame.inverse()
-    cutters = [c.moved(inverse) for c in body.cutters]
+    cutters = body.cutters(model, stock.frame.inverse())
     return in_place(_cut_once(model, stock, cutters, source), stock.frame)
 
 
@@ -152,29 +152,33 @@ def cut(stock: Stock, cutters: Sequence[Cutter], source: Source) -> Shaped:
     walls = walls_of(section)
     starts = [End(-1, 0.0, 0.0, stock.x0)]
     ends = [End(1, 0.0, 0.0, stock.x1)]
-    rest: list[Cutter] = []
+    rest: list[tuple[Cutter, Box3]] = []
     for cutter in cutters:
         plane = end_plane(cutter, stock, corners)
         if plane is None:
-            if _touches(cutter, stock):
-                rest.append(cutter)
+            box = cutter.box
+            if _touches(cutter, box, stock):
+                rest.append((cutter, box))
         elif plane.normal[0] > 0:
             ends.append(of_plane(plane))
         else:
             starts.append(of_plane(plane))
-    start, end = sole_end(starts, corners), sole_end(ends, corners)
+    start, end = trim(starts, corners), trim(ends, corners)
+    if start.most + end.most < LEAST_LENGTH:
+        raise Unreadable("end cuts that leave nothing")
     holes: list[Hole | Slot] = []
-    general: list[Cutter] = []
-    span = _span(starts, ends, corners)
-    for cutter in rest:
-        pierced = pierce(cutter, section, walls, (starts, ends), source)
+    general: list[tuple[Cutter, Box3]] = []
+    into = Drilled(section, walls, start, end)
+    for cutter, box in rest:
+        pierced = pierce(cutter, box, into, source)
         if pierced is None:
-            general.append(cutter)
+            general.append((cutter, box))
         else:
             holes += pierced
-    plain = start is not None and end is not None and stock.outline is None and not stock.hollows
-    if plain and not general and start is not None and end is not None:
-        return _sawn(section, start, end, holes, source, stock.x1 - stock.x0)
+    gross = stock.x1 - stock.x0
+    plain = stock.outline is None and not stock.hollows and not general
+    if plain and start.sole is not None and end.sole is not None:
+        return _sawn(section, start.sole, end.sole, holes, source, gross)
     if not walls:
         raise Unreadable(f"cuts other than saw cuts and holes in a section of code {section.code}")
     circles = Circles()
@@ -183,30 +187,19 @@ def cut(stock: Stock, cutters: Sequence[Cutter], source: Source) -> Shaped:
         levels = []
         for share in (LEVEL_IN, 1 - LEVEL_IN):
             c = wall.low + share * wall.thickness
-            shape = _stock_shape(stock, wall, span, circles)
+            shape = _stock_shape(stock, wall, circles)
             for one in (*starts[1:], *ends[1:]):
                 shape = shape.difference(one.removed(wall, c))
-            for cutter in general:
-                if _box_meets(cutter, wall, c):
+            for cutter, box in general:
+                if _box_meets(box, wall, c):
                     shape = shape.difference(cutter.slice(wall, c, circles))
             levels.append((c, shape))
         regions[wall] = (levels[0], levels[1])
-    gross = stock.x1 - stock.x0
-    return from_regions(section, regions, holes, circles, source, gross, (start, end))
+    sole = start.sole, end.sole
+    return from_regions(section, regions, holes, circles, source, gross, sole)
 
 
-def _span(
-    starts: Sequence[End], ends: Sequence[End], corners: Sequence[Point]
-) -> tuple[float, float]:
-    """Least and greatest x that the end planes leave; Unreadable if they leave nothing."""
-    x0 = min(max(s.x(y, z) for s in starts) for y, z in corners)
-    x1 = max(min(e.x(y, z) for e in ends) for y, z in corners)
-    if x1 - x0 < 0.1:
-        raise Unreadable("end cuts that leave nothing")
-    return x0, x1
-
-
-def _stock_shape(stock: Stock, wall: Wall, span: tuple[float, float], circles: Circles) -> Shape:
+def _stock_shape(stock: Stock, wall: Wall, circles: Circles) -> Shape:
     if stock.outline is not None or stock.hollows:
         outline = stock.outline or ()
         if not outline:
@@ -321,7 +314,7 @@ def _inside(chain: Chain, p: Point) -> bool:
     return inside
 
 
-def _touches(cutter: Cutter, stock: Stock) -> bool:
+def _touches(cutter: Cutter, box: Box3, stock: Stock) -> bool:
     """Whether a cutter reaches the stock at all."""
     if isinstance(cutter, HalfSpace):
         section = stock.section
@@ -330,7 +323,7 @@ def _touches(cutter: Cutter, stock: Stock) -> bool:
             for y, z in corner_points(section)
             for x in (stock.x0, stock.x1)
         )
-    (ax, ay, az), (bx, by, bz) = cutter.box
+    (ax, ay, az), (bx, by, bz) = box
     tiny = 1e-3
     return (
         bx > stock.x0 + tiny
@@ -342,8 +335,8 @@ def _touches(cutter: Cutter, stock: Stock) -> bool:
     )
 
 
-def _box_meets(cutter: Cutter, wall: Wall, c: float) -> bool:
-    low, high = cutter.box
+def _box_meets(box: Box3, wall: Wall, c: float) -> bool:
+    low, high = box
     q0, c0 = wall.split(low)
     q1, c1 = wall.split(high)
     return c0 < c < c1 and q1 > 0 and q0 < wall.width

@@ -8,6 +8,7 @@ Vec = tuple[float, float, float]
 
 ORIGIN: Vec = (0.0, 0.0, 0.0)
 RIGID = 1e-13  #: by which the axes of a rigid frame may be off 1 and off square, from rounding
+EVEN = 1e-6  #: by which they may be off one length and off square, of a frame that keeps forms
 
 
 def add(a: Vec, b: Vec) -> Vec:
@@ -35,15 +36,18 @@ def cross(a: Vec, b: Vec) -> Vec:
 
 
 def size(a: Vec) -> float:
-    return sqrt(dot(a, a))
+    x, y, z = a
+    return sqrt(x * x + y * y + z * z)
 
 
 def unit(a: Vec) -> Vec:
     """The vector of length 1 along `a`. Raises ValueError for the zero vector."""
-    length = size(a)
+    x, y, z = a
+    length = sqrt(x * x + y * y + z * z)
     if length == 0.0:
         raise ValueError("the zero vector has no direction")
-    return scale(a, 1 / length)
+    by = 1 / length
+    return x * by, y * by, z * by
 
 
 def across(a: Vec) -> Vec:
@@ -69,47 +73,85 @@ class Frame(Struct, frozen=True):
 
     def point(self, p: Vec) -> Vec:
         """A point of this frame, in the frame that it stands in."""
-        return add(self.o, self.vector(p))
+        (ox, oy, oz), (ax, ay, az), (bx, by, bz), (cx, cy, cz) = self.o, self.x, self.y, self.z
+        u, v, w = p
+        return (
+            ox + (ax * u + bx * v + cx * w),
+            oy + (ay * u + by * v + cy * w),
+            oz + (az * u + bz * v + cz * w),
+        )
 
     def times(self, inner: "Frame") -> "Frame":
         """`inner`, which stands in this frame, in the frame that this one stands in."""
         if self is IDENTITY or inner is IDENTITY:
             return inner if self is IDENTITY else self
         # Most of a model's arithmetic is here, and calls cost more than sums.
-        (ax, ay, az), (bx, by, bz), (cx, cy, cz) = self.x, self.y, self.z
-        x, y, z, o = [
-            (ax * u + bx * v + cx * w, ay * u + by * v + cy * w, az * u + bz * v + cz * w)
-            for u, v, w in (inner.x, inner.y, inner.z, inner.o)
-        ]
-        return Frame(add(self.o, o), x, y, z)
+        (ax, ay, az), (bx, by, bz), (cx, cy, cz), (ox, oy, oz) = self.x, self.y, self.z, self.o
+        (xu, xv, xw), (yu, yv, yw), (zu, zv, zw) = inner.x, inner.y, inner.z
+        u, v, w = inner.o
+        return Frame(
+            (
+                ox + (ax * u + bx * v + cx * w),
+                oy + (ay * u + by * v + cy * w),
+                oz + (az * u + bz * v + cz * w),
+            ),
+            (
+                ax * xu + bx * xv + cx * xw,
+                ay * xu + by * xv + cy * xw,
+                az * xu + bz * xv + cz * xw,
+            ),
+            (
+                ax * yu + bx * yv + cx * yw,
+                ay * yu + by * yv + cy * yw,
+                az * yu + bz * yv + cz * yw,
+            ),
+            (
+                ax * zu + bx * zv + cx * zw,
+                ay * zu + by * zv + cy * zw,
+                az * zu + bz * zv + cz * zw,
+            ),
+        )
 
     @property
     def rigid(self) -> bool:
         """Whether lengths and right angles are kept; a mirror keeps them too."""
-        x, y, z = self.x, self.y, self.z
+        (ax, ay, az), (bx, by, bz), (cx, cy, cz) = self.x, self.y, self.z
         return (
-            abs(dot(x, x) - 1.0) < RIGID
-            and abs(dot(y, y) - 1.0) < RIGID
-            and abs(dot(z, z) - 1.0) < RIGID
-            and abs(dot(x, y)) < RIGID
-            and abs(dot(y, z)) < RIGID
-            and abs(dot(z, x)) < RIGID
+            abs(ax * ax + ay * ay + az * az - 1.0) < RIGID
+            and abs(bx * bx + by * by + bz * bz - 1.0) < RIGID
+            and abs(cx * cx + cy * cy + cz * cz - 1.0) < RIGID
+            and abs(ax * bx + ay * by + az * bz) < RIGID
+            and abs(bx * cx + by * cy + bz * cz) < RIGID
+            and abs(cx * ax + cy * ay + cz * az) < RIGID
+        )
+
+    @property
+    def even(self) -> bool:
+        """Whether it keeps the form of what lies in it, be it larger, smaller or mirrored."""
+        (ax, ay, az), (bx, by, bz), (cx, cy, cz) = self.x, self.y, self.z
+        xx = ax * ax + ay * ay + az * az
+        slack = EVEN * xx
+        return (
+            abs(bx * bx + by * by + bz * bz - xx) < slack
+            and abs(cx * cx + cy * cy + cz * cz - xx) < slack
+            and abs(ax * bx + ay * by + az * bz) < slack
+            and abs(bx * cx + by * cy + bz * cz) < slack
+            and abs(cx * ax + cy * ay + cz * az) < slack
         )
 
     def inverse(self) -> "Frame":
         """The map back. Raises ValueError if the axes lie in one plane."""
-        yz, zx, xy = cross(self.y, self.z), cross(self.z, self.x), cross(self.x, self.y)
-        det = dot(self.x, yz)
-        if abs(det) < 1e-12:
-            raise ValueError("the axes of the placement lie in one plane")
-        rows = (scale(yz, 1 / det), scale(zx, 1 / det), scale(xy, 1 / det))
-        back = Frame(
-            ORIGIN,
-            (rows[0][0], rows[1][0], rows[2][0]),
-            (rows[0][1], rows[1][1], rows[2][1]),
-            (rows[0][2], rows[1][2], rows[2][2]),
-        )
-        return Frame(scale(back.vector(self.o), -1.0), back.x, back.y, back.z)
+        if self.rigid:
+            rows = self.x, self.y, self.z
+        else:
+            yz, zx, xy = cross(self.y, self.z), cross(self.z, self.x), cross(self.x, self.y)
+            det = dot(self.x, yz)
+            if abs(det) < 1e-12:
+                raise ValueError("the axes of the placement lie in one plane")
+            rows = scale(yz, 1 / det), scale(zx, 1 / det), scale(xy, 1 / det)
+        (ax, ay, az), (bx, by, bz), (cx, cy, cz) = rows
+        o = -dot(rows[0], self.o), -dot(rows[1], self.o), -dot(rows[2], self.o)
+        return Frame(o, (ax, bx, cx), (ay, by, cy), (az, bz, cz))
 
 
 IDENTITY = Frame()
