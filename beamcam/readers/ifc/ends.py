@@ -68,16 +68,18 @@ class Trim(Struct, frozen=True):
 
 def trim(planes: Sequence[End], corners: Sequence[Point]) -> Trim:
     """The end of a stock that `planes`, all of one side, cut at the (Y, Z) of `corners`."""
-    lines = [_reaches(one, corners) for one in planes]
-    left = lines[0] if len(lines) == 1 else list(map(min, *lines))
+    lines = [reaches(one, corners) for one in planes]
+    left = list(map(min, *lines)) if len(lines) > 1 else lines[0]
     for one, line in zip(planes, lines, strict=True):
         if max(map(sub, line, left)) <= 1e-4:
             return Trim(tuple(planes), one, min(left), max(left))
     return Trim(tuple(planes), None, min(left), max(left))
 
 
-def _reaches(end: End, corners: Sequence[Point]) -> list[float]:
+def reaches(end: End, corners: Sequence[Point]) -> list[float]:
     """side * x of an end at each of the corners."""
+    if end.a == 0.0 and end.b == 0.0:
+        return [end.side * end.c] * len(corners)
     a, b, c = end.side * end.a, end.side * end.b, end.side * end.c
     return [a * y + b * z + c for y, z in corners]
 
@@ -186,4 +188,4 @@ def _through(side: int, edges: Sequence[_Edge], a: float, b: float) -> tuple[End
     return End(side, a, b, best[1]), best[0]
 
 
-__all__ = ["End", "Level", "Trim", "fitted_end", "of_plane", "trim"]
+__all__ = ["End", "Level", "Trim", "fitted_end", "of_plane", "reaches", "trim"]

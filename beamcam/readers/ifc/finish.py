@@ -19,7 +19,7 @@ from beamcam.model.part import (
     Slot,
 )
 from beamcam.readers.ifc.curves2d import Chain
-from beamcam.readers.ifc.ends import End, Level, fitted_end
+from beamcam.readers.ifc.ends import End, Level, fitted_end, reaches
 from beamcam.readers.ifc.entities import Unreadable
 from beamcam.readers.ifc.outline import Round, Slotted, shape_of
 from beamcam.readers.ifc.region import Circles, Shape, chains_of, cleaned, pieces_of, rectangle
@@ -29,6 +29,8 @@ from beamcam.readers.ifc.walls import Wall, corner_points, walls_of
 
 SQUARE_DEG = 0.005  #: an end that is less off square is square
 COMPOUND_DEG = 0.05  #: web and flange angle above which an end needs a plane of its own
+SAME = 0.01  #: mm between two features that are one, and degrees
+FACES = {"v": 0, "o": 1, "u": 2, "h": 3}  #: the order in which they are listed
 UNEXPLAINED = 0.05  #: mm, the width of what no end plane explains
 
 
@@ -64,7 +66,7 @@ def cuts_of(start: End, end: End) -> EndCuts:
 def reach(section: Section, start: End, end: End) -> tuple[float, float]:
     """Least and greatest x of the stock between two end planes."""
     corners = corner_points(section)
-    return min(start.x(y, z) for y, z in corners), max(end.x(y, z) for y, z in corners)
+    return -max(reaches(start, corners)), max(reaches(end, corners))
 
 
 def end_planes(start: End, end: End, shift: float, source: Source) -> tuple[EndPlane, ...]:
@@ -264,6 +266,8 @@ def contour(
 
 def shifted(feature: Hole | Slot | Contour, by: float) -> Hole | Slot | Contour:
     """A feature moved along the part."""
+    if by == 0.0:
+        return feature
     if isinstance(feature, Contour):
         matrix = ((1.0, 0.0, by), (0.0, 1.0, 0.0))
         curves: tuple[Curve, ...] = tuple(c.transformed(matrix) for c in feature.curves)
@@ -277,7 +281,7 @@ def sorted_features(
     """Contours, then holes and slots, face by face along the part, each once."""
 
     def key(f: Hole | Slot | Contour) -> tuple[object, ...]:
-        face = "voUh".find(f.face.upper() if f.face == "u" else f.face)
+        face = FACES[f.face]
         if isinstance(f, Contour):
             (x0, y0) = f.curves[0].start
             return (0, face, f.kind != "outer", round(x0, 3), round(y0, 3))
@@ -285,19 +289,27 @@ def sorted_features(
 
     out: list[Hole | Slot | Contour] = []
     for feature in sorted(features, key=key):
-        if not any(_same(feature, known) for known in out[-4:]):
+        for known in out[-4:]:
+            if _same(feature, known):
+                break
+        else:
             out.append(feature)
     return tuple(out)
 
 
 def _same(a: Hole | Slot | Contour, b: Hole | Slot | Contour) -> bool:
     """Whether two features are one and the same, modelled twice."""
-    if isinstance(a, Contour) or isinstance(b, Contour) or type(a) is not type(b):
+    if isinstance(a, Contour) or isinstance(b, Contour) or abs(a.x - b.x) >= SAME:
         return False
-    apart = max(abs(a.x - b.x), abs(a.y - b.y), abs(a.diameter - b.diameter))
-    same = a.face == b.face and apart < 0.01 and a.depth == b.depth
+    same = (
+        type(a) is type(b)
+        and a.face == b.face
+        and abs(a.y - b.y) < SAME
+        and abs(a.diameter - b.diameter) < SAME
+        and a.depth == b.depth
+    )
     if isinstance(a, Slot) and isinstance(b, Slot):
-        return same and abs(a.length - b.length) < 0.01 and abs(a.angle - b.angle) < 0.01
+        return same and abs(a.length - b.length) < SAME and abs(a.angle - b.angle) < SAME
     return same
 
 

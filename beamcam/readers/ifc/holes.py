@@ -14,7 +14,7 @@ from beamcam.readers.ifc.entities import Unreadable
 from beamcam.readers.ifc.finish import slot
 from beamcam.readers.ifc.outline import Round, Slotted
 from beamcam.readers.ifc.section import Section
-from beamcam.readers.ifc.space import Frame, dot, scale, size, unit
+from beamcam.readers.ifc.space import dot, scale, size, unit
 from beamcam.readers.ifc.walls import Wall
 
 SQUARE = 2e-3  #: sine of the angle by which a hole may be off square, a tenth of a degree
@@ -48,9 +48,11 @@ def pierce(cutter: Cutter, box: Box3, into: Drilled, source: Source) -> list[Hol
     if not into.walls:
         return None  # a special section has no face that a hole could be on
     low, high = box
+    start, end = into.start, into.end
     # The first planes are the stock's own, square ends.
-    if high[0] <= into.start.planes[0].c or low[0] >= into.end.planes[0].c:
+    if high[0] <= start.planes[0].c or low[0] >= end.planes[0].c:
         return []
+    clear = low[0] > NEAR - start.least and high[0] < end.least - NEAR  # of all planes
     found: list[Hole | Slot] = []
     for wall in into.walls:
         q, c = (2, 1) if wall.normal == "y" else (1, 2)
@@ -63,13 +65,14 @@ def pierce(cutter: Cutter, box: Box3, into: Drilled, source: Source) -> list[Hol
             or q0 >= wall.width - TOUCH
         ):
             continue
-        lean = _lean(cutter.frame, c)
+        along = cutter.frame.z
+        lean = abs(along[c]) / size(along)
         if lean < SQUARE:  # it runs along inside the wall
             return None
         if lean < 1 - SQUARE * SQUARE / 2:
             angle = degrees(atan2(sqrt(1 - lean * lean), lean))
             raise Unreadable(f"a hole at {angle:.2f} degrees to face {wall.face}")
-        beyond = _beyond((low[0], high[0]), (q0, q1), into, wall)
+        beyond = False if clear else _beyond((low[0], high[0]), (q0, q1), into, wall)
         if beyond:
             continue
         if beyond is None or q0 < NEAR or q1 > wall.width - NEAR:
@@ -78,19 +81,10 @@ def pierce(cutter: Cutter, box: Box3, into: Drilled, source: Source) -> list[Hol
     return found
 
 
-def _lean(frame: Frame, c: int) -> float:
-    """The cosine of the angle between a prism's length and an axis."""
-    along = frame.z
-    x, y, z = along
-    return abs(along[c]) / sqrt(x * x + y * y + z * z)
-
-
 def _beyond(xs: Span, qs: Span, into: Drilled, wall: Wall) -> bool | None:
     """Whether a hole lies all beyond an end, where nothing is to drill; None if the end cuts it."""
-    start, end = into.start, into.end
-    if xs[0] > NEAR - start.least and xs[1] < end.least - NEAR:
-        return False  # no plane comes near
-    for side, edge, planes in ((-1, xs[0], start.planes), (1, xs[1], end.planes)):
+    ends = (-1, xs[0], into.start.planes), (1, xs[1], into.end.planes)
+    for side, edge, planes in ends:
         for plane in planes:
             slope = plane.b if wall.normal == "y" else plane.a
             q = qs[1] if (slope < 0) == (side > 0) else qs[0]  # where the plane comes nearest

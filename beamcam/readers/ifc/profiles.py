@@ -23,9 +23,8 @@ class Outline(Struct, frozen=True):
 
 def definition(entity: Entity) -> Any:
     """What two profile definitions of one form have in common: the numbers, but not the name."""
-    if entity.is_a("IfcParameterizedProfileDef"):
-        return entity.row.name, entity.values[2:]
-    return entity
+    row = entity.row
+    return (row.name, entity.values[2:]) if "IfcParameterizedProfileDef" in row.kinds else entity
 
 
 def section_of(model: Model, entity: Entity) -> Section:

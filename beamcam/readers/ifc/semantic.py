@@ -232,6 +232,8 @@ def _sawn(
 
 def end_plane(cutter: Cutter, stock: Stock, corners: Sequence[Point]) -> HalfSpace | None:
     """The half-space that a cutter is for this member; None if it does not take all of an end."""
+    if isinstance(cutter, Prism) and cutter.shape is not None:
+        return None
     if isinstance(cutter, HalfSpace):
         return cutter if abs(cutter.normal[0]) > LEAST_LEAN else None
     if isinstance(cutter, Bounded) and isinstance(cutter.first, HalfSpace):
@@ -239,7 +241,7 @@ def end_plane(cutter: Cutter, stock: Stock, corners: Sequence[Point]) -> HalfSpa
         if abs(half.normal[0]) > LEAST_LEAN and isinstance(cutter.second, Prism):
             return half if _takes_all(cutter.second, half, stock, corners) else None
         return None
-    if isinstance(cutter, Prism) and cutter.shape is None:
+    if isinstance(cutter, Prism):
         for plane in _sides(cutter):
             if abs(plane.normal[0]) > LEAST_LEAN and _takes_all(cutter, plane, stock, corners):
                 return plane
