@@ -14,7 +14,7 @@ SAME_POINT = 1e-4  #: mm between the end of a curve and the start of the next
 
 def chain_of(model: Model, entity: Entity) -> Chain:
     """A closed chain of lines and arcs of an IFC curve. Raises Unreadable for other curves."""
-    chain = tuple(c for c in _curve(model, entity) if c.length > SAME_POINT)
+    chain = tuple(_curve(model, entity))
     if not chain:
         raise Unreadable(f"an empty {entity.is_a()}")
     first, last = chain[0].start, chain[-1].end
@@ -37,31 +37,34 @@ def _apart(a: Point, b: Point) -> bool:
 
 
 def _curve(model: Model, entity: Entity) -> list[Curve]:
-    kind = entity.is_a()
+    """The curves of an entity, those without length left out."""
+    row = entity.row
+    kind = row.name
     if kind == "IfcPolyline":
         mm = model.mm
         return _polyline([(c[0] * mm, c[1] * mm) for c in entity.values[0]])
-    if kind == "IfcCompositeCurve" or entity.is_a("IfcCompositeCurve"):
+    if "IfcCompositeCurve" in row.kinds:
         chain: list[Curve] = []
         for segment in entity.values[0]:
-            if segment.is_a("IfcReparametrisedCompositeCurveSegment") or not segment.is_a(
-                "IfcCompositeCurveSegment"
-            ):
+            if segment.row.name != "IfcCompositeCurveSegment":
                 raise Unreadable(f"a curve segment {segment.is_a()}")
-            pieces = _curve(model, segment.values[2])
-            if not segment.values[1]:
-                pieces = [c.reversed() for c in reversed(pieces)]
-            chain += pieces
+            _, forward, parent, *_ = segment.values
+            pieces = _curve(model, parent)
+            chain += pieces if forward else [c.reversed() for c in reversed(pieces)]
         return chain
     if kind == "IfcIndexedPolyCurve":
-        return _indexed(model, entity)
+        return _long(_indexed(model, entity))
     if kind == "IfcTrimmedCurve":
-        return [_trimmed(model, entity)]
+        return _long([_trimmed(model, entity)])
     if kind == "IfcCircle":
         frame = model.axes(entity.Position)
         start = degrees(_angle(frame.x[0], frame.x[1]))
-        return [Arc((frame.o[0], frame.o[1]), entity.Radius * model.mm, start, 360.0)]
+        return _long([Arc((frame.o[0], frame.o[1]), entity.Radius * model.mm, start, 360.0)])
     raise Unreadable(f"an outline by {kind}")
+
+
+def _long(curves: list[Curve]) -> list[Curve]:
+    return [c for c in curves if c.length > SAME_POINT]
 
 
 def _polyline(points: list[Point]) -> list[Curve]:

@@ -279,37 +279,41 @@ def sorted_features(
     features: Sequence[Hole | Slot | Contour],
 ) -> tuple[Hole | Slot | Contour, ...]:
     """Contours, then holes and slots, face by face along the part, each once."""
-
-    def key(f: Hole | Slot | Contour) -> tuple[object, ...]:
-        face = FACES[f.face]
-        if isinstance(f, Contour):
-            (x0, y0) = f.curves[0].start
-            return (0, face, f.kind != "outer", round(x0, 3), round(y0, 3))
-        return (1, face, isinstance(f, Slot), round(f.x, 3), round(f.y, 3))
-
-    out: list[Hole | Slot | Contour] = []
-    for feature in sorted(features, key=key):
-        for known in out[-4:]:
+    contours = [f for f in features if isinstance(f, Contour)]
+    drilled = [f for f in features if not isinstance(f, Contour)]
+    contours.sort(key=_place_of_contour)
+    drilled.sort(key=_place_of_hole)
+    once: list[Hole | Slot] = []
+    for feature in drilled:
+        for known in once[-4:]:
             if _same(feature, known):
                 break
         else:
-            out.append(feature)
-    return tuple(out)
+            once.append(feature)
+    return (*contours, *once)
 
 
-def _same(a: Hole | Slot | Contour, b: Hole | Slot | Contour) -> bool:
+def _place_of_contour(f: Contour) -> tuple[object, ...]:
+    x, y = f.curves[0].start
+    return FACES[f.face], f.kind != "outer", round(x, 3), round(y, 3)
+
+
+def _place_of_hole(f: Hole | Slot) -> tuple[object, ...]:
+    return FACES[f.face], isinstance(f, Slot), round(f.x, 3), round(f.y, 3)
+
+
+def _same(a: Hole | Slot, b: Hole | Slot) -> bool:
     """Whether two features are one and the same, modelled twice."""
-    if isinstance(a, Contour) or isinstance(b, Contour) or abs(a.x - b.x) >= SAME:
-        return False
     same = (
-        type(a) is type(b)
-        and a.face == b.face
+        abs(a.x - b.x) < SAME
         and abs(a.y - b.y) < SAME
         and abs(a.diameter - b.diameter) < SAME
+        and a.face == b.face
         and a.depth == b.depth
+        and type(a) is type(b)
     )
-    if isinstance(a, Slot) and isinstance(b, Slot):
-        return same and abs(a.length - b.length) < SAME and abs(a.angle - b.angle) < SAME
+    if same and isinstance(a, Slot) and isinstance(b, Slot):
+        return abs(a.length - b.length) < SAME and abs(a.angle - b.angle) < SAME
     return same
 
 

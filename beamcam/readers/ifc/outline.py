@@ -80,11 +80,18 @@ def joined(chain: Chain) -> Chain:
 
 
 def _join(a: Curve, b: Curve) -> Curve | None:
+    """Two neighbours as one curve; None where they are none."""
     if isinstance(a, Line) and isinstance(b, Line):
-        angle = abs(turn(a, b))
-        off = angle * a.length * b.length / (a.length + b.length)
-        straight = angle < PARALLEL_RAD or (angle < SHARP_RAD and off < STRAIGHT)
-        return Line(a.start, b.end) if straight else None
+        (px, py), (qx, qy), (rx, ry) = a.start, a.end, b.end
+        dx, dy, ex, ey = qx - px, qy - py, rx - b.start[0], ry - b.start[1]
+        angle = abs(atan2(dx * ey - dy * ex, dx * ex + dy * ey))
+        if angle >= SHARP_RAD:
+            return None
+        if angle >= PARALLEL_RAD:
+            long, longer = hypot(dx, dy), hypot(ex, ey)
+            if angle * long * longer >= STRAIGHT * (long + longer):
+                return None
+        return Line(a.start, b.end)
     if isinstance(a, Arc) and isinstance(b, Arc):
         apart = hypot(a.centre[0] - b.centre[0], a.centre[1] - b.centre[1])
         same_way = a.sweep_deg * b.sweep_deg > 0
@@ -140,7 +147,11 @@ def _arc_of(run: list[Curve]) -> Arc | None:
 
 def shape_of(chain: Chain) -> Round | Slotted | None:
     """A circle or a slot where the chain is one; None for everything else."""
-    curves = with_arcs(chain)
+    return shape_of_curves(with_arcs(chain))
+
+
+def shape_of_curves(curves: Chain) -> Round | Slotted | None:
+    """As `shape_of` of a chain that has its arcs."""
     arcs = [c for c in curves if isinstance(c, Arc)]
     lines = [c for c in curves if isinstance(c, Line)]
     if len(arcs) + len(lines) != len(curves) or not arcs:
@@ -217,12 +228,12 @@ def sharpened(chain: Chain) -> Chain:
     return tuple(Line(p, points[(j + 1) % len(points)]) for j, p in enumerate(points))
 
 
-def corners_of(chain: Chain) -> tuple[Corner, ...] | None:
+def corners_of(curves: Chain) -> tuple[Corner, ...] | None:
     """The sharp corners of a chain of lines and roundings; None if it is not such a polygon.
 
-    Chamfers at inner corners, as coarse tessellations have them, count as roundings.
+    The chain has its arcs already. Chamfers at inner corners, as coarse tessellations have them,
+    count as roundings.
     """
-    curves = with_arcs(chain)
     if not all(isinstance(c, (Line, Arc)) for c in curves):
         return None
     start = next((i for i, c in enumerate(curves) if isinstance(c, Line)), None)

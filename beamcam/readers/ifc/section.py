@@ -20,7 +20,14 @@ from msgspec.structs import replace
 from beamcam.geometry.curves import Point, signed_area
 from beamcam.model.part import Profile, ProfileCode
 from beamcam.readers.ifc.curves2d import Chain
-from beamcam.readers.ifc.outline import Corner, Round, corners_of, shape_of
+from beamcam.readers.ifc.outline import (
+    Corner,
+    Round,
+    corners_of,
+    shape_of,
+    shape_of_curves,
+    with_arcs,
+)
 
 SQUARE = 0.02  #: sine of the angle by which a side of a section may be off square; more is a slope
 
@@ -107,10 +114,11 @@ def classify(outer: Chain, inner: Sequence[Chain] = ()) -> Section | None:
     area = abs(signed_area(outer)) - sum(abs(signed_area(c)) for c in inner)
     if len(inner) > 1:
         return None
-    shape = shape_of(outer)
+    curves = with_arcs(outer)
+    shape = shape_of_curves(curves)
     if isinstance(shape, Round):
         return _round(shape, inner, area)
-    corners = corners_of(outer)
+    corners = corners_of(curves)
     if inner:
         return _tube(corners, inner[0], area)
     found = _open(corners, area) if corners is not None else None
@@ -132,7 +140,7 @@ def _round(shape: Round, inner: Sequence[Chain], area: float) -> Section | None:
 
 
 def _tube(corners: tuple[Corner, ...] | None, inner: Chain, area: float) -> Section | None:
-    bore = corners_of(inner)
+    bore = corners_of(with_arcs(inner))
     if corners is None or bore is None or len(corners) != 4 or len(bore) != 4:
         return None
     outside, inside = _box(corners), _box(bore)
