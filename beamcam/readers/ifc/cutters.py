@@ -99,10 +99,10 @@ class Prism(Struct, frozen=True):
             u, v = unit_vector(shape.angle)
             way = f.vector((u * shape.length / 2, v * shape.length / 2, 0.0))
             dx, dy, dz = dx + abs(way[0]), dy + abs(way[1]), dz + abs(way[2])
-        return (
-            (x - dx + min(cx, 0.0), y - dy + min(cy, 0.0), z - dz + min(cz, 0.0)),
-            (x + dx + max(cx, 0.0), y + dy + max(cy, 0.0), z + dz + max(cz, 0.0)),
-        )
+        x0, x1 = (x, x + cx) if cx > 0 else (x + cx, x)
+        y0, y1 = (y, y + cy) if cy > 0 else (y + cy, y)
+        z0, z1 = (z, z + cz) if cz > 0 else (z + cz, z)
+        return (x0 - dx, y0 - dy, z0 - dz), (x1 + dx, y1 + dy, z1 + dz)
 
     def moved(self, by: Frame) -> "Prism":
         return Prism(by.times(self.frame), self.outline, self.where, self.shape)

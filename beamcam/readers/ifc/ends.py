@@ -38,11 +38,11 @@ class End(Struct, frozen=True):
 
     @property
     def web_deg(self) -> float:
-        return round(-degrees(atan(self.a)), 9) + 0.0
+        return round(-degrees(atan(self.a)), 9) + 0.0 if self.a else 0.0
 
     @property
     def flange_deg(self) -> float:
-        return round(-degrees(atan(self.b)), 9) + 0.0
+        return round(-degrees(atan(self.b)), 9) + 0.0 if self.b else 0.0
 
     def removed(self, wall: Wall, c: float) -> Shape:
         """What lies beyond the end on the wall's plane at `c`."""
@@ -68,6 +68,9 @@ class Trim(Struct, frozen=True):
 
 def trim(planes: Sequence[End], corners: Sequence[Point]) -> Trim:
     """The end of a stock that `planes`, all of one side, cut at the (Y, Z) of `corners`."""
+    if len(planes) == 1 and not (planes[0].a or planes[0].b):
+        least = planes[0].side * planes[0].c
+        return Trim(tuple(planes), planes[0], least, least)
     lines = [reaches(one, corners) for one in planes]
     left = list(map(min, *lines)) if len(lines) > 1 else lines[0]
     for one, line in zip(planes, lines, strict=True):

@@ -73,7 +73,7 @@ def end_planes(start: End, end: End, shift: float, source: Source) -> tuple[EndP
     """Ends that lean both ways, as planes: point and outward normal."""
     found = []
     for one in (start, end):
-        if min(abs(one.web_deg), abs(one.flange_deg)) > COMPOUND_DEG:
+        if one.a and one.b and min(abs(one.web_deg), abs(one.flange_deg)) > COMPOUND_DEG:
             by = one.side / hypot(1.0, one.a, one.b)
             normal = (by, -one.a * by, -one.b * by)
             found.append(EndPlane((one.x(0.0, 0.0) - shift, 0.0, 0.0), normal, source))
@@ -285,10 +285,7 @@ def sorted_features(
     drilled.sort(key=_place_of_hole)
     once: list[Hole | Slot] = []
     for feature in drilled:
-        for known in once[-4:]:
-            if _same(feature, known):
-                break
-        else:
+        if not _among(feature, once):
             once.append(feature)
     return (*contours, *once)
 
@@ -300,6 +297,16 @@ def _place_of_contour(f: Contour) -> tuple[object, ...]:
 
 def _place_of_hole(f: Hole | Slot) -> tuple[object, ...]:
     return FACES[f.face], isinstance(f, Slot), round(f.x, 3), round(f.y, 3)
+
+
+def _among(feature: Hole | Slot, before: Sequence[Hole | Slot]) -> bool:
+    """Whether one of those that are sorted before a feature is the same."""
+    for known in reversed(before):
+        if abs(feature.x - known.x) > 2 * SAME or feature.face != known.face:
+            return False
+        if _same(feature, known):
+            return True
+    return False
 
 
 def _same(a: Hole | Slot, b: Hole | Slot) -> bool:

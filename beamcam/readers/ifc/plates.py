@@ -54,6 +54,8 @@ def _plate_of(model: Model, element: Entity, profile: Entity, depth: float) -> P
         outline = outline_of(model, profile)
     except Unreadable:
         return None
+    if 2 * depth > sum(c.length for c in outline.outer):
+        return None  # a closed curve is at least twice as long as what it spans: a bar
     boxes = [c.bbox for c in outline.outer]
     across = max(b[2] for b in boxes) - min(b[0] for b in boxes)
     upright = max(b[3] for b in boxes) - min(b[1] for b in boxes)

@@ -32,7 +32,7 @@ from beamcam.readers.ifc.outline import (
 SQUARE = 0.02  #: sine of the angle by which a side of a section may be off square; more is a slope
 
 
-class Section(Struct, frozen=True):
+class Section(Struct, frozen=True, cache_hash=True):
     """A classified section; lengths in mm, points and directions in the profile's plane."""
 
     code: ProfileCode
