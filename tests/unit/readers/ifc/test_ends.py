@@ -1,0 +1,40 @@
+"""What several planes at one end of a stock leave of it."""
+
+from hypothesis import given
+from hypothesis import strategies as st
+
+from beamcam.readers.ifc.ends import End, trim
+
+SLOPES = st.sampled_from((0.0, 0.0, 0.5, -0.5, 1.25)) | st.floats(-2, 2)
+CORNERS = ((0.0, 0.0), (0.0, 150.0), (300.0, 0.0), (300.0, 150.0), (10.0, 71.0), (290.0, 71.0))
+
+
+@st.composite
+def planes(draw: st.DrawFn) -> list[End]:
+    side = draw(st.sampled_from((-1, 1)))
+    found = [End(side, 0.0, 0.0, draw(st.floats(-50, 50)))]
+    for _ in range(draw(st.integers(0, 3))):
+        found.append(End(side, draw(SLOPES), draw(SLOPES), draw(st.floats(-500, 500))))
+    return found
+
+
+@given(planes())
+def test_what_is_left_lies_before_every_plane(ends: list[End]) -> None:
+    found = trim(ends, CORNERS)
+    left = [min(e.side * e.x(y, z) for e in ends) for y, z in CORNERS]
+    assert abs(found.least - min(left)) < 1e-9
+    assert abs(found.most - max(left)) < 1e-9
+    assert found.planes == tuple(ends)
+
+
+@given(planes())
+def test_the_sole_plane_is_the_first_that_no_other_comes_before(ends: list[End]) -> None:
+    """Within 1e-4 mm at every corner; two planes that cross in the section share the end."""
+    first = [
+        one
+        for one in ends
+        if all(
+            one.side * one.x(y, z) <= e.side * e.x(y, z) + 1e-4 for y, z in CORNERS for e in ends
+        )
+    ]
+    assert trim(ends, CORNERS).sole == (first[0] if first else None)
