@@ -11,9 +11,10 @@ from math import atan2, ceil, cos, degrees, radians, sin, tan
 import numpy as np
 from msgspec import Struct
 
-from beamcam.geometry.arrays import cubics_of, rows
+from beamcam.geometry.arrays import rows
 from beamcam.geometry.biarcs import BASIS, MARGIN, fit_cubics
 from beamcam.geometry.conics import arc_between
+from beamcam.geometry.cubics import cubics_of
 from beamcam.geometry.curves import Arc, Bezier, Curve, EllipseArc, Line, bezier_pieces
 from beamcam.geometry.fitting import fit_path, known_error
 from beamcam.geometry.plane import Point, distance

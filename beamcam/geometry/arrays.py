@@ -1,4 +1,4 @@
-"""What many curves have in numbers, as float64 arrays: their ends, their hulls, their cubics.
+"""What many curves have in numbers, as float64 arrays: their ends, their hulls, their areas.
 
 A drawing has tens of thousands of curves. Questions about all of them at once (which ends meet,
 which lie outermost) are asked of these arrays; the curves stay what they are.
@@ -6,9 +6,11 @@ which lie outermost) are asked of these arrays; the curves stay what they are.
 
 from collections import defaultdict
 from collections.abc import Iterable, Sequence
+from functools import cached_property
 from itertools import chain
 
 import numpy as np
+from msgspec.structs import astuple
 from numpy.typing import NDArray
 
 from beamcam.geometry.curves import (
@@ -17,10 +19,10 @@ from beamcam.geometry.curves import (
     BSpline,
     Curve,
     Line,
-    NewtonCurve,
     signed_area,
 )
 from beamcam.geometry.plane import Point
+from beamcam.geometry.splines import spline_ends
 
 Floats = NDArray[np.float64]
 Counts = NDArray[np.int64]
@@ -29,11 +31,11 @@ Counts = NDArray[np.int64]
 TOUCH = 1e-9
 
 
-def by_kind(curves: Sequence[Curve]) -> dict[type, list[int]]:
+def by_kind(curves: Iterable[Curve]) -> dict[type, list[int]]:
     """The indices of the curves of each kind, ascending."""
     found: defaultdict[type, list[int]] = defaultdict(list)
-    for k, curve in enumerate(curves):
-        found[type(curve)].append(k)
+    for k, kind in enumerate(map(type, curves)):
+        found[kind].append(k)
     return found
 
 
@@ -43,36 +45,111 @@ def rows(values: Iterable[Sequence[float]], width: int) -> Floats:
     return found.reshape(-1, width)
 
 
-def line_rows(curves: Sequence[Curve], which: Sequence[int]) -> Floats:
-    """Start and end of the lines among `curves` with the indices `which`: (n, 4)."""
-    lines: list[Line] = [curves[k] for k in which]  # type: ignore[misc]
-    return rows([(*line.start, *line.end) for line in lines], 4)
+class CurveTable:
+    """Many curves, the numbers of the lines and arcs among them, and what follows from these.
 
+    Each array is made when it is first asked for and kept; none may be written to.
+    """
 
-def arc_rows(curves: Sequence[Curve], which: Sequence[int]) -> Floats:
-    """Centre, radius, start and sweep in degrees of the arcs with the indices `which`: (n, 5)."""
-    arcs: list[Arc] = [curves[k] for k in which]  # type: ignore[misc]
-    return rows([(*a.centre, a.radius, a.start_deg, a.sweep_deg) for a in arcs], 5)
+    def __init__(self, curves: Sequence[Curve]) -> None:
+        self.curves = curves
+        self._kinds = by_kind(curves)
+
+    def where(self, kind: type[Curve]) -> Counts:
+        """The indices of the curves of a kind, ascending."""
+        return np.array(self._kinds.get(kind, []), dtype=np.int64)
+
+    def free(self) -> list[int]:
+        """The indices of the curves that are neither lines nor arcs, ascending."""
+        kinds = self._kinds.items()
+        return sorted(k for kind, which in kinds if kind not in (Line, Arc) for k in which)
+
+    @cached_property
+    def lines(self) -> Floats:
+        """Start and end of the lines, (n, 4)."""
+        lines = [self.curves[k] for k in self._kinds.get(Line, [])]
+        return rows(chain.from_iterable(map(astuple, lines)), 4)
+
+    @cached_property
+    def arcs(self) -> Floats:
+        """Centre, radius, start and sweep in degrees of the arcs, (n, 5)."""
+        arcs: list[Arc] = [self.curves[k] for k in self._kinds.get(Arc, [])]  # type: ignore[misc]
+        return rows([(*a.centre, a.radius, a.start_deg, a.sweep_deg) for a in arcs], 5)
+
+    @cached_property
+    def ends(self) -> Floats:
+        """Start and end of every curve, (n, 4); those of arcs to the last digits but one or two."""
+        found = np.empty((len(self.curves), 4))
+        for kind, which in self._kinds.items():
+            some = [self.curves[k] for k in which]
+            if kind is Line:
+                found[which] = self.lines
+            elif kind is Arc:
+                found[which] = arc_ends(self.arcs)
+            elif kind is Bezier:
+                points = [_control(curve) for curve in some]
+                found[which] = rows([(*p[0], *p[-1]) for p in points], 4)
+            elif kind is BSpline:
+                found[which] = spline_ends(some)  # type: ignore[arg-type]
+            else:
+                found[which] = [(*curve.start, *curve.end) for curve in some]
+        return found
+
+    @cached_property
+    def hulls(self) -> Floats:
+        """A box around every curve, (n, 4), of lines the least one: x and y, least and greatest.
+
+        Arcs have the box of their circle, free curves that of their control points.
+        """
+        found = np.empty((len(self.curves), 4))
+        for kind, which in self._kinds.items():
+            if kind is Line:
+                found[which] = _sorted_ends(self.lines)
+            elif kind is Arc:
+                centre, radius = self.arcs[:, :2], self.arcs[:, 2:3]
+                found[which] = np.hstack((centre - radius, centre + radius))
+            elif kind is Bezier or kind is BSpline:
+                of_size: defaultdict[int, list[int]] = defaultdict(list)
+                for k in which:
+                    of_size[len(_control(self.curves[k]))].append(k)
+                for size, some in of_size.items():
+                    flat = chain.from_iterable(_control(self.curves[k]) for k in some)
+                    points = rows(flat, 2 * size).reshape(-1, size, 2)
+                    found[some] = np.hstack((points.min(axis=1), points.max(axis=1)))
+            else:
+                found[which] = [self.curves[k].bbox for k in which]
+        return found
+
+    def outermost(self) -> list[Curve]:
+        """Those curves, few as a rule, that may touch the box around all: it is the box around
+        them.
+
+        A curve whose hull lies inside a box around ends of curves touches nothing. Raises
+        ValueError if there are no curves.
+        """
+        if not self.curves:
+            raise ValueError("no curves have no box")
+        inner, hulls = self._some_box(), self.hulls
+        slack = TOUCH * (1.0 + np.abs(inner))
+        out = (hulls[:, :2] <= (inner + slack)[:2]) | (hulls[:, 2:] >= (inner - slack)[2:])
+        return [self.curves[k] for k in np.flatnonzero(out.any(axis=1)).tolist()]
+
+    def _some_box(self) -> Floats:
+        """A box (4,) that the one around all curves holds: around the ends of lines and arcs."""
+        ends = np.concatenate((self.lines, arc_ends(self.arcs)))
+        if not len(ends):
+            ends = self.ends
+        ends = _sorted_ends(ends)
+        return np.concatenate((ends[:, :2].min(axis=0), ends[:, 2:].max(axis=0)))
 
 
 def ends_of(curves: Sequence[Curve]) -> Floats:
     """Start and end of every curve, (n, 4); those of arcs to the last digits but one or two."""
-    found = np.empty((len(curves), 4))
-    for kind, which in by_kind(curves).items():
-        if kind is Line:
-            found[which] = line_rows(curves, which)
-        elif kind is Arc:
-            found[which] = arc_ends(arc_rows(curves, which))
-        elif kind is Bezier:
-            points = [_control(curves[k]) for k in which]
-            found[which] = rows([(*p[0], *p[-1]) for p in points], 4)
-        else:
-            found[which] = [(*curves[k].start, *curves[k].end) for k in which]
-    return found
+    return CurveTable(curves).ends
 
 
 def arc_ends(arcs: Floats) -> Floats:
-    """Start and end (n, 4) of arcs in rows as `arc_rows` gives them; of a circle one point."""
+    """Start and end (n, 4) of arcs in rows as `CurveTable.arcs`; of a circle one point."""
     centre, radius = arcs[:, :2], arcs[:, 2:3]
     start, sweep = arcs[:, 3], arcs[:, 4]
     first = centre + radius * unit_vectors(start)
@@ -82,16 +159,13 @@ def arc_ends(arcs: Floats) -> Floats:
 
 def signed_areas(chains: Sequence[Sequence[Curve]]) -> Floats:
     """The areas (n,) inside closed chains in mm2, as `curves.signed_area` of each."""
-    curves = [curve for chain in chains for curve in chain]
-    ends = ends_of(curves)
+    table = CurveTable([curve for chain in chains for curve in chain])
+    ends, arcs = table.ends, table.arcs
     shares = (ends[:, 0] * ends[:, 3] - ends[:, 1] * ends[:, 2]) / 2
-    for kind, which in by_kind(curves).items():
-        if kind is Arc:
-            arcs = arc_rows(curves, which)
-            sweep = np.radians(arcs[:, 4])
-            shares[which] += arcs[:, 2] * arcs[:, 2] * (sweep - np.sin(sweep)) / 2
-        elif kind is not Line:
-            shares[which] = [signed_area((curves[k],)) for k in which]
+    sweep = np.radians(arcs[:, 4])
+    shares[table.where(Arc)] += arcs[:, 2] * arcs[:, 2] * (sweep - np.sin(sweep)) / 2
+    free = table.free()
+    shares[free] = [signed_area((table.curves[k],)) for k in free]
     owner = np.repeat(np.arange(len(chains)), [len(chain) for chain in chains])
     return np.bincount(owner, weights=shares, minlength=len(chains)).astype(np.float64)
 
@@ -107,169 +181,9 @@ def unit_vectors(angles_deg: Floats) -> Floats:
     return np.column_stack((x, y))
 
 
-def hulls_of(curves: Sequence[Curve]) -> Floats:
-    """A box around every curve, (n, 4), of lines the least one: x and y, least and greatest.
-
-    Arcs have the box of their circle, free curves that of their control points.
-    """
-    found = np.empty((len(curves), 4))
-    for kind, which in by_kind(curves).items():
-        if kind is Line:
-            found[which] = _sorted_ends(line_rows(curves, which))
-        elif kind is Arc:
-            arcs = arc_rows(curves, which)
-            found[which] = np.hstack((arcs[:, :2] - arcs[:, 2:3], arcs[:, :2] + arcs[:, 2:3]))
-        elif kind is Bezier or kind is BSpline:
-            of_size: defaultdict[int, list[int]] = defaultdict(list)
-            for k in which:
-                of_size[len(_control(curves[k]))].append(k)
-            for size, some in of_size.items():
-                flat = chain.from_iterable(_control(curves[k]) for k in some)
-                points = rows(flat, 2 * size).reshape(-1, size, 2)
-                found[some] = np.hstack((points.min(axis=1), points.max(axis=1)))
-        else:
-            found[which] = [curves[k].bbox for k in which]
-    return found
-
-
 def _sorted_ends(ends: Floats) -> Floats:
     return np.hstack((np.minimum(ends[:, :2], ends[:, 2:]), np.maximum(ends[:, :2], ends[:, 2:])))
 
 
 def _control(curve: Curve) -> Sequence[Point]:
     return curve.control if isinstance(curve, BSpline) else curve.points  # type: ignore[union-attr]
-
-
-def outermost(curves: Sequence[Curve]) -> list[Curve]:
-    """Those curves, few as a rule, that may touch the box around all: it is the box around them.
-
-    A curve whose hull lies inside a box around ends of curves touches nothing. Raises ValueError
-    if there are no curves.
-    """
-    if not curves:
-        raise ValueError("no curves have no box")
-    hulls = hulls_of(curves)
-    inner = _some_box(curves)
-    slack = TOUCH * (1.0 + np.abs(inner))
-    out = (hulls[:, :2] <= (inner + slack)[:2]) | (hulls[:, 2:] >= (inner - slack)[2:])
-    return [curves[k] for k in np.flatnonzero(out.any(axis=1)).tolist()]
-
-
-def _some_box(curves: Sequence[Curve]) -> Floats:
-    """A box (4,) that the one around all curves holds: around the ends of what is quickly asked."""
-    quick = [c for c in curves if type(c) in (Line, Arc, Bezier)] or curves[:1]
-    ends = _sorted_ends(ends_of(quick))
-    return np.concatenate((ends[:, :2].min(axis=0), ends[:, 2:].max(axis=0)))
-
-
-def cubics_of(curves: Sequence[Curve]) -> tuple[Floats, Counts, list[int]]:
-    """The control points (n, 4, 2) of all cubics without weights, and the curve of each (n,).
-
-    They come in the order of the curves, those of a spline from its start to its end, and are the
-    same numbers as `bezier_pieces` gives. The third value names the curves that are none.
-    """
-    kinds = by_kind(curves)
-    plain: list[int] = []
-    splines: list[int] = []
-    others: list[int] = []
-    for kind, which in kinds.items():
-        if kind is Bezier:
-            for k in which:
-                curve = curves[k]
-                assert isinstance(curve, Bezier)
-                is_cubic = curve.weights is None and len(curve.points) == 4
-                (plain if is_cubic else others).append(k)
-        elif kind is BSpline:
-            for k in which:
-                curve = curves[k]
-                assert isinstance(curve, BSpline)
-                is_cubic = curve.weights is None and curve.degree == 3
-                (splines if is_cubic else others).append(k)
-        elif kind is NewtonCurve:
-            for k in which:
-                curve = curves[k]
-                assert isinstance(curve, NewtonCurve)
-                piece = curve.as_bezier()
-                (plain if piece.weights is None and piece.degree == 3 else others).append(k)
-        else:
-            others += which
-    points = chain.from_iterable(_cubic_points(curves[k]) for k in plain)
-    control, owner = spline_cubics([curves[k] for k in splines])  # type: ignore[misc]
-    control = np.concatenate((rows(points, 8).reshape(-1, 4, 2), control))
-    owners = np.concatenate((_counts(plain), _counts(splines)[owner]))
-    order = np.argsort(owners, kind="stable")
-    return control[order], owners[order], sorted(others)
-
-
-def _cubic_points(curve: Curve) -> Sequence[Point]:
-    piece = curve.as_bezier() if isinstance(curve, NewtonCurve) else curve
-    assert isinstance(piece, Bezier)
-    return piece.points
-
-
-def _counts(values: Sequence[int]) -> Counts:
-    return np.array(values, dtype=np.int64)
-
-
-def spline_cubics(splines: Sequence[BSpline]) -> tuple[Floats, Counts]:
-    """The cubics (n, 4, 2) of cubic splines without weights, and the number of each one's spline.
-
-    As `BSpline.pieces`, for splines with equally many control points together.
-    """
-    groups: defaultdict[int, list[int]] = defaultdict(list)
-    for number, spline in enumerate(splines):
-        groups[len(spline.control)].append(number)
-    found = [_of_one_size([splines[k] for k in group], group) for group in groups.values()]
-    if not found:
-        return np.empty((0, 4, 2)), _counts([])
-    control = np.concatenate([part[0] for part in found])
-    owner = np.concatenate([part[1] for part in found])
-    order = np.argsort(owner, kind="stable")
-    return control[order], owner[order]
-
-
-def _of_one_size(splines: Sequence[BSpline], names: Sequence[int]) -> tuple[Floats, Counts]:
-    """Span by span, all splines at once; `names` come back for the splines.
-
-    Control point j of the span [a, b] is the blossom of (a, ..., b, ...) with b taken j times.
-    """
-    points = np.array([s.control for s in splines], dtype=np.float64)
-    knots = np.array([s.knots for s in splines], dtype=np.float64)
-    count = points.shape[1]
-    last = points[:, 0].copy()
-    begun = np.zeros(len(splines), dtype=bool)
-    found, owner = [], []
-    for k in range(3, count):
-        some = np.flatnonzero(knots[:, k] < knots[:, k + 1])
-        mine = knots[some]
-        a, b = mine[:, k], mine[:, k + 1]
-        cubic = np.stack(
-            [
-                _blossoms(points[some], mine, k, us)
-                for us in ((a, a, a), (a, a, b), (a, b, b), (b, b, b))
-            ],
-            axis=1,
-        )
-        # The first piece of a clamped spline begins on its control point, each other one where
-        # the one before it ended.
-        clamped = begun[some] | (mine[:, 1] == mine[:, 3])
-        cubic[:, 0] = np.where(clamped[:, None], last[some], cubic[:, 0])
-        # The last piece of a clamped spline ends on its control point.
-        at_end = (mine[:, k + 1] == mine[:, count]) & (mine[:, -2] == mine[:, count])
-        cubic[at_end, 3] = points[some[at_end], -1]
-        last[some], begun[some] = cubic[:, 3], True
-        found.append(cubic)
-        owner.append(_counts(names)[some])
-    return np.concatenate(found), np.concatenate(owner)
-
-
-def _blossoms(points: Floats, knots: Floats, k: int, arguments: Sequence[Floats]) -> Floats:
-    """The blossom of each spline (n, count, 2) in its span `k`: an array (n, 2)."""
-    row = points[:, k - 3 : k + 1].copy()
-    for r, u in enumerate(arguments, start=1):
-        for i in range(3, r - 1, -1):
-            low, high = knots[:, k - 3 + i], knots[:, k + 1 + i - r]
-            share = ((u - low) / (high - low))[:, None]
-            row[:, i] = row[:, i - 1] + share * (row[:, i] - row[:, i - 1])
-    found: Floats = row[:, 3]
-    return found

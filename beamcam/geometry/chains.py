@@ -62,14 +62,20 @@ class Chains(Struct, frozen=True):
     dropped: tuple[int, ...]  #: curves no larger than the tolerance
 
 
-def join_curves(curves: Sequence[Curve], tolerance: float, look: float | None = None) -> Chains:
+def join_curves(
+    curves: Sequence[Curve],
+    tolerance: float,
+    look: float | None = None,
+    ends: Floats | None = None,
+) -> Chains:
     """Chains of curves whose ends are no farther apart than `tolerance`, in the order given.
 
     Curves are turned round where needed. An end within the tolerance is moved onto its
     neighbour where a curve can be (lines and free curves), else a line bridges the rest. Where
     three ends or more meet, chains stop and a junction is reported. Open ends of chains nearer
     than `look` (10 times the tolerance if not given) are reported as gaps. Curves no larger
-    than the tolerance are dropped: both their ends would be one.
+    than the tolerance are dropped: both their ends would be one. `ends` are those of the curves
+    (n, 4), if they are known already.
 
     Raises ValueError if the tolerance is not above 0.
     """
@@ -77,7 +83,7 @@ def join_curves(curves: Sequence[Curve], tolerance: float, look: float | None = 
         raise ValueError(f"tolerance must be above 0, found {tolerance:g}")
     if not curves:
         return Chains((), (), (), ())
-    ends = ends_of(curves)
+    ends = ends_of(curves) if ends is None else ends
     away = np.hypot(ends[:, 2] - ends[:, 0], ends[:, 3] - ends[:, 1])
     closed = away <= SAME_POINT
     # A curve whose ends are far apart is not tiny; the others are looked at.

@@ -11,7 +11,8 @@ from math import ceil
 import numpy as np
 from numpy.typing import NDArray
 
-from beamcam.geometry.arrays import arc_rows, by_kind, cubics_of, line_rows
+from beamcam.geometry.arrays import CurveTable
+from beamcam.geometry.cubics import cubics_of
 from beamcam.geometry.curves import Arc, BSpline, Curve, Line
 from beamcam.geometry.sampling import points_at
 
@@ -39,16 +40,13 @@ def polylines(curves: Sequence[Curve], tolerance: float) -> Polylines:
     """
     if not tolerance > 0.0:
         raise ValueError(f"tolerance must be above 0, found {tolerance:g}")
-    kinds = by_kind(curves)
-    lines = np.array(kinds.get(Line, []), dtype=np.int64)
-    arcs = np.array(kinds.get(Arc, []), dtype=np.int64)
-    arc_array = arc_rows(curves, arcs.tolist())
-    free = sorted(k for kind, which in kinds.items() if kind not in (Line, Arc) for k in which)
+    table = CurveTable(curves)
+    lines, arcs, free = table.where(Line), table.where(Arc), table.free()
     control, owner, odd = cubics_of([curves[k] for k in free])
     cubic_owner = np.array(free, dtype=np.int64)[owner]
     others = [(free[k], _one(curves[free[k]], tolerance)) for k in odd]
     count = np.zeros(len(curves), dtype=np.int64)
-    arc_steps = _arc_steps(arc_array, tolerance)
+    arc_steps = _arc_steps(table.arcs, tolerance)
     cubic_steps = _cubic_steps(control, tolerance)
     count[lines] = 2
     count[arcs] = arc_steps + 1
@@ -58,9 +56,8 @@ def polylines(curves: Sequence[Curve], tolerance: float) -> Polylines:
         count[k] = len(points)
     begins = np.concatenate(([0], np.cumsum(count)))
     found = np.empty((int(begins[-1]), 2))
-    ends = line_rows(curves, lines.tolist())
-    found[begins[lines]], found[begins[lines] + 1] = ends[:, :2], ends[:, 2:]
-    _draw_arcs(found, begins[arcs], arc_array, arc_steps)
+    found[begins[lines]], found[begins[lines] + 1] = table.lines[:, :2], table.lines[:, 2:]
+    _draw_arcs(found, begins[arcs], table.arcs, arc_steps)
     _draw_cubics(found, begins, cubic_owner, control, cubic_steps)
     for k, points in others:
         found[begins[k] : begins[k + 1]] = points

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from beamcam.geometry.arrays import arc_ends, arc_rows, by_kind, line_rows, unit_vectors
+from beamcam.geometry.arrays import CurveTable, arc_ends, unit_vectors
 from beamcam.geometry.conics import arc_between
 from beamcam.geometry.corners import between, meeting
 from beamcam.geometry.curves import Arc, Curve, Line
@@ -93,14 +93,13 @@ def _with_joints(records: list[Line | Arc], joints: dict[int, Arc], begin: int, 
 
 def _beside(curves: Sequence[Curve], right: Floats) -> tuple[_Moved, Floats]:
     """The curves beside themselves, and the corners (n, 2) in which they ended."""
-    kinds, count = by_kind(curves), len(curves)
-    lines = np.array(kinds.get(Line, []), dtype=np.int64)
-    arcs = np.array(kinds.get(Arc, []), dtype=np.int64)
+    table, count = CurveTable(curves), len(curves)
+    lines, arcs = table.where(Line), table.where(Arc)
     is_line, bad = np.zeros(count, dtype=bool), np.ones(count, dtype=bool)
     ends, tangents = np.zeros((count, 4)), np.zeros((count, 4))
     corners, all_arcs = np.zeros((count, 2)), np.zeros((count, 5))
     is_line[lines] = True
-    before = line_rows(curves, lines.tolist())
+    before = table.lines
     step = before[:, 2:] - before[:, :2]
     length = np.hypot(step[:, 0], step[:, 1])
     unit = step / np.where(length > 0.0, length, 1.0)[:, None]
@@ -109,7 +108,7 @@ def _beside(curves: Sequence[Curve], right: Floats) -> tuple[_Moved, Floats]:
     tangents[lines] = np.hstack((unit, unit))
     corners[lines] = before[:, 2:]
     bad[lines] = length == 0.0
-    rows = arc_rows(curves, arcs.tolist())
+    rows = table.arcs.copy()
     turn = np.where(rows[:, 4] > 0, 1.0, -1.0)
     radius = rows[:, 2] + turn * right[arcs]
     corners[arcs] = arc_ends(rows)[:, 2:]

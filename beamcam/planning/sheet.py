@@ -7,6 +7,7 @@ part -> what each curve is for -> what lies twice taken away -> joined, nested -
 from collections.abc import Collection, Iterator, Sequence
 
 from beamcam.errors import Diagnostic, PlanError, Source, errors_in
+from beamcam.geometry.arrays import CurveTable
 from beamcam.machine.machine import Machine
 from beamcam.model.part import Part
 from beamcam.model.plan import ContourOp, Outcome, Piece, SheetPlan
@@ -52,8 +53,9 @@ def plan_sheet(parts: Sequence[Part], machine: Machine, skips: Collection[str] =
     if not gathered.wanted:
         raise PlanError(_nothing(part, gathered))
     remarks = [*material.remarks, *gathered.remarks]
-    shift = shift_of(gathered.wanted, torch)
-    wanted, stands, said = without_repeats(gathered.wanted)
+    curves = CurveTable([w.curve for w in gathered.wanted])
+    shift = shift_of(curves, torch)
+    wanted, stands, said = without_repeats(gathered.wanted, curves)
     remarks += said
     shapes, said = join(moved(wanted, shift), torch)
     remarks += said

@@ -7,9 +7,11 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from beamcam.geometry.arrays import cubics_of, ends_of, hulls_of, outermost
+from beamcam.geometry.arrays import CurveTable, ends_of
+from beamcam.geometry.cubics import cubics_of
 from beamcam.geometry.curves import Arc, Bezier, BSpline, NewtonCurve, bezier_pieces
 from beamcam.geometry.near import near_pairs
+from beamcam.geometry.splines import spline_ends
 from beamcam.model.drawing import extent
 from tests.property.curve_strategies import arcs, beziers, ellipses, lines, newton_curves, splines
 
@@ -27,10 +29,16 @@ def test_ends_are_those_of_the_curves(found):
         assert row == pytest.approx([*curve.start, *curve.end], abs=1e-9)
 
 
+@settings(max_examples=60, deadline=None)
+@given(st.lists(splines(), max_size=6))
+def test_ends_of_splines_are_their_own_to_the_last_bit(found):
+    assert spline_ends(found).tolist() == [[*curve.start, *curve.end] for curve in found]
+
+
 @settings(max_examples=50, deadline=None)
 @given(curves)
 def test_hulls_lie_around_the_curves(found):
-    for hull, curve in zip(hulls_of(found).tolist(), found, strict=True):
+    for hull, curve in zip(CurveTable(found).hulls.tolist(), found, strict=True):
         box, slack = curve.bbox, 1e-9 * (1 + max(map(abs, hull)))
         assert hull[0] <= box[0] + slack
         assert hull[1] <= box[1] + slack
@@ -41,12 +49,12 @@ def test_hulls_lie_around_the_curves(found):
 @settings(max_examples=60, deadline=None)
 @given(curves)
 def test_the_outermost_curves_have_the_box_of_all(found):
-    assert extent(outermost(found)) == extent(found)
+    assert extent(CurveTable(found).outermost()) == extent(found)
 
 
 def test_no_curves_have_no_box():
     with pytest.raises(ValueError, match="no curves have no box"):
-        outermost([])
+        CurveTable([]).outermost()
 
 
 @settings(max_examples=60, deadline=None)

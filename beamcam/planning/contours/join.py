@@ -6,15 +6,18 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 from msgspec import Struct
 from msgspec.structs import replace
+from numpy.typing import NDArray
 
 from beamcam.errors import Diagnostic, Source
-from beamcam.geometry.arrays import ends_of
+from beamcam.geometry.arrays import CurveTable
 from beamcam.geometry.chains import Chains, join_curves
 from beamcam.geometry.curves import Curve
 from beamcam.machine.machine import Torch, TorchProcess
 from beamcam.planning.contours import rules
 from beamcam.planning.contours.gather import Wanted
 from beamcam.planning.contours.outline import outlines
+
+Floats = NDArray[np.float64]
 
 #: A closed chain whose ends are nearer than this needs no joining.
 SAME_POINT = 1e-9
@@ -42,7 +45,8 @@ def join(wanted: Sequence[Wanted], torch: Torch) -> tuple[list[Shape], list[Diag
     shapes: list[tuple[int, Shape]] = []
     said: list[Diagnostic] = []
     loose: dict[TorchProcess, list[int]] = defaultdict(list)
-    for begin, end, closed in _features(wanted):
+    ends = CurveTable([w.curve for w in wanted]).ends
+    for begin, end, closed in _features(wanted, ends):
         first = wanted[begin]
         if closed:
             curves = tuple([w.curve for w in wanted[begin:end]])
@@ -51,7 +55,7 @@ def join(wanted: Sequence[Wanted], torch: Torch) -> tuple[list[Shape], list[Diag
         else:
             loose[first.process] += range(begin, end)
     for process, indices in loose.items():
-        chains = join_curves([wanted[i].curve for i in indices], torch.gap)
+        chains = join_curves([wanted[i].curve for i in indices], torch.gap, ends=ends[indices])
         for chain in chains.chains:
             members = [indices[m] for m in chain.members if m >= 0]
             source = wanted[members[0]].source
@@ -65,13 +69,12 @@ def join(wanted: Sequence[Wanted], torch: Torch) -> tuple[list[Shape], list[Diag
     return [shape for _, shape in shapes], said
 
 
-def _features(wanted: Sequence[Wanted]) -> Iterator[tuple[int, int, bool]]:
+def _features(wanted: Sequence[Wanted], places: Floats) -> Iterator[tuple[int, int, bool]]:
     """For each feature where its curves begin and end, and whether they are one closed chain:
-    they follow one another and end where they begin."""
+    they follow one another and end where they begin. `places` are the ends of all, (n, 4)."""
     features = np.array([w.feature for w in wanted])
     begins = np.flatnonzero(np.concatenate(([True], features[1:] != features[:-1])))
     ends = np.append(begins[1:], len(wanted))
-    places = ends_of([w.curve for w in wanted])
     before = np.arange(len(wanted)) - 1
     before[begins] = ends - 1
     gaps = np.abs(places[:, :2] - places[before, 2:]).max(axis=1) > SAME_POINT

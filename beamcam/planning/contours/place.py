@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 
 from beamcam.errors import PlanError
-from beamcam.geometry.arrays import outermost
+from beamcam.geometry.arrays import CurveTable
 from beamcam.geometry.curves import Arc, Curve, Line
 from beamcam.geometry.plane import Box, Matrix, Point
 from beamcam.machine.machine import Torch
@@ -14,19 +14,19 @@ from beamcam.planning.contours import rules
 from beamcam.planning.contours.gather import Wanted
 
 
-def box_of(curves: Sequence[Curve]) -> Box:
+def box_of(curves: CurveTable) -> Box:
     """The least box around curves, of which there is at least one."""
-    box = extent(outermost(curves))
+    box = extent(curves.outermost())
     if box is None:
         raise AssertionError("curves without a box")
     return box
 
 
-def shift_of(wanted: Sequence[Wanted], torch: Torch) -> Point:
+def shift_of(curves: CurveTable, torch: Torch) -> Point:
     """Machine coordinates of the part's x 0, y 0."""
     if torch.place == "drawn":
         return 0.0, 0.0
-    box = box_of([w.curve for w in wanted])
+    box = box_of(curves)
     return torch.margin - box[0], torch.margin - box[1]
 
 
@@ -55,7 +55,8 @@ def _shifted(curve: Curve, shift: Point, matrix: Matrix) -> Curve:
 def refuse_size(operations: Sequence[ContourOp], part: Part, torch: Torch) -> None:
     """Raises PlanError if the head would have to leave the work area."""
     passes = [one for op in operations for one in op.passes]
-    box = box_of([c for p in passes for way in (p.lead_in, p.curves, p.lead_out) for c in way])
+    ways = [way for p in passes for way in (p.lead_in, p.curves, p.lead_out)]
+    box = box_of(CurveTable([curve for way in ways for curve in way]))
     slack = torch.tolerance
     if box[2] - box[0] > torch.length + slack or box[3] - box[1] > torch.width + slack:
         raise PlanError(

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 from msgspec.structs import replace
 
 from beamcam.errors import Diagnostic
-from beamcam.geometry.arrays import arc_rows, by_kind, ends_of, line_rows
-from beamcam.geometry.curves import Arc, Curve, Line
+from beamcam.geometry.arrays import CurveTable
+from beamcam.geometry.curves import Arc, Line
 from beamcam.geometry.near import near_pairs
 from beamcam.planning.contours import rules
 from beamcam.planning.contours.gather import Wanted
@@ -17,30 +17,31 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-    Pairs = NDArray[np.int64]
+    Counts = NDArray[np.int64]
 
 #: Curves nearer than this lie on the same place; exports round to 1e-4 and finer.
 SAME_PLACE = 1e-3
 
 
 def without_repeats(
-    wanted: Sequence[Wanted],
+    wanted: Sequence[Wanted], curves: CurveTable
 ) -> tuple[list[Wanted], dict[int, int], list[Diagnostic]]:
-    """The curves without those that lie on others of the same process, and what became of it.
+    """What is wanted without what lies on others of the same process, and what became of it.
 
-    The second value says for each feature that lost all its curves which feature stands for it.
+    `curves` are those of `wanted`. The second value says for each feature that lost all its curves
+    which feature stands for it.
     """
+    doubtful = suspects(curves, [w.process for w in wanted])
+    if not doubtful:
+        return list(wanted), {}, []
     from beamcam.geometry.cleaning import remove_repetitions
     from beamcam.model.lengths import total_length
 
     keep: dict[int, Wanted] = dict(enumerate(wanted))
     stands: dict[int, int] = {}
     gone: list[int] = []
-    for process in sorted({w.process for w in wanted}):
-        mine = [i for i, w in enumerate(wanted) if w.process == process]
-        asked = [mine[k] for k in suspects([wanted[i].curve for i in mine])]
-        if not asked:
-            continue
+    for process in sorted({wanted[i].process for i in doubtful}):
+        asked = [i for i in doubtful if wanted[i].process == process]
         cleaned = remove_repetitions([wanted[i].curve for i in asked], SAME_PLACE)
         for k, curve in zip(cleaned.indices, cleaned.curves, strict=True):
             if curve is not wanted[asked[k]].curve:
@@ -72,37 +73,42 @@ def _resolved(stands: dict[int, int]) -> dict[int, int]:
     return found
 
 
-def suspects(curves: Sequence[Curve]) -> list[int]:
-    """Indices of the curves that may lie on another one, ascending.
+def suspects(curves: CurveTable, processes: Sequence[str]) -> list[int]:
+    """Indices of the curves that may lie on another one of the same process, ascending.
 
     Lines have to be collinear, arcs on one circle, and other curves to have the same ends.
     """
     import numpy as np
 
-    kinds = by_kind(curves)
-    lines, arcs = kinds.get(Line, []), kinds.get(Arc, [])
-    others = sorted(k for kind, which in kinds.items() if kind not in (Line, Arc) for k in which)
-    found: set[int] = set()
-    if len(lines) > 1:
-        found |= {lines[k] for k in np.unique(_collinear(line_rows(curves, lines))).tolist()}
-    if len(arcs) > 1:
-        # Circles near one another are points near one another in centre and radius.
-        circles = arc_rows(curves, arcs)
-        a, b = near_pairs(circles[:, :2], SAME_PLACE)
-        near = np.abs(circles[a, 2] - circles[b, 2]) <= SAME_PLACE
-        found |= {arcs[k] for k in np.unique((a[near], b[near])).tolist()}
-    if len(others) > 1:
-        ends = ends_of([curves[k] for k in others])
-        a, b = near_pairs((ends[:, :2] + ends[:, 2:]) / 2, SAME_PLACE)
-        found |= {others[k] for k in np.unique((a, b)).tolist()}
-    return sorted(found)
+    lines, arcs, others = curves.where(Line), curves.where(Arc), np.array(curves.free(), dtype=int)
+    ends = curves.ends[others]
+    pairs = [
+        lines[np.array(_collinear(curves.lines))],
+        arcs[np.array(_concentric(curves.arcs))],
+        others[np.array(near_pairs((ends[:, :2] + ends[:, 2:]) / 2, SAME_PLACE))],
+    ]
+    first, second = np.concatenate(pairs, axis=1).tolist()
+    alike = {(a, b) for a, b in zip(first, second, strict=True) if processes[a] == processes[b]}
+    return sorted({k for pair in alike for k in pair})
 
 
-def _collinear(ends: "NDArray[np.float64]") -> "Pairs":
+def _concentric(arcs: "NDArray[np.float64]") -> "tuple[Counts, Counts]":
+    """Pairs of arcs (n, 5) on one circle."""
+    import numpy as np
+
+    a, b = near_pairs(arcs[:, :2], SAME_PLACE)
+    near = np.abs(arcs[a, 2] - arcs[b, 2]) <= SAME_PLACE
+    return a[near], b[near]
+
+
+def _collinear(ends: "NDArray[np.float64]") -> "tuple[Counts, Counts]":
     """Pairs of lines (n, 4) that lie on one line and overlap by more than `SAME_PLACE`."""
     import numpy as np
     import shapely
 
+    if len(ends) < 2:
+        none = np.empty(0, dtype=np.int64)
+        return none, none
     low = np.minimum(ends[:, :2], ends[:, 2:])
     high = np.maximum(ends[:, :2], ends[:, 2:])
     boxes = shapely.box(
@@ -125,5 +131,4 @@ def _collinear(ends: "NDArray[np.float64]") -> "Pairs":
         along.append(np.sum(unit * rest, axis=1))
     shared = np.minimum(np.maximum(*along), lengths[long]) - np.maximum(np.minimum(*along), 0.0)
     same = (np.maximum(*away) <= SAME_PLACE) & (shared > SAME_PLACE)
-    found: Pairs = np.stack((long[same], short[same]))
-    return found
+    return long[same], short[same]
