@@ -17,6 +17,7 @@ from beamcam.model.program import ArcFeed, EllipseFeed, Feed, Movement, Parabola
 
 #: Above this sweep an arc is written as two, so that no controller can take the other way round.
 GREATEST_SWEEP_DEG = 180.0
+SWEEP_SLACK_DEG = 1e-9
 
 #: How far the written centre may lie beside the bisector of the written chord, by the radius;
 #: CODESYS mends a tenth and drives a line beyond.
@@ -58,7 +59,7 @@ def arc_feeds(start: Point, arc: Arc, numbers: Numbers, splits: int = MAX_SPLITS
     Arcs up to half a circle; lines where an arc is too flat to differ from one, or too small or
     too large for the controller. Moves of no length are left out.
     """
-    if abs(arc.sweep_deg) > GREATEST_SWEEP_DEG + 1e-9:
+    if abs(arc.sweep_deg) > GREATEST_SWEEP_DEG + SWEEP_SLACK_DEG:
         return _halves(start, arc, numbers, splits)
     end = numbers.at(arc.end)
     if end == start:

@@ -6,6 +6,7 @@ Where the controller has words for parabolas and ellipses those are kept exact.
 """
 
 from collections.abc import Iterator, Sequence
+from itertools import chain as chained
 from itertools import groupby
 
 from beamcam.geometry.curves import Arc, Curve, EllipseArc, Line, bezier_pieces
@@ -27,7 +28,9 @@ from beamcam.model.program import (
     Traverse,
 )
 from beamcam.motion.arcs import (
+    GREATEST_SWEEP_DEG,
     ROUND_RATIO,
+    SWEEP_SLACK_DEG,
     Numbers,
     arc_feeds,
     ellipse_feeds,
@@ -35,6 +38,7 @@ from beamcam.motion.arcs import (
     parabola_feed,
 )
 from beamcam.motion.pace import paced
+from beamcam.motion.sure import SureMoves, sure_moves
 
 #: What the fitting of arcs may take of the machine's tolerance; rounding takes the rest.
 FIT_SHARE = 0.5
@@ -42,29 +46,25 @@ FIT_SHARE = 0.5
 
 def sheet_program(plan: SheetPlan, machine: Machine, job: str) -> Program:
     """The commands that carry out a plan, in its order."""
-    return Program(job, tuple(_commands(plan, machine)))
-
-
-def _commands(plan: SheetPlan, machine: Machine) -> Iterator[Command]:
     pen = Pen(machine)
     passes = [one for op in plan.operations for one in op.passes]
-    ways = iter(pen.prepared([(*p.lead_in, *p.curves, *p.lead_out) for p in passes]))
-    yield StartSheet(plan.thickness)
-    for note in plan.notes:
-        yield Comment(note)
+    chains = pen.prepared([(*p.lead_in, *p.curves, *p.lead_out) for p in passes])
+    ways = zip(chains, sure_moves(chains, pen.numbers), strict=True)
+    commands: list[Command] = [StartSheet(plan.thickness), *map(Comment, plan.notes)]
     for op in plan.operations:
         for _ in op.passes:
-            yield from _pass(op, next(ways), pen)
+            commands += _pass(op, *next(ways), pen)
+    return Program(job, tuple(commands))
 
 
-def _pass(op: ContourOp, curves: Sequence[Curve], pen: "Pen") -> Iterator[Command]:
+def _pass(op: ContourOp, curves: Sequence[Curve], sure: SureMoves, pen: "Pen") -> Iterator[Command]:
     start = pen.numbers.at(curves[0].start)
     row = op.row
     yield Traverse(*start)
     if op.side != "on":
         yield Compensate(op.side, op.kerf)
     yield ToolOn(row.process, row.feed_mm_min, row.power, row.pierce_s, op.source)
-    moves = pen.along(start, curves)
+    moves = pen.along(start, curves, sure)
     if pen.limits is None:
         yield from moves
     else:
@@ -113,12 +113,14 @@ class Pen:
                     runs.append(tuple(group))
             places.append(place)
         if not runs:
-            return list(chains)
+            return [_halved(chain) for chain in chains]
         from beamcam.geometry.arc_fitting import fit_chains
 
         fits = fit_chains(runs, self._fit)
         return [
-            [c for step in place for c in (fits[step] if isinstance(step, int) else (step,))]
+            _halved(
+                [c for step in place for c in (fits[step] if isinstance(step, int) else (step,))]
+            )
             for place in places
         ]
 
@@ -130,15 +132,19 @@ class Pen:
             return self._ellipses and curve.ratio <= ROUND_RATIO
         return self._parabolas and all(map(is_parabola, bezier_pieces(curve)))
 
-    def along(self, start: Point, curves: Sequence[Curve]) -> list[Movement]:
-        """The moves along a chain that was prepared, from the written place `start`."""
+    def along(self, start: Point, curves: Sequence[Curve], sure: SureMoves) -> list[Movement]:
+        """The moves along a chain that was prepared, from the written place `start`.
+
+        Those that are sure are taken as they are, the others found one by one.
+        """
         moves: list[Movement] = []
-        decimals = self.numbers.decimals
         here = start
-        for curve in curves:
-            if isinstance(curve, Line):
-                x, y = curve.end
-                end = round(x, decimals) + 0.0, round(y, decimals) + 0.0
+        for curve, move in zip(curves, sure, strict=True):
+            if move is not None:
+                moves.append(move)
+                here = move.x, move.y
+            elif isinstance(curve, Line):
+                end = self.numbers.at(curve.end)
                 if end != here:
                     moves.append(Feed(*end))
                     here = end
@@ -161,11 +167,22 @@ class Pen:
             return moves
         from beamcam.geometry.arc_fitting import fit_chains
 
-        return self.along(here, fit_chains(((curve,),), self._fit)[0])
+        fitted = fit_chains(((curve,),), self._fit)[0]
+        return self.along(here, fitted, (None,) * len(fitted))
 
 
 def _tells_acceleration(words: Words) -> bool:
     return any("{acceleration}" in word for word in words.modal)
+
+
+def _halved(chain: Sequence[Curve]) -> Sequence[Curve]:
+    """A chain whose arcs are half a circle at most, as they are written."""
+    most = GREATEST_SWEEP_DEG + SWEEP_SLACK_DEG
+    wide = [type(curve) is Arc and abs(curve.sweep_deg) > most for curve in chain]
+    if not any(wide):
+        return chain
+    parts = (c.split(0.5) if is_wide else (c,) for c, is_wide in zip(chain, wide, strict=True))
+    return list(chained.from_iterable(parts))
 
 
 def _append(moves: list[Movement], here: Point, more: list[Movement]) -> Point:
