@@ -5,6 +5,7 @@ from typing import Any
 
 import click
 
+from beamcam.commands.common import cores
 from beamcam.commands.options import group
 
 #: Which members of a model are meant: `marks`, `guids`, `classes` and `assemblies`.
@@ -21,12 +22,17 @@ member_options = group(
 )
 
 
-def member_choice(values: Mapping[str, Any], kernel: bool) -> dict[str, object]:
-    """What a reader of models is told; `kernel` has every member checked by a second route."""
+def member_choice(
+    values: Mapping[str, Any], kernel: bool, workers: int | None = None
+) -> dict[str, object]:
+    """What a reader of models is told; `kernel` has every member checked by a second route.
+
+    So many `workers` read the members of a large model, or as many as there are cores.
+    """
     from beamcam.readers.ifc import Options, Selection
 
     names = ("marks", "guids", "classes", "assemblies")
     return {
         "selection": Selection(*(frozenset(values[name]) for name in names)),
-        "options": Options(force=values.get("force", False), kernel=kernel),
+        "options": Options(values.get("force", False), kernel, workers=workers or cores()),
     }

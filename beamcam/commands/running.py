@@ -13,7 +13,7 @@ import click
 
 from beamcam.batch import Found, Here, Shop, Workers, check_template
 from beamcam.commands import options
-from beamcam.commands.common import Voice
+from beamcam.commands.common import Voice, cores
 from beamcam.commands.members import member_choice, selection_options
 from beamcam.commands.settings import machine_of_stock
 from beamcam.commands.sheets import drawing_choice, drawing_options, torch_options
@@ -85,7 +85,7 @@ def shop_of(config: Config, asked: Mapping[str, Any], timed: bool = False) -> Sh
         not asked["no_verify"],
         config.name,
         None if sheets == bars else sheets,
-        drawing_choice(asked) | member_choice(asked, kernel=True),
+        drawing_choice(asked) | member_choice(asked, kernel=True, workers=1),
         timed=timed,
         clock=perf_counter,
     )
@@ -123,13 +123,6 @@ def workers_of(shop: Shop, jobs: int | None, scheduler: str | None, most: int) -
     from beamcam.batch.processes import Processes
 
     return Processes(shop, count)
-
-
-def cores() -> int:
-    """How many cores this process may use."""
-    if hasattr(os, "sched_getaffinity"):
-        return len(os.sched_getaffinity(0))
-    return os.cpu_count() or 1
 
 
 class Screen:

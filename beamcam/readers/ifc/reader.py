@@ -1,61 +1,19 @@
-"""From a model's bytes to parts: candidates, selection, reading, checks, ledger."""
+"""From a model's bytes to parts: candidates, shares of members, bolts, ledger."""
 
-from collections import Counter
 from collections.abc import Iterator
-from typing import Any
-
-from msgspec import Struct, field
-from msgspec.structs import replace
-from shapely.errors import ShapelyError
 
 from beamcam.collector import collector_resting
-from beamcam.errors import Diagnostic, Rule, Severity, Source
-from beamcam.model import catalogue
-from beamcam.model.part import Part, Profile
+from beamcam.errors import Diagnostic, Source
 from beamcam.readers.ifc import rules
-from beamcam.readers.ifc.body import Body, Swept, body_of
-from beamcam.readers.ifc.checks import check_data, check_kernel
-from beamcam.readers.ifc.entities import NOT_WELL_FORMED, Entity, Model, Unreadable
-from beamcam.readers.ifc.finish import Shaped
-from beamcam.readers.ifc.geometric import read_kernel, read_shell
-from beamcam.readers.ifc.marks import (
-    Data,
-    assembly_of,
-    data_of,
-    grade_of,
-    label_of,
-    mark_of,
-    material_of,
-    not_steel,
-)
+from beamcam.readers.ifc.entities import Entity, Model
+from beamcam.readers.ifc.member import Members, Taken
 from beamcam.readers.ifc.opening import open_file
 from beamcam.readers.ifc.options import Options, Progress, Selection
-from beamcam.readers.ifc.semantic import read_swept
-from beamcam.readers.ifc.space import IDENTITY
+from beamcam.readers.ifc.shares import shares
 from beamcam.readers.reading import Reading
 
-STEEL = 7.85e-6  #: kg/mm3
 CLASSES = ("IfcBeam", "IfcColumn", "IfcMember", "IfcPlate", "IfcDiscreteAccessory")
 PROXY = "IfcBuildingElementProxy"
-SOLID_STEEL = 160.0  #: mm; a solid rectangle thicker than this without a material is no steel
-CURVED = ("IfcRevolvedAreaSolid", "IfcSurfaceCurveSweptAreaSolid", "IfcSweptDiskSolid",
-          "IfcFixedReferenceSweptAreaSolid", "IfcDirectrixCurveSweptAreaSolid",
-          "IfcSweptDiskSolidPolygonal")  # fmt: skip
-TAPERED = ("IfcExtrudedAreaSolidTapered", "IfcRevolvedAreaSolidTapered", "IfcSectionedSpine",
-           "IfcSectionedSolidHorizontal")  # fmt: skip
-
-
-class Ledger(Struct):
-    """What became of every member of the file."""
-
-    read: int = 0
-    refused: int = 0
-    unselected: int = 0
-    left_out: Counter[str] = field(default_factory=Counter)
-
-    @property
-    def total(self) -> int:
-        return self.read + self.refused + self.unselected + sum(self.left_out.values())
 
 
 def read_model(
@@ -63,321 +21,74 @@ def read_model(
 ) -> Reading:
     """As `beamcam.readers.ifc.read`."""
     with collector_resting():
-        return _read(data, name, selection, options, progress)
+        opened = open_file(data, Source(name))
+        if isinstance(opened, Diagnostic):
+            return Reading("ifc", (), (opened,))
+        try:
+            return _read(opened, name, selection, options, progress)
+        finally:
+            opened.file.close()
 
 
 def _read(
-    data: bytes, name: str, selection: Selection, options: Options, progress: Progress | None
+    model: Model, name: str, selection: Selection, options: Options, progress: Progress | None
 ) -> Reading:
-    opened = open_file(data, Source(name))
-    if isinstance(opened, Diagnostic):
-        return Reading("ifc", (), (opened,))
-    try:
-        return _Run(opened, name, selection, options).read(progress)
-    finally:
-        opened.file.close()
+    elements = list(_elements(model, selection))
+    members = Members(model, elements, name, selection, options)
+    taken = Taken()
+    for share in shares(members.share, len(elements), options.workers):
+        taken.add(share)
+        if progress is not None:
+            progress(taken.ledger.total, len(elements))
+    parts = [part for _, part, _ in taken.members]
+    if options.bolts and parts:
+        from beamcam.readers.ifc.bolts import drill_bolt_holes
+
+        shapes = [(elements[place], part, shaped) for place, part, shaped in taken.members]
+        parts, said = drill_bolt_holes(model, shapes, options, name)
+        taken.said += said
+        askew = len(shapes) - len(parts)
+        taken.ledger.read -= askew
+        taken.ledger.refused += askew
+    said = [*taken.said, *_account(taken, len(elements), selection, name)]
+    return Reading("ifc", tuple(parts), tuple(said))
 
 
-class _Run(Struct):
-    """One reading of one model."""
-
-    model: Model
-    name: str
-    selection: Selection
-    options: Options
-    ledger: Ledger = field(default_factory=Ledger)
-    parts: list[Part] = field(default_factory=list)
-    said: list[Diagnostic] = field(default_factory=list)
-    seen: dict[str, set[str]] = field(default_factory=dict)
-    kernel_done: dict[Any, tuple[Diagnostic, ...]] = field(default_factory=dict)
-
-    def read(self, progress: Progress | None) -> Reading:
-        elements = list(self._elements())
-        shapes: list[tuple[Entity, Part, Shaped]] = []
-        for i, element in enumerate(elements, 1):
-            made = self._whole_member(element)
-            if made is not None:
-                shapes.append((element, *made))
-            if progress is not None:
-                progress(i, len(elements))
-        if self.options.bolts and shapes:
-            from beamcam.readers.ifc.bolts import drill_bolt_holes
-
-            self.parts, said = drill_bolt_holes(self.model, shapes, self.options, self.name)
-            self.said += said
-            askew = len(shapes) - len(self.parts)
-            self.ledger.read -= askew
-            self.ledger.refused += askew
-        else:
-            self.parts = [part for _, part, _ in shapes]
-        self._account(len(elements))
-        return Reading("ifc", tuple(self.parts), tuple(self.said))
-
-    def _elements(self) -> Iterator[Entity]:
-        wanted = {c.lower().removeprefix("ifc") for c in self.selection.classes}
-        names: tuple[str, ...] = CLASSES
-        if "buildingelementproxy" in wanted or "proxy" in wanted:
-            names = (*CLASSES, PROXY)
-        known = set[Entity]()
-        for name in names:
-            for element in self.model.file.by_type(name):
-                if element not in known:
-                    known.add(element)
-                    yield element
-
-    def _whole_member(self, element: Entity) -> tuple[Part, Shaped] | None:
-        """As `_member`; a file that is not well formed refuses the member and no other."""
-        before = self.ledger.total
-        try:
-            return self._member(element)
-        except (*NOT_WELL_FORMED, ShapelyError) as fault:
-            if self.ledger.total != before:
-                raise  # it was counted already, so that the fault is ours
-            found = f"data that are not well formed ({type(fault).__name__}: {fault})"
-            self._refuse(rules.GEOMETRY, Source(self.name, where=str(element[0])), found)
-            return None
-
-    def _member(self, element: Entity) -> tuple[Part, Shaped] | None:
-        """The part of one element, if it is selected, steel and readable."""
-        source = Source(self.name, where=element[0])
-        data = data_of(self.model, element)
-        mark, _ = mark_of(element, data)
-        assembly = assembly_of(element, data)
-        if not self._selected(element, mark, assembly):
-            self.ledger.unselected += 1
-            return None
-        material = material_of(self.model, element)
-        what = not_steel(material)
-        if what is None and element.is_a("IfcDiscreteAccessory") and element.Representation is None:
-            what = "accessories without geometry"
-        if what is not None:
-            self.ledger.left_out[what] += 1
-            return None
-        try:
-            body = body_of(self.model, element)
-            shaped, profile = self._shape(element, body, source)
-        except Unreadable as reason:
-            found = self._by_kernel(element, source, reason)
-            if found is None:
-                return None
-            shaped, profile, body = found, None, None
-        if (
-            not material
-            and shaped.section.code in ("B", "RU")
-            and shaped.section.width > SOLID_STEEL
-        ):
-            self.ledger.left_out["solid sections without a material"] += 1
-            return None
-        part = self._part(element, shaped, profile, data, (mark, assembly, material), source)
-        said = check_data(part, shaped, data, source)
-        if self.options.kernel and body is not None:
-            said += self._kernel_check(element, part, shaped, data)
-        said += tuple(rules.FITTED.at(source, found=kind) for kind in shaped.fitted)
-        said += tuple(rules.PIECES.at(source, found=text) for text in shaped.remarks)
-        said = tuple(rules.forced(d) if self.options.force else d for d in said)
-        self.said += said
-        if any(d.severity is Severity.ERROR for d in said):
-            self.ledger.refused += 1
-            return None
-        self.ledger.read += 1
-        return part, shaped
-
-    def _shape(self, element: Entity, body: Body, source: Source) -> tuple[Shaped, Entity | None]:
-        if isinstance(body.base, Swept):
-            return read_swept(self.model, element, body, source), body.base.profile
-        return read_shell(body.base, body.cutters(self.model, IDENTITY), source), None
-
-    def _by_kernel(self, element: Entity, source: Source, reason: Unreadable) -> Shaped | None:
-        """The member as the kernel builds it, where its definition is not understood."""
-        kinds = {i.is_a() for i in _items_below(element)}
-        for rule, names in ((rules.CURVED, CURVED), (rules.TAPERED, TAPERED)):
-            for kind in names:
-                if kind in kinds:
-                    self._refuse(rule, source, kind)
-                    return None
-        if element.Representation is None:
-            self.ledger.left_out["elements without geometry"] += 1
-            return None
-        try:
-            return read_kernel(self.model, element, source)
-        except Unreadable as second:
-            text = (
-                str(reason) if str(reason) == str(second) else f"{reason}; by the kernel {second}"
-            )
-            rule = rules.SECTION if "section" in str(second) else rules.GEOMETRY
-            self._refuse(rule, source, text)
-            return None
-
-    def _refuse(self, rule: Rule, source: Source, found: str) -> None:
-        self.said.append(rule.at(source, found=found))
-        self.ledger.refused += 1
-
-    def _selected(self, element: Entity, mark: str, assembly: str) -> bool:
-        chosen = self.selection
-        if chosen.everything:
-            return True
-        kind = element.is_a()
-        values = {"mark": mark, "guid": element[0], "class": kind, "assembly": assembly}
-        for key, value in values.items():
-            self.seen.setdefault(key, set()).add(value)
-        classes = {c.lower().removeprefix("ifc") for c in chosen.classes}
-        return (
-            (not chosen.marks or mark in chosen.marks)
-            and (not chosen.guids or element[0] in chosen.guids)
-            and (not classes or bool(classes & _class_names(kind)))
-            and (not chosen.assemblies or assembly in chosen.assemblies)
-        )
-
-    def _part(
-        self,
-        element: Entity,
-        shaped: Shaped,
-        profile: Entity | None,
-        data: Data,
-        names: tuple[str, str, str],
-        source: Source,
-    ) -> Part:
-        mark, assembly, material = names
-        section = shaped.section
-        bare = section.profile("")
-        label, remark = named(bare, label_of(element, profile, data))
-        if remark is not None:
-            self.said.append(remark_at(remark, bare, source))
-        return Part(
-            mark=mark,
-            profile=replace(bare, name=label),
-            length=shaped.length,
-            source=source,
-            drawing=assembly,
-            phase=data.text("Phase"),
-            grade=grade_of(material, data),
-            cuts=shaped.cuts,
-            features=shaped.features,
-            weight=_weight(bare, section.area),
-            guid=element[0],
-        )
-
-    def _kernel_check(
-        self, element: Entity, part: Part, shaped: Shaped, data: Data
-    ) -> tuple[Diagnostic, ...]:
-        from beamcam.readers.ifc.quantities import geometry_key
-
-        key = geometry_key(part)
-        if key not in self.kernel_done:
-            self.kernel_done[key] = check_kernel(self.model, element, part, shaped, data)
-        return tuple(replace(d, source=part.source) for d in self.kernel_done[key])
-
-    def _account(self, total: int) -> None:
-        source = Source(self.name)
-        chosen = self.selection
-        for kind, wanted in (
-            ("mark", chosen.marks), ("guid", chosen.guids), ("assembly", chosen.assemblies)
-        ):  # fmt: skip
-            there = self.seen.get(kind, set())
-            for value in sorted(wanted - there):
-                some = ", ".join(sorted(v for v in there if v)[:5]) or "none"
-                self.said.append(rules.NOT_FOUND.at(source, kind=kind, found=value, expected=some))
-        for what, count in sorted(self.ledger.left_out.items()):
-            self.said.append(rules.LEFT_OUT.at(source, found=count, what=what))
-        if self.ledger.total != total:
-            raise AssertionError("the ledger of the model does not balance")
-        if not self.ledger.read and not self.ledger.refused and not self.ledger.unselected:
-            self.said.append(rules.NO_MEMBERS.at(source))
-        self.said.append(
-            rules.LEDGER.at(
-                source,
-                found=total,
-                read=self.ledger.read,
-                refused=self.ledger.refused,
-                left_out=sum(self.ledger.left_out.values()),
-                unselected=self.ledger.unselected,
-            )
-        )
+def _elements(model: Model, selection: Selection) -> Iterator[Entity]:
+    """The elements that may be steel members, in the order of their classes and of the file."""
+    wanted = {c.lower().removeprefix("ifc") for c in selection.classes}
+    names: tuple[str, ...] = CLASSES
+    if "buildingelementproxy" in wanted or "proxy" in wanted:
+        names = (*CLASSES, PROXY)
+    known = set[Entity]()
+    for name in names:
+        for element in model.file.by_type(name):
+            if element not in known:
+                known.add(element)
+                yield element
 
 
-def _class_names(kind: str) -> set[str]:
-    """The names by which a class is meant: itself, and without StandardCase."""
-    name = kind.lower().removeprefix("ifc")
-    names = {name, name.removesuffix("standardcase")}
-    return names | {"proxy"} if name == "buildingelementproxy" else names
-
-
-def _items_below(element: Entity) -> Iterator[Entity]:
-    """All representation items of an element, through maps and booleans."""
-    todo = []
-    if element.Representation is not None:
-        for representation in element.Representation.Representations:
-            if representation.RepresentationIdentifier not in ("Axis", "Box", "FootPrint"):
-                todo += list(representation.Items)
-    seen = set[Entity]()
-    while todo:
-        item = todo.pop()
-        if item in seen:  # shared, or geometry that contains itself
-            continue
-        seen.add(item)
-        yield item
-        if item.is_a("IfcMappedItem"):
-            todo += list(item.MappingSource.MappedRepresentation.Items)
-        elif item.is_a("IfcBooleanResult"):
-            todo.append(item.FirstOperand)
-        elif item.is_a("IfcCsgSolid"):
-            todo.append(item.TreeRootExpression)
-
-
-def named(profile: Profile, label: str) -> tuple[str, str | None]:
-    """The name of a section, and the label of the file where its measures deny it.
-
-    The label stands unless the catalogue knows it by other measures; a section without one has
-    the catalogue's name, or one made of its measures.
-    """
-    if label:
-        known = catalogue.measures_of(label)
-        if known is None:
-            return label, None
-        code, sizes = known
-        # Measures of angles and tubes do not say which side is up.
-        if code == profile.code and catalogue.difference(profile, sizes) <= 1.0:
-            return label, None
-        return catalogue.name_of(profile) or measured_name(profile), label
-    return catalogue.name_of(profile) or measured_name(profile), None
-
-
-def remark_at(label: str, profile: Profile, source: Source) -> Diagnostic:
-    return rules.PROFILE_NAME.at(
+def _account(taken: Taken, total: int, chosen: Selection, name: str) -> Iterator[Diagnostic]:
+    """What was selected and not found, what was left out, and the ledger, which has to balance."""
+    source, ledger = Source(name), taken.ledger
+    for kind, wanted in (
+        ("mark", chosen.marks), ("guid", chosen.guids), ("assembly", chosen.assemblies)
+    ):  # fmt: skip
+        there = taken.seen.get(kind, set())
+        for value in sorted(wanted - there):
+            some = ", ".join(sorted(v for v in there if v)[:5]) or "none"
+            yield rules.NOT_FOUND.at(source, kind=kind, found=value, expected=some)
+    for what, count in sorted(ledger.left_out.items()):
+        yield rules.LEFT_OUT.at(source, found=count, what=what)
+    if ledger.total != total:
+        raise AssertionError("the ledger of the model does not balance")
+    if not ledger.read and not ledger.refused and not ledger.unselected:
+        yield rules.NO_MEMBERS.at(source)
+    yield rules.LEDGER.at(
         source,
-        found=label,
-        size=f"{profile.height:.1f} x {profile.width:.1f} mm",
-        expected=catalogue.name_of(profile) or measured_name(profile),
+        found=total,
+        read=ledger.read,
+        refused=ledger.refused,
+        left_out=sum(ledger.left_out.values()),
+        unselected=ledger.unselected,
     )
-
-
-def measured_name(profile: Profile) -> str:
-    """A name made of the measures: I300x150x7.1x10.7, PL10x200."""
-    h, b, t, w = (
-        f"{v:.1f}".removesuffix(".0")
-        for v in (
-            profile.height,
-            profile.width,
-            profile.flange_thickness,
-            profile.web_thickness or 0,
-        )
-    )
-    match profile.code:
-        case "B":
-            return f"PL{w}x{h}"
-        case "L":
-            return f"L{h}x{b}x{w}"
-        case "M":
-            return f"RHS{h}x{b}x{w}"
-        case "RO":
-            return f"CHS{h}x{w}"
-        case "RU":
-            return f"RD{h}"
-    return f"{profile.code}{h}x{b}x{w}x{t}"
-
-
-def _weight(profile: Profile, area: float) -> float:
-    """kg/m, of a plate kg/m2."""
-    if profile.code == "B":
-        return (profile.web_thickness or 0.0) * STEEL * 1e6
-    return area * STEEL * 1e3
