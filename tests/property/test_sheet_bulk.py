@@ -13,6 +13,7 @@ from beamcam.machine import load
 from beamcam.verify.arcs import arc_fault as codesys_fault
 from beamcam.verify.sheets import events_of, grbl, linuxcnc
 from beamcam.verify.sheets.events import Event
+from beamcam.verify.sheets.gaps import widest_gap
 from beamcam.verify.sheets.moves import sure_arcs
 from beamcam.verify.sheets.scan import scan
 from beamcam.verify.sheets.splines import spans_of, spline_points
@@ -197,6 +198,17 @@ def test_what_is_near_is_found(seed: int) -> None:
         every = [distance(curve, point) for curve in curves]
         assert away[i] == pytest.approx(min(every), abs=1e-9)
         assert every[who[i]] == pytest.approx(min(every), abs=1e-9)
+
+
+near_places = st.tuples(st.integers(-30, 30), st.integers(-30, 30))
+
+
+@given(st.lists(near_places, max_size=30), st.sampled_from([0.0, 0.05, 0.1, 0.3]))
+def test_the_widest_gap_is_that_of_all_pairs(places: list[tuple[int, int]], reach: float) -> None:
+    points = np.array(places, dtype=np.float64).reshape(-1, 2) / 37
+    each = [hypot(*(a - b)) for a in points for b in points]
+    expected = max((apart for apart in each if apart <= reach), default=0.0)
+    assert widest_gap(points, reach) == pytest.approx(expected, abs=1e-12)
 
 
 coordinates = st.floats(-50, 50)

@@ -11,8 +11,7 @@ main axis. What cannot be becomes a straight line without a word, so it is check
 CODESYS online help, "CNC: DIN 66025".
 """
 
-from bisect import bisect_left
-from math import atan2, cos, degrees, dist, isnan, nan, radians, sin, sqrt
+from math import atan2, cos, degrees, dist, isnan, radians, sin, sqrt
 
 from msgspec.structs import replace
 
@@ -22,10 +21,10 @@ from beamcam.geometry.plane import Point, cross
 from beamcam.verify.arcs import arc_fault, sweep_of
 from beamcam.verify.blocks import BRAKING, read_blocks
 from beamcam.verify.sheets import rules
+from beamcam.verify.sheets.controller import Controller
 from beamcam.verify.sheets.events import Keep, Leg, Pause, Ramp, Side, Switch
 from beamcam.verify.sheets.moves import Run
 from beamcam.verify.sheets.scan import Scan, scan
-from beamcam.verify.sheets.track import Track
 
 NAME = "CODESYS"
 M_WORDS_IN_A_ROW = 64  #: SMC_DEC_OUTQUEUE_RAN_EMPTY
@@ -60,49 +59,25 @@ def _at(said: Diagnostic, numbers: list[int]) -> Diagnostic:
     return replace(said, source=replace(source, line=numbers[source.line - 1]))
 
 
-class _Reader:
+class _Reader(Controller):
     """The state of the controller between two blocks."""
 
     def __init__(self, name: str, resolution: float, found: Scan, said: list[Diagnostic]) -> None:
+        super().__init__(name, NAME, found.plain)
         self.said = said
-        self._name = name
         self._resolution = resolution
-        self._plain = found.plain
-        self._lines = found.plain.line.tolist()
-        self._next = 0  #: plain move
-        self._track = Track(found.plain)
-        self._place: Point = (nan, nan)
-        self._feed = 0.0
-        self._motion = -1
-        self._absolute, self._absolute_centre = True, False
+        self._absolute_centre = False
         self._absolute_said = False
         self._row = 0  #: M words since the last move
-        self._ends = 0
-
-    def _wrong(self, line: int, found: str, expected: str) -> None:
-        self.said.append(rules.WORD.at(Source(self._name, line), found=found, expected=expected))
-
-    def plain_until(self, line: int) -> None:
-        """Carries out the plain moves before a line."""
-        first, last = self._next, bisect_left(self._lines, line, self._next)
-        self._next = last
-        while first < last and not self._is_simple():
-            self._one_plain(first)
-            first += 1
-        if first < last:
-            self._place, self._feed = self._track.run(first, last, self._place, self._feed)
-            self._motion, self._row = int(self._plain.motion[last - 1]), 0
 
     def _is_simple(self) -> bool:
-        """Whether moves are to where they say, and from somewhere."""
-        counted = self._absolute and self._absolute_said and not self._absolute_centre
-        return counted and not self._ends and not isnan(sum(self._place))
+        return self._absolute_said and not self._absolute_centre and super()._is_simple()
 
-    def _one_plain(self, row: int) -> None:
-        plain = self._plain
-        numbers = (*plain.end[row].tolist(), *plain.centre[row].tolist(), float(plain.feed[row]))
-        words = {k: v for k, v in zip("XYIJF", numbers, strict=True) if not isnan(v)}
-        self.block(int(plain.line[row]), "G", int(plain.motion[row]), words)
+    def _move(self, line: int, motion: int, words: dict[str, float]) -> None:
+        self.block(line, "G", motion, words)
+
+    def _moved(self) -> None:
+        self._row = 0
 
     def block(self, line: int, command: str, number: int, words: dict[str, float]) -> None:
         """Carries out one block."""
@@ -184,25 +159,14 @@ class _Reader:
         else:
             self._track.leg(Leg(line, False, start, end, curve, self._feed))
 
-    def _arc_fault(self, line: int, fault: str) -> None:
-        self.said.append(rules.ARC.at(Source(self._name, line), found=fault, controller=NAME))
-
     def finish(self, last: int, per_minute: float) -> tuple[Run, list[Diagnostic]]:
         """The whole program, and what it has not that a whole one has."""
         self.plain_until(last + 2)
-        if self._ends != 1:
-            found = f"{self._ends} ends of program"
-            self.said.append(rules.END.at(Source(self._name, last), found=found))
 
         def fault_of(start: Point, end: Point, centre: Point, clockwise: bool) -> str | None:
             return arc_fault(start, end, centre, self._resolution)
 
-        difference = 2 * sqrt(2) * self._resolution
-        done, faults = self._track.finish(per_minute, difference, fault_of)
-        for line, fault in faults:
-            self._arc_fault(line, fault)
-        self.said.sort(key=lambda said: said.source.line or 0)
-        return done, self.said
+        return self._ended(last, per_minute, 2 * sqrt(2) * self._resolution, fault_of)
 
 
 def _arc(start: Point, end: Point, centre: Point, clockwise: bool, resolution: float) -> Arc | str:

@@ -24,11 +24,16 @@ class Elements:
         self.is_arc = is_arc
         self.arcs = arcs  #: centre x, y, radius, start and sweep in rad, (n, 5)
         x, y = (end - start).T
-        self.length: Floats = np.hypot(x, y)
-        safe = np.where(self.length > 0.0, self.length, 1.0)
+        self.chord: Floats = np.hypot(x, y)
+        safe = np.where(self.chord > 0.0, self.chord, 1.0)
         #: Direction of the chord, along x and along y; 0 where an element has no length.
         self.along: tuple[Floats, Floats] = (x / safe, y / safe)
-        self.length[is_arc] = arcs[is_arc, 2] * np.abs(arcs[is_arc, 4])
+        radius, turn = arcs[is_arc, 2], np.abs(arcs[is_arc, 4])
+        self.length = self.chord.copy()
+        self.length[is_arc] = radius * turn
+        #: How far an element leaves its chord at most; of more than half a circle its diameter.
+        self.rise: Floats = np.zeros(len(self.chord))
+        self.rise[is_arc] = np.where(turn <= np.pi, radius * (1 - np.cos(turn / 2)), 2 * radius)
 
     def __len__(self) -> int:
         return len(self.length)
@@ -82,23 +87,28 @@ class Elements:
 
     def distances(self, x: Floats, y: Floats, which: Counts) -> tuple[Floats, Floats]:
         """How far places are from an element each, and how far along it the nearest place lies."""
+        away, along = self.from_chords(x, y, which)
+        bent = np.flatnonzero(self.is_arc.take(which))
+        if len(bent):
+            away[bent], along[bent] = self.from_arcs(x[bent], y[bent], which[bent])
+        return away, along
+
+    def from_chords(self, x: Floats, y: Floats, which: Counts) -> tuple[Floats, Floats]:
+        """The same as if all elements were straight; `chord` is the length of each then."""
         start_x, start_y, way_x, way_y = (column.take(which) for column in self.columns)
         to_x, to_y = x - start_x, y - start_y
         along = to_x * way_x
         along += to_y * way_y
-        np.clip(along, 0.0, self.length.take(which), out=along)
+        np.clip(along, 0.0, self.chord.take(which), out=along)
         to_x -= along * way_x
         to_y -= along * way_y
         to_x *= to_x
         to_y *= to_y
         to_x += to_y
-        away = np.sqrt(to_x)
-        bent = np.flatnonzero(self.is_arc.take(which))
-        if len(bent):
-            away[bent], along[bent] = self._from_arcs(x[bent], y[bent], which[bent])
-        return away, along
+        return np.sqrt(to_x, out=to_x), along
 
-    def _from_arcs(self, x: Floats, y: Floats, which: Counts) -> tuple[Floats, Floats]:
+    def from_arcs(self, x: Floats, y: Floats, which: Counts) -> tuple[Floats, Floats]:
+        """The same of elements that are arcs."""
         centre_x, centre_y, radius, first, sweep = self.arcs[which].T
         to_x, to_y = x - centre_x, y - centre_y
         turn = (np.arctan2(to_y, to_x) - first) * np.sign(sweep)

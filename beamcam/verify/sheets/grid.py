@@ -30,8 +30,9 @@ class Grid:
         self.reach = reach
         self._elements = elements
         count = max(len(elements), 1)
-        ends = np.concatenate((elements.start, elements.end))
-        wide = float(np.ptp(ends, axis=0).max()) if len(ends) else 0.0
+        self._bent = bool(elements.is_arc.any())
+        sides = (*elements.start.T, *elements.end.T) if len(elements) else ()
+        wide = 2 * max((float(np.ptp(side)) for side in sides), default=0.0)
         mean = float(elements.length.sum()) / count
         self._size = max(2.0 * mean, 2.0 * reach, wide / MOST_CELLS, 1e-6)
         low, high, owner = _boxes(elements, self._size)
@@ -100,8 +101,18 @@ class Grid:
         member = np.arange(len(point))
         member += np.repeat(self._begins[cell] - (np.cumsum(sizes) - sizes), sizes)
         element = self._members.take(member)
-        away, along = self._elements.distances(x.take(point), y.take(point), element)
-        return Pairs(point, element, away, along).kept(np.flatnonzero(away <= reach))
+        elements = self._elements
+        away, along = elements.from_chords(x.take(point), y.take(point), element)
+        found = Pairs(point, element, away, along)
+        if self._bent:
+            # An arc is looked at only where its chord is no farther than it may lie beside that.
+            found = found.kept(np.flatnonzero(away <= elements.rise.take(element) + reach))
+            bent = np.flatnonzero(elements.is_arc.take(found.element))
+            at = found.point[bent]
+            found.away[bent], found.along[bent] = elements.from_arcs(
+                x[at], y[at], found.element[bent]
+            )
+        return found.kept(np.flatnonzero(found.away <= reach))
 
 
 def _joined(parts: list[Pairs]) -> Pairs:

@@ -31,6 +31,8 @@ class Track:
         self._order: list[tuple[int, int]] = []  #: runs as above, legs behind all plain rows
         self._others: list[tuple[int, Event]] = []
         self._count = 0
+        #: The row behind the last run, and place and feed there, if nothing moved since.
+        self._behind: tuple[int, Point, float] | None = None
         rows = np.arange(len(plain.feed))
         #: The last row up to each that says a feed; -1 before the first.
         self._fed: Counts = np.maximum.accumulate(np.where(np.isnan(plain.feed), -1, rows))
@@ -43,6 +45,7 @@ class Track:
         """A move by itself."""
         number = len(self.plain.line) + len(self._legs)
         self._legs.append(leg)
+        self._behind = None
         self._order.append((number, number + 1))
         self._count += 1
 
@@ -51,14 +54,20 @@ class Track:
 
         Feeds are in the unit of the program's F words.
         """
-        self._runs.append((first, last))
-        self._starts.append(start)
-        self._feeds.append(feed)
-        self._order.append((first, last))
+        if self._behind == (first, start, feed):
+            self._runs[-1] = self._order[-1] = self._runs[-1][0], last
+        else:
+            self._runs.append((first, last))
+            self._order.append((first, last))
+            self._starts.append(start)
+            self._feeds.append(feed)
         self._count += last - first
         x, y = self.plain.end[last - 1].tolist()
         fed = int(self._fed[last - 1])
-        return (x, y), feed if fed < first else float(self.plain.feed[fed])
+        if fed >= first:
+            feed = float(self.plain.feed[fed])
+        self._behind = last, (x, y), feed
+        return (x, y), feed
 
     def finish(
         self, per_minute: float, difference: float, arc_fault: ArcFault

@@ -10,8 +10,8 @@ from beamcam.errors import Diagnostic, Source
 from beamcam.geometry.curves import Arc, BSpline, Curve, Line
 from beamcam.machine.machine import Torch, TorchProcess
 from beamcam.verify.sheets import rules
-from beamcam.verify.sheets.elements import Counts, Floats, points_as_elements
-from beamcam.verify.sheets.grid import Grid
+from beamcam.verify.sheets.elements import Counts, Floats
+from beamcam.verify.sheets.gaps import widest_gap
 from beamcam.verify.sheets.moves import Moves
 from beamcam.verify.sheets.need import Need
 from beamcam.verify.sheets.splines import spans_of
@@ -137,8 +137,4 @@ def _share(curve: Curve) -> float:
 def _loose(need: Ways, gap: float) -> float:
     """The widest gap between two ends that had to be joined."""
     opened = np.hypot(*(need.ends - need.starts).T) > 1e-9
-    ends = np.concatenate((need.starts[opened], need.ends[opened]))
-    if not len(ends):
-        return 0.0
-    pairs = Grid(points_as_elements(ends), gap).near(ends, gap)
-    return float(pairs.away[pairs.point != pairs.element].max(initial=0.0))
+    return widest_gap(np.concatenate((need.starts[opened], need.ends[opened])), gap)
