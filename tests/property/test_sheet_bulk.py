@@ -1,5 +1,6 @@
 """What the read-back of tables does in bulk is what it would do one by one."""
 
+from itertools import pairwise
 from math import atan2, cos, hypot, pi, radians, sin
 from random import Random
 
@@ -7,8 +8,9 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from numpy.typing import NDArray
 
-from beamcam.geometry.curves import Arc, BSpline, Curve, Line
+from beamcam.geometry.curves import Arc, Bezier, BSpline, Curve, Line
 from beamcam.machine import load
 from beamcam.verify.arcs import arc_fault as codesys_fault
 from beamcam.verify.sheets import events_of, grbl, linuxcnc
@@ -16,7 +18,7 @@ from beamcam.verify.sheets.events import Event
 from beamcam.verify.sheets.gaps import widest_gap
 from beamcam.verify.sheets.moves import sure_arcs
 from beamcam.verify.sheets.scan import scan
-from beamcam.verify.sheets.splines import spans_of, spline_points
+from beamcam.verify.sheets.splines import spans_of
 from beamcam.verify.sheets.ways import Ways
 
 numbers = st.decimals(-9999, 9999, places=4).map(lambda d: f"{d.normalize():f}")
@@ -214,28 +216,75 @@ def test_the_widest_gap_is_that_of_all_pairs(places: list[tuple[int, int]], reac
 coordinates = st.floats(-50, 50)
 
 
-@settings(max_examples=150, deadline=None)
-@given(st.integers(1, 5), st.data())
-def test_chords_of_splines(degree: int, data: st.DataObject) -> None:
-    """No chord is farther from its spline than it may be, and both ends are those of the spline."""
-    control = data.draw(
+@st.composite
+def splines(draw: st.DrawFn) -> BSpline:
+    """Splines of any degree, even and uneven, clamped or not."""
+    degree = draw(st.integers(1, 5))
+    control = draw(
         st.lists(st.tuples(coordinates, coordinates), min_size=degree + 1, max_size=degree + 8)
     )
-    steps = data.draw(
-        st.lists(st.floats(0.2, 3), min_size=len(control) + degree, max_size=len(control) + degree)
-    )
+    size = len(control) + degree
+    steps = draw(st.lists(st.floats(0.2, 3), min_size=size, max_size=size))
     knots = np.concatenate(([0.0], np.cumsum(steps)))
-    if data.draw(st.booleans()):
+    if draw(st.booleans()):
         knots[: degree + 1], knots[-degree - 1 :] = knots[degree], knots[-degree - 1]
-    spline = BSpline(degree, tuple(control), tuple(knots.tolist()))
+    return BSpline(degree, tuple(control), tuple(knots.tolist()))
+
+
+free_curves = st.one_of(
+    splines(),
+    st.lists(st.tuples(coordinates, coordinates), min_size=2, max_size=5).map(
+        lambda points: Bezier(tuple(points))
+    ),
+)
+
+
+@settings(max_examples=60, deadline=None)
+@given(st.lists(free_curves, min_size=1, max_size=3))
+def test_what_splines_are_drawn_with(curves: list[BSpline | Bezier]) -> None:
+    """No place of a curve is farther from its arcs and chords than it may be, nor one of these."""
+    drawn = Ways(curves, 0.01)
+    for k, curve in enumerate(curves):
+        one = Ways([curve], 0.01)
+        assert drawn.lengths[k] == pytest.approx(one.lengths[0])
+        assert one.starts[0] == pytest.approx(curve.start, abs=1e-8)
+        assert one.ends[0] == pytest.approx(curve.end, abs=1e-8)
+        ends, starts = one.elements.end[:-1], one.elements.start[1:]
+        assert np.hypot(*(starts - ends).T).max(initial=0.0) <= 1e-8
+        fine = np.array([curve.point(i / 600) for i in range(601)])
+        away, _ = one.nearest(fine[::5])
+        assert away.max() <= 0.01 + 1e-9
+        element, share, _ = one.samples(one.lengths[0] / 90 + 1e-6)
+        places = one.elements.places(element, share)
+        back, _ = Ways(_lines_through(fine), 0.01).nearest(places)
+        assert back.max() <= 0.01 + _greatest_sagitta(fine) + 1e-9
+
+
+def _lines_through(points: NDArray[np.float64]) -> list[Curve]:
+    rows = list(map(tuple, points.tolist()))
+    return [Line(a, b) for a, b in pairwise(rows)]
+
+
+def _greatest_sagitta(points: NDArray[np.float64]) -> float:
+    """About how far a curve is from the chords between points of equal steps on it."""
+    second = points[2:] - 2 * points[1:-1] + points[:-2]
+    return float(np.hypot(*second.T).max()) / 4
+
+
+def test_a_smooth_spline_takes_few_arcs() -> None:
+    control = [(10 * cos(k), 10 * sin(k)) for k in range(12)]
+    smooth = BSpline(3, tuple(control), tuple(float(k) for k in range(16)))
+    drawn = Ways([smooth], 0.0025)
+    assert drawn.elements.is_arc.all()
+    assert len(drawn.elements) < 100  # it would be 193 chords
+    straight = BSpline(3, tuple((float(k), 0.0) for k in range(8)), tuple(map(float, range(12))))
+    assert not Ways([straight], 0.0025).elements.is_arc.any()
+    # It turns back on itself, where no circle stands for it: chords all the way to the tip.
+    cusp = Bezier(((0.0, 0.0), (10.0, 10.0), (0.0, 10.0), (10.0, 0.0)))
+    tip = np.array([[5.0, 7.5]])
+    assert Ways([cusp], 0.0025).nearest(tip)[0][0] <= 0.0025
+
+
+@given(splines())
+def test_polynomials_of_a_spline(spline: BSpline) -> None:
     assert spans_of(spline) == len(spline.pieces())
-    (points,) = spline_points([spline], 0.01)
-    assert points[0] == pytest.approx(spline.start, abs=1e-8)
-    assert points[-1] == pytest.approx(spline.end, abs=1e-8)
-    a, step = points[:-1], np.diff(points, axis=0)
-    size = np.maximum(np.sum(step * step, axis=1), 1e-30)
-    for k in range(41):
-        to = np.array(spline.point(k / 40)) - a
-        share = np.clip(np.sum(to * step, axis=1) / size, 0.0, 1.0)
-        off = np.hypot(*(to - share[:, None] * step).T)
-        assert off.min() <= 0.01 * 1.001 + 1e-9

@@ -1,11 +1,12 @@
 """Lines and arcs in arrays, what every way is made of.
 
-Arcs are kept as they are. Other curves are chains of chords.
+Arcs are kept as they are. Other curves are chains of arcs and chords.
 """
 
 from functools import cached_property
 
 import numpy as np
+from msgspec import Struct
 from numpy.typing import NDArray
 
 Floats = NDArray[np.float64]
@@ -13,6 +14,33 @@ Counts = NDArray[np.int64]
 Flags = NDArray[np.bool_]
 
 QUARTERS = ((1.0, 0.0), (0.0, 1.0), (-1.0, 0.0), (0.0, -1.0))
+
+
+class Pieces(Struct, frozen=True):
+    """What curves are drawn with: lines and arcs one behind the other, curve by curve."""
+
+    counts: Counts  #: of the pieces of each curve
+    start: Floats  #: (n, 2)
+    end: Floats
+    is_arc: Flags
+    arcs: Floats  #: as those of elements
+
+    @property
+    def columns(self) -> tuple[Floats, Floats, Flags, Floats]:
+        """What there is of each piece."""
+        return self.start, self.end, self.is_arc, self.arcs
+
+    def some(self, which: Flags) -> "Pieces":
+        """Some of the pieces of curves that have one each."""
+        return Pieces(
+            self.counts[which], self.start[which], self.end[which], self.is_arc[which],
+            self.arcs[which],
+        )  # fmt: skip
+
+
+def straight_pieces(counts: Counts, start: Floats, end: Floats) -> Pieces:
+    """Curves that are drawn with chords alone."""
+    return Pieces(counts, start, end, np.zeros(len(start), dtype=bool), np.zeros((len(start), 5)))
 
 
 class Elements:
@@ -65,15 +93,15 @@ class Elements:
 
     def places(self, which: Counts, share: Floats) -> Floats:
         """The places of elements at shares of their lengths, (n, 2)."""
-        start = self.start[which]
-        found: Floats = start + (self.end[which] - start) * share[:, None]
-        bent = np.flatnonzero(self.is_arc[which])
+        start_x, start_y, way_x, way_y = (column.take(which) for column in self.columns)
+        along = self.chord.take(which) * share
+        found = np.stack((start_x + along * way_x, start_y + along * way_y))
+        bent = np.flatnonzero(self.is_arc.take(which))
         if len(bent):
-            arcs = self.arcs[which[bent]]
-            turn = arcs[:, 3] + arcs[:, 4] * share[bent]
-            unit = np.column_stack((np.cos(turn), np.sin(turn)))
-            found[bent] = arcs[:, :2] + arcs[:, 2:3] * unit
-        return found
+            x, y, radius, first, sweep = self.arcs[which[bent]].T
+            turn = first + sweep * share[bent]
+            found[:, bent] = x + radius * np.cos(turn), y + radius * np.sin(turn)
+        return found.T
 
     def directions(self, which: Counts, share: Floats) -> Floats:
         """The direction of travel at shares of elements, (n, 2)."""

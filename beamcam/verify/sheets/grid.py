@@ -34,7 +34,7 @@ class Grid:
         sides = (*elements.start.T, *elements.end.T) if len(elements) else ()
         wide = 2 * max((float(np.ptp(side)) for side in sides), default=0.0)
         mean = float(elements.length.sum()) / count
-        self._size = max(2.0 * mean, 2.0 * reach, wide / MOST_CELLS, 1e-6)
+        self._size = max(mean, 2.0 * reach, wide / MOST_CELLS, 1e-6)
         low, high, owner = _boxes(elements, self._size)
         x0, y0 = (np.floor((c - reach) / self._size).astype(np.int64) for c in low.T)
         x1, y1 = (np.floor((c + reach) / self._size).astype(np.int64) for c in high.T)
@@ -122,23 +122,18 @@ def _joined(parts: list[Pairs]) -> Pairs:
 
 def _boxes(elements: Elements, size: float) -> tuple[Floats, Floats, Counts]:
     """Boxes around pieces of elements about as long as a cell: least and greatest corner, owner."""
-    low, high = elements.boxes()
     turns = np.abs(elements.arcs[:, 4]) / GREATEST_TURN_RAD
     count = np.ceil(np.maximum(elements.length / size, turns)).astype(np.int64)
-    long = np.flatnonzero(count > 1)
-    if not len(long):
-        return low, high, np.arange(len(elements))
-    short = np.flatnonzero(count <= 1)
+    short, long = np.flatnonzero(count <= 1), np.flatnonzero(count > 1)
     count = count[long]
-    owner = np.repeat(long, count)
-    whole = np.repeat(count, count)
-    number = np.arange(len(owner)) - np.repeat(np.cumsum(count) - count, count)
-    ends = [elements.places(owner, (number + k) / whole) for k in (0, 1)]
+    owner = np.repeat(long, count + 1)
+    number = np.arange(len(owner)) - np.repeat(np.cumsum(count + 1) - count - 1, count + 1)
+    whole = np.repeat(count, count + 1)
+    places = elements.places(owner, number / whole)
+    start = np.concatenate((elements.start[short], places[number < whole]))
+    end = np.concatenate((elements.end[short], places[number > 0]))
+    owner = np.concatenate((short, np.repeat(long, count)))
     # An arc leaves the box around its ends by its sagitta at most.
-    turn = np.abs(elements.arcs[owner, 4]) / whole
+    turn = elements.arcs[owner, 4] / np.concatenate((np.ones(len(short)), np.repeat(count, count)))
     rise = (elements.arcs[owner, 2] * (1 - np.cos(turn / 2)))[:, None]
-    return (
-        np.concatenate((low[short], np.minimum(*ends) - rise)),
-        np.concatenate((high[short], np.maximum(*ends) + rise)),
-        np.concatenate((short, owner)),
-    )
+    return np.minimum(start, end) - rise, np.maximum(start, end) + rise, owner

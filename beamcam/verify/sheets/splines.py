@@ -1,20 +1,52 @@
-"""Points of many B-splines at once, straight from their definition.
+"""The polynomials of many B-splines at once, straight from their definition.
 
-Nothing is taken apart into Bezier curves here: each point is found by de Boor's scheme, and how
-close they lie follows from the second derivative, which is a B-spline itself.
+Nothing is taken apart into Bezier curves here: points are found by de Boor's scheme, and what
+derivatives are at most follows from their control points, since they are B-splines themselves.
 """
 
 from collections.abc import Sequence
 
 import numpy as np
+from msgspec import Struct
+from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
 
-from beamcam.geometry.curves import BSpline
+from beamcam.geometry.curves import Bezier, BSpline
 
 Floats = NDArray[np.float64]
 Counts = NDArray[np.int64]
+Flags = NDArray[np.bool_]
 
-MOST_STEPS = 4096  #: of a span
+SLOWEST = 1e-3  #: share of the greatest speed that is looked at as the speed of a span
+TINY = 1e-30  #: for a span that is a point
+
+
+class Spans(Struct, frozen=True):
+    """The polynomials of curves of one degree p, curve by curve, without those of no width."""
+
+    owner: Counts  #: the curve of each
+    control: Floats  #: the control points that count for it, (n, p + 1, 2)
+    knots: Floats  #: the p knots up to its start and the p from its end on, (n, 2 p)
+    width: Floats
+
+    def some(self, which: Counts | Flags) -> "Spans":
+        """Some of them."""
+        return Spans(*(getattr(self, name)[which] for name in self.__struct_fields__))
+
+
+class Bounds(Struct, frozen=True):
+    """What the derivatives f', f'', f''' of each span are, (n,)."""
+
+    first: Floats  #: |f'| at most
+    second: Floats  #: |f''| at most
+    third: Floats  #: |f'''| at most
+    stretch: Floats  #: |f' . f''| at most
+    speed: Floats  #: |f'|, about
+    bend: Floats  #: curvature in 1/mm, about
+
+    def some(self, which: Counts) -> "Bounds":
+        """Those of some of the spans."""
+        return Bounds(*(getattr(self, name)[which] for name in self.__struct_fields__))
 
 
 def spans_of(spline: BSpline) -> int:
@@ -23,73 +55,92 @@ def spans_of(spline: BSpline) -> int:
     return len(set(drawn)) - 1
 
 
-def spline_points(splines: Sequence[BSpline], tolerance: float) -> list[Floats]:
-    """Points (n, 2) along each spline without weights, no chord farther than `tolerance` off."""
-    found: list[Floats] = [np.zeros((0, 2))] * len(splines)
-    groups: dict[tuple[int, int], list[int]] = {}
-    for k, spline in enumerate(splines):
-        groups.setdefault((spline.degree, len(spline.control)), []).append(k)
-    for (degree, _), members in groups.items():
-        control = np.array([splines[k].control for k in members], dtype=np.float64)
-        knots = np.array([splines[k].knots for k in members], dtype=np.float64)
-        points, counts = _drawn(degree, control, knots, tolerance)
-        for k, part in zip(members, np.split(points, np.cumsum(counts)[:-1]), strict=True):
-            found[k] = part
+def all_spans(curves: Sequence[BSpline | Bezier]) -> dict[int, Spans]:
+    """The polynomials of curves without weights, by their degree."""
+    alike: dict[tuple[int, int], list[int]] = {}
+    for k, curve in enumerate(curves):
+        points = curve.control if isinstance(curve, BSpline) else curve.points
+        degree = curve.degree if isinstance(curve, BSpline) else len(points) - 1
+        alike.setdefault((degree, len(points)), []).append(k)
+    parts: dict[int, list[Spans]] = {}
+    for (degree, _), members in alike.items():
+        parts.setdefault(degree, []).append(_windows(degree, curves, members))
+    return {degree: _in_order(part) for degree, part in parts.items()}
+
+
+def _windows(degree: int, curves: Sequence[BSpline | Bezier], members: list[int]) -> Spans:
+    """The polynomials of curves with equally many control points."""
+    these = [curves[k] for k in members]
+    once = (0.0,) * (degree + 1) + (1.0,) * (degree + 1)  # a Bezier curve is a spline of one span
+    points = np.array([c.control if isinstance(c, BSpline) else c.points for c in these])
+    said = np.array([c.knots if isinstance(c, BSpline) else once for c in these])
+    control = sliding_window_view(points, degree + 1, axis=1)  # (m, spans, 2, p + 1)
+    knots = sliding_window_view(said[:, 1:-1], 2 * degree, axis=1).reshape(-1, 2 * degree)
+    owner = np.repeat(members, control.shape[1])
+    width = knots[:, degree] - knots[:, degree - 1]
+    kept = np.flatnonzero(width > 0.0)
+    control = control.reshape(-1, 2, degree + 1).transpose(0, 2, 1)
+    return Spans(owner, control, knots, width).some(kept)
+
+
+def _in_order(parts: Sequence[Spans]) -> Spans:
+    """Spans of one degree together, by the number of their curve."""
+    if len(parts) == 1:
+        return parts[0]
+    names = Spans.__struct_fields__
+    every = Spans(*(np.concatenate([getattr(part, name) for part in parts]) for name in names))
+    return every.some(np.argsort(every.owner, kind="stable"))
+
+
+def bounds_of(spans: Spans) -> Bounds:
+    """What the derivatives of spans are at most.
+
+    Each lies in the hull of its control points, which are differences of those before.
+    """
+    degree = spans.control.shape[1] - 1
+    none = np.zeros((len(spans.control), 1, 2))
+    found = [spans.control]
+    for order in range(degree):
+        left, right = spans.knots[:, order:degree], spans.knots[:, degree : 2 * degree - order]
+        step = (degree - order) * np.diff(found[-1], axis=1)
+        found.append(step / (right - left)[..., None])
+    first, second, third = (found[k] if k <= degree else none for k in (1, 2, 3))
+    sizes = (np.hypot(d[..., 0], d[..., 1]).max(axis=1) for d in (first, second, third))
+    stretch = np.abs(np.einsum("nip,njp->nij", first, second)).max(axis=(1, 2))
+    (x1, y1), (x2, y2) = first.mean(axis=1).T, second.mean(axis=1).T
+    most_1, most_2, most_3 = sizes
+    speed = np.maximum(np.hypot(x1, y1), SLOWEST * most_1 + TINY)
+    bend = np.abs(x1 * y2 - y1 * x2) / speed**3
+    return Bounds(most_1, most_2, most_3, stretch, speed, bend)
+
+
+def points_on(spans: Spans, steps: Counts) -> Floats:
+    """x and y of the start, the middle and the end of equal steps along each span, (2, 3, n)."""
+    first = np.cumsum(steps) - steps
+    found = np.empty((2, 3, int(steps.sum())))
+    for count in np.unique(steps).tolist():
+        which = np.flatnonzero(steps == count)
+        points = _de_boor(spans, which, np.arange(2 * count + 1) / (2 * count))
+        rows = first[which, None] + np.arange(count)
+        for k in range(3):
+            found[:, k, rows] = points[..., k : k + 2 * count : 2]
     return found
 
 
-def _drawn(degree: int, control: Floats, knots: Floats, tolerance: float) -> tuple[Floats, Counts]:
-    """The points of splines with equally many control points (m, n, 2), and how many of each."""
-    count = control.shape[1]
-    low, high = knots[:, degree:count], knots[:, degree + 1 : count + 1]
-    width = high - low
-    # Chords of a step h leave a curve by h^2 / 8 of its second derivative at most.
-    bend = _greatest_bend(degree, control, knots)
-    steps = np.ceil(width * np.sqrt(bend / (8 * tolerance))).astype(np.int64)
-    steps = np.where(width > 0.0, np.clip(steps, 1, MOST_STEPS), 0)
-    flat = steps.ravel()
-    owner = np.repeat(np.arange(flat.size), flat)
-    number = np.arange(len(owner)) - (np.cumsum(flat) - flat)[owner]
-    row, span = np.divmod(owner, steps.shape[1])
-    at = low[row, span] + width[row, span] * (number / flat[owner])
-    starts = _points(degree, control, knots, row, span + degree, at)
-    last = np.array([np.flatnonzero(one)[-1] for one in steps])
-    every = np.arange(len(control))
-    ends = _points(degree, control, knots, every, last + degree, high[every, last])
-    counts = steps.sum(axis=1)
-    return np.insert(starts, np.cumsum(counts), ends, axis=0), counts + 1
-
-
-def _greatest_bend(degree: int, control: Floats, knots: Floats) -> Floats:
-    """A bound of the second derivative on each span of knots, (m, spans)."""
-    spans = control.shape[1] - degree
-    if degree < 2:
-        return np.zeros((len(control), spans))
-    values = control
-    for order in (0, 1):
-        left, right = knots[:, order + 1 : -degree - 1], knots[:, degree + 1 : -order - 1]
-        gap = (right - left)[..., None]
-        step = (degree - order) * np.diff(values, axis=1)
-        # Where there is no gap no span lies, so that nothing depends on the value.
-        values = np.divide(step, gap, out=np.zeros_like(step), where=gap > 0.0)
-    sizes = np.hypot(values[..., 0], values[..., 1])
-    windows = np.lib.stride_tricks.sliding_window_view(sizes, degree - 1, axis=1)
-    found: Floats = windows.max(axis=2)
-    return found
-
-
-def _points(
-    degree: int, control: Floats, knots: Floats, row: Counts, span: Counts, at: Floats
-) -> Floats:
-    """Points of splines `row` at parameters between knot `span` and the next, (n, 2).
+def _de_boor(spans: Spans, which: Counts, shares: Floats) -> Floats:
+    """x and y of some spans at shares of their widths, (2, len(which), len(shares)).
 
     Source: de Boor, "On calculating with B-splines", 1972.
     """
-    near = [control[row, span - degree + k] for k in range(degree + 1)]
+    degree = spans.control.shape[1] - 1
+    knots = spans.knots[which]
+    at = knots[:, degree - 1, None] + spans.width[which, None] * shares
+    control = spans.control[which]
+    near = [np.ascontiguousarray(control[:, k].T)[..., None] for k in range(degree + 1)]
     for level in range(1, degree + 1):
         for k in range(degree, level - 1, -1):
-            first = span - degree + k
-            low, high = knots[row, first], knots[row, first + degree + 1 - level]
-            share = ((at - low) / (high - low))[:, None]
+            low, high = knots[:, k - 1, None], knots[:, k + degree - level, None]
+            share = (at - low) / (high - low)
             near[k] = near[k - 1] + share * (near[k] - near[k - 1])
-    return near[degree]
+    found: Floats = near[degree]
+    return found

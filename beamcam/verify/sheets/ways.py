@@ -3,16 +3,16 @@
 from collections.abc import Iterable, Sequence
 from functools import cached_property
 from itertools import chain
-from typing import cast
+from typing import TypeGuard, cast
 
 import numpy as np
 
-from beamcam.geometry.curves import Arc, BSpline, Curve, Line
+from beamcam.geometry.curves import Arc, Bezier, BSpline, Curve, Line
 from beamcam.geometry.polylines import polylines
-from beamcam.verify.sheets.elements import Counts, Elements, Flags, Floats
+from beamcam.verify.sheets.elements import Counts, Elements, Floats, Pieces, straight_pieces
 from beamcam.verify.sheets.grid import Grid, Pairs
 from beamcam.verify.sheets.moves import Moves
-from beamcam.verify.sheets.splines import spline_points
+from beamcam.verify.sheets.spline_arcs import spline_pieces
 
 WIDER = 4.0  #: how much farther is looked where nothing was near
 MOST_TURN_RAD = 0.8  #: between points of an outline
@@ -27,16 +27,15 @@ class Ways:
     def __init__(
         self, curves: Sequence[Curve], tolerance: float, shift: tuple[float, float] = (0.0, 0.0)
     ) -> None:
-        kinds = [type(curve) for curve in curves]
-        is_line = np.array([kind is Line for kind in kinds], dtype=bool)
-        is_arc = np.array([kind is Arc for kind in kinds], dtype=bool)
-        lines = [c for c in curves if isinstance(c, Line)]
-        arcs = [c for c in curves if isinstance(c, Arc)]
-        others = [c for c, kind in zip(curves, kinds, strict=True) if kind not in (Line, Arc)]
-        rows = ((*c.centre, c.radius, c.start_deg, c.sweep_deg) for c in arcs)
+        kinds: dict[type, list[int]] = {}
+        for k, curve in enumerate(curves):
+            kinds.setdefault(type(curve), []).append(k)
+        lines = kinds.pop(Line, [])
+        arcs = kinds.pop(Arc, [])
+        rest = [curves[k] for k in sorted(k for which in kinds.values() for k in which)]
         self._build(
-            is_line, _rows((c.start for c in lines), 2), _rows((c.end for c in lines), 2),
-            is_arc, _rows(rows, 5), _chains(others, tolerance),
+            len(curves), np.array(lines, dtype=np.int64), _line_rows(curves, lines),
+            np.array(arcs, dtype=np.int64), _arc_rows(curves, arcs), rest, tolerance,
         )  # fmt: skip
         if shift != (0.0, 0.0):
             self._put(self.elements.moved(shift))
@@ -45,12 +44,13 @@ class Ways:
     def of_moves(cls, moves: Moves, tolerance: float) -> "Ways":
         """The ways of moves."""
         found = cls.__new__(cls)
+        bent = sorted(moves.curves)
         is_line = ~moves.is_arc
-        is_line[list(moves.curves)] = False
-        curves = [moves.curves[k] for k in sorted(moves.curves)]
+        is_line[bent] = False
+        lines, arcs = np.flatnonzero(is_line), np.flatnonzero(moves.is_arc)
         found._build(
-            is_line, moves.start[is_line], moves.end[is_line], moves.is_arc,
-            moves.arcs[moves.is_arc], _chains(curves, tolerance),
+            len(moves), lines, np.column_stack((moves.start[lines], moves.end[lines])),
+            arcs, moves.arcs[arcs], [moves.curves[k] for k in bent], tolerance,
         )  # fmt: skip
         return found
 
@@ -64,35 +64,48 @@ class Ways:
 
     def _build(
         self,
-        is_line: Flags,
-        line_starts: Floats,
-        line_ends: Floats,
-        is_arc: Flags,
-        arcs: Floats,
-        chains: list[Floats],
+        count: int,
+        lines: Counts,
+        line_rows: Floats,
+        arcs: Counts,
+        arc_rows: Floats,
+        rest: Sequence[Curve],
+        tolerance: float,
     ) -> None:
-        """From one row a line, one an arc, and the points of each other curve."""
-        self.count = len(is_line)
-        counts = np.ones(self.count, dtype=np.int64)
-        is_chain = ~(is_line | is_arc)
-        counts[is_chain] = [len(points) - 1 for points in chains]
+        """From the numbers and rows of the lines and the arcs among `count`, and the other curves.
+
+        Rows of lines are start and end, those of arcs centre, radius, start and sweep in degrees.
+        """
+        self.count = count
+        drawn = [(lines, _lines(line_rows)), (arcs, _arcs(arc_rows))]
+        if rest:
+            is_rest = np.ones(count, dtype=bool)
+            is_rest[lines] = is_rest[arcs] = False
+            left = np.flatnonzero(is_rest)
+            free = np.array([_is_free(curve) for curve in rest])
+            if free.any():
+                drawn.append((left[free], spline_pieces(list(filter(_is_free, rest)), tolerance)))
+            if not free.all():
+                others = [curve for curve in rest if not _is_free(curve)]
+                drawn.append((left[~free], _chords(others, tolerance)))
+        counts = np.zeros(count, dtype=np.int64)
+        for which, pieces in drawn:
+            counts[which] = pieces.counts
         self._behind = np.cumsum(counts)  #: the element behind the last of each way
         self._first = self._behind - counts
-        self.owner: Counts = np.repeat(np.arange(self.count), counts)
+        self.owner: Counts = np.repeat(np.arange(count), counts)
         total = len(self.owner)
-        start, end, rows = np.empty((total, 2)), np.empty((total, 2)), np.zeros((total, 5))
-        at = self._first[is_line]
-        start[at], end[at] = line_starts, line_ends
-        at = self._first[is_arc]
-        start[at], end[at] = _arc_ends(arcs)
-        rows[at, :3], rows[at, 3:] = arcs[:, :3], np.radians(arcs[:, 3:])
-        if chains:
-            inner = is_chain[self.owner]
-            start[inner] = np.concatenate([points[:-1] for points in chains])
-            end[inner] = np.concatenate([points[1:] for points in chains])
-        bent = np.zeros(total, dtype=bool)
-        bent[at] = True
-        self._put(Elements(start, end, bent, rows))
+        start, end, rows = np.empty((total, 2)), np.empty((total, 2)), np.empty((total, 5))
+        is_arc = np.empty(total, dtype=bool)
+        for which, pieces in drawn:
+            at = self._first[which]
+            if len(pieces.start) > len(which):
+                behind = np.cumsum(pieces.counts)
+                at = np.arange(len(pieces.start)) + np.repeat(
+                    at - behind + pieces.counts, pieces.counts
+                )
+            start[at], end[at], is_arc[at], rows[at] = pieces.columns
+        self._put(Elements(start, end, is_arc, rows))
 
     def _put(self, elements: Elements) -> None:
         self.elements = elements
@@ -206,6 +219,18 @@ class Ways:
         return element, share, owner
 
 
+def _line_rows(curves: Sequence[Curve], which: Sequence[int]) -> Floats:
+    """Start and end of the lines among curves, (n, 4)."""
+    lines = cast("Iterable[Line]", (curves[k] for k in which))
+    return _rows([(*line.start, *line.end) for line in lines], 4)
+
+
+def _arc_rows(curves: Sequence[Curve], which: Sequence[int]) -> Floats:
+    """Centre, radius, start and sweep in degrees of the arcs among curves, (n, 5)."""
+    arcs = cast("Iterable[Arc]", (curves[k] for k in which))
+    return _rows([(*a.centre, a.radius, a.start_deg, a.sweep_deg) for a in arcs], 5)
+
+
 def _rows(values: Iterable[Sequence[float]], width: int) -> Floats:
     """Records of equally many numbers as the rows of an array."""
     return np.fromiter(chain.from_iterable(values), dtype=np.float64).reshape(-1, width)
@@ -236,12 +261,26 @@ def _arc_ends(arcs: Floats) -> tuple[Floats, Floats]:
     return start, end
 
 
-def _chains(curves: Sequence[Curve], tolerance: float) -> list[Floats]:
-    """Points along curves that are neither lines nor arcs."""
-    plain = [isinstance(c, BSpline) and c.weights is None for c in curves]
-    splines = [c for c, is_plain in zip(curves, plain, strict=True) if is_plain]
-    drawn = iter(spline_points(cast("list[BSpline]", splines), tolerance))
-    rest = [c for c, is_plain in zip(curves, plain, strict=True) if not is_plain]
-    lines = polylines(rest, tolerance) if rest else None
-    others = iter(np.split(lines.points, lines.begins[1:-1]) if lines is not None else [])
-    return [next(drawn) if is_plain else next(others) for is_plain in plain]
+def _lines(rows: Floats) -> Pieces:
+    return straight_pieces(np.ones(len(rows), dtype=np.int64), rows[:, :2], rows[:, 2:])
+
+
+def _arcs(rows: Floats) -> Pieces:
+    """Arcs whose angles are in degrees."""
+    start, end = _arc_ends(rows)
+    ones = np.ones(len(rows), dtype=np.int64)
+    turned = np.column_stack((rows[:, :3], np.radians(rows[:, 3:])))
+    return Pieces(ones, start, end, ones.astype(bool), turned)
+
+
+def _is_free(curve: Curve) -> TypeGuard[BSpline | Bezier]:
+    """Whether a curve is a polynomial, or some of them."""
+    return isinstance(curve, Bezier) or (isinstance(curve, BSpline) and curve.weights is None)
+
+
+def _chords(curves: Sequence[Curve], tolerance: float) -> Pieces:
+    """Chords along curves that are no polynomials."""
+    drawn = polylines(curves, tolerance)
+    counts = np.diff(drawn.begins) - 1
+    starts = np.delete(np.arange(len(drawn.points)), drawn.begins[1:] - 1)
+    return straight_pieces(counts, drawn.points[starts], drawn.points[starts + 1])
