@@ -4,7 +4,8 @@ import random
 
 import pytest
 
-from benchmarks.mutation import MUTATIONS, REWRITES, Case, Score, cases, changed, outcome, score
+from benchmarks.mutants import MUTATIONS, REWRITES
+from benchmarks.mutation import Case, Score, cases, changed, outcome, score
 
 MUTANTS = 2000
 

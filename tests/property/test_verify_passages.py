@@ -14,7 +14,8 @@ from beamcam.verify.made import Made
 from beamcam.verify.meaning import meaning_of
 from beamcam.verify.passages import MOST_KNOWN, Passages
 from beamcam.verify.stations import choices_of
-from benchmarks.mutation import MUTATIONS, REWRITES, Case, cases
+from benchmarks.mutants import MUTATIONS, REWRITES
+from benchmarks.mutation import Case, cases
 from tests.unit.verify.programs import BEAM, IPE200, PROGRAM
 
 MUTANTS = 1500

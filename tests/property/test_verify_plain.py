@@ -15,7 +15,8 @@ from beamcam.model.part import Hole, Part, Profile
 from beamcam.pipeline import post
 from beamcam.verify import verify
 from beamcam.verify.placing import Placing
-from benchmarks.mutation import MUTATIONS, cases
+from benchmarks.mutants import MUTATIONS
+from benchmarks.mutation import cases
 
 MUTANTS = 300
 PROFILES = (
