@@ -76,7 +76,7 @@ def in_own_process(path: Path) -> dict[str, float]:
 
 def main(models: list[str]) -> None:
     print(
-        "model               MB  members  open s  read s  ratio  all cores  ratio  members/s peak MB"
+        "model              MB  members  open s  read s  ratio  all cores  ratio  members/s peak MB"
     )
     with tempfile.TemporaryDirectory() as folder:
         paths = [Path(m) for m in models]
@@ -86,7 +86,7 @@ def main(models: list[str]) -> None:
             row = in_own_process(path)
             alone, shared = (row[key] / row["open_s"] for key in ("alone_s", "shared_s"))
             print(
-                f"{path.name[:18]:18} {path.stat().st_size / 1e6:5.1f} {row['members']:8.0f}"
+                f"{path.name[:17]:17} {path.stat().st_size / 1e6:5.1f} {row['members']:8.0f}"
                 f" {row['open_s']:7.3f} {row['alone_s']:7.3f} {alone:6.1f}"
                 f" {row['shared_s']:10.3f} {shared:6.1f}"
                 f" {row['members'] / row['shared_s']:10.0f} {row['peak_mb']:7.0f}"
