@@ -59,28 +59,29 @@ class HeaderLines(Struct):
     end: int  #: index of the line behind the header
 
 
-def header_lines(lines: list[str], start: int) -> HeaderLines:
+def header_lines(lines: list[str], texts: list[str], start: int) -> HeaderLines:
     """The header that begins at index `start`, behind the line ST.
 
+    `texts` are the lines without the blanks around them.
     The first 20 lines are taken as they come, since a piece mark may be `B1` or `SI`. After them
     a block code ends the header, if it stands as far in as ST itself does.
     """
     indent = _indent(lines[start - 1])
     comments: list[tuple[int, str]] = []
     trailing: list[tuple[int, str]] = []
-    while start < len(lines) and (text := lines[start].strip())[:2] == "**":
+    while start < len(lines) and (text := texts[start])[:2] == "**":
         comments.append((1, text[2:]))
         start += 1
     if (end := start + MOST_LINES) < len(lines):  # as most files have it: 24 lines and a code
-        values = [line.strip() for line in lines[start:end]]
-        code = lines[end].strip()
-        plain = "\n**" not in "\n".join(values) and all(len(v) != 2 for v in values[LEAST_LINES:])
+        values = texts[start:end]
+        code = texts[end]
+        plain = "\n**" not in "\n".join(values) and 2 not in map(len, values[LEAST_LINES:])
         if plain and len(code) == 2 and _is_code(code, lines, end, indent, MOST_LINES):
             return HeaderLines(values, list(range(start + 1, end + 1)), comments, trailing, end)
     values = []
     numbers: list[int] = []
     for index in range(start, len(lines)):
-        text = lines[index].strip()
+        text = texts[index]
         if text[:2] == "**":
             if len(values) < MOST_LINES:
                 comments.append((len(values) + 1, text[2:]))
@@ -177,6 +178,8 @@ def _text(value: str) -> str:
 
 def _notes(values: list[str]) -> tuple[str, ...]:
     """The free texts, without the empty ones at the end."""
+    if not any(values):
+        return ()
     texts = [_text(value) for value in values]
     while texts and not texts[-1]:
         texts.pop()

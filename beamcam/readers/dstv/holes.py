@@ -1,6 +1,8 @@
 """Holes and slots: block BO, and Bn on planes."""
 
 import re
+from collections.abc import Iterable
+from itertools import repeat
 
 from beamcam.errors import Source
 from beamcam.geometry.curves import unit_vector
@@ -28,10 +30,11 @@ _KINDS: dict[str, HoleKind] = {
 }
 
 
-# "  v   300.00s   50.00   18.00   0.00"   the rows of a block if all of them are as plain as this
-_NUMBER = r"[0-9]{1,9}(?:\.[0-9]{0,9})?"
+# "  v   300.00s   50.00   18.00   0.00"   the rows of a block if all of them are as plain as this;
+# what may be a number is one if float says so, and twelve characters are below LARGEST.
 _PLAIN = re.compile(
-    rf"^([vouh]) +([+-]?{_NUMBER})([uos]) +([+-]?{_NUMBER}) +({_NUMBER})(?: +({_NUMBER}))?$",
+    r"^([vouh]) ++([-+.0-9]{1,12}+)([uos]) ++([-+.0-9]{1,12}+) ++([.0-9]{1,12}+)"
+    r"(?: ++([.0-9]{1,12}+))?$",
     re.MULTILINE,
 )
 
@@ -40,17 +43,11 @@ def read_holes(block: Block, place: Place) -> list[Hole | Slot]:
     """The holes and slots of a block BO or Bn."""
     log = place.log
     features: list[Hole | Slot] = []
-    found = [] if place.fixed else _PLAIN.findall("\n".join(block.rows))
-    if found and len(found) == len(block.rows):
-        for line, (face, x, edge, y, size, deep) in zip(block.numbers, found, strict=True):
-            diameter, depth = float(size), float(deep or 0)
-            features.append(
-                Hole(
-                    face, float(x), float(y), diameter, Source(log.file, line), depth or None,
-                    _kind(diameter, depth), None, edge,
-                )
-            )  # fmt: skip
-        place.face, place.edge = found[-1][0], found[-1][2]
+    try:
+        features += _plain_holes(block, place)
+    except ValueError:
+        pass  # the rows are not all that plain, and are read one by one
+    else:
         log.taken += block.numbers
         return features
     for line, row in zip(block.numbers, block.rows, strict=True):
@@ -67,6 +64,30 @@ def read_holes(block: Block, place: Place) -> list[Hole | Slot]:
             features.append(feature)
             log.taken.append(line)
     return features
+
+
+def _plain_holes(block: Block, place: Place) -> list[Hole]:
+    """The holes of a block whose rows are all as most programs write them, column by column.
+
+    Raises ValueError for any other block, which says nothing about its being right.
+    """
+    rows = [] if place.fixed else _PLAIN.findall("\n".join(block.rows))
+    if not rows or len(rows) != len(block.rows):
+        raise ValueError
+    faces, xs, edges, ys, sizes, deeps = zip(*rows, strict=True)
+    diameters = [*map(float, sizes)]
+    depths: Iterable[float | None] = repeat(None)
+    kinds: Iterable[HoleKind] = repeat("through")
+    if any(deeps) or 0.0 in diameters:
+        depths = [float(deep or 0) or None for deep in deeps]
+        kinds = map(_kind, diameters, depths)
+    sources = map(Source, repeat(place.log.file), block.numbers)
+    holes = [
+        *map(Hole, faces, map(float, xs), map(float, ys), diameters, sources, depths, kinds,
+             repeat(None), edges)
+    ]  # fmt: skip
+    place.face, place.edge = faces[-1], edges[-1]
+    return holes
 
 
 def _plain_hole(tokens: list[str], line: int, place: Place) -> Hole | Slot:
@@ -110,7 +131,7 @@ def _plain_hole(tokens: list[str], line: int, place: Place) -> Hole | Slot:
     return Hole(place.face, x, y, diameter, source, depth or None, kind, None, edge)
 
 
-def _kind(diameter: float, depth: float) -> HoleKind:
+def _kind(diameter: float, depth: float | None) -> HoleKind:
     """What a row without a letter before its diameter means.
 
     DSTV NC, page 10: depth 0 means through; a diameter of 0 can only be a mark.

@@ -62,7 +62,7 @@ def check(part: Part, contours: list[Rows], header: list[int], log: Log) -> None
     `contours` are its contour rows and `header` the lines of the header's values.
     """
     outers: dict[str, list[_Outline]] = {}
-    for feature in part.features:
+    for feature in part.features if contours else ():
         if isinstance(feature, Contour):
             if feature.kind == "outer":
                 outers.setdefault(feature.face, []).append(_outline(feature))
@@ -204,30 +204,38 @@ def _check_holes(part: Part, outers: dict[str, list[_Outline]], log: Log) -> Non
     places = [(hole.face, hole.x, hole.y) for hole in part.features if type(hole) is Hole]
     seen: dict[object, int] | None = {} if len({*places}) < len(places) else None
     regions: dict[str, _Region] = {}
-    for hole in part.features:
-        if isinstance(hole, Hole):
+    for feature in part.features:
+        if type(feature) is Hole:
             if seen is not None:
-                _check_twice(hole, seen, log)
-            if hole.diameter <= LARGEST_MARK and hole.kind in ("through", "blind"):
-                log.add(rules.HOLE_SMALL, hole.source.line or 0, diameter=hole.diameter)
-        elif not isinstance(hole, Slot | TextMark):
+                _check_twice(feature, seen, log)
+            if feature.diameter <= LARGEST_MARK and feature.kind in ("through", "blind"):
+                log.add(rules.HOLE_SMALL, feature.source.line or 0, diameter=feature.diameter)
+        elif type(feature) is not Slot and type(feature) is not TextMark:
             continue
-        face, x, y = hole.face, hole.x, hole.y
-        if len(face) > 1:
-            continue  # the file gives no extent of a plane
-        region = regions.get(face)
-        if region is None:
-            region = regions[face] = _region(part, outers.get(face), face)
-        x0, y0, x1, y1 = region.box
-        inside = x0 <= x <= x1 and y0 <= y <= y1
-        if isinstance(hole, TextMark):
-            if not inside:
-                log.add(rules.TEXT_OUTSIDE, hole.source.line or 0, x=x, y=y, face=face)
-        elif not inside or (
-            region.outlines and not any(_contains(outline, x, y) for outline in region.outlines)
+        face, x, y = feature.face, feature.x, feature.y
+        if face not in regions:
+            regions[face] = _region(part, outers.get(face), face)
+        (x0, y0, x1, y1), outlines = regions[face]
+        if not (x0 <= x <= x1 and y0 <= y <= y1) or (
+            outlines and _is_in_the_air(feature, outlines)
         ):
-            what = "a hole" if isinstance(hole, Hole) else "a slot"
-            log.add(rules.HOLE_OUTSIDE, hole.source.line or 0, what=what, x=x, y=y, face=face)
+            _say_outside(feature, log)
+
+
+def _is_in_the_air(feature: Hole | Slot | TextMark, outlines: list[_Outline]) -> bool:
+    """Whether a hole or slot is in none of the outlines; of a text their box is all that counts."""
+    if type(feature) is TextMark:
+        return False
+    return not any(_contains(outline, feature.x, feature.y) for outline in outlines)
+
+
+def _say_outside(feature: Hole | Slot | TextMark, log: Log) -> None:
+    line, place = feature.source.line or 0, {"x": feature.x, "y": feature.y, "face": feature.face}
+    if type(feature) is TextMark:
+        log.add(rules.TEXT_OUTSIDE, line, **place)
+    else:
+        what = "a hole" if type(feature) is Hole else "a slot"
+        log.add(rules.HOLE_OUTSIDE, line, what=what, **place)
 
 
 def _check_twice(hole: Hole, seen: dict[object, int], log: Log) -> None:
@@ -240,26 +248,23 @@ def _check_twice(hole: Hole, seen: dict[object, int], log: Log) -> None:
         log.add(rules.HOLE_DUPLICATE, line, first=first, **place)
 
 
-class _Region(Struct):
-    """Where a face has material."""
-
-    box: Box  #: around it, a little wider
-    outlines: list[_Outline]  #: empty where the box says it all
+#: Where a face has material: a box around it, a little wider, and its outlines, none where the box
+#: says it all.
+_Region = tuple[Box, list[_Outline]]
 
 
 def _region(part: Part, outlines: list[_Outline] | None, face: str) -> _Region:
     """The material of a face: its outlines, or the raw section where it has none."""
-    if outlines is None:
-        width = _face_width(part.profile, face)
-        box = (0.0, 0.0, part.length, width) if width else (0.0, -inf, part.length, inf)
-        outlines = []
-    else:
-        box = join_boxes([outline.box for outline in outlines]) or outlines[0].box
-        if len(outlines) == 1 and outlines[0].is_rectangle:
-            outlines = []
-    x0, y0, x1, y1 = box
+    if len(face) > 1:
+        return (-inf, -inf, inf, inf), []  # the file gives no extent of a plane
     slack = EDGE_TOLERANCE
-    return _Region((x0 - slack, y0 - slack, x1 + slack, y1 + slack), outlines)
+    if outlines is None:
+        width = _face_width(part.profile, face) or inf
+        return (-slack, -slack if width < inf else -inf, part.length + slack, width + slack), []
+    x0, y0, x1, y1 = join_boxes([outline.box for outline in outlines]) or outlines[0].box
+    if len(outlines) == 1 and outlines[0].is_rectangle:
+        outlines = []
+    return (x0 - slack, y0 - slack, x1 + slack, y1 + slack), outlines
 
 
 def _face_width(profile: Profile, face: str) -> float:

@@ -16,6 +16,7 @@ from beamcam.model.part import (
     SectionPoint,
 )
 from beamcam.readers.dstv import rules
+from beamcam.readers.dstv.blocks import split_blocks
 from beamcam.readers.dstv.comments import Placed, place_comments
 from beamcam.readers.dstv.contour_rows import Rows, read_contour_rows
 from beamcam.readers.dstv.contours import build_contour, is_mirrored
@@ -35,9 +36,6 @@ from beamcam.readers.dstv.rows import (
 )
 from beamcam.readers.dstv.tokens import CODES, Block, Log, decode, split_lines
 from beamcam.readers.reading import Reading
-
-#: Blocks whose rows are texts, where two stars may stand for themselves.
-_TEXT_CODES = frozenset({"SI", "IN", *(f"S{digit}" for digit in range(10))})
 
 _CONTOURS = {"AK": "A", "IK": "I", "KO": "K", "PU": "P"}
 
@@ -85,22 +83,23 @@ def read_with_account(data: bytes, name: str) -> tuple[Reading, Account]:
     """As `read`, with the account of the file's lines."""
     text, encoding = decode(data)
     lines = split_lines(text)
+    texts = [*map(str.strip, lines)]
     log = Log(name)
     if encoding is not None:
         line = next((i for i, row in enumerate(lines, 1) if not row.isascii()), 1)
         log.add(rules.ENCODING, line, encoding=encoding)
-    start, comments = _find_start(lines, log)
+    start, comments = _find_start(texts, log)
     if start is None:
         return _refused(lines, log)
-    head = header_lines(lines, start)
+    head = header_lines(lines, texts, start)
     header = read_header(head, log)
     if header is None:
         return _refused(lines, log)
     comments += [(0, f"header:{n}", text) for n, text in head.comments]
-    blocks, loose, end = _split_blocks(lines, head.end, log)
+    blocks, loose, end = split_blocks(lines, texts, head.end, log)
     loose = head.trailing + loose
-    indented = [*head.numbers, *(n for block in blocks for n in block.numbers[:1])]
-    _note_indent(lines, indented, log)
+    indented = head.numbers + [n for block in blocks for n in block.numbers[:1]]
+    _note_indent(lines, texts, indented, log)
     content = Content()
     for block in blocks:
         _read_block(block, content, header.profile, log)
@@ -160,12 +159,11 @@ def _refused(lines: list[str], log: Log) -> tuple[Reading, Account]:
     return Reading("dstv", (), tuple(log.diagnostics)), account
 
 
-def _find_start(lines: list[str], log: Log) -> tuple[int | None, list[Placed]]:
+def _find_start(texts: list[str], log: Log) -> tuple[int | None, list[Placed]]:
     """Index behind the line ST, and the comments before it; None if there is none."""
     comments: list[Placed] = []
     data: list[tuple[int, str]] = []
-    for index, line in enumerate(lines):
-        text = line.strip()
+    for index, text in enumerate(texts):
         if text == "ST" or (text == "st" and not data):
             if data:
                 log.add(rules.BEFORE_ST, data[0][0], found=data[0][1], count=len(data))
@@ -177,7 +175,7 @@ def _find_start(lines: list[str], log: Log) -> tuple[int | None, list[Placed]]:
             comments.append((index + 1, "start", text[2:]))
         elif text:
             data.append((index + 1, text))
-    if any(line.strip() in CODES for line in lines):
+    if not CODES.isdisjoint(texts):
         line_number, found = data[0]
         log.add(rules.NO_ST, line_number, found=found)
     else:
@@ -186,74 +184,10 @@ def _find_start(lines: list[str], log: Log) -> tuple[int | None, list[Placed]]:
     return None, comments
 
 
-def _split_blocks(
-    lines: list[str], start: int, log: Log
-) -> tuple[list[Block], list[tuple[int, str]], int]:
-    """The blocks behind the header, the comments between, and the line of EN (0 if none)."""
-    blocks: list[Block] = []
-    comments: list[tuple[int, str]] = []
-    rows: list[str] = []
-    numbers: list[int] = []
-    end = 0
-    after = False
-    for index in range(start, len(lines)):
-        text = lines[index].strip()
-        size = len(text)
-        if size > 2:
-            if text[:2] == "**":
-                comments.append((index + 1, text[2:]))
-                continue
-        elif size == 0:
-            continue
-        elif size == 2:
-            if text == "**":
-                comments.append((index + 1, ""))
-                continue
-            code = _code(text, lines[index], index + 1, log) if not after else None
-            if code == "EN":
-                end = index + 1
-                after = True
-                continue
-            if code is not None:
-                rows, numbers = [], []
-                blocks.append(Block(code, index + 1, rows, numbers))
-                continue
-        if after:
-            log.add(rules.AFTER_EN, index + 1, found=text)
-            continue
-        if not blocks:
-            blocks.append(Block("", index + 1, rows, numbers))
-        if "**" in text and blocks[-1].code not in _TEXT_CODES:
-            text, comment = (part.strip() for part in text.split("**", 1))
-            log.add(rules.COMMENT_INLINE, index + 1)
-            comments.append((index, comment))
-        rows.append(text)
-        numbers.append(index + 1)
-    if not end:
-        last = max((i for i, line in enumerate(lines, 1) if line.strip()), default=1)
-        log.add(rules.NO_EN, last)
-    return blocks, comments, end
-
-
-def _code(text: str, line: str, number: int, log: Log) -> str | None:
-    """The block code that a line of two characters is; None if it is data."""
-    if text in CODES:
-        if line[0] in " \t":
-            log.add(rules.CODE_INDENT, number, block=text)
-        return text
-    if not text.isascii() or not text[0].isalpha() or not text.isalnum():
-        return None
-    if text.upper() in CODES:
-        log.add(rules.CODE_CASE, number, found=text, block=text.upper())
-        return text.upper()
-    return text if text.isupper() and line[0] not in " \t" else None
-
-
-def _note_indent(lines: list[str], numbers: list[int], log: Log) -> None:
+def _note_indent(lines: list[str], texts: list[str], numbers: list[int], log: Log) -> None:
     """Say so at the first data line that begins without two blanks."""
-    for number in numbers:
-        line = lines[number - 1]
-        if line[:2] != "  " and not line.isspace() and line and not line.startswith("\t"):
+    for number in [n for n in numbers if lines[n - 1][:2] != "  "]:
+        if texts[number - 1] and not lines[number - 1].startswith("\t"):
             log.add(rules.INDENT, number)
             return
 
@@ -331,6 +265,9 @@ def _refuse_block(block: Block, log: Log) -> None:
 
 def _finish_contours(content: Content, profile: Profile, log: Log) -> Iterator[Feature]:
     """The features in order, contour rows made into contours where they make one."""
+    if not content.contours:
+        yield from content.features  # type: ignore[misc]  # all of them, none is rows
+        return
     mirrored: dict[str, bool] = {}
     for rows in content.contours:
         if rows.face in MIRRORED_FACES and rows.code == "A" and rows.face not in mirrored:
