@@ -5,7 +5,7 @@ from collections.abc import Iterable
 from typing import Any
 
 from beamcam.readers.ifc.schema import Row, rows
-from beamcam.readers.ifc.step import Malformed, records
+from beamcam.readers.ifc.step import MISSING, records
 from beamcam.readers.ifc.tuples import KINDS, tuples
 from beamcam.readers.ifc.values import Tokens, Values, text_of
 
@@ -30,7 +30,7 @@ class Entity:
 
     file: "File"
     name: str  #: #12
-    index: int  #: of its record, or MISSING
+    index: int  #: of its record
     row: Row
     values: tuple[Any, ...]
 
@@ -56,10 +56,10 @@ class Entity:
     def __getattr__(self, name: str) -> Any:
         # Called for what has no value yet: the two slots that are filled late, and attributes.
         if name == "values":
-            self.values = values = self.file.values(self)
+            self.values = values = self.file.values(self.index)
             return values
         if name == "row":
-            self.row = row = self.file.row(self)
+            self.row = row = self.file.row(self.index)
             return row
         place = self.row.places.get(name)
         if place is not None:
@@ -71,7 +71,7 @@ class Entity:
     @property
     def label(self) -> str | None:
         """The Name of a rooted entity, its third value, without a look at the others."""
-        parts = self.file.inner(self).split("'", 4)  # '', GlobalId, ',#1,', Name, ',$,...'
+        parts = self.file.inner(self.index).split("'", 4)  # '', GlobalId, ',#1,', Name, ',$,...'
         if len(parts) == 5 and parts[2].count(",") == 2 and parts[4][:1] == ",":
             return text_of(parts[3])
         found: str | None = self.values[2]
@@ -80,11 +80,27 @@ class Entity:
     @property
     def listed(self) -> list[str]:
         """The names in its last value, which is a list of references, without a look at them."""
-        inner = self.file.inner(self)
+        inner = self.file.inner(self.index)
         return inner[inner.rfind("(") + 1 : -1].split(",")
 
     def __repr__(self) -> str:
-        return f"{self.name}=({self.file.inner(self)})"
+        return f"{self.name}=({self.file.inner(self.index)})"
+
+
+class Missing(Entity):
+    """What a reference to no record of the file stands for: all it has is its name.
+
+    Raises LookupError when it is looked at.
+    """
+
+    __slots__ = ()
+
+    def __init__(self, file: "File", name: str) -> None:
+        self.file = file
+        self.name = name
+
+    def __getattr__(self, name: str) -> Any:
+        raise LookupError(f"a reference to {self.name}, which is not in the file")
 
 
 class File:
@@ -98,10 +114,13 @@ class File:
         self.schema = schema  #: IFC2X3, IFC4 or IFC4X3
         self._records = records(text)
         self._rows = rows(schema)
+        self._row_of = {
+            number: self._rows.get(kind.upper()) or Row(kind, frozenset((kind,)), {})
+            for number, kind in self._records.kinds.items()
+        }
         self._tuples = tuples(self._records)
         # Where some point, direction or placement is written in an unusual way, each is looked at.
-        usual = len(self._tuples) == sum(len(self._records.of(kind)) for kind in KINDS)
-        self._unusual = frozenset(() if usual else KINDS)
+        self._unusual = len(self._tuples) != sum(len(self._records.of(kind)) for kind in KINDS)
         self.tokens = Tokens(self._referred)
         self._relations: dict[str, dict[Entity, list[Entity]]] = {}
 
@@ -119,8 +138,10 @@ class File:
         known = self._tuples.get(index)
         if known is not None:
             return known
+        if index == MISSING:
+            return Missing(self, name)
         made = Entity(self, name, index)
-        if self._unusual and index >= 0 and self._records.kind(index).upper() in self._unusual:
+        if self._unusual and made.row.name.upper() in KINDS:
             values = made.values
             return values if made.is_a("IfcPlacement") else tuple(map(float, values[0]))
         return made
@@ -130,31 +151,17 @@ class File:
         found: Entity = self.tokens[name]
         return found
 
-    def inner(self, entity: Entity) -> str:
-        """The text in a record's brackets. Raises LookupError if the file has no such record."""
-        if entity.index < 0:
-            raise _missing(entity)
-        inner = self._records.inner(entity.index)
-        if inner[-1:] != ")":
-            inner = inner.rstrip()
-            if inner[-1:] != ")":
-                raise Malformed(f"{inner[:40]!r} as the values of {entity.name}")
-        return inner[:-1]
+    def inner(self, index: int) -> str:
+        """The text in a record's brackets."""
+        return self._records.inner(index)
 
-    def values(self, entity: Entity) -> Values:
-        """The values of a record. Raises LookupError if it is missing, and Malformed."""
-        return self.tokens.values(self.inner(entity))
+    def values(self, index: int) -> Values:
+        """The values of a record. Raises Malformed."""
+        return self.tokens.values(self._records.inner(index))
 
-    def row(self, entity: Entity) -> Row:
+    def row(self, index: int) -> Row:
         """What the schema says of a record; of an entity that it does not know, its name."""
-        if entity.index < 0:
-            raise _missing(entity)
-        kind = self._records.kind(entity.index)
-        return (
-            self._rows.get(kind)
-            or self._rows.get(kind.upper())
-            or Row(kind, frozenset((kind,)), {})
-        )
+        return self._row_of[self._records.kind(index)]
 
     def by_type(self, name: str) -> list[Entity]:
         """The entities of a class and of its subtypes, in the order of the file."""
@@ -165,7 +172,7 @@ class File:
     def beginning(self, kind: str, texts: tuple[str, ...]) -> dict[str, str]:
         """The text in the brackets of those records of a class that begin with one of `texts`."""
         of = self._records
-        return {of.name(i): of.inner(i).rstrip()[:-1] for i in of.beginning(kind, texts)}
+        return {of.name(i): of.inner(i) for i in of.beginning(kind, texts)}
 
     def relations(self, name: str) -> dict[Entity, list[Entity]]:
         """The relations of a kind by the entity that stands on the near side."""
@@ -183,7 +190,3 @@ class File:
                     if isinstance(one, Entity):
                         found[one].append(relation)
         return dict(found)
-
-
-def _missing(entity: Entity) -> LookupError:
-    return LookupError(f"a reference to {entity.name}, which is not in the file")

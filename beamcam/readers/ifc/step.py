@@ -1,7 +1,8 @@
 """STEP physical files (ISO 10303-21): where in the text each record stands.
 
     #12=IFCCIRCLEPROFILEDEF(.AREA.,'bolt hole',#5,9.);
-    start                  opening                   end
+    |   |                  |                        |
+    start                  opening                  closing
         kind
 
 A record ends at a semicolon that is in no string. All of them are found at once, by arrays over
@@ -67,25 +68,25 @@ class Spans(Struct, frozen=True):
     start: Places  #: of its name
     kind: Places  #: of its class
     opening: Places  #: of the bracket before its values
-    end: Places  #: of its semicolon
+    closing: Places  #: of the bracket behind them
 
 
 class Records:
     """The records of a file, known by their indices in the order of the file."""
 
     def __init__(self, text: str, codes: Codes, numbers: Places, spans: Spans) -> None:
-        """Raises Malformed for a number that is there twice, and a class that is no word."""
+        """Raises Malformed for a number that is there twice, and for a class that is no word."""
         self._text = text
         self._codes = codes
         self._spans = spans
         self._index = _index(numbers)
         self._hashes = hashes(codes, spans.kind, back_over_blanks(codes, spans.opening))
         # A memoryview gives single numbers faster than an array does, and as Python's own.
-        self._number, self._hash = numbers.data, self._hashes.data
-        self._opening, self._end = spans.opening.data, spans.end.data
+        self._number, self._kind = numbers.data, self._hashes.data
+        self._first, self._closing = (spans.opening + 1).data, spans.closing.data
         if (twice := _second(numbers)) is not None:
             raise Malformed(f"record {self.name(twice)} twice", self._line(twice))
-        self._kinds = self._classes()
+        self.kinds = self._classes()  #: as they are written, IFCDIRECTION, by their numbers
 
     def __len__(self) -> int:
         return len(self._hashes)
@@ -101,17 +102,18 @@ class Records:
         """#12"""
         return f"#{self._number[index]}"
 
-    def kind(self, index: int) -> str:
-        """The class of a record as it is written: IFCDIRECTION."""
-        return self._kinds[self._hash[index]]
+    def kind(self, index: int) -> int:
+        """The class of a record, as a number of `kinds`."""
+        number: int = self._kind[index]
+        return number
 
     def inner(self, index: int) -> str:
-        """What is behind the opening bracket: `(0.,0.,1.))`."""
-        return self._text[self._opening[index] + 1 : self._end[index]]
+        """What is between the brackets: `(0.,0.,1.)`."""
+        return self._text[self._first[index] : self._closing[index]]
 
     def of(self, kind: str) -> Places:
         """The indices of the records of a class, which is in capitals."""
-        numbers = [number for number, written in self._kinds.items() if written.upper() == kind]
+        numbers = [number for number, written in self.kinds.items() if written.upper() == kind]
         if len(numbers) == 1:
             return np.flatnonzero(self._hashes == numbers[0])
         return np.flatnonzero(np.isin(self._hashes, np.array(numbers, np.uint64)))
@@ -128,8 +130,9 @@ class Records:
 
     def inners(self, indices: Places) -> list[str]:
         """As `inner`, of many records."""
-        text, first = self._text, (self._spans.opening[indices] + 1).tolist()
-        return [text[i:j] for i, j in zip(first, self._spans.end[indices].tolist(), strict=True)]
+        first, last = self._spans.opening[indices] + 1, self._spans.closing[indices]
+        text = self._text
+        return [text[i:j] for i, j in zip(first.tolist(), last.tolist(), strict=True)]
 
     def references(self, indices: Places, count: int) -> list[list[int]] | None:
         """The indices that records refer to whose values are `count` references and no more.
@@ -139,16 +142,16 @@ class Records:
         """
         codes, at = self._codes, self._spans.opening[indices]
         columns = []
-        for closing in (*[_COMMA] * (count - 1), _CLOSING):
+        for behind_it in (*[_COMMA] * (count - 1), _CLOSING):
             first = codes[at + 1]
             numbers, behind = numbers_at(codes, at + 2)
             given = first == _HASH
             well = (given | (first == _DOLLAR)) & (given == (behind > at + 2))
-            if not (well & (codes[behind] == closing)).all():
+            if not (well & (codes[behind] == behind_it)).all():
                 return None
             columns.append(np.where(given, self._find_all(numbers), NONE_GIVEN).tolist())
             at = behind
-        return columns if (at + 1 == self._spans.end[indices]).all() else None
+        return columns
 
     def _find_all(self, numbers: Places) -> Places:
         """The indices of the records of these numbers, or MISSING."""
@@ -159,14 +162,14 @@ class Records:
         return np.where(there, table[np.where(there, numbers, 0)], MISSING)
 
     def _classes(self) -> dict[int, str]:
-        """The classes that there are, as they are written, by their hashes."""
+        """The classes that there are, by their hashes."""
         found: dict[int, str] = {}
         rest: Words = self._hashes
         while len(rest):
             number = rest[len(rest) // 2]  # likely one of a class with many records
             rest = rest[rest != number]
             index = int(np.argmax(self._hashes == number))
-            kind = self._text[self._spans.kind[index] : self._opening[index]].rstrip()
+            kind = self._text[self._spans.kind[index] : self._spans.opening[index]].rstrip()
             if _CLASS.fullmatch(kind) is None:
                 _refuse(self._text, self._spans.start[index : index + 1])
             found[int(number)] = kind
@@ -191,9 +194,10 @@ def records(text: str) -> Records:
     kinds = past_blanks(codes, np.minimum(equals + 1, ends))
     brackets = np.append(np.flatnonzero(codes == _OPENING), len(text))
     openings = brackets[np.searchsorted(brackets, kinds)]
+    closings = back_over_blanks(codes, ends) - 1
     well: Truths = (behind > starts + 1) & (codes[equals] == _EQUALS) & (kinds < openings)
-    _refuse(text, starts[~(well & (openings < ends))])
-    return Records(text, codes, numbers, Spans(starts, kinds, openings, ends))
+    _refuse(text, starts[~(well & (openings < closings) & (codes[closings] == _CLOSING))])
+    return Records(text, codes, numbers, Spans(starts, kinds, openings, closings))
 
 
 def _tidy(text: str) -> str:

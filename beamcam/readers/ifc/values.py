@@ -4,14 +4,16 @@ r"""The values in the text of a STEP record.
 """
 
 import re
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from typing import Any
 
 from beamcam.readers.ifc.step import Malformed, Typed
 
 Values = tuple[Any, ...]
 
-_TOKEN = re.compile(r"'[^']*+(?:''[^']*+)*+'|[^\s,()']++|[()]")
+_GLOBAL_ID = 24  #: its length with its quotes; there are no two alike, so none need be kept
+
+_TOKEN = re.compile(r"'[^']*+(?:''[^']*+)*+'|[^\s,()']++|[(),']")
 _ESCAPE = re.compile(
     r"\\X2\\((?:[0-9A-F]{4})*)\\X0\\|\\X4\\((?:[0-9A-F]{8})*)\\X0\\|\\X\\([0-9A-F]{2})"
     r"|\\S\\(.)|\\P[A-I]\\|\\(\\)",
@@ -30,10 +32,18 @@ class Tokens(dict[str, Any]):
         self.reference = reference
 
     def __missing__(self, token: str) -> Any:
-        """Raises Malformed for what is no value."""
-        if token[:1] == "#" and token[1:].isdecimal():
+        """Raises Malformed for what is no value, and for a part of a string."""
+        first = token[:1]
+        if first == "#" and token[1:].isdecimal():
             self[token] = found = self.reference(token)
             return found
+        if first == "'":
+            if len(token) < 2 or token.find("'", 1) != len(token) - 1:
+                raise Malformed(f"{token[:40]!r} as a value")
+            text = text_of(token[1:-1])
+            if len(token) != _GLOBAL_ID:
+                self[token] = text
+            return text
         if "_" not in token:  # Python's numbers may have some
             try:
                 # A real number has a point, and 1.E-05 is one.
@@ -55,73 +65,70 @@ class Tokens(dict[str, Any]):
 
         An enumeration is its text, a list a tuple. Raises Malformed for what are no values.
         """
-        if "'" not in inner and "(" not in inner:
-            return tuple(map(self.__getitem__, inner.split(","))) if inner else ()
+        # A string with a comma in it falls into pieces with an odd number of quotes, which are no
+        # values; so does one with a bracket, where the record is cut at the first.
         try:
+            if "(" not in inner:
+                return tuple(map(self.__getitem__, inner.split(","))) if inner else ()
             found = self._once_bracketed(inner)
         except Malformed:
-            found = None  # there are blanks between values, or there is what is none
+            found = None
         return self._nested(inner) if found is None else found
 
     def _once_bracketed(self, inner: str) -> Values | None:
-        """As `values` where there is one list or type at most, as in nearly all records.
+        """As `values` where there is one list or type and no more, as in most records.
 
-        None if there are more, or quotes in a string. May raise Malformed for what is well formed.
+        None if there are more; Malformed if so, or if a string has a comma or a bracket in it.
         """
-        parts = inner.split("'")
-        texts, bare = parts[1::2], "'".join(parts[::2])  # each string is a single quote now
-        if "''" in bare or len(parts) % 2 == 0:
-            return None
-        strings = map(text_of, texts)
-        before, bracket, rest = bare.partition("(")
-        if not bracket:
-            return tuple(self._plain(bare, strings))
+        before, _, rest = inner.partition("(")
         listed, closing, behind = rest.partition(")")
+        if "(" in listed or "(" in behind or ")" in behind or not closing:
+            return None
         comma = before.rfind(",")
         kind = before[comma + 1 :]
-        if "(" in rest or not closing or ")" in behind or behind[:1] not in ("", ","):
+        if (kind and not kind.isalnum()) or behind[:1] not in ("", ","):
             return None
-        if kind and not kind[0].isalpha():
-            return None
-        first = self._plain(before[:comma], strings) if comma >= 0 else ()
-        many: Any = tuple(self._plain(listed, strings)) if listed else ()
+        get = self.__getitem__
+        first = map(get, before[:comma].split(",")) if comma >= 0 else ()
+        many: Any = tuple(map(get, listed.split(","))) if listed else ()
         if kind:
             many = Typed(kind.upper(), many[0] if many else None)
-        return *first, many, *(self._plain(behind[1:], strings) if behind else ())
-
-    def _plain(self, bare: str, strings: Iterator[str]) -> list[Any]:
-        """The values of a text without brackets, in which a quote stands for the next string."""
-        tokens = bare.split(",")
-        if "'" in tokens:
-            return [next(strings) if token == "'" else self[token] for token in tokens]
-        return list(map(self.__getitem__, tokens))
+        return *first, many, *(map(get, behind[1:].split(",")) if behind else ())
 
     def _nested(self, inner: str) -> Values:
-        """Values among which are strings, lists in lists or types."""
-        if inner.count("'") % 2:
-            raise Malformed(f"{inner[:40]!r} as values")
+        """Values among which are lists in lists, or strings with commas or brackets in them."""
+        fault = Malformed(f"{inner[:40]!r} as values")
         stack: list[list[Any]] = [[]]
         kinds: list[str | None] = []
-        kind: str | None = None
+        kind: str | None = None  # written before the next value
+        complete = False  # so that a comma or a closing bracket is next
         for token in _TOKEN.findall(inner):
             first = token[0]
-            if first == "(":
+            if first in ",)":
+                nothing = first == ")" and not stack[-1] and kind is None  # as in an empty list
+                if not complete and not nothing:
+                    raise fault
+                complete = False
+                if first == ")":
+                    if not kinds:
+                        raise fault
+                    done, of = tuple(stack.pop()), kinds.pop()
+                    stack[-1].append(done if of is None else Typed(of, done[0] if done else None))
+                    complete = True
+            elif complete or (kind is not None and first != "("):
+                raise fault
+            elif first == "(":
                 stack.append([])
                 kinds.append(kind)
                 kind = None
-            elif first == ")":
-                if not kinds:
-                    raise Malformed(f"{inner[:40]!r} as values")
-                done, of = tuple(stack.pop()), kinds.pop()
-                stack[-1].append(done if of is None else Typed(of, done[0] if done else None))
-            elif first == "'":
-                stack[-1].append(text_of(token[1:-1]))
             elif first.isalpha():
                 kind = token.upper()
             else:
-                stack[-1].append(self[token])
-        if kinds:
-            raise Malformed(f"{inner[:40]!r} as values")
+                string = first == "'" and len(token) > 1  # and not a quote without another
+                stack[-1].append(text_of(token[1:-1]) if string else self[token])
+                complete = True
+        if kinds or not complete:
+            raise fault
         return tuple(stack[0])
 
 
