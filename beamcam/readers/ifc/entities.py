@@ -54,9 +54,10 @@ class Model(Struct):
     classified: dict[Any, Any] = field(default_factory=dict)  #: sections by their outline
     cut_outs: dict[Any, Any] = field(default_factory=dict)  #: outlines of cutters, and holes
     members: dict[Any, Any] = field(default_factory=dict)  #: what was cut, by stock and cutters
-    wanted: frozenset[str] | None = None  #: the properties that matter, by name of their record
-    psets: dict[Entity, dict[str, str | float]] = field(default_factory=dict)
-    materials: dict[Entity, str] = field(default_factory=dict)
+    wanted: dict[str, str] | None = None  #: texts of the properties that matter, by their names
+    properties: dict[str, Any] = field(default_factory=dict)  #: name and value by that text
+    psets: dict[str, tuple[str, dict[str, str | float]]] = field(default_factory=dict)
+    materials: dict[str, str] = field(default_factory=dict)
     kernel: list[Any] = field(default_factory=list)  #: the kernel's file, when it was asked for
 
     def point(self, c: Coordinates) -> Vec:

@@ -2,10 +2,13 @@
 
 import re
 from collections.abc import Iterator
+from functools import cache
+from itertools import chain
 
 from msgspec import Struct, field
 
 from beamcam.readers.ifc.entities import Entity, Model
+from beamcam.readers.ifc.relations import tied
 from beamcam.readers.ifc.step import Typed
 
 Value = str | float
@@ -56,33 +59,37 @@ class Data(Struct, frozen=True):
 
 
 def data_of(model: Model, element: Entity) -> Data:
-    """The property sets and quantities of an element, those of its type behind them."""
+    """The property sets and quantities of an element."""
     found: dict[str, dict[str, Value]] = {}
-    for definition in _definitions(element):
-        name = definition.label or ""
-        if _SETS.search(name):
-            known = model.psets.get(definition)
-            if known is None:
-                known = model.psets[definition] = dict(_values(model, definition))
-            found.setdefault(name, known)
+    for name in tied(element, "definitions"):
+        known = model.psets.get(name)
+        if known is None:
+            known = model.psets[name] = _set_of(model, model.file.entity(name))
+        if known[1]:
+            found.setdefault(*known)
     return Data(found)
 
 
-def _definitions(element: Entity) -> Iterator[Entity]:
-    for relation in getattr(element, "IsDefinedBy", ()):
-        if relation.is_a("IfcRelDefinesByProperties"):
-            definition = relation.values[5]
-            if definition.is_a("IfcPropertySetDefinition"):
-                yield definition
+def _set_of(model: Model, definition: Entity) -> tuple[str, dict[str, Value]]:
+    """The name of a property set and those of its values that matter here."""
+    name = definition.label or "" if definition.is_a("IfcPropertySetDefinition") else ""
+    return name, dict(_values(model, definition)) if _matters(name) else {}
+
+
+@cache
+def _matters(name: str) -> bool:
+    return _SETS.search(name) is not None
 
 
 def _values(model: Model, definition: Entity) -> Iterator[tuple[str, Value]]:
     if definition.is_a("IfcPropertySet"):
-        # Most properties are of no interest, and stay unread.
+        # Most properties are of no interest, and stay unread; many of the others are alike.
         wanted = _wanted(model)
-        for one in (model.file.entity(n) for n in definition.listed if n in wanted):
-            if one.NominalValue is not None:
-                yield one.Name, _value(model, one.NominalValue)
+        for inner in (wanted[n] for n in definition.listed if n in wanted):
+            if inner not in model.properties:
+                model.properties[inner] = _property(model, inner)
+            if model.properties[inner] is not None:
+                yield model.properties[inner]
     elif definition.is_a("IfcElementQuantity"):
         for one in definition.Quantities:
             if one.is_a("IfcQuantityLength"):
@@ -91,12 +98,18 @@ def _values(model: Model, definition: Entity) -> Iterator[tuple[str, Value]]:
                 yield one.Name, one.WeightValue * model.kilograms
 
 
-def _wanted(model: Model) -> frozenset[str]:
-    """The records of properties of a single value that matter here, told by their first letters."""
+def _wanted(model: Model) -> dict[str, str]:
+    """The texts of properties of a single value that matter here, by the names of the records."""
     if model.wanted is None:
         opened = tuple(f"'{name}'" for name in _WANTED)
-        model.wanted = frozenset(model.file.beginning("IFCPROPERTYSINGLEVALUE", opened))
+        model.wanted = model.file.beginning("IFCPROPERTYSINGLEVALUE", opened)
     return model.wanted
+
+
+def _property(model: Model, inner: str) -> tuple[str, Value] | None:
+    """Name and value of an IfcPropertySingleValue; None if it has no value."""
+    name, _, value, *_ = model.file.tokens.values(inner)
+    return None if value is None else (name, _value(model, value))
 
 
 def _value(model: Model, value: Typed) -> Value:
@@ -133,38 +146,23 @@ def assembly_of(element: Entity, data: Data) -> str:
     mark = data.text(*_ASSEMBLY_MARKS)
     if mark:
         return mark
-    for relation in getattr(element, "Decomposes", ()):
-        whole = relation.RelatingObject
+    for name in tied(element, "wholes"):
+        whole = element.file.entity(name)
         if whole.is_a("IfcElementAssembly"):
             return str(whole.Tag or whole.Name or whole.GlobalId).strip()
     return ""
 
 
 def material_of(model: Model, element: Entity) -> str:
-    """The name of an element's material; empty if it has none."""
-    for relation in getattr(element, "HasAssociations", ()):
-        if relation.is_a("IfcRelAssociatesMaterial"):
-            return _material_name(model, relation.RelatingMaterial)
-    for one in _type_of(element):
-        for relation in getattr(one, "HasAssociations", ()):
-            if relation.is_a("IfcRelAssociatesMaterial"):
-                return _material_name(model, relation.RelatingMaterial)
+    """The name of an element's material, or of its type's; empty if it has none."""
+    types = (model.file.entity(name) for name in tied(element, "types"))
+    for one in chain((element,), types):
+        for name in tied(one, "materials"):
+            known = model.materials.get(name)
+            if known is None:
+                known = model.materials[name] = _name_of(model.file.entity(name))
+            return known
     return ""
-
-
-def _type_of(element: Entity) -> Iterator[Entity]:
-    for relation in getattr(element, "IsTypedBy", ()) or ():
-        yield relation.RelatingType
-    for relation in getattr(element, "IsDefinedBy", ()):
-        if relation.is_a("IfcRelDefinesByType"):
-            yield relation.RelatingType
-
-
-def _material_name(model: Model, material: Entity) -> str:
-    known = model.materials.get(material)
-    if known is None:
-        known = model.materials[material] = _name_of(material)
-    return known
 
 
 def _name_of(material: Entity) -> str:

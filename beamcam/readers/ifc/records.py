@@ -1,7 +1,6 @@
 """A model's entities: their attributes by name or place, and the relations between them."""
 
 from collections import defaultdict
-from collections.abc import Iterable
 from typing import Any
 
 from beamcam.readers.ifc.schema import Row, rows
@@ -9,21 +8,12 @@ from beamcam.readers.ifc.step import MISSING, records
 from beamcam.readers.ifc.tuples import KINDS, tuples
 from beamcam.readers.ifc.values import Tokens, Values, text_of
 
-# A relation's attributes 4 and 5 are its two sides; this is the side that an element stands on.
-_SIDES = {
-    "HasOpenings": (("IfcRelVoidsElement",), 4),
-    "IsDefinedBy": (("IfcRelDefinesByProperties", "IfcRelDefinesByType"), 4),
-    "IsTypedBy": (("IfcRelDefinesByType",), 4),
-    "HasAssociations": (("IfcRelAssociatesMaterial",), 4),
-    "Decomposes": (("IfcRelAggregates", "IfcRelNests"), 5),
-}
-
 
 class Entity:
     """A record of the file. Its values are read from the text when one is first asked for.
 
     `beam.Tag` is an attribute by its name, `beam.values[7]` the same by its place, which is
-    faster; `beam.HasOpenings` are the relations that refer to it.
+    faster; `beam.HasOpenings` are the relations to what is cut out of it.
     """
 
     __slots__ = ("file", "index", "name", "row", "values")
@@ -64,8 +54,8 @@ class Entity:
         place = self.row.places.get(name)
         if place is not None:
             return self.values[place]
-        if name in _SIDES:
-            return self.file.relations(name).get(self, ())
+        if name == "HasOpenings":
+            return self.file.openings().get(self, ())
         raise AttributeError(f"{self.row.name} has no {name}")
 
     @property
@@ -122,14 +112,15 @@ class File:
         # Where some point, direction or placement is written in an unusual way, each is looked at.
         self._unusual = len(self._tuples) != sum(len(self._records.of(kind)) for kind in KINDS)
         self.tokens = Tokens(self._referred)
-        self._relations: dict[str, dict[Entity, list[Entity]]] = {}
+        self.tied: dict[str, dict[int, list[str]]] = {}  #: names by indices; see relations.py
+        self._openings: defaultdict[Entity, list[Entity]] | None = None
 
     def close(self) -> None:
         """Let go of all entities, and they of the file: nothing is left for the collector to find.
 
         It would have to walk all records of a large model for that.
         """
-        self._relations.clear()
+        self._openings = None
         del self.tokens
 
     def _referred(self, name: str) -> Any:
@@ -151,6 +142,10 @@ class File:
         found: Entity = self.tokens[name]
         return found
 
+    def find(self, name: str) -> int:
+        """The index of the record of a name, or MISSING."""
+        return self._records.find(name)
+
     def inner(self, index: int) -> str:
         """The text in a record's brackets."""
         return self._records.inner(index)
@@ -165,28 +160,22 @@ class File:
 
     def by_type(self, name: str) -> list[Entity]:
         """The entities of a class and of its subtypes, in the order of the file."""
+        return [self.entity(self._records.name(index)) for index in self.indices(name)]
+
+    def indices(self, name: str) -> list[int]:
+        """The records of a class and of its subtypes, in the order of the file."""
         kinds = [kind for kind, row in self._rows.items() if name in row.kinds]
-        found = sorted(i for kind in kinds for i in self._records.of(kind).tolist())
-        return [self.entity(self._records.name(i)) for i in found]
+        return sorted(index for kind in kinds for index in self._records.of(kind).tolist())
 
     def beginning(self, kind: str, texts: tuple[str, ...]) -> dict[str, str]:
         """The text in the brackets of those records of a class that begin with one of `texts`."""
         of = self._records
         return {of.name(i): of.inner(i) for i in of.beginning(kind, texts)}
 
-    def relations(self, name: str) -> dict[Entity, list[Entity]]:
-        """The relations of a kind by the entity that stands on the near side."""
-        known = self._relations.get(name)
-        if known is None:
-            known = self._relations[name] = self._related(*_SIDES[name])
-        return known
-
-    def _related(self, classes: Iterable[str], side: int) -> dict[Entity, list[Entity]]:
-        found: dict[Entity, list[Entity]] = defaultdict(list)
-        for name in classes:
-            for relation in self.by_type(name):
-                near = relation.values[side]
-                for one in near if isinstance(near, tuple) else (near,):
-                    if isinstance(one, Entity):
-                        found[one].append(relation)
-        return dict(found)
+    def openings(self) -> dict[Entity, list[Entity]]:
+        """The relations to what is cut out of elements, by these."""
+        if self._openings is None:
+            self._openings = defaultdict(list)
+            for relation in self.by_type("IfcRelVoidsElement"):
+                self._openings[relation.values[4]].append(relation)
+        return self._openings

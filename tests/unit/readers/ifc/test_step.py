@@ -340,8 +340,12 @@ def test_points_and_placements_are_their_numbers(
         assert file.tokens["#901"] == (1.0, 0.0)
 
 
-@given(st.lists(_TEXTS | _BARE, min_size=1), st.sampled_from(["", "()", "(#1,'x')", "T(1.)", "T()", "(T(1))"]),
-       st.lists(_TEXTS | _BARE), st.sampled_from(["", " "]))  # fmt: skip
+@given(
+    st.lists(_TEXTS | _BARE, min_size=1),
+    st.sampled_from(["", "()", "(#1,'x')", "T(1.)", "T()", "(T(1))"]),
+    st.lists(_TEXTS | _BARE),
+    st.sampled_from(["", " "]),
+)
 def test_values_with_one_list_are_read_as_any(
     before: list[str], middle: str, behind: list[str], blank: str
 ) -> None:
