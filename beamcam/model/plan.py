@@ -1,6 +1,6 @@
 """The plan: which tool makes which feature, where along the machine, in which order."""
 
-from typing import Literal, NamedTuple
+from typing import Literal
 
 from msgspec import Struct
 
@@ -56,11 +56,8 @@ class SawOp(Struct, frozen=True):
     reasons: tuple[str, ...] = ()  #: codes of `planning.reasons`
 
 
-class DrillOp(NamedTuple):
-    """One stroke of a spindle, or of two at once, with any tool that makes a round place.
-
-    A tuple, because a bar has hundreds of them and a frozen record takes three times as long.
-    """
+class DrillOp(Struct, frozen=True):
+    """One stroke of a spindle, or of two at once, with any tool that makes a round place."""
 
     x: float  #: machine X
     spindle: int  #: what the program calls the spindle, or the pair of them
@@ -106,8 +103,8 @@ class ToolLoad(Struct, frozen=True):
     out: Tool | None = None  #: what it takes the place of
 
 
-class Outcome(NamedTuple):
-    """What became of one feature. A tuple: there is one for each, and they are made in no time."""
+class Outcome(Struct, frozen=True):
+    """What became of one feature."""
 
     feature: FeatureRef
     how: Literal["made", "merged", "duplicate", "skipped"]

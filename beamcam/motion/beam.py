@@ -85,7 +85,7 @@ def _reload_comment(load: ToolLoad) -> Comment:
 
 def _drill_cycle(op: DrillOp, section: Section, drill: Drill, grade: str) -> DrillCycle:
     """The cycle of a stroke; most are like one before but for their X."""
-    key = grade, *op[1:6]
+    key = grade, op.spindle, op.tool, op.faces, op.y, op.depth
     like = section.cycles.get(key)
     if like is not None:
         return replace(like, x=op.x, source=op.source)

@@ -4,12 +4,13 @@ parts -> turned, in order -> what each needs (work) -> laid on the bar -> tools 
       -> operations at machine X -> in order of work -> a ledger of every feature
 """
 
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Collection, Sequence
+from operator import attrgetter
 from typing import Literal
 
 from beamcam.errors import Diagnostic, PlanError, Source, errors_in
 from beamcam.machine.machine import Machine
-from beamcam.model.part import Contour, Part
+from beamcam.model.part import Part
 from beamcam.model.plan import (
     AS_GIVEN,
     FeatureRef,
@@ -112,7 +113,7 @@ def plan_bar(
         pieces,
         account,
         ordered,
-        tuple(_outcomes(pieces, works, spindle_ops)),
+        tuple(_outcomes(works, spindle_ops)),
         tuple(remarks),
         by_hand,
     )
@@ -120,9 +121,7 @@ def plan_bar(
     return plan
 
 
-def _outcomes(
-    pieces: Sequence[Piece], works: Sequence[Work], operations: Sequence[SpindleOp]
-) -> Iterator[Outcome]:
+def _outcomes(works: Sequence[Work], operations: Sequence[SpindleOp]) -> list[Outcome]:
     """What becomes of each feature, in the order of pieces and features."""
     made: dict[FeatureRef, Outcome] = {}
     for op in operations:
@@ -130,17 +129,13 @@ def _outcomes(
         for ref in op.features:
             made[ref] = Outcome(ref, how, op.tool.kind)
             how = "merged"
-    for p, (piece, work) in enumerate(zip(pieces, works, strict=True)):
-        for f, feature in enumerate(piece.part.features):
-            ref = (p, f)
-            if ref in made:
-                yield made[ref]
-            elif f in work.skipped:
-                yield Outcome(ref, "skipped", work.skipped[f].code)
-            elif f in work.repeats:
-                yield Outcome(ref, "duplicate", rules.DUPLICATE.code)
-            elif isinstance(feature, Contour):
-                yield Outcome(ref, "made", "saw")
+    outcomes = list(made.values())
+    for p, work in enumerate(works):
+        outcomes += [Outcome((p, f), "skipped", said.code) for f, said in work.skipped.items()]
+        outcomes += [Outcome((p, f), "duplicate", rules.DUPLICATE.code) for f in work.repeats]
+        outcomes += [Outcome((p, f), "made", "saw") for f in work.sawn]
+    outcomes.sort(key=attrgetter("feature"))
+    return outcomes
 
 
 def _balance(plan: Plan) -> None:

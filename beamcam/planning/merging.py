@@ -8,63 +8,64 @@ are the same place, since that is what two exports of one model leave (`merge_to
 The holes are walked in order of x, so that each looks only at those a tolerance further on.
 """
 
-from collections.abc import Iterator, Sequence
-from math import floor
+from collections.abc import Collection, Iterator, Mapping, Sequence
 
-from beamcam.machine.machine import Drill, Machine
-from beamcam.model.part import Hole
-from beamcam.model.plan import FeatureRef
+from beamcam.machine.machine import Drill
+from beamcam.model.part import Face, Hole
 
-Placed = tuple[FeatureRef, Hole]
+Placed = tuple[float, int, Hole]  #: x, index of the feature, and the hole: they sort along the part
 Group = tuple[Placed, ...]  #: one hole, or two on the two faces of a pair
 ROUNDING = 1e-9
 
 
 def drop_duplicates(
-    holes: Sequence[Placed], tolerance: float
-) -> tuple[list[Placed], dict[FeatureRef, Placed]]:
-    """The holes in order of piece and x, each once; and for each dropped one which it repeats.
+    holes: list[Placed], tolerance: float
+) -> tuple[list[Placed], dict[int, Placed]]:
+    """Of `holes`, sorted, each once; and for the index of each dropped one which it repeats.
 
-    Of holes that are the same the first in the order given stays.
+    Of holes that are the same the first of the part's features stays.
     """
-    kept: list[Placed] = []
-    repeats: dict[FeatureRef, Placed] = {}
+    repeats: dict[int, Placed] = {}
     limit = tolerance + ROUNDING
-    known: dict[tuple[int, str, int], list[Placed]] = {}  # by piece, face and nearest mm of x
-    for placed in holes:
-        (piece, _), hole = placed
-        # Most x are whole millimetres, in the middle of their own.
-        face, x = hole.face, hole.x + 0.5
-        low, high = floor(x - limit), floor(x + limit)
-        if low == high:
-            near = known.get((piece, face, low))
-        else:
-            near = [p for at in range(low, high + 1) for p in known.get((piece, face, at), ())]
-        before = next((p for p in near if _is_same(p[1], hole, limit)), None) if near else None
-        if before is not None:
-            repeats[placed[0]] = before
-            continue
-        kept.append(placed)
-        if near is not None and low == high:
-            near.append(placed)
-        else:
-            known.setdefault((piece, face, floor(x)), []).append(placed)
-    kept.sort(key=_along)
-    return kept, repeats
+    for run in _runs(holes, limit):
+        kept: list[Placed] = []
+        for placed in sorted(run, key=_index):
+            before = next((p for p in kept if _is_same(p[2], placed[2], limit)), None)
+            if before is None:
+                kept.append(placed)
+            else:
+                repeats[placed[1]] = before
+    if not repeats:
+        return holes, repeats
+    return [p for p in holes if p[1] not in repeats], dict(sorted(repeats.items()))
+
+
+def _runs(holes: Sequence[Placed], limit: float) -> Iterator[Sequence[Placed]]:
+    """Holes next to one another along x, each within `limit` of the one before; two at least."""
+    start, before = 0, float("-inf")
+    for i, (x, _, _) in enumerate(holes):
+        if x - before > limit:
+            if i - start > 1:
+                yield holes[start:i]
+            start = i
+        before = x
+    if len(holes) - start > 1:
+        yield holes[start:]
+
+
+def _index(placed: Placed) -> int:
+    return placed[1]
 
 
 def _is_same(a: Hole, b: Hole, limit: float) -> bool:
-    """Whether two holes of one face are the same in every figure."""
+    """Whether two holes are on one face and the same in every figure."""
     return (
-        abs(a.x - b.x) <= limit
+        a.face == b.face
         and abs(a.y - b.y) <= limit
+        and abs(a.x - b.x) <= limit
         and a.diameter == b.diameter
         and (a.kind, a.depth, a.angle) == (b.kind, b.depth, b.angle)
     )
-
-
-def _along(placed: Placed) -> tuple[int, float]:
-    return placed[0][0], placed[1].x
 
 
 def alike(a: Hole, b: Hole, limit: float) -> bool:
@@ -81,41 +82,48 @@ def _near(a: float | None, b: float | None, limit: float) -> bool:
     return a is not None and b is not None and abs(a - b) <= limit
 
 
-def merge_pairs(holes: Sequence[Placed], machine: Machine, drill: Drill) -> Iterator[Group]:
-    """The holes, sorted along x, those that are the same on both faces of a pair two by two.
+def merge_pairs(
+    holes: Sequence[Placed], partners: Mapping[Face, Face], drill: Drill
+) -> Iterator[Group]:
+    """The holes, sorted, those that are the same on a face and its partner two by two.
 
     Each hole finds at most one partner, the nearest.
     """
-    partner_face = {a: b for pair in machine.pairs for a, b in (pair.faces, pair.faces[::-1])}
-    reach, limit = drill.merge_tolerance + ROUNDING, drill.twin + ROUNDING
-    count = len(holes)
-    taken: set[FeatureRef] = set()
+    taken: set[int] = set()
     for i, placed in enumerate(holes):
-        ref, hole = placed
-        if ref in taken:
+        _, f, hole = placed
+        if f in taken:
             continue
-        wanted = partner_face.get(hole.face)
-        best: tuple[float, FeatureRef] | None = None
-        found = placed
-        if wanted is not None:
-            x, y = hole.x, hole.y
-            for j in range(i + 1, count):
-                key, other = holes[j]
-                dx = other.x - x
-                if dx > reach or key[0] != ref[0]:
-                    break
-                if other.face != wanted or key in taken:
-                    continue
-                dy = abs(other.y - y)
-                if dy <= reach and alike(hole, other, limit):
-                    rank = dx + dy, key
-                    if best is None or rank < best:
-                        best, found = rank, holes[j]
-        if best is None:
+        face = partners.get(hole.face)
+        found = None if face is None else _partner(holes, i, face, taken, drill)
+        if found is None:
             yield (placed,)
         else:
-            taken.add(best[1])
-            yield (placed, found) if hole.face < found[1].face else (found, placed)
+            taken.add(found[1])
+            yield (placed, found) if hole.face < found[2].face else (found, placed)
+
+
+def _partner(
+    holes: Sequence[Placed], i: int, face: Face, taken: Collection[int], drill: Drill
+) -> Placed | None:
+    """The nearest hole behind `holes[i]` that is the same on `face` and has no partner yet."""
+    reach, limit = drill.merge_tolerance + ROUNDING, drill.twin + ROUNDING
+    x, _, hole = holes[i]
+    best: tuple[float, int] | None = None
+    found: Placed | None = None
+    for j in range(i + 1, len(holes)):
+        other_x, f, other = holes[j]
+        dx = other_x - x
+        if dx > reach:
+            break
+        if other.face != face or f in taken:
+            continue
+        dy = abs(other.y - hole.y)
+        if dy <= reach and alike(hole, other, limit):
+            rank = dx + dy, f
+            if best is None or rank < best:
+                best, found = rank, holes[j]
+    return found
 
 
 def unmerged_because(hole: Hole, other: Hole, drill: Drill) -> str | None:

@@ -1,43 +1,54 @@
 """The jobs of all pieces as operations at machine X, each with the tool that it is settled on."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 
 from beamcam.machine.machine import Drill, Tool
-from beamcam.model.plan import DrillOp, FeatureRef, PathOp, Piece, SpindleOp
+from beamcam.model.plan import DrillOp, PathOp, Piece, SpindleOp
 from beamcam.planning.tools import Tools, settle
-from beamcam.planning.work import Job, Work
+from beamcam.planning.work import Tooling, Work
 
 
 def spindle_operations(
     pieces: Sequence[Piece], works: Sequence[Work], drill: Drill
 ) -> Iterator[SpindleOp]:
     """One operation for each job, piece by piece."""
-    several = {job.tools for work in works for job in work.jobs if len(job.tools) > 1}
-    settled: dict[Tools, Tool] = {}
-    if several:
-        alone = {job.tools for work in works for job in work.jobs if len(job.tools) == 1}
-        settled = settle(several | alone)
+    chosen = _choose_tools([job.tooling for work in works for job in work.jobs])
     for index, (piece, work) in enumerate(zip(pieces, works, strict=True)):
         offset = drill.x + piece.start
         for job in work.jobs:
-            x, y, spindle, tools, faces, depth, diameter, made, reasons, source, relative = job
-            tool = tools[0] if len(tools) == 1 else settled[tools]
-            if diameter:
-                reasons = (drill_reason(tool, job), *reasons)
-            features: tuple[FeatureRef, ...] = ((index, made[0]),)
-            if len(made) > 1:
-                features = tuple([(index, f) for f in made])
-            if relative:
-                path = tuple((offset + a, b) for a, b in relative)
+            how = job.tooling
+            tool, reasons = chosen[id(how)]
+            features = tuple([(index, f) for f in job.features])
+            if job.path:
+                path = tuple((offset + x, y) for x, y in job.path)
                 yield PathOp(
-                    path[0][0], spindle, tool, faces, path, depth, features, reasons, source
-                )
+                    path[0][0], how.spindle, tool, how.faces, path, how.depth, features, reasons,
+                    job.source,
+                )  # fmt: skip
             else:
-                yield DrillOp(offset + x, spindle, tool, faces, y, depth, features, reasons, source)
+                yield DrillOp(
+                    offset + job.x, how.spindle, tool, how.faces, job.y, how.depth, features,
+                    reasons, job.source,
+                )  # fmt: skip
 
 
-def drill_reason(tool: Tool, job: Job) -> str:
+def _choose_tools(toolings: Iterable[Tooling]) -> dict[int, tuple[Tool, tuple[str, ...]]]:
+    """The tool of each, by the identity of the tooling, and the reasons for it."""
+    each = {id(how): how for how in toolings}
+    several = {how.tools for how in each.values() if len(how.tools) > 1}
+    settled: dict[Tools, Tool] = {}
+    if several:
+        settled = settle(several | {how.tools for how in each.values()})
+    chosen = {}
+    for key, how in each.items():
+        tool = how.tools[0] if len(how.tools) == 1 else settled[how.tools]
+        reasons = (drill_reason(tool, how), *how.reasons) if how.diameter else how.reasons
+        chosen[key] = tool, reasons
+    return chosen
+
+
+def drill_reason(tool: Tool, how: Tooling) -> str:
     """Why a plain hole gets this drill."""
-    if abs(tool.diameter - job.diameter) <= 1e-9:
+    if abs(tool.diameter - how.diameter) <= 1e-9:
         return "drill-exact"
-    return "drill-nearest" if tool == job.tools[0] else "drill-twin"
+    return "drill-nearest" if tool == how.tools[0] else "drill-twin"

@@ -57,10 +57,13 @@ def sort_along_x(
     X that the output cannot tell apart (`resolution`) count as one. There the cuts come before
     the spindles if the bar reaches the saw first, else after them.
     """
+    operations = tuple(operations)
+    at = [round(op.x / resolution) for op in operations]
+    if len(set(at)) == len(at):  # one at each X, and nothing to choose
+        return tuple([op for _, op in sorted(zip(at, operations, strict=True))])
     cuts: dict[int, list[SawOp]] = {}
     strokes: dict[int, list[SpindleOp]] = {}
-    for op in operations:
-        place = round(op.x / resolution)
+    for place, op in zip(at, operations, strict=True):
         if op.__class__ is SawOp:
             cuts.setdefault(place, []).append(op)
         elif place in strokes:

@@ -1,9 +1,12 @@
 """What a line cannot make of a bar or a part, and why."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from math import inf
 
+from msgspec import Struct
+
 from beamcam.errors import Diagnostic
+from beamcam.machine.known import Kept, OncePerMachine
 from beamcam.machine.machine import Drill, Layout, Machine, Saw
 from beamcam.model.part import (
     Bend,
@@ -31,6 +34,7 @@ BEHIND = {
 #: Faces that a spindle has nothing or no known depth before it on: an angle has no upper flange,
 #: and a T's stem stands somewhere amid its flange.
 NOT_WORKED = {"L": ("o",), "T": ("o", "u")}
+MOST_SECTIONS = 64  #: whose reach is kept of a machine
 
 
 def refuse_stock(
@@ -55,13 +59,38 @@ def refuse_stock(
                 )  # fmt: skip
 
 
-def faces_at_work(machine: Machine, profile: Profile) -> tuple[Face, ...]:
+class Reach(Struct, frozen=True):
+    """What a spindle comes to on a face of a section."""
+
+    spindle: int  #: number
+    width: float  #: of the face
+    least: float  #: y between which nothing is in the tool's way
+    greatest: float
+
+
+def _no_reaches(_: Machine) -> Kept[Profile, Mapping[Face, Reach]]:
+    return Kept(MOST_SECTIONS)
+
+
+_reaches = OncePerMachine(_no_reaches)
+
+
+def reach_of(profile: Profile, machine: Machine) -> Mapping[Face, Reach]:
     """The faces of a section that the machine's spindles reach."""
-    out = NOT_WORKED.get(profile.code, ())
-    return tuple(s.face for s in machine.spindles if s.face not in out)
+    known = _reaches(machine)
+    found = known.get(profile)
+    if found is None:
+        out = NOT_WORKED.get(profile.code, ())
+        found = {
+            s.face: Reach(s.number, profile.face_width(s.face), *clear_between(profile, s.face))
+            for s in machine.spindles
+            if s.face not in out
+        }
+        known.keep(profile, found)
+    return found
 
 
-def face_at_work(face: Face, is_through: bool, profile: Profile, reached: Sequence[Face]) -> Face:
+def face_at_work(face: Face, is_through: bool, profile: Profile, reached: Collection[Face]) -> Face:
     """The face that a hole is made from: its own, or for a through hole the plate's other side."""
     if face in reached or not is_through:
         return face
@@ -70,7 +99,7 @@ def face_at_work(face: Face, is_through: bool, profile: Profile, reached: Sequen
 
 
 def refuse_place(
-    hole: Hole | Slot, face: Face, part: Part, reached: Sequence[Face]
+    hole: Hole | Slot, face: Face, part: Part, reached: Collection[Face]
 ) -> Diagnostic | None:
     """Why no spindle comes to a hole; None if one does. A slot's corner circles count."""
     if face not in reached:
@@ -119,7 +148,7 @@ def refuse_slot(slot: Slot, face: Face, rack: Rack) -> Diagnostic | None:
 
 
 def refuse_other(
-    feature: Feature, part: Part, ends: tuple[End, End], rack: Rack, reached: Sequence[Face]
+    feature: Feature, part: Part, ends: tuple[End, End], rack: Rack, reached: Collection[Face]
 ) -> Diagnostic | None:
     """Why the line cannot make a feature that is no hole or slot; None if it can."""
     match feature:
@@ -135,7 +164,7 @@ def refuse_other(
 
 
 def _refuse_mark(
-    found: str, mark: TextMark | Contour, rack: Rack, reached: Sequence[Face], is_text: bool
+    found: str, mark: TextMark | Contour, rack: Rack, reached: Collection[Face], is_text: bool
 ) -> Diagnostic | None:
     if mark.face not in reached or not rack.of_kind("scribe", (mark.face,)):
         return rules.MARK.at(mark.source, found=found, face=mark.face, tool="scribe")
@@ -145,7 +174,7 @@ def _refuse_mark(
 
 
 def _refuse_contour(
-    contour: Contour, part: Part, ends: tuple[End, End], rack: Rack, reached: Sequence[Face]
+    contour: Contour, part: Part, ends: tuple[End, End], rack: Rack, reached: Collection[Face]
 ) -> Diagnostic | None:
     if contour.process != "cut":
         length = sum(curve.length for curve in contour.curves)

@@ -32,7 +32,7 @@ class Rack:
         self._tools = [(tools, tuple(_tools(tools))) for tools in sets]
         self._drills: Kept[tuple[tuple[float, ...], tuple[Face, ...]], Tools] = Kept(MOST_KEPT)
         self.recipes: Kept[object, object] = Kept(MOST_KEPT)  #: for `holes.recipe`
-        self.jobs: Kept[object, object] = Kept(MOST_KEPT)  #: for `work.work_on`
+        self.toolings: Kept[object, object] = Kept(MOST_KEPT)  #: for `work.work_on`
 
     def of_kind(self, kind: ToolKind, faces: tuple[Face, ...]) -> Tools:
         """All tools of a kind that the spindles of all of `faces` take, by diameter."""

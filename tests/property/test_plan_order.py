@@ -113,8 +113,7 @@ def test_seven_strokes(ops: list[Operation]) -> None:
 @given(ops=strokes(5), second=st.sampled_from((2500.0, 3100.0)))
 def test_strokes_and_cuts_where_the_drill_comes_first(ops: list[Operation], second: float) -> None:
     ops = [
-        op._replace(features=((0 if op.x < 1900 else 1, index),))  # type: ignore[union-attr]
-        for index, op in enumerate(ops)
+        replace(op, features=((0 if op.x < 1900 else 1, index),)) for index, op in enumerate(ops)
     ]
     cuts = [
         SawOp(2000.0, 0.0, "parting", (0,), SOURCE),

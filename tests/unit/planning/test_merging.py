@@ -104,15 +104,15 @@ SITES = st.tuples(
 def test_every_hole_is_in_one_group(sites: list[tuple[str, float, float, float]]) -> None:
     machine = load("beamline")
     assert machine.drill is not None
-    holes = [((0, i), hole(x, y, d, face)) for i, (face, x, y, d) in enumerate(sites)]
+    holes = sorted((x, i, hole(x, y, d, face)) for i, (face, x, y, d) in enumerate(sites))
     kept, repeats = drop_duplicates(holes, machine.drill.duplicate_tolerance)
-    assert {ref for ref, _ in kept} | set(repeats) == {ref for ref, _ in holes}
-    assert all(first in kept for first in repeats.values())
-    groups = list(merge_pairs(kept, machine, machine.drill))
-    assert sorted(ref for group in groups for ref, _ in group) == sorted(ref for ref, _ in kept)
+    assert {f for _, f, _ in kept} | set(repeats) == set(range(len(sites)))
+    assert all(first in kept and first[1] < f for f, first in repeats.items())
+    groups = list(merge_pairs(kept, {"o": "u", "u": "o"}, machine.drill))
+    assert sorted(p for group in groups for p in group) == kept
     assert {len(group) for group in groups} <= {1, 2}
     # Nothing that could be a pair is left apart.
-    alone = [group[0][1] for group in groups if len(group) == 1]
+    alone = [group[0][2] for group in groups if len(group) == 1]
     for a in alone:
         for b in alone:
             if a.face == "o" and b.face == "u":
