@@ -199,10 +199,14 @@ def post(
 
 
 def _wanted(job: Job, plan: Plan | SheetPlan) -> Wanted:
-    skipped = {o.feature for o in plan.outcomes if o.how == "skipped"}
-    wanted = Wanted(job.parts, job.machine, skipped, job.name, style=job.style)
-    if not isinstance(plan, Plan):
-        return wanted
-    lying = tuple(piece.part for piece in plan.pieces)
-    given = tuple(job.parts[piece.given] for piece in plan.pieces)
-    return replace(wanted, parts=lying, given=given)
+    """What the program has to make."""
+    parts: tuple[Part, ...] = job.parts
+    given: tuple[Part, ...] = ()
+    skipped: set[FeatureRef] = set()
+    # A bar leaves nothing out that was not allowed, a sheet also what its colours say.
+    if job.skips or not isinstance(plan, Plan):
+        skipped = {o.feature for o in plan.outcomes if o.how == "skipped"}
+    if isinstance(plan, Plan):
+        parts = tuple([piece.part for piece in plan.pieces])
+        given = tuple([job.parts[piece.given] for piece in plan.pieces])
+    return Wanted(parts, job.machine, skipped, job.name, given, job.style)

@@ -1,7 +1,7 @@
 """G-code of a saw and drilling line: the machine's word templates, filled in and numbered.
 
-Most cycles are like one before but for their X, in this program or in another one. The text of
-a cycle is therefore kept in pieces between its X, so that another X joins them:
+Most cycles and cuts are like one before but for their X, in this program or in another one. Their
+text is therefore kept in pieces between its X, so that another X joins them:
 
     M40 K2 L18 / G00 X| Y15 Z-5 / G00 X| Y15 Z66.45 / M03 / ... / M05
 """
@@ -21,29 +21,30 @@ from beamcam.model.program import (
     PathPoint,
     Program,
     SawStroke,
+    SpindleStroke,
     StartBar,
 )
 
 SECONDS_PER_MINUTE = 60
 NO_BLOCK = ("%", "(")  #: how lines begin that are no blocks and get no number
 KINDS = ("drill", "tap", "countersink", "punch")
-MOST_CYCLES = 2048  #: of each kind that are kept
+MOST_TEXTS = 4096  #: that are kept of a machine
 _X = "\0"
 
-Cycles = dict[str, Kept[tuple[object, ...], list[str]]]
+Values = dict[str, str]  #: what stands in the braces of a template
+Texts = Kept[object, list[str]]  #: by stroke, or by the figures of a cut
 
 
-def _no_cycles(machine: Machine) -> Cycles:
-    """An empty table for each kind of cycle whose template only names values, with no width."""
-    templates = {kind: getattr(machine.words, kind) for kind in KINDS}
-    return {
-        kind: Kept(MOST_CYCLES)
-        for kind, template in templates.items()
-        if not any(how or kept for line in template for *_, how, kept in Formatter().parse(line))
-    }
+def _no_texts(machine: Machine) -> Texts | None:
+    """An empty table; None where a template gives X a width, so that it cannot be cut there."""
+    templates = (getattr(machine.words, kind) for kind in (*KINDS, "saw"))
+    fields = (f for template in templates for line in template for f in Formatter().parse(line))
+    if any(name == "x" and (how or kept) for _, name, how, kept in fields):
+        return None
+    return Kept(MOST_TEXTS)
 
 
-_cycles_of = OncePerMachine(_no_cycles)
+_texts_of = OncePerMachine(_no_texts)
 
 
 def emit(program: Program, machine: Machine) -> str:
@@ -60,7 +61,7 @@ def _numbered(blocks: Iterable[str]) -> Iterator[str]:
     for is_plain, run in groupby(blocks, _is_plain):
         lines = "\n".join(run).split("\n")
         if is_plain:
-            yield "\n".join([f"N{n} {line}" for n, line in enumerate(lines, count + 1)])
+            yield _with_numbers(lines, count)
             count += len(lines)
             continue
         for line in lines:
@@ -71,29 +72,35 @@ def _numbered(blocks: Iterable[str]) -> Iterator[str]:
                 yield f"N{count} {line}"
 
 
+def _with_numbers(lines: list[str], count: int) -> str:
+    """Lines with the block numbers that follow `count`."""
+    last = count + len(lines)
+    while len(_NUMBERS) < last:
+        _NUMBERS.append(f"\nN{len(_NUMBERS) + 1} ")
+    text = [""] * (2 * len(lines))
+    text[::2], text[1::2] = _NUMBERS[count:last], lines
+    return "".join(text)[1:]
+
+
+_NUMBERS: list[str] = []  #: words that begin a block, as far as they were needed: "\nN1 ", ...
+
+
 def _is_plain(text: str) -> bool:
     """Whether all lines of a text are blocks for sure."""
     return "%" not in text and "(" not in text
 
 
 def _blocks(program: Program, machine: Machine) -> Iterator[str]:
-    """Blocks, and whole cycles in one."""
+    """Blocks, and whole cycles and cuts in one."""
     words, form = machine.words, machine.format
-    cycles = _cycles_of(machine)
+    texts = _texts_of(machine)
     started = False
     for command in program.commands:
-        if isinstance(command, DrillCycle):
-            yield _cycle(command, cycles, words, form)
-            continue
         match command:
+            case DrillCycle():
+                yield _cycle(command, words, form, texts)
             case SawStroke():
-                values = {
-                    "x": number(command.x, form.length_decimals),
-                    "angle": number(command.angle, form.angle_decimals),
-                    "tilt": number(command.tilt, form.angle_decimals),
-                    "feed": _feed(command.feed_mm_min, form),
-                }
-                yield from (line.format_map(values) for line in words.saw)
+                yield _cut(command, words, form, texts)
             case StartBar():
                 values = {
                     "job": program.job,
@@ -111,36 +118,53 @@ def _blocks(program: Program, machine: Machine) -> Iterator[str]:
         yield from words.footer
 
 
-def _cycle(command: DrillCycle, cycles: Cycles, words: Words, form: NumberFormat) -> str:
+def _cycle(command: DrillCycle, words: Words, form: NumberFormat, texts: Texts | None) -> str:
     """The text of a cycle."""
-    x = number(command.x, form.length_decimals)
-    template = getattr(words, command.kind)
-    known = cycles.get(command.kind)
-    if known is None:
-        values = {**_drill_values(command, form), "x": x}
-        return "\n".join(line.format_map(values) for line in template)
-    key = (
-        command.spindle, command.diameter, command.start, command.near, command.bottom,
-        command.feed_mm_min, command.speed_rpm, command.pitch,
-    )  # fmt: skip
-    pieces = known.get(key)
+    stroke, x = command.stroke, number(command.x, form.length_decimals)
+    if texts is None:
+        return _filled(getattr(words, stroke.kind), _stroke_values(stroke, x, form))
+    pieces = texts.get(stroke)
     if pieces is None:
-        values = _drill_values(command, form)
-        text = "\n".join(line.format_map(values) for line in template)
-        pieces = known.keep(key, text.split(_X))
+        text = _filled(getattr(words, stroke.kind), _stroke_values(stroke, _X, form))
+        pieces = texts.keep(stroke, text.split(_X))
     return x.join(pieces)
 
 
-def _drill_values(command: DrillCycle, form: NumberFormat) -> dict[str, str]:
-    """What stands in the braces of a cycle, a mark for X."""
-    values = _point_values(PathPoint(command.x, command.start, command.near, command.bottom), form)
-    values["x"] = _X
-    values["spindle"] = str(command.spindle)
-    values["diameter"] = number(command.diameter, 3)
-    values["feed"] = _feed(command.feed_mm_min, form)
-    values["speed"] = number(command.speed_rpm, 0)
-    values["pitch"] = number(command.pitch, 3)
-    return values
+def _cut(command: SawStroke, words: Words, form: NumberFormat, texts: Texts | None) -> str:
+    """The text of a cut."""
+    x = number(command.x, form.length_decimals)
+    if texts is None:
+        return _filled(words.saw, _cut_values(command, x, form))
+    key = command.angle, command.tilt, command.feed_mm_min
+    pieces = texts.get(key)
+    if pieces is None:
+        pieces = texts.keep(key, _filled(words.saw, _cut_values(command, _X, form)).split(_X))
+    return x.join(pieces)
+
+
+def _filled(template: Iterable[str], values: Values) -> str:
+    return "\n".join([line.format_map(values) for line in template])
+
+
+def _cut_values(command: SawStroke, x: str, form: NumberFormat) -> Values:
+    return {
+        "x": x,
+        "angle": number(command.angle, form.angle_decimals),
+        "tilt": number(command.tilt, form.angle_decimals),
+        "feed": _feed(command.feed_mm_min, form),
+    }
+
+
+def _stroke_values(stroke: SpindleStroke, x: str, form: NumberFormat) -> Values:
+    return {
+        **_place_values(stroke, form),
+        "x": x,
+        "spindle": str(stroke.spindle),
+        "diameter": number(stroke.diameter, 3),
+        "feed": _feed(stroke.feed_mm_min, form),
+        "speed": number(stroke.speed_rpm, 0),
+        "pitch": number(stroke.pitch, 3),
+    }
 
 
 def _path_blocks(command: PathCycle, words: Words, form: NumberFormat) -> Iterator[str]:
@@ -153,19 +177,21 @@ def _path_blocks(command: PathCycle, words: Words, form: NumberFormat) -> Iterat
         "speed": number(command.speed_rpm, 0),
     }
     for index, point in enumerate(command.points):
-        values.update(_point_values(point, form))
+        values["x"] = number(point.x, form.length_decimals)
+        values.update(_place_values(point, form))
         yield from (line.format_map(values) for line in (along if index else down))
     yield from (line.format_map(values) for line in up)
 
 
-def _point_values(point: PathPoint, form: NumberFormat) -> dict[str, str]:
+def _place_values(point: PathPoint | SpindleStroke, form: NumberFormat) -> Values:
+    """Y and Z above a place, where the approach ends and at work."""
+
     def length(value: float) -> str:
         return number(value, form.length_decimals)
 
     (y, z), (near_y, near_z) = map(length, point.start), map(length, point.near)
     bottom_y, bottom_z = map(length, point.bottom)
     return {
-        "x": length(point.x),
         "y": y,
         "z": z,
         "near_y": near_y,

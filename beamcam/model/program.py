@@ -29,20 +29,26 @@ class SawStroke(Struct, frozen=True):
     tilt: float = 0.0  #: of the blade, degrees, in the machine's counting
 
 
-class DrillCycle(Struct, frozen=True):
-    """Bring the bar to `x`, choose the spindle and its tool, and make one stroke."""
+class SpindleStroke(Struct, frozen=True):
+    """What a spindle does at a place of the bar, wherever that is; most places share it."""
 
     spindle: int
     diameter: float
-    x: float
     start: tuple[float, float]  #: Y and Z where the spindle may travel
     near: tuple[float, float]  #: Y and Z where the rapid approach ends
     bottom: tuple[float, float]  #: Y and Z at the end of the stroke
     feed_mm_min: float
     speed_rpm: float
-    source: Source
     kind: Literal["drill", "tap", "countersink", "punch"] = "drill"
     pitch: float = 0.0  #: of a tap
+
+
+class DrillCycle(Struct, frozen=True):
+    """Bring the bar to `x`, choose the spindle and its tool, and make one stroke."""
+
+    x: float
+    stroke: SpindleStroke
+    source: Source
 
 
 class PathPoint(Struct, frozen=True):

@@ -4,7 +4,6 @@ from collections.abc import Iterator
 from typing import cast
 
 from msgspec import Struct
-from msgspec.structs import replace
 
 from beamcam.machine.cutting import speed_and_feed
 from beamcam.machine.known import Kept, OncePerMachine
@@ -19,18 +18,19 @@ from beamcam.model.program import (
     PathPoint,
     Program,
     SawStroke,
+    SpindleStroke,
     StartBar,
 )
 from beamcam.model.stroke import Stroke, Strokes
 
-MOST_SECTIONS, MOST_CYCLES = 64, 256  #: that are kept of a machine, and of each section of it
+MOST_SECTIONS, MOST_STROKES = 64, 256  #: that are kept of a machine, and of each section of it
 
 
 class Section(Struct, frozen=True):
     """What is known of a section on a machine."""
 
     strokes: Strokes
-    cycles: Kept[tuple[object, ...], DrillCycle]  #: by the steel's grade and the stroke
+    made: Kept[tuple[object, ...], SpindleStroke]  #: by the steel's grade and the operation
 
 
 def _no_sections(machine: Machine) -> Kept[Profile, Section]:
@@ -43,7 +43,7 @@ _sections_of = OncePerMachine(_no_sections)
 def _section_of(profile: Profile, machine: Machine) -> Section:
     known = _sections_of(machine)
     return known.get(profile) or known.keep(
-        profile, Section(Strokes(profile, machine), Kept(MOST_CYCLES))
+        profile, Section(Strokes(profile, machine), Kept(MOST_STROKES))
     )
 
 
@@ -74,7 +74,7 @@ def _commands(plan: Plan, machine: Machine) -> Iterator[Command]:
         if isinstance(op, PathOp):
             yield _path_cycle(op, section.strokes, *speed_and_feed(op.tool, drill, grade))
         else:
-            yield _drill_cycle(op, section, drill, grade)
+            yield DrillCycle(op.x, _stroke(op, section, drill, grade), op.source)
 
 
 def _reload_comment(load: ToolLoad) -> Comment:
@@ -83,28 +83,26 @@ def _reload_comment(load: ToolLoad) -> Comment:
     return Comment(f"{load.spindle} station {load.station}: {load.tool.name}{out}")
 
 
-def _drill_cycle(op: DrillOp, section: Section, drill: Drill, grade: str) -> DrillCycle:
-    """The cycle of a stroke; most are like one before but for their X."""
+def _stroke(op: DrillOp, section: Section, drill: Drill, grade: str) -> SpindleStroke:
+    """The stroke of an operation; most are like one before, at another X."""
     key = grade, op.spindle, op.tool, op.faces, op.y, op.depth
-    like = section.cycles.get(key)
-    if like is not None:
-        return replace(like, x=op.x, source=op.source)
+    known = section.made.get(key)
+    if known is not None:
+        return known
     speed_rpm, feed_mm_min = speed_and_feed(op.tool, drill, grade)
     point = _point(op, section.strokes, op.x, op.y)
-    cycle = DrillCycle(
+    stroke = SpindleStroke(
         op.spindle,
         op.tool.diameter,
-        op.x,
         point.start,
         point.near,
         point.bottom,
         feed_mm_min,
         speed_rpm,
-        op.source,
         cast("str", op.tool.kind),  # type: ignore[arg-type]
         op.tool.pitch,
     )
-    return section.cycles.keep(key, cycle)
+    return section.made.keep(key, stroke)
 
 
 def _path_cycle(op: PathOp, strokes: Strokes, speed_rpm: float, feed_mm_min: float) -> PathCycle:

@@ -22,38 +22,38 @@ def cycles(*features: Feature, machine: str = "beamline-pusher") -> list[DrillCy
 def test_a_web_hole_goes_through_web_breakthrough_and_tip() -> None:
     (cycle,) = cycles(hole(500, 100), machine="beamline")
     web = (150 - 7.1) / 2
-    assert (cycle.spindle, cycle.diameter, cycle.kind) == (2, 18.0, "drill")
+    assert (cycle.stroke.spindle, cycle.stroke.diameter, cycle.stroke.kind) == (2, 18.0, "drill")
     assert cycle.x == pytest.approx(778.56 + 20 + 500)
-    assert cycle.start == (50.0, -5.0)
-    assert cycle.near == (50.0, pytest.approx(web - 5))
-    assert cycle.bottom == (50.0, pytest.approx(web + 7.1 + 2 + 9 / 1.664279))
-    assert cycle.speed_rpm == pytest.approx(28000 / (pi * 18))
+    assert cycle.stroke.start == (50.0, -5.0)
+    assert cycle.stroke.near == (50.0, pytest.approx(web - 5))
+    assert cycle.stroke.bottom == (50.0, pytest.approx(web + 7.1 + 2 + 9 / 1.664279))
+    assert cycle.stroke.speed_rpm == pytest.approx(28000 / (pi * 18))
 
 
 def test_a_flange_hole_strokes_along_y() -> None:
     (cycle,) = cycles(hole(500, 40, 18, "u"), machine="beamline")
-    assert cycle.start == (-5.0, pytest.approx(148.6))
-    assert cycle.bottom[0] == pytest.approx(10.7 + 2 + 9 / 1.664279)
+    assert cycle.stroke.start == (-5.0, pytest.approx(148.6))
+    assert cycle.stroke.bottom[0] == pytest.approx(10.7 + 2 + 9 / 1.664279)
 
 
 def test_a_blind_hole_counts_to_the_full_diameter() -> None:
     (cycle,) = cycles(hole(500, 40, 18, "u", depth=6.0, kind="blind"))
-    assert cycle.bottom[0] == pytest.approx(6 + 9 / 1.664279)
+    assert cycle.stroke.bottom[0] == pytest.approx(6 + 9 / 1.664279)
 
 
 def test_tools_but_drills_go_as_deep_as_their_point() -> None:
     sink = hole(500, 40, 20, "u", kind="countersink", depth=4.0, angle=90.0)
     drill, cone = cycles(hole(500, 40, 12, "u"), sink)
-    assert (drill.kind, cone.kind) == ("drill", "countersink")
-    assert cone.bottom[0] == pytest.approx(10.0)
+    assert (drill.stroke.kind, cone.stroke.kind) == ("drill", "countersink")
+    assert cone.stroke.bottom[0] == pytest.approx(10.0)
     (mark,) = cycles(hole(500, 40, 0, "u", kind="mark"))
-    assert (mark.kind, mark.bottom[0], mark.speed_rpm) == ("punch", 1.0, 0.0)
+    assert (mark.stroke.kind, mark.stroke.bottom[0], mark.stroke.speed_rpm) == ("punch", 1.0, 0.0)
 
 
 def test_a_tap_is_fed_by_its_pitch() -> None:
     _, tap = cycles(hole(500, diameter=16, kind="thread"))
-    assert (tap.kind, tap.pitch) == ("tap", 2.0)
-    assert tap.feed_mm_min == pytest.approx(2 * tap.speed_rpm)
+    assert (tap.stroke.kind, tap.stroke.pitch) == ("tap", 2.0)
+    assert tap.stroke.feed_mm_min == pytest.approx(2 * tap.stroke.speed_rpm)
 
 
 def test_a_path_keeps_its_depth_and_moves_bar_and_spindle() -> None:
