@@ -10,6 +10,7 @@ the building it is, and its large numbers are kept out.
 
 from collections.abc import Iterator, Sequence
 from math import hypot
+from typing import Any
 
 from msgspec import Struct
 
@@ -68,6 +69,18 @@ class Body(Struct, frozen=True):
 
     base: Swept | Shell
     removed: tuple[Removed, ...]
+
+    @property
+    def form(self) -> tuple[Any, ...] | None:
+        """What two swept bodies of one form have in common.
+
+        None of a body with openings, whose features name them and are nobody else's.
+        """
+        base = self.base
+        if not isinstance(base, Swept) or any(one.where is not None for one in self.removed):
+            return None
+        removed = [(_definition(one.item), one.frame) for one in self.removed]
+        return definition(base.profile), base.frame, base.along, *removed
 
     def cutters(self, model: Model, to: Frame) -> list[Cutter]:
         """What is taken away, in coordinates in which the element stands in `to`."""
@@ -230,6 +243,18 @@ def _extrusion(model: Model, item: Entity, frame: Frame, where: str | None) -> P
 def _upright(way: Coordinates) -> bool:
     """Whether a direction is square to the plane of x and y, either way."""
     return way == UPRIGHT or hypot(way[0], way[1]) <= ASKEW * abs(way[2])
+
+
+def _definition(item: Entity) -> Any:
+    """What two solids of one form have in common; of most kinds a solid is its own form only."""
+    kind = item.row.name
+    if kind == "IfcExtrudedAreaSolid":
+        profile, *rest = item.values
+        return definition(profile), *rest
+    if kind == "IfcHalfSpaceSolid":
+        surface, agreement, *_ = item.values
+        return surface.row.name, surface.values, agreement
+    return item
 
 
 def _cut_out(model: Model, profile: Entity) -> tuple[Outline, Round | Slotted | None]:

@@ -127,6 +127,8 @@ def drill_bolt_holes(
     A member with a bolt askew is not among them, unless it is forced.
     """
     bolts, without = bolts_of(model)
+    if not bolts:
+        return [part for _, part, _ in members], _account(bolts, without, set(), Source(name))
     parts: list[Part] = []
     said: list[Diagnostic] = []
     used = set[str]()

@@ -54,23 +54,26 @@ class Stock(Struct, frozen=True):
 
 
 def read_swept(model: Model, element: Entity, body: Body, source: Source) -> Shaped:
-    """The member of a swept body. Raises Unreadable, which says what the route cannot take."""
+    """The member of a swept body. Raises Unreadable, which says what the route cannot take.
+
+    Equal members are read once: a building has each of its pieces several times.
+    """
+    assert isinstance(body.base, Swept)
+    form = body.form
+    if form is None:
+        return _read(model, element, body, source)
+    known: Shaped | None = model.members.get((element.row.name, form))
+    if known is None:
+        known = model.members[element.row.name, form] = _read(model, element, body, source)
+        return known
+    return replace(known, features=tuple(replace(f, source=source) for f in known.features))
+
+
+def _read(model: Model, element: Entity, body: Body, source: Source) -> Shaped:
     assert isinstance(body.base, Swept)
     stock = stock_of(model, element, body.base)
     cutters = body.cutters(model, stock.frame.inverse())
-    return in_place(_cut_once(model, stock, cutters, source), stock.frame)
-
-
-def _cut_once(model: Model, stock: Stock, cutters: Sequence[Cutter], source: Source) -> Shaped:
-    """As `cut`, for equal members once; a building has each of its pieces several times."""
-    if stock.outline is not None or any(c.where is not None for c in cutters):
-        return cut(stock, cutters, source)  # features that name their own opening are nobody else's
-    key = (stock.section, stock.x0, stock.x1, stock.hollows, tuple(cutters))
-    known: Shaped | None = model.members.get(key)
-    if known is None:
-        known = model.members[key] = cut(stock, cutters, source)
-        return known
-    return replace(known, features=tuple(replace(f, source=source) for f in known.features))
+    return in_place(cut(stock, cutters, source), stock.frame)
 
 
 def in_place(shaped: Shaped, frame: Frame) -> Shaped:
