@@ -22,6 +22,7 @@ from beamcam.readers.ifc.walls import Wall
 LEAST_LEAN = 0.17  #: of a normal along the member; a plane nearer to the axis is no end
 LEAST_EDGE = 1.0  #: mm across the member of an edge that counts for an end
 SAME_SLOPE = 2e-4
+SAME_REACH = 1e-4  #: mm by which one plane may be before the sole one
 SAME_PLANE = 0.3  #: mm
 
 
@@ -60,23 +61,31 @@ def of_plane(half: HalfSpace) -> End:
 class Trim(Struct, frozen=True):
     """What the planes at one end leave of a stock, along the lines of its section's corners."""
 
-    planes: tuple[End, ...]
+    planes: tuple[End, ...]  #: the stock's own square end, and those that cut it
     sole: End | None  #: the one plane that cuts the whole section; None if several share it
     least: float  #: side * x up to which no plane takes anything
     most: float  #: side * x beyond which nothing is left
 
 
-def trim(planes: Sequence[End], corners: Sequence[Point]) -> Trim:
-    """The end of a stock that `planes`, all of one side, cut at the (Y, Z) of `corners`."""
-    if len(planes) == 1 and not (planes[0].a or planes[0].b):
-        least = planes[0].side * planes[0].c
-        return Trim(tuple(planes), planes[0], least, least)
-    lines = [reaches(one, corners) for one in planes]
-    left = list(map(min, *lines)) if len(lines) > 1 else lines[0]
-    for one, line in zip(planes, lines, strict=True):
-        if max(map(sub, line, left)) <= 1e-4:
-            return Trim(tuple(planes), one, min(left), max(left))
-    return Trim(tuple(planes), None, min(left), max(left))
+def trim(square: End, cuts: Sequence[End], corners: Sequence[Point]) -> Trim:
+    """The end of a stock that is `square` before its cuts, at the (Y, Z) of the corners."""
+    planes, level = (square, *cuts), square.side * square.c
+    if not cuts:
+        return Trim(planes, square, level, level)
+    lines = [reaches(one, corners) for one in cuts]
+    left = lines[0] if len(lines) == 1 else list(map(min, *lines))
+    least, most = min(left), max(left)
+    sole = None
+    if level <= least + SAME_REACH:
+        sole = square
+    elif len(lines) == 1:
+        sole = cuts[0] if most <= level + SAME_REACH else None
+    else:
+        for one, line in zip(cuts, lines, strict=True):
+            if max(line) <= level + SAME_REACH and max(map(sub, line, left)) <= SAME_REACH:
+                sole = one
+                break
+    return Trim(planes, sole, min(least, level), min(most, level))
 
 
 def reaches(end: End, corners: Sequence[Point]) -> list[float]:

@@ -11,6 +11,7 @@ from beamcam.readers.ifc.outline import with_arcs
 from beamcam.readers.ifc.profiles import outline_of
 from beamcam.readers.ifc.section import classify
 
+_FLAT = frozenset(("IfcRectangleProfileDef", "IfcCircleProfileDef", "IfcTrapeziumProfileDef"))
 THIN = 0.3  #: of the lesser side, below which an outline of a rolled form is a plate all the same
 TIGHTER = 0.98  #: of the area of the box as drawn, for another box to be taken
 
@@ -29,6 +30,9 @@ class Plate(Struct, frozen=True):
 
 def plate_of(model: Model, element: Entity, profile: Entity, depth: float) -> Plate | None:
     """The plate that a profile pushed by `depth` is; None if it is a bar of that section."""
+    kinds = profile.row.kinds
+    if "IfcParameterizedProfileDef" in kinds and kinds.isdisjoint(_FLAT):
+        return None  # a rolled form
     known = model.plates.get((profile, round(depth, 4), element.is_a()))
     if known is None:
         known = _plate_of(model, element, profile, depth) or "bar"
@@ -37,12 +41,6 @@ def plate_of(model: Model, element: Entity, profile: Entity, depth: float) -> Pl
 
 
 def _plate_of(model: Model, element: Entity, profile: Entity, depth: float) -> Plate | None:
-    if profile.is_a("IfcParameterizedProfileDef") and not (
-        profile.is_a("IfcRectangleProfileDef")
-        or profile.is_a("IfcCircleProfileDef")
-        or profile.is_a("IfcTrapeziumProfileDef")
-    ):
-        return None
     if profile.is_a("IfcRectangleHollowProfileDef") or profile.is_a("IfcCircleHollowProfileDef"):
         return None
     if (

@@ -153,8 +153,8 @@ def cut(stock: Stock, cutters: Sequence[Cutter], source: Source) -> Shaped:
     section = stock.section
     corners = corner_points(section)
     walls = walls_of(section)
-    starts = [End(-1, 0.0, 0.0, stock.x0)]
-    ends = [End(1, 0.0, 0.0, stock.x1)]
+    starts: list[End] = []
+    ends: list[End] = []
     rest: list[tuple[Cutter, Box3]] = []
     for cutter in cutters:
         plane = end_plane(cutter, stock, corners)
@@ -166,7 +166,8 @@ def cut(stock: Stock, cutters: Sequence[Cutter], source: Source) -> Shaped:
             ends.append(of_plane(plane))
         else:
             starts.append(of_plane(plane))
-    start, end = trim(starts, corners), trim(ends, corners)
+    start = trim(End(-1, 0.0, 0.0, stock.x0), starts, corners)
+    end = trim(End(1, 0.0, 0.0, stock.x1), ends, corners)
     if start.most + end.most < LEAST_LENGTH:
         raise Unreadable("end cuts that leave nothing")
     holes: list[Hole | Slot] = []
@@ -191,7 +192,7 @@ def cut(stock: Stock, cutters: Sequence[Cutter], source: Source) -> Shaped:
         for share in (LEVEL_IN, 1 - LEVEL_IN):
             c = wall.low + share * wall.thickness
             shape = _stock_shape(stock, wall, circles)
-            for one in (*starts[1:], *ends[1:]):
+            for one in (*starts, *ends):
                 shape = shape.difference(one.removed(wall, c))
             for cutter, box in general:
                 if _box_meets(box, wall, c):
