@@ -21,6 +21,7 @@ from beamcam.readers.ifc.surfaces import Cylinder
 from beamcam.readers.ifc.walls import Wall
 
 ALONG = (1.0, 0.0, 0.0)  #: a member
+MOST_WAYS = 400  #: directions of edges that are told apart
 GRID = 1e-3  #: mm of the grid that section lines are joined on; cracks are narrower
 
 
@@ -167,10 +168,13 @@ def _cells(lines: list[tuple[Point, Point]]) -> list[Any]:
 def _segments(shell: Shell, at: Vec, normal: Vec, u: Vec, v: Vec) -> list[tuple[Point, Point]]:
     """Where a plane cuts the faces; a vertex on the plane counts as just above it."""
     found: list[tuple[Point, Point]] = []
+    (ox, oy, oz), (nx, ny, nz) = at, normal
     for face in shell.faces:
         hits: list[Vec] = []
         for ring in face.rings:
-            heights = [dot(sub(p, at), normal) for p in ring]
+            heights = [(x - ox) * nx + (y - oy) * ny + (z - oz) * nz for x, y, z in ring]
+            if min(heights) >= 0 or max(heights) < 0:  # as of most faces
+                continue
             for i, (p, h) in enumerate(zip(ring, heights, strict=True)):
                 q, g = ring[i - 1], heights[i - 1]
                 if (h >= 0) != (g >= 0):
@@ -205,7 +209,9 @@ def _crossings(segments: list[tuple[Point, Point]], point: Any) -> int:
 
 def longest_direction(shell: Shell) -> Vec:
     """The direction that most of the shell's edges run along, by their length."""
-    sums: list[tuple[Vec, float]] = []
+    ways: list[Vec] = []
+    lengths: list[float] = []
+    known: dict[Vec, int] = {}  # edges of two faces run the very same way, or back
     for face in shell.faces:
         for ring in face.rings:
             for i, p in enumerate(ring):
@@ -214,16 +220,26 @@ def longest_direction(shell: Shell) -> Vec:
                 if length < 1e-6:
                     continue
                 way = scale(edge, 1 / length)
-                for k, (known, total) in enumerate(sums):
-                    if abs(dot(known, way)) > 1 - 1e-7:
-                        sums[k] = (known, total + length)
-                        break
-                else:
-                    if len(sums) < 400:
-                        sums.append((way, length))
-    if not sums:
-        return (1.0, 0.0, 0.0)
-    return max(sums, key=lambda s: s[1])[0]
+                k = known.get(way)
+                if k is None:
+                    k = _parallel(way, ways)
+                    if k == len(ways):
+                        if k == MOST_WAYS:
+                            continue
+                        ways.append(way)
+                        lengths.append(0.0)
+                    known[way] = known[scale(way, -1.0)] = k
+                lengths[k] += length
+    return ways[lengths.index(max(lengths))] if ways else ALONG
+
+
+def _parallel(way: Vec, ways: Sequence[Vec]) -> int:
+    """The place of a direction among those that are known, either way; their count if it is new."""
+    x, y, z = way
+    for k, (kx, ky, kz) in enumerate(ways):
+        if abs(kx * x + ky * y + kz * z) > 1 - 1e-7:
+            return k
+    return len(ways)
 
 
 def broadest_normal(shell: Shell) -> Vec:
