@@ -309,5 +309,5 @@ def _primitive(model: Model, item: Entity, frame: Frame, where: str | None) -> P
         Frame(position.o, position.x, position.y, along),
         outline,
         where,
-        Round((0.0, 0.0), 2 * radius),
+        Round((0.0, 0.0), 2 * radius) if position.even else None,
     )

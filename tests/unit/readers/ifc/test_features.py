@@ -405,9 +405,14 @@ def test_a_circle_that_is_pushed_askew_is_no_round_hole() -> None:
     assert opening_of(part) == pytest.approx((40 * 0.75**0.5, 40.0), abs=0.01)
 
 
-def test_a_circle_that_is_stretched_by_its_map_is_no_round_hole() -> None:
+@pytest.mark.parametrize("kind", ["extrusion", "cylinder"])
+def test_a_circle_that_is_stretched_by_its_map_is_no_round_hole(kind: str) -> None:
     m = Small()
     hole = m.hole((0, -50, 0), (0, 1, 0), 40, 100)
+    if kind == "cylinder":
+        hole = m.add(
+            f"IFCRIGHTCIRCULARCYLINDER({m.step.axes((0, -50, 0), (0, 1, 0), CUT)},100.,20.)"
+        )
     shape = m.add(f"IFCSHAPEREPRESENTATION({m.step.context},'Body','SweptSolid',({hole}))")
     source = m.add(f"IFCREPRESENTATIONMAP({m.step.world},{shape})")
     by = m.add(
@@ -418,6 +423,30 @@ def test_a_circle_that_is_stretched_by_its_map_is_no_round_hole() -> None:
     m.element(m.minus(m.extruded(m.ipe300(), 2000.0), stretched))
     # The kernel's own map does not take a circle that is stretched.
     assert opening_of(only(m, kernel=False)) == pytest.approx((60.0, 40.0), abs=0.01)
+
+
+@pytest.mark.parametrize("second", ["equal", "deeper", "wider", "higher", "named"])
+def test_members_of_one_form_are_read_once_and_others_are_not(second: str) -> None:
+    """Two beams whose holes differ in one measure, or only in what their profiles are called."""
+    m = Small()
+    drilled = {"depth": 100.0, "diameter": 22.0, "z": 30.0}
+    changed = {"deeper": {"depth": 50.0 + 2.0}, "wider": {"diameter": 26.0}, "higher": {"z": 40.0}}
+    for tag, h in (("B1", drilled), ("B2", drilled | changed.get(second, {}))):
+        profile = m.ipe300()
+        if second == "named" and tag == "B2":
+            profile = m.add(
+                f"IFCISHAPEPROFILEDEF(.AREA.,'IPE300',{m.flat},150.,300.,7.1,10.7,15.,$,$)"
+            )
+        hole = m.hole((1000, -50, h["z"]), (0, 1, 0), h["diameter"], h["depth"])
+        m.element(m.minus(m.extruded(profile, 2000.0), hole), tag=tag)
+    first, other = read(m.data, "m.ifc").parts
+    one, two = (next(f for f in p.features if isinstance(f, Hole)) for p in (first, other))
+    assert (one.source.where, two.source.where) == (first.guid, other.guid)
+    assert (two.diameter, two.y) == pytest.approx(
+        (26.0 if second == "wider" else 22.0, 190.0 if second == "higher" else 180.0)
+    )
+    assert (other.profile.name, one.depth) == ("IPE300", None)
+    assert (two.depth is None) == (second != "deeper")
 
 
 def test_a_hole_may_be_pushed_along_its_axis_the_other_way() -> None:
