@@ -123,9 +123,9 @@ class File:
         self._openings = None
         del self.tokens
 
-    def _referred(self, name: str) -> Any:
+    def _referred(self, name: str, number: int) -> Any:
         """What stands for a name among values; a missing entity fails when it is looked at."""
-        index = self._records.find(name)
+        index = self._records.find(number)
         known = self._tuples.get(index)
         if known is not None:
             return known
@@ -144,7 +144,7 @@ class File:
 
     def find(self, name: str) -> int:
         """The index of the record of a name, or MISSING."""
-        return self._records.find(name)
+        return self._records.find(int(name[1:]))
 
     def inner(self, index: int) -> str:
         """The text in a record's brackets."""
@@ -169,8 +169,7 @@ class File:
 
     def beginning(self, kind: str, texts: tuple[str, ...]) -> dict[str, str]:
         """The text in the brackets of those records of a class that begin with one of `texts`."""
-        of = self._records
-        return {of.name(i): of.inner(i) for i in of.beginning(kind, texts)}
+        return self._records.beginning(kind, texts)
 
     def openings(self) -> dict[Entity, list[Entity]]:
         """The relations to what is cut out of elements, by these."""

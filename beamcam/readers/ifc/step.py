@@ -91,10 +91,10 @@ class Records:
     def __len__(self) -> int:
         return len(self._hashes)
 
-    def find(self, name: str) -> int:
-        """The index of the record named `#12`, or MISSING."""
+    def find(self, number: int) -> int:
+        """The index of the record named `#12`, if 12 is the number, or MISSING."""
         try:
-            return self._index[int(name[1:])]
+            return self._index[number]
         except LookupError:
             return MISSING
 
@@ -118,15 +118,16 @@ class Records:
             return np.flatnonzero(self._hashes == numbers[0])
         return np.flatnonzero(np.isin(self._hashes, np.array(numbers, np.uint64)))
 
-    def beginning(self, kind: str, texts: tuple[str, ...]) -> list[int]:
-        """Those of a class whose values begin with one of the texts, of which none is empty."""
+    def beginning(self, kind: str, texts: tuple[str, ...]) -> dict[str, str]:
+        """As `inner`, by the names of those of a class that begin with one of the texts."""
         size = min(8, *map(len, texts))
         heads = codes_of("".join(text[:size].rjust(8) for text in texts))
-        likely = self.of(kind)
-        words = words_before(self._codes, self._spans.opening[likely] + 1 + size, size)
+        indices = self.of(kind)
+        words = words_before(self._codes, self._spans.opening[indices] + 1 + size, size)
         wanted = words_before(heads, np.arange(1, len(texts) + 1) * 8, size)
-        likely = likely[np.isin(words, wanted)]
-        return [i for i in likely.tolist() if self.inner(i).startswith(texts)]
+        likely = indices[np.isin(words, wanted)]
+        found = zip(likely.tolist(), self.inners(likely), strict=True)
+        return {self.name(index): inner for index, inner in found if inner.startswith(texts)}
 
     def inners(self, indices: Places) -> list[str]:
         """As `inner`, of many records."""

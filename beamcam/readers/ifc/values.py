@@ -12,6 +12,7 @@ from beamcam.readers.ifc.step import Malformed, Typed
 Values = tuple[Any, ...]
 
 _GLOBAL_ID = 24  #: its length with its quotes; there are no two alike, so none need be kept
+_SHORT = 7  #: characters of a number that a model likely has again
 
 _TOKEN = re.compile(r"'[^']*+(?:''[^']*+)*+'|[^\s,()']++|[(),']")
 _ESCAPE = re.compile(
@@ -24,32 +25,39 @@ _ESCAPE = re.compile(
 class Tokens(dict[str, Any]):
     """Values by how they are written: None by `$`, 1.5 by `1.5`, what `reference` gives by `#12`.
 
-    A dict, so that a token that was met before costs one look, without a call.
+    A dict, so that a token that was met before costs one look, without a call. `reference` is
+    given the name and its number.
     """
 
-    def __init__(self, reference: Callable[[str], Any]) -> None:
+    def __init__(self, reference: Callable[[str, int], Any]) -> None:
         super().__init__({"$": None, "*": None, ".T.": True, ".F.": False, ".U.": "UNKNOWN"})
         self.reference = reference
 
     def __missing__(self, token: str) -> Any:
         """Raises Malformed for what is no value, and for a part of a string."""
         first = token[:1]
-        if first == "#" and token[1:].isdecimal():
-            self[token] = found = self.reference(token)
-            return found
-        if first == "'":
+        if first == "#":
+            digits = token[1:]
+            if digits.isdecimal():
+                self[token] = found = self.reference(token, int(digits))
+                return found
+        elif first == "'":
             if len(token) < 2 or token.find("'", 1) != len(token) - 1:
                 raise Malformed(f"{token[:40]!r} as a value")
-            text = text_of(token[1:-1])
+            text = text_of(token[1:-1]) if "\\" in token else token[1:-1]
             if len(token) != _GLOBAL_ID:
                 self[token] = text
             return text
-        if "_" not in token:  # Python's numbers may have some
+        elif "_" not in token:  # Python's numbers may have some
             try:
                 # A real number has a point, and 1.E-05 is one.
-                return float(token) if "." in token else int(token)
+                number = float(token) if "." in token else int(token)
             except ValueError:
                 pass  # a word then
+            else:
+                if len(token) < _SHORT:
+                    self[token] = number
+                return number
         if len(token) > 2 and token[0] == token[-1] == ".":
             self[token] = token[1:-1]
             return token[1:-1]
