@@ -90,10 +90,10 @@ def _unnamed(folder: str) -> int | None:
 
     None where the file system has no such, or the folder is wrong: the other way says so then.
     """
-    if _UNNAMED:
-        with suppress(OSError):
-            return os.open(folder, _UNNAMED | os.O_RDWR, 0o666)
-    return None
+    try:
+        return os.open(folder, _UNNAMED | os.O_RDWR, 0o666) if _UNNAMED else None
+    except OSError:
+        return None
 
 
 def _write(file: int, piece: bytes) -> None:

@@ -71,8 +71,7 @@ def find_inputs(names: Sequence[str], leave_out: Collection[str] = ()) -> Found:
 def _inputs(places: Iterable[tuple[str, str]]) -> Iterator[Input]:
     """The inputs, each once, with their paths below the folder that all of them share."""
     places = list(places)
-    folders = {folder: os.path.abspath(folder) for _, folder in places}
-    base = _common(folders.values())
+    base = _common([os.path.abspath(folder) for folder in {folder for _, folder in places}])
     seen: set[str] = set()
     below: dict[str, tuple[str, str]] = {}  # folder of a file -> its absolute path, and below base
     for path, _ in places:

@@ -59,9 +59,11 @@ def output_name(
 
     `number` counts the parts of the file from 1, `several` says whether there are more.
     """
+    if template is None and not several:
+        return f"{stem}{machine.suffix}"
     mark = cleaned(part.mark) or "part"
     if template is None:
-        return f"{stem}_{mark}{machine.suffix}" if several else f"{stem}{machine.suffix}"
+        return f"{stem}_{mark}{machine.suffix}"
     values: dict[str, str | int] = {
         "stem": stem,
         "mark": mark,

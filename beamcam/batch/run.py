@@ -45,7 +45,7 @@ class _Slot(Struct):
     index: int
     input: Input
     key: bytes = b""
-    size: int = 0
+    size: int = 0  #: bytes of the input, while workers have it; then of its programs
     row: Row | None = None  #: of an input that needs no work
     made: Made | None = None
 
@@ -175,7 +175,8 @@ class _Run:
             for made in result.made:
                 slot = self._land(made.index)
                 slot.made = made
-                self._held += _weight(made)
+                slot.size = sum(len(content) for _, content in made.outputs)
+                self._held += slot.size
         elif result.how == "lost":
             self._again.append(result.chunk)
         elif len(result.chunk) > 1:
@@ -204,7 +205,7 @@ class _Run:
                 row = self._still_its_own(row)
         else:
             row = slot.made.row
-            self._held -= _weight(slot.made)
+            self._held -= slot.size
             self._write_all(slot, slot.made, row)
             if row["status"] == "posted" and self._keeps_record:
                 try:
@@ -301,7 +302,3 @@ def _row(path: str, status: Status, said: Diagnostic) -> Row:
 def _lacks_time(row: Row) -> bool:
     """Whether a row was noted by a run that did not ask for times."""
     return any(part["machine_time_s"] is None for part in row["parts"])
-
-
-def _weight(made: Made) -> int:
-    return sum(len(content) for _, content in made.outputs)

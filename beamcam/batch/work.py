@@ -155,7 +155,7 @@ def _post_all(task: Task, shop: Shop, row: Row) -> tuple[tuple[str, bytes], ...]
     for number, part in enumerate(parts, 1):
         machine = shop.machine_for(part)
         try:
-            posted = post_part(part, shop)
+            posted = post_part(part, machine, shop)
         except BeamcamError as error:
             row["status"] = "refused"
             row["messages"] += map(as_message, error.diagnostics)
@@ -176,12 +176,11 @@ def _post_all(task: Task, shop: Shop, row: Row) -> tuple[tuple[str, bytes], ...]
     return tuple(outputs)
 
 
-def post_part(part: Part, shop: Shop) -> Posted:
+def post_part(part: Part, machine: Machine, shop: Shop) -> Posted:
     """The program of one part, from the shortest bar in stock that takes it.
 
     Raises PlanError and VerifyError as `post` does; of bars that are all too short for the longest.
     """
-    machine = shop.machine_for(part)
 
     def made(bar: float | None) -> Posted:
         posted = post((part,), machine, shop.job, bar, shop.skips, shop.read_back)

@@ -134,6 +134,12 @@ class Screen:
     def __init__(self, total: int | None, voice: Voice) -> None:
         self.counts = Counts()
         self._total, self._voice = total, voice
+        # A note is harmless, and thousands of them would hide what is not.
+        self._wanted = {
+            severity.value
+            for severity in Severity
+            if voice.wants(severity) and (voice.verbose or severity is not Severity.NOTE)
+        }
         self._bar = total is not None and not voice.quiet and sys.stderr.isatty()
         self._drawn = -1.0
 
@@ -151,18 +157,19 @@ class Screen:
     def show(self, row: Row) -> None:
         """Count a file and print what there is to be said about it."""
         self.counts.add(row)
-        lines = [message_line(m) for m in row["messages"] if self._wanted(m)]
+        lines = [message_line(m) for m in row["messages"] if m["severity"] in self._wanted]
         if self._voice.verbose:
             lines += account_lines(row)
         if lines:
             self._clear()
             click.echo("\n".join(lines), err=True)
-        self._draw()
+        if self._bar:
+            self._draw()
 
     def say(self, messages: Iterable[Message]) -> None:
         """Print what is said about the run as a whole."""
         for said in messages:
-            if self._wanted(said):
+            if said["severity"] in self._wanted:
                 self._clear()
                 click.echo(message_line(said), err=True)
 
@@ -172,13 +179,6 @@ class Screen:
         if not self._voice.quiet:
             click.echo(f"{self.counts}{' (interrupted)' if interrupted else ''}", err=True)
 
-    def _wanted(self, said: Message) -> bool:
-        severity = Severity(said["severity"])
-        # A note is harmless, and thousands of them would hide what is not.
-        return self._voice.wants(severity) and (
-            self._voice.verbose or severity is not Severity.NOTE
-        )
-
     def _clear(self) -> None:
         if self._bar and self._drawn >= 0:
             click.echo("\r\x1b[K", nl=False, err=True)
@@ -186,7 +186,7 @@ class Screen:
 
     def _draw(self) -> None:
         now = monotonic()
-        if self._bar and self._total and now - self._drawn >= self.EVERY_S:
+        if self._total and now - self._drawn >= self.EVERY_S:
             done = self.counts.total
             full = done * self.WIDTH // self._total
             bar = "#" * full + "-" * (self.WIDTH - full)
