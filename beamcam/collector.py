@@ -7,7 +7,7 @@ from contextlib import contextmanager
 from functools import cache
 
 #: When rings are looked for in a process that stays: next to none are made.
-SELDOM = (5000, 20, 100)
+SELDOM = (20_000, 20, 100)
 
 
 @contextmanager
