@@ -7,16 +7,15 @@ from typing import Any
 import click
 
 from beamcam.commands import options
-from beamcam.commands.common import Voice, read_all, write
-from beamcam.commands.members import member_choice, member_options
+from beamcam.commands.common import Voice, write
+from beamcam.commands.parts import looking_options, read_parts
 from beamcam.commands.settings import machine_for, settled
-from beamcam.commands.sheets import drawing_choice, drawing_options, torch_options
 from beamcam.config.values import Config
 from beamcam.errors import BeamcamError, Diagnostic, PlanError, errors_in
 from beamcam.machine.machine import Machine
 from beamcam.model.part import Part
 from beamcam.model.plan import Plan, SheetPlan, ToolLoad
-from beamcam.pipeline import as_error, counted, parts_of
+from beamcam.pipeline import as_error
 from beamcam.planning import Order, plan_bar
 from beamcam.planning.choose import Trial, try_turns
 from beamcam.planning.explain import Explanation, explain
@@ -33,13 +32,7 @@ from beamcam.report.run import as_message
 @options.bar
 @options.order
 @options.turn
-@options.skips
-@member_options
-@drawing_options
-@torch_options
-@options.strict
-@options.as_json
-@options.voiced
+@looking_options
 def command(
     inputs: tuple[str, ...],
     output: str,
@@ -63,8 +56,7 @@ def command(
     """
     try:
         config = settled(asked, inputs)
-        how = drawing_choice(asked) | member_choice(asked, kernel=True)
-        parts, said = parts_of(read_all(inputs, config.strict, how, voice), counted)
+        parts, said = read_parts(inputs, config, asked, voice)
         machine = machine_for(config, parts, output)
         if machine.stock == "sheet":
             sheet = _planned_sheet(parts, said, machine, config)

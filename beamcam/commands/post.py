@@ -6,13 +6,12 @@ import click
 
 from beamcam.collector import collector_resting
 from beamcam.commands import options
-from beamcam.commands.common import Voice, read_all, write
-from beamcam.commands.members import member_choice, member_options
+from beamcam.commands.common import Voice, write
+from beamcam.commands.parts import part_options, read_parts
 from beamcam.commands.settings import machine_for, settled
-from beamcam.commands.sheets import drawing_choice, drawing_options, torch_options
 from beamcam.commands.tables import job_name, outputs, table_style
 from beamcam.errors import BeamcamError
-from beamcam.pipeline import Posted, counted, parts_of, post, untold
+from beamcam.pipeline import Posted, post, untold
 from beamcam.planning import Order
 from beamcam.planning.stock import from_store
 
@@ -32,9 +31,7 @@ from beamcam.planning.stock import from_store
     help="How a trigger program is written; by default as the machine and its length ask for.",
 )
 @options.turn
-@member_options
-@drawing_options
-@torch_options
+@part_options
 @options.no_verify
 @options.strict
 @options.json_messages
@@ -67,8 +64,7 @@ def command(
     """
     try:
         config = settled(asked, inputs)
-        how = drawing_choice(asked) | member_choice(asked, kernel=True)
-        parts, said = parts_of(read_all(inputs, config.strict, how, voice), counted)
+        parts, said = read_parts(inputs, config, asked, voice)
         machine = machine_for(config, parts, output)
         style = table_style(machine, output, style)
         job = job_name(config, machine, output)

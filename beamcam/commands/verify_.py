@@ -7,13 +7,12 @@ from typing import Any
 import click
 
 from beamcam.commands import options
-from beamcam.commands.common import REFUSED, STANDARD, Voice, read_all
-from beamcam.commands.members import member_choice, member_options
+from beamcam.commands.common import REFUSED, STANDARD, Voice
+from beamcam.commands.parts import looking_options, read_parts
 from beamcam.commands.programs import input_bytes
 from beamcam.commands.settings import machine_for, machine_for_program, settled
-from beamcam.commands.sheets import drawing_choice, drawing_options, torch_options
 from beamcam.errors import BeamcamError, errors_in
-from beamcam.pipeline import counted, left_out, parts_of, read_back
+from beamcam.pipeline import left_out, read_back
 from beamcam.readers.content import shown_name
 from beamcam.report.run import as_message
 
@@ -24,13 +23,7 @@ from beamcam.report.run import as_message
 @click.argument("parts", nargs=-1, metavar="[PART]...", type=options.FILE)
 @options.machine
 @options.config
-@options.skips
-@member_options
-@drawing_options
-@torch_options
-@options.strict
-@options.as_json
-@options.voiced
+@looking_options
 def command(
     program: str,
     against: bool,
@@ -58,8 +51,7 @@ def command(
         raise click.UsageError("found - twice; expected it once, standard input is read once.")
     try:
         config = settled(asked, parts or (program,))
-        how = drawing_choice(asked) | member_choice(asked, kernel=True)
-        wanted, said = parts_of(read_all(parts, config.strict, how, voice), counted)
+        wanted, said = read_parts(parts, config, asked, voice)
         data = input_bytes(program)
         if wanted:
             machine = machine_for(config, wanted, program)

@@ -1,0 +1,31 @@
+"""What the commands share that take parts: their options, and how the parts are read."""
+
+from collections.abc import Iterable, Mapping
+from typing import Any
+
+from beamcam.commands import options
+from beamcam.commands.common import Voice, read_all
+from beamcam.commands.members import member_choice, member_options
+from beamcam.commands.sheets import drawing_choice, drawing_options, torch_options
+from beamcam.config.values import Config
+from beamcam.errors import Diagnostic
+from beamcam.model.part import Part
+from beamcam.pipeline import counted, parts_of
+
+#: Which parts are meant, and how drawings and sheets are taken.
+part_options = options.group(member_options, drawing_options, torch_options)
+#: Of a command that only looks at the work which parts are: `plan` and `verify`.
+looking_options = options.group(
+    options.skips, part_options, options.strict, options.as_json, options.voiced
+)
+
+
+def read_parts(
+    inputs: Iterable[str], config: Config, asked: Mapping[str, Any], voice: Voice
+) -> tuple[tuple[Part, ...], tuple[Diagnostic, ...]]:
+    """All parts of the inputs, and what is said of them.
+
+    `asked` holds the values of `part_options`. Raises ReadError.
+    """
+    how = drawing_choice(asked) | member_choice(asked, kernel=True)
+    return parts_of(read_all(inputs, config.strict, how, voice), counted)
