@@ -8,8 +8,9 @@ torn is none. An output that is missing or changed makes its line void.
 import errno
 import hashlib
 import os
+from collections.abc import Iterator
 from contextlib import suppress
-from pathlib import PurePosixPath
+from typing import BinaryIO
 
 from beamcam.files import write_whole
 from beamcam.report.run import Row, dumped, loaded
@@ -25,15 +26,15 @@ class Record:
     def __init__(self, folder: str) -> None:
         self._folder = folder
         self._path = os.path.join(folder, RECORD_NAME)
-        self._file: int | None = None
+        self._file: int | None = None  #: that lines are added to
+        self._lines: BinaryIO | None = None  #: the same, to be read
         self._torn = False  #: whether a line was begun and could not be ended
         self._size = 0
         self._places: dict[bytes, int] = {}  #: key -> where its line begins
         lines = self._index()
         if lines > 2 * len(self._places) + 16:
             # Most lines stand for what was made anew since.
-            places = sorted(self._places.values())
-            write_whole(self._path, map(self._line, places), durable=False)
+            write_whole(self._path, self._standing(), durable=False)
             self._index()
 
     def _index(self) -> int:
@@ -54,10 +55,18 @@ class Record:
         self._places = dict(by_outputs.values())
         return lines
 
-    def _line(self, place: int) -> bytes:
+    def _standing(self) -> Iterator[bytes]:
+        """The lines that hold."""
         with open(self._path, "rb") as file:
-            file.seek(place)
-            return file.readline()
+            for place in sorted(self._places.values()):
+                file.seek(place)
+                yield file.readline()
+
+    def _line(self, place: int) -> bytes:
+        if self._lines is None:
+            self._lines = open(self._path, "rb")  # noqa: SIM115  closed by `close`
+        self._lines.seek(place)
+        return self._lines.readline()
 
     def find(self, key: bytes) -> Row | None:
         """What was made of the input with that key, if all of it still stands as it was made."""
@@ -67,7 +76,8 @@ class Record:
         try:
             row: Row = loaded(self._line(place))["row"]
             for part in row["parts"]:
-                with open(os.path.join(self._folder, *_words(part["output"])), "rb") as file:
+                path = os.path.join(self._folder, part["output"])
+                with open(path, "rb", buffering=0) as file:
                     if hashlib.sha256(file.read()).hexdigest() != part["sha256"]:
                         return None
         except (OSError, ValueError, KeyError, TypeError):
@@ -92,7 +102,6 @@ class Record:
         if self._file is not None:
             os.close(self._file)
             self._file = None
-
-
-def _words(name: str) -> tuple[str, ...]:
-    return PurePosixPath(name).parts
+        if self._lines is not None:
+            self._lines.close()
+            self._lines = None
