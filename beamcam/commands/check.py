@@ -25,9 +25,10 @@ from beamcam.verify import run
 from beamcam.verify.differ import Difference, diff_programs
 from beamcam.verify.statements import diff_sheets
 
-#: Where programs say the job's name: behind `%`, as their unit, in the head of a step table.
+#: Where others than the header of a machine file say the job's name: behind `%`, as the unit of a
+#: program, in the head of a step table.
 _JOB = re.compile(
-    r"^%[ \t]+(.*\S)|^\(\* =+ UNIT unit_(\w+) =|^# beamcam/steps/1 job (\S+) ", re.MULTILINE
+    r"^%[ \t]+(.*\S)|^\(\* =+ UNIT unit_(\w+) =|^(?:#|/\*) beamcam/\w+/1 job (\S+) ", re.MULTILINE
 )
 
 
@@ -145,7 +146,7 @@ def _check(path: Path, samples: Path, config: Config) -> Checked:
         style = table_style(machine, str(path), None)
         posted = from_store(
             lambda bar: post(
-                parts, machine, _job(old), bar, config.allow_skips, strict=config.strict,
+                parts, machine, _job(old, machine), bar, config.allow_skips, strict=config.strict,
                 style=style,
             ),
             config.stock_lengths,
@@ -171,10 +172,24 @@ def _differences(
     return found, errors_in(first.diagnostics)
 
 
-def _job(text: str) -> str:
+def _job(text: str, machine: Machine) -> str:
     """The job's name as the golden program states it."""
+    for line in machine.words.header:
+        if "{job}" in line:
+            stated = re.search(_stating(line), text, re.MULTILINE)
+            if stated:
+                return stated["job"]
     match = _JOB.search(text)
     return match[match.lastindex or 0] if match else "JOB"
+
+
+def _stating(template: str) -> str:
+    """The pattern of a line of a header that says the name of the job."""
+    parts = re.split(r"\{(\w+)\}", template)  # every other part is the name of a value
+    values = [r"(?P<job>.*\S)" if name == "job" else ".*" for name in parts[1::2]]
+    texts = [re.escape(part) for part in parts[::2]]
+    pattern = "".join(text + value for text, value in zip(texts, [*values, ""], strict=True))
+    return f"^(?:N[0-9]+ )?{pattern}$"
 
 
 def _sample(samples: Path, stem: str) -> Path:

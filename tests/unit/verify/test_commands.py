@@ -158,6 +158,30 @@ def test_check_by_meaning_and_by_bytes(golden: Path) -> None:
     assert record["differences"][0]["text"] == "hole v at x 920.6 moved by 2.0 mm"
 
 
+@pytest.mark.parametrize(
+    ("machine", "sample", "name"),
+    [
+        ("plate-linuxcnc", "dstv/gusset.nc1", "gusset.ngc"),
+        ("plate-codesys", "dstv/gusset.nc1", "gusset.gcode"),
+        ("laser-grbl", "json/curves.json", "curves.nc"),
+        ("laser-stepper", "json/shield-small.json", "shield-small.csv"),
+        ("beamline", "dstv/strut.nc1", "strut.gcode"),
+    ],
+)
+def test_check_takes_the_name_of_the_job_from_the_program(
+    tmp_path: Path, machine: str, sample: str, name: str
+) -> None:
+    folder = tmp_path / machine
+    folder.mkdir()
+    path = folder / name
+    words = ("--machine", machine, "--job", "JOB-7", "-o", path)
+    assert cli("post", SAMPLES / sample, *words).exit_code == 0
+    assert "JOB-7" in path.read_text("utf-8")
+    assert check(tmp_path).stdout == "1 of 1 programs are the same\n"
+    path.write_text(path.read_text("utf-8").replace("JOB-7", "JOB-8"), "utf-8")
+    assert check(tmp_path).stdout == "1 of 1 programs are the same\n"
+
+
 def test_check_of_a_part_that_is_refused(golden: Path) -> None:
     (golden / "beamline" / "strut.gcode").rename(golden / "beamline" / "tie.gcode")
     done = check(golden)
