@@ -2,16 +2,16 @@
 
 Each move is a stretch along which all its axes start and stop together:
 
-    share of the way     _____           1  its speed v and acceleration a, per second, are the
-                     ___/                   least that its axes, and a feed its F, allow:
-                ____/                       v = min(v_i / |d_i|), a = min(a_i / |d_i|)
-               /    t ->
+    share of the way     _____           1  its speed v, acceleration a and jerk j, per second, are
+                     ___/                   the least that its axes, and a feed its F, allow:
+                ____/                       v = min(v_i / |d_i|), a = min(a_i / |d_i|) and so on,
+               /    t ->                    with a jerk only where an axis has one
 
 Spindles and the saw take the times of the machine file. Lengths are mm, angles degrees.
 """
 
 from collections.abc import Iterator, Sequence
-from math import cos, hypot, inf, isnan, radians, sqrt
+from math import cos, hypot, inf, isnan, radians
 
 from msgspec import Struct
 from msgspec.structs import replace
@@ -21,6 +21,7 @@ from beamcam.machine import rules as machine_rules
 from beamcam.machine.machine import Machine
 from beamcam.verify import Run
 from beamcam.verify.events import Move, Pause, Switch, Turn
+from beamcam.verify.ramps import STANDING, Ramp, ramp
 from beamcam.verify.stations import Choice
 
 Positions = tuple[float, ...]
@@ -53,34 +54,13 @@ class Stretch(Struct, frozen=True):
     duration_s: float
     start: Positions
     end: Positions
-    speed: float  #: greatest, in shares of the way per second
-    acceleration: float  #: in shares of the way per second squared
+    ramp: Ramp  #: along the way from start to end
     state: State
 
     def at(self, time_s: float) -> Positions:
         """Where the axes stand at a time within the stretch."""
-        share = self._share(min(max(time_s - self.begin_s, 0.0), self.duration_s))
+        share = self.ramp.share(max(time_s - self.begin_s, 0.0))
         return tuple(a + share * (b - a) for a, b in zip(self.start, self.end, strict=True))
-
-    def _share(self, t: float) -> float:
-        """How much of the way is done `t` seconds after the beginning."""
-        if self.start == self.end:
-            return 1.0
-        rise = min(self.speed / self.acceleration, self.duration_s / 2)
-        top = rise * self.acceleration
-        if t < rise:
-            return self.acceleration * t * t / 2
-        left = self.duration_s - t
-        if left < rise:
-            return 1.0 - self.acceleration * left * left / 2
-        return top * rise / 2 + top * (t - rise)
-
-
-def duration(speed: float, acceleration: float) -> float:
-    """Seconds from rest to rest over a way of 1: a trapezoid, or a triangle if it is short."""
-    if speed * speed >= acceleration:
-        return 2 * sqrt(1 / acceleration)
-    return 1 / speed + speed / acceleration
 
 
 def stretches(run: Run, machine: Machine) -> tuple[Stretch, ...]:
@@ -195,21 +175,20 @@ class _Simulation:
 
     def _travel(self, line: int, end: Positions, cap: float = inf) -> Stretch:
         """A stretch from here to `end`, at most at `cap` shares of the way per second."""
-        speed, acceleration = cap, inf
+        speed, acceleration, jerk = cap, inf, inf
         for axis, a, b in zip(self.machine.axes, self.positions, end, strict=True):
             if a != b:
                 speed = min(speed, axis.speed / abs(b - a))
                 acceleration = min(acceleration, axis.acceleration / abs(b - a))
-        takes_s = 0.0 if acceleration == inf else duration(speed, acceleration)
-        return self._stretch(line, end, takes_s, speed, acceleration)
+                if axis.jerk is not None:
+                    jerk = min(jerk, axis.jerk / abs(b - a))
+        along = STANDING if acceleration == inf else ramp(speed, acceleration, jerk)
+        return self._stretch(line, end, along.duration_s, along)
 
     def _stretch(
-        self, line: int, end: Positions, takes_s: float, speed: float = 0.0,
-        acceleration: float = 1.0,
-    ) -> Stretch:  # fmt: skip
-        done = Stretch(
-            line, self.clock_s, takes_s, self.positions, end, speed, acceleration, self.state
-        )
+        self, line: int, end: Positions, takes_s: float, along: Ramp = STANDING
+    ) -> Stretch:
+        done = Stretch(line, self.clock_s, takes_s, self.positions, end, along, self.state)
         self.clock_s += takes_s
         self.positions = end
         return done

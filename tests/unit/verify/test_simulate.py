@@ -1,14 +1,18 @@
 """The axes over time: continuous, within their limits, and where the program says."""
 
 from itertools import pairwise
+from math import inf, sqrt
 
+import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
+from msgspec.structs import replace
 
 from beamcam.errors import MachineError
 from beamcam.verify import run
-from beamcam.verify.simulate import Stretch, duration, rows, stretches, trace
+from beamcam.verify.ramps import ramp
+from beamcam.verify.simulate import Stretch, rows, stretches, trace
 from tests.unit.verify.programs import ANNEX, BEAM, PART, PROGRAM
 
 AXES = {a.name: i for i, a in enumerate(BEAM.axes)}
@@ -80,17 +84,57 @@ def test_no_axis_beyond_its_speed(course: tuple[Stretch, ...], step: float) -> N
     assert sampled[-1].positions == course[-1].end
 
 
-@settings(deadline=None, max_examples=100)
-@given(st.floats(0.01, 50), st.floats(0.01, 50), st.floats(0, 1))
-def test_a_move_starts_and_stops_and_never_turns_back(v: float, a: float, share: float) -> None:
-    takes = duration(v, a)
-    move = Stretch(1, 5.0, takes, (0.0,), (1.0,), v, a, None)  # type: ignore[arg-type]
-    assert move.at(5.0)[0] == pytest.approx(0, abs=1e-9)
-    assert move.at(5.0 + takes)[0] == pytest.approx(1)
-    assert move.at(5.0 + takes / 2)[0] == pytest.approx(0.5)
-    early, late = move.at(5 + share * takes * 0.9), move.at(5 + share * takes * 0.9 + takes * 0.1)
-    assert 0 <= early[0] <= late[0] + 1e-12 <= 1 + 1e-9
-    assert (late[0] - early[0]) / (takes * 0.1) <= v * (1 + 1e-9)
+limits = st.floats(0.01, 50)
+jerks = st.one_of(st.just(inf), st.floats(0.01, 500))
+
+
+@given(limits, limits, jerks)
+def test_a_ramp_is_whole_symmetrical_and_within_its_limits(v: float, a: float, j: float) -> None:
+    done = ramp(v, a, j)
+    takes = done.duration_s
+    assert done.share(0.0) == 0.0
+    assert done.share(takes) == done.share(takes + 1) == 1.0
+    step = takes / 2000
+    shares = np.array([done.share(k * step) for k in range(2001)])
+    assert shares + shares[::-1] == pytest.approx(1.0)
+    speeds = np.diff(shares) / step
+    assert speeds.min() >= -1e-9
+    assert speeds.max() <= v * (1 + 1e-6)
+    gains = np.diff(speeds) / step
+    assert np.abs(gains).max() <= a * (1 + 1e-5)
+    # Third differences of rounded numbers: 1e-16 over the step to the third.
+    assert np.abs(np.diff(gains) / step).max() <= j * (1 + 1e-4) + 1e-14 / step**3
+
+
+@given(limits, limits)
+def test_without_a_jerk_it_is_a_trapezoid(v: float, a: float) -> None:
+    takes = 2 * sqrt(1 / a) if v * v >= a else 1 / v + v / a
+    assert ramp(v, a).duration_s == pytest.approx(takes)
+    assert ramp(v, a, 1e9).duration_s == pytest.approx(takes, abs=1e-3)
+
+
+@pytest.mark.parametrize(
+    ("limits_of", "takes"),
+    [
+        ((1.0, 1.0, inf), 2.0),  # a triangle that just reaches its speed
+        ((0.5, 1.0, inf), 2.5),
+        ((10.0, 10.0, 32.0), 4 * 0.25),  # jerk alone: 2 j t^3 = 1 at t = 0.25
+        ((1.0, 2.0, 4.0), 2.0),  # a/j = v/a = 0.5 s: up in 1 s over half of the way
+        ((0.5, 2.0, 8.0), 2.5),  # speed before acceleration: sqrt(v/j) = 0.25 s, then 1.5 s of 0.5
+    ],
+)
+def test_how_long_a_way_takes(limits_of: tuple[float, float, float], takes: float) -> None:
+    assert ramp(*limits_of).duration_s == pytest.approx(takes)
+
+
+def test_an_axis_with_a_jerk_takes_longer(course: tuple[Stretch, ...]) -> None:
+    axes = tuple(replace(axis, jerk=2 * axis.acceleration) for axis in BEAM.axes)
+    gentle = replace(BEAM, axes=axes)
+    slow = stretches(run(PROGRAM, gentle, PART.profile), gentle)
+    assert [part.end for part in slow] == [part.end for part in course]
+    assert all(a.duration_s >= b.duration_s for a, b in zip(slow, course, strict=True))
+    moved = next(k for k, part in enumerate(course) if part.ramp.speed > 0.0)
+    assert slow[moved].duration_s > course[moved].duration_s
 
 
 def test_the_csv_has_a_row_for_every_event(course: tuple[Stretch, ...]) -> None:

@@ -1,0 +1,80 @@
+"""How a way of 1 is run along from rest to rest, as fast as limits of its derivatives allow.
+
+speed        ______________          the acceleration grows by the jerk, stays, and falls back;
+          .'                '.       the same to brake, mirrored. Without a limit of the jerk
+        /                    \\      that is a trapezoid, and a triangle where the way is short.
+ _____.'                      '.__
+ jerk steady jerk   cruise   jerk ...
+"""
+
+from math import cbrt, inf, sqrt
+
+from msgspec import Struct
+
+
+class Ramp(Struct, frozen=True):
+    """Times in s; speed and acceleration in shares of the way per second, and per second squared.
+
+    All of it is 0 for a way that takes no time.
+    """
+
+    jerk_s: float  #: in which the acceleration grows, and in which it falls back
+    steady_s: float  #: at the greatest acceleration
+    cruise_s: float  #: at the greatest speed
+    speed: float
+    acceleration: float
+
+    @property
+    def rise_s(self) -> float:
+        """From rest to the greatest speed."""
+        return 2 * self.jerk_s + self.steady_s
+
+    @property
+    def duration_s(self) -> float:
+        """From rest to rest."""
+        return 2 * self.rise_s + self.cruise_s
+
+    def share(self, t: float) -> float:
+        """How much of the way is done `t` seconds after the beginning."""
+        if t >= self.duration_s:
+            return 1.0
+        left = self.duration_s - t
+        if t < self.rise_s:
+            return self._risen(t)
+        if left < self.rise_s:
+            return 1.0 - self._risen(left)
+        return self.speed * (t - self.rise_s / 2)
+
+    def _risen(self, t: float) -> float:
+        """The way in the first `t` seconds, none of them at the greatest speed."""
+        if t < self.jerk_s:
+            return self.acceleration * t**3 / (6 * self.jerk_s)
+        left = self.rise_s - t
+        if left < self.jerk_s:
+            # The rise is as symmetrical as its speed: half of the greatest in the middle.
+            lost = self.acceleration * left**3 / (6 * self.jerk_s)
+            return self.speed * (self.rise_s / 2 - left) + lost
+        steady = t - self.jerk_s
+        grown = self.acceleration * self.jerk_s / 2  # the speed when the jerk is over
+        return grown * (self.jerk_s / 3 + steady) + self.acceleration * steady * steady / 2
+
+
+STANDING = Ramp(0.0, 0.0, 0.0, 0.0, 0.0)
+
+
+def ramp(speed: float, acceleration: float, jerk: float = inf) -> Ramp:
+    """The fastest from rest to rest within limits above 0; the speed may be infinite."""
+    jerk_s = acceleration / jerk
+    steady_s = speed / acceleration - jerk_s
+    if steady_s < 0.0:  # the speed is reached before the acceleration is
+        jerk_s, steady_s = sqrt(speed / jerk), 0.0
+    if speed * (2 * jerk_s + steady_s) > 1.0:  # the way is over before the speed is reached
+        # acceleration (jerk_s + steady_s) (2 jerk_s + steady_s) = 1
+        jerk_s = acceleration / jerk
+        steady_s = (sqrt(jerk_s * jerk_s + 4 / acceleration) - 3 * jerk_s) / 2
+        if steady_s < 0.0:
+            jerk_s, steady_s = cbrt(1 / (2 * jerk)), 0.0
+    greatest = acceleration if steady_s > 0.0 else jerk * jerk_s
+    reached = greatest * (jerk_s + steady_s)
+    rise_s = 2 * jerk_s + steady_s
+    return Ramp(jerk_s, steady_s, max(1 / reached - rise_s, 0.0), reached, greatest)
