@@ -200,4 +200,5 @@ _POSITIVE = ("up_to", "speed_m_min", "feed_per_turn", "_mm_min", "_rpm", "point_
 _NOT_NEGATIVE = ("kerf", "tolerance", "clearance", "breakthrough", "_trim", "least_bar",
                  "plus", "minus", "dead_zone", "least_part", "least_remnant", "twin",
                  "runout_pitches", "_depth", "_s", "torch.margin",
-                 "torch.lead_in", "torch.lead_out", "least_hole", "power")  # fmt: skip
+                 "torch.lead_in", "torch.lead_out", "least_hole", "torch.cross",
+                 "power")  # fmt: skip

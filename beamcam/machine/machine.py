@@ -310,6 +310,7 @@ class Torch(Struct, frozen=True):
     tabs: int = 0  #: bridges that hold a part in the sheet
     tab_width: float = 1.0
     least_hole: float = 0.0  #: smallest diameter that can be cut
+    cross: float = 0.0  #: size of the cross that marks a centre; 0 marks none
     least_radius: float = 0.01  #: smallest arc that the controller takes
     greatest_radius: float = 10000.0  #: an arc beyond is written as lines
     arc_limit: float = 0.005  #: radii at both ends of an arc may differ by this

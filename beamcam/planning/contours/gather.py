@@ -85,8 +85,10 @@ def gather(part: Part, torch: Torch, machine: str, skips: Collection[str]) -> Ga
                 source = feature.source
                 found.wanted += [Wanted(c, meaning, index, source) for c in feature.curves]
         else:
-            curves = curves_of(cast("Hole | Slot", feature))
-            found.wanted += [Wanted(c, "cut", index, feature.source) for c in curves]
+            hole = cast("Hole | Slot", feature)
+            process: TorchProcess = "mark" if hole.kind == "mark" else "cut"  # a centre's cross
+            curves = curves_of(hole, torch.cross)
+            found.wanted += [Wanted(c, process, index, feature.source) for c in curves]
     for look, count in unmapped.items():
         found.refusals.append(_unmapped(look, count, first[look], torch.colours))
     if _needs_outline(part):
@@ -146,6 +148,8 @@ def _refusal(feature: Feature, torch: Torch) -> Diagnostic | None:
                 found=feature.face,
                 expected=", ".join(PLATE_FACES),
             )
+        case Hole() if feature.kind == "mark":
+            return _refuse_centre(feature, torch)
         case Hole():
             return _refuse_hole(feature, torch)
         case Slot():
@@ -167,6 +171,20 @@ def _refusal(feature: Feature, torch: Torch) -> Diagnostic | None:
         case Bend() | EndPlane() | Camber():
             names = {Bend: "a bend", EndPlane: "an end plane", Camber: "a camber"}
             return bar_rules.OTHER.at(feature.source, found=names[type(feature)])
+
+
+def _refuse_centre(hole: Hole, torch: Torch) -> Diagnostic | None:
+    """Why a table cannot mark a centre: it has no cross for it, or it should be of some depth."""
+    expected = None
+    if not torch.cross:
+        expected = "none, or the size of a cross in the machine file (torch.cross)"
+    elif hole.depth is not None:
+        expected = f"one without a depth, it is marked by a cross of {torch.cross:g}"
+    if expected is None:
+        return None
+    return bar_rules.NO_TOOL.at(
+        hole.source, kind="mark", found=f"{hole.diameter:g}", face=hole.face, expected=expected
+    )
 
 
 def _refuse_hole(hole: Hole, torch: Torch) -> Diagnostic | None:
@@ -195,8 +213,11 @@ def _refuse_slot(slot: Slot, torch: Torch) -> Diagnostic | None:
     return bar_rules.SLOT.at(slot.source, found=size, face=slot.face, expected=expected)
 
 
-def curves_of(feature: Hole | Slot) -> tuple[Curve, ...]:
-    """The closed contour of a hole or a slot, counter-clockwise."""
+def curves_of(feature: Hole | Slot, cross: float) -> tuple[Curve, ...]:
+    """The closed contour of a hole or a slot, counter-clockwise; of a centre mark its cross."""
+    if feature.kind == "mark":
+        x, y, half = feature.x, feature.y, cross / 2
+        return Line((x - half, y), (x + half, y)), Line((x, y - half), (x, y + half))
     if isinstance(feature, Hole):
         return (Arc((feature.x, feature.y), feature.diameter / 2, 0.0, 360.0),)
     return tuple(_slot_curves(feature))

@@ -66,10 +66,13 @@ def need_of(part: Part, torch: Torch, skipped: Collection[int]) -> Need:
             if made and process != "ignore":
                 need.add(cast("TorchProcess", process), feature.curves)
         elif isinstance(feature, Hole | Slot):
-            made = feature.kind == "through" and feature.depth is None
-            made = made and feature.face in ("v", "h")
-            if made:
+            made = feature.depth is None and feature.face in ("v", "h")
+            if made and isinstance(feature, Hole) and feature.kind == "mark" and torch.cross:
+                need.add("mark", _cross(feature, torch.cross))
+            elif made and feature.kind == "through":
                 need.add("cut", _ring(feature))
+            else:
+                made = False
         if not made:
             source = getattr(feature, "source", part.source)
             need.said.append(rules.NOT_MADE.at(source, found=type(feature).__name__.lower()))
@@ -83,6 +86,15 @@ def need_of(part: Part, torch: Torch, skipped: Collection[int]) -> Need:
 
 def _plain(process: Process) -> str:
     return "mark" if process in ("punch", "powder") else process
+
+
+def _cross(feature: Hole, size: float) -> list[Curve]:
+    """The two strokes that mark a centre, each as long as the cross is to be."""
+    return [
+        Line((feature.x - ux * size / 2, feature.y - uy * size / 2),
+             (feature.x + ux * size / 2, feature.y + uy * size / 2))
+        for ux, uy in ((1.0, 0.0), (0.0, 1.0))
+    ]  # fmt: skip
 
 
 def _ring(feature: Hole | Slot) -> list[Curve]:

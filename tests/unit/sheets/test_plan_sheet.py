@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from msgspec.structs import replace
 
 from beamcam.errors import PlanError
 from beamcam.geometry.curves import Line, signed_area
@@ -143,9 +144,13 @@ def test_what_a_torch_cannot_make(case: Refusal) -> None:
 
 
 SQUARE = contour(box(0, 0, 50, 50))
+CENTRE = Hole("v", 50, 40, 0.0, S, kind="mark")
 OTHERS: list[tuple[tuple[Part, ...], dict[str, object], str, str]] = [
     ((), {}, "plan-sheet-parts", "found 0 parts"),
     ((NESTED, NESTED), {}, "plan-sheet-parts", "found 2 parts"),
+    ((plate(CENTRE),), {"cross": 0.0}, "plan-tool", "the size of a cross in the machine file"),
+    ((plate(replace(CENTRE, depth=1.0)),), {}, "plan-tool", "marked by a cross of 5"),
+    ((plate(replace(CENTRE, face="o")),), {}, "plan-face", "mark hole"),
     ((drawing(),), {}, "plan-sheet-empty", "the sheet is empty"),
     ((drawing(contour(box(0, 0, 9, 9), "#00ff00")),), {}, "plan-unmapped", "4 curves of colour"),
     ((drawing(contour(box(0, 0, 9, 9), None, "W")),), {}, "plan-unmapped", "on layer 'W'"),
@@ -173,6 +178,17 @@ def test_refused(parts: tuple[Part, ...], values: dict[str, object], code: str, 
         plan_sheet(parts, machine)
     assert caught.value.diagnostics[0].code == code
     assert says in caught.value.diagnostics[0].message
+
+
+def test_centres_are_marked_by_a_cross() -> None:
+    plan = plan_sheet((plate(CENTRE, Hole("v", 90, 40, 12.0, S)),), table(cross=8.0))
+    marks = [op for op in plan.operations if op.row.process == "mark"]
+    ends = [{c.start, c.end} for op in marks for one in op.passes for c in one.curves]
+    x, y = 50 + plan.shift[0], 40 + plan.shift[1]
+    assert len(ends) == 2
+    assert {(x - 4, y), (x + 4, y)} in ends
+    assert {(x, y - 4), (x, y + 4)} in ends
+    assert [(o.how, o.by) for o in plan.outcomes] == [("made", "mark"), ("made", "cut")]
 
 
 def test_a_thickness_that_nobody_says_is_asked_for() -> None:

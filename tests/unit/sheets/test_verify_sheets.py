@@ -7,7 +7,7 @@ import pytest
 
 from beamcam.geometry.curves import Bezier, BSpline, EllipseArc, Line, NewtonCurve
 from beamcam.machine import Machine
-from beamcam.model.part import Bend, Part
+from beamcam.model.part import Bend, Hole, Part
 from beamcam.pipeline import post
 from beamcam.verify.sheets import rules, verify_sheet
 from tests.unit.sheets.parts import NESTED, S, box, circle, contour, drawing, lines, plate, table
@@ -241,3 +241,30 @@ def test_every_rule_has_a_case() -> None:
         "verify-sheet-arc", "verify-sheet-side", "verify-sheet-lead", "verify-sheet-not-made",
     }  # fmt: skip
     assert {rule.code for rule in rules.RULES} == shown
+
+
+MARKED = plate(
+    Hole("v", 60, 40, 14.0, S),
+    Hole("v", 30, 40, 0.0, S, kind="mark"),
+    Hole("v", 150, 40, 0.0, S, kind="mark"),
+    contour(lines((20, 20), (120, 20), closed=False), None, process="punch"),
+    contour(lines((20, 80), (120, 85), closed=False), None, process="powder"),
+)
+
+
+@pytest.mark.parametrize("name", ["plate-linuxcnc", "plate-codesys"])
+def test_marks_of_a_plate_are_read_back(name: str) -> None:
+    """A punched and a powdered line are a stroke each, a centre is two; none may be missing."""
+    machine = table(name)
+    text = post([MARKED], machine).text
+    assert verify_sheet(text, [MARKED], machine) == ()
+    begins = [k for k, line in enumerate(text.split("\n")) if re.search(r"M64 P1$|M13$", line)]
+    assert len(begins) == 6
+    lines_of = text.split("\n")
+    for k in begins:
+        end = next(i for i in range(k, len(lines_of)) if re.search(r"M65 P1$|M15$", lines_of[i]))
+        without = "\n".join([*lines_of[:k], *lines_of[end + 1 :]])
+        assert "verify-sheet-missing" in {d.code for d in verify_sheet(without, [MARKED], machine)}
+    unknown = table(name, cross=0.0)
+    said = verify_sheet(text, [MARKED], unknown)
+    assert {d.code for d in said} >= {"verify-sheet-not-made", "verify-sheet-extra"}
