@@ -14,12 +14,23 @@ from beamcam.geometry.plane import Point
 
 #: Ends in a cell, on the average; and rings of cells that are looked into before all are.
 ENDS_A_CELL = 2
-RINGS = 4
+FARTHEST_RING = 4
 
 #: An end as it is chosen by: square of the distance, 1 for the end of a contour and 0 for its
 #: start, and when the contour came free. So equal distances are decided the same way each time.
 Choice = tuple[float, int, int]
 NOTHING: Choice = (inf, 2, 0)
+
+Cell = tuple[int, int]  #: column and row
+
+
+def _ring(ring: int) -> list[Cell]:
+    """The way to the cells that lie `ring` cells off, in a square."""
+    span = range(-ring, ring + 1)
+    return [(i, k) for i in span for k in span if max(abs(i), abs(k)) == ring]
+
+
+_RINGS = [_ring(ring) for ring in range(FARTHEST_RING + 1)]
 
 
 def nearest_first(
@@ -63,31 +74,29 @@ class _Free:
         span = np.ptp(xy, axis=0) if len(xy) else np.zeros(2)
         area = max(float(span[0] * span[1]), float(span.max()) ** 2 / max(len(xy), 1))
         self._cell = (area * ENDS_A_CELL / max(len(xy), 1)) ** 0.5 or 1.0
-        self._cells: defaultdict[tuple[int, int], list[tuple[float, float, int, int]]]
-        self._cells = defaultdict(list)
+        self._cells: defaultdict[Cell, list[tuple[float, float, int, int]]] = defaultdict(list)
+        self._where: list[set[Cell]] = []  #: the cells that the ends of each lie in
         #: Both ends of each; at infinity once it is done.
         self._ends = np.full((len(places), 4), inf)
-        self._added = 0
         self.count = 0
 
     def add(self, start: Point, end: Point) -> None:
         """One more contour; its number is how many there were before."""
-        number = self._added
+        number = len(self._where)
         self._ends[number] = (*start, *end)
+        self._where.append({self._cell_of(start), self._cell_of(end)})
         for side, point in enumerate((start, end) if start != end else (start,)):
             self._cells[self._cell_of(point)].append((*point, side, number))
-        self._added += 1
         self.count += 1
 
     def remove(self, number: int) -> None:
         """The contour is done."""
-        x0, y0, x1, y1 = self._ends[number].tolist()
-        for cell in {self._cell_of((x0, y0)), self._cell_of((x1, y1))}:
+        for cell in self._where[number]:
             self._cells[cell] = [entry for entry in self._cells[cell] if entry[3] != number]
         self._ends[number] = inf
         self.count -= 1
 
-    def _cell_of(self, point: Point) -> tuple[int, int]:
+    def _cell_of(self, point: Point) -> Cell:
         return floor(point[0] / self._cell), floor(point[1] / self._cell)
 
     def nearest(self, here: Point) -> Choice:
@@ -95,34 +104,26 @@ class _Free:
         column, row = self._cell_of(here)
         x, y = here
         best = NOTHING
-        for ring in range(RINGS + 1):
-            for cell in _ring(column, row, ring):
-                for px, py, side, number in self._cells.get(cell, ()):
+        # How far the head is from the next cells.
+        clear = min(
+            x - column * self._cell, (column + 1) * self._cell - x,
+            y - row * self._cell, (row + 1) * self._cell - y,
+        )  # fmt: skip
+        for ring, steps in enumerate(_RINGS):
+            for i, k in steps:
+                for px, py, side, number in self._cells.get((column + i, row + k), ()):
                     dx, dy = px - x, py - y
                     choice = (dx * dx + dy * dy, side, number)
-                    best = min(best, choice)
+                    if choice < best:
+                        best = choice
             # So far to every side there is nothing that was not looked at.
-            clear = ring * self._cell + min(
-                x - column * self._cell, (column + 1) * self._cell - x,
-                y - row * self._cell, (row + 1) * self._cell - y,
-            )  # fmt: skip
-            if best[0] < (clear * (1 - 1e-9)) ** 2:
+            if best[0] < ((ring * self._cell + clear) * (1 - 1e-9)) ** 2:
                 return best
         return self._nearest_of_all(here)
 
     def _nearest_of_all(self, here: Point) -> Choice:
-        away = self._ends[: self._added] - (*here, *here)
+        away = self._ends[: len(self._where)] - (*here, *here)
         squares = away * away
         to_start, to_end = squares[:, 0] + squares[:, 1], squares[:, 2] + squares[:, 3]
         first, last = int(np.argmin(to_start)), int(np.argmin(to_end))
         return min((float(to_start[first]), 0, first), (float(to_end[last]), 1, last))
-
-
-def _ring(column: int, row: int, ring: int) -> list[tuple[int, int]]:
-    """The cells that lie `ring` cells off a cell, in a square about it."""
-    if ring == 0:
-        return [(column, row)]
-    low, high = -ring, ring
-    found = [(column + i, row + k) for i in range(low, high + 1) for k in (low, high)]
-    found += [(column + i, row + k) for i in (low, high) for k in range(low + 1, high)]
-    return found

@@ -26,6 +26,7 @@ WINDOW = 60  #: longest stretch that is turned round
 PASSES = 6  #: over the whole tour; the third rarely gains one per cent
 LEAST_GAIN = 1e-9
 MOST_AT_ONCE = 256  #: places that are asked together
+AFTER_A_TURN = 24  #: and at first after a turn, as another one is seldom far
 
 
 def turn_stretches(
@@ -56,12 +57,16 @@ class _Ways:
         self._nodes = np.array([index for index, _ in tour])
         self._turned = np.array([turned for _, turned in tour])
         begin, end = starts[self._nodes].T, ends[self._nodes].T
-        #: Where each place is entered, (2, count): x and y.
-        self._enter = np.where(self._turned, end, begin)
+        #: Where each place is entered, x and y; column `count` stands for nothing.
+        self._enter = np.zeros((2, self._count + 1))
+        self._enter[:, :-1] = np.where(self._turned, end, begin)
         #: Column k + 1 is where place k is left; column 0 is where the head comes from.
         self._leave = np.empty((2, self._count + 1))
         self._leave[:, 0] = here
         self._leave[:, 1:] = np.where(self._turned, begin, end)
+        #: The length of the way to each place; none to what comes behind the last one.
+        self._ways = np.zeros(self._count + 1)
+        self._measure(slice(0, self._count))
         self._parents = parents
         self._nested = bool((parents[self._nodes] >= 0).any())
         self._inner = self._last_inner()
@@ -88,41 +93,49 @@ class _Ways:
             self._asks[places[places < first]] = False
             self._turn(first, last)
             improved = True
-            at, together = first + 1, 8
+            at, together = first + 1, AFTER_A_TURN
 
     def _first_to_turn(self, places: Counts) -> tuple[int, int] | None:
         """The first of `places` from which a stretch is worth turning, and the best one's last.
 
-        Most are not, which quick lengths show; the choice is made by exact ones.
+        Quick lengths show that most are not, and as a rule which stretch gains most; where gains
+        are too near one another for that, exact lengths decide.
         """
-        gains, _ = self._best(places, _quick_lengths)
-        for k in np.flatnonzero(gains > LEAST_GAIN / 2).tolist():
-            exact, last = self._best(places[k : k + 1], np.hypot)
-            if exact[0] > LEAST_GAIN:
-                return int(places[k]), int(last[0])
+        quick = self._gains(places, _quick_lengths)
+        for k in np.flatnonzero(quick.max(axis=1) > LEAST_GAIN / 2).tolist():
+            place, gains = int(places[k]), quick[k]
+            near_best = np.flatnonzero(gains > gains.max() - LEAST_GAIN / 2)
+            if len(near_best) > 1 or gains.max() < 2 * LEAST_GAIN:
+                gains = self._gains(places[k : k + 1], np.hypot)[0]
+            best = int(gains.argmax())
+            if gains[best] > LEAST_GAIN:
+                return place, place + 1 + best
         return None
 
-    def _best(self, places: Counts, lengths: Lengths) -> tuple[Floats, Counts]:
-        """For stretches that begin at each of `places` the greatest gain, and the last place."""
+    def _gains(self, places: Counts, lengths: Lengths) -> Floats:
+        """What is gained by turning the stretches from each of `places` to the one behind it, to
+        the second one behind it and so on, (n, WINDOW - 1); -inf for what cannot be turned."""
+        count = self._count
         count = self._count
         last = places[:, None] + np.arange(1, WINDOW)
-        within = np.minimum(last, count - 1)
-        into_x, into_y = (v[:, None] for v in self._enter[:, places])
+        behind = np.minimum(last + 1, count)
         from_x, from_y = (v[:, None] for v in self._leave[:, places])
-        out_x, out_y = self._leave.take(within + 1, axis=1)
-        next_x, next_y = self._enter.take(np.minimum(within + 1, count - 1), axis=1)
-        goes_on = within + 1 < count
-        gains = lengths(into_x - from_x, into_y - from_y) - lengths(out_x - from_x, out_y - from_y)
-        gains += lengths(next_x - out_x, next_y - out_y) * goes_on
-        gains -= lengths(next_x - into_x, next_y - into_y) * goes_on
-        gains[last >= count] = -np.inf
+        into_x, into_y = (v[:, None] for v in self._enter[:, places])
+        out_x, out_y = self._leave.take(behind, axis=1)
+        next_x, next_y = self._enter.take(behind, axis=1)
+        gains = self._ways[places][:, None] - lengths(out_x - from_x, out_y - from_y)
+        gains += self._ways[behind]
+        to_next = lengths(next_x - into_x, next_y - into_y)
+        if places[-1] + WINDOW >= count:
+            to_next[behind == count] = 0.0  # nothing comes behind the last one
+            gains[last >= count] = -np.inf
+        gains -= to_next
         if self._nested:
             # The stretch ends before a contour that lies round one of its others.
-            clash = self._inner[within] >= places[:, None]
+            clash = self._inner[behind - 1] >= places[:, None]
             gains[np.logical_or.accumulate(clash, axis=1)] = -np.inf
-        best = np.argmax(gains, axis=1)
-        rows = np.arange(len(places))
-        return gains[rows, best], last[rows, best]
+        found: Floats = gains
+        return found
 
     def _turn(self, i: int, j: int) -> None:
         """Turns the stretch from place `i` to `j`."""
@@ -131,9 +144,14 @@ class _Ways:
         self._turned[stretch] = ~self._turned[stretch][::-1]
         enter, leave = self._leave[:, left][:, ::-1].copy(), self._enter[:, stretch][:, ::-1].copy()
         self._enter[:, stretch], self._leave[:, left] = enter, leave
+        self._measure(slice(i, min(j + 2, self._count)))
         self._asks[max(0, i - WINDOW - 1) : j + 2] = True
         if self._nested:
             self._inner = self._last_inner()
+
+    def _measure(self, places: slice) -> None:
+        """Measures the ways to some places."""
+        self._ways[places] = np.hypot(*(self._enter[:, places] - self._leave[:, places]))
 
     def _last_inner(self) -> Counts:
         """The last place of a contour right inside the one at each place; -1 for none."""
