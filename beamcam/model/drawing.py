@@ -4,7 +4,7 @@ Filled shapes and curves on hidden layers are no features, since nothing is cut 
 are kept so that their lengths can be told when somebody asks.
 """
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator, Sequence
 
 from msgspec import Struct
 
@@ -36,33 +36,37 @@ def extent(curves: Iterable[Curve]) -> Box | None:
     """The least box around all curves; None if there are none.
 
     An arc lies inside the box around its circle and a free curve inside the hull of its control
-    points, so that their turning points are looked for only where these reach beyond the box that
-    is known already.
+    points. So they are measured only where these reach beyond the box that is known already, first
+    those that reach farthest.
     """
     points: list[Point] = []
-    arcs: list[Arc] = []
-    free: list[Bezier | BSpline] = []
+    bent: list[tuple[Box, Arc | Bezier | BSpline]] = []
     for curve in curves:
         if isinstance(curve, Line):
             points += (curve.start, curve.end)
         elif isinstance(curve, Arc):
-            arcs.append(curve)
+            (x, y), r = curve.centre, curve.radius
+            bent.append(((x - r, y - r, x + r, y + r), curve))
         elif isinstance(curve, Bezier | BSpline):
-            free.append(curve)
-            points += (curve.start, curve.end)
+            control = curve.points if isinstance(curve, Bezier) else curve.control
+            bent.append((box_around(control), curve))
         else:
             x0, y0, x1, y1 = curve.bbox
             points += ((x0, y0), (x1, y1))
     box = box_around(points) if points else None
-    for arc in arcs:
-        (x, y), r = arc.centre, arc.radius
-        if not _holds(box, (x - r, y - r, x + r, y + r)):
-            box = _joined(box, arc.bbox)
-    for curve in free:
-        hull = box_around(curve.points if isinstance(curve, Bezier) else curve.control)
+    for hull, curve in (*_farthest(bent), *bent):
         if not _holds(box, hull):
             box = _joined(box, curve.bbox)
     return box
+
+
+def _farthest(
+    bent: Sequence[tuple[Box, Arc | Bezier | BSpline]],
+) -> Iterator[tuple[Box, Arc | Bezier | BSpline]]:
+    """Of curves in boxes those whose boxes reach farthest to each side."""
+    if bent:
+        yield from (min(bent, key=lambda one: one[0][side]) for side in (0, 1))
+        yield from (max(bent, key=lambda one: one[0][side]) for side in (2, 3))
 
 
 def _holds(box: Box | None, other: Box) -> bool:

@@ -141,6 +141,16 @@ def _unknown_processes(wanted: list[Wanted], torch: Torch, machine: str) -> Iter
 def _refusal(feature: Feature, torch: Torch) -> Diagnostic | None:
     """Why a table cannot make a feature; None if it can."""
     match feature:
+        case Contour():
+            if feature.face not in PLATE_FACES:
+                return bar_rules.NO_SPINDLE.at(
+                    feature.source, kind="contour", found=feature.face,
+                    expected=", ".join(PLATE_FACES),
+                )  # fmt: skip
+            if feature.bevels:
+                angle = f"{feature.bevels[0].angle:g}"
+                return bar_rules.BEVEL.at(feature.source, found=angle, face=feature.face)
+            return None
         case Hole() | Slot() if feature.face not in PLATE_FACES:
             return bar_rules.NO_SPINDLE.at(
                 feature.source,
@@ -158,16 +168,6 @@ def _refusal(feature: Feature, torch: Torch) -> Diagnostic | None:
             return bar_rules.MARK.at(
                 feature.source, found=f"the text {feature.text!r}", face=feature.face, tool="stamp"
             )
-        case Contour():
-            if feature.face not in PLATE_FACES:
-                return bar_rules.NO_SPINDLE.at(
-                    feature.source, kind="contour", found=feature.face,
-                    expected=", ".join(PLATE_FACES),
-                )  # fmt: skip
-            if feature.bevels:
-                angle = f"{feature.bevels[0].angle:g}"
-                return bar_rules.BEVEL.at(feature.source, found=angle, face=feature.face)
-            return None
         case Bend() | EndPlane() | Camber():
             names = {Bend: "a bend", EndPlane: "an end plane", Camber: "a camber"}
             return bar_rules.OTHER.at(feature.source, found=names[type(feature)])

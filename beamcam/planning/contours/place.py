@@ -56,7 +56,11 @@ def refuse_size(operations: Sequence[ContourOp], part: Part, torch: Torch) -> No
     """Raises PlanError if the head would have to leave the work area."""
     passes = [one for op in operations for one in op.passes]
     ways = [way for p in passes for way in (p.lead_in, p.curves, p.lead_out)]
-    box = box_of(CurveTable([curve for way in ways for curve in way]))
+    curves = CurveTable([curve for way in ways for curve in way])
+    (x0, y0), (x1, y1) = curves.hulls[:, :2].min(axis=0), curves.hulls[:, 2:].max(axis=0)
+    if min(x0, y0) >= 0.0 and x1 <= torch.length and y1 <= torch.width:
+        return  # what the curves lie in fits, so that they need not be measured
+    box = box_of(curves)
     slack = torch.tolerance
     if box[2] - box[0] > torch.length + slack or box[3] - box[1] > torch.width + slack:
         raise PlanError(
