@@ -43,6 +43,9 @@ from beamcam.motion.sure import SureMoves, sure_moves
 #: What the fitting of arcs may take of the machine's tolerance; rounding takes the rest.
 FIT_SHARE = 0.5
 
+#: The kinds of curves that every controller has words for.
+_ALWAYS_WRITTEN = frozenset((Line, Arc))
+
 
 def sheet_program(plan: SheetPlan, machine: Machine, job: str) -> Program:
     """The commands that carry out a plan, in its order."""
@@ -102,27 +105,27 @@ class Pen:
         All of them are fitted together, since a drawing has thousands.
         """
         runs: list[tuple[Curve, ...]] = []
-        places: list[list[Curve | int]] = []
-        for chain in chains:
-            place: list[Curve | int] = []
+        found: list[Sequence[Curve]] = list(chains)
+        stretches: dict[int, list[tuple[Curve, ...] | int]] = {}  #: kept, or the number of a run
+        for k, chain in enumerate(chains):
+            if _ALWAYS_WRITTEN.issuperset(map(type, chain)):
+                continue
+            stretches[k] = []
             for has_word, group in groupby(chain, self._has_word):
                 if has_word:
-                    place += group
+                    stretches[k].append(tuple(group))
                 else:
-                    place.append(len(runs))
+                    stretches[k].append(len(runs))
                     runs.append(tuple(group))
-            places.append(place)
-        if not runs:
-            return [_halved(chain) for chain in chains]
-        from beamcam.geometry.arc_fitting import fit_chains
+        if runs:
+            from beamcam.geometry.arc_fitting import fit_chains
 
-        fits = fit_chains(runs, self._fit)
-        return [
-            _halved(
-                [c for step in place for c in (fits[step] if isinstance(step, int) else (step,))]
-            )
-            for place in places
-        ]
+            fits = fit_chains(runs, self._fit)
+            for k, parts in stretches.items():
+                found[k] = [
+                    c for part in parts for c in (fits[part] if isinstance(part, int) else part)
+                ]
+        return [_halved(chain) for chain in found]
 
     def _has_word(self, curve: Curve) -> bool:
         """Whether the controller may be able to follow a curve as it is."""
@@ -177,6 +180,8 @@ def _tells_acceleration(words: Words) -> bool:
 
 def _halved(chain: Sequence[Curve]) -> Sequence[Curve]:
     """A chain whose arcs are half a circle at most, as they are written."""
+    if Arc not in map(type, chain):
+        return chain
     most = GREATEST_SWEEP_DEG + SWEEP_SLACK_DEG
     wide = [type(curve) is Arc and abs(curve.sweep_deg) > most for curve in chain]
     if not any(wide):
