@@ -157,9 +157,13 @@ def arc_ends(arcs: Floats) -> Floats:
     return np.hstack((first, last))
 
 
-def signed_areas(chains: Sequence[Sequence[Curve]]) -> Floats:
-    """The areas (n,) inside closed chains in mm2, as `curves.signed_area` of each."""
-    table = CurveTable([curve for chain in chains for curve in chain])
+def signed_areas(chains: Sequence[Sequence[Curve]], table: CurveTable | None = None) -> Floats:
+    """The areas (n,) inside closed chains in mm2, as `curves.signed_area` of each.
+
+    `table` is that of their curves, if it was made already.
+    """
+    if table is None:
+        table = CurveTable([curve for chain in chains for curve in chain])
     ends, arcs = table.ends, table.arcs
     shares = (ends[:, 0] * ends[:, 3] - ends[:, 1] * ends[:, 2]) / 2
     sweep = np.radians(arcs[:, 4])

@@ -21,7 +21,7 @@ import numpy as np
 from msgspec import Struct
 from numpy.typing import NDArray
 
-from beamcam.geometry.arrays import signed_areas
+from beamcam.geometry.arrays import CurveTable, signed_areas
 from beamcam.geometry.curves import Curve
 from beamcam.geometry.flat_offset import flat_offset
 from beamcam.geometry.plane import distance
@@ -40,6 +40,7 @@ class Offset(Struct, frozen=True):
     """The moved chain; more than one if a narrow place closed."""
 
     chains: tuple[tuple[Curve, ...], ...]
+    areas: tuple[float, ...]  #: of each, mm2, above 0 if it runs counter-clockwise
     exact: bool  #: False where arcs were found again in a flattened form
 
 
@@ -76,41 +77,46 @@ def offset_chains(
     for chain in chains:
         if not chain or distance(chain[-1].end, chain[0].start) > tolerance:
             raise ValueError("only a closed chain can be moved outwards or inwards")
-    areas = signed_areas(chains)
+    table = CurveTable([curve for chain in chains for curve in chain])
+    areas = signed_areas(chains, table)
     if not areas.all():
         raise ValueError("a chain without area has no outside")
     # On a ring that runs counter-clockwise the outside is on the right.
     rights = np.where(areas > 0, 1.0, -1.0) * np.array(amounts, dtype=np.float64)
-    rings = raw_offsets(chains, rights)
+    rings = raw_offsets(chains, rights, table)
     made = [k for k, ring in enumerate(rings) if ring is not None]
     candidates = [rings[k] or () for k in made]
-    right = dict(
-        zip(made, _are_right(areas[made], candidates, rights[made], tolerance), strict=True)
-    )
+    after = signed_areas(candidates)
+    right = _are_right(areas[made], after, candidates, rights[made], tolerance)
+    moved = {
+        k: Offset((ring,), (area,), True)
+        for k, ring, area, is_right in zip(made, candidates, after.tolist(), right, strict=True)
+        if is_right
+    }
     found: list[Offset | Vanished] = []
     for k, (chain, amount) in enumerate(zip(chains, amounts, strict=True)):
-        ring = rings[k]
         if amount == 0.0:
-            found.append(Offset((tuple(chain),), True))
-        elif ring is not None and right[k]:
-            found.append(Offset((ring,), True))
+            found.append(Offset((tuple(chain),), (float(areas[k]),), True))
+        elif k in moved:
+            found.append(moved[k])
+        elif parts := flat_offset(tuple(chain), amount, tolerance):
+            found.append(Offset(parts, tuple(signed_areas(parts).tolist()), False))
         else:
-            parts = flat_offset(tuple(chain), amount, tolerance)
-            area = abs(float(areas[k]))
-            found.append(Offset(parts, False) if parts else Vanished(area, amount))
+            found.append(Vanished(abs(float(areas[k])), amount))
     return found
 
 
 def _are_right(
     areas: NDArray[np.float64],
+    after: NDArray[np.float64],
     rings: Sequence[tuple[Curve, ...]],
     rights: NDArray[np.float64],
     tolerance: float,
 ) -> list[bool]:
-    """Which moved rings are simple, run as before, and grew or shrank as they should."""
-    if not rings:
-        return []
-    after = signed_areas(rings)
+    """Which moved rings are simple, run as before, and grew or shrank as they should.
+
+    `areas` are those of the chains, `after` those of the rings.
+    """
     grows = np.abs(after) > np.abs(areas)
     good: list[bool] = ((after * areas > 0.0) & (grows == (rights * areas > 0.0))).tolist()
     # A circle is simple; the others are looked at.

@@ -43,21 +43,23 @@ class _Moved:
     arcs: Floats  #: (n, 5) centre, radius, start and sweep in degrees, of the arcs
 
 
-def raw_offsets(chains: Sequence[Sequence[Curve]], rights: Floats) -> list[Ring | None]:
+def raw_offsets(
+    chains: Sequence[Sequence[Curve]], rights: Floats, table: CurveTable
+) -> list[Ring | None]:
     """Each chain moved to its right by so much (n,), to its left if below 0.
 
+    `table` holds the curves of all chains.
     None where that cannot be: for a chain with other curves than lines and arcs, where an arc
     would vanish, and where two curves do not meet or would run backwards. The rings may cross
     themselves.
     """
-    curves = [curve for chain in chains for curve in chain]
     sizes = np.array([len(chain) for chain in chains], dtype=np.int64)
     begins = np.cumsum(sizes) - sizes
     chain_of = np.repeat(np.arange(len(chains)), sizes)
     right = rights[chain_of]
-    following = np.arange(len(curves)) + 1
+    following = np.arange(len(table.curves)) + 1
     following[begins + sizes - 1] = begins
-    moved, corners = _beside(curves, right)
+    moved, corners = _beside(table, right)
     lonely = (sizes == 1)[chain_of]
     moved.bad |= lonely & (np.abs(moved.arcs[:, 4]) != 360.0)
     step = moved.ends[following, :2] - moved.ends[:, 2:]
@@ -91,9 +93,9 @@ def _with_joints(records: list[Line | Arc], joints: dict[int, Arc], begin: int, 
     return tuple(ring)
 
 
-def _beside(curves: Sequence[Curve], right: Floats) -> tuple[_Moved, Floats]:
+def _beside(table: CurveTable, right: Floats) -> tuple[_Moved, Floats]:
     """The curves beside themselves, and the corners (n, 2) in which they ended."""
-    table, count = CurveTable(curves), len(curves)
+    count = len(table.curves)
     lines, arcs = table.where(Line), table.where(Arc)
     is_line, bad = np.zeros(count, dtype=bool), np.ones(count, dtype=bool)
     ends, tangents = np.zeros((count, 4)), np.zeros((count, 4))

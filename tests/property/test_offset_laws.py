@@ -11,7 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from beamcam.geometry.arc_fitting import fit_chains
-from beamcam.geometry.arrays import signed_areas
+from beamcam.geometry.arrays import CurveTable, signed_areas
 from beamcam.geometry.curves import Arc, Bezier, BSpline, Line, arc_through, signed_area
 from beamcam.geometry.nesting import polygon_of
 from beamcam.geometry.offset import Offset, Vanished, offset_chain, offset_chains
@@ -103,7 +103,7 @@ WAIST = lines(
 
 
 def test_a_ring_that_crosses_itself_is_not_taken():
-    (raw,) = raw_offsets([WAIST], np.array([-1.0]))
+    (raw,) = raw_offsets([WAIST], np.array([-1.0]), CurveTable(WAIST))
     assert raw is not None
     moved = offset_chain(WAIST, -1.0, TOLERANCE)
     assert isinstance(moved, Offset)
@@ -121,12 +121,12 @@ def test_a_ring_that_crosses_itself_is_not_taken():
     ids=["no-arc", "vanishes", "not-a-ring"],
 )
 def test_what_has_no_raw_offset(chain):
-    assert raw_offsets([chain], np.array([-5.0])) == [None]
+    assert raw_offsets([chain], np.array([-5.0]), CurveTable(chain)) == [None]
 
 
 def test_a_corner_between_arcs_that_closes_is_cut_where_they_meet():
     lens = (arc_through((0.0, 0.0), (10.0, 0.0), 8.0), arc_through((10.0, 0.0), (0.0, 0.0), 8.0))
-    (raw,) = raw_offsets([lens], np.array([-1.0]))
+    (raw,) = raw_offsets([lens], np.array([-1.0]), CurveTable(lens))
     assert raw is not None
     assert [arc.radius for arc in raw] == [7.0, 7.0]
     # The circles of radius 7 about (5, +-sqrt(39)) meet on the x axis.

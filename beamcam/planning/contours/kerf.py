@@ -62,7 +62,6 @@ def _moved(
     A notch narrower than the kerf closes up and leaves a ring, a hole with a narrow neck falls
     into several: the torch cannot make the one nor the other.
     """
-    from beamcam.geometry.arrays import signed_areas
     from beamcam.geometry.offset import Vanished, offset_chains
 
     amounts = [
@@ -70,11 +69,11 @@ def _moved(
         for shape, kerf in zip(shapes, kerfs, strict=True)
     ]
     moved = offset_chains(fits, amounts, tolerance * FIT_SHARE)
-    chains = [() if isinstance(m, Vanished) else m.chains for m in moved]
-    areas = iter(signed_areas([chain for several in chains for chain in several]).tolist())
     found: list[Shape | None] = []
-    for shape, several in zip(shapes, chains, strict=True):
-        sized = [(chain, next(areas)) for chain in several]
+    for shape, offset in zip(shapes, moved, strict=True):
+        sized = (
+            [] if isinstance(offset, Vanished) else zip(offset.chains, offset.areas, strict=True)
+        )
         rings = [(chain, area) for chain, area in sized if abs(area) > tolerance * tolerance]
         one = len(rings) == 1
         found.append(replace(shape, curves=rings[0][0], area=rings[0][1]) if one else None)

@@ -155,7 +155,7 @@ def test_an_ellipse_comes_back_as_arcs():
 
 
 def test_nothing_to_move():
-    assert offset_chain(SQUARE, 0.0) == Offset((SQUARE,), True)
+    assert offset_chain(SQUARE, 0.0) == Offset((SQUARE,), (100.0,), True)
 
 
 def test_intersections():
