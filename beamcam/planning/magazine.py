@@ -48,9 +48,8 @@ def reloads(
     operations: Sequence[Operation], machine: Machine, source: Source
 ) -> tuple[tuple[ToolLoad, ...], tuple[Diagnostic, ...]]:
     """The loads by hand during the work, in its order; and a warning for each spindle of theirs."""
-    worked = [op for op in operations if op.__class__ is not SawOp]
     # Tools come from one rack, so there are no more tools than there are objects.
-    objects = {id(op.tool) for op in worked}  # type: ignore[union-attr]
+    objects = {id(op.tool) for op in operations if not isinstance(op, SawOp)}
     if len(objects) <= min((s.stations for s in machine.spindles), default=0):
         return (), ()
     found = tuple(load for load in tool_loads(operations, machine) if load.out is not None)
@@ -58,7 +57,8 @@ def reloads(
     for spindle in machine.spindles:
         changed = sum(load.spindle == spindle.name for load in found)
         if changed:
-            count = len({op.tool for op in worked if spindle.face in op.faces})  # type: ignore[union-attr]
+            worked = [op for op in operations if not isinstance(op, SawOp)]
+            count = len({op.tool for op in worked if spindle.face in op.faces})
             remarks.append(
                 rules.RELOAD.at(
                     source, found=count, stations=spindle.stations, spindle=spindle.name,

@@ -8,19 +8,18 @@ are the same place, since that is what two exports of one model leave (`merge_to
 The holes are walked in order of x, so that each looks only at those a tolerance further on.
 """
 
-from collections.abc import Collection, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping
 
-from beamcam.machine.machine import Drill
+from beamcam.machine.known import OncePerMachine
+from beamcam.machine.machine import Drill, Machine
 from beamcam.model.part import Face, Hole
 
 Placed = tuple[float, int, Hole]  #: x, index of the feature, and the hole: they sort along the part
-Group = tuple[Placed, ...]  #: one hole, or two on the two faces of a pair
+Group = tuple[Placed, ...]
 ROUNDING = 1e-9
 
 
-def drop_duplicates(
-    holes: list[Placed], tolerance: float
-) -> tuple[list[Placed], dict[int, Placed]]:
+def drop_duplicates(holes: Group, tolerance: float) -> tuple[Group, dict[int, Placed]]:
     """Of `holes`, sorted, each once; and for the index of each dropped one which it repeats.
 
     Of holes that are the same the first of the part's features stays.
@@ -28,6 +27,8 @@ def drop_duplicates(
     repeats: dict[int, Placed] = {}
     limit = tolerance + ROUNDING
     for run in _runs(holes, limit):
+        if len(run) == 1:
+            continue
         kept: list[Placed] = []
         for placed in sorted(run, key=_index):
             before = next((p for p in kept if _is_same(p[2], placed[2], limit)), None)
@@ -37,19 +38,19 @@ def drop_duplicates(
                 repeats[placed[1]] = before
     if not repeats:
         return holes, repeats
-    return [p for p in holes if p[1] not in repeats], dict(sorted(repeats.items()))
+    return tuple([p for p in holes if p[1] not in repeats]), dict(sorted(repeats.items()))
 
 
-def _runs(holes: Sequence[Placed], limit: float) -> Iterator[Sequence[Placed]]:
-    """Holes next to one another along x, each within `limit` of the one before; two at least."""
-    start, before = 0, float("-inf")
+def _runs(holes: Group, limit: float) -> Iterator[Group]:
+    """All holes, together those that lie within `limit` of the one before along x."""
+    start = 0
+    before = holes[0][0] if holes else 0.0
     for i, (x, _, _) in enumerate(holes):
         if x - before > limit:
-            if i - start > 1:
-                yield holes[start:i]
+            yield holes[start:i]
             start = i
         before = x
-    if len(holes) - start > 1:
+    if holes:
         yield holes[start:]
 
 
@@ -82,29 +83,39 @@ def _near(a: float | None, b: float | None, limit: float) -> bool:
     return a is not None and b is not None and abs(a - b) <= limit
 
 
-def merge_pairs(
-    holes: Sequence[Placed], partners: Mapping[Face, Face], drill: Drill
-) -> Iterator[Group]:
-    """The holes, sorted, those that are the same on a face and its partner two by two.
+def _partner_faces(machine: Machine) -> dict[Face, Face]:
+    """The faces that a pair of spindles drills at once, each with the other one."""
+    return {a: b for pair in machine.pairs for a, b in (pair.faces, pair.faces[::-1])}
+
+
+partner_faces = OncePerMachine(_partner_faces)
+
+
+def merge_pairs(holes: Group, partners: Mapping[Face, Face], drill: Drill) -> Iterator[Group]:
+    """The holes, sorted, one by one, or two that are the same on a face and its partner.
 
     Each hole finds at most one partner, the nearest.
     """
-    taken: set[int] = set()
-    for i, placed in enumerate(holes):
-        _, f, hole = placed
-        if f in taken:
+    for run in _runs(holes, drill.merge_tolerance + ROUNDING):
+        if len(run) == 1:
+            yield run
             continue
-        face = partners.get(hole.face)
-        found = None if face is None else _partner(holes, i, face, taken, drill)
-        if found is None:
-            yield (placed,)
-        else:
-            taken.add(found[1])
-            yield (placed, found) if hole.face < found[2].face else (found, placed)
+        taken: set[int] = set()
+        for i, placed in enumerate(run):
+            _, f, hole = placed
+            if f in taken:
+                continue
+            face = partners.get(hole.face)
+            found = None if face is None else _partner(run, i, face, taken, drill)
+            if found is None:
+                yield (placed,)
+            else:
+                taken.add(found[1])
+                yield (placed, found) if hole.face < found[2].face else (found, placed)
 
 
 def _partner(
-    holes: Sequence[Placed], i: int, face: Face, taken: Collection[int], drill: Drill
+    holes: Group, i: int, face: Face, taken: Collection[int], drill: Drill
 ) -> Placed | None:
     """The nearest hole behind `holes[i]` that is the same on `face` and has no partner yet."""
     reach, limit = drill.merge_tolerance + ROUNDING, drill.twin + ROUNDING

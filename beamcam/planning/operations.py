@@ -1,9 +1,9 @@
 """The jobs of all pieces as operations at machine X, each with the tool that it is settled on."""
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 
 from beamcam.machine.machine import Drill, Tool
-from beamcam.model.plan import DrillOp, PathOp, Piece, SpindleOp
+from beamcam.model.plan import DrillOp, FeatureRef, PathOp, Piece, SpindleOp
 from beamcam.planning.tools import Tools, settle
 from beamcam.planning.work import Tooling, Work
 
@@ -12,13 +12,15 @@ def spindle_operations(
     pieces: Sequence[Piece], works: Sequence[Work], drill: Drill
 ) -> Iterator[SpindleOp]:
     """One operation for each job, piece by piece."""
-    chosen = _choose_tools([job.tooling for work in works for job in work.jobs])
+    chosen = _choose_tools({id(j.tooling): j.tooling for work in works for j in work.jobs})
     for index, (piece, work) in enumerate(zip(pieces, works, strict=True)):
         offset = drill.x + piece.start
         for job in work.jobs:
             how = job.tooling
             tool, reasons = chosen[id(how)]
-            features = tuple([(index, f) for f in job.features])
+            features: tuple[FeatureRef, ...] = ((index, job.features[0]),)
+            if len(job.features) > 1:
+                features = tuple([(index, f) for f in job.features])
             if job.path:
                 path = tuple((offset + x, y) for x, y in job.path)
                 yield PathOp(
@@ -32,15 +34,15 @@ def spindle_operations(
                 )  # fmt: skip
 
 
-def _choose_tools(toolings: Iterable[Tooling]) -> dict[int, tuple[Tool, tuple[str, ...]]]:
-    """The tool of each, by the identity of the tooling, and the reasons for it."""
-    each = {id(how): how for how in toolings}
-    several = {how.tools for how in each.values() if len(how.tools) > 1}
+def _choose_tools(
+    toolings: Mapping[int, Tooling],
+) -> dict[int, tuple[Tool, tuple[str, ...]]]:
+    """The tool of each tooling and the reasons for it."""
     settled: dict[Tools, Tool] = {}
-    if several:
-        settled = settle(several | {how.tools for how in each.values()})
+    if any(len(how.tools) > 1 for how in toolings.values()):
+        settled = settle({how.tools for how in toolings.values()})
     chosen = {}
-    for key, how in each.items():
+    for key, how in toolings.items():
         tool = how.tools[0] if len(how.tools) == 1 else settled[how.tools]
         reasons = (drill_reason(tool, how), *how.reasons) if how.diameter else how.reasons
         chosen[key] = tool, reasons

@@ -12,14 +12,13 @@ from msgspec.structs import replace
 
 from beamcam.errors import Diagnostic, PlanError, Source
 from beamcam.geometry.plane import Point, unit_vector
-from beamcam.machine.known import OncePerMachine
 from beamcam.machine.machine import Drill, Machine, Saw
 from beamcam.model.part import Contour, Face, Feature, Hole, Part, Slot
 from beamcam.planning import rules
 from beamcam.planning.bar import Ends, refuse_cut
 from beamcam.planning.ends import End, ends_of
 from beamcam.planning.holes import Refusal, Step, recipe
-from beamcam.planning.merging import Group, Placed, drop_duplicates, merge_pairs
+from beamcam.planning.merging import Group, Placed, drop_duplicates, merge_pairs, partner_faces
 from beamcam.planning.paths import line_points, pocket_path
 from beamcam.planning.refuse import (
     face_at_work,
@@ -109,14 +108,6 @@ def _duplicate_remarks(part: Part, dropped: dict[int, Placed]) -> Iterator[Diagn
             )  # fmt: skip
 
 
-def _partner_faces(machine: Machine) -> dict[Face, Face]:
-    """The faces that a pair of spindles drills at once, each with the other one."""
-    return {a: b for pair in machine.pairs for a, b in (pair.faces, pair.faces[::-1])}
-
-
-partner_faces = OncePerMachine(_partner_faces)
-
-
 class _Bench:
     """One part on one machine: takes its features, collects the jobs and what is refused."""
 
@@ -128,16 +119,15 @@ class _Bench:
         self._reached = reach_of(part.profile, machine)
         self._behind: set[int] = set()  #: features that are made from the other side
 
-    def sort_features(self, ends: Ends) -> list[Placed]:
+    def sort_features(self, ends: Ends) -> Group:
         """The holes that a spindle reaches, along the part; of other features jobs or refusals."""
         holes: list[Placed] = []
         length, reached = self.part.length, self._reached
         for f, feature in enumerate(self.part.features):
-            if feature.__class__ is not Hole:
+            if not isinstance(feature, Hole):
                 self._add_other(f, feature, ends)
                 continue
             hole = feature
-            assert isinstance(hole, Hole)
             reach = reached.get(hole.face)
             if reach is None:
                 hole = self._from_behind(f, hole)
@@ -154,7 +144,7 @@ class _Bench:
             else:
                 self._refuse(f, refuse_place(hole, hole.face, self.part, reached))
         holes.sort()
-        return holes
+        return tuple(holes)
 
     def _refuse(self, f: int, said: Diagnostic | None) -> bool:
         if said is not None:
@@ -188,7 +178,7 @@ class _Bench:
                 spindle = self._reached[feature.face].spindle
                 self.jobs.append(_scribe_job(f, feature, spindle, self.rack))
 
-    def add_holes(self, holes: Sequence[Placed]) -> None:
+    def add_holes(self, holes: Group) -> None:
         """The jobs of all holes, each once and in order along the part."""
         sinks: list[Group] = []
         known = self.rack.toolings
@@ -301,7 +291,7 @@ def _place_of(group: Group) -> tuple[float, float, tuple[int, ...]]:
     return (x + other_x) / 2, (hole.y + other.y) / 2, (f, other_f)
 
 
-def _pilots(holes: Sequence[Placed], drill: Drill) -> dict[int, Placed]:
+def _pilots(holes: Group, drill: Drill) -> dict[int, Placed]:
     """For each countersink the hole that it sinks: of its face and place, the widest below it."""
     pilots = {}
     limit = drill.merge_tolerance
