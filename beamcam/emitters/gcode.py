@@ -99,23 +99,29 @@ def _blocks(program: Program, machine: Machine) -> Iterator[str]:
         match command:
             case DrillCycle():
                 yield _cycle(command, words, form, texts)
-            case SawStroke():
+            case SawStroke() if words.saw:
                 yield _cut(command, words, form, texts)
             case StartBar():
-                values = {
-                    "job": program.job,
-                    "section": str(command.section),
-                    "width": number(command.width, form.length_decimals),
-                    "height": number(command.height, form.length_decimals),
-                }
-                yield from (line.format_map(values) for line in words.header)
                 started = True
+                if words.header:
+                    yield _header(program.job, command, words, form)
             case PathCycle():
                 yield from _path_blocks(command, words, form)
             case Comment():
                 yield words.comment.format(text=command.text)
     if started:
         yield from words.footer
+
+
+def _header(job: str, command: StartBar, words: Words, form: NumberFormat) -> str:
+    """The text before the work."""
+    values = {
+        "job": job,
+        "section": str(command.section),
+        "width": number(command.width, form.length_decimals),
+        "height": number(command.height, form.length_decimals),
+    }
+    return _filled(words.header, values)
 
 
 def _cycle(command: DrillCycle, words: Words, form: NumberFormat, texts: Texts | None) -> str:

@@ -105,7 +105,7 @@ class Saw(Struct, frozen=True):
 ToolKind = Literal["drill", "tap", "countersink", "mill", "punch", "scribe"]
 
 
-class Tool(Struct, frozen=True):
+class Tool(Struct, frozen=True, cache_hash=True):
     """A tool that a spindle can take."""
 
     kind: ToolKind

@@ -29,7 +29,7 @@ class SawStroke(Struct, frozen=True):
     tilt: float = 0.0  #: of the blade, degrees, in the machine's counting
 
 
-class SpindleStroke(Struct, frozen=True):
+class SpindleStroke(Struct, frozen=True, cache_hash=True):
     """What a spindle does at a place of the bar, wherever that is; most places share it."""
 
     spindle: int

@@ -5,6 +5,7 @@ parts -> turned, in order -> what each needs (work) -> laid on the bar -> tools 
 """
 
 from collections.abc import Collection, Sequence
+from itertools import chain, repeat
 from operator import attrgetter
 from typing import Literal
 
@@ -121,6 +122,9 @@ def plan_bar(
     return plan
 
 
+_feature = attrgetter("feature")
+
+
 def _outcomes(works: Sequence[Work], operations: Sequence[SpindleOp]) -> list[Outcome]:
     """What becomes of each feature, in the order of pieces and features."""
     made: dict[FeatureRef, Outcome] = {}
@@ -134,7 +138,7 @@ def _outcomes(works: Sequence[Work], operations: Sequence[SpindleOp]) -> list[Ou
         outcomes += [Outcome((p, f), "skipped", said.code) for f, said in work.skipped.items()]
         outcomes += [Outcome((p, f), "duplicate", rules.DUPLICATE.code) for f in work.repeats]
         outcomes += [Outcome((p, f), "made", "saw") for f in work.sawn]
-    outcomes.sort(key=attrgetter("feature"))
+    outcomes.sort(key=_feature)
     return outcomes
 
 
@@ -143,8 +147,9 @@ def _balance(plan: Plan) -> None:
 
     That would be a fault of the planner and not of the part, and no program may come of it.
     """
-    read = [(p, f) for p, piece in enumerate(plan.pieces) for f in range(len(piece.part.features))]
-    if [o.feature for o in plan.outcomes] != read:
+    counts = enumerate(len(piece.part.features) for piece in plan.pieces)
+    read = chain.from_iterable(zip(repeat(p), range(count)) for p, count in counts)
+    if [*map(_feature, plan.outcomes)] != [*read]:
         raise AssertionError("the ledger of the plan does not balance")
     if abs(plan.bar.total - plan.bar.length) > LEDGER_TOLERANCE:
         raise AssertionError("the account of the bar does not balance")

@@ -4,8 +4,9 @@ from collections.abc import Iterator, Mapping, Sequence
 
 from beamcam.machine.machine import Drill, Tool
 from beamcam.model.plan import DrillOp, FeatureRef, PathOp, Piece, SpindleOp
+from beamcam.planning.jobs import Tooling
 from beamcam.planning.tools import Tools, settle
-from beamcam.planning.work import Tooling, Work
+from beamcam.planning.work import Work
 
 
 def spindle_operations(

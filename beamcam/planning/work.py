@@ -10,16 +10,17 @@ from collections.abc import Collection, Iterator, Sequence
 from msgspec import Struct
 from msgspec.structs import replace
 
-from beamcam.errors import Diagnostic, PlanError, Source
-from beamcam.geometry.plane import Point, unit_vector
+from beamcam.errors import Diagnostic, PlanError
+from beamcam.geometry.plane import Point
 from beamcam.machine.machine import Drill, Machine, Saw
 from beamcam.model.part import Contour, Face, Feature, Hole, Part, Slot
 from beamcam.planning import rules
 from beamcam.planning.bar import Ends, refuse_cut
 from beamcam.planning.ends import End, ends_of
 from beamcam.planning.holes import Refusal, Step, recipe
+from beamcam.planning.jobs import Job, Tooling, scribe_job, slot_ends, slot_jobs
 from beamcam.planning.merging import Group, Placed, drop_duplicates, merge_pairs, partner_faces
-from beamcam.planning.paths import line_points, pocket_path
+from beamcam.planning.paths import pocket_path
 from beamcam.planning.refuse import (
     face_at_work,
     reach_of,
@@ -28,31 +29,9 @@ from beamcam.planning.refuse import (
     refuse_slot,
 )
 from beamcam.planning.strokes import fixed_faces, refuse_strokes
-from beamcam.planning.tools import Rack, Tools
+from beamcam.planning.tools import Rack
 
 SQUARE: Ends = (End("start", 0.0, 0.0), End("end", 0.0, 0.0))
-
-
-class Tooling(Struct, frozen=True):
-    """What a spindle does at a place, wherever that is; most places of a part share it."""
-
-    spindle: int
-    tools: Tools  #: any of which may do it
-    faces: tuple[Face, ...]
-    depth: float | None
-    diameter: float  #: of the hole; 0 where the tool does not follow from it
-    reasons: tuple[str, ...]
-
-
-class Job(Struct, frozen=True):
-    """One operation of a spindle, at its place on the part."""
-
-    x: float
-    y: float
-    tooling: Tooling
-    features: tuple[int, ...]  #: those of the part that it makes
-    source: Source
-    path: tuple[Point, ...] = ()  #: x on the part and y on the face; () for a stroke
 
 
 class Work(Struct, frozen=True):
@@ -167,7 +146,7 @@ class _Bench:
                 feature, face, self.part, self._reached
             )
             if not self._refuse(f, said):
-                self.jobs += _slot_jobs(f, feature, face, self._reached[face].spindle, self.rack)
+                self.jobs += slot_jobs(f, feature, face, self._reached[face].spindle, self.rack)
         else:
             said = refuse_other(feature, self.part, ends, self.rack, self._reached)
             if self._refuse(f, said):
@@ -176,7 +155,7 @@ class _Bench:
                 self.sawn.append(f)
             elif isinstance(feature, Contour):
                 spindle = self._reached[feature.face].spindle
-                self.jobs.append(_scribe_job(f, feature, spindle, self.rack))
+                self.jobs.append(scribe_job(f, feature, spindle, self.rack))
 
     def add_holes(self, holes: Group) -> None:
         """The jobs of all holes, each once and in order along the part."""
@@ -313,49 +292,9 @@ def _pilots(holes: Group, drill: Drill) -> dict[int, Placed]:
     return pilots
 
 
-def slot_ends(slot: Slot) -> tuple[Point, ...]:
-    """Centres of the corner circles of a slot: two, or four of a rectangle."""
-    c, s = unit_vector(slot.angle)
-    halves = dict.fromkeys(
-        (k * slot.length / 2, m * slot.height / 2) for k in (-1, 1) for m in (-1, 1)
-    )
-    return tuple((slot.x + c * a - s * b, slot.y + s * a + c * b) for a, b in halves)
-
-
 def _refuse_slot_place(
     slot: Slot, face: Face, part: Part, reached: Collection[Face]
 ) -> Diagnostic | None:
     places = ((slot.x, slot.y), *slot_ends(slot))
     said = (refuse_place(replace(slot, x=x, y=y), face, part, reached) for x, y in places)
     return next((d for d in said if d is not None), None)
-
-
-def _slot_jobs(f: int, slot: Slot, face: Face, spindle: int, rack: Rack) -> Iterator[Job]:
-    """The ends drilled, where the machine does so and has the drill, and the slot milled."""
-    ends = slot_ends(slot)
-    faces = (face,)
-    drills = rack.drills((slot.diameter,), faces)
-    mill = rack.slot_mill(slot.diameter, faces)
-    if rack.drill.slots == "drill-mill" and drills and len(ends) <= 2:
-        drilled = Tooling(spindle, drills, faces, slot.depth, 0.0, ("slot-end",))
-        for x, y in ends:
-            yield Job(x, y, drilled, (f,), slot.source)
-    path = pocket_path(
-        (slot.x, slot.y), (slot.length, slot.height), slot.angle, slot.diameter,
-        mill[0].diameter, rack.drill.path_tolerance, slot.depth is not None,
-    )  # fmt: skip
-    x, y = path[0]
-    milled = Tooling(spindle, mill, faces, slot.depth, 0.0, ("slot-mill",))
-    yield Job(x, y, milled, (f,), slot.source, path)
-
-
-def _scribe_job(f: int, line: Contour, spindle: int, rack: Rack) -> Job:
-    """A line scribed, from that end of it that comes first along the bar."""
-    path = line_points(line.curves, rack.drill.path_tolerance)
-    if path[-1][0] < path[0][0]:
-        path = path[::-1]
-    scribe = rack.of_kind("scribe", (line.face,))[:1]
-    x, y = path[0]
-    depth = rack.drill.mark_depth
-    tooling = Tooling(spindle, scribe, (line.face,), depth, 0.0, ("scribe-line",))
-    return Job(x, y, tooling, (f,), line.source, path)

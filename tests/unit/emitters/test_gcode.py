@@ -12,6 +12,7 @@ from beamcam.machine import load
 from beamcam.machine.machine import Machine
 from beamcam.model.program import (
     Command,
+    Comment,
     DrillCycle,
     Program,
     SawStroke,
@@ -50,6 +51,13 @@ def test_what_is_kept_makes_the_same_text(commands: list[Command]) -> None:
     by_hand = emit(program, padded(machine))
     assert re.sub(r" X_+", " X", by_hand) == text
     assert all(len(x) >= 9 for x in re.findall(r" X(\S+)", by_hand))
+
+
+def test_a_word_without_a_template_is_no_line() -> None:
+    machine = load("beamline")
+    bare = replace(machine, words=replace(machine.words, header=(), saw=(), footer=()))
+    commands = (StartBar(1, 150.0, 300.0), SawStroke(1.0, 0.0, 60.0, SOURCE), Comment("a note"))
+    assert emit(Program("J", commands), bare) == "(a note)\n"
 
 
 LINES = st.sampled_from(("G90", "M30", "%", "% JOB", "(a note)", "M03 (on)", "G01 X5", ""))
