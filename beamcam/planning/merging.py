@@ -9,6 +9,8 @@ The holes are walked in order of x, so that each looks only at those a tolerance
 """
 
 from collections.abc import Collection, Iterator, Mapping
+from itertools import combinations
+from operator import itemgetter
 
 from beamcam.machine.known import OncePerMachine
 from beamcam.machine.machine import Drill, Machine
@@ -29,13 +31,11 @@ def drop_duplicates(holes: Group, tolerance: float) -> tuple[Group, dict[int, Pl
     for run in _runs(holes, limit):
         if len(run) == 1:
             continue
-        kept: list[Placed] = []
-        for placed in sorted(run, key=_index):
-            before = next((p for p in kept if _is_same(p[2], placed[2], limit)), None)
-            if before is None:
-                kept.append(placed)
-            else:
-                repeats[placed[1]] = before
+        for first, other in combinations(sorted(run, key=itemgetter(1)), 2):
+            if _is_same(first[2], other[2], limit) and repeats.keys().isdisjoint(
+                (first[1], other[1])
+            ):
+                repeats[other[1]] = first
     if not repeats:
         return holes, repeats
     return tuple([p for p in holes if p[1] not in repeats]), dict(sorted(repeats.items()))
@@ -52,10 +52,6 @@ def _runs(holes: Group, limit: float) -> Iterator[Group]:
         before = x
     if holes:
         yield holes[start:]
-
-
-def _index(placed: Placed) -> int:
-    return placed[1]
 
 
 def _is_same(a: Hole, b: Hole, limit: float) -> bool:

@@ -31,6 +31,7 @@ for its drill: the first setup waits for none at that X, and none waits for the 
 
 from collections.abc import Iterable, Sequence
 from itertools import chain, pairwise
+from operator import attrgetter
 from typing import Literal
 
 from beamcam.model.plan import Operation, PathOp, SawOp, SpindleOp
@@ -165,12 +166,13 @@ def _work_off(stations: Sequence[list[SpindleOp]]) -> list[list[SpindleOp]]:
 
 def _is_one_setup(ops: Sequence[SpindleOp]) -> bool:
     """Whether all operations of one X are done with one spindle and tool."""
-    first = ops[0]
-    return len(ops) == 1 or all(op.spindle == first.spindle and op.tool is first.tool for op in ops)
+    if len(ops) == 1:
+        return True
+    spindle, tool = ops[0].spindle, ops[0].tool
+    return all(op.spindle == spindle and op.tool is tool for op in ops)
 
 
-def _place(op: SpindleOp) -> tuple[float, float, tuple[tuple[int, int], ...]]:
-    return op.x, op.y, op.features
+_place = attrgetter("x", "y", "features")
 
 
 def _freedom(groups: dict[Setup, list[SpindleOp]]) -> Station:
