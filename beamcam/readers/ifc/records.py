@@ -71,7 +71,8 @@ class Entity:
     def listed(self) -> list[str]:
         """The names in its last value, which is a list of references, without a look at them."""
         inner = self.file.inner(self.index)
-        return inner[inner.rfind("(") + 1 : -1].split(",")
+        listed = inner[inner.rfind("(") + 1 : inner.rfind(")")]
+        return "".join(listed.split()).split(",")  # without line breaks
 
     def __repr__(self) -> str:
         return f"{self.name}=({self.file.inner(self.index)})"

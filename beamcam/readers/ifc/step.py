@@ -119,14 +119,19 @@ class Records:
         return np.flatnonzero(np.isin(self._hashes, np.array(numbers, np.uint64)))
 
     def beginning(self, kind: str, texts: tuple[str, ...]) -> dict[str, str]:
-        """As `inner`, by the names of those of a class that begin with one of the texts."""
+        """As `inner`, by the names of those of a class that begin with one of the texts.
+
+        Blanks before the text are left out.
+        """
         size = min(8, *map(len, texts))
         heads = codes_of("".join(text[:size].rjust(8) for text in texts))
         indices = self.of(kind)
-        words = words_before(self._codes, self._spans.opening[indices] + 1 + size, size)
+        first = past_blanks(self._codes, self._spans.opening[indices] + 1)
+        words = words_before(self._codes, first + size, size)
         wanted = words_before(heads, np.arange(1, len(texts) + 1) * 8, size)
         likely = indices[np.isin(words, wanted)]
-        found = zip(likely.tolist(), self.inners(likely), strict=True)
+        inners = [inner.lstrip() for inner in self.inners(likely)]
+        found = zip(likely.tolist(), inners, strict=True)
         return {self.name(index): inner for index, inner in found if inner.startswith(texts)}
 
     def inners(self, indices: Places) -> list[str]:

@@ -206,6 +206,11 @@ def test_references_are_found_in_columns(pairs: list[tuple[str, str]], sparse: b
     assert columns == [[index[pair[side]] for pair in pairs] for side in (0, 1)]
 
 
+def test_a_record_begins_behind_blanks() -> None:
+    found = records("DATA;#1=IFCX( \n'abc','d');#2=IFCX('abd');#3=IFCX('ab');ENDSEC;")
+    assert found.beginning("IFCX", ("'abc'", "'ab'")) == {"#1": "'abc','d'", "#3": "'ab'"}
+
+
 @pytest.mark.parametrize(
     "values", ["#1", "#1,#2,$", "#1 ,#2", "#1, #2", "#1,*", "#1,$5", "#1,#", "1,2", "(#1,#2)"]
 )
@@ -273,6 +278,18 @@ def test_every_entity_has_the_values_that_ifcopenshell_gives(path: Any) -> None:
             assert mine == plain(entity)
         count += 1
     assert count > 20
+
+
+@pytest.mark.parametrize(
+    ("values", "listed"),
+    [
+        ("'g(#1',$,'S',$,(#2,#3)", ["#2", "#3"]), ("'g',$,'S',$,( #2,\r\n#3 ) ", ["#2", "#3"]),
+        ("'g',$,'S',$,()", [""]),
+    ],
+)  # fmt: skip
+def test_names_are_listed_without_blanks(values: str, listed: list[str]) -> None:
+    file = File(f"{HEAD}#2=IFCPROPERTYSET({values});{TAIL}", "IFC4")
+    assert file.entity("#2").listed == listed
 
 
 @pytest.mark.parametrize(
