@@ -95,9 +95,10 @@ def plan_bar(
         raise PlanError(refusals)
     for part in {id(p): p for p in laid}.values():
         remarks += work(part).remarks
-        count = sum(p is part or p == part for p in laid)
-        if part.quantity > count:
-            remarks.append(rules.QUANTITY.at(part.source, found=part.quantity, made=count))
+        if part.quantity > 1:
+            count = sum(p is part or p == part for p in laid)
+            if part.quantity > count:
+                remarks.append(rules.QUANTITY.at(part.source, found=part.quantity, made=count))
     ends = [w.ends for w in works]
     (starts, account), said = lay_on_bar(laid, ends, layout, saw, bar)
     remarks += said
