@@ -142,12 +142,12 @@ def _least_corner(need: Need, process: TorchProcess, tolerance: float) -> Point:
     Lines and arcs say it themselves. Of the others the chords are known, and those that come
     within a chord's tolerance of the least are asked.
     """
-    low, _ = need.ways(process, tolerance).boxes
-    curves = need.curves[process]
-    exact = np.array([isinstance(curve, Line | Arc) for curve in curves], dtype=bool)
-    least = low.min(axis=0)
-    near = np.flatnonzero(~exact & np.any(low <= least + 2 * tolerance, axis=1))
-    box = extent(curves[k] for k in near.tolist())
+    ways = need.ways(process, tolerance)
+    low, _ = ways.boxes
+    exact = np.ones(len(low), dtype=bool)
+    exact[ways.rest] = False
+    near = ways.rest[np.any(low[ways.rest] <= low.min(axis=0) + 2 * tolerance, axis=1)]
+    box = extent(need.curves[process][k] for k in near.tolist())
     corners = np.concatenate((low[exact], np.array([box[:2]] if box else []).reshape(-1, 2)))
     x, y = corners.min(axis=0).tolist()
     return x, y

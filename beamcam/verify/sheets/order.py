@@ -47,14 +47,11 @@ def _inside_of_earlier(cuts: Sequence[Traced]) -> list[tuple[int, int]]:
     order = np.argsort(middles[:, 0], kind="stable")
     xs = middles[order, 0]
     first, last = np.searchsorted(xs, boxes[:, 0]), np.searchsorted(xs, boxes[:, 2], "right")
-    found = []
-    for k, low, high in zip(rings, first.tolist(), last.tolist(), strict=True):
-        inside = order[low:high]
-        found.append(inside[inside > k])
-    outer = np.repeat(np.arange(len(rings)), [len(one) for one in found])
-    inner = np.concatenate(found)
+    count = last - first
+    outer = np.repeat(np.arange(len(rings)), count)
+    inner = order[np.arange(len(outer)) + np.repeat(last - np.cumsum(count), count)]
     y = middles[inner, 1]
-    near = (y >= boxes[outer, 1]) & (y <= boxes[outer, 3])
+    near = (y >= boxes[outer, 1]) & (y <= boxes[outer, 3]) & (inner > np.array(rings)[outer])
     pairs: list[tuple[int, int]] = []
     for ring in np.unique(outer[near]).tolist():
         pairs += _within(cuts, inner[near & (outer == ring)].tolist(), rings[ring])

@@ -1,6 +1,6 @@
 """Many curves as elements, and questions about many points at once."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from functools import cached_property
 from itertools import chain
 from typing import TypeGuard, cast
@@ -32,10 +32,11 @@ class Ways:
             kinds.setdefault(type(curve), []).append(k)
         lines = kinds.pop(Line, [])
         arcs = kinds.pop(Arc, [])
-        rest = [curves[k] for k in sorted(k for which in kinds.values() for k in which)]
+        rest = sorted(k for which in kinds.values() for k in which)
         self._build(
             len(curves), np.array(lines, dtype=np.int64), _line_rows(curves, lines),
-            np.array(arcs, dtype=np.int64), _arc_rows(curves, arcs), rest, tolerance,
+            np.array(arcs, dtype=np.int64), _arc_rows(curves, arcs),
+            {k: curves[k] for k in rest}, tolerance,
         )  # fmt: skip
         if shift != (0.0, 0.0):
             self._put(self.elements.moved(shift))
@@ -44,13 +45,13 @@ class Ways:
     def of_moves(cls, moves: Moves, tolerance: float) -> "Ways":
         """The ways of moves."""
         found = cls.__new__(cls)
-        bent = sorted(moves.curves)
+        rest = dict(sorted(moves.curves.items()))
         is_line = ~moves.is_arc
-        is_line[bent] = False
+        is_line[list(rest)] = False
         lines, arcs = np.flatnonzero(is_line), np.flatnonzero(moves.is_arc)
         found._build(
             len(moves), lines, np.column_stack((moves.start[lines], moves.end[lines])),
-            arcs, moves.arcs[arcs], [moves.curves[k] for k in bent], tolerance,
+            arcs, moves.arcs[arcs], rest, tolerance,
         )  # fmt: skip
         return found
 
@@ -58,7 +59,7 @@ class Ways:
         """The same elsewhere."""
         found = Ways.__new__(Ways)
         found.count, found._first, found._behind = self.count, self._first, self._behind
-        found.owner = self.owner
+        found.owner, found.rest = self.owner, self.rest
         found._put(self.elements.moved(shift))
         return found
 
@@ -69,25 +70,23 @@ class Ways:
         line_rows: Floats,
         arcs: Counts,
         arc_rows: Floats,
-        rest: Sequence[Curve],
+        rest: Mapping[int, Curve],
         tolerance: float,
     ) -> None:
         """From the numbers and rows of the lines and the arcs among `count`, and the other curves.
 
-        Rows of lines are start and end, those of arcs centre, radius, start and sweep in degrees.
+        These by their numbers, ascending. Rows of lines are start and end, those of arcs centre,
+        radius, start and sweep in degrees.
         """
         self.count = count
         drawn = [(lines, _lines(line_rows)), (arcs, _arcs(arc_rows))]
-        if rest:
-            is_rest = np.ones(count, dtype=bool)
-            is_rest[lines] = is_rest[arcs] = False
-            left = np.flatnonzero(is_rest)
-            free = np.array([_is_free(curve) for curve in rest])
-            if free.any():
-                drawn.append((left[free], spline_pieces(list(filter(_is_free, rest)), tolerance)))
-            if not free.all():
-                others = [curve for curve in rest if not _is_free(curve)]
-                drawn.append((left[~free], _chords(others, tolerance)))
+        self.rest: Counts = np.array(list(rest), dtype=np.int64)  #: that are no lines and no arcs
+        free = {k: curve for k, curve in rest.items() if _is_free(curve)}
+        others = {k: curve for k, curve in rest.items() if k not in free}
+        if free:
+            drawn.append((np.array(list(free)), spline_pieces(list(free.values()), tolerance)))
+        if others:
+            drawn.append((np.array(list(others)), _chords(list(others.values()), tolerance)))
         counts = np.zeros(count, dtype=np.int64)
         for which, pieces in drawn:
             counts[which] = pieces.counts

@@ -7,7 +7,7 @@ import numpy.typing as npt
 from msgspec import Struct
 
 from beamcam.errors import Diagnostic, Source
-from beamcam.geometry.curves import Arc, BSpline, Curve, Line
+from beamcam.geometry.curves import BSpline, Curve
 from beamcam.machine.machine import Torch, TorchProcess
 from beamcam.verify.sheets import rules
 from beamcam.verify.sheets.elements import Counts, Floats
@@ -119,13 +119,14 @@ def work_of(
     fine = torch.tolerance / 8
     curves = need.curves.get(process, [])
     ways = need.ways(process, fine).moved(shift)
-    shares = [0.0 if isinstance(c, Line | Arc) else _share(c) for c in curves]
+    shares = np.zeros(len(curves))
+    shares[ways.rest] = [_share(curves[k]) for k in ways.rest.tolist()]
     # What joining ends may move is allowed where there is something to join.
     tolerance = torch.tolerance + 2 * step + fine + _loose(ways, torch.gap)
     return Work(
         process, mine, moves, ways, Ways.of_moves(moves, fine),
         np.repeat(np.arange(len(mine)), counts), torch, step, fine, tolerance,
-        np.array(shares) * np.minimum(ways.lengths, 1e6), shift, name,
+        shares * np.minimum(ways.lengths, 1e6), shift, name,
     )  # fmt: skip
 
 
@@ -136,5 +137,8 @@ def _share(curve: Curve) -> float:
 
 def _loose(need: Ways, gap: float) -> float:
     """The widest gap between two ends that had to be joined."""
-    opened = np.hypot(*(need.ends - need.starts).T) > 1e-9
-    return widest_gap(np.concatenate((need.starts[opened], need.ends[opened])), gap)
+    opened = np.flatnonzero(np.hypot(*(need.ends - need.starts).T) > 1e-9)
+    starts, ends = need.starts[opened], need.ends[opened]
+    # Where one ends as the next begins, the place is known already.
+    apart = np.any(ends != np.roll(starts, -1, axis=0), axis=1)
+    return widest_gap(np.concatenate((starts, ends[apart])), gap)
