@@ -26,8 +26,8 @@ from beamcam.verify.needs import (
 )
 from beamcam.verify.paths import line_error, pocket_error
 from beamcam.verify.placing import NEAR, Placing
-from beamcam.verify.plain import plain_key, plainly_made
-from beamcam.verify.rack import Rack
+from beamcam.verify.plain import plain_wants, plainly_made
+from beamcam.verify.rack import Rack, Wants
 from beamcam.verify.stations import Choice, stroke_values
 
 
@@ -103,8 +103,9 @@ def _strokes(matches: Sequence[Match], task: Task) -> Iterator[Diagnostic]:
     fine = [rack.fine(part.profile, part.grade) for part in task.parts]
     for match in matches:
         need, bore, _ = match
-        alike = _alike(match)
-        if alike in fine[need.part]:
+        # Most holes are like one before.
+        wants, tooled = _wants(match), bore[4:]
+        if tooled in fine[need.part].get(wants, ()):
             continue
         found = [*_tool(match, task)]
         if not errors_in(found):  # another tool has another depth and feed, of course
@@ -113,18 +114,18 @@ def _strokes(matches: Sequence[Match], task: Task) -> Iterator[Diagnostic]:
         if found:
             yield from found
         else:
-            rack.remember(fine[need.part], alike)
+            rack.remember(fine[need.part], wants, tooled)
 
 
-def _alike(match: Match) -> object:
-    """What a stroke is right or wrong by, but for its place: most are like one before."""
-    need, bore, size = match
+def _wants(match: Match) -> Wants:
+    """What a stroke has to make, but for its place."""
+    need, _, size = match
     hole = need.hole
     if need.kind == "drill" and size == hole.diameter and hole.kind in PLAIN_KINDS:
-        return plain_key(hole, bore)
+        return plain_wants(hole)
     return (
         need.kind, hole.face, hole.kind, hole.diameter, hole.depth, hole.angle, need.diameter,
-        need.pilot, size, bore[4:],
+        need.pilot, size,
     )  # fmt: skip
 
 

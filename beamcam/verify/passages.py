@@ -24,6 +24,7 @@ left to the interpreter as a whole, which knows what to say.
 
 import re
 from collections.abc import Sequence
+from functools import partial
 from itertools import pairwise
 from math import inf
 from typing import NamedTuple
@@ -32,7 +33,7 @@ from beamcam.machine.known import Kept
 from beamcam.machine.machine import Machine
 from beamcam.model.part import Profile
 from beamcam.verify.alone import Alone, Passage, Section
-from beamcam.verify.forms import Forms, body_of
+from beamcam.verify.forms import Forms, Words, body_of
 from beamcam.verify.made import Bore, Cut, Made
 from beamcam.verify.meaning import Meaning
 from beamcam.verify.stations import Choice
@@ -41,6 +42,8 @@ from beamcam.verify.switches import EPSILON
 MOST_KNOWN = 4096  #: passages that are kept, some 1 KB each
 MOST_BARS = 256  #: that are kept, and as many heads of programs
 MOST_M_WORDS = 16  #: in a row, so that no three of them run the controller out of its queue
+_NONE: dict[Words, Passage] = {}
+_bore = partial(tuple.__new__, Bore)  # as Bore(*...), in half the time
 _END = re.compile(r"(?:N[0-9]+ )?M30(?:\n%)?\n*")
 
 
@@ -50,7 +53,7 @@ class Bar(NamedTuple):
     profile: Profile
     choices: dict[int, Choice]
     section: Section
-    known: dict[tuple[int, tuple[str, ...]], Passage]  #: by form and words
+    known: dict[int, dict[Words, Passage]]  #: by form, and words but for X and place across
 
 
 class Passages:
@@ -105,7 +108,7 @@ class Passages:
             at = match.end()
             form = match.lastindex or 0
             words = match.group(*groups[form])
-            passage = known.get((form, words[2:]))
+            passage = known.get(form, _NONE).get(words[2:])
             if passage is None:
                 return None
             try:
@@ -128,7 +131,7 @@ class Passages:
                 y = station.y(across)
                 if not station.clear_from <= y <= station.clear_to:
                     return None
-                bores.append(Bore(line + below, station.face, x, y, *tool))  # type: ignore[arg-type]
+                bores.append(_bore((line + below, station.face, x, y, *tool)))
                 order.append(bores[-1])
             line += lines
             before = x
@@ -185,7 +188,7 @@ class Passages:
     def _is_known(self, lines: Sequence[str], bar: Bar) -> bool:
         """Whether lines are a passage that is known."""
         said = self._forms.said("".join(f"{line}\n" for line in lines))
-        return said is not None and (said[0], said[1][2:]) in bar.known
+        return said is not None and said[1][2:] in bar.known.get(said[0], _NONE)
 
     def _read(self, lines: Sequence[str], bar: Bar) -> bool:
         """Whether lines are a passage, from now on a known one."""
@@ -195,6 +198,6 @@ class Passages:
         said = None if passage is None else self._forms.learn(lines, passage.across)
         if passage is None or said is None:
             return False
-        bar.known[said[0], said[1][2:]] = passage
+        bar.known.setdefault(said[0], {})[said[1][2:]] = passage
         self._count += 1
         return True

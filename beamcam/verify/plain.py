@@ -11,7 +11,7 @@ from operator import itemgetter
 from beamcam.model.part import Hole, Part, Slot
 from beamcam.verify.made import Bore
 from beamcam.verify.matching import x_tolerance, y_tolerance
-from beamcam.verify.rack import Rack
+from beamcam.verify.rack import Rack, Wants
 
 _by_place = itemgetter(1, 2, 3)  # face, X and y of a bore
 
@@ -51,7 +51,7 @@ def plainly_made(
         near = face == last_face and x - last_x <= x_apart
         if near and (x != last_x or y - last_y <= y_apart):
             return None
-        if plain_key(hole, bore) not in fine[p]:
+        if bore[4:] not in fine[p].get(plain_wants(hole), ()):
             return None
         if sizes.setdefault(line, hole.diameter) != hole.diameter:  # two of one stroke
             return None
@@ -60,6 +60,6 @@ def plainly_made(
     return found
 
 
-def plain_key(hole: Hole, bore: Bore) -> object:
-    """What a bore for a plain hole of a section is right or wrong by, but for its place."""
-    return hole.face, hole.kind, hole.diameter, hole.depth, hole.angle, bore[4:]
+def plain_wants(hole: Hole) -> Wants:
+    """What a plain hole of a section wants made, but for its place."""
+    return hole.face, hole.kind, hole.diameter, hole.depth, hole.angle

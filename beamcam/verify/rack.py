@@ -9,6 +9,11 @@ from beamcam.model.part import Face, Hole, Profile
 
 USUAL_POINT_DEG = 118.0
 
+Wants = tuple[object, ...]  #: what a hole wants made, but for its place
+Tooled = tuple[object, ...]  #: what a bore says behind its place: tool, depth, feed
+#: One or two for a hole, so a list; comparing takes less than hashing all those numbers.
+Fine = dict[Wants, list[Tooled]]
+
 
 class Rack:
     """The tools of a machine, by kind."""
@@ -22,7 +27,7 @@ class Rack:
         self.drills = lru_cache(4096)(self._drill)
         self.plain = lru_cache(4096)(self._plain)
         self.sizes = lru_cache(64)(self._sizes)
-        self._fine: dict[tuple[Profile, str], set[object]] = {}
+        self._fine: dict[tuple[Profile, str], Fine] = {}
         self._count = 0
         self.twice = drill.duplicate_tolerance + 1e-9  #: holes nearer than this are one
 
@@ -33,19 +38,19 @@ class Rack:
         """Diameters of the tools of a kind that the spindle of a face takes."""
         return frozenset(d for tools in self.of(kind, face) for d in tools.sizes)
 
-    def fine(self, profile: Profile, grade: str) -> set[object]:
-        """Holes and the bores that were found to make them, on a section of a grade."""
+    def fine(self, profile: Profile, grade: str) -> Fine:
+        """What was found right on a section of a grade: for each kind of hole what made it."""
         if len(self._fine) >= 256:
             self._fine.clear()
-        return self._fine.setdefault((profile, grade), set())
+        return self._fine.setdefault((profile, grade), {})
 
-    def remember(self, fine: set[object], alike: object) -> None:
+    def remember(self, fine: Fine, hole: Wants, tool: Tooled) -> None:
         """Note what agrees, so that it is not judged again; a few thousand at most."""
         if self._count >= 4096:
             self._fine.clear()
             self._count = 0
         self._count += 1
-        fine.add(alike)
+        fine.setdefault(hole, []).append(tool)
 
     def fit(self, diameter: float) -> tuple[float, float] | None:
         """Least and greatest drill for a hole; None if the machine says nothing of that size."""

@@ -8,7 +8,7 @@ from msgspec.structs import replace
 from beamcam.model.part import Hole, Part, Slot
 from beamcam.verify import verify
 from beamcam.verify.made import Bore
-from beamcam.verify.plain import plain_key, plainly_made
+from beamcam.verify.plain import plain_wants, plainly_made
 from beamcam.verify.rack import Rack
 from tests.unit.verify.programs import BEAM, FLANGE_HOLES, PART, PROGRAM, WEB_HOLE, hole, part
 
@@ -27,7 +27,8 @@ def told(made: Part, *bores: Bore) -> list[tuple[int, Bore]] | None:
     """What a glance tells where every tool, depth and feed is known to be right."""
     rack = Rack(BEAM, DRILL)
     fine = rack.fine(made.profile, made.grade)
-    fine |= {plain_key(h, b) for h in made.holes for b in bores}
+    for h in made.holes:
+        fine[plain_wants(h)] = [b[4:] for b in bores]
     return plainly_made(bores, [made], [BEGIN], rack, 0.001)
 
 
@@ -68,9 +69,9 @@ def test_each_part_by_its_own_grade() -> None:
     bores = [bore(A, 9), bore(B, 19, 2000.0)]
     begins = [BEGIN, BEGIN + 2000.0]
     rack = Rack(BEAM, DRILL)
-    rack.fine(parts[0].profile, "").update(plain_key(h, b) for h in (A, B) for b in bores)
+    rack.fine(parts[0].profile, "")[plain_wants(A)] = [b[4:] for b in bores]
     assert plainly_made(bores, parts, begins, rack, 0.001) is None
-    rack.fine(parts[0].profile, "S355").add(plain_key(B, bores[1]))
+    rack.fine(parts[0].profile, "S355")[plain_wants(B)] = [bores[1][4:]]
     assert plainly_made(bores, parts, begins, rack, 0.001) == [(0, bores[0]), (1, bores[1])]
 
 
