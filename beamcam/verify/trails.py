@@ -1,0 +1,96 @@
+"""Which path makes which pocket or line to mark, and what is wrong with it."""
+
+from collections.abc import Iterator, Sequence
+from math import inf
+
+from beamcam.errors import Diagnostic
+from beamcam.verify import rules
+from beamcam.verify.depths import Reach, path_reach
+from beamcam.verify.made import Trail
+from beamcam.verify.needs import Course, Pocket
+from beamcam.verify.paths import line_error, pocket_error
+from beamcam.verify.placing import NEAR
+from beamcam.verify.strokes import Task, off_feed, off_reach
+
+
+def judge_paths(
+    trails: Sequence[Trail], wanted: Sequence[Pocket | Course], task: Task
+) -> Iterator[Diagnostic]:
+    """What is wrong with the paths: each pocket and line once, by the path that fits it best."""
+    drill_x, resolution = task.rack.drill.x, task.machine.format.resolution
+    allowed = task.rack.drill.path_tolerance + 2 * resolution
+    left = list(trails)
+    for need in wanted:
+        kind = "mill" if isinstance(need, Pocket) else "scribe"
+        from_x = drill_x + task.starts[need.part]
+        # The nearest path is meant; measuring it point by point is the dear part.
+        near = [
+            (_apart(trail, need, from_x), trail.line, trail)
+            for trail in left
+            if trail.kind == kind and trail.face == need.face
+        ]
+        mark = task.parts[need.part].mark
+        what = need.what if isinstance(need, Pocket) else "line to mark"
+        apart, _, trail = min(near, key=lambda n: n[:2], default=(inf, 0, None))
+        if trail is None or apart > NEAR:
+            yield rules.NOT_MADE.at(need.source.source, found=f"the {what}", mark=mark)
+            continue
+        off = _error(need, [(x - from_x, y) for x, y in trail.points], trail)
+        left.remove(trail)
+        if off > allowed:
+            yield rules.PATH.at(
+                task.at(trail.line), what=f"the {what}", mark=mark, found=f"{off:.3f}",
+                expected=f"{allowed:g}",
+            )  # fmt: skip
+        yield from _trail(trail, need, what, task)
+    for trail in left:
+        x, y = trail.points[0]
+        yield rules.PATH_EXTRA.at(
+            task.at(trail.line), kind=trail.kind, face=trail.face, x=f"{x:g}", y=f"{y:g}"
+        )
+
+
+def _apart(trail: Trail, need: Pocket | Course, from_x: float) -> float:
+    """How far the middles of a path and of what it may be meant for are apart."""
+    x, y = _middle(trail.points)
+    if isinstance(need, Pocket):
+        own_x, own_y = need.x, need.y
+    else:
+        boxes = [curve.bbox for curve in need.curves]
+        corners = [(b[0], b[1]) for b in boxes] + [(b[2], b[3]) for b in boxes]
+        own_x, own_y = _middle(corners)
+    return abs(x - from_x - own_x) + abs(y - own_y)
+
+
+def _middle(points: Sequence[tuple[float, float]]) -> tuple[float, float]:
+    xs, ys = [x for x, _ in points], [y for _, y in points]
+    return (min(xs) + max(xs)) / 2, (min(ys) + max(ys)) / 2
+
+
+def _error(need: Pocket | Course, points: Sequence[tuple[float, float]], trail: Trail) -> float:
+    if isinstance(need, Pocket):
+        return pocket_error(need, points, trail.diameter)
+    return line_error(need.curves, points)
+
+
+def _trail(trail: Trail, need: Pocket | Course, what: str, task: Task) -> Iterator[Diagnostic]:
+    """What is wrong with the tool, the depth and the feed of a path."""
+    part = task.parts[need.part]
+    x, y = (need.x, need.y) if isinstance(need, Pocket) else need.curves[0].start
+    described: dict[str, object] = {
+        "what": what, "face": need.face, "mark": part.mark, "x": f"{x:g}", "y": f"{y:g}",
+    }  # fmt: skip
+    sizes = sorted(task.rack.sizes(trail.kind, need.face))
+    if trail.diameter not in sizes:
+        shown = ", ".join(f"{d:g}" for d in sizes)
+        yield rules.TOOL.at(
+            task.at(trail.line), found=f"a {trail.kind} {trail.diameter:g}",
+            expected=f"one of {shown}", **described,
+        )  # fmt: skip
+        return
+    if isinstance(need, Pocket):
+        reach = path_reach(need.depth, part.profile.thickness(need.face), task.rack)
+    else:
+        reach = Reach(task.rack.drill.mark_depth, task.rack.drill.mark_depth)
+    yield from off_reach(trail.least_depth, trail.greatest_depth, reach, described, trail, task)
+    yield from off_feed(trail, part.grade, task)
