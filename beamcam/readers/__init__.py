@@ -52,7 +52,7 @@ def read(data: bytes, name: str, **options: object) -> Reading:
     The suffix says which reader is asked first, the content decides. `options` that are not None
     go to a reader that takes them (units, width, layers and fit of a drawing).
     """
-    if not data.strip():
+    if not data or data.isspace():
         return Reading("unknown", (), (rules.EMPTY.at(Source(name)),))
     suffix = os.path.splitext(name)[1].lower()
     for known in FORMATS:

@@ -67,7 +67,7 @@ def ends_of(part: Part, saw: Saw) -> tuple[End, End]:
     """Start and end of a part: by the header's angles, by the outlines where they are 0."""
     cuts, least = part.cuts, saw.least_mitre
     webs, flanges = (cuts.web_start, cuts.web_end), (cuts.flange_start, cuts.flange_end)
-    if any(type(f) is Contour for f in part.features):
+    if Contour in map(type, part.features):
         if abs(webs[0]) < least or abs(webs[1]) < least:
             webs = _instead(webs, _drawn(part, "v"), least)
         if abs(flanges[0]) < least or abs(flanges[1]) < least:

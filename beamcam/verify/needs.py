@@ -113,7 +113,9 @@ def needs_of(
     for p, part in enumerate(parts):
         known = seen.get(id(part))
         if known is None or skipped:
-            left = [(f, x) for f, x in enumerate(part.features) if holes or type(x) is not Hole]
+            left = [*enumerate(part.features)]
+            if not holes:
+                left = [(f, x) for f, x in left if type(x) is not Hole]
             if skipped:
                 left = [(f, x) for f, x in left if (p, f) not in skipped]
             known = _part_needs(left, p, part, ends[p], rack) if left else []

@@ -201,8 +201,9 @@ def _check_circle(contour: Contour, log: Log) -> None:
 
 def _check_holes(part: Part, outers: dict[str, list[_Outline]], log: Log) -> None:
     """Holes and texts in the air, holes that are there twice, those that are probably marks."""
-    places = [(hole.face, hole.x, hole.y) for hole in part.features if type(hole) is Hole]
-    seen: dict[object, int] | None = {} if len({*places}) < len(places) else None
+    holes = [feature for feature in part.features if type(feature) is Hole]
+    places = {(hole.face, hole.x, hole.y) for hole in holes}
+    seen: dict[object, int] | None = {} if len(places) < len(holes) else None
     regions: dict[str, _Region] = {}
     for feature in part.features:
         if type(feature) is Hole:

@@ -186,8 +186,9 @@ def _find_start(texts: list[str], log: Log) -> tuple[int | None, list[Placed]]:
 
 def _note_indent(lines: list[str], texts: list[str], numbers: list[int], log: Log) -> None:
     """Say so at the first data line that begins without two blanks."""
-    for number in [n for n in numbers if lines[n - 1][:2] != "  "]:
-        if texts[number - 1] and not lines[number - 1].startswith("\t"):
+    for number in numbers:
+        line = lines[number - 1]
+        if line[:2] != "  " and texts[number - 1] and line[0] != "\t":
             log.add(rules.INDENT, number)
             return
 
