@@ -9,6 +9,7 @@ the building it is, and its large numbers are kept out.
 """
 
 from collections.abc import Iterator, Sequence
+from functools import lru_cache
 from math import hypot
 from typing import Any
 
@@ -16,12 +17,20 @@ from msgspec import Struct
 
 from beamcam.geometry.curves import Arc
 from beamcam.readers.ifc.cutters import Bounded, Cutter, HalfSpace, Less, Prism, hole_of, prism
-from beamcam.readers.ifc.entities import Coordinates, Entity, Model, Unreadable, ratios
+from beamcam.readers.ifc.entities import (
+    Coordinates,
+    Entity,
+    Model,
+    Placement,
+    Unreadable,
+    ratios,
+    right_handed,
+)
 from beamcam.readers.ifc.facets import shell_of
 from beamcam.readers.ifc.outline import Round, Slotted
 from beamcam.readers.ifc.profiles import Outline, definition, outline_of, rounded_box
 from beamcam.readers.ifc.shell import Shell
-from beamcam.readers.ifc.space import IDENTITY, Frame, Vec, scale, unit
+from beamcam.readers.ifc.space import IDENTITY, ORIGIN, Frame, Vec, scale, unit
 
 _FACETED = frozenset(
     (
@@ -233,11 +242,34 @@ def _solid_cutters(model: Model, item: Entity, frame: Frame, where: str | None) 
 def _extrusion(model: Model, item: Entity, frame: Frame, where: str | None) -> Prism:
     profile, place, way, depth, *_ = item.values
     outline, hole = _cut_out(model, profile)
-    at = frame.times(model.axes(place))
+    at = _standing(model, frame, place)
     along = _pushed(model, at, way, depth)
     if hole is not None and not (at.even and (way is None or _upright(way))):
         hole = None  # a circle that is pushed askew or stretched is none across its length
     return Prism(Frame(at.o, at.x, at.y, along), outline, where, hole)
+
+
+def _standing(model: Model, frame: Frame, place: Placement | None) -> Frame:
+    """The frame of a solid that is placed in `frame`."""
+    if place is None or len(place) != 3:
+        return frame.times(model.axes(place))
+    location, axis, reference = place
+    return Frame(
+        frame.point(model.point(location)), *_turned(frame.x, frame.y, frame.z, axis, reference)
+    )
+
+
+@lru_cache(4096)
+def _turned(
+    x: Vec, y: Vec, z: Vec, axis: Coordinates | None, reference: Coordinates | None
+) -> tuple[Vec, Vec, Vec]:
+    """The axes of a placement by its Axis and RefDirection, in a frame that has the axes x, y, z.
+
+    A model's holes stand in many places, but lie few ways.
+    """
+    by = Frame(ORIGIN, x, y, z)
+    a, b, c = right_handed(ratios(axis), ratios(reference))
+    return by.vector(a), by.vector(b), by.vector(c)
 
 
 def _upright(way: Coordinates) -> bool:

@@ -157,6 +157,9 @@ def cut(stock: Stock, cutters: Sequence[Cutter], source: Source) -> Shaped:
     ends: list[End] = []
     rest: list[tuple[Cutter, Box3]] = []
     for cutter in cutters:
+        if walls and isinstance(cutter, Prism) and cutter.shape is not None:
+            rest.append((cutter, cutter.box))  # which makes no hole where it touches no wall
+            continue
         plane = end_plane(cutter, stock, corners)
         if plane is None:
             box = cutter.box
