@@ -6,7 +6,7 @@
 Which planner, motion step, emitter and read-back belong together stands in `posts`.
 """
 
-from collections.abc import Callable, Collection, Iterable, Sequence
+from collections.abc import Callable, Collection, Generator, Iterable, Sequence
 from pathlib import PurePath
 from typing import Literal
 
@@ -178,21 +178,34 @@ def post(
     or under `strict` if there is a warning; VerifyError if the program would make anything else.
     """
     asked = Job(tuple(parts), machine, job, bar, tuple(skips), order, turn, style)
-    kind = post_of(machine)
+    stages = posting(asked, verified, strict)
+    while True:
+        try:
+            stage(next(stages))
+        except StopIteration as end:
+            posted: Posted = end.value
+            return posted
+
+
+def posting(
+    asked: Job, verified: bool = True, strict: bool = False
+) -> Generator[str, None, Posted]:
+    """`post` stage by stage, planning first; it tells each that is done, and gives the program."""
+    kind = post_of(asked.machine)
     plan = kind.plan(asked)
-    stage(f"planned {len(plan.operations)} operation(s)")
+    yield f"planned {len(plan.operations)} operation(s)"
     if strict and any(said.severity is Severity.WARNING for said in plan.remarks):
         raise PlanError(map(as_error, plan.remarks))
-    program = kind.motion(plan, machine, job)
+    program = kind.motion(plan, asked.machine, asked.name)
     if not verified:
         program = kind.unverified(program)
-    stage("put in motion")
+    yield "put in motion"
     written = kind.emit(program, asked)
-    stage("printed the program")
+    yield "printed the program"
     said: tuple[Diagnostic, ...] = ()
     if verified:
         said = kind.verify(written, _wanted(asked, plan))
-        stage("read the program back")
+        yield "read the program back"
         if errors_in(said):
             raise VerifyError(said)
     return Posted(written, plan, (*plan.remarks, *said), program)

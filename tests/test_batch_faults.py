@@ -1,6 +1,7 @@
 """What goes wrong around a batch: odd files, dying processes, a full disk, a killed run."""
 
 import errno
+import itertools
 import os
 import pty
 import random
@@ -9,8 +10,9 @@ import stat
 import subprocess
 import sys
 import time
-from collections.abc import Iterator
+from collections.abc import Generator, Iterator
 from pathlib import Path
+from typing import cast
 
 import pytest
 
@@ -23,8 +25,15 @@ from beamcam.batch.work import Made, Task
 from beamcam.errors import Diagnostic, Source
 from beamcam.machine import load
 from beamcam.pipeline import Posted
+from beamcam.posts import Job
 from tests.conftest import ROOT
 from tests.runs import BAD, batch, counts, fill, part, programs, report
+
+
+def made_of(task: Task, shop: Shop) -> Made:
+    """What comes of one file by itself."""
+    (made,) = work.make_all((task,), shop)
+    return made
 
 
 def test_odd_names(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -182,7 +191,7 @@ def test_a_drawing_without_a_part(tmp_path: Path, monkeypatch: pytest.MonkeyPatc
     from beamcam.readers.reading import Reading
 
     monkeypatch.setattr(work, "read", lambda data, name: Reading("dxf", ()))
-    made = work.make(Task(0, "a.dxf", b"x"), Shop(load("beamline")))
+    made = made_of(Task(0, "a.dxf", b"x"), Shop(load("beamline")))
     assert [m["code"] for m in made.row["messages"]] == ["batch-no-part"]
     assert made.row["status"] == "refused"
 
@@ -196,13 +205,13 @@ def test_several_parts_in_a_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch
     parts = tuple(read(text.encode(), f"{k}.nc1").parts[0] for k, text in enumerate(texts))
     monkeypatch.setattr(work, "read", lambda data, name: Reading("ifc", parts))
     shop = Shop(load("beamline"))
-    made = work.make(Task(0, "in/model.ifc", b"x"), shop)
+    made = made_of(Task(0, "in/model.ifc", b"x"), shop)
     names = [name for name, _ in made.outputs]
     assert names == ["model_M_1.gcode", "model_M_1-2.gcode", "model_M2.gcode"]
     assert made.row["status"] == "refused"
     assert [p["output"] for p in made.row["parts"]] == names
     shop = Shop(load("beamline"), name="{mark}.gcode")
-    made = work.make(Task(0, "in/model.ifc", b"x"), shop)
+    made = made_of(Task(0, "in/model.ifc", b"x"), shop)
     assert [name for name, _ in made.outputs] == ["M_1.gcode", "M2.gcode"]
     codes = [m["code"] for m in made.row["messages"] if m["severity"] == "error"]
     assert codes == ["plan-tool", "batch-same-name"]
@@ -219,7 +228,7 @@ def test_members_that_cannot_be_read_stop_no_other(monkeypatch: pytest.MonkeyPat
     for name, outputs in (("ifc", 1), ("dstv", 0)):
         reading = Reading(name, (good,), (said,))
         monkeypatch.setattr(work, "read", lambda data, file, reading=reading: reading)
-        made = work.make(Task(0, "in/model.ifc", b"x"), Shop(load("beamline")))
+        made = made_of(Task(0, "in/model.ifc", b"x"), Shop(load("beamline")))
         assert made.row["status"] == "refused"
         assert [m["code"] for m in made.row["messages"] if m["severity"] == "error"] == [
             "read-empty"
@@ -227,18 +236,51 @@ def test_members_that_cannot_be_read_stop_no_other(monkeypatch: pytest.MonkeyPat
         assert len(made.outputs) == len(made.row["parts"]) == outputs
 
 
+def test_the_files_of_a_chunk_go_from_stage_to_stage_together(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """One that is refused drops out, and the time of each is its own."""
+    told: list[tuple[str, str]] = []
+    real = work.posting
+
+    def posting(asked: Job, verified: bool) -> Generator[str, None, Posted]:
+        stages = real(asked, verified)
+        while True:
+            try:
+                stage = next(stages)
+            except StopIteration as end:
+                return cast(Posted, end.value)
+            told.append((stage.split()[0], asked.parts[0].mark))
+            yield stage
+
+    monkeypatch.setattr(work, "posting", posting)
+    texts = (part("A"), BAD, part("B", 3000.0))
+    tasks = [Task(k, f"{k}.nc1", text.encode()) for k, text in enumerate(texts)]
+    shop = Shop(load("beamline"), clock=itertools.count().__next__)
+    made = work.make_all(tasks, shop)
+    stages = ("planned", "put", "printed", "read")
+    assert told == [(stage, mark) for stage in stages for mark in "AB"]
+    assert [one.row["status"] for one in made] == ["posted", "refused", "posted"]
+    # Between two looks at the clock is one stage: reading, four here, and the account of it all.
+    assert [one.row["seconds"] for one in made] == [6, 2, 6]
+    monkeypatch.undo()
+    alone = [work.make_all([task], shop)[0] for task in tasks]
+    assert [(one.row, one.outputs) for one in made] == [(one.row, one.outputs) for one in alone]
+
+
 def test_a_fault_of_the_program_is_one_of_its_file(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     fill(tmp_path / "in", 3)
-    real = work.post
+    real = work.posting
 
-    def post(parts: tuple[work.Part, ...], *args: object) -> Posted:
-        if parts[0].mark == "P1":
+    def posting(asked: Job, verified: bool) -> Generator[str, None, Posted]:
+        yield "planned"
+        if asked.parts[0].mark == "P1":
             raise AssertionError("the ledger does not balance")
-        return real(parts, *args)  # type: ignore[arg-type]
+        return (yield from real(asked, verified))
 
-    monkeypatch.setattr(work, "post", post)
+    monkeypatch.setattr(work, "posting", posting)
     result = batch(tmp_path / "in", "-o", tmp_path / "out", "--jobs", 1)
     assert counts(result) == (2, 0, 0, 1)
     assert (

