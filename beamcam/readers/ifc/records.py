@@ -3,10 +3,34 @@
 from collections import defaultdict
 from typing import Any
 
+from beamcam.readers.ifc.columns import Alike
 from beamcam.readers.ifc.schema import Row, rows
 from beamcam.readers.ifc.step import MISSING, records
 from beamcam.readers.ifc.tuples import KINDS, tuples
 from beamcam.readers.ifc.values import Tokens, Values, text_of
+
+
+#: Classes of which a member has many, so that all their records are read when one is asked for.
+MANY = frozenset(
+    (
+        "IFCARBITRARYCLOSEDPROFILEDEF",
+        "IFCBOOLEANCLIPPINGRESULT",
+        "IFCBOOLEANRESULT",
+        "IFCCIRCLE",
+        "IFCCIRCLEPROFILEDEF",
+        "IFCCOMPOSITECURVE",
+        "IFCCOMPOSITECURVESEGMENT",
+        "IFCEXTRUDEDAREASOLID",
+        "IFCHALFSPACESOLID",
+        "IFCLOCALPLACEMENT",
+        "IFCOPENINGELEMENT",
+        "IFCPLANE",
+        "IFCPOLYLINE",
+        "IFCPRODUCTDEFINITIONSHAPE",
+        "IFCROUNDEDRECTANGLEPROFILEDEF",
+        "IFCSHAPEREPRESENTATION",
+    )
+)
 
 
 class Entity:
@@ -16,18 +40,22 @@ class Entity:
     faster; `beam.HasOpenings` are the relations to what is cut out of it.
     """
 
-    __slots__ = ("file", "index", "name", "row", "values")
+    __slots__ = ("file", "index", "row", "values")
 
     file: "File"
-    name: str  #: #12
     index: int  #: of its record
-    row: Row
-    values: tuple[Any, ...]
+    row: Row  #: what the schema says of it; of an entity that it does not know, its name
+    values: Values
 
-    def __init__(self, file: "File", name: str, index: int) -> None:
+    def __init__(self, file: "File", index: int, row: Row) -> None:
         self.file = file
-        self.name = name
         self.index = index
+        self.row = row
+
+    @property
+    def name(self) -> str:
+        """#12"""
+        return self.file.name(self.index)
 
     def id(self) -> int:
         """Its number, by which the geometry kernel knows it."""
@@ -44,13 +72,10 @@ class Entity:
         return len(self.values)
 
     def __getattr__(self, name: str) -> Any:
-        # Called for what has no value yet: the two slots that are filled late, and attributes.
+        # Called for what has no value yet: the slot that is filled late, and attributes.
         if name == "values":
             self.values = values = self.file.values(self.index)
             return values
-        if name == "row":
-            self.row = row = self.file.row(self.index)
-            return row
         place = self.row.places.get(name)
         if place is not None:
             return self.values[place]
@@ -84,7 +109,9 @@ class Missing(Entity):
     Raises LookupError when it is looked at.
     """
 
-    __slots__ = ()
+    __slots__ = ("name",)
+
+    name: str
 
     def __init__(self, file: "File", name: str) -> None:
         self.file = file
@@ -92,6 +119,18 @@ class Missing(Entity):
 
     def __getattr__(self, name: str) -> Any:
         raise LookupError(f"a reference to {self.name}, which is not in the file")
+
+
+class _Made(dict[int, Any]):
+    """What stands for the records, by their indices; an entity is made when it is looked up."""
+
+    def __init__(self, file: "File", known: dict[int, Any]) -> None:
+        super().__init__(known)
+        self._file = file
+
+    def __missing__(self, index: int) -> Any:
+        self[index] = made = self._file.made(index)
+        return made
 
 
 class File:
@@ -109,10 +148,12 @@ class File:
             number: self._rows.get(kind.upper()) or Row(kind, frozenset((kind,)), {})
             for number, kind in self._records.kinds.items()
         }
-        self._tuples = tuples(self._records)
+        known = tuples(self._records)
         # Where some point, direction or placement is written in an unusual way, each is looked at.
-        self._unusual = len(self._tuples) != sum(len(self._records.of(kind)) for kind in KINDS)
+        self._unusual = len(known) != sum(len(self._records.of(kind)) for kind in KINDS)
+        self._made = _Made(self, known)
         self.tokens = Tokens(self._referred)
+        self._alike: dict[int, dict[int, Values]] = {}  #: values by class and index
         self.tied: dict[str, dict[int, list[str]]] = {}  #: names by indices; see relations.py
         self._openings: defaultdict[Entity, list[Entity]] | None = None
 
@@ -122,17 +163,22 @@ class File:
         It would have to walk all records of a large model for that.
         """
         self._openings = None
-        del self.tokens
+        self._alike.clear()
+        del self.tokens, self._made
 
     def _referred(self, name: str, number: int) -> Any:
         """What stands for a name among values; a missing entity fails when it is looked at."""
         index = self._records.find(number)
-        known = self._tuples.get(index)
-        if known is not None:
-            return known
-        if index == MISSING:
-            return Missing(self, name)
-        made = Entity(self, name, index)
+        return Missing(self, name) if index == MISSING else self._made[index]
+
+    def _all_referred(self, numbers: list[int]) -> list[Any] | None:
+        """As `_referred`, by many numbers; None if one of the records is missing."""
+        indices = list(map(self._records.find, numbers))
+        return None if MISSING in indices else list(map(self._made.__getitem__, indices))
+
+    def made(self, index: int) -> Any:
+        """What stands for a record that was not met before: an entity, or its numbers."""
+        made = Entity(self, index, self._row_of[self._records.kind(index)])
         if self._unusual and made.row.name.upper() in KINDS:
             values = made.values
             return values if made.is_a("IfcPlacement") else tuple(map(float, values[0]))
@@ -147,21 +193,35 @@ class File:
         """The index of the record of a name, or MISSING."""
         return self._records.find(int(name[1:]))
 
+    def name(self, index: int) -> str:
+        """The name of a record: #12."""
+        return self._records.name(index)
+
     def inner(self, index: int) -> str:
         """The text in a record's brackets."""
         return self._records.inner(index)
 
     def values(self, index: int) -> Values:
         """The values of a record. Raises Malformed."""
-        return self.tokens.values(self._records.inner(index))
+        kind = self._records.kind(index)
+        alike = self._alike.get(kind)
+        if alike is None:
+            alike = self._alike[kind] = self._values_alike(self._records.kinds[kind].upper())
+        known = alike.get(index)
+        return self.tokens.values(self._records.inner(index)) if known is None else known
 
-    def row(self, index: int) -> Row:
-        """What the schema says of a record; of an entity that it does not know, its name."""
-        return self._row_of[self._records.kind(index)]
+    def _values_alike(self, kind: str) -> dict[int, Values]:
+        """The values of all records of a class by their indices; none if they are not alike."""
+        if kind not in MANY:
+            return {}
+        indices = self._records.of(kind)
+        inners = self._records.inners(indices)
+        found = Alike(self.tokens, self._all_referred).values(inners)
+        return {} if found is None else dict(zip(indices.tolist(), found, strict=True))
 
     def by_type(self, name: str) -> list[Entity]:
         """The entities of a class and of its subtypes, in the order of the file."""
-        return [self.entity(self._records.name(index)) for index in self.indices(name)]
+        return list(map(self._made.__getitem__, self.indices(name)))
 
     def indices(self, name: str) -> list[int]:
         """The records of a class and of its subtypes, in the order of the file."""
