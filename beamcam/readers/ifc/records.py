@@ -74,8 +74,8 @@ class Entity:
     def __getattr__(self, name: str) -> Any:
         # Called for what has no value yet: the slot that is filled late, and attributes.
         if name == "values":
-            self.values = values = self.file.values(self.index)
-            return values
+            self.file.fill(self)
+            return self.values
         place = self.row.places.get(name)
         if place is not None:
             return self.values[place]
@@ -153,7 +153,7 @@ class File:
         self._unusual = len(known) != sum(len(self._records.of(kind)) for kind in KINDS)
         self._made = _Made(self, known)
         self.tokens = Tokens(self._referred)
-        self._alike: dict[int, dict[int, Values]] = {}  #: values by class and index
+        self._unread = {n for n, kind in self._records.kinds.items() if kind.upper() in MANY}
         self.tied: dict[str, dict[int, list[str]]] = {}  #: names by indices; see relations.py
         self._openings: defaultdict[Entity, list[Entity]] | None = None
 
@@ -163,7 +163,6 @@ class File:
         It would have to walk all records of a large model for that.
         """
         self._openings = None
-        self._alike.clear()
         del self.tokens, self._made
 
     def _referred(self, name: str, number: int) -> Any:
@@ -203,21 +202,25 @@ class File:
 
     def values(self, index: int) -> Values:
         """The values of a record. Raises Malformed."""
-        kind = self._records.kind(index)
-        alike = self._alike.get(kind)
-        if alike is None:
-            alike = self._alike[kind] = self._values_alike(self._records.kinds[kind].upper())
-        known = alike.get(index)
-        return self.tokens.values(self._records.inner(index)) if known is None else known
+        return self.tokens.values(self._records.inner(index))
 
-    def _values_alike(self, kind: str) -> dict[int, Values]:
-        """The values of all records of a class by their indices; none if they are not alike."""
-        if kind not in MANY:
-            return {}
-        indices = self._records.of(kind)
+    def fill(self, entity: Entity) -> None:
+        """Give an entity its values, and with it all of a class that has many. Raises Malformed."""
+        kind = self._records.kind(entity.index)
+        if kind not in self._unread or not self._fill_class(kind):
+            entity.values = self.values(entity.index)
+
+    def _fill_class(self, kind: int) -> bool:
+        """Give all entities of a class their values, if they are written alike."""
+        self._unread.remove(kind)
+        indices = self._records.of_kind(kind)
         inners = self._records.inners(indices)
         found = Alike(self.tokens, self._all_referred).values(inners)
-        return {} if found is None else dict(zip(indices.tolist(), found, strict=True))
+        if found is None:
+            return False
+        for index, values in zip(indices.tolist(), found, strict=True):
+            self._made[index].values = values
+        return True
 
     def by_type(self, name: str) -> list[Entity]:
         """The entities of a class and of its subtypes, in the order of the file."""

@@ -115,8 +115,12 @@ class Records:
         """The indices of the records of a class, which is in capitals."""
         numbers = [number for number, written in self.kinds.items() if written.upper() == kind]
         if len(numbers) == 1:
-            return np.flatnonzero(self._hashes == numbers[0])
+            return self.of_kind(numbers[0])
         return np.flatnonzero(np.isin(self._hashes, np.array(numbers, np.uint64)))
+
+    def of_kind(self, number: int) -> Places:
+        """The indices of the records of a class, by its number in `kinds`."""
+        return np.flatnonzero(self._hashes == number)
 
     def beginning(self, kind: str, texts: tuple[str, ...]) -> dict[str, str]:
         """As `inner`, by the names of those of a class that begin with one of the texts.
