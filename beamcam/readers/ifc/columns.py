@@ -20,6 +20,9 @@ from beamcam.readers.ifc.values import Tokens, Values
 
 _BETWEEN = ";"  #: as a value of its own between two records
 
+#: What values that are none end in, and references to points that are none.
+NOT_READ = (ArithmeticError, LookupError, TypeError, ValueError)
+
 Column = list[Any]
 
 
@@ -35,8 +38,8 @@ class Alike(Struct, frozen=True):
     def values(self, inners: Sequence[str]) -> list[Values] | None:
         """The values by the texts in the brackets of each record, as of `Tokens.values`.
 
-        None if the records are not alike, or have values with lists in lists, with types, or
-        with strings in which there is a comma.
+        None if the records are not alike or have no values, or if there are lists in lists among
+        these, types, or strings with commas, brackets or doubled quotes.
         """
         try:
             if "(" not in "".join(inners):
@@ -44,9 +47,9 @@ class Alike(Struct, frozen=True):
             else:
                 before, listed, behind = zip(*map(_around_list, inners), strict=True)
                 columns = [*self._columns(before), self._lists(listed), *self._columns(behind)]
-        except Malformed:  # some of them may be well; which, is seen one by one
+        except NOT_READ:  # some of them may be well; which, is seen one by one
             return None
-        return list(zip(*columns, strict=True))
+        return list(zip(*columns, strict=True)) if columns else None
 
     def _columns(self, texts: Sequence[str]) -> list[Column]:
         """The first values of all texts, the second, and so on; Malformed if not equally many."""
@@ -82,7 +85,7 @@ def _around_list(inner: str) -> tuple[str, str, str]:
     """
     before, opening, rest = inner.partition("(")
     listed, closing, behind = rest.partition(")")
-    apart = before[-1:] in ("", ",") and behind[:1] in ("", ",")
+    apart = before[-1:] in ("", ",") and behind[:1] in ("", ",") and before != "," != behind
     if not (opening and closing and apart) or "(" in listed or "(" in behind or ")" in behind:
         raise Malformed("no list, or more than one")
     return before[:-1], listed, behind[1:]

@@ -9,8 +9,7 @@ from beamcam.readers.ifc.step import MISSING, records
 from beamcam.readers.ifc.tuples import KINDS, tuples
 from beamcam.readers.ifc.values import Tokens, Values, text_of
 
-
-#: Classes of which a member has many, so that all their records are read when one is asked for.
+#: Classes of which a model has many: all their values are read when those of one are asked for.
 MANY = frozenset(
     (
         "IFCARBITRARYCLOSEDPROFILEDEF",
@@ -27,6 +26,7 @@ MANY = frozenset(
         "IFCPLANE",
         "IFCPOLYLINE",
         "IFCPRODUCTDEFINITIONSHAPE",
+        "IFCRELVOIDSELEMENT",
         "IFCROUNDEDRECTANGLEPROFILEDEF",
         "IFCSHAPEREPRESENTATION",
     )
@@ -205,7 +205,7 @@ class File:
         return self.tokens.values(self._records.inner(index))
 
     def fill(self, entity: Entity) -> None:
-        """Give an entity its values, and with it all of a class that has many. Raises Malformed."""
+        """Give an entity its values, and with it all others of one of MANY. Raises Malformed."""
         kind = self._records.kind(entity.index)
         if kind not in self._unread or not self._fill_class(kind):
             entity.values = self.values(entity.index)
