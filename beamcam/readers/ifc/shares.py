@@ -42,6 +42,8 @@ def _by_processes(
     from multiprocessing import get_context
 
     stretches = [range(i, min(i + SHARE, count)) for i in range(0, count, SHARE)]
+    # What the model's members have in common is read with the first of them: here, for all.
+    yield share(stretches.pop(0))
     # `share` reaches a forked process as it is; what initargs hold is not pickled then.
     pool = ProcessPoolExecutor(workers, get_context("fork"), _begin, (share,))
     try:

@@ -25,16 +25,18 @@ def test_shares_come_in_order_and_leave_nothing_out(count: int, workers: int) ->
 
 
 def test_a_large_number_is_shared_by_other_processes() -> None:
-    pids = set(shares(lambda _: os.getpid(), WORTH, 2))
+    first, *others = shares(lambda _: os.getpid(), WORTH, 2)
 
-    assert os.getpid() not in pids
+    assert first == os.getpid()  # which has then read what all share
+    assert others
+    assert os.getpid() not in others
 
 
 def test_a_small_number_is_not() -> None:
     assert set(shares(lambda _: os.getpid(), WORTH - 1, 2)) == {os.getpid()}
 
 
-@pytest.mark.parametrize("fatal", [0, SHARE, WORTH - 1])
+@pytest.mark.parametrize("fatal", [SHARE, 3 * SHARE, WORTH - 1])
 def test_what_a_killed_process_had_is_done_here(fatal: int) -> None:
     here = os.getpid()
 
@@ -49,16 +51,22 @@ def test_what_a_killed_process_had_is_done_here(fatal: int) -> None:
 
 
 def test_a_fault_in_a_process_is_raised_here() -> None:
-    def faulty(stretch: range) -> int:
-        raise AssertionError(f"at {stretch.start}")
+    here = os.getpid()
 
-    with pytest.raises(AssertionError, match="at 0"):
+    def faulty(stretch: range) -> int:
+        if os.getpid() != here:
+            raise AssertionError(f"at {stretch.start}")
+        return 0
+
+    with pytest.raises(AssertionError, match=f"at {SHARE}"):
         list(shares(faulty, WORTH, 2))
 
 
 def test_who_stops_listening_stops_the_processes() -> None:
     given = shares(squares, 100 * WORTH, 2)
     next(given)
+    next(given)
+    assert active_children()
 
     given.close()
 
