@@ -9,7 +9,7 @@ from beamcam.readers.ifc.entities import Entity, Model
 from beamcam.readers.ifc.member import Members, Taken
 from beamcam.readers.ifc.opening import open_file
 from beamcam.readers.ifc.options import Options, Progress, Selection
-from beamcam.readers.ifc.shares import shares
+from beamcam.readers.ifc.shares import HEAVY, SHARE, shares
 from beamcam.readers.reading import Reading
 
 CLASSES = ("IfcBeam", "IfcColumn", "IfcMember", "IfcPlate", "IfcDiscreteAccessory")
@@ -36,7 +36,8 @@ def _read(
     elements = list(_elements(model, selection))
     members = Members(model, elements, name, selection, options)
     taken = Taken()
-    for share in shares(members.share, len(elements), options.workers):
+    size = HEAVY if options.kernel else SHARE
+    for share in shares(members.share, len(elements), options.workers, size):
         taken.add(share)
         if progress is not None:
             progress(taken.ledger.total, len(elements))

@@ -8,8 +8,11 @@ from random import Random
 import pytest
 
 from beamcam.readers.ifc import Options, Selection, read
-from beamcam.readers.ifc.shares import SHARE, WORTH, shares
+from beamcam.readers.ifc.shares import HEAVY, SHARE, shares
+from beamcam.readers.ifc.shares import WORTH as SHARES
 from tests.property.ifc_builder import model_text, random_member
+
+WORTH = SHARES * SHARE
 
 
 def squares(stretch: range) -> list[int]:
@@ -34,6 +37,12 @@ def test_a_large_number_is_shared_by_other_processes() -> None:
 
 def test_a_small_number_is_not() -> None:
     assert set(shares(lambda _: os.getpid(), WORTH - 1, 2)) == {os.getpid()}
+
+
+def test_shares_that_take_long_are_small_and_shared_sooner() -> None:
+    _, *others = shares(lambda s: (os.getpid(), len(s)), SHARES * HEAVY, 2, HEAVY)
+
+    assert all(pid != os.getpid() and size == HEAVY for pid, size in others)
 
 
 @pytest.mark.parametrize("fatal", [SHARE, 3 * SHARE, WORTH - 1])
