@@ -68,16 +68,12 @@ class _Reader(Controller):
         self._resolution = resolution
         self._absolute_centre = False
         self._absolute_said = False
-        self._row = 0  #: M words since the last move
 
     def _is_simple(self) -> bool:
         return self._absolute_said and not self._absolute_centre and super()._is_simple()
 
     def _move(self, line: int, motion: int, words: dict[str, float]) -> None:
         self.block(line, "G", motion, words)
-
-    def _moved(self) -> None:
-        self._row = 0
 
     def block(self, line: int, command: str, number: int, words: dict[str, float]) -> None:
         """Carries out one block."""

@@ -3,6 +3,7 @@
 Plain moves wait until a block that is none, or the end, and are then carried out together.
 """
 
+from abc import ABC, abstractmethod
 from bisect import bisect_left
 from math import isnan, nan
 
@@ -14,8 +15,8 @@ from beamcam.verify.sheets.scan import PlainMoves
 from beamcam.verify.sheets.track import ArcFault, Track
 
 
-class Controller:
-    """The state of a controller between two blocks."""
+class Controller(ABC):
+    """The state of a controller between two blocks; each says how it carries out a move."""
 
     def __init__(self, name: str, controller: str, plain: PlainMoves) -> None:
         self.said: list[Diagnostic] = []
@@ -29,6 +30,7 @@ class Controller:
         self._feed = 0.0
         self._motion = -1
         self._absolute = True
+        self._row = 0  #: blocks since the last move that a controller limits, such as M words
         self._ends = 0
 
     def plain_until(self, line: int) -> None:
@@ -42,7 +44,7 @@ class Controller:
         if first < last:
             self._place, self._feed = self._track.run(first, last, self._place, self._feed)
             self._motion = int(self._plain.motion[last - 1])
-            self._moved()
+            self._row = 0
 
     def _is_simple(self) -> bool:
         """Whether moves are to where they say, and from somewhere."""
@@ -55,12 +57,9 @@ class Controller:
         words = {k: v for k, v in zip("XYIJF", numbers, strict=True) if not isnan(v)}
         self._move(int(plain.line[row]), int(plain.motion[row]), words)
 
+    @abstractmethod
     def _move(self, line: int, motion: int, words: dict[str, float]) -> None:
         """Carries out a block that is a motion and its words."""
-        raise NotImplementedError
-
-    def _moved(self) -> None:
-        """What else a move changes."""
 
     def _wrong(self, line: int, found: str, expected: str, rule: Rule = rules.WORD) -> None:
         self.said.append(rule.at(Source(self._name, line), found=found, expected=expected))
