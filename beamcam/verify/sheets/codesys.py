@@ -80,10 +80,7 @@ class _Reader(Controller):
         if self._ends:
             self._wrong(line, "a block behind the end", "M30 as the last one")
         if command == "M":
-            self._row += 1
-            if self._row == M_WORDS_IN_A_ROW + 1:
-                expected = f"at most {M_WORDS_IN_A_ROW}, or a move"
-                self._wrong(line, f"{self._row} M words in a row", expected)
+            self._in_a_row(line)
             self._ends += number in (2, 30)
             self._track.event(Switch(line, number, tuple(sorted(words.items()))))
         elif command == "G" and number not in _TRAVEL:
@@ -93,9 +90,16 @@ class _Reader(Controller):
                 self._motion = number
             self._travel(line, words)
 
+    def _in_a_row(self, line: int) -> None:
+        """Counts an M word or a dwell, which wait in one queue until a move or G75."""
+        self._row += 1
+        if self._row == M_WORDS_IN_A_ROW + 1:
+            expected = f"at most {M_WORDS_IN_A_ROW}, or a move"
+            self._wrong(line, f"{self._row} M words in a row", expected)
+
     def _setting(self, line: int, number: int, words: dict[str, float]) -> None:
         if number == 4 and set(words) == {"T"}:
-            self._row += 1
+            self._in_a_row(line)
             self._track.event(Pause(line, words["T"]))
         elif number in _BESIDE and set(words) <= {"D"}:
             self._track.event(Keep(line, _BESIDE[number], words.get("D", 0.0)))
@@ -103,7 +107,9 @@ class _Reader(Controller):
             self._absolute, self._absolute_said = number == 90, True
         elif number in (98, 99) and not words:
             self._absolute_centre = number == 98
-        elif not (number in (50, 53, 75) and not words):
+        elif number == 75 and not words:
+            self._row = 0
+        elif not (number in (50, 53) and not words):
             expected = "a G word that is known here, with its own letters"
             self._wrong(line, f"G{number:02}", expected)
 

@@ -29,6 +29,8 @@ def test_a_controller_that_does_not_say_how_it_moves_is_none() -> None:
     (FULL + "G02 X2 Y0 I1 J0 F10\n" + FULL, []),
     (FULL + "G06 X2 Y0 I1 J1 F10\n" + FULL, []),  # a block that is no plain move
     (FULL + "G40\n" + "M08\n", [68]),  # and one that is no move
+    (FULL + "G04 T1\n" + FULL, [67]),  # a dwell waits among them
+    (FULL + "G75\n" + FULL, []),
     (FULL + "G01 X1 F10\n" + FULL + "M08\n", [132]),
 ])  # fmt: skip
 def test_a_move_ends_a_row_of_m_words(blocks: str, found: list[int]) -> None:
