@@ -66,7 +66,8 @@ def run(
                         expected="no word there",
                     )
                 )
-            continue
+            if number != 4:
+                continue
         else:
             if command == "G":
                 travel = number

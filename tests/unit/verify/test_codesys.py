@@ -91,7 +91,8 @@ def test_arcs_that_would_be_lines(text: str, fault: str) -> None:
     ("G00 X1\n" + "M08\n" * 64 + "G00 X2\n" + "M08\n" * 64, 0),
     ("M08\n" * 64 + "G75\n" + "M08\n" * 64, 0),
     ("M08\n" * 64 + "G90\n" + "M08\n", 1),
-    ("M08\n" * 60 + "G04 T1\n" * 5, 0),  # the fifth is said at the next M word
+    ("M08\n" * 60 + "G04 T1\n" * 4, 0),
+    ("M08\n" * 60 + "G04 T1\n" * 5 + "G00 X1\n", 1),  # a dwell waits among them
     ("M08\n" * 60 + "G04 T1\n" * 4 + "M08\n", 1),
     ("G00 X1\n" + "M08\n" * 64 + "G00 X1\n" + "M08\n", 1),  # a move to where it stands is none
     ("M08\n" * 200, 1),
