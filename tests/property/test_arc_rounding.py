@@ -11,7 +11,8 @@ from hypothesis import strategies as st
 from beamcam.geometry.curves import Arc, Bezier, EllipseArc
 from beamcam.machine import load
 from beamcam.model.program import ArcFeed, EllipseFeed, Feed, Movement
-from beamcam.motion.arcs import Numbers, arc_feeds, ellipse_feeds, parabola_feed
+from beamcam.motion.arcs import arc_feeds, ellipse_feeds, parabola_feed
+from beamcam.motion.sheet import Pen
 from beamcam.verify.arcs import arc_fault as codesys_fault
 from beamcam.verify.sheets import codesys, grbl, linuxcnc, rs274
 
@@ -30,16 +31,6 @@ CHECKS: dict[str, Callable[[Point, Point, Point, bool], str | None]] = {
     "plate-linuxcnc": linuxcnc.arc_fault,
     "laser-grbl": grbl.arc_fault,
 }
-
-
-def numbers_of(machine: str) -> Numbers:
-    loaded = load(machine)
-    torch, form = loaded.torch, loaded.format
-    assert torch is not None
-    return Numbers(
-        form.length_decimals, form.angle_decimals, torch.tolerance / 4, torch.arc_limit,
-        torch.least_radius, torch.greatest_radius,
-    )  # fmt: skip
 
 
 def random_arc(random: Random) -> Arc:
@@ -70,7 +61,7 @@ def farthest(arc: Arc, start: Point, moves: list[Movement]) -> float:
 def test_random_arcs(machine: str) -> None:
     """None beyond its controller's limit, none whose sweep flips, none far from where it was."""
     random = Random(machine)
-    numbers = numbers_of(machine)
+    numbers = Pen(load(machine)).numbers
     check = CHECKS[machine]
     written = 0
     for number in range(COUNT):
@@ -98,7 +89,7 @@ def test_random_arcs(machine: str) -> None:
 
 def test_the_check_sees_a_flipped_arc() -> None:
     """With the centre rounded and not solved again, some of the same arcs are refused."""
-    numbers = numbers_of("plate-codesys")
+    numbers = Pen(load("plate-codesys")).numbers
     random = Random(7)
     refused = 0
     for _ in range(3000):
@@ -119,7 +110,7 @@ def test_ellipses_by_their_own_word(
     x: float, y: float, major: float, ratio: float, turn: float, start: float, sweep: float, s: int
 ) -> None:
     """What the controller solves from the written numbers lies on the ellipse, if it is written."""
-    numbers = numbers_of("plate-codesys")
+    numbers = Pen(load("plate-codesys")).numbers
     axis = (major * cos(turn * pi / 180), major * sin(turn * pi / 180))
     ellipse = EllipseArc((x, y), axis, ratio, start, s * sweep)
     here = numbers.at(ellipse.start)
@@ -153,7 +144,7 @@ def test_ellipses_by_their_own_word(
 def test_parabolas_by_their_vertex(
     x0: float, y0: float, x1: float, y1: float, x2: float, y2: float
 ) -> None:
-    numbers = numbers_of("plate-codesys")
+    numbers = Pen(load("plate-codesys")).numbers
     curve = Bezier(((x0, y0), (x1, y1), (x2, y2)))
     here = numbers.at(curve.start)
     for move in parabola_feed(here, curve, numbers):

@@ -12,6 +12,7 @@ from beamcam.geometry.plane import Point
 from beamcam.machine import load
 from beamcam.model.program import ArcFeed, Feed, Movement
 from beamcam.motion.arcs import Numbers, arc_feeds
+from beamcam.motion.sheet import Pen
 from beamcam.motion.sure import sure_moves
 
 #: Coordinates that lie on the written steps, between two of them, or anywhere.
@@ -35,16 +36,6 @@ chains = st.lists(
     st.lists(st.one_of(lines, arcs, free), min_size=1, max_size=6), min_size=1, max_size=4
 )
 MACHINES = ("plate-linuxcnc", "plate-codesys", "laser-grbl")
-
-
-def numbers_of(machine: str) -> Numbers:
-    loaded = load(machine)
-    torch, form = loaded.torch, loaded.format
-    assert torch is not None
-    return Numbers(
-        form.length_decimals, form.angle_decimals, torch.tolerance / 4, torch.arc_limit,
-        torch.least_radius, torch.greatest_radius,
-    )  # fmt: skip
 
 
 def moves_alone(here: Point, curve: Curve, numbers: Numbers) -> list[Movement]:
@@ -73,12 +64,12 @@ def disagreements(found: list[list[Curve]], numbers: Numbers) -> tuple[int, int]
 @settings(max_examples=150, deadline=None)
 @given(found=chains)
 def test_a_sure_move_is_the_curves_own(machine: str, found: list[list[Curve]]) -> None:
-    assert disagreements(found, numbers_of(machine))[1] == 0
+    assert disagreements(found, Pen(load(machine)).numbers)[1] == 0
 
 
 @pytest.mark.parametrize("machine", MACHINES)
 def test_nearly_all_moves_of_a_drawing_are_sure(machine: str) -> None:
-    random, numbers = Random(machine), numbers_of(machine)
+    random, numbers = Random(machine), Pen(load(machine)).numbers
     found: list[list[Curve]] = []
     for _ in range(300):
         chain: list[Curve] = []
@@ -99,7 +90,7 @@ def test_nearly_all_moves_of_a_drawing_are_sure(machine: str) -> None:
 
 
 def test_what_rounding_decides_is_not_sure() -> None:
-    numbers = numbers_of("plate-linuxcnc")
+    numbers = Pen(load("plate-linuxcnc")).numbers
     half = numbers.step / 2
     on_a_half = Line((0.0, 0.0), (5 + half, 1.0))
     after_it = Line(on_a_half.end, (9.0, 9.0))
@@ -111,7 +102,7 @@ def test_what_rounding_decides_is_not_sure() -> None:
 
 
 def test_an_arc_at_a_limit_is_not_sure() -> None:
-    numbers = numbers_of("plate-linuxcnc")
+    numbers = Pen(load("plate-linuxcnc")).numbers
     flat_rad = (8 * numbers.step / 2 / 10.0) ** 0.5
     flat, bent = (Arc((0.0, 0.0), 10.0, 0.0, share * flat_rad / radians(1)) for share in (1.0, 2.0))
     assert list(sure_moves([[flat]], numbers)) == [[None]]
@@ -120,4 +111,4 @@ def test_an_arc_at_a_limit_is_not_sure() -> None:
 
 
 def test_no_chains_have_no_moves() -> None:
-    assert list(sure_moves([], numbers_of("plate-linuxcnc"))) == []
+    assert list(sure_moves([], Pen(load("plate-linuxcnc")).numbers)) == []
