@@ -20,7 +20,7 @@ files = st.sampled_from(FILES)
 places = st.floats(0, 1, exclude_max=True)
 
 
-def check(data: bytes) -> None:
+def assert_accounted_for(data: bytes) -> None:
     """Read `data` and see that each of its data lines is in the part or in a diagnostic."""
     looks_like(data)
     reading, account = read_with_account(data, "damaged.nc1")
@@ -50,7 +50,7 @@ def test_bytes_changed(data, changes):
     damaged = bytearray(data)
     for place, value in changes:
         damaged[int(place * len(damaged))] = value
-    check(bytes(damaged))
+    assert_accounted_for(bytes(damaged))
 
 
 @SETTINGS
@@ -60,7 +60,7 @@ def test_lines_dropped(data, drops):
     for place in drops:
         if lines:
             del lines[int(place * len(lines))]
-    check(b"\n".join(lines))
+    assert_accounted_for(b"\n".join(lines))
 
 
 @SETTINGS
@@ -69,19 +69,19 @@ def test_lines_doubled_elsewhere(data, copies):
     lines = data.split(b"\n")
     for source, target in copies:
         lines.insert(int(target * len(lines)), lines[int(source * len(lines))])
-    check(b"\n".join(lines))
+    assert_accounted_for(b"\n".join(lines))
 
 
 @SETTINGS
 @given(files, places, st.sampled_from([b"", b"\r\n", b"\x1a", b"\x00", b"\nEN\n"]))
 def test_cut_off(data, place, end):
-    check(data[: int(place * len(data))] + end)
+    assert_accounted_for(data[: int(place * len(data))] + end)
 
 
 @settings(max_examples=100, deadline=None)
 @given(st.binary(max_size=200))
 def test_any_bytes(data):
-    check(data)
+    assert_accounted_for(data)
 
 
 @settings(max_examples=100, deadline=None)
@@ -89,7 +89,7 @@ def test_any_bytes(data):
 def test_a_row_of_any_signs(data, row, place):
     lines = data.split(b"\n")
     lines.insert(place, b"  " + row.encode())
-    check(b"\n".join(lines))
+    assert_accounted_for(b"\n".join(lines))
 
 
 @pytest.mark.parametrize("count", [2000])
@@ -98,8 +98,8 @@ def test_thousands_of_blocks_and_comments(count):
     head = FILES[PATHS.index(SAMPLES / "dstv" / "plate.nc1")].split(b"AK\n")[0]
     square = b"  v 10.0 10.0\n 20.0 10.0\n 20.0 20.0\n 10.0 10.0\n"
     for block in (b"IK\n" + square, b"E1\n 0 0 0\n 100 0 0\n 0 100 0\n", b"** x\nSI\n"):
-        check(head + block * count + b"EN\n")
+        assert_accounted_for(head + block * count + b"EN\n")
     rows = b"".join(
         b"  v %d.0 10.0\n %d.5 10.0\n %d.5 20.0\n %d.0 10.0\n" % ((i,) * 4) for i in range(count)
     )
-    check(head + b"IK\n" + rows + b"EN\n")
+    assert_accounted_for(head + b"IK\n" + rows + b"EN\n")

@@ -94,19 +94,19 @@ def best_cost(ops: Sequence[Operation], layout: Layout) -> tuple[float, int]:
 @settings(max_examples=150, deadline=None)
 @given(ops=strokes(5))
 def test_five_strokes(ops: list[Operation]) -> None:
-    check(ops, "saw-drill")
+    assert_best_order(ops, "saw-drill")
 
 
 @settings(max_examples=60, deadline=None)
 @given(ops=strokes(6), layout=st.sampled_from(("saw-drill", "drill-saw")))
 def test_six_strokes(ops: list[Operation], layout: Layout) -> None:
-    check(ops, layout)
+    assert_best_order(ops, layout)
 
 
 @settings(max_examples=25, deadline=None)
 @given(ops=strokes(7))
 def test_seven_strokes(ops: list[Operation]) -> None:
-    check(ops, "saw-drill")
+    assert_best_order(ops, "saw-drill")
 
 
 @settings(max_examples=25, deadline=None)
@@ -119,10 +119,10 @@ def test_strokes_and_cuts_where_the_drill_comes_first(ops: list[Operation], seco
         SawOp(2000.0, 0.0, "parting", (0,), SOURCE),
         SawOp(second, 0.0, "parting", (1,), SOURCE),
     ]
-    check([*ops, *cuts], "drill-saw")
+    assert_best_order([*ops, *cuts], "drill-saw")
 
 
-def check(ops: list[Operation], layout: Layout) -> None:
+def assert_best_order(ops: list[Operation], layout: Layout) -> None:
     order = sort_along_x(ops, RESOLUTION, layout)
     assert sorted(map(id, order)) == sorted(map(id, ops))
     assert is_allowed(order, layout)
