@@ -1,4 +1,7 @@
-"""Ways to break a bar program in one place, and ways to rewrite it that change nothing."""
+"""Ways to break a bar program in one place, and ways to rewrite it that change nothing.
+
+A mutation gives None where there is nothing for it to break, whatever was done to the text before.
+"""
 
 import random
 import re
@@ -21,22 +24,27 @@ def _pick(lines: Sequence[str], rng: random.Random, pattern: str) -> int | None:
 
 
 def drop(lines: list[str], rng: random.Random, _: float) -> list[str] | None:
-    at = rng.choice(_blocks(lines))
-    return lines[:at] + lines[at + 1 :]
+    at = _pick(lines, rng, "^N")
+    return None if at is None else lines[:at] + lines[at + 1 :]
 
 
 def double(lines: list[str], rng: random.Random, _: float) -> list[str] | None:
-    at = rng.choice(_blocks(lines))
-    return lines[: at + 1] + lines[at:]
+    at = _pick(lines, rng, "^N")
+    return None if at is None else lines[: at + 1] + lines[at:]
 
 
 def swap(lines: list[str], rng: random.Random, _: float) -> list[str] | None:
-    at = rng.choice(_blocks(lines)[:-1])
+    blocks = _blocks(lines)
+    if len(blocks) < 2:
+        return None
+    at = rng.choice(blocks[:-1])
     return [*lines[:at], lines[at + 1], lines[at], *lines[at + 2 :]]
 
 
 def swap_far(lines: list[str], rng: random.Random, _: float) -> list[str] | None:
     blocks = _blocks(lines)
+    if not blocks:
+        return None
     a, b = rng.choice(blocks), rng.choice(blocks)
     result = list(lines)
     result[a], result[b] = result[b], result[a]
@@ -48,21 +56,28 @@ def _replace(lines: list[str], at: int, word: re.Match[str], new: str) -> list[s
     return [*lines[:at], line[: word.start()] + new + line[word.end() :], *lines[at + 1 :]]
 
 
-def _some_word(lines: list[str], rng: random.Random) -> tuple[int, re.Match[str]]:
-    at = rng.choice([i for i in _blocks(lines) if _WORD.search(lines[i])])
+def _some_word(lines: list[str], rng: random.Random) -> tuple[int, re.Match[str]] | None:
+    blocks = [i for i in _blocks(lines) if _WORD.search(lines[i])]
+    if not blocks:
+        return None
+    at = rng.choice(blocks)
     return at, rng.choice(list(_WORD.finditer(lines[at])))
 
 
 def flip_sign(lines: list[str], rng: random.Random, _: float) -> list[str] | None:
-    at, word = _some_word(lines, rng)
-    if float(word[2]) == 0:
+    found = _some_word(lines, rng)
+    if found is None or float(found[1][2]) == 0:
         return None
+    at, word = found
     digits = word[2][1:] if word[2].startswith("-") else f"-{word[2]}"
     return _replace(lines, at, word, word[1] + digits)
 
 
 def change_digit(lines: list[str], rng: random.Random, step: float) -> list[str] | None:
-    at, word = _some_word(lines, rng)
+    found = _some_word(lines, rng)
+    if found is None:
+        return None
+    at, word = found
     places = [i for i, c in enumerate(word[2]) if c.isdigit()]
     place = rng.choice(places)
     digit = rng.choice([d for d in "0123456789" if d != word[2][place]])
@@ -85,9 +100,9 @@ def wrong_spindle(lines: list[str], rng: random.Random, _: float) -> list[str] |
     at = _pick(lines, rng, r"M40 K")
     if at is None:
         return None
-    number = re.search(r"M40 K(\d+)", lines[at])
+    number = re.search(r"M40 K(\S*)", lines[at])
     other = rng.choice([str(n) for n in (*FACES, PAIR) if str(n) != number[1]])  # type: ignore[index]
-    return [*lines[:at], re.sub(r"M40 K\d+", f"M40 K{other}", lines[at]), *lines[at + 1 :]]
+    return [*lines[:at], re.sub(r"M40 K\S*", f"M40 K{other}", lines[at]), *lines[at + 1 :]]
 
 
 def wrong_diameter(lines: list[str], rng: random.Random, _: float) -> list[str] | None:
@@ -113,7 +128,7 @@ def drop_m_word(lines: list[str], rng: random.Random, _: float) -> list[str] | N
 
 
 def other_m_word(lines: list[str], rng: random.Random, _: float) -> list[str] | None:
-    at = _pick(lines, rng, r" M\d+")
+    at = _pick(lines, rng, r" M\d\d")
     if at is None:
         return None
     number = re.search(r" M(\d)(\d)", lines[at])
@@ -123,7 +138,8 @@ def other_m_word(lines: list[str], rng: random.Random, _: float) -> list[str] | 
 
 
 def truncate(lines: list[str], rng: random.Random, _: float) -> list[str] | None:
-    return lines[: rng.choice(_blocks(lines))]
+    at = _pick(lines, rng, "^N")
+    return None if at is None else lines[:at]
 
 
 MUTATIONS: tuple[Mutate, ...] = (
@@ -152,6 +168,8 @@ def respaced(text: str, rng: random.Random) -> str:
 
 def commented(text: str, rng: random.Random) -> str:
     lines = text.split("\n")
+    if len(lines) < 5:
+        return text
     for _ in range(5):
         lines.insert(rng.randrange(1, len(lines) - 2), "(checked by hand, X1 and M30)")
     at = rng.randrange(1, len(lines) - 3)

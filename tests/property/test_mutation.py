@@ -3,8 +3,10 @@
 import random
 
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
-from benchmarks.mutants import MUTATIONS, REWRITES
+from benchmarks.mutants import MUTATIONS, REWRITES, Mutate, wrong_spindle
 from benchmarks.mutation import Case, Score, cases, changed, outcome, score
 
 MUTANTS = 2000
@@ -53,3 +55,32 @@ def test_the_outcome_tells_a_change_from_none(programs: list[Case]) -> None:
     assert changed(before, outcome(shifted), case.parts[0], step)
     assert not changed(before, outcome(case.text), case.parts[0], step)
     assert not changed(before, outcome(case.text.replace(" F1", " F2")), case.parts[0], step)
+
+
+@settings(max_examples=150)
+@given(st.randoms(use_true_random=False), st.integers(0, 100))
+def test_mutations_follow_one_another(programs: list[Case], rng: random.Random, pick: int) -> None:
+    """Each takes what those before it left, down to a program of nothing."""
+    case = programs[pick % len(programs)]
+    text = case.text
+    for _ in range(8):
+        before = text.split("\n")
+        after = rng.choice(MUTATIONS)(list(before), rng, case.machine.format.resolution)
+        assert after is None or abs(len(after) - len(before)) <= len(before)
+        text = "\n".join(before if after is None else after)
+        if rng.random() < 0.2:
+            text = rng.choice(REWRITES)(text, rng)
+
+
+@pytest.mark.parametrize("mutate", MUTATIONS)
+def test_nothing_is_not_broken(mutate: Mutate) -> None:
+    for text in ("", "%", "% P1\n\n(N1 G90)", "N1"):
+        after = mutate(text.split("\n"), random.Random(1), 0.001)
+        assert after is None or "N1" in text
+
+
+@pytest.mark.parametrize("word", ["K-2", "K2.5", "K", "K13"])
+def test_a_spindle_of_any_number_becomes_another(word: str) -> None:
+    after = wrong_spindle([f"N1 M40 {word} L14"], random.Random(1), 0.001)
+    assert after in ([f"N1 M40 K{n} L14"] for n in (1, 2, 3, 13))
+    assert after != [f"N1 M40 {word} L14"]
