@@ -10,7 +10,6 @@ A fixed loop of plain Python is timed beside every run, so that figures of slow 
 can be read: a file costs so many loops, whatever the machine.
 """
 
-import argparse
 import os
 import random
 import resource
@@ -21,6 +20,8 @@ import tempfile
 import time
 from pathlib import Path
 from typing import NamedTuple
+
+from script import arguments, at_least, start
 
 ROOT = Path(__file__).resolve().parent.parent
 BATCH = "import sys; from beamcam.cli import main; main()"
@@ -129,12 +130,10 @@ def shown(run: Run, files: int, jobs: int, first: Run) -> str:
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawTextHelpFormatter
-    )
-    parser.add_argument("--files", type=int, default=5000)
-    parser.add_argument("--jobs", type=int, nargs="+", default=[1, 2])
-    parser.add_argument("--repeat", type=int, default=3)
+    parser = arguments(__doc__)
+    parser.add_argument("--files", type=at_least(10), default=5000, help="default 5000")
+    parser.add_argument("--jobs", type=at_least(1), nargs="+", default=[1, 2], help="default 1 2")
+    parser.add_argument("--repeat", type=at_least(1), default=3, help="runs of each; default 3")
     parser.add_argument("--folder", help="where inputs and outputs lie; default the system's")
     parser.add_argument("--profile", help="write where the time of one worker goes, by cProfile")
     chosen = parser.parse_args()
@@ -182,4 +181,4 @@ def main() -> None:
 
 
 if __name__ == "__main__":
-    main()
+    start(main)

@@ -1,15 +1,16 @@
 """Prints points a second of the densifier, its lead over a plain loop, and its memory.
 
-Run: python benchmarks/densify.py
+python benchmarks/densify.py
 """
 
 import random
-import sys
 import time
 import tracemalloc
 from collections.abc import Callable, Sequence
 from itertools import pairwise
 from math import ceil, cos, hypot, inf, pi, radians, sin
+
+from script import arguments, start
 
 from beamcam.geometry.curves import Arc, Bezier, Curve, EllipseArc, NewtonCurve
 from beamcam.geometry.newton import newton_coefficients
@@ -109,7 +110,8 @@ def run(paths: Sequence[tuple[Curve, ...]], rules: DensifyRules) -> int:
     return sum(densify(path, rules).certificate.points for path in paths)
 
 
-def main() -> int:
+def main() -> None:
+    arguments(__doc__).parse_args()
     rules = DensifyRules(TOLERANCE)
     print(f"tolerance {TOLERANCE} mm, one core")
     print(f"{'curves':12} {'points':>9} {'points/s':>12} {'plain loop/s':>12} {'ratio':>7}")
@@ -147,8 +149,7 @@ def main() -> int:
         peak = tracemalloc.get_traced_memory()[1]
         tracemalloc.stop()
         print(f"{count:9} {peak / 1e6:8.1f} {peak / count:12.1f}")
-    return 0
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    start(main)

@@ -21,6 +21,7 @@ from time import process_time
 from typing import TypeVar
 
 import make_drawing
+from script import arguments, start
 
 from beamcam.collector import collector_resting
 from beamcam.emitters import cutting
@@ -69,8 +70,11 @@ def by_ezdxf(path: Path, tolerance: float) -> int:
 
 def main() -> None:
     """Runs all and prints the table."""
+    parser = arguments(__doc__)
+    parser.add_argument("--kerf", action="store_true", help="keep off by half a kerf, lead in")
+    kerf: bool = parser.parse_args().kerf
     machine = load("plate-linuxcnc")
-    if "--kerf" not in sys.argv:
+    if not kerf:
         machine = with_torch(machine, None, 0.0, lead="none")
     assert machine.torch is not None
     tolerance = machine.torch.tolerance
@@ -83,7 +87,7 @@ def main() -> None:
         print(f"ezdxf reads and flattens    {theirs:7.2f} s   {chords} moves")
         for path in (dxf, svg):
             report(path, machine, theirs, chords)
-        compare_processes(dxf, tolerance, "--kerf" in sys.argv)
+        compare_processes(dxf, tolerance, kerf)
 
 
 def report(path: Path, machine: Machine, theirs: float, chords: int) -> None:
@@ -124,4 +128,4 @@ def compare_processes(path: Path, tolerance: float, kerf: bool) -> None:
 
 
 if __name__ == "__main__":
-    main()
+    start(main)

@@ -7,7 +7,6 @@ files are read from disk once and parsed ROUNDS times; the best of twenty stretc
 other work on the machine only ever makes a stretch slower.
 """
 
-import argparse
 import cProfile
 import pstats
 import sys
@@ -17,15 +16,16 @@ from pathlib import Path
 sys.path.insert(0, str(Path(__file__).parents[1]))
 
 from beamcam.readers.dstv import read
+from benchmarks.script import arguments, at_least, start
 
 STRETCHES = 20
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__)
+    parser = arguments(__doc__)
     samples = Path(__file__).parents[1] / "samples" / "dstv"
     parser.add_argument("folder", nargs="?", type=Path, default=samples)
-    parser.add_argument("--rounds", type=int, default=100)
+    parser.add_argument("--rounds", type=at_least(1), default=100, help="default 100")
     parser.add_argument("--profile", action="store_true", help="show where the time goes")
     options = parser.parse_args()
     paths = [p for p in options.folder.rglob("*") if p.suffix.lower() in (".nc", ".nc1")]
@@ -57,4 +57,4 @@ def read_all(files: list[tuple[bytes, str]], rounds: int) -> float:
 
 
 if __name__ == "__main__":
-    main()
+    start(main)

@@ -6,11 +6,11 @@ Prints lines a second of processor time of both, best of five in turns, and thei
 same for arcs, whose lines have four numbers. Both texts are compared.
 """
 
-import sys
 from collections.abc import Callable
 from time import process_time
 
 import numpy as np
+from script import arguments, at_least, start
 
 from beamcam.emitters.columns import lines
 from beamcam.emitters.numbers import number
@@ -37,7 +37,9 @@ def seconds(work: Callable[[], object]) -> float:
 
 def main() -> None:
     """Runs both and prints the table."""
-    count = int(sys.argv[1]) if len(sys.argv) > 1 else 1_000_000
+    parser = arguments(__doc__)
+    parser.add_argument("lines", nargs="?", type=at_least(1), default=1_000_000)
+    count: int = parser.parse_args().lines
     random = np.random.default_rng(1)
     for kind, template in TEMPLATES.items():
         names = "xy" if kind == "lines" else "xyij"
@@ -58,4 +60,4 @@ def main() -> None:
 
 
 if __name__ == "__main__":
-    main()
+    start(main)

@@ -20,6 +20,8 @@ from random import Random
 ROOT = Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(ROOT))
 
+from benchmarks.script import arguments, start  # noqa: E402
+
 MEMBERS = {"tekla": 3000, "csg": 1000, "openings": 1000, "outline": 1000, "brep": 60}
 REPEATS = 3
 
@@ -39,23 +41,23 @@ def made(encoding: str, count: int, folder: Path) -> Path:
     return path
 
 
-def measure(path: str) -> dict[str, float]:
+def measure(path: Path) -> dict[str, float]:
     """Seconds of opening and of reading, the members read, and the memory that took."""
     import ifcopenshell
 
     from beamcam.commands.common import cores
     from beamcam.readers.ifc import Options, read
 
-    data = Path(path).read_bytes()
+    data = path.read_bytes()
     opened, alone, shared = [], [], []
     for _ in range(REPEATS):
         start = time.perf_counter()
-        file = ifcopenshell.open(path)
+        file = ifcopenshell.open(str(path))
         opened.append(time.perf_counter() - start)
         del file
         for took, workers in ((alone, 1), (shared, cores())):
             start = time.perf_counter()
-            reading = read(data, path, options=Options(workers=workers))
+            reading = read(data, str(path), options=Options(workers=workers))
             took.append(time.perf_counter() - start)
     peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
     return {
@@ -74,15 +76,19 @@ def in_own_process(path: Path) -> dict[str, float]:
     return row
 
 
-def main(models: list[str]) -> None:
+def main() -> None:
+    parser = arguments(__doc__)
+    parser.add_argument("models", nargs="*", type=Path, metavar="MODEL")
+    parser.add_argument("--one", type=Path, help="read one model and print its row as JSON")
+    asked = parser.parse_args()
+    if asked.one:
+        print(json.dumps(measure(asked.one)))
+        return
     print(
         "model              MB  members  open s  read s  ratio  all cores  ratio  members/s peak MB"
     )
     with tempfile.TemporaryDirectory() as folder:
-        paths = [Path(m) for m in models]
-        if not paths:
-            paths = [made(name, count, Path(folder)) for name, count in MEMBERS.items()]
-        for path in paths:
+        for path in asked.models or [made(*row, Path(folder)) for row in MEMBERS.items()]:
             row = in_own_process(path)
             alone, shared = (row[key] / row["open_s"] for key in ("alone_s", "shared_s"))
             print(
@@ -94,7 +100,4 @@ def main(models: list[str]) -> None:
 
 
 if __name__ == "__main__":
-    if sys.argv[1:2] == ["--one"]:
-        print(json.dumps(measure(sys.argv[2])))
-    else:
-        main(sys.argv[1:])
+    start(main)

@@ -1,12 +1,12 @@
 """Prints how the time of the look-ahead grows with the segments, on rough and smooth paths.
 
-Run: python benchmarks/lookahead.py
+python benchmarks/lookahead.py
 """
 
-import sys
 import time
 
 import numpy as np
+from script import arguments, start
 
 from beamcam.geometry.curves import Arc
 from beamcam.motion.densify import DensifyRules, densify
@@ -14,7 +14,8 @@ from beamcam.motion.lookahead import LookAheadRules, plan_speeds
 from beamcam.motion.profile import Limits
 
 
-def main() -> int:
+def main() -> None:
+    arguments(__doc__).parse_args()
     axis = Limits(200.0, 1000.0, 20_000.0)
     rules = LookAheadRules((axis, axis))
     dice = np.random.default_rng(1)
@@ -33,8 +34,7 @@ def main() -> int:
                 f"{name:8} {segments:9} {spent:8.2f} {spent / segments * 1e6:11.1f} "
                 f"{path.duration_s:10.1f}"
             )
-    return 0
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    start(main)

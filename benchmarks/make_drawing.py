@@ -1,16 +1,17 @@
 """Writes one drawing as DXF and as SVG, the same for the same seed: plates with holes and slots.
 
-    python benchmarks/make_drawing.py FOLDER [SEGMENTS ARCS SPLINES [SEED]]
+    python benchmarks/make_drawing.py FOLDER [--segments 20000] [--arcs 2000] [--splines 500]
 
 Straight segments are the sides of polygons, drawn as LINE entities and as a polyline each in turn;
 arcs are the ends of slots, circles and lone arcs; splines are closed cubic B-splines, of the kind
 that text as curves gives. Everything is drawn in red, in mm, no two contours touching.
 """
 
-import sys
 from math import cos, pi, sin
 from pathlib import Path
 from random import Random
+
+from script import arguments, at_least, start
 
 CELL = 24.0  #: mm between the centres of two figures
 SIDES = 40  #: of a polygon
@@ -147,13 +148,19 @@ def _bezier_path(corners: list[Point], at: object) -> str:
 
 def main() -> None:
     """Writes drawing.dxf and drawing.svg."""
-    folder = Path(sys.argv[1])
-    numbers = [int(a) for a in sys.argv[2:]] or [20_000, 2_000, 500]
-    drawing = make(*numbers[:3], *numbers[3:4])
+    parser = arguments(__doc__)
+    parser.add_argument("folder", type=Path)
+    parser.add_argument("--segments", type=at_least(0), default=20_000, help="default 20000")
+    parser.add_argument("--arcs", type=at_least(0), default=2_000, help="default 2000")
+    parser.add_argument("--splines", type=at_least(0), default=500, help="default 500")
+    parser.add_argument("--seed", type=int, default=1, help="default 1")
+    asked = parser.parse_args()
+    folder = asked.folder
+    drawing = make(asked.segments, asked.arcs, asked.splines, asked.seed)
     folder.mkdir(parents=True, exist_ok=True)
     write_dxf(drawing, folder / "drawing.dxf")
     write_svg(drawing, folder / "drawing.svg")
 
 
 if __name__ == "__main__":
-    main()
+    start(main)

@@ -15,6 +15,7 @@ ROOT = Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(ROOT))
 
 from beamcam.model.catalogue import sections  # noqa: E402
+from benchmarks.script import arguments, at_least, start  # noqa: E402
 from tests.property.ifc_builder import HoleSpec, Member, Writer, walls  # noqa: E402
 
 SETS = {
@@ -91,9 +92,13 @@ def model(count: int, seed: str = "tekla") -> str:
     return writer.step.text()
 
 
-def main(out: str, count: str = "3000") -> None:
-    Path(out).write_text(model(int(count)), encoding="utf-8")
+def main() -> None:
+    parser = arguments(__doc__)
+    parser.add_argument("out", type=Path)
+    parser.add_argument("members", nargs="?", type=at_least(1), default=3000, help="default 3000")
+    asked = parser.parse_args()
+    asked.out.write_text(model(asked.members), encoding="utf-8")
 
 
 if __name__ == "__main__":
-    main(*sys.argv[1:])
+    start(main)

@@ -9,7 +9,6 @@ look different (renumbered, respaced, commented, leading zeros) have to raise no
     python benchmarks/mutation.py [--mutants 2000] [--seed 1]
 """
 
-import argparse
 import random
 import sys
 from collections import Counter
@@ -29,6 +28,7 @@ from beamcam.pipeline import parts_of, post, read_file
 from beamcam.planning import SKIP_NAMES
 from beamcam.verify import FeatureRef, verify
 from benchmarks.mutants import FACES, MUTATIONS, REWRITES
+from benchmarks.script import arguments, at_least, start
 
 ROOT = Path(__file__).resolve().parent.parent
 MACHINES = ("beamline", "beamline-annex", "beamline-pusher")
@@ -186,10 +186,10 @@ def score(mutants: int, seed: int, programs: Sequence[Case] | None = None) -> Sc
 
 
 def main() -> None:
-    arguments = argparse.ArgumentParser(description=__doc__)
-    arguments.add_argument("--mutants", type=int, default=2000)
-    arguments.add_argument("--seed", type=int, default=1)
-    asked = arguments.parse_args()
+    parser = arguments(__doc__)
+    parser.add_argument("--mutants", type=at_least(1), default=2000, help="default 2000")
+    parser.add_argument("--seed", type=int, default=1, help="default 1")
+    asked = parser.parse_args()
     result = score(asked.mutants, asked.seed)
     for name in result.made:
         print(f"{name:15} {result.caught[name]:5} of {result.made[name]:5} caught")
@@ -210,4 +210,4 @@ def main() -> None:
 
 
 if __name__ == "__main__":
-    main()
+    start(main)

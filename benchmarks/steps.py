@@ -4,10 +4,9 @@ The measure is what numpy needs for a cumulative sum, a sort and `tofile` of as 
 table is timed from the planned motion to the file; planning the motion is printed beside it. All
 take turns, so that whatever else the machine does meets each of them, and processor time counts.
 
-Run: python benchmarks/steps.py [millions of rows]
+    python benchmarks/steps.py [MILLIONS]
 """
 
-import sys
 import tempfile
 import time
 import tracemalloc
@@ -15,6 +14,7 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import numpy as np
+from script import arguments, start
 
 from beamcam.emitters.step_table import as_bytes, as_text
 from beamcam.geometry.curves import Arc, Curve, Line
@@ -58,7 +58,10 @@ def written(path: Path, pieces: Iterator[bytes]) -> None:
             file.write(piece)
 
 
-def main(millions: float) -> int:
+def main() -> None:
+    parser = arguments(__doc__)
+    parser.add_argument("millions", nargs="?", type=float, default=1.0, help="of rows; default 1")
+    millions: float = parser.parse_args().millions
     stepper = load("laser-stepper").stepper
     if stepper is None:
         raise TypeError("laser-stepper has no stepping motors")
@@ -104,7 +107,6 @@ def main(millions: float) -> int:
         print(f"memory of {memory(turns, stepper)}")
     for turns in (1, 4, 16):
         print(f"memory of reading back {memory_of_reading(turns)}")
-    return 0
 
 
 def memory_of_reading(turns: int) -> str:
@@ -152,4 +154,4 @@ def memory(turns: int, stepper: object) -> str:
 
 
 if __name__ == "__main__":
-    sys.exit(main(float(sys.argv[1]) if len(sys.argv) > 1 else 1.0))
+    start(main)
