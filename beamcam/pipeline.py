@@ -130,6 +130,20 @@ def counted(reading: Reading) -> Sequence[Part]:
     return equal_parts(reading.parts)
 
 
+def sound(reading: Reading) -> Reading:
+    """A reading with those of its parts only that no error is said of.
+
+    Errors of a model name their members, which are parts of their own; in any other file they
+    refuse all of it.
+    """
+    refused = {said.source.where for said in errors_in(reading.diagnostics)}
+    if not refused:
+        return reading
+    is_model = reading.format == "ifc"
+    parts = tuple([part for part in reading.parts if is_model and part.guid not in refused])
+    return replace(reading, parts=parts)
+
+
 def read_back(
     program: str | bytes,
     parts: Sequence[Part],

@@ -8,12 +8,13 @@ the part's mark too.
 """
 
 import unicodedata
-from collections.abc import Collection, Mapping
+from collections.abc import Mapping
 from string import Formatter
 
 from beamcam.machine.machine import Machine
 from beamcam.model.part import Part
 
+MOST_LETTERS = 80  #: as DSTV has it; a name of 255 bytes holds two such in most alphabets
 #: What a template may name, with a value to try it out.
 FIELDS: Mapping[str, str | int] = {
     "stem": "M58",  # the input's name without its suffix
@@ -48,8 +49,12 @@ def check_template(template: str) -> None:
 
 
 def cleaned(text: str) -> str:
-    """`text` as a part of a file's name: letters, digits and `-_.+`, everything else as `_`."""
-    return "".join(c if c.isalnum() or c in "-_.+" else "_" for c in text).strip(".")
+    """`text` as a part of a file's name: letters, digits and `-_.+`, everything else as `_`.
+
+    Of a longer one than any system takes the beginning.
+    """
+    short = text[:MOST_LETTERS]
+    return "".join(c if c.isalnum() or c in "-_.+" else "_" for c in short).strip(".")
 
 
 def output_name(
@@ -80,15 +85,28 @@ def output_name(
     return template.format_map(values)
 
 
-def numbered(name: str, taken: Collection[str]) -> str:
-    """`name`, with -2, -3, ... before its suffix if one that reads the same is taken."""
-    if folded(name) not in taken:
+class Names:
+    """Names of files that were given out, no two of which read the same on any system."""
+
+    def __init__(self) -> None:
+        self._owners: dict[str, str] = {}
+        self._last: dict[str, int] = {}  #: number given last, by the name that was wanted
+
+    def owner(self, name: str) -> str | None:
+        """The mark of the part that has the name; None where it is free."""
+        return self._owners.get(folded(name))
+
+    def take(self, name: str, mark: str) -> str:
+        """Give out `name`, with -2, -3, ... before its suffix if one that reads the same is."""
+        wanted = folded(name)
+        stem, dot, suffix = name.rpartition(".")
+        count = self._last.get(wanted, 1)
+        while folded(name) in self._owners:
+            count += 1
+            name = f"{stem}-{count}{dot}{suffix}"
+        self._last[wanted] = count
+        self._owners[folded(name)] = mark
         return name
-    stem, dot, suffix = name.rpartition(".")
-    count = 2
-    while folded(f"{stem}-{count}{dot}{suffix}") in taken:
-        count += 1
-    return f"{stem}-{count}{dot}{suffix}"
 
 
 def folded(name: str) -> str:

@@ -18,13 +18,13 @@ from msgspec.structs import replace
 
 from beamcam import __version__
 from beamcam.batch import rules
-from beamcam.batch.names import folded, numbered, output_name
+from beamcam.batch.names import Names, output_name
 from beamcam.collector import collector_resting
 from beamcam.errors import BeamcamError, PlanError, ReadError, Source, errors_in
 from beamcam.machine.machine import Formula, Machine
 from beamcam.model.part import Part
 from beamcam.model.plan import ContourOp, Plan
-from beamcam.pipeline import Posted, as_error, counted, parts_of, posting, stock_of
+from beamcam.pipeline import Posted, as_error, counted, parts_of, posting, sound, stock_of
 from beamcam.planning.stock import from_store
 from beamcam.posts import Job
 from beamcam.readers import read
@@ -165,7 +165,7 @@ def _post_all(
         reading = replace(reading, diagnostics=tuple(map(as_error, reading.diagnostics)))
     if reading.format == "ifc" and reading.refused:
         # The members of a model are parts of their own: those that cannot be read stop no other.
-        row["status"], parts, said = "refused", counted(reading), reading.diagnostics
+        row["status"], parts, said = "refused", counted(sound(reading)), reading.diagnostics
     else:
         parts, said = parts_of((reading,), counted)
     row["messages"] += map(as_message, said)
@@ -173,7 +173,7 @@ def _post_all(
         raise ReadError(rules.NO_PART.at(Source(task.name)))
     stem = os.path.splitext(os.path.basename(task.name))[0]
     outputs: list[tuple[str, bytes]] = []
-    taken: dict[str, str] = {}
+    names = Names()
     for number, part in enumerate(parts, 1):
         machine = shop.machine_for(part)
         try:
@@ -184,14 +184,13 @@ def _post_all(
             continue
         row["messages"] += map(as_message, posted.remarks)
         name = output_name(shop.name, stem, part, number, len(parts) > 1, machine)
-        if shop.name is None:
-            name = numbered(name, taken)
-        elif folded(name) in taken:
+        other = names.owner(name)
+        if other is not None and shop.name is not None:
             row["status"] = "refused"
-            clash = rules.SAME_NAME.at(part.source, found=name, other=f"part {taken[folded(name)]}")
+            clash = rules.SAME_NAME.at(part.source, found=name, other=f"part {other}")
             row["messages"].append(as_message(clash))
             continue
-        taken[folded(name)] = part.mark
+        name = names.take(name, part.mark)
         content = posted.text.encode("utf-8")
         outputs.append((name, content))
         row["parts"].append(_part_row(part, posted, name, content, machine, shop.timed))

@@ -1,6 +1,7 @@
 """`beamcam convert`: a part from one format to another."""
 
-from collections.abc import Callable, Iterable
+import os
+from collections.abc import Callable, Iterator, Sequence
 from importlib import import_module
 from pathlib import Path, PurePath
 from typing import Any
@@ -8,15 +9,17 @@ from typing import Any
 import click
 from msgspec import Struct
 
+from beamcam.batch.names import Names, cleaned
 from beamcam.commands import options
 from beamcam.commands.common import REFUSED, Voice, cannot_write, read_all, write
 from beamcam.commands.members import member_choice, member_options
-from beamcam.commands.rules import ONE_PART, OUTPUT_FORMAT
+from beamcam.commands.rules import ONE_PART, OUTPUT_FORMAT, OVER_INPUT, RENAMED, WRITTEN
 from beamcam.commands.settings import settled
 from beamcam.commands.sheets import drawing_choice, drawing_options
-from beamcam.errors import BeamcamError, ReadError, Severity, Source
+from beamcam.errors import BeamcamError, Diagnostic, ReadError, Source, errors_in
+from beamcam.files import write_whole
 from beamcam.model.part import Part
-from beamcam.pipeline import counted
+from beamcam.pipeline import counted, sound
 
 
 class Target(Struct, frozen=True):
@@ -56,18 +59,19 @@ def is_folder(output: str) -> bool:
     return output.endswith("/") or Path(output).is_dir()
 
 
-def file_names(parts: Iterable[Part], suffix: str) -> list[str]:
-    """A name for each part after its mark, with a number where two have the same."""
+def file_names(parts: Sequence[Part], suffix: str) -> tuple[list[str], list[Diagnostic]]:
+    """A name for each part after its mark, and a note for each that another part has already."""
     names: list[str] = []
+    said: list[Diagnostic] = []
+    given = Names()
     for part in parts:
-        stem = "".join(c if c.isalnum() or c in "-_.+" else "_" for c in part.mark).strip(".")
-        stem, count = stem or "part", 1
-        name = stem + suffix
-        while name.lower() in (n.lower() for n in names):
-            count += 1
-            name = f"{stem}-{count}{suffix}"
+        wanted = (cleaned(part.mark) or "part") + suffix
+        other, name = given.owner(wanted), given.take(wanted, part.mark)
+        if other is not None:
+            note = RENAMED.at(part.source, found=part.mark, of=wanted, other=other, name=name)
+            said.append(note)
         names.append(name)
-    return names
+    return names, said
 
 
 @click.command("convert")
@@ -96,32 +100,58 @@ def command(
     beamcam convert model.ifc -o nc/
     """
     how = drawing_choice(asked) | member_choice(asked, kernel=True)
+    said: tuple[Diagnostic, ...] = ()
     try:
         config = settled(asked, (source,))
         target = target_of(output, to)
         (reading,) = read_all((source,), config.strict, how, voice)
-        parts = counted(reading)
-        if not is_folder(output):
-            if reading.refused:
-                raise ReadError(reading.diagnostics)
-            if len(parts) != 1:
-                raise ReadError(ONE_PART.at(Source(source), found=len(parts), output=output))
-        texts = [target.write(part) for part in parts]
+        said = reading.diagnostics
+        parts = counted(sound(reading))
+        if is_folder(output):
+            said = (*said, *_write_folder(source, parts, target, output, voice))
+        elif not reading.refused:
+            write(output, _only_text(source, parts, target, output), voice)
     except BeamcamError as error:
-        voice.stop(error.diagnostics)
-    if is_folder(output):
-        _make_folder(output, voice)
-        for name, text in zip(file_names(parts, target.suffixes[0]), texts, strict=True):
-            write(str(Path(output) / name), text, voice)
-    else:
-        write(output, texts[0], voice)
-    voice.say([d for d in reading.diagnostics if d.severity is not Severity.NOTE])
-    if reading.refused:
+        voice.stop((*said, *error.diagnostics))
+    voice.say(said)
+    if errors_in(said):
         raise SystemExit(REFUSED)
 
 
-def _make_folder(path: str, voice: Voice) -> None:
+def _only_text(source: str, parts: Sequence[Part], target: Target, output: str) -> str:
+    """The part of a file in another format. Raises BeamcamError unless there is exactly one."""
+    if len(parts) != 1:
+        raise ReadError(ONE_PART.at(Source(source), found=len(parts), output=output))
+    return target.write(parts[0])
+
+
+def _write_folder(
+    source: str, parts: Sequence[Part], target: Target, folder: str, voice: Voice
+) -> Iterator[Diagnostic]:
+    """Write a file for each part that the format can hold; what is said of them, and a count.
+
+    One that cannot be written stops no other.
+    """
     try:
-        Path(path).mkdir(parents=True, exist_ok=True)
+        Path(folder).mkdir(parents=True, exist_ok=True)
     except OSError as error:
-        voice.stop([cannot_write(path, error)])
+        yield cannot_write(folder, error)
+        return
+    names, renamed = file_names(parts, target.suffixes[0])
+    yield from renamed
+    written = 0
+    for part, name in zip(parts, names, strict=True):
+        path = os.path.join(folder, name)
+        try:
+            if os.path.realpath(path) == os.path.realpath(source):
+                raise ReadError(OVER_INPUT.at(part.source, found=path))
+            write_whole(path, target.write(part))
+        except BeamcamError as error:
+            yield from error.diagnostics
+        except OSError as error:
+            yield cannot_write(path, error)
+        else:
+            voice.did(f"wrote {path}")
+            written += 1
+    members = sum(part.quantity for part in parts)
+    yield WRITTEN.at(Source(folder), found=written, of=len(parts), members=members)

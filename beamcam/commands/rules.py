@@ -21,6 +21,26 @@ CANNOT_WRITE = Rule(
     "The disk is full, or the folder is not there or may not be written to. An old file still "
     "stands.",
 )
+OVER_INPUT = Rule(
+    "write-over-input",
+    Severity.ERROR,
+    "found {found!r} for the output's name, which is the input; expected another folder",
+    "The name comes from the part's mark, so that nobody has asked for this file to be replaced.",
+)
+RENAMED = Rule(
+    "write-renamed",
+    Severity.NOTE,
+    "found mark {found!r} for the name {of}, which a part with mark {other!r} has; written to "
+    "{name}",
+    "Two parts that differ have one mark, or marks that differ only in signs that file names do "
+    "not have.",
+)
+WRITTEN = Rule(
+    "write-folder",
+    Severity.NOTE,
+    "found {of} different parts, {members} in all; written {found} files",
+    "Equal members are one file with their number as its quantity.",
+)
 ACCOUNT = Rule(
     "account",
     Severity.NOTE,
@@ -28,4 +48,4 @@ ACCOUNT = Rule(
     "What was done and how long it took, under `--verbose` with `--json`.",
 )
 
-RULES = (OUTPUT_FORMAT, ONE_PART, CANNOT_WRITE, ACCOUNT)
+RULES = (OUTPUT_FORMAT, ONE_PART, CANNOT_WRITE, OVER_INPUT, RENAMED, WRITTEN, ACCOUNT)
