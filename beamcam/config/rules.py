@@ -5,13 +5,13 @@ from beamcam.errors import Rule, Severity
 UNREADABLE = Rule(
     "config-file",
     Severity.ERROR,
-    "found no configuration that can be read ({found})",
+    "found no configuration that can be read ({found}); expected a TOML file",
     "The file given by --config does not exist, or the system does not let it be read.",
 )
 NOT_TOML = Rule(
     "config-toml",
     Severity.ERROR,
-    "not a TOML file: {found}",
+    "found no TOML ({found}); expected key = value, or a [table]",
     "The file breaks the rules of TOML at that line.",
 )
 UNKNOWN_KEY = Rule(

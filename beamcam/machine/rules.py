@@ -11,7 +11,7 @@ UNKNOWN_MACHINE = Rule(
 NOT_TOML = Rule(
     "machine-toml",
     Severity.ERROR,
-    "not a TOML file: {found}",
+    "found no TOML ({found}); expected key = value, or a [table]",
     "The file breaks the rules of TOML at that line.",
 )
 UNKNOWN_KEY = Rule(
@@ -35,7 +35,7 @@ WRONG_VALUE = Rule(
 BASE_LOOP = Rule(
     "machine-base",
     Severity.ERROR,
-    "found the machine {found!r} among its own bases",
+    "found the machine {found!r} among its own bases; expected another one",
     "A machine file may build on another by `base`, but not on itself.",
 )
 

@@ -36,7 +36,7 @@ CURVE_KINDS = (
 JSON_CURVE = Rule(
     "json-curve",
     Severity.ERROR,
-    "{reason}",
+    "found a {kind} without a shape ({found}); expected values that agree with each other",
     "The values of a curve contradict each other, so its shape is not known.",
 )
 
@@ -108,7 +108,7 @@ def curves_from_json(item: JsonObject) -> tuple[Curve, ...]:
     except ReadError:
         raise
     except ValueError as error:
-        raise item.fault(JSON_CURVE, kind, reason=f"found {error}") from None
+        raise item.fault(JSON_CURVE, kind, kind=kind, found=error) from None
 
 
 def _curve(item: JsonObject, kind: str) -> Curve:

@@ -13,7 +13,7 @@ NO_PARTS = Rule(
 STOCK = Rule(
     "plan-stock",
     _E,
-    "found a part of profile code {found}; {machine} takes {expected}",
+    "found a part of profile code {found}; expected {expected}, which {machine} takes",
     "The line clamps, saws and drills only the sections that its file names.",
 )
 MIXED_PROFILES = Rule(
@@ -25,13 +25,15 @@ MIXED_PROFILES = Rule(
 SECTION_SIZE = Rule(
     "plan-section",
     _E,
-    "found a section of {found} mm; the {station} takes at most {expected} mm (height x width)",
+    "found a section of {found} mm; expected at most {expected} mm (height x width), which the "
+    "{station} takes",
     "A larger section does not pass the station.",
 )
 SAW_ANGLE = Rule(
     "plan-saw-angle",
     _E,
-    "found a cut of {found} degrees at the {end}; the saw turns from {least} to {greatest}",
+    "found a cut of {found} degrees at the {end}; expected one from {least} to {greatest}, "
+    "as far as the saw turns",
     "The mitre is outside the saw's range.",
 )
 FLANGE_CUT = Rule(

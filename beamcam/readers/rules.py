@@ -17,7 +17,7 @@ UNKNOWN_FORMAT = Rule(
 UNREADABLE = Rule(
     "read-file",
     Severity.ERROR,
-    "found no file that can be read ({found})",
+    "found no file that can be read ({found}); expected one",
     "The file does not exist, or the system does not let it be read.",
 )
 ZEROS = Rule(

@@ -49,7 +49,8 @@ STOP_BACK = Rule(
 CUT_OFF = Rule(
     "verify-cut-off",
     _E,
-    "found a hole at X {found} in a part that the cut on line {cut} has already parted",
+    "found a hole at X {found} in a part that the cut on line {cut} has already parted; expected "
+    "it before",
     "Where the drills come first a part has no reference any more once it is cut off.",
 )
 NO_SPINDLE = Rule(
@@ -115,7 +116,7 @@ SECTION = Rule(
 TURNED = Rule(
     "verify-turned",
     _E,
-    "found {mark} lying as no turn of the part that was given",
+    "found {mark} lying as no turn of the part that was given; expected one of its eight",
     "A part may be turned on the rollers, but a mirrored one is another part.",
 )
 CUT_MISSING = Rule(
@@ -145,7 +146,8 @@ CUT_EXTRA = Rule(
 OUTLINE = Rule(
     "verify-outline",
     _E,
-    "found an outline on face {face} of {mark} that leaves the sawn stock at x {x}, y {y}",
+    "found an outline on face {face} of {mark} that leaves the sawn stock at x {x}, y {y}; "
+    "expected none that saw cuts do not make",
     "Saw cuts alone do not make that outline, and the program has nothing else for it.",
 )
 HOLE_MISSING = Rule(

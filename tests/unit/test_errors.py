@@ -54,3 +54,16 @@ def test_codes_are_unique_and_explained() -> None:
         assert rule.code == rule.code.lower()
         names = [n for _, n, _, _ in Formatter().parse(rule.message) if n]
         assert all(n.isidentifier() for n in names), rule.code
+
+
+def test_every_error_says_what_was_expected() -> None:
+    """The readers' promise, and that of all that comes behind them."""
+    from beamcam.commands.codes import all_rules
+
+    without = {
+        rule.code
+        for rule in all_rules()
+        if rule.severity is Severity.ERROR
+        and not ("expected" in rule.message and "found" in rule.message)
+    }
+    assert not without

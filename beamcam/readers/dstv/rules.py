@@ -48,7 +48,7 @@ BLOCK_UNKNOWN = _error(
 )
 ROW_LOST = _error(
     "row-lost",
-    "found {found!r} in {block}, which cannot be read",
+    "found {found!r} in {block}, which cannot be read; expected a row of the standard",
     "The row belongs to no block that the standard knows, so what it asks for cannot be made.",
 )
 BLOCK_REPEATED = _error(
@@ -328,7 +328,7 @@ BEVEL_ANGLE = _note(
 # --- cross-checks (lint) ----------------------------------------------------------------------
 CUT_ANGLE = _error(
     "cut-angle",
-    "found {name} {header:g} in the header, but {contour:.3f} in the contour",
+    "found {name} {header:g} in the header, but {contour:.3f} in the contour; expected the same",
     "The saw and the contour would make different ends.",
 )
 CUT_MISSING = _warning(

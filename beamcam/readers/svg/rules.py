@@ -46,7 +46,7 @@ CONTRADICT = _error(
 )
 PIXELS = _error(
     "px",
-    "found a drawing in px ({found}) and nothing that says how many make an inch: give --units "
+    "found a drawing in px ({found}) and nothing that says how many make an inch; expected --units "
     "px96, px90 or px72, or --width",
     "Programs wrote 72, 90 and 96 px an inch; the part would come out up to a third too small.",
 )

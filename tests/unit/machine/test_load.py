@@ -44,7 +44,7 @@ BAD = [
     (spindle("heigth / 2", "Z"), "machine-value", "'heigth' is not understood"),
     (spindle("y", "Y"), "machine-value", "another axis"),
     ("[[spindles]]\nname = 's'", "machine-missing", "found no key 'spindles.0.number'"),
-    ("kerf = = 3", "machine-toml", "not a TOML file"),
+    ("kerf = = 3", "machine-toml", "found no TOML ("),
     ("base = 3", "machine-value", "a machine's name"),
     ("base = 'beamlin'", "machine-unknown", "'beamlin'; expected 'beamline' or the path"),
     ("base = 'mine.toml'", "machine-base", "'mine' among its own bases"),

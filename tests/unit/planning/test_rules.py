@@ -36,13 +36,14 @@ Case = tuple[str, str, tuple[Part, ...], dict[str, object], str]
 CASES: tuple[Case, ...] = (
     ("plan-no-parts", "beamline", (), {}, "found no part; expected at least one"),
     ("plan-stock", "beamline", (part(profile=TUBE),), {},
-     "found a part of profile code M; beamline takes I, U, L"),
+     "found a part of profile code M; expected I, U, L, which beamline takes"),
     ("plan-mixed-profiles", "beamline", (part(), part(profile=CHANNEL)), {},
      "found profile UPN200; expected IPE300, as the first part on the bar"),
     ("plan-section", "beamline", (part(profile=replace(BEAM, height=1005.0)),), {},
-     "found a section of 1005 x 150 mm; the drill takes at most 1000 x 500 mm (height x width)"),
+     "found a section of 1005 x 150 mm; expected at most 1000 x 500 mm (height x width), "
+     "which the drill takes"),
     ("plan-saw-angle", "beamline", (part(cuts=EndCuts(web_end=-50.0)),), {},
-     "found a cut of -50 degrees at the end; the saw turns from -45 to 60"),
+     "found a cut of -50 degrees at the end; expected one from -45 to 60, as far as the saw turns"),
     ("plan-flange-cut", "beamline", (part(cuts=EndCuts(flange_start=10.0)),), {},
      "found a flange cut of 10 degrees at the start; expected 0, the blade does not tilt"),
     ("plan-flange-cut", "beamline-pusher", (part(cuts=EndCuts(flange_start=-10.0)),), {},

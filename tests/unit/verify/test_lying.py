@@ -14,5 +14,6 @@ def test_the_read_back_says_so() -> None:
     text = post([part], machine).text
     assert verify(text, [part], machine, given=[part]) == ()
     assert [str(said) for said in verify(text, [part], machine, given=[other])] == [
-        "random.nc1:1: error verify-turned: found A lying as no turn of the part that was given"
+        "random.nc1:1: error verify-turned: found A lying as no turn of the part that was given; "
+        "expected one of its eight"
     ]

@@ -245,7 +245,7 @@ def test_features_that_nothing_makes() -> None:
         "P1.nc1:1: error verify-not-made: found nothing that makes the text 'P1' of P1; "
         "expected it to be made, or skipped by name",
         "P1.nc1:1: error verify-outline: found an outline on face v of P1 that leaves the sawn "
-        "stock at x 60, y 150",
+        "stock at x 60, y 150; expected none that saw cuts do not make",
     ]
     assert verify(PROGRAM, (more,), BEAM, {(0, 3), (0, 4), (0, 5)}) == ()
 
@@ -261,7 +261,7 @@ def test_a_hole_behind_its_cut_where_the_drill_comes_first() -> None:
         messages(late, machine=machine)
         == [
             "P1.gcode:22: error verify-cut-off: found a hole at X 1498.56 in a part that the cut "
-            "on line 17 has already parted"
+            "on line 17 has already parted; expected it before"
         ]
         * 2
     )

@@ -108,7 +108,7 @@ def test_the_words_of_a_refusal() -> None:
         "a.svg:1: error svg-size-contradict: found 1 mm for a unit by width and viewBox and 25.4 "
         "mm by height and viewBox, expected one scale: give --units or --width"
     )
-    assert "nothing that says how many make an inch: give --units px96" in said('width="5"')
+    assert "nothing that says how many make an inch; expected --units px96" in said('width="5"')
 
 
 @pytest.mark.parametrize("head", [h for c, h in REFUSED if c != "svg-size" and "viewBox" in h])
