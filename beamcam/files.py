@@ -19,26 +19,26 @@ def write_whole(
     knows no other, reaches the disk and takes the target's name; a process that dies in between
     leaves the old file, or none. `durable=False` leaves the way to the disk to the system: a
     process that dies still leaves no part, a power cut may. An iterable of bytes is written piece
-    by piece. Raises OSError.
+    by piece. A device or a pipe is written to, and stays what it is. Raises OSError.
     """
     if isinstance(data, str):
         data = data.encode("utf-8")
-    target, mode = os.fspath(path), None
-    with suppress(FileNotFoundError):
-        mode = os.lstat(target).st_mode
-    if mode is not None and stat.S_ISLNK(mode):
+    target = os.fspath(path)
+    mode = _mode(target)
+    if mode is not None and not (stat.S_ISREG(mode) or stat.S_ISDIR(mode)):
+        _write_to_device(target, data)
+        return
+    if os.path.islink(target):
         # A link is written through, as a shell's redirection does.
-        target, mode = os.path.realpath(target), None
-        with suppress(FileNotFoundError):
-            mode = os.stat(target).st_mode
+        target = os.path.realpath(target)
+        mode = _mode(target)
     folder, name = os.path.split(target)
     # The process's number keeps two writers apart; a name left by a dead one is used again.
     part = os.path.join(folder, f".{name[:40]}.{os.getpid()}.part")
     file, named = _open(folder or os.curdir, part)
     try:
         try:
-            for piece in (data,) if isinstance(data, bytes) else data:
-                _write(file, piece)
+            _write_all(file, data)
             if mode is not None:
                 os.chmod(part if named else file, mode & 0o777)
             if durable:
@@ -94,6 +94,27 @@ def _unnamed(folder: str) -> int | None:
         return os.open(folder, _UNNAMED | os.O_RDWR, 0o666) if _UNNAMED else None
     except OSError:
         return None
+
+
+def _mode(path: str) -> int | None:
+    """What a path or a link leads to; None if nothing is there."""
+    with suppress(FileNotFoundError):
+        return os.stat(path).st_mode
+    return None
+
+
+def _write_to_device(path: str, data: bytes | Iterable[bytes]) -> None:
+    """Write to what has no name of its own that a file could take: /dev/null, a printer, a pipe."""
+    file = os.open(path, os.O_WRONLY)
+    try:
+        _write_all(file, data)
+    finally:
+        os.close(file)
+
+
+def _write_all(file: int, data: bytes | Iterable[bytes]) -> None:
+    for piece in (data,) if isinstance(data, bytes) else data:
+        _write(file, piece)
 
 
 def _write(file: int, piece: bytes) -> None:

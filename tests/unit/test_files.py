@@ -177,3 +177,21 @@ def test_a_process_that_is_killed_leaves_nothing(tmp_path: Path, system: str) ->
         done = subprocess.run([sys.executable, "-c", code, str(path)], check=False)
         assert done.returncode == -signal.SIGKILL
         assert [p.read_text() for p in tmp_path.iterdir()] == ([old] if old else [])
+
+
+@pytest.mark.parametrize("linked", [False, True])
+def test_a_pipe_is_written_to_and_stays_one(tmp_path: Path, linked: bool) -> None:
+    """As a shell's redirection does: -o /dev/null has to leave the device where it is."""
+    pipe = target = tmp_path / "pipe"
+    os.mkfifo(pipe)
+    if linked:
+        target = tmp_path / "link"
+        target.symlink_to(pipe)
+    reader = os.open(pipe, os.O_RDONLY | os.O_NONBLOCK)
+    try:
+        write_whole(target, [b"a", b"b"])
+        assert os.read(reader, 10) == b"ab"
+    finally:
+        os.close(reader)
+    assert pipe.is_fifo()
+    assert {path.name for path in tmp_path.iterdir()} == {"pipe", target.name}
