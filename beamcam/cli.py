@@ -35,8 +35,18 @@ class Commands(click.Group):
     """A group that knows its commands by name and imports only the one that runs."""
 
     def main(self, *args: Any, **values: Any) -> Any:
+        """Run a command; a fault of standard output is told as one of any other output is."""
         collector_seldom()
-        return super().main(*args, **values)
+        try:
+            return super().main(*args, **values)
+        except BrokenPipeError:
+            raise  # whoever read it has had enough
+        except OSError as error:
+            if error.filename is not None:
+                raise
+            from beamcam.commands.common import stop_without_output
+
+            stop_without_output(error)
 
     def list_commands(self, ctx: click.Context) -> list[str]:
         return list(COMMANDS)
@@ -50,19 +60,6 @@ class Commands(click.Group):
     def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
         with formatter.section("Commands"):
             formatter.write_dl([(name, text) for name, (_, text) in COMMANDS.items()])
-
-    def invoke(self, ctx: click.Context) -> Any:
-        """Run the command; a fault of standard output is told as one of any other output is."""
-        try:
-            return super().invoke(ctx)
-        except BrokenPipeError:
-            raise  # whoever read it has had enough
-        except OSError as error:
-            if error.filename is not None:
-                raise
-            from beamcam.commands.common import stop_without_output
-
-            stop_without_output(error)
 
     def resolve_command(
         self, ctx: click.Context, args: list[str]

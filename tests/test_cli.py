@@ -193,13 +193,15 @@ def test_a_program_that_cannot_be_read(line: str) -> None:
     assert done.stderr.startswith("none: error read-file: found no file that can be read (No such")
 
 
-@pytest.mark.parametrize("command", ["post", "plan", "inspect", "convert"])
+@pytest.mark.parametrize(
+    "command", ["post", "plan", "inspect", "convert", "--help", "--version", "post --help"]
+)
 def test_a_full_standard_output(good: str, command: str) -> None:
     """A device without room, as a disk that is full: no traceback, and it is not silent."""
     if not Path("/dev/full").exists():
         pytest.skip("this system has no /dev/full")
     line = {"post": "post w.nc1 -o -", "convert": "convert w.nc1 -o - --to dstv"}.get(
-        command, f"{command} w.nc1"
+        command, command if "--" in command else f"{command} w.nc1"
     )
     with open("/dev/full", "wb") as full:
         done = subprocess.run(
