@@ -12,7 +12,9 @@ from math import ceil, cos, hypot, pi, radians, sin, sqrt
 from beamcam.geometry.curves import Curve, Point
 from beamcam.verify.needs import Pocket
 
-STEP = 1.0  #: mm between the points that are measured
+STEP = 1.0  #: mm between the points that are measured, where a line is not too tight for it
+FLAT = 0.001  #: mm between a line and the chords that it is measured by
+MOST_CHORDS = 4096
 
 
 def pocket_error(pocket: Pocket, path: Sequence[Point], mill: float) -> float:
@@ -79,13 +81,24 @@ def line_error(curves: Sequence[Curve], path: Sequence[Point]) -> float:
     """
     drawn = [curves[0].start]
     for curve in curves:
-        count = max(4, min(400, ceil(curve.length / STEP)))
-        drawn += [curve.point(i / count) for i in range(1, count + 1)]
+        drawn += _points(curve)[1:]
     off = max(distance_to(p, path) for p in drawn)
     back = max(distance_to(p, drawn) for p in _between(path))
     (a, b), (c, d) = (drawn[0], drawn[-1]), (path[0], path[-1])
     ends = min(max(_far(a, c), _far(b, d)), max(_far(a, d), _far(b, c)))
     return max(off, back, ends)
+
+
+def _points(curve: Curve) -> list[Point]:
+    """Points of a curve, so close that its chords lie within `FLAT` of it."""
+    count = max(4, min(400, ceil(curve.length / STEP)))
+    while True:
+        points = [curve.point(i / count) for i in range(count + 1)]
+        middles = (curve.point((i + 0.5) / count) for i in range(count))
+        pairs = zip(middles, pairwise(points), strict=True)
+        if count >= MOST_CHORDS or all(distance_to(m, chord) <= FLAT for m, chord in pairs):
+            return points
+        count *= 2
 
 
 def _between(path: Sequence[Point]) -> Iterator[Point]:

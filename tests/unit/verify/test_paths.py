@@ -1,13 +1,14 @@
 """Distances from a polyline, against a plain search along it."""
 
 from itertools import pairwise
-from math import hypot
+from math import acos, ceil, cos, hypot, radians
 
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from beamcam.verify.paths import distance_to
+from beamcam.geometry.curves import Arc
+from beamcam.verify.paths import FLAT, distance_to, line_error
 
 points = st.tuples(st.floats(-50, 50), st.floats(-50, 50))
 
@@ -31,3 +32,20 @@ def test_a_path_of_one_point_and_one_that_stands_still() -> None:
     assert distance_to((3.0, 4.0), [(0.0, 0.0)]) == 5.0
     assert distance_to((3.0, 4.0), [(0.0, 0.0), (0.0, 0.0)]) == 5.0
     assert distance_to((5.0, 3.0), [(0.0, 0.0), (10.0, 0.0)]) == 3.0
+
+
+@settings(deadline=None, max_examples=60)
+@given(
+    st.floats(0.5, 400), st.floats(-360, 360).filter(lambda sweep: abs(sweep) > 5),
+    st.sampled_from((0.005, 0.02, 0.1)),
+)  # fmt: skip
+def test_an_arc_is_measured_as_the_arc_it_is(radius: float, sweep: float, sagitta: float) -> None:
+    """Chords are off by their sagitta, and by no more for the way that they are measured."""
+    arc = Arc((10.0, -20.0), radius, 30.0, sweep)
+    count = ceil(abs(radians(sweep)) / (2 * acos(1 - min(sagitta / radius, 0.5))))
+    path = [arc.point(i / count) for i in range(count + 1)]
+    exact = radius * (1 - cos(radians(sweep) / count / 2))
+    for way in (path, path[::-1]):
+        assert line_error((arc,), way) == pytest.approx(exact, abs=FLAT + 1e-9)
+    off = [(x + 0.05, y) for x, y in path]
+    assert line_error((arc,), off) >= 0.05 - exact - FLAT
