@@ -24,6 +24,7 @@ from beamcam.model.plan import (
 )
 from beamcam.planning import rules
 from beamcam.planning.bar import cuts_of, lay_on_bar
+from beamcam.planning.limits import refuse_bar
 from beamcam.planning.magazine import reloads
 from beamcam.planning.operations import spindle_operations
 from beamcam.planning.order import sort_along_x
@@ -107,6 +108,9 @@ def plan_bar(
     )
     spindle_ops = list(spindle_operations(pieces, works, drill))
     operations: list[Operation] = [*cuts_of(pieces, ends, saw), *spindle_ops]
+    refusals = [*refuse_bar(operations, pieces, machine)]
+    if refusals:
+        raise PlanError(refusals)
     ordered = sort_along_x(operations, machine.format.resolution, layout.order)
     by_hand, said = reloads(ordered, machine, parts[0].source)
     remarks += said

@@ -65,6 +65,36 @@ def _is_same(a: Hole, b: Hole, limit: float) -> bool:
     )
 
 
+def too_near(holes: Group, resolution: float) -> Iterator[tuple[Placed, Placed]]:
+    """Of `holes`, sorted, those beside one of the same size that a program cannot tell apart.
+
+    Each with the first such one before it among the part's features. Written places are off by
+    up to one `resolution` (a hole's, and that of the cut which the part starts at), so that of two
+    places less than two of them apart either may be meant. Holes at the very same place are told
+    apart by their depths.
+    """
+    limit = 2 * resolution + ROUNDING
+    for run in _runs(holes, limit):
+        if len(run) == 1:
+            continue
+        seen: list[Placed] = []
+        for placed in sorted(run, key=itemgetter(1)):
+            _, _, hole = placed
+            near = (p for p in seen if 0.0 < _apart(p[2], hole) <= limit)
+            first = next((p for p in near if _is_of_one_size(p[2], hole)), None)
+            if first is not None:
+                yield placed, first
+            seen.append(placed)
+
+
+def _apart(a: Hole, b: Hole) -> float:
+    return max(abs(a.x - b.x), abs(a.y - b.y))
+
+
+def _is_of_one_size(a: Hole, b: Hole) -> bool:
+    return (a.face, a.diameter) == (b.face, b.diameter)
+
+
 def alike(a: Hole, b: Hole, limit: float) -> bool:
     """Whether two holes are the same but for face and place."""
     return (

@@ -1,7 +1,7 @@
 """What a line cannot make of a bar or a part, and why."""
 
 from collections.abc import Collection, Iterator, Mapping, Sequence
-from math import inf
+from math import dist, inf
 
 from msgspec import Struct
 
@@ -23,6 +23,7 @@ from beamcam.model.part import (
 )
 from beamcam.planning import rules
 from beamcam.planning.ends import End, leaves_stock
+from beamcam.planning.merging import Group, too_near
 from beamcam.planning.tools import Rack
 
 #: The other side of the plate behind a face, by section: a through hole is the same from there.
@@ -117,10 +118,22 @@ def refuse_place(
     least, greatest = clear_between(part.profile, face)
     if not least <= hole.y - radius or not hole.y + radius <= greatest:
         return rules.IN_THE_WAY.at(
-            hole.source, found=f"{hole.diameter:g}", y=f"{hole.y:g}", face=hole.face,
-            least=f"{least + radius:g}", greatest=f"{greatest - radius:g}",
+            hole.source, what=f"a hole of diameter {hole.diameter:g}", y=f"{hole.y:g}",
+            face=hole.face, least=f"{least + radius:g}", greatest=f"{greatest - radius:g}",
         )  # fmt: skip
     return None
+
+
+def refuse_too_near(holes: Group, machine: Machine) -> Iterator[tuple[int, Diagnostic]]:
+    """The holes beside one that a program cannot tell them apart from, by their indices."""
+    resolution = machine.format.resolution
+    for (_, f, hole), (_, _, first) in too_near(holes, resolution):
+        apart = dist((hole.x, hole.y), (first.x, first.y))
+        yield f, rules.TOO_NEAR.at(
+            hole.source, found=f"{hole.diameter:g}", face=hole.face, x=f"{hole.x:g}",
+            y=f"{hole.y:g}", apart=f"{apart:.3g}", first=first.source,
+            expected=f"{2 * resolution:g}",
+        )  # fmt: skip
 
 
 def clear_between(profile: Profile, face: Face) -> tuple[float, float]:
@@ -173,12 +186,27 @@ def _refuse_mark(
     return None
 
 
+def _refuse_line(found: str, line: Contour, part: Part) -> Diagnostic | None:
+    """Why a scribe does not come to all of a line; None if it does."""
+    least, greatest = clear_between(part.profile, line.face)
+    ys = [y for curve in line.curves for y in curve.bbox[1::2]]
+    out = next((y for y in (min(ys), max(ys)) if not least <= y <= greatest), None)
+    if out is None:
+        return None
+    return rules.IN_THE_WAY.at(
+        line.source, what=found, y=f"{out:g}", face=line.face, least=f"{least:g}",
+        greatest=f"{greatest:g}",
+    )  # fmt: skip
+
+
 def _refuse_contour(
     contour: Contour, part: Part, ends: tuple[End, End], rack: Rack, reached: Collection[Face]
 ) -> Diagnostic | None:
     if contour.process != "cut":
-        length = sum(curve.length for curve in contour.curves)
-        return _refuse_mark(f"{length:g} mm of line", contour, rack, reached, False)
+        length = f"{sum(curve.length for curve in contour.curves):g} mm of line"
+        return _refuse_mark(length, contour, rack, reached, False) or _refuse_line(
+            f"{length} to mark", contour, part
+        )
     if contour.kind != "outer":
         boxes = [curve.bbox for curve in contour.curves]
         size = (

@@ -126,6 +126,14 @@ DUPLICATE = Rule(
     "it is drilled once, for {first}",
     "Some exporters write a hole of two bolted plates, or of both sides of a web, twice.",
 )
+TOO_NEAR = Rule(
+    "plan-too-near",
+    _E,
+    "found a hole of diameter {found} on face {face} at x {x}, y {y}, {apart} mm from that of "
+    "{first}; expected the same place, or one more than {expected} mm away",
+    "Holes nearer than the program's decimals tell apart are one hole that was drawn twice, not "
+    "quite at the same place.",
+)
 NO_SPINDLE = Rule(
     "plan-face",
     _E,
@@ -135,8 +143,8 @@ NO_SPINDLE = Rule(
 IN_THE_WAY = Rule(
     "plan-reach",
     _E,
-    "found a hole of diameter {found} at y {y} on face {face}; expected y from {least} to "
-    "{greatest}, the flange stands in the tool's way",
+    "found {what} at y {y} on face {face}; expected y from {least} to {greatest}, the flange "
+    "stands in the tool's way",
     "A tool that comes to the web between the flanges needs room beside them.",
 )
 STROKE = Rule(
@@ -146,6 +154,20 @@ STROKE = Rule(
     "expected {expected} mm for {what}",
     "A stroke that is the same for every hole fits no blind hole, and through ones of small "
     "sections alone. A machine file whose `bottom` follows `depth` has no such limit.",
+)
+AXIS = Rule(
+    "plan-axis",
+    _E,
+    "found {what} on face {face} that takes the {axis} to {found}; expected {expected}",
+    "The axis does not come to that place across the bar, or as deep. `--allow-skips axis` leaves "
+    "the feature to another machine.",
+)
+STOP = Rule(
+    "plan-stop",
+    _E,
+    "found {what} that takes the {axis} to {found}; expected {expected}",
+    "Where a part lies on the bar says where the bar has to be brought to; with a longer "
+    "front trim, another order or a shorter bar it may be within reach.",
 )
 OFF_FACE = Rule(
     "plan-off-face",
@@ -226,12 +248,12 @@ RELOAD = Rule(
 RULES = (
     NO_PARTS, STOCK, MIXED_PROFILES, SECTION_SIZE, SAW_ANGLE, FLANGE_CUT, COMPOUND, CUT_DENIED,
     CUT_FROM_CONTOUR, BAR_SHORT, BAR_LONG, BAR_FULL, PART_SHORT, REMNANT, NO_TOOL, NO_PILOT,
-    SINK_DEPTH, THREAD_DEPTH, DUPLICATE, NO_SPINDLE, IN_THE_WAY, STROKE, OFF_FACE, SLOT, COPE,
-    CUTOUT, MARK, BEVEL, OTHER, QUANTITY, TURNED, TURN_HELPS, ORDER, RELOAD,
+    SINK_DEPTH, THREAD_DEPTH, DUPLICATE, TOO_NEAR, NO_SPINDLE, IN_THE_WAY, STROKE, AXIS, STOP,
+    OFF_FACE, SLOT, COPE, CUTOUT, MARK, BEVEL, OTHER, QUANTITY, TURNED, TURN_HELPS, ORDER, RELOAD,
 )  # fmt: skip
 
 SKIPPABLE = (
-    NO_TOOL, NO_PILOT, SINK_DEPTH, THREAD_DEPTH, NO_SPINDLE, IN_THE_WAY, STROKE, OFF_FACE, SLOT,
-    COPE, CUTOUT, MARK, BEVEL, OTHER,
+    NO_TOOL, NO_PILOT, SINK_DEPTH, THREAD_DEPTH, NO_SPINDLE, IN_THE_WAY, STROKE, AXIS, OFF_FACE,
+    SLOT, COPE, CUTOUT, MARK, BEVEL, OTHER,
 )  # fmt: skip
 SKIP_NAMES = tuple(rule.code.removeprefix("plan-") for rule in SKIPPABLE)

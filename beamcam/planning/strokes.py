@@ -7,7 +7,7 @@ A spindle's `bottom` follows the depth of the hole, or the machine has one strok
 """
 
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 from beamcam.errors import Diagnostic
 from beamcam.machine.known import OncePerMachine
@@ -16,7 +16,7 @@ from beamcam.model.part import Face, Feature, Hole, Part, Slot
 from beamcam.model.plan import DrillOp
 from beamcam.model.stroke import Strokes
 from beamcam.planning import rules
-from beamcam.planning.tools import Tools
+from beamcam.planning.jobs import Job
 
 _DEPTH = re.compile(r"\bdepth\b")
 
@@ -30,27 +30,24 @@ fixed_faces = OncePerMachine(_fixed_faces)
 
 
 def refuse_strokes(
-    part: Part,
-    machine: Machine,
-    drill: Drill,
-    place: tuple[float, float],
-    tools: Tools,
-    faces: tuple[Face, ...],
-    depth: float | None,
-    features: tuple[int, ...],
+    part: Part, machine: Machine, drill: Drill, jobs: Sequence[Job]
 ) -> Iterator[tuple[int, Diagnostic]]:
-    """The features of one job that a fixed stroke does not make, and why."""
+    """The features of jobs that a fixed stroke does not make, and why."""
     strokes = Strokes(part.profile, machine)
-    for face in fixed_faces(machine).intersection(faces):
-        op = DrillOp(place[0], 0, tools[0], (face,), place[1], depth, (), (), part.source)
-        reach = _reach(op, part, strokes)
-        least, greatest = _wanted(op, part, drill)
-        if not least - machine.format.resolution <= reach <= greatest + machine.format.resolution:
-            for f in features:
+    resolution = machine.format.resolution
+    for job in jobs:
+        how = job.tooling
+        for face in fixed_faces(machine).intersection(how.faces):
+            op = DrillOp(job.x, 0, how.tools[0], (face,), job.y, how.depth, (), (), part.source)
+            reach = _reach(op, part, strokes)
+            least, greatest = _wanted(op, part, drill)
+            if least - resolution <= reach <= greatest + resolution:
+                continue
+            for f in job.features:
                 feature = part.features[f]
                 expected = f"{least:.3f}" if least == greatest else f"at least {least:.3f}"
                 yield f, rules.STROKE.at(
-                    feature.source, what=_named(feature), face=face, found=f"{reach:.3f}",
+                    feature.source, what=named(feature), face=face, found=f"{reach:.3f}",
                     expected=expected,
                 )  # fmt: skip
 
@@ -72,7 +69,8 @@ def _wanted(op: DrillOp, part: Part, drill: Drill) -> tuple[float, float]:
     return through, float("inf") if kind in ("drill", "tap") else through + drill.breakthrough
 
 
-def _named(feature: Feature) -> str:
+def named(feature: Feature) -> str:
+    """A feature that a spindle makes, as messages call it."""
     match feature:
         case Hole():
             return f"a hole of diameter {feature.diameter:g}"

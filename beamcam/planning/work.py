@@ -19,6 +19,7 @@ from beamcam.planning.bar import Ends, refuse_cut
 from beamcam.planning.ends import End, ends_of
 from beamcam.planning.holes import Refusal, Step, recipe
 from beamcam.planning.jobs import Job, Tooling, scribe_job, slot_ends, slot_jobs
+from beamcam.planning.limits import refuse_beyond, turning_saw
 from beamcam.planning.merging import Group, Placed, drop_duplicates, merge_pairs, partner_faces
 from beamcam.planning.paths import pocket_path
 from beamcam.planning.refuse import (
@@ -27,6 +28,7 @@ from beamcam.planning.refuse import (
     refuse_other,
     refuse_place,
     refuse_slot,
+    refuse_too_near,
 )
 from beamcam.planning.strokes import fixed_faces, refuse_strokes
 from beamcam.planning.tools import Rack
@@ -52,13 +54,14 @@ def work_on(part: Part, machine: Machine, saw: Saw, rack: Rack, skips: Collectio
         ends, remarks = ends_of(part, saw.least_mitre)
     except PlanError as error:
         return Work(SQUARE, (), {}, (), (), error.diagnostics, ())
-    refusals = [said for end in ends if (said := refuse_cut(end, saw, part.source))]
+    turning = turning_saw(saw, machine)
+    refusals = [said for end in ends if (said := refuse_cut(end, turning, part.source))]
     bench = _Bench(part, machine, rack)
     holes = bench.sort_features(ends)
     kept, dropped = drop_duplicates(holes, rack.drill.duplicate_tolerance)
+    bench.refused |= refuse_too_near(kept, machine)
     bench.add_holes(kept)
-    if fixed_faces(machine):
-        bench.refuse_strokes()
+    bench.drop_jobs()
     refused, skipped = bench.refused, {}
     if dropped:
         remarks = (*remarks, *_duplicate_remarks(part, dropped))
@@ -240,15 +243,14 @@ class _Bench:
             tooling = Tooling(number, step.tools, faces, step.depth, size, reasons)
             self.jobs.append(Job(x, y, tooling, features, hole.source, path))
 
-    def refuse_strokes(self) -> None:
-        """Drop the jobs whose stroke is the machine's own and does not fit, and all beside them."""
-        for job in self.jobs:
-            how = job.tooling
-            self.refused |= refuse_strokes(
-                self.part, self.machine, self.rack.drill, (job.x, job.y), how.tools, how.faces,
-                how.depth, job.features,
-            )  # fmt: skip
-        self.jobs = [job for job in self.jobs if self.refused.keys().isdisjoint(job.features)]
+    def drop_jobs(self) -> None:
+        """Drop the jobs whose stroke does not fit or leads too far, and all beside them."""
+        refused = dict(refuse_beyond(self.part, self.machine, self.jobs))
+        if fixed_faces(self.machine):
+            refused |= refuse_strokes(self.part, self.machine, self.rack.drill, self.jobs)
+        if refused:
+            self.refused |= refused
+            self.jobs = [job for job in self.jobs if refused.keys().isdisjoint(job.features)]
 
     def _number(self, faces: tuple[Face, ...]) -> int:
         if len(faces) == 1:

@@ -169,7 +169,7 @@ def _once(
             near = seen.get((face, low), ())
         else:
             near = [h for place in range(low, high + 1) for h in seen.get((face, place), ())]
-        if near and any(_is_same(hole, other, tolerance) for other in near):
+        if near and any(is_same(hole, other, tolerance) for other in near):
             continue
         seen.setdefault((face, floor(x)), []).append(hole)
         yield f, hole
@@ -187,7 +187,7 @@ def from_behind(hole: Round, part: Part, rack: Rack, works: Collection[Face]) ->
     return replace(hole, face=other)
 
 
-def _is_same(hole: Hole, other: Hole, tolerance: float) -> bool:
+def is_same(hole: Hole, other: Hole, tolerance: float) -> bool:
     """Whether two holes of one face are one that was written twice."""
     return (
         abs(hole.x - other.x) <= tolerance

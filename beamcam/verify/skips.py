@@ -3,7 +3,8 @@
 from collections.abc import Collection, Iterator, Sequence
 
 from beamcam.machine.machine import Machine, Spindle
-from beamcam.model.part import Hole, Part, Slot
+from beamcam.model.part import Contour, Hole, Part, Slot
+from beamcam.verify.beyond import led_beyond
 from beamcam.verify.depths import REACHES
 from beamcam.verify.ends import ends_of
 from beamcam.verify.needs import (
@@ -12,6 +13,7 @@ from beamcam.verify.needs import (
     Need,
     Stroke,
     from_behind,
+    is_same,
     needs_of,
     slot_corners,
     works_on,
@@ -35,20 +37,45 @@ def skippable(
     left = {ref for ref, need in needs if isinstance(need, Lack) and need.name in names}
     if not {"off-face", "reach"}.isdisjoint(names):
         left |= {ref for ref, name in _ill_placed(parts, machine, rack) if name in names}
+    if "axis" in names:
+        left.update(led_beyond(parts, machine, rack, needs))
     if "stroke" in names:
         left.update(_off_stroke(parts, machine, rack, needs))
-    return frozenset(left)
+    return frozenset(left.union(_repeats(left, parts, rack)))
+
+
+def _repeats(
+    left: Collection[FeatureRef], parts: Sequence[Part], rack: Rack
+) -> Iterator[FeatureRef]:
+    """The holes that are the same as one that is left out, written again."""
+    for p, f in left:
+        part = parts[p]
+        works = {face for face in rack.faces if works_on(face, part, rack)}
+        first = part.features[f]
+        if isinstance(first, Hole):
+            made = from_behind(first, part, rack, works)
+            for g, other in enumerate(part.features):
+                if isinstance(other, Hole) and is_same(
+                    from_behind(other, part, rack, works), made, rack.twice
+                ):
+                    yield p, g
 
 
 def _ill_placed(
     parts: Sequence[Part], machine: Machine, rack: Rack
 ) -> Iterator[tuple[FeatureRef, str]]:
-    """The holes and slots that lie where no tool comes, and what such a place is called."""
+    """The features that lie where no tool comes, and what such a place is called."""
     spindles: dict[str, int] = {s.face: s.number for s in machine.spindles}
     for p, part in enumerate(parts):
         choices = choices_of(machine, part.profile)
         works = {face for face in rack.faces if works_on(face, part, rack)}
         for f, feature in enumerate(part.features):
+            if isinstance(feature, Contour) and feature.process != "cut":
+                if feature.face in works and any(rack.of("scribe", feature.face)):
+                    (station,) = choices[spindles[feature.face]].stations
+                    if not _is_clear(feature, station):
+                        yield (p, f), "reach"
+                continue
             if not isinstance(feature, Hole | Slot):
                 continue
             made = from_behind(feature, part, rack, works)
@@ -69,6 +96,13 @@ def _fault(x: float, y: float, made: Hole | Slot, part: Part, station: Station) 
     if not (station.clear_from <= y - radius and y + radius <= station.clear_to):
         return "reach"
     return ""
+
+
+def _is_clear(line: Contour, station: Station) -> bool:
+    """Whether no flange stands in the way of a tool that is led along a line."""
+    boxes = [curve.bbox for curve in line.curves]
+    lowest, highest = min(box[1] for box in boxes), max(box[3] for box in boxes)
+    return station.clear_from <= lowest and highest <= station.clear_to
 
 
 def _off_stroke(

@@ -7,10 +7,14 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from msgspec.structs import replace
 
-from beamcam.machine import load
+from beamcam.errors import Diagnostic, PlanError
+from beamcam.machine import Machine, load
+from beamcam.model.part import Part
 from beamcam.model.plan import DrillOp
+from beamcam.pipeline import post
 from beamcam.planning import plan_bar
 from beamcam.planning.merging import drop_duplicates, merge_pairs, unmerged_because
+from beamcam.planning.refuse import refuse_too_near
 from tests.unit.planning.shop import hole, part, plan
 
 
@@ -136,3 +140,69 @@ def test_why_two_holes_are_not_one_stroke(change: dict[str, Any], because: str |
     drill = load("beamline").drill
     assert drill is not None
     assert unmerged_because(TOP, replace(TOP, face="u", **change), drill) == because
+
+
+@settings(deadline=None, max_examples=150)
+@given(
+    st.sampled_from(("beamline", "beamline-annex", "beamline-pusher")),
+    st.lists(
+        st.tuples(
+            st.sampled_from("vvou"), st.integers(0, 35), st.integers(0, 35),
+            st.sampled_from((14.0, 14.0, 18.0)),
+        ),
+        min_size=2, max_size=4,
+    ),
+)  # fmt: skip
+def test_holes_beside_one_another_are_made_or_refused_by_the_planner(
+    name: str, places: list[tuple[str, int, int, float]]
+) -> None:
+    """Never only when the program is read back, whose numbers may not tell them apart."""
+    made = part(
+        *(
+            hole(500 + dx / 100, (150 if face == "v" else 75) + dy / 100, diameter, face)
+            for face, dx, dy, diameter in places
+        )
+    )
+    machine = load(name)
+    codes = [said.code for said in refusals(made, machine)]
+    if codes:
+        assert set(codes) == {"plan-too-near"}
+        assert name == "beamline-annex"  # the others write thousandths
+    else:
+        assert post((made,), machine).text
+
+
+def refusals(made: Part, machine: Machine) -> tuple[Diagnostic, ...]:
+    try:
+        plan_bar((made,), machine)
+    except PlanError as error:
+        return error.diagnostics
+    return ()
+
+
+@pytest.mark.parametrize(("other", "refused"), [
+    ({"x": 500.2}, True),
+    ({"x": 500.21}, False),
+    ({"y": 40.02}, True),
+    ({"x": 499.9, "y": 39.9}, True),
+    ({"x": 500.1, "diameter": 22.0}, False),  # told apart by their tools
+    ({"x": 500.1, "face": "u"}, False),
+    ({"x": 500.005}, False),  # one hole that was written twice
+])  # fmt: skip
+def test_what_the_program_cannot_tell_apart(other: dict[str, Any], refused: bool) -> None:
+    first, again = TOP, replace(TOP, **other)
+    for features in ((first, again), (again, first)):
+        codes = [said.code for _, said in refuse_too_near(
+            drop_duplicates(tuple((h.x, f, h) for f, h in sorted(
+                enumerate(features), key=lambda item: item[1].x)), 0.01)[0],
+            load("beamline-annex"),
+        )]  # fmt: skip
+        assert codes == ["plan-too-near"] * refused
+
+
+def test_each_hole_too_near_an_earlier_one_is_named() -> None:
+    row = [hole(500 + dx, 150, 14) for dx in (0.3, 0.0, 0.15, 0.45)]
+    with pytest.raises(PlanError) as caught:
+        plan_bar((part(*row),), load("beamline-annex"))
+    said = [d.message for d in caught.value.diagnostics]
+    assert [m.split(" at ")[1].split(",")[0] for m in said] == ["x 500.15", "x 500.45"]

@@ -104,6 +104,19 @@ CASES: tuple[Case, ...] = (
     ("plan-stroke", "beamline-annex", (part(hole(500, 150, kind="blind", depth=4.0)),), {},
      "found a stroke to 78.550 mm below face v, the same for every hole; "
      "expected 9.408 mm for a hole of diameter 18"),
+    ("plan-reach", "beamline-pusher", (part(replace(LINE, curves=(Line((100, 50), (200, 5)),))),),
+     {}, "found 109.659 mm of line to mark at y 5 on face v; expected y from 10.7 to 289.3, "
+     "the flange stands in the tool's way"),
+    ("plan-too-near", "beamline-annex", (part(hole(500), hole(500.12, 150.05)),), {},
+     "found a hole of diameter 18 on face v at x 500.12, y 150.05, 0.13 mm from that of p.nc1:7; "
+     "expected the same place, or one more than 0.2 mm away"),
+    ("plan-axis", "beamline-pusher",
+     (part(replace(LINE, face="o", curves=(Line((100, 50), (200, -12)),))),), {},
+     "found a line to mark on face o that takes the left drill vertical to 200.600; "
+     "expected -320 to 200"),
+    ("plan-stop", "beamline-pusher", (part(hole(10, diameter=100)),), {},
+     "found a hole of diameter 100 on face v of P1 that takes the pusher to -15.000; "
+     "expected at least 0"),
     ("plan-slot", "beamline", (part(Slot("v", 500, 150, 22, 40, 0, 0, SOURCE)),), {},
      "found a slot of 62 x 22 mm on face v; expected no slot, the machine has no mill"),
     ("plan-slot", "beamline-pusher", (part(Slot("v", 500, 150, 6, 40, 0, 0, SOURCE)),), {},

@@ -1,0 +1,198 @@
+"""What an axis does not come to: the planner refuses just what the read-back would."""
+
+import pytest
+from hypothesis import event, given, settings
+from hypothesis import strategies as st
+from msgspec.structs import replace
+
+from beamcam.errors import PlanError
+from beamcam.geometry.curves import Arc, Line
+from beamcam.machine import load
+from beamcam.machine.machine import ControlledAxis, Machine
+from beamcam.model.part import Contour, EndCuts, Feature, Part, Profile, Slot
+from beamcam.pipeline import post
+from beamcam.planning import plan_bar
+from beamcam.verify import skippable, verify
+from tests.unit.planning.shop import ANGLE, BEAM, SOURCE, TUBE, hole, part, pusher
+
+MACHINES = tuple(map(load, ("beamline-pusher", "beamline-pusher", "beamline", "beamline-annex")))
+LIMITS = {"plan-axis", "plan-stop"}
+
+
+def narrowed(machine: Machine, name: str, **limits: float | None) -> Machine:
+    """The machine with other limits of one axis."""
+    assert name in {axis.name for axis in machine.axes}
+    axes = tuple(replace(a, **limits) if a.name == name else a for a in machine.axes)  # type: ignore[arg-type]
+    return replace(machine, axes=axes)
+
+
+def unlimited(machine: Machine) -> Machine:
+    """The machine with axes that come to any place."""
+    return replace(machine, axes=tuple(replace(a, least=None, greatest=None) for a in machine.axes))
+
+
+def codes(parts: tuple[Part, ...], machine: Machine) -> set[str]:
+    try:
+        plan_bar(parts, machine)
+    except PlanError as error:
+        return {d.code for d in error.diagnostics} - {"plan-turn-helps"}
+    return set()
+
+
+@st.composite
+def features(draw: st.DrawFn, profile: Profile, least_x: float) -> Feature:
+    face = draw(st.sampled_from("vou"))
+    share = draw(st.sampled_from((0.05, 0.1, 0.2, 0.45, 0.5, 0.6, 0.9, 0.95)))
+    x = least_x + draw(st.sampled_from((0.0, 45.0, 480.0)))
+    y = round(profile.face_width(face) * share, 2)
+    kind = draw(st.sampled_from(("hole", "hole", "large", "blind", "thread", "slot", "line")))
+    if kind == "slot":
+        angle = draw(st.sampled_from((0.0, 30.0, 90.0)))
+        height = draw(st.sampled_from((0.0, 0.0, 12.0)))
+        return Slot(face, x, y, 18.0, 30.0, height, angle, SOURCE)
+    if kind == "line":
+        curves = (Line((x, y), (x + 50, y + 5)), Arc((x + 50, y), 5.0, 90.0, 200.0))
+        return Contour(face, "open", curves, SOURCE, "mark", False)
+    if kind == "thread":
+        return hole(x, y, 16.0, face, kind="thread", depth=draw(st.sampled_from((None, 2.0))))
+    depth = 4.0 if kind == "blind" else None
+    return hole(x, y, 60.0 if kind == "large" else 14.0, face, depth=depth,
+                kind="blind" if kind == "blind" else "through")  # fmt: skip
+
+
+@st.composite
+def parts(draw: st.DrawFn) -> Part:
+    profile = draw(st.sampled_from((BEAM, ANGLE, TUBE)))
+    count = draw(st.integers(1, 3))
+    return part(*(draw(features(profile, 15.0 + 700 * k)) for k in range(count)), profile=profile)
+
+
+@st.composite
+def machines(draw: st.DrawFn) -> Machine:
+    """A machine with narrower axes, on the grid of its numbers and off it."""
+    machine = draw(st.sampled_from(MACHINES))
+    axes: list[ControlledAxis] = []
+    for axis in machine.axes:
+        least, greatest = axis.least, axis.greatest
+        if axis.moves in "YZ" and draw(st.booleans()):
+            least = draw(st.sampled_from((-100.0, -30.0, -5.0, 0.02, None)))
+            greatest = draw(st.sampled_from((25.0, 90.06, 150.0, None)))
+        elif axis.moves == "X":
+            least, greatest = draw(st.sampled_from(((None, None), (0.0, None), (0.0, 1300.0))))
+        axes.append(replace(axis, least=least, greatest=greatest))
+    return replace(machine, axes=tuple(axes))
+
+
+@settings(deadline=None, max_examples=150)
+@given(parts(), machines())
+def test_it_is_refused_what_the_read_back_would_refuse(made: Part, machine: Machine) -> None:
+    free = unlimited(machine)
+    others = codes((made,), free)
+    if others:
+        event("refused for another reason")
+        return
+    text = post((made,), free).text
+    said = {d.code for d in verify(text, (made,), machine)}
+    assert said <= {"verify-limit"}
+    found = codes((made,), machine)
+    assert found <= LIMITS
+    assert bool(found) == bool(said)
+    event(", ".join(sorted(found)) or "made")
+
+
+@settings(deadline=None, max_examples=150)
+@given(parts(), machines())
+def test_what_is_left_out_for_an_axis_may_be(made: Part, machine: Machine) -> None:
+    try:
+        plan = plan_bar((made,), machine, skips=("axis",))
+    except PlanError:
+        return
+    skipped = {o.feature for o in plan.outcomes if o.how == "skipped"}
+    event("some left out" if skipped else "all made")
+    assert skippable((made,), machine, ("axis",)) == skipped
+    assert post((made,), machine, skips=("axis",)).plan == plan
+
+
+@pytest.mark.parametrize(("name", "limits", "feature", "text"), [
+    ("left drill horizontal", {"greatest": 14.0}, hole(500, 50, 14, "o"),
+     "found a hole of diameter 14 on face o that takes the left drill horizontal to 16.906; "
+     "expected -20 to 14"),
+    ("left drill horizontal", {"least": None, "greatest": 14.0}, hole(500, 50, 14, "o"),
+     "found a hole of diameter 14 on face o that takes the left drill horizontal to 16.906; "
+     "expected at most 14"),
+    ("top drill vertical", {"least": 0.0, "greatest": None}, hole(500),
+     "found a hole of diameter 18 on face v that takes the top drill vertical to -5.000; "
+     "expected at least 0"),
+    ("top drill horizontal", {"least": -60.0}, Slot("v", 500, 200, 18, 30, 0, 90, SOURCE),
+     "found a slot of width 18 on face v that takes the top drill horizontal to -66.000; "
+     "expected -60 to 500"),
+])  # fmt: skip
+def test_the_axis_is_named(
+    name: str, limits: dict[str, float | None], feature: Feature, text: str
+) -> None:
+    with pytest.raises(PlanError) as caught:
+        plan_bar((part(feature),), narrowed(pusher(), name, **limits))
+    assert text in [d.message for d in caught.value.diagnostics]
+
+
+def test_both_spindles_of_a_pair_have_to_reach() -> None:
+    flanges = part(hole(500, 50, 14, "o"), hole(500, 50, 14, "u"))
+    machine = narrowed(pusher(), "right drill vertical", greatest=100.0)
+    with pytest.raises(PlanError) as caught:
+        plan_bar((flanges,), machine)
+    (first, second, *_) = caught.value.diagnostics
+    assert (first.code, second.code) == ("plan-axis", "plan-axis")
+    assert "right drill vertical to 138.600; expected -320 to 100" in first.message
+
+
+def test_a_cut_that_the_bar_cannot_be_brought_to() -> None:
+    long = part(length=5000.0)
+    with pytest.raises(PlanError) as caught:
+        plan_bar((long,), narrowed(load("beamline"), "stop", greatest=4000.0))
+    (said,) = caught.value.diagnostics
+    assert said.message == ("found a cut of P1 that takes the stop to 5022.020; expected 0 to 4000")
+
+
+def test_an_axis_that_belongs_to_one_spindle_and_moves_along_the_bar() -> None:
+    """Only what that spindle does is held against it."""
+    own = ControlledAxis("left drill along", "X", 300.0, 1000.0, spindle=1, greatest=1000.0)
+    machine = replace(pusher(), axes=(*pusher().axes, own))
+    assert codes((part(hole(2000)),), machine) == set()
+    assert codes((part(hole(2000, 50, 14, "o")),), machine) == {"plan-stop"}
+
+
+def test_the_saw_turns_as_far_as_its_axis() -> None:
+    mitred = part(cuts=EndCuts(web_end=40.0))
+    machine = load("beamline")
+    assert codes((mitred,), machine) == set()
+    assert codes((mitred,), narrowed(machine, "saw rotation", greatest=30.0)) == {"plan-saw-angle"}
+
+
+def test_another_way_of_lying_helps() -> None:
+    """Turned half about its length the hole comes to the other flange and the other edge."""
+    made = part(hole(500, 20, 14, "o"))
+    machine = narrowed(load("beamline"), "left drill vertical", greatest=100.0)
+    with pytest.raises(PlanError) as caught:
+        plan_bar((made,), machine)
+    assert [d.code for d in caught.value.diagnostics] == ["plan-axis", "plan-turn-helps"]
+    assert plan_bar((made,), machine, turn=True).pieces[0].turn != "as given"
+
+
+@pytest.mark.parametrize("machine", ["beamline", "beamline-annex"])
+def test_what_repeats_a_hole_that_is_left_out_may_be_left_out_too(machine: str) -> None:
+    twice = part(hole(500, diameter=65), hole(500.005, diameter=65), hole(500.5, diameter=65))
+    plan = plan_bar((twice,), load(machine), skips=("tool",))
+    assert {o.how for o in plan.outcomes} == {"skipped"}
+    assert skippable((twice,), load(machine), ("tool",)) == {(0, 0), (0, 1), (0, 2)}
+
+
+def test_a_line_in_the_way_of_a_flange_may_be_left_out() -> None:
+    low, high = (
+        Contour("v", "open", (Line((100, y), (200, 150)),), SOURCE, "mark", False)
+        for y in (10.0, 11.0)
+    )
+    made, machine = part(low, high), pusher()
+    plan = plan_bar((made,), machine, skips=("reach",))
+    assert [(o.feature, o.how) for o in plan.outcomes] == [((0, 0), "skipped"), ((0, 1), "made")]
+    assert skippable((made,), machine, ("reach",)) == {(0, 0)}
+    assert post((made,), machine, skips=("reach",)).plan == plan
