@@ -108,7 +108,7 @@ def test_of_a_part_that_is_refused_nothing_is_written() -> None:
     done = convert("bad.nc1", "-o", "out/")
     assert done.exit_code == 1
     assert ": error dstv-" in done.stderr
-    assert not list(Path("out").iterdir())
+    assert not Path("out").exists()
 
 
 def test_the_input_is_not_written_over_by_a_name_that_nobody_gave() -> None:
@@ -128,6 +128,31 @@ def test_a_long_mark_has_a_name_that_systems_take() -> None:
         "a" * 80 + "-2.nc1",
         "a" * 80 + ".nc1",
     ]
+
+
+@pytest.mark.parametrize(
+    "words", [["--class", "IfcColumn"], ["--mark", "B1", "--class", "IfcColumn"]]
+)
+def test_a_selection_of_nothing_is_an_error(words: list[str]) -> None:
+    Path("m.ifc").write_bytes(model("B1"))
+    done = convert("m.ifc", "-o", "out/", *words)
+    assert done.exit_code == 1
+    assert (
+        "m.ifc: error write-no-part: found no part to write; expected at least one" in done.stderr
+    )
+    assert "1 not selected" in done.stderr
+
+
+@pytest.mark.parametrize("command", ["post m.ifc -o a.gcode", "plan m.ifc"])
+def test_what_was_said_of_a_model_is_told_where_it_cannot_be_posted_too(command: str) -> None:
+    """That there is no part to plan would be a riddle without it."""
+    small = Small()
+    small.material(small.element(small.extruded(small.ipe300(), 900.0)), "Concrete C30/37")
+    Path("m.ifc").write_bytes(small.data)
+    done = CliRunner().invoke(main, command.split())
+    assert done.exit_code == 1
+    assert "m.ifc: warning ifc-no-members: found no steel member" in done.stderr
+    assert "beamline: error plan-no-parts" in done.stderr
 
 
 def test_twice_the_same_bytes() -> None:

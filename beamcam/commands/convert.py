@@ -13,7 +13,7 @@ from beamcam.batch.names import Names, cleaned
 from beamcam.commands import options
 from beamcam.commands.common import REFUSED, Voice, cannot_write, read_all, write
 from beamcam.commands.members import member_choice, member_options
-from beamcam.commands.rules import ONE_PART, OUTPUT_FORMAT, OVER_INPUT, RENAMED, WRITTEN
+from beamcam.commands.rules import NO_PART, ONE_PART, OUTPUT_FORMAT, OVER_INPUT, RENAMED, WRITTEN
 from beamcam.commands.settings import settled
 from beamcam.commands.sheets import drawing_choice, drawing_options
 from beamcam.errors import BeamcamError, Diagnostic, ReadError, Source, errors_in
@@ -107,7 +107,9 @@ def command(
         (reading,) = read_all((source,), config.strict, how, voice)
         said = reading.diagnostics
         parts = counted(sound(reading))
-        if is_folder(output):
+        if not (parts or reading.refused):
+            raise ReadError(NO_PART.at(Source(source)))
+        if parts and is_folder(output):
             said = (*said, *_write_folder(source, parts, target, output, voice))
         elif not reading.refused:
             write(output, _only_text(source, parts, target, output), voice)

@@ -54,6 +54,7 @@ def command(
     beamcam plan M74.nc1 M58.nc1 --machine beamline-pusher --order best --turn
     beamcam plan M58.nc1 --json | jq .time
     """
+    said: tuple[Diagnostic, ...] = ()
     try:
         config = settled(asked, inputs)
         parts, said = read_parts(inputs, config, asked, voice)
@@ -77,7 +78,7 @@ def command(
             raise PlanError(remarks)
         trials = [(part, try_turns(part, machine, skips)) for part in _each(parts)] if turn else []
     except BeamcamError as error:
-        voice.stop(error.diagnostics)
+        voice.stop((*said, *error.diagnostics))
     voice.did(f"planned {len(plan.operations)} operation(s): {ledger_of(plan.outcomes)}")
     explained = explain(plan, machine)
     said = (*said, *plan.remarks)

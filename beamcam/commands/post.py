@@ -10,7 +10,7 @@ from beamcam.commands.common import Voice, write
 from beamcam.commands.parts import part_options, read_parts
 from beamcam.commands.settings import machine_for, settled
 from beamcam.commands.tables import job_name, outputs, table_style
-from beamcam.errors import BeamcamError
+from beamcam.errors import BeamcamError, Diagnostic
 from beamcam.pipeline import Posted, post, untold
 from beamcam.planning import Order
 from beamcam.planning.stock import from_store
@@ -62,6 +62,7 @@ def command(
     beamcam post M58.nc1 --bar 12000 -o - | less
     beamcam post model.ifc --mark B12 -o b12.gcode
     """
+    said: tuple[Diagnostic, ...] = ()
     try:
         config = settled(asked, inputs)
         parts, said = read_parts(inputs, config, asked, voice)
@@ -77,7 +78,7 @@ def command(
 
         posted = from_store(made, config.stock_lengths, max((p.length for p in parts), default=0.0))
     except BeamcamError as error:
-        voice.stop(error.diagnostics)
+        voice.stop((*said, *error.diagnostics))
     if voice.verbose:
         from beamcam.report.ledger import ledger_of
 

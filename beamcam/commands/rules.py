@@ -14,6 +14,12 @@ ONE_PART = Rule(
     "found {found} parts to write to {output!r}; expected one, or a folder/ for a file a part",
     "A DSTV file, a JSON part and a drawing of faces hold one part each.",
 )
+NO_PART = Rule(
+    "write-no-part",
+    Severity.ERROR,
+    "found no part to write; expected at least one",
+    "The file has none, the selection has none of the file's, or all are refused.",
+)
 CANNOT_WRITE = Rule(
     "write-file",
     Severity.ERROR,
@@ -48,4 +54,4 @@ ACCOUNT = Rule(
     "What was done and how long it took, under `--verbose` with `--json`.",
 )
 
-RULES = (OUTPUT_FORMAT, ONE_PART, CANNOT_WRITE, OVER_INPUT, RENAMED, WRITTEN, ACCOUNT)
+RULES = (OUTPUT_FORMAT, ONE_PART, NO_PART, CANNOT_WRITE, OVER_INPUT, RENAMED, WRITTEN, ACCOUNT)

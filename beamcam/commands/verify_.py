@@ -11,7 +11,7 @@ from beamcam.commands.common import REFUSED, STANDARD, Voice
 from beamcam.commands.parts import looking_options, read_parts
 from beamcam.commands.programs import input_bytes
 from beamcam.commands.settings import machine_for, machine_for_program, settled
-from beamcam.errors import BeamcamError, errors_in
+from beamcam.errors import BeamcamError, Diagnostic, errors_in
 from beamcam.pipeline import left_out, read_back
 from beamcam.readers.content import shown_name
 from beamcam.report.run import as_message
@@ -49,6 +49,7 @@ def command(
         raise click.UsageError("PARTs stand behind --against.")
     if (program, *parts).count(STANDARD) > 1:
         raise click.UsageError("found - twice; expected it once, standard input is read once.")
+    said: tuple[Diagnostic, ...] = ()
     try:
         config = settled(asked, parts or (program,))
         wanted, said = read_parts(parts, config, asked, voice)
@@ -59,7 +60,7 @@ def command(
             machine = machine_for_program(config, program)
         skipped = left_out(wanted, machine, config.allow_skips)
     except BeamcamError as error:
-        voice.stop(error.diagnostics)
+        voice.stop((*said, *error.diagnostics))
     found = read_back(
         data, wanted, machine, skipped, shown_name(program), style=PurePath(program).suffix.lower()
     )
