@@ -5,6 +5,8 @@ import json
 import os
 import subprocess
 import sys
+from contextlib import ExitStack
+from io import StringIO
 from pathlib import Path
 
 import click
@@ -12,6 +14,8 @@ import pytest
 from click.testing import CliRunner, Result
 
 from beamcam.cli import COMMANDS, main
+from beamcam.commands.common import Voice
+from beamcam.commands.inspect import shown_progress
 from tests.conftest import ROOT, SAMPLES
 from tests.runs import BAD, part
 from tests.test_docs import WORDS
@@ -275,3 +279,23 @@ def test_a_file_that_may_not_be_read(
     assert "w.nc1: error read-file: found no file that can be read (Permission denied)" in (
         done.stderr
     )
+
+
+def test_a_bar_appears_when_a_reader_tells_how_far_it_is(monkeypatch: pytest.MonkeyPatch) -> None:
+    class Terminal(StringIO):
+        def isatty(self) -> bool:
+            return True
+
+    terminal = Terminal()
+    monkeypatch.setattr(sys, "stderr", terminal)
+    with ExitStack() as stack:
+        follow = shown_progress(stack, "m.ifc", Voice())
+        assert follow is not None
+        assert terminal.getvalue() == ""  # a file that is read at once has none
+        follow(1, 4)
+        follow(4, 4)
+    assert "m.ifc" in terminal.getvalue()
+    assert "100%" in terminal.getvalue()
+    assert shown_progress(stack, "m.ifc", Voice(quiet=True)) is None
+    monkeypatch.setattr(sys, "stderr", StringIO())
+    assert shown_progress(stack, "m.ifc", Voice()) is None

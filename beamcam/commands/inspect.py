@@ -50,14 +50,19 @@ def show(path: str, reading: Reading, voice: Voice) -> None:
 
 
 def shown_progress(stack: ExitStack, path: str, voice: Voice) -> Callable[[int, int], None] | None:
-    """A bar on the terminal that follows a long reading; None where there is no terminal."""
+    """A bar on the terminal that follows a long reading; None where there is no terminal.
+
+    It appears when the reader first tells how far it is; most never do.
+    """
     if voice.quiet or not sys.stderr.isatty():
         return None
-    bar = stack.enter_context(click.progressbar(length=1, label=path, file=sys.stderr))
+    bars: list[Any] = []
 
     def follow(done: int, of: int) -> None:
-        bar.length = of
-        bar.update(done - bar.pos)
+        if not bars:
+            bar = click.progressbar(length=of, label=path, file=sys.stderr)
+            bars.append(stack.enter_context(bar))
+        bars[0].update(done - bars[0].pos)
 
     return follow
 

@@ -21,8 +21,8 @@ def member_table(parts: Iterable[Part], diagnostics: Iterable[Diagnostic]) -> It
         for part in parts
     ]  # fmt: skip
     rows += [
-        ("", "", "", "", "", d.source.where or "", f"refused: {d.code}")
+        ("", "", "", "", "", d.source.where, f"refused: {d.code}")
         for d in diagnostics
-        if d.severity is Severity.ERROR
+        if d.severity is Severity.ERROR and d.source.where is not None
     ]
     yield from aligned([HEAD, *rows], "  ")
