@@ -3,6 +3,8 @@
 import io
 import re
 import zipfile
+import zlib
+from pathlib import PurePosixPath
 
 from msgspec.structs import replace
 
@@ -13,6 +15,7 @@ from beamcam.readers.ifc.records import File
 from beamcam.readers.ifc.step import Malformed
 
 _SCHEMA = re.compile(rb"FILE_SCHEMA\s*\(\s*\(\s*'([^']*)'", re.IGNORECASE)
+_NO_MODEL = "an archive without a model"
 _KNOWN = re.compile(r"IFC(2X3(_TC1)?|4|4X3(_ADD[12]|_TC1)?)$", re.IGNORECASE)
 
 
@@ -20,8 +23,8 @@ def open_file(data: bytes, source: Source) -> Model | Diagnostic:
     """The model of its bytes, or what is wrong with them."""
     if data.startswith(b"PK"):
         unzipped = _unzip(data)
-        if unzipped is None:
-            return rules.SYNTAX.at(source, found="an archive without a model")
+        if isinstance(unzipped, str):
+            return rules.SYNTAX.at(source, found=unzipped)
         data = unzipped
     schema = _SCHEMA.search(data[:200_000])
     if b"ISO-10303-21" not in data[:2000]:
@@ -56,13 +59,22 @@ def _schema(name: str) -> str:
     return name.upper().split("_")[0]
 
 
-def _unzip(data: bytes) -> bytes | None:
-    """The model in an .ifczip."""
+def _unzip(data: bytes) -> bytes | str:
+    """The model in an .ifczip, or why there is none.
+
+    Of two models one would be dropped. A Mac puts a file that begins with a dot beside each.
+    """
     try:
         with zipfile.ZipFile(io.BytesIO(data)) as archive:
-            for name in archive.namelist():
-                if name.lower().endswith(".ifc"):
-                    return archive.read(name)
-    except zipfile.BadZipFile:
-        return None
-    return None
+            names = [name for name in archive.namelist() if _is_model(name)]
+            if len(names) != 1:
+                return f"an archive with {len(names)} models" if names else _NO_MODEL
+            return archive.read(names[0])
+    except (zipfile.BadZipFile, zlib.error, EOFError, OSError) as fault:
+        return f"a damaged archive, {fault}"
+    except (RuntimeError, NotImplementedError) as fault:  # a password, an unknown compression
+        return f"an archive that cannot be unpacked, {fault}"
+
+
+def _is_model(name: str) -> bool:
+    return name.lower().endswith(".ifc") and not PurePosixPath(name).name.startswith(".")

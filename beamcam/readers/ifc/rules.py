@@ -9,8 +9,8 @@ _E, _W, _N = Severity.ERROR, Severity.WARNING, Severity.NOTE
 SYNTAX = Rule(
     "ifc-syntax",
     _E,
-    "found no IFC model ({found}); expected a STEP file with a DATA section",
-    "The file is cut short, or is a pointer or an archive instead of the model.",
+    "found no IFC model ({found}); expected one STEP file with a DATA section",
+    "The file is cut short, or is a pointer or an archive of none or several instead of the model.",
 )
 SCHEMA = Rule(
     "ifc-schema",
