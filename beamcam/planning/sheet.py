@@ -17,7 +17,7 @@ from beamcam.planning.contours.gather import Gathered, gather
 from beamcam.planning.contours.join import join, nest
 from beamcam.planning.contours.material import Material
 from beamcam.planning.contours.operations import operations_of
-from beamcam.planning.contours.place import moved, refuse_size, shift_of
+from beamcam.planning.contours.place import moved, refuse_large, refuse_size, shift_of
 from beamcam.planning.contours.repeats import without_repeats
 
 SHEET_CODES = ("B",)
@@ -54,6 +54,7 @@ def plan_sheet(parts: Sequence[Part], machine: Machine, skips: Collection[str] =
         raise PlanError(_nothing(part, gathered))
     remarks = [*material.remarks, *gathered.remarks]
     curves = CurveTable([w.curve for w in gathered.wanted])
+    refuse_large(curves, part, torch)
     shift = shift_of(curves, torch)
     wanted, stands, said = without_repeats(gathered.wanted, curves)
     remarks += said

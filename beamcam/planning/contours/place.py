@@ -52,6 +52,17 @@ def _shifted(curve: Curve, shift: Point, matrix: Matrix) -> Curve:
     return curve.transformed(matrix)
 
 
+def refuse_large(curves: CurveTable, part: Part, torch: Torch) -> None:
+    """Raises PlanError if what is drawn is larger than the work area; kerf and leads add to it.
+
+    Asked first, because what a damaged file holds may be as large as a planet and take hours.
+    """
+    (x0, y0), (x1, y1) = curves.hulls[:, :2].min(axis=0), curves.hulls[:, 2:].max(axis=0)
+    slack = torch.gap + torch.tolerance
+    if x1 - x0 > torch.length + slack or y1 - y0 > torch.width + slack:
+        _refuse_extent(box_of(curves), part, torch, slack)
+
+
 def refuse_size(operations: Sequence[ContourOp], part: Part, torch: Torch) -> None:
     """Raises PlanError if the head would have to leave the work area."""
     passes = [one for op in operations for one in op.passes]
@@ -62,14 +73,7 @@ def refuse_size(operations: Sequence[ContourOp], part: Part, torch: Torch) -> No
         return  # what the curves lie in fits, so that they need not be measured
     box = box_of(curves)
     slack = torch.tolerance
-    if box[2] - box[0] > torch.length + slack or box[3] - box[1] > torch.width + slack:
-        raise PlanError(
-            rules.SHEET_SIZE.at(
-                part.source,
-                found=f"{box[2] - box[0]:.1f} x {box[3] - box[1]:.1f}",
-                expected=f"{torch.length:g} x {torch.width:g}",
-            )
-        )
+    _refuse_extent(box, part, torch, slack)
     if min(box[:2]) < -slack or box[2] > torch.length + slack or box[3] > torch.width + slack:
         x0, y0, x1, y1 = (f"{v:.1f}" for v in box)
         raise PlanError(
@@ -78,3 +82,14 @@ def refuse_size(operations: Sequence[ContourOp], part: Part, torch: Torch) -> No
                 length=f"{torch.length:g}", width=f"{torch.width:g}",
             )
         )  # fmt: skip
+
+
+def _refuse_extent(box: Box, part: Part, torch: Torch, slack: float) -> None:
+    if box[2] - box[0] > torch.length + slack or box[3] - box[1] > torch.width + slack:
+        raise PlanError(
+            rules.SHEET_SIZE.at(
+                part.source,
+                found=f"{box[2] - box[0]:.1f} x {box[3] - box[1]:.1f}",
+                expected=f"{torch.length:g} x {torch.width:g}",
+            )
+        )

@@ -70,7 +70,7 @@ ASSUMED = Rule(
 SHEET_SIZE = Rule(
     "plan-sheet-size",
     _E,
-    "found a sheet of {found} mm; the table takes {expected} mm",
+    "found a sheet of {found} mm; expected at most {expected} mm, the work area of the table",
     "The part with its leads has to lie within the work area.",
 )
 SHEET_PLACE = Rule(

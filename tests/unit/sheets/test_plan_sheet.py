@@ -158,7 +158,12 @@ OTHERS: list[tuple[tuple[Part, ...], dict[str, object], str, str]] = [
     ((drawing(SQUARE, thickness=None),), {"thickness": 0.0}, "plan-thickness", "a sheet of 0 mm"),
     ((drawing(SQUARE, thickness=None),), {"thickness": -1.0}, "plan-thickness", "at most 12 mm"),
     ((drawing(SQUARE, thickness=40.0),), {}, "plan-thickness", "found a sheet of 40 mm mild"),
-    ((drawing(contour(box(0, 0, 4000, 50))),), {}, "plan-sheet-size", "takes 3000 x 1500"),
+    ((drawing(contour(box(0, 0, 4000, 50))),), {}, "plan-sheet-size", "at most 3000 x 1500"),
+    # Of a drawing as large as a planet it is not asked first whether it crosses itself.
+    (
+        (drawing(contour(lines((0, 0), (5e9, 5e9), (5e9, 0), (0, 5e9)))),), {}, "plan-sheet-size",
+        "found a sheet of 5000000000.0 x",
+    ),
     ((drawing(SQUARE),), {"place": "drawn"}, "plan-sheet-place", "from x -2.7"),
     ((drawing(contour(circle(0, 0, 1.0))),), {"place": "corner"}, "", ""),
     ((drawing(contour(lines((0, 0), (50, 50), (50, 0), (0, 50)))),), {}, "plan-crossing", "itself"),
