@@ -23,7 +23,7 @@ UNKNOWN_KEY = Rule(
 MISSING_KEY = Rule(
     "machine-missing",
     Severity.ERROR,
-    "found no key {expected!r}, which is required",
+    "found no key {expected!r}; expected it, it is required",
     "The key has no default because a wrong guess could hurt the machine.",
 )
 WRONG_VALUE = Rule(

@@ -52,7 +52,8 @@ COMPOUND = Rule(
 CUT_DENIED = Rule(
     "plan-cut-denied",
     _E,
-    "found a {kind} cut of {found} degrees at the {end} where the contour has {expected}",
+    "found a {kind} cut of {found} degrees at the {end}; expected {expected}, "
+    "which the contour has",
     "Header and contour describe different ends, and only one can be right.",
 )
 CUT_FROM_CONTOUR = Rule(

@@ -17,7 +17,7 @@ WIDTH_OPTION = Rule(
 LAYER_OPTION = Rule(
     "drawing-layer-option",
     Severity.ERROR,
-    "found no layer {found!r}; the drawing has {expected}",
+    "found no layer {found!r}; expected one of the drawing's: {expected}",
     "The option --layers names the layers to read; a misspelt name would lose a part of them.",
 )
 NO_CURVES = Rule(

@@ -17,7 +17,7 @@ NOT_SVG = _error(
 )
 DEPTH = _error(
     "depth",
-    "found elements more than {expected} deep inside one another",
+    "found elements deep inside one another; expected at most {expected} levels",
     "No drawing program nests so deep; the file is damaged, or an element uses itself.",
 )
 
@@ -90,7 +90,7 @@ USE = _warning(
 )
 USES = _error(
     "uses",
-    "found more than {expected} uses of elements",
+    "found too many uses of elements; expected at most {expected}",
     "Such a drawing multiplies itself until no computer holds it.",
 )
 CLIPPED = _warning(

@@ -52,7 +52,7 @@ CASES: tuple[Case, ...] = (
      "found a cut of 10 degrees on the web and 20 on the flange at the end; expected one of them, "
      "the saw cannot turn and tilt at once"),
     ("plan-cut-denied", "beamline", (part(outline(SKEW), cuts=EndCuts(web_end=-9.0)),), {},
-     "found a web cut of -9 degrees at the end where the contour has 18.435"),
+     "found a web cut of -9 degrees at the end; expected 18.435, which the contour has"),
     ("plan-cut-from-contour", "beamline", (part(outline(SKEW)),), {},
      "found no web cut in the header at the end; the contour's 18.435 degrees are sawn"),
     ("plan-bar-short", "beamline", (part(length=1000.0),), {},
