@@ -14,7 +14,7 @@ from beamcam.commands.common import REFUSED, Voice
 from beamcam.commands.members import member_choice, member_options
 from beamcam.commands.settings import settled
 from beamcam.commands.sheets import drawing_choice, drawing_options
-from beamcam.errors import BeamcamError
+from beamcam.errors import BeamcamError, one_line
 from beamcam.model.part_json import part_to_json
 from beamcam.pipeline import read_file
 from beamcam.readers.content import shown_name
@@ -39,7 +39,7 @@ def as_json_object(path: str, reading: Reading) -> dict[str, object]:
 
 def show(path: str, reading: Reading, voice: Voice) -> None:
     """Print a reading for people: a model's members a line each, other parts at length."""
-    click.echo(f"{path}: {reading.format}, {len(reading.parts)} part(s)")
+    click.echo(one_line(f"{path}: {reading.format}, {len(reading.parts)} part(s)"))
     if reading.format == "ifc":
         for line in member_table(reading.parts, reading.diagnostics):
             click.echo(line)

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable, Iterator, Sequence
 
+from beamcam.errors import one_line
 from beamcam.model.part import Bend, Camber, Contour, EndPlane, Hole, Part, Slot, TextMark
 
 Row = tuple[str, ...]
@@ -16,7 +17,8 @@ def _stock(part: Part) -> Iterator[str]:
     p = part.profile
     thickness = "?" if p.web_thickness is None else f"{p.web_thickness:g}"
     size = f"{p.height:g} x {p.width:g}, web {thickness}, flange {p.flange_thickness:g}"
-    yield f"{part.mark or '(no mark)'}  {p.name or '(no profile name)'}  {part.length:g} mm"
+    names = f"{part.mark or '(no mark)'}  {p.name or '(no profile name)'}"
+    yield f"{one_line(names)}  {part.length:g} mm"
     yield f"  profile   {p.code}  {size}, radius {p.radius:g}"
     yield f"  quantity  {part.quantity}"
     if part.grade:
@@ -50,6 +52,7 @@ def _features(part: Part) -> Iterator[str]:
 
 def aligned(rows: Sequence[Row], indent: str = "    ") -> Iterator[str]:
     """The rows as lines, every column as wide as its widest cell."""
+    rows = [tuple(map(one_line, row)) for row in rows]
     widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
     for row in rows:
         cells = (cell.ljust(width) for cell, width in zip(row, widths, strict=True))

@@ -9,7 +9,7 @@ from typing import Any, Literal, TypedDict
 import msgspec
 from msgspec import Struct
 
-from beamcam.errors import Diagnostic
+from beamcam.errors import Diagnostic, one_line
 
 SCHEMA = "beamcam/run/1"
 
@@ -106,7 +106,8 @@ def message_line(said: Message, file: bool = True) -> str:
     """A message as the one line that it is printed as; without its file where that is known."""
     place = [said["file"] if file else None, said["line"], said["where"]]
     shown = ":".join(str(word) for word in place if word is not None)
-    return f"{shown}{': ' if shown else ''}{said['severity']} {said['code']}: {said['message']}"
+    text = f"{shown}{': ' if shown else ''}{said['severity']} {said['code']}: {said['message']}"
+    return one_line(text)
 
 
 def dumped(data: object) -> bytes:

@@ -7,8 +7,17 @@ import pytest
 
 from beamcam.commands.codes import all_rules
 from beamcam.errors import BeamcamError, Diagnostic, Rule, Severity, Source, errors_in
+from beamcam.report.run import as_message, message_line
 
 RULE = Rule("x-width", Severity.WARNING, "found {found}; expected {expected}", "Because.")
+
+
+def test_a_message_is_one_line_whatever_a_name_holds() -> None:
+    said = RULE.at(Source("a\n\x1b[2Jb ä\xa0\udcff.nc1", 37), found="x\ry\t", expected=4)
+    assert str(said) == (
+        "a\\n\\x1b[2Jb ä\xa0\udcff.nc1:37: warning x-width: found x\\ry\\t; expected 4"
+    )
+    assert message_line(as_message(said)) == str(said)
 
 
 def test_a_message_has_place_severity_code_and_text() -> None:

@@ -58,7 +58,8 @@ def test_a_layer_that_there_is_not_is_an_error_with_the_nearest() -> None:
     reading = dxf.read(drawing(ONE_EACH, tables=LAYERS), "a.dxf", layers=("FROZE", "CUT"))
     assert reading.refused
     assert str(reading.diagnostics[0]) == (
-        "a.dxf: error drawing-layer-option: found no layer 'FROZE'; expected one of the drawing's: 'FROZEN'"
+        "a.dxf: error drawing-layer-option: found no layer 'FROZE'; "
+        "expected one of the drawing's: 'FROZEN'"
     )
 
 

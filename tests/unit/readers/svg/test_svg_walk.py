@@ -290,7 +290,8 @@ def test_layers_can_be_chosen() -> None:
     assert length_of(body, layers=("Mark", "Cut")) == 11
     (said, _) = read(body, layers=("Cutt", "Cut")).diagnostics
     assert str(said) == (
-        "a.svg: error drawing-layer-option: found no layer 'Cutt'; expected one of the drawing's: 'Cut'"
+        "a.svg: error drawing-layer-option: found no layer 'Cutt'; "
+        "expected one of the drawing's: 'Cut'"
     )
 
 
