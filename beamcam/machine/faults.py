@@ -3,7 +3,7 @@
 import re
 from collections.abc import Iterator
 
-from beamcam.machine.machine import FLAT_DEG, Machine, ToolSet, Torch, inch_size
+from beamcam.machine.machine import FLAT_DEG, Machine, Spindle, ToolSet, Torch, inch_size
 from beamcam.machine.tables import UNCONFIRMED
 
 #: Kinds of tools whose speed or feed comes from `drill.cutting`.
@@ -134,6 +134,34 @@ def path_faults(machine: Machine, torch: Torch) -> Iterator[Fault]:
     if needs and not (torch.acceleration and "X" in axes):
         found = list(machine.words.modal)
         yield "words.modal", found, "torch.acceleration and axes X and Y for {acceleration}"
+
+
+def pair_faults(machine: Machine) -> Iterator[Fault]:
+    """Each formula of a pair's second spindle that is another than the first one's.
+
+    A pair has one block for both, with one place across and one stroke.
+    """
+    spindles: dict[str, int] = {s.face: index for index, s in enumerate(machine.spindles)}
+    for pair in machine.pairs:
+        first, index = (spindles[face] for face in pair.faces)
+        theirs = _moved_by(machine.spindles[first])
+        for key, found in _moved_by(machine.spindles[index]).items():
+            if found != theirs[key]:
+                expected = f"{theirs[key]!r} as the other spindle of {pair.name!r} has, or no pair"
+                yield f"spindles.{index}.{key}", found, expected
+
+
+def _moved_by(spindle: Spindle) -> dict[str, str]:
+    """The axes and formulas of a spindle, by their keys."""
+    across, stroke = spindle.across, spindle.stroke
+    return {
+        "across.axis": across.axis,
+        "across.position": across.position.text,
+        "stroke.axis": stroke.axis,
+        "stroke.start": stroke.start.text,
+        "stroke.near": (stroke.near or stroke.start).text,
+        "stroke.bottom": stroke.bottom.text,
+    }
 
 
 def axis_faults(machine: Machine) -> Iterator[Fault]:

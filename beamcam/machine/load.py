@@ -11,7 +11,7 @@ from msgspec import Struct
 
 from beamcam.errors import MachineError, Source
 from beamcam.machine import rules
-from beamcam.machine.faults import axis_faults, tool_faults, torch_faults
+from beamcam.machine.faults import axis_faults, pair_faults, tool_faults, torch_faults
 from beamcam.machine.machine import Machine
 from beamcam.machine.schema import Place, build, nearest
 from beamcam.machine.words import WORD_NAMES
@@ -184,6 +184,7 @@ def _check(machine: Machine, place: Place) -> None:
             raise wrong(key, value, "0 or more")
     for key, found, expected in (
         *tool_faults(machine),
+        *pair_faults(machine),
         *axis_faults(machine),
         *torch_faults(machine),
     ):

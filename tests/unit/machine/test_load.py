@@ -7,6 +7,9 @@ import pytest
 from beamcam.errors import MachineError
 from beamcam.machine import load, settings, shipped
 from beamcam.machine.rules import RULES
+from beamcam.model.plan import DrillOp
+from beamcam.planning import plan_bar
+from tests.unit.planning.shop import hole, part
 
 
 def spindle(position: str, stroke_axis: str) -> str:
@@ -23,9 +26,36 @@ def pair(faces: str) -> str:
     return f'[[pairs]]\nname = "p"\nnumber = 9\nfaces = {faces}'
 
 
+#: Both flanges' spindles, of which the left one strokes by formulas of its own.
+LEFT_OF_A_PAIR = """
+[[spindles]]
+name = "left flange"
+number = 1
+face = "o"
+across = {{ axis = "Z", position = "188.6 - y" }}
+stroke = {{ axis = "Y", start = "{start}", bottom = "{bottom}" }}
+[[spindles]]
+name = "right flange"
+number = 3
+face = "u"
+across = {{ axis = "Z", position = "188.6 - y" }}
+stroke = {{ axis = "Y", start = "-clearance", bottom = "depth + tip" }}
+"""
+
 #: Lines laid over the machine `beamline`, the code they give, and what its message has to say.
 BAD = [
     ("kerff = 3", "machine-key", "found unknown key 'kerff'"),
+    (
+        LEFT_OF_A_PAIR.format(start="-clearance", bottom="60"),
+        "machine-value",
+        "found 'depth + tip' for 'spindles.1.stroke.bottom'; expected '60' as the other spindle of "
+        "'both flanges' has, or no pair",
+    ),
+    (
+        LEFT_OF_A_PAIR.format(start="-9", bottom="depth + tip"),
+        "machine-value",
+        "found '-clearance' for 'spindles.1.stroke.start'; expected '-9' as",
+    ),
     ("[saw]\nkerff = 3", "machine-key", "found unknown key 'saw.kerff'; expected 'kerf'"),
     ("[saw]\nkerf = '3'", "machine-value", "found '3' for 'saw.kerf'; expected a number"),
     ("[saw]\nkerf = -1", "machine-value", "found -1.0 for 'saw.kerf'; expected 0 or more"),
@@ -105,3 +135,13 @@ def test_shipped_machines_load(name: str) -> None:
     assert machine.title
     keys = [s.key for s in settings(name)]
     assert len(keys) == len(set(keys))
+
+
+def test_spindles_of_their_own_strokes_are_no_pair_but_two(tmp_path: Path) -> None:
+    """Without the pair the same machine is one, and drills the flanges one after the other."""
+    path = tmp_path / "m.toml"
+    lines = LEFT_OF_A_PAIR.format(start="-clearance", bottom="60")
+    path.write_text(f'base = "beamline"\npairs = []\n{lines}')
+    made = part(hole(500, 50, 14, "o"), hole(500, 50, 14, "u"))
+    operations = plan_bar((made,), load(str(path))).operations
+    assert sorted(op.spindle for op in operations if isinstance(op, DrillOp)) == [1, 3]
