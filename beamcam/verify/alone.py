@@ -87,6 +87,8 @@ class Alone:
         if any(type(event) is Move and any(map(isnan, event.end)) for event in events):
             return None
         stations = cell.choice.stations if cell.choice is not None else ()
+        if any(station.surface_per_y for station in stations):
+            return None  # it would be another depth at another place across
         by_face = {station.face: station for station in stations}
         strokes = []
         for bore in cell.order:

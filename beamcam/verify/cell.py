@@ -69,8 +69,8 @@ class Cell(Switches):
         if not self.known:
             self._stroke_somewhere(move, choice, across, stroke, before, moved)
             return
-        outer = first.way * (stroke - first.outermost)
-        was_out = first.way * (before[1] - first.outermost)
+        outer = first.depth_beside(stroke, first.y(across))
+        was_out = first.depth_beside(before[1], first.y(before[0]))
         # The controller starts from its own last place, whichever spindle that was for.
         aside = moved or across != before[0] or across != move.start[first.across]
         if aside and (outer > EPSILON or was_out > EPSILON):
@@ -90,14 +90,14 @@ class Cell(Switches):
         if not self.cycle.along or move.rapid or self.choice is None:
             return False
         first = self.choice.stations[0]
-        _, stroke = self.at.get(first.number, (nan, nan))
-        return first.tip_depth(stroke) > EPSILON
+        across, stroke = self.at.get(first.number, (nan, nan))
+        return first.tip_depth(stroke, first.y(across)) > EPSILON
 
     def _lead(self, move: Move, station: Station, across: float, stroke: float) -> None:
         """A tool led on in the material; the point that it went in at is the path's first."""
         self._ready(move, station)
-        depth = station.tip_depth(stroke)
         point = (move.end[0], station.y(across))
+        depth = station.tip_depth(stroke, point[1])
         last = self.order[-1] if self.order else None
         if type(last) is Bore and last.kind == self.cycle.kind:
             self.order[-1] = Trail(
@@ -150,16 +150,16 @@ class Cell(Switches):
         before: float,
     ) -> None:  # fmt: skip
         """One station's stroke axis on its way into the bar, or out of it."""
-        depth = station.tip_depth(stroke)
-        if self.cycle.kind == "tap" and station.tip_depth(before) > max(depth, 0.0) + EPSILON:
+        y = station.y(across)
+        depth, was = station.tip_depth(stroke, y), station.tip_depth(before, y)
+        if self.cycle.kind == "tap" and was > max(depth, 0.0) + EPSILON:
             back = _OTHER_WAY.get(self.cycle.turns, 0)
             if move.rapid or self.turning != back:  # it has to be screwed out as it was in
                 found = 0 if move.rapid else self.turning
                 self.say(rules.TURN, move.line, found=found, expected=back)
         if move.rapid:
-            y = station.y(across)
             if not station.clear_from <= y <= station.clear_to:  # through the flange's edge
-                depth = station.way * (stroke - station.outermost)
+                depth = station.depth_beside(stroke, y)
             deeper = depth > EPSILON and not station.way * (before - stroke) > 0
             if deeper and depth > self._drilled(station, across) + EPSILON:
                 self.say(
@@ -213,7 +213,7 @@ class Cell(Switches):
             return
         for station in choice.stations:
             if station.way * (stroke - before[1]) > 0:
-                depth = station.tip_depth(stroke)
+                depth = station.tip_depth(stroke, station.y(across))
                 self._stroke(move, station, choice, across, stroke, depth)
 
     def _turn(self, turn: Turn) -> None:

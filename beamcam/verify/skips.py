@@ -124,7 +124,7 @@ def _off_stroke(
             continue
         (station,) = choices_of(machine, profile)[spindles[face].number].stations
         reach = REACHES[need.kind](need, need.diameter, profile.thickness(face), rack)
-        depth = station.tip_depth(bottom(values))
+        depth = station.tip_depth(bottom(values), need.hole.y)
         through = need.hole.depth is None and need.kind in ("drill", "tap")
         if depth < reach.least - slack or (depth > reach.greatest + slack and not through):
             yield p, f

@@ -6,8 +6,9 @@ the stroke in the depth of the hole. Both are straight lines, so two values of e
     across = across_0 + across_per_y * y          y = (across - across_0) / across_per_y
     bottom = surface + way * (depth + tip)        the tip's depth = way * (stroke - surface)
 
-Where the stroke is the same for every hole the face lies `face_depth` behind 0, the outermost
-material on the spindle's side.
+A face may lie askew to the stroke, such as the inside of a tapered flange: then its surface is a
+straight line in y as well. Where the stroke does not follow the depth the face lies `face_depth`
+behind 0, the outermost material on the spindle's side.
 """
 
 from math import inf
@@ -29,8 +30,9 @@ class Station(Struct, frozen=True):
     stroke: int
     across_0: float
     across_per_y: float
-    surface: float  #: stroke coordinate at which the tip touches the face
-    outermost: float  #: and at which it touches the outermost material on that side
+    surface: float  #: stroke coordinate at which the tip touches the face at y 0
+    surface_per_y: float  #: and how much farther for each mm of y
+    face_depth: float  #: how far the outermost material on that side stands before the face
     way: float  #: +1 if the stroke axis counts into the material, or -1
     thickness: float  #: of the material behind the face; 0 if not known
     clear_from: float  #: y between which only the face itself is in the way, flanges beyond
@@ -41,9 +43,13 @@ class Station(Struct, frozen=True):
         """y on the face for a place of the across axis."""
         return (across - self.across_0) / self.across_per_y
 
-    def tip_depth(self, stroke: float) -> float:
+    def tip_depth(self, stroke: float, y: float) -> float:
         """How deep the tip is in the material behind the face; negative before it."""
-        return self.way * (stroke - self.surface)
+        return self.way * (stroke - self.surface - self.surface_per_y * y)
+
+    def depth_beside(self, stroke: float, y: float) -> float:
+        """How deep the tip is beside the outermost material; not above 0 where it moves freely."""
+        return self.tip_depth(stroke, y) + self.face_depth
 
 
 class Choice(Struct, frozen=True):
@@ -81,9 +87,11 @@ def _station(spindle: Spindle, machine: Machine, profile: Profile | None) -> Sta
     per_y = spindle.across.position({**values, "y": 1.0}) - across_0
     bottom = spindle.stroke.bottom
     shallow, deeper = bottom(values), bottom({**values, "depth": 1.0})
+    surface_per_y = 0.0
     if deeper != shallow:
         way = 1.0 if deeper > shallow else -1.0
         surface = shallow
+        surface_per_y = bottom({**values, "y": 1.0}) - shallow
     else:
         way = 1.0 if shallow >= spindle.stroke.start(values) else -1.0
         surface = way * values["face_depth"]
@@ -98,9 +106,8 @@ def _station(spindle: Spindle, machine: Machine, profile: Profile | None) -> Sta
         if a.spindle == spindle.number and a.moves in _AXIS_INDEX
     )
     return Station(
-        spindle.number, spindle.face, across, stroke, across_0, per_y, surface,
-        surface - way * values["face_depth"], way, values["thickness"], clear_from, clear_to,
-        limits,
+        spindle.number, spindle.face, across, stroke, across_0, per_y, surface, surface_per_y,
+        values["face_depth"], way, values["thickness"], clear_from, clear_to, limits,
     )  # fmt: skip
 
 

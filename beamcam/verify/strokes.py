@@ -157,7 +157,7 @@ def _stroke_end(bore: Bore, thickness: float, profile: Profile, task: Task) -> f
     tip = task.rack.tip(bore.kind, bore.diameter, bore.face)
     values |= {"depth": thickness + task.rack.drill.breakthrough, "tip": tip, "y": bore.y}
     station = next(s for s in task.choices[bore.spindle].stations if s.face == bore.face)
-    return station.tip_depth(spindle.stroke.bottom(values))
+    return station.tip_depth(spindle.stroke.bottom(values), bore.y)
 
 
 def off_reach(

@@ -180,8 +180,8 @@ class Switches:
 
     def is_in(self, station: Station) -> bool:
         """Whether a station's tool is where material may be beside it."""
-        _, stroke = self.at.get(station.number, (nan, nan))
-        return station.way * (stroke - station.outermost) > EPSILON
+        across, stroke = self.at.get(station.number, (nan, nan))
+        return station.depth_beside(stroke, station.y(across)) > EPSILON
 
     def describe_first(self, line: int) -> None:
         """Say that the program works on a bar that it has not described."""
