@@ -8,8 +8,8 @@ from beamcam.readers.ifc import kernel, rules
 from beamcam.readers.ifc.entities import Entity, Model, Unreadable
 from beamcam.readers.ifc.finish import Shaped
 from beamcam.readers.ifc.marks import LENGTHS, WEIGHTS, Data
-from beamcam.readers.ifc.region import Circles, pieces_of
 from beamcam.readers.ifc.shell import extent
+from beamcam.readers.ifc.slices import hollows
 from beamcam.readers.ifc.walls import Wall, walls_of
 
 STEEL = 7.85e-6  #: kg/mm3
@@ -77,8 +77,7 @@ def check_kernel(
             part, shaped, data, f"a length of {high - low:.2f} mm", f"{part.length:.2f} mm"
         )
     for wall in walls_of(shaped.section):
-        shape = local.slice(wall, (wall.low + wall.high) / 2, Circles())
-        found = sum(len(p.interiors) for p in pieces_of(shape))
+        found = hollows(local.raw_slice(wall, (wall.low + wall.high) / 2))
         expected = sum(_through(f, wall) for f in part.features)
         if found != expected:
             return _denied(part, shaped, data, f"{found} holes in face {wall.face}", str(expected))

@@ -1,10 +1,13 @@
 """Faceted solids of IFC as shells: Breps, face sets and surface models, read without a kernel."""
 
 from collections.abc import Iterator
+from itertools import chain
 from typing import Any
 
+import numpy as np
+
 from beamcam.readers.ifc.entities import Entity, Model, Unreadable
-from beamcam.readers.ifc.shell import Shell, planar_face
+from beamcam.readers.ifc.shell import Shell, moved, shell
 from beamcam.readers.ifc.space import Frame, Vec
 
 Ring = list[Vec]
@@ -12,15 +15,15 @@ Ring = list[Vec]
 
 def shell_of(model: Model, item: Entity, frame: Frame, where: str | None = None) -> Shell:
     """The shell of a faceted item that stands in `frame`, in mm. Raises Unreadable."""
-    faces = []
-    for rings in _faces(model, item):
-        moved = [[frame.point(p) for p in ring] for ring in rings]
-        face = planar_face(moved)
-        if face is not None:
-            faces.append(face)
-    if len(faces) < 4:
-        raise Unreadable(f"{item.is_a()} of {len(faces)} faces")
-    return Shell(tuple(faces), where)
+    rings, faces = list[Ring](), list[int]()
+    for face, around in enumerate(_faces(model, item)):
+        rings += around
+        faces += [face] * len(around)
+    points = np.array(list(chain.from_iterable(rings))).reshape(-1, 3)
+    found = shell(moved(points, frame), [len(ring) for ring in rings], faces, where)
+    if found.count < 4:
+        raise Unreadable(f"{item.is_a()} of {found.count} faces")
+    return found
 
 
 def _faces(model: Model, item: Entity) -> Iterator[list[Ring]]:

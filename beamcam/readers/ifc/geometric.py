@@ -9,6 +9,7 @@
 from collections.abc import Sequence
 from typing import Any
 
+import numpy as np
 from msgspec import Struct
 from msgspec.structs import replace
 
@@ -30,7 +31,7 @@ from beamcam.readers.ifc.finish import (
     reach,
     shifted,
 )
-from beamcam.readers.ifc.kernel import build, build_exact
+from beamcam.readers.ifc.kernel import build_both
 from beamcam.readers.ifc.outline import sharpened
 from beamcam.readers.ifc.plates import box_of, into
 from beamcam.readers.ifc.region import (
@@ -44,15 +45,15 @@ from beamcam.readers.ifc.section import Section, classify
 from beamcam.readers.ifc.semantic import LEVEL_IN, Stock, cut, in_place
 from beamcam.readers.ifc.shell import (
     Shell,
-    arcs_of,
     broadest_normal,
+    coordinates,
     extent,
     longest_direction,
-    ring_arcs,
     section,
-    with_circles,
+    vec,
 )
-from beamcam.readers.ifc.space import Frame, Vec, across, add, cross, dot, scale, size, unit
+from beamcam.readers.ifc.slices import arcs_of, ring_arcs, with_circles
+from beamcam.readers.ifc.space import Frame, Vec, across, add, cross, dot, scale, unit
 from beamcam.readers.ifc.walls import Wall, walls_of
 
 STATIONS = (0.5, 0.31, 0.69, 0.17, 0.83, 0.08, 0.92, 0.42, 0.58, 0.03, 0.97)
@@ -68,12 +69,11 @@ def read_kernel(model: Model, element: Entity, source: Source) -> Shaped:
     The facets give the sections, the kernel's own surfaces the circles in them; where the kernel
     has others, they are fitted to the facets, and `fitted` of what comes back names them.
     """
-    built = build(model, element)
-    exact = build_exact(model, element)
+    built, exact = build_both(model, element)
     errors = [line for line in (*built.log, *exact.log) if "[error]" in line.lower()]
     if errors:
         raise Unreadable(f"an error of the geometry kernel ({errors[0][:160]})")
-    shell = Shell(built.shell.faces, built.shell.where, exact.cylinders)
+    shell = replace(built.shell, cylinders=exact.cylinders)
     return replace(read_shell(shell, (), source), fitted=exact.others)
 
 
@@ -90,7 +90,7 @@ def read_shell(shell: Shell, cutters: Sequence[Cutter], source: Source) -> Shape
             tried.append(axis)
             continue
         return in_place(_member(shell, cutters, stock, source), stock.frame)
-    raise Unreadable(f"a shell of {len(shell.faces)} faces without a constant section")
+    raise Unreadable(f"a shell of {shell.count} faces without a constant section")
 
 
 class _Stock(Struct, frozen=True):
@@ -158,12 +158,12 @@ def _told(outer: Chain, inner: tuple[Chain, ...]) -> Section | None:
 
 def _reference(shell: Shell, axis: Vec) -> Vec:
     """A direction square to the axis in which sections lie straight."""
-    best, most = across(axis), 0.0
-    for face in shell.faces:
-        area = size(face.area_normal)
-        if area > most and abs(dot(face.area_normal, axis)) < 1e-3 * area:
-            best, most = cross(axis, unit(face.area_normal)), area
-    return unit(best)
+    areas = shell.areas
+    upright = np.flatnonzero(np.abs(coordinates(shell.area_normals, axis)) < 1e-3 * areas)
+    if not len(upright):
+        return across(axis)
+    broadest = upright[areas[upright].argmax()]
+    return unit(cross(axis, unit(vec(shell.area_normals[broadest]))))
 
 
 def _member(shell: Shell, cutters: Sequence[Cutter], stock: _Stock, source: Source) -> Shaped:
@@ -352,20 +352,15 @@ def _round(local: Shell, stock: _Stock, source: Source) -> Shaped:
 
 def _flat_end(local: Shell, side: int) -> End:
     """The plane that most of an end's area lies in."""
-    best: tuple[float, Vec, Vec] | None = None
-    for face in local.faces:
-        area = size(face.area_normal)
-        normal = scale(face.area_normal, 1 / area)
-        if abs(normal[0]) < LEAST_LEAN:
-            continue
-        middle = sum(p[0] for p in face.rings[0]) / len(face.rings[0])
-        low, high = extent(local, (1.0, 0.0, 0.0))
-        if (middle - (low + high) / 2) * side <= 0:
-            continue
-        if best is None or area > best[0]:
-            best = (area, face.rings[0][0], normal)
-    if best is None:
+    low, high = extent(local, (1.0, 0.0, 0.0))
+    areas, rings = local.areas, local.rings
+    faces = rings.face_of_corner
+    middles = np.bincount(faces, local.points[:, 0]) / np.bincount(faces)
+    there = (middles - (low + high) / 2) * side > 0
+    there &= np.abs(local.area_normals[:, 0]) >= LEAST_LEAN * areas
+    if not there.any():
         raise Unreadable("a round section without plane ends")
-    _, p, n = best
+    broadest = int(np.where(there, areas, 0.0).argmax())
+    p, n = vec(local.firsts[broadest]), vec(local.area_normals[broadest])
     a, b = -n[1] / n[0], -n[2] / n[0]
     return End(side, a, b, p[0] - a * p[1] - b * p[2])

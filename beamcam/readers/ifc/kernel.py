@@ -1,15 +1,15 @@
 """What the geometry kernel builds of an element: a fine shell in mm, its surfaces, and the log."""
 
-from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Iterable, Iterator
 from typing import Any
 
+import numpy as np
 from msgspec import Struct
 
 from beamcam.readers.ifc.brep import BrepError, surfaces_of
 from beamcam.readers.ifc.entities import Entity, Model, Unreadable
-from beamcam.readers.ifc.shell import Face3, Shell, planar_face
-from beamcam.readers.ifc.space import Vec, cross, size, sub
+from beamcam.readers.ifc.shell import Shell, shell
+from beamcam.readers.ifc.space import cross, size, sub
 from beamcam.readers.ifc.surfaces import Cylinder, Unnamed
 
 CHORD = 0.0002  #: m between a curve and its facets
@@ -34,70 +34,86 @@ class Exact(Struct, frozen=True):
 
 def build(model: Model, element: Entity) -> Built:
     """The kernel's solid of an element, openings taken off. Raises Unreadable if it has none."""
-    shape, log = _shape(
-        model,
-        element,
-        {
-            "mesher-linear-deflection": CHORD,
-            "mesher-angular-deflection": ANGLE,
-            "weld-vertices": True,
-        },
-    )
-    geometry = shape.geometry
-    verts, faces = geometry.verts, geometry.faces
-    points: list[Vec] = [
-        (verts[i] * 1e3, verts[i + 1] * 1e3, verts[i + 2] * 1e3) for i in range(0, len(verts), 3)
-    ]
-    found: list[Face3] = []
-    for i in range(0, len(faces), 3):
-        face = planar_face([[points[faces[i]], points[faces[i + 1]], points[faces[i + 2]]]])
-        if face is not None:
-            found.append(face)
-    if len(found) < 4:
-        raise Unreadable("an empty solid by the kernel")
-    return Built(Shell(tuple(found)), log)
+    solid = _solid(model, element)
+    return Built(_facets(solid), _log())
 
 
 def build_exact(model: Model, element: Entity) -> Exact:
     """The surfaces of the same solid. Raises Unreadable if the kernel has none."""
-    from ifcopenshell import ifcopenshell_wrapper
+    return _surfaces(_solid(model, element))
 
-    wrapper: Any = ifcopenshell_wrapper
-    shape, log = _shape(model, element, {"iterator-output": wrapper.SERIALIZED})
+
+def build_both(model: Model, element: Entity) -> tuple[Built, Exact]:
+    """As `build` and `build_exact`, of a solid that is built once."""
+    solid = _solid(model, element)
+    return Built(_facets(solid), _log()), _surfaces(solid)
+
+
+def _facets(solid: Any) -> Shell:
+    """The shell of a solid's mesh, whose corners lie on its surfaces. Raises Unreadable."""
+    geometry = _made("triangulation_element", solid).geometry
+    points = np.frombuffer(geometry.verts_buffer).reshape(-1, 3) * 1e3
+    corners = np.frombuffer(geometry.faces_buffer, np.int32)
+    count = len(corners) // 3
+    found = shell(points[corners], [3] * count, range(count))
+    if found.count < 4:
+        raise Unreadable("an empty solid by the kernel")
+    return found
+
+
+def _surfaces(solid: Any) -> Exact:
+    """The surfaces of a solid. Raises Unreadable."""
     try:
-        surfaces = surfaces_of(shape.geometry.brep_data)
+        surfaces = surfaces_of(_made("serialized_element", solid).geometry.brep_data)
     except BrepError as fault:
         raise Unreadable(f"a solid by the kernel that is not understood ({fault})") from fault
     cylinders = [s for s in surfaces if isinstance(s, Cylinder)]
     kept = tuple(c for c in cylinders if not any(_blunted(c, other) for other in cylinders))
     others = sorted({s.kind for s in surfaces if isinstance(s, Unnamed)})
-    return Exact(kept, tuple(others), log)
+    return Exact(kept, tuple(others), _log())
 
 
-def _shape(model: Model, element: Entity, wanted: Mapping[str, Any]) -> tuple[Any, tuple[str, ...]]:
-    """The kernel's shape of an element under some settings, and the log. Raises Unreadable."""
-    import ifcopenshell
+def _made(form: str, solid: Any) -> Any:
+    """A solid in another form. Raises Unreadable if the kernel cannot."""
+    from ifcopenshell import ifcopenshell_wrapper
+
+    try:
+        return getattr(ifcopenshell_wrapper, form)(solid)
+    except RuntimeError as fault:
+        raise Unreadable(f"no solid by the kernel ({fault})") from fault
+
+
+def _solid(model: Model, element: Entity) -> Any:
+    """The kernel's solid of an element. Raises Unreadable."""
     import ifcopenshell.geom
 
     openings = [r.RelatedOpeningElement for r in getattr(element, "HasOpenings", None) or ()]
-    if any(contains_itself(each) for each in (element, *openings)):
+    used = [reached(each) for each in (element, *openings)]
+    if any(each is None for each in used):
         raise Unreadable("geometry that contains itself")
     geom: Any = ifcopenshell.geom
+    wrapper: Any = ifcopenshell.ifcopenshell_wrapper
     settings = geom.settings()
-    for name, value in wanted.items():
-        settings.set(name, value)
+    settings.set("iterator-output", wrapper.NATIVE)
+    settings.set("mesher-linear-deflection", CHORD)
+    settings.set("mesher-angular-deflection", ANGLE)
+    settings.set("weld-vertices", True)
     file = _file_of(model)
+    for each in used:
+        _make_slots_buildable(file, each or ())
+    _log()  # what earlier solids left
+    try:
+        return geom.create_shape(settings, file.by_id(element.id()), geometry_library="opencascade")
+    except RuntimeError as fault:
+        raise Unreadable(f"no solid by the kernel ({fault})") from fault
+
+
+def _log() -> tuple[str, ...]:
+    """What the kernel has said since it was last asked."""
+    import ifcopenshell
+
     kernel: Any = ifcopenshell
-    kernel.get_log()  # what earlier shapes left
-    with _buildable_slots(file):
-        try:
-            shape: Any = geom.create_shape(
-                settings, file.by_id(element.id()), geometry_library="opencascade"
-            )
-        except RuntimeError as fault:
-            raise Unreadable(f"no solid by the kernel ({fault})") from fault
-    log = tuple(line for line in str(kernel.get_log()).splitlines() if line.strip())
-    return shape, log
+    return tuple(line for line in str(kernel.get_log()).splitlines() if line.strip())
 
 
 def contains_itself(element: Entity) -> bool:
@@ -105,21 +121,25 @@ def contains_itself(element: Entity) -> bool:
 
     The kernel follows such references until the process dies, so it is never given any.
     """
+    return reached(element) is None
+
+
+def reached(element: Entity) -> set[Entity] | None:
+    """An element and all that it refers to; None where that leads back to itself."""
     open_, done = set[Entity](), set[Entity]()
     stack: list[tuple[Any, bool]] = [(element, False)]
     while stack:
         entity, leave = stack.pop()
-        key = entity
         if leave:
-            open_.discard(key)
-            done.add(key)
-        elif key in open_:
-            return True
-        elif key not in done:
-            open_.add(key)
+            open_.discard(entity)
+            done.add(entity)
+        elif entity in open_:
+            return None
+        elif entity not in done:
+            open_.add(entity)
             stack.append((entity, True))
             stack += [(each, False) for each in _referred(entity.values)]
-    return False
+    return done
 
 
 def _referred(values: tuple[Any, ...]) -> Iterator[Any]:
@@ -153,20 +173,15 @@ def _blunted(a: Cylinder, b: Cylinder) -> bool:
     return abs(off - apart) < 0.01 * apart and abs(a.radius - b.radius) < 0.01 * apart
 
 
-@contextmanager
-def _buildable_slots(file: Any) -> Iterator[None]:
-    """Rounded rectangles whose radius is half of a side, a hair less round for the while.
+def _make_slots_buildable(file: Any, entities: Iterable[Entity]) -> None:
+    """Make rounded rectangles whose radius is half of a side a hair less round.
 
-    The kernel leaves such slots out of the solid without an error to its caller.
+    The file is the kernel's own copy. Slots as round as they are it leaves out of the solid without
+    an error to its caller.
     """
-    changed = []
-    for profile in file.by_type("IfcRoundedRectangleProfileDef"):
-        radius = profile.RoundingRadius
-        if radius >= min(profile.XDim, profile.YDim) / 2 * ROUNDER:
-            changed.append((profile, radius))
-            profile.RoundingRadius = min(profile.XDim, profile.YDim) / 2 * ROUNDER
-    try:
-        yield
-    finally:
-        for profile, radius in changed:
-            profile.RoundingRadius = radius
+    for entity in entities:
+        if entity.is_a("IfcRoundedRectangleProfileDef"):
+            profile = file.by_id(entity.id())
+            most = min(profile.XDim, profile.YDim) / 2 * ROUNDER
+            if profile.RoundingRadius > most:
+                profile.RoundingRadius = most

@@ -1,70 +1,93 @@
 """A closed shell of planar faces: its sections, its extents, its volume.
 
-A section is cut out face by face, and what is inside is told by counting crossings, so that the
-way faces are turned does not matter and faces that lie twice on each other vanish, as they have
-to where an exporter let boxes touch in one shell.
+A member has some hundred faces and is cut through a dozen times, and a solid of the geometry
+kernel has thousands, so that a shell is held in arrays and no face is looked at by itself.
 """
 
-import itertools
 from collections.abc import Sequence
-from typing import Any
 
+import numpy as np
 from msgspec import Struct
+from msgspec.structs import replace
+from numpy.typing import NDArray
 
-from beamcam.geometry.curves import Point
-from beamcam.readers.ifc.curves2d import Chain
-from beamcam.readers.ifc.exact import Circle, circles_in, with_exact_arcs
-from beamcam.readers.ifc.outline import with_arcs
-from beamcam.readers.ifc.region import Circles, Shape, chain_of_ring, cleaned, polygon_of
-from beamcam.readers.ifc.space import ORIGIN, Frame, Vec, add, cross, dot, scale, size, sub, unit
+from beamcam.readers.ifc.exact import Circle, circles_in
+from beamcam.readers.ifc.region import Circles, Shape
+from beamcam.readers.ifc.slices import Segments, region_within, with_circles
+from beamcam.readers.ifc.space import Frame, Vec, scale
 from beamcam.readers.ifc.surfaces import Cylinder
 from beamcam.readers.ifc.walls import Wall
 
 ALONG = (1.0, 0.0, 0.0)  #: a member
 MOST_WAYS = 400  #: directions of edges that are told apart
-GRID = 1e-3  #: mm of the grid that section lines are joined on; cracks are narrower
+LEAST_AREA = 1e-9  #: mm2 of a face
+LEAST_EDGE = 1e-6  #: mm of an edge that has a direction
+
+Points = NDArray[np.float64]  #: (n, 3)
+Numbers = NDArray[np.float64]  #: (n,)
+Places = NDArray[np.intp]  #: (n,), of what stands in other arrays
 
 
-class Face3(Struct, frozen=True):
-    """A planar face: its border, then its hollows, and its normal times its area."""
+class Rings(Struct, frozen=True, eq=False):
+    """How the corners of a shell make rings, and the rings faces. All of them stand in order.
 
-    rings: tuple[tuple[Vec, ...], ...]
-    area_normal: Vec
+    A face's first ring is its border, and its other rings are hollows.
+    """
+
+    face: Places  #: of each ring
+    start: Places  #: the first corner of each ring
+    ring: Places  #: of each corner
+    before: Places  #: of each corner the one before it in its ring
+
+    @property
+    def borders(self) -> Places:
+        """The first ring of each face."""
+        return np.flatnonzero(np.diff(self.face, prepend=-1))
+
+    @property
+    def face_of_corner(self) -> Places:
+        return self.face[self.ring]
 
 
-class Shell(Struct, frozen=True):
+class Shell(Struct, frozen=True, eq=False):
     """A solid by its faces; also a cutter."""
 
-    faces: tuple[Face3, ...]
+    points: Points  #: the corners of all rings
+    rings: Rings
+    area_normals: Points  #: of each face its normal times its area
     where: str | None = None
     cylinders: tuple[Cylinder, ...] = ()  #: that its facets stand for, where they are known
 
     @property
-    def points(self) -> list[Vec]:
-        return [p for face in self.faces for p in face.rings[0]]
+    def count(self) -> int:
+        """How many faces it has."""
+        return len(self.area_normals)
+
+    @property
+    def firsts(self) -> Points:
+        """The first corner of each face's border."""
+        return self.points[self.rings.start[self.rings.borders]]
+
+    @property
+    def areas(self) -> Numbers:
+        return lengths(self.area_normals)
 
     @property
     def box(self) -> tuple[Vec, Vec]:
-        points = self.points
-        low = tuple(min(p[i] for p in points) for i in range(3))
-        high = tuple(max(p[i] for p in points) for i in range(3))
-        return (low[0], low[1], low[2]), (high[0], high[1], high[2])
+        return vec(self.points.min(axis=0)), vec(self.points.max(axis=0))
 
     @property
     def volume(self) -> float | None:
         """mm3; None where the faces are not turned alike, or leave a gap."""
-        faces = self.faces
-        rest = [sum(f.area_normal[i] for f in faces) for i in range(3)]
-        if max(map(abs, rest)) > 1e-3 * max(size(f.area_normal) for f in faces):
+        if np.abs(self.area_normals.sum(axis=0)).max() > 1e-3 * self.areas.max():
             return None
-        return abs(sum(dot(f.rings[0][0], f.area_normal) for f in faces)) / 3
+        return abs(float((self.firsts * self.area_normals).sum())) / 3
 
     def moved(self, by: Frame) -> "Shell":
-        faces = []
-        for face in self.faces:
-            rings = tuple(tuple(by.point(p) for p in ring) for ring in face.rings)
-            faces.append(Face3(rings, _area_normal(rings)))
-        return Shell(tuple(faces), self.where, tuple(c.moved(by) for c in self.cylinders))
+        points = moved(self.points, by)
+        cylinders = tuple(c.moved(by) for c in self.cylinders)
+        normals = area_normals(points, self.rings)
+        return replace(self, points=points, area_normals=normals, cylinders=cylinders)
 
     def slice(self, wall: Wall, c: float, circles: Circles) -> Shape:
         """The shell's section by the wall's plane at `c`, its arcs found again."""
@@ -80,184 +103,161 @@ class Shell(Struct, frozen=True):
         return circles_in(self.cylinders, wall.direction, ALONG, wall.across)
 
 
-def with_circles(shape: Shape, circles: Circles, exact: Sequence[Circle] = ()) -> Shape:
-    """A region whose polygon runs on circles are arcs, remembered in `circles`."""
-    from shapely import union_all
+def shell(
+    points: Points, sizes: Sequence[int], faces: Sequence[int], where: str | None = None
+) -> Shell:
+    """The shell of rings that stand one after another: how many corners each has, and its face.
 
-    out = []
-    for piece in getattr(shape, "geoms", (shape,)):
-        if piece.is_empty:
-            continue
-        outer, inner = arcs_of(piece, exact)
-        if outer:
-            out.append(polygon_of(outer, inner, circles))
-    return union_all(out) if out else shape
-
-
-def arcs_of(piece: Any, exact: Sequence[Circle]) -> tuple[Chain, tuple[Chain, ...]]:
-    """The border of a polygon and its hollows, with the arcs of `exact` circles and fitted ones."""
-    hollows = tuple(ring_arcs(ring, exact) for ring in piece.interiors)
-    return ring_arcs(piece.exterior, exact), tuple(c for c in hollows if c)
-
-
-def ring_arcs(ring: Any, exact: Sequence[Circle]) -> Chain:
-    """The lines and arcs of a polygon's ring, those of `exact` circles and fitted ones."""
-    return with_arcs(with_exact_arcs(chain_of_ring(ring, Circles()), exact))
+    Corners on the one before them, rings of less than three corners and faces without an area
+    are left out, so that it may have no faces at all.
+    """
+    rings = _rings(np.array(sizes, np.intp), np.array(faces, np.intp))
+    apart = (points != points[rings.before]).any(axis=1)
+    corners = np.bincount(rings.ring, apart, len(rings.face)).astype(np.intp)
+    points, rings = _kept(points[apart], corners, rings.face, corners >= 3)
+    normals = area_normals(points, rings)
+    solid = lengths(normals) > LEAST_AREA
+    if not solid.all():
+        corners = np.bincount(rings.ring, minlength=len(rings.face))
+        points, rings = _kept(points, corners, rings.face, solid[rings.face])
+        normals = normals[solid]
+    return Shell(points, rings, normals, where)
 
 
-def planar_face(rings: Sequence[Sequence[Vec]]) -> Face3 | None:
-    """The face of rings in space; None where they hold no area."""
-    kept = tuple(tuple(_without_repeats(ring)) for ring in rings)
-    kept = tuple(ring for ring in kept if len(ring) >= 3)
-    if not kept:
-        return None
-    normal = _area_normal(kept)
-    return Face3(kept, normal) if size(normal) > 1e-9 else None
+def _rings(sizes: Places, faces: Places) -> Rings:
+    """Rings of so many corners; their faces are numbered anew, without gaps."""
+    count = len(sizes)
+    start = np.cumsum(sizes) - sizes
+    before = np.arange(-1, int(sizes.sum()) - 1)
+    before[start] = start + sizes - 1
+    numbered = np.cumsum(np.diff(faces, prepend=faces[:1]) != 0)
+    return Rings(numbered, start, np.repeat(np.arange(count), sizes), before)
 
 
-def _without_repeats(ring: Sequence[Vec]) -> list[Vec]:
-    return [p for i, p in enumerate(ring) if p != ring[i - 1] or len(ring) == 1]
+def _kept(
+    points: Points, sizes: Places, faces: Places, keep: NDArray[np.bool_]
+) -> tuple[Points, Rings]:
+    """The rings that are to be kept, and their corners."""
+    return points[np.repeat(keep, sizes)], _rings(sizes[keep], faces[keep])
 
 
-def _area_normal(rings: tuple[tuple[Vec, ...], ...]) -> Vec:
-    """The normal of a face times its area, hollows taken off whichever way they run."""
-    total = _ring_normal(rings[0])
-    if size(total) == 0.0:
-        return ORIGIN
-    for ring in rings[1:]:
-        hollow = _ring_normal(ring)
-        total = sub(total, scale(hollow, 1.0 if dot(hollow, total) > 0 else -1.0))
-    return total
+def area_normals(points: Points, rings: Rings) -> Points:
+    """The normal of each face times its area, hollows taken off whichever way they run."""
+    off = points - points[rings.start][rings.ring]
+    twice = crosses(off[rings.before], off)
+    count = len(rings.face)
+    by_ring = np.column_stack([np.bincount(rings.ring, column, count) for column in twice.T]) / 2
+    borders = rings.borders
+    found: Points = by_ring[borders]
+    if len(borders) == count:
+        return found
+    for k in np.setdiff1d(np.arange(count), borders).tolist():
+        face, hollow = rings.face[k], by_ring[k]
+        if found[face].any():
+            found[face] -= hollow if hollow @ found[face] > 0 else -hollow
+    return found
 
 
-def _ring_normal(ring: tuple[Vec, ...]) -> Vec:
-    total = ORIGIN
-    first = ring[0]
-    for a, b in itertools.pairwise(ring):
-        total = add(total, cross(sub(a, first), sub(b, first)))
-    return scale(total, 0.5)
+def moved(points: Points, by: Frame) -> Points:
+    """Points of a frame in the frame that it stands in."""
+    u, v, w = points.T
+    columns = zip(by.o, by.x, by.y, by.z, strict=True)
+    return np.column_stack([o + (x * u + y * v + z * w) for o, x, y, z in columns])
+
+
+def vec(row: Numbers) -> Vec:
+    """A row of an array as the plain vector that it is."""
+    x, y, z = row.tolist()
+    return x, y, z
+
+
+def coordinates(points: Points, way: Vec) -> Numbers:
+    """The coordinates of points along a vector, the same for the same point wherever it stands.
+
+    A matrix product would not do: its last digits depend on the place in the array.
+    """
+    x, y, z = points.T
+    found: Numbers = x * way[0] + y * way[1] + z * way[2]
+    return found
+
+
+def crosses(a: Points, b: Points) -> Points:
+    (ax, ay, az), (bx, by, bz) = a.T, b.T
+    return np.column_stack((ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx))
+
+
+def lengths(vectors: Points) -> Numbers:
+    x, y, z = vectors.T
+    found: Numbers = np.sqrt(x * x + y * y + z * z)
+    return found
 
 
 def section(shell: Shell, at: Vec, normal: Vec, u: Vec, v: Vec) -> Shape:
     """The region in which the plane through `at` cuts the shell, in (u, v)."""
-    from shapely import union_all
-
-    segments = _segments(shell, at, normal, u, v)
-    kept: dict[tuple[Point, Point], int] = {}
-    for a, b in segments:
-        key = (a, b) if a < b else (b, a)
-        kept[key] = kept.get(key, 0) + 1
-    odd = [key for key, count in kept.items() if count % 2]
-    if not odd:
-        return union_all([])
-    inside = [c for c in _cells(list(kept)) if _crossings(odd, c.representative_point()) % 2]
-    return cleaned(union_all(inside)) if inside else union_all([])
+    return region_within(segments(shell, at, normal, u, v))
 
 
-def _cells(lines: list[tuple[Point, Point]]) -> list[Any]:
-    """The cells that lines enclose; across cracks narrower than the grid if there are any."""
-    from shapely import LineString, polygonize_full, union_all
-
-    drawn = [LineString(key) for key in lines]
-    cells, cuts, dangles, rings = polygonize_full([union_all(drawn)])
-    if not (cuts.is_empty and dangles.is_empty and rings.is_empty):
-        cells = polygonize_full([union_all(drawn, grid_size=GRID)])[0]
-    return [c for c in cells.geoms if c.area > 1e-3]
-
-
-def _segments(shell: Shell, at: Vec, normal: Vec, u: Vec, v: Vec) -> list[tuple[Point, Point]]:
+def segments(shell: Shell, at: Vec, normal: Vec, u: Vec, v: Vec) -> Segments:
     """Where a plane cuts the faces; a vertex on the plane counts as just above it."""
-    found: list[tuple[Point, Point]] = []
-    (ox, oy, oz), (nx, ny, nz) = at, normal
-    for face in shell.faces:
-        hits: list[Vec] = []
-        for ring in face.rings:
-            heights = [(x - ox) * nx + (y - oy) * ny + (z - oz) * nz for x, y, z in ring]
-            if min(heights) >= 0 or max(heights) < 0:  # as of most faces
-                continue
-            for i, (p, h) in enumerate(zip(ring, heights, strict=True)):
-                q, g = ring[i - 1], heights[i - 1]
-                if (h >= 0) != (g >= 0):
-                    # Both faces of an edge have to give the very same point.
-                    if g < 0:
-                        p, q, h, g = q, p, g, h
-                    hits.append(add(q, scale(sub(p, q), g / (g - h))))
-        if len(hits) < 2:
-            continue
-        along = cross(face.area_normal, normal)
-        hits.sort(key=lambda p: dot(p, along))
-        for p, q in zip(hits[::2], hits[1::2], strict=False):
-            a, b = _flat(p, at, u, v), _flat(q, at, u, v)
-            if a != b:
-                found.append((a, b))
+    points, rings = shell.points, shell.rings
+    heights = coordinates(points - np.array(at), normal)
+    above = heights >= 0
+    after = np.flatnonzero(above != above[rings.before])
+    before = rings.before[after]
+    # Both faces of an edge have to give the very same point.
+    up, down = np.where(above[after], (after, before), (before, after))
+    share = heights[down] / (heights[down] - heights[up])
+    hits = points[down] + (points[up] - points[down]) * share[:, None]
+    # The plane goes into a face and out of it by turns, along the line in which they meet.
+    face = rings.face_of_corner[after]
+    ways = crosses(shell.area_normals, np.broadcast_to(np.array(normal), shell.area_normals.shape))
+    order = np.lexsort(((hits * ways[face]).sum(axis=1), face))
+    flat = np.column_stack((coordinates(hits, u), coordinates(hits, v)))[order] + 0.0
+    lines: Segments = flat.reshape(-1, 2, 2)
+    found: Segments = lines[(lines[:, 0] != lines[:, 1]).any(axis=1)]
     return found
-
-
-def _flat(p: Vec, at: Vec, u: Vec, v: Vec) -> Point:
-    return dot(p, u) + 0.0, dot(p, v) + 0.0
-
-
-def _crossings(segments: list[tuple[Point, Point]], point: Any) -> int:
-    """How many segments a ray from a point to the right crosses."""
-    x, y = float(point.x), float(point.y)
-    count = 0
-    for (ax, ay), (bx, by) in segments:
-        if (ay > y) != (by > y) and ax + (y - ay) * (bx - ax) / (by - ay) > x:
-            count += 1
-    return count
 
 
 def longest_direction(shell: Shell) -> Vec:
     """The direction that most of the shell's edges run along, by their length."""
-    ways: list[Vec] = []
-    lengths: list[float] = []
-    known: dict[Vec, int] = {}  # edges of two faces run the very same way, or back
-    for face in shell.faces:
-        for ring in face.rings:
-            for i, p in enumerate(ring):
-                edge = sub(p, ring[i - 1])
-                length = size(edge)
-                if length < 1e-6:
-                    continue
-                way = scale(edge, 1 / length)
-                k = known.get(way)
-                if k is None:
-                    k = _parallel(way, ways)
-                    if k == len(ways):
-                        if k == MOST_WAYS:
-                            continue
-                        ways.append(way)
-                        lengths.append(0.0)
-                    known[way] = known[scale(way, -1.0)] = k
-                lengths[k] += length
-    return ways[lengths.index(max(lengths))] if ways else ALONG
-
-
-def _parallel(way: Vec, ways: Sequence[Vec]) -> int:
-    """The place of a direction among those that are known, either way; their count if it is new."""
-    x, y, z = way
-    for k, (kx, ky, kz) in enumerate(ways):
-        if abs(kx * x + ky * y + kz * z) > 1 - 1e-7:
-            return k
-    return len(ways)
+    edges = shell.points - shell.points[shell.rings.before]
+    length = lengths(edges)
+    real = length >= LEAST_EDGE
+    length = length[real]
+    ways = edges[real] * (1 / length)[:, None]
+    return _heaviest(ways, length, 1 - 1e-7, MOST_WAYS) or ALONG
 
 
 def broadest_normal(shell: Shell) -> Vec:
     """The normal of the planes that hold most of the shell's area."""
-    sums: list[tuple[Vec, float]] = []
-    for face in shell.faces:
-        area = size(face.area_normal)
-        way = unit(face.area_normal)
-        for k, (known, total) in enumerate(sums):
-            if abs(dot(known, way)) > 1 - 1e-6:
-                sums[k] = (known, total + area)
-                break
-        else:
-            sums.append((way, area))
-    return max(sums, key=lambda s: s[1])[0]
+    areas = shell.areas
+    ways = shell.area_normals * (1 / areas)[:, None]
+    return _heaviest(ways, areas, 1 - 1e-6, len(ways)) or ALONG
+
+
+def _heaviest(ways: Points, weights: Numbers, near: float, most: int) -> Vec | None:
+    """The unit vector about which most of the weight lies, either way; None if there are none.
+
+    Vectors whose cosine is above `near` go with the first of them that stands alone. Of such
+    firsts there are at most `most`; what is near none of those does not count.
+    """
+    best, found = 0.0, None
+    left = np.arange(len(ways))
+    for _ in range(most):
+        if not len(left):
+            break
+        first = vec(ways[left[0]])
+        same = np.abs(coordinates(ways[left], first)) > near
+        same[0] = True
+        # Summed in their order: numpy's own sum may tell equal sums apart.
+        weight = float(np.cumsum(weights[left[same]])[-1])
+        if weight > best:
+            best, found = weight, first
+        left = left[~same]
+    return found
 
 
 def extent(shell: Shell, direction: Vec) -> tuple[float, float]:
     """Least and greatest coordinate of the shell along a unit vector."""
-    values = [dot(p, direction) for p in shell.points]
-    return min(values), max(values)
+    values = coordinates(shell.points, direction)
+    return float(values.min()), float(values.max())
