@@ -10,13 +10,11 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
-from msgspec import Struct
 from msgspec.structs import replace
 
 from beamcam.errors import Source
-from beamcam.geometry.curves import Line, Point, signed_area
+from beamcam.geometry.curves import Point
 from beamcam.model.part import Contour, Hole, Slot
-from beamcam.readers.ifc.curves2d import Chain
 from beamcam.readers.ifc.cutters import Cutter
 from beamcam.readers.ifc.ends import LEAST_LEAN, End
 from beamcam.readers.ifc.entities import Entity, Model, Unreadable
@@ -32,31 +30,28 @@ from beamcam.readers.ifc.finish import (
     shifted,
 )
 from beamcam.readers.ifc.kernel import build_both
-from beamcam.readers.ifc.outline import sharpened
 from beamcam.readers.ifc.plates import box_of, into
 from beamcam.readers.ifc.region import (
     Circles,
     Shape,
     cleaned,
     pieces_of,
-    points_of,
 )
-from beamcam.readers.ifc.section import Section, classify
+from beamcam.readers.ifc.rolled import Rolled, other_axes, reference, rolled_stock
+from beamcam.readers.ifc.section import Section
 from beamcam.readers.ifc.semantic import LEVEL_IN, Stock, cut, in_place
 from beamcam.readers.ifc.shell import (
     Shell,
     broadest_normal,
-    coordinates,
     extent,
     longest_direction,
     section,
     vec,
 )
 from beamcam.readers.ifc.slices import arcs_of, ring_arcs, with_circles
-from beamcam.readers.ifc.space import Frame, Vec, across, add, cross, dot, scale, unit
+from beamcam.readers.ifc.space import Frame, add, cross, dot, scale
 from beamcam.readers.ifc.walls import Wall, walls_of
 
-STATIONS = (0.5, 0.31, 0.69, 0.17, 0.83, 0.08, 0.92, 0.42, 0.58, 0.03, 0.97)
 PRISMATIC = 0.01  #: share by which a plate's volume may differ from outline times thickness
 SAME_HOLE = 0.02  #: mm between a hole at one level and at the other
 EDGE = 0.3  #: mm within which a section point lies on a wall's long edge
@@ -84,8 +79,8 @@ def read_shell(shell: Shell, cutters: Sequence[Cutter], source: Source) -> Shape
         return found
     along = longest_direction(shell)
     tried = []
-    for axis in (along, *_other_axes(shell, along)):
-        stock = _stock(shell, axis)
+    for axis in (along, *other_axes(shell, along)):
+        stock = rolled_stock(shell, axis)
         if stock is None:
             tried.append(axis)
             continue
@@ -93,80 +88,7 @@ def read_shell(shell: Shell, cutters: Sequence[Cutter], source: Source) -> Shape
     raise Unreadable(f"a shell of {shell.count} faces without a constant section")
 
 
-class _Stock(Struct, frozen=True):
-    section: Section
-    frame: Frame
-    x0: float
-    x1: float
-    outline: tuple[Point, ...]  #: (Y, Z) of the section's border
-
-
-def _other_axes(shell: Shell, along: Vec) -> list[Vec]:
-    """Square to the chief direction, for members shorter than their section is wide."""
-    normal = broadest_normal(shell)
-    if abs(dot(normal, along)) > 0.05:
-        normal = across(along)
-    return [unit(cross(along, normal)), normal]
-
-
-def _stock(shell: Shell, axis: Vec) -> _Stock | None:
-    """The section of a shell along an axis; None if no station shows a rolled form."""
-    u = _reference(shell, axis)
-    v = cross(axis, u)
-    low, high = extent(shell, axis)
-    best: tuple[float, Section, Chain] | None = None
-    for share in STATIONS:
-        at = low + share * (high - low)
-        shape = section(shell, scale(axis, at), axis, u, v)
-        pieces = pieces_of(shape)
-        if len(pieces) != 1:
-            continue
-        outer, inner = arcs_of(pieces[0], circles_in(shell.cylinders, axis, u, v))
-        found = _told(outer, inner) if outer else None
-        if found is None or found.code == "SO" or (found.code == "B" and found.width > 200):
-            continue
-        if best is None or found.area > best[0] * 1.0005:
-            best = (found.area, found, outer)
-    if best is None:
-        return None
-    found = best[1]
-    o = add(scale(u, found.origin[0]), scale(v, found.origin[1]))
-    y = add(scale(u, found.y[0]), scale(v, found.y[1]))
-    z = add(scale(u, found.z[0]), scale(v, found.z[1]))
-    x = cross(y, z)
-    frame = Frame(o, x, y, z)
-    x0, x1 = extent(shell, x)
-    (ox, oy), sy, sz = found.origin, found.y, found.z
-    border = tuple(
-        ((p - ox) * sy[0] + (q - oy) * sy[1], (p - ox) * sz[0] + (q - oy) * sz[1])
-        for p, q in points_of(best[2], Circles())
-    )
-    return _Stock(found, frame, x0, x1, border)
-
-
-def _told(outer: Chain, inner: tuple[Chain, ...]) -> Section | None:
-    """The section of an outline; of a mesh's rough roundings by its corners alone."""
-    found = classify(outer, inner)
-    if found is not None and found.code != "SO":
-        return found
-    if not all(isinstance(c, Line) for c in outer):
-        return found
-    area = abs(signed_area(outer)) - sum(abs(signed_area(c)) for c in inner)
-    again = classify(sharpened(outer), tuple(sharpened(c) for c in inner))
-    return found if again is None else replace(again, area=area)
-
-
-def _reference(shell: Shell, axis: Vec) -> Vec:
-    """A direction square to the axis in which sections lie straight."""
-    areas = shell.areas
-    upright = np.flatnonzero(np.abs(coordinates(shell.area_normals, axis)) < 1e-3 * areas)
-    if not len(upright):
-        return across(axis)
-    broadest = upright[areas[upright].argmax()]
-    return unit(cross(axis, unit(vec(shell.area_normals[broadest]))))
-
-
-def _member(shell: Shell, cutters: Sequence[Cutter], stock: _Stock, source: Source) -> Shaped:
+def _member(shell: Shell, cutters: Sequence[Cutter], stock: Rolled, source: Source) -> Shaped:
     inverse = stock.frame.inverse()
     local = shell.moved(inverse)
     taken = [c.moved(inverse) for c in cutters]
@@ -262,7 +184,7 @@ def _full_width(shape: Shape, wall: Wall, c: float, outline: tuple[Point, ...]) 
     return transform(shape, widened)
 
 
-def _reached(found: Shaped, stock: _Stock, regions: Regions) -> Shaped:
+def _reached(found: Shaped, stock: Rolled, regions: Regions) -> Shaped:
     """The member with the length of its shell, its features moved as much."""
     bounds = [p.bounds for pair in regions.values() for _, s in pair for p in pieces_of(s)]
     x0 = min(b[0] for b in bounds)
@@ -293,24 +215,23 @@ def _plate(shell: Shell, cutters: Sequence[Cutter], source: Source) -> Shaped | 
     normal = broadest_normal(shell)
     low, high = extent(shell, normal)
     thickness = high - low
-    u = _reference(shell, normal)
+    u = reference(shell, normal)
     v = cross(normal, u)
     spans = [extent(shell, d) for d in (u, v)]
     if thickness <= 0 or thickness > min(b - a for a, b in spans) * 0.999:
         return None
-    shapes = [
-        section(shell, scale(normal, low + share * thickness), normal, u, v)
-        for share in (0.5, LEVEL_IN, 1 - LEVEL_IN)
-    ]
-    area = float(shapes[0].area)
+    shape = section(shell, scale(normal, low + 0.5 * thickness), normal, u, v)
+    area = float(shape.area)
     volume = shell.volume
-    if len(pieces_of(shapes[0])) != 1:
+    if len(pieces_of(shape)) != 1:
         return None
     if volume is not None and abs(area * thickness - volume) > PRISMATIC * volume:
         return None
-    if any(float(shapes[0].symmetric_difference(s).area) > PRISMATIC * area for s in shapes[1:]):
-        return None
-    outer, inner = arcs_of(pieces_of(shapes[0])[0], circles_in(shell.cylinders, normal, u, v))
+    for share in (LEVEL_IN, 1 - LEVEL_IN):
+        other = section(shell, scale(normal, low + share * thickness), normal, u, v)
+        if float(shape.symmetric_difference(other).area) > PRISMATIC * area:
+            return None
+    outer, inner = arcs_of(pieces_of(shape)[0], circles_in(shell.cylinders, normal, u, v))
     box = box_of(outer)
     x = add(scale(u, box.x[0]), scale(v, box.x[1]))
     y = add(scale(u, box.y[0]), scale(v, box.y[1]))
@@ -329,7 +250,7 @@ def _plate(shell: Shell, cutters: Sequence[Cutter], source: Source) -> Shaped | 
     return in_place(cut(stock, [c.moved(inverse) for c in cutters], source), frame)
 
 
-def _round(local: Shell, stock: _Stock, source: Source) -> Shaped:
+def _round(local: Shell, stock: Rolled, source: Source) -> Shaped:
     """A round bar or pipe by its shell: two plane ends, nothing else."""
     ends = [_flat_end(local, side) for side in (-1, 1)]
     start, end = ends

@@ -209,9 +209,9 @@ def segments(shell: Shell, at: Vec, normal: Vec, u: Vec, v: Vec) -> Segments:
     share = heights[down] / (heights[down] - heights[up])
     hits = points[down] + (points[up] - points[down]) * share[:, None]
     # The plane goes into a face and out of it by turns, along the line in which they meet.
-    face = rings.face_of_corner[after]
-    ways = crosses(shell.area_normals, np.broadcast_to(np.array(normal), shell.area_normals.shape))
-    order = np.lexsort(((hits * ways[face]).sum(axis=1), face))
+    face = rings.face[rings.ring[after]]
+    ways = crosses(shell.area_normals[face], np.broadcast_to(np.array(normal), hits.shape))
+    order = np.lexsort(((hits * ways).sum(axis=1), face))
     flat = np.column_stack((coordinates(hits, u), coordinates(hits, v)))[order] + 0.0
     lines: Segments = flat.reshape(-1, 2, 2)
     found: Segments = lines[(lines[:, 0] != lines[:, 1]).any(axis=1)]

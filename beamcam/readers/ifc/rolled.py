@@ -1,0 +1,102 @@
+"""The rolled stock that a shell was cut from: the section that is constant along an axis."""
+
+import numpy as np
+from msgspec import Struct
+from msgspec.structs import replace
+
+from beamcam.geometry.curves import Line, Point, signed_area
+from beamcam.readers.ifc.curves2d import Chain
+from beamcam.readers.ifc.exact import circles_in
+from beamcam.readers.ifc.outline import sharpened
+from beamcam.readers.ifc.region import Circles, pieces_of, points_of
+from beamcam.readers.ifc.section import Section, classify
+from beamcam.readers.ifc.shell import Shell, broadest_normal, coordinates, extent, segments, vec
+from beamcam.readers.ifc.slices import Segments, arcs_of, region_within
+from beamcam.readers.ifc.space import Frame, Vec, across, add, cross, dot, scale, unit
+
+STATIONS = (0.5, 0.31, 0.69, 0.17, 0.83, 0.08, 0.92, 0.42, 0.58, 0.03, 0.97)
+SAME = 1e-9  #: mm between the lines of one section at two stations, from rounding
+
+
+class Rolled(Struct, frozen=True):
+    """A stock that was found in a shell, and where."""
+
+    section: Section
+    frame: Frame
+    x0: float
+    x1: float
+    outline: tuple[Point, ...]  #: (Y, Z) of the section's border
+
+
+def other_axes(shell: Shell, along: Vec) -> list[Vec]:
+    """Square to the chief direction, for members shorter than their section is wide."""
+    normal = broadest_normal(shell)
+    if abs(dot(normal, along)) > 0.05:
+        normal = across(along)
+    return [unit(cross(along, normal)), normal]
+
+
+def rolled_stock(shell: Shell, axis: Vec) -> Rolled | None:
+    """The section of a shell along an axis; None if no station shows a rolled form."""
+    u = reference(shell, axis)
+    v = cross(axis, u)
+    low, high = extent(shell, axis)
+    best: tuple[float, Section, Chain] | None = None
+    seen: list[Segments] = []
+    for share in STATIONS:
+        at = low + share * (high - low)
+        lines = segments(shell, scale(axis, at), axis, u, v)
+        if any(_same(lines, other) for other in seen):
+            continue
+        seen.append(lines)
+        pieces = pieces_of(region_within(lines))
+        if len(pieces) != 1:
+            continue
+        outer, inner = arcs_of(pieces[0], circles_in(shell.cylinders, axis, u, v))
+        found = _told(outer, inner) if outer else None
+        if found is None or found.code == "SO" or (found.code == "B" and found.width > 200):
+            continue
+        if best is None or found.area > best[0] * 1.0005:
+            best = (found.area, found, outer)
+    if best is None:
+        return None
+    found = best[1]
+    o = add(scale(u, found.origin[0]), scale(v, found.origin[1]))
+    y = add(scale(u, found.y[0]), scale(v, found.y[1]))
+    z = add(scale(u, found.z[0]), scale(v, found.z[1]))
+    x = cross(y, z)
+    frame = Frame(o, x, y, z)
+    x0, x1 = extent(shell, x)
+    (ox, oy), sy, sz = found.origin, found.y, found.z
+    border = tuple(
+        ((p - ox) * sy[0] + (q - oy) * sy[1], (p - ox) * sz[0] + (q - oy) * sz[1])
+        for p, q in points_of(best[2], Circles())
+    )
+    return Rolled(found, frame, x0, x1, border)
+
+
+def _same(lines: Segments, others: Segments) -> bool:
+    """Whether two stations show one section, as most of a member do."""
+    return lines.shape == others.shape and bool((np.abs(lines - others) < SAME).all())
+
+
+def _told(outer: Chain, inner: tuple[Chain, ...]) -> Section | None:
+    """The section of an outline; of a mesh's rough roundings by its corners alone."""
+    found = classify(outer, inner)
+    if found is not None and found.code != "SO":
+        return found
+    if not all(isinstance(c, Line) for c in outer):
+        return found
+    area = abs(signed_area(outer)) - sum(abs(signed_area(c)) for c in inner)
+    again = classify(sharpened(outer), tuple(sharpened(c) for c in inner))
+    return found if again is None else replace(again, area=area)
+
+
+def reference(shell: Shell, axis: Vec) -> Vec:
+    """A direction square to the axis in which sections lie straight."""
+    areas = shell.areas
+    upright = np.flatnonzero(np.abs(coordinates(shell.area_normals, axis)) < 1e-3 * areas)
+    if not len(upright):
+        return across(axis)
+    broadest = upright[areas[upright].argmax()]
+    return unit(cross(axis, unit(vec(shell.area_normals[broadest]))))
