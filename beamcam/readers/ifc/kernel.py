@@ -14,6 +14,8 @@ from beamcam.readers.ifc.surfaces import Cylinder, Unnamed
 
 CHORD = 0.0002  #: m between a curve and its facets
 ANGLE = 0.25  #: rad between two facets, 26 on a circle; every vertex lies on the curve
+FACETED = ("triangulation_element", "TriangulationElement")  #: since ifcopenshell 0.9, and before
+WRITTEN = ("serialized_element", "SerializedElement")
 ROUNDER = 0.9999  #: of a slot's corner radius that the kernel can build; half the side it cannot
 
 
@@ -51,9 +53,9 @@ def build_both(model: Model, element: Entity) -> tuple[Built, Exact]:
 
 def _facets(solid: Any) -> Shell:
     """The shell of a solid's mesh, whose corners lie on its surfaces. Raises Unreadable."""
-    geometry = _made("triangulation_element", solid).geometry
-    points = np.frombuffer(geometry.verts_buffer).reshape(-1, 3) * 1e3
-    corners = np.frombuffer(geometry.faces_buffer, np.int32)
+    mesh = _made(FACETED, solid)  # its geometry lives as long as it does
+    points = np.frombuffer(mesh.geometry.verts_buffer).reshape(-1, 3) * 1e3
+    corners = np.frombuffer(mesh.geometry.faces_buffer, np.int32)
     count = len(corners) // 3
     found = shell(points[corners], [3] * count, range(count))
     if found.count < 4:
@@ -63,8 +65,9 @@ def _facets(solid: Any) -> Shell:
 
 def _surfaces(solid: Any) -> Exact:
     """The surfaces of a solid. Raises Unreadable."""
+    written = _made(WRITTEN, solid)
     try:
-        surfaces = surfaces_of(_made("serialized_element", solid).geometry.brep_data)
+        surfaces = surfaces_of(written.geometry.brep_data)
     except BrepError as fault:
         raise Unreadable(f"a solid by the kernel that is not understood ({fault})") from fault
     cylinders = [s for s in surfaces if isinstance(s, Cylinder)]
@@ -73,12 +76,13 @@ def _surfaces(solid: Any) -> Exact:
     return Exact(kept, tuple(others), _log())
 
 
-def _made(form: str, solid: Any) -> Any:
-    """A solid in another form. Raises Unreadable if the kernel cannot."""
-    from ifcopenshell import ifcopenshell_wrapper
+def _made(form: tuple[str, str], solid: Any) -> Any:
+    """A solid in another form, by either name of its class. Raises Unreadable."""
+    from ifcopenshell import ifcopenshell_wrapper as wrapper
 
+    name = form[0] if hasattr(wrapper, form[0]) else form[1]
     try:
-        return getattr(ifcopenshell_wrapper, form)(solid)
+        return getattr(wrapper, name)(solid)
     except RuntimeError as fault:
         raise Unreadable(f"no solid by the kernel ({fault})") from fault
 

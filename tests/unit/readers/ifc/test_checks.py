@@ -5,7 +5,7 @@ from msgspec.structs import replace
 
 from beamcam.errors import Source
 from beamcam.readers.ifc import Options, checks, kernel, read
-from beamcam.readers.ifc.kernel import Built, build
+from beamcam.readers.ifc.kernel import FACETED, ROUNDER, Built, build, build_both, build_exact
 from beamcam.readers.ifc.marks import Data
 from tests.unit.readers.ifc.models import Small, opened
 
@@ -86,6 +86,50 @@ def test_a_slot_is_built_though_the_kernel_cannot() -> None:
     assert [d.code for d in found.diagnostics] == ["ifc-ledger"]
     (slot,) = found.parts[0].features
     assert (slot.length, slot.diameter) == (40.0, 22.0)  # type: ignore[union-attr]
+
+
+def test_only_the_slots_of_the_member_are_made_less_round() -> None:
+    """In the kernel's copy, and no less round the second time."""
+    m = Small()
+    for diameter in (22.0, 26.0):
+        profile = m.add(
+            f"IFCROUNDEDRECTANGLEPROFILEDEF(.AREA.,$,{m.flat},62.,{diameter},{diameter / 2})"
+        )
+        at = m.step.axes((800, -20, 0), (0, 1, 0), (1, 0, 0))
+        m.element(m.minus(m.extruded(m.ipe300(), 2000.0), m.extruded(profile, 40.0, at)))
+    model = opened(m.data)
+    first, _ = model.file.by_type("IfcBeam")
+    for _ in range(2):
+        build(model, first)
+        (copy,) = model.kernel
+        slots = copy.by_type("IfcRoundedRectangleProfileDef")
+        assert [s.RoundingRadius for s in slots] == [11.0 * ROUNDER, 13.0]
+    own = model.file.by_type("IfcRoundedRectangleProfileDef")
+    assert [s.RoundingRadius for s in own] == [11.0, 13.0]
+
+
+def test_facets_and_surfaces_of_one_solid_are_those_of_two() -> None:
+    model = opened(drilled().data)
+    (element,) = model.file.by_type("IfcBeam")
+    built, exact = build_both(model, element)
+    again = build(model, element)
+    assert built.shell.points.tolist() == again.shell.points.tolist()
+    assert built.shell.count == again.shell.count > 26
+    assert exact.cylinders == build_exact(model, element).cylinders != ()
+
+
+def test_a_form_that_the_kernel_cannot_give_is_no_solid(monkeypatch: pytest.MonkeyPatch) -> None:
+    from ifcopenshell import ifcopenshell_wrapper as wrapper
+
+    def failing(solid: object) -> object:
+        raise RuntimeError("no triangles")
+
+    for name in FACETED:
+        monkeypatch.setattr(wrapper, name, failing, raising=False)
+    found = read(drilled().data, "m.ifc", options=CHECKED)
+    (said,) = [d for d in found.diagnostics if d.severity.value == "error"]
+    assert said.code == "ifc-kernel"
+    assert "no solid (no solid by the kernel (no triangles))" in said.message
 
 
 def test_a_kernel_without_a_solid_is_no_witness(monkeypatch: pytest.MonkeyPatch) -> None:
