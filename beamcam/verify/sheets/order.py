@@ -8,6 +8,8 @@ from beamcam.errors import Diagnostic, Source
 from beamcam.verify.sheets import rules
 from beamcam.verify.sheets.work import SHOWN, Traced
 
+MOST_AT_ONCE = 1 << 16  #: cuts that are looked at together, some 3 MB
+
 
 def order_faults(traced: Sequence[Traced], name: str) -> list[Diagnostic]:
     """Marks behind cuts, and what lies in a contour that was cut before, in the program's order."""
@@ -37,24 +39,31 @@ def order_faults(traced: Sequence[Traced], name: str) -> list[Diagnostic]:
 def _inside_of_earlier(cuts: Sequence[Traced]) -> list[tuple[int, int]]:
     """Pairs of a cut and an earlier one whose ring it lies in.
 
-    Boxes are looked at first: in most programs no contour is in the box of an earlier one.
+    Boxes are looked at first: in most programs no contour is in the box of an earlier one. That is
+    done for some rings at a time, as many as have `MOST_AT_ONCE` cuts within their X together, so
+    that it takes no more memory the more of them lie above one another.
     """
     rings = [k for k, t in enumerate(cuts) if t.ring]
     if not rings:
         return []
+    places = np.array(rings)
     boxes = np.array([cuts[k].box for k in rings])
     middles = np.array([t.middle for t in cuts])
     order = np.argsort(middles[:, 0], kind="stable")
     xs = middles[order, 0]
     first, last = np.searchsorted(xs, boxes[:, 0]), np.searchsorted(xs, boxes[:, 2], "right")
     count = last - first
-    outer = np.repeat(np.arange(len(rings)), count)
-    inner = order[np.arange(len(outer)) + np.repeat(last - np.cumsum(count), count)]
-    y = middles[inner, 1]
-    near = (y >= boxes[outer, 1]) & (y <= boxes[outer, 3]) & (inner > np.array(rings)[outer])
     pairs: list[tuple[int, int]] = []
-    for ring in np.unique(outer[near]).tolist():
-        pairs += _within(cuts, inner[near & (outer == ring)].tolist(), rings[ring])
+    begins = np.flatnonzero(np.diff(np.cumsum(count) // MOST_AT_ONCE, prepend=-1))
+    for some in np.split(np.arange(len(rings)), begins[1:]):
+        outer = np.repeat(some, count[some])
+        behind = np.cumsum(count[some])
+        inner = order[np.arange(len(outer)) + np.repeat(last[some] - behind, count[some])]
+        y = middles[inner, 1]
+        near = (y >= boxes[outer, 1]) & (y <= boxes[outer, 3]) & (inner > places[outer])
+        found, starts = np.unique(outer[near], return_index=True)
+        for ring, own in zip(found.tolist(), np.split(inner[near], starts)[1:], strict=True):
+            pairs += _within(cuts, own.tolist(), rings[ring])
     return sorted(pairs)
 
 
