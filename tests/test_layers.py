@@ -67,6 +67,19 @@ def test_the_check_sees_an_import_that_points_up(tmp_path: Path) -> None:
     assert STEP["pipeline"] > STEP["readers"]
 
 
+def test_spelling_is_compared_only_where_something_is_misspelt() -> None:
+    """difflib takes longer to import than a small file to post."""
+    modules = sorted(PACKAGE.rglob("*.py"))
+    assert modules
+    eager = [
+        path.relative_to(ROOT).as_posix()
+        for path in modules
+        for node in ast.parse(path.read_text(encoding="utf-8")).body
+        if isinstance(node, ast.Import | ast.ImportFrom) and "difflib" in ast.unparse(node)
+    ]
+    assert eager == []
+
+
 def test_posting_a_dstv_file_imports_nothing_heavy() -> None:
     code = (
         "import sys; sys.argv = ['beamcam', 'post', sys.argv[1], '-o', '-']\n"

@@ -4,7 +4,6 @@ A place is written as a path: `contours[2].curves[0].arc.radius`.
 """
 
 from collections.abc import Callable, Collection, Iterable
-from difflib import get_close_matches
 from math import isfinite
 from typing import TypeVar
 
@@ -214,6 +213,8 @@ class JsonObject:
         """Refuse the keys that nobody asked for."""
         for key in self._value:
             if key not in self._asked:
+                from difflib import get_close_matches
+
                 known = list(self._asked)
                 nearest = get_close_matches(key, known, 1, 0.0)
                 expected = ", ".join(known)

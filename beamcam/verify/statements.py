@@ -7,7 +7,6 @@ line, without comments and spacing.
 
 import re
 from collections.abc import Iterator
-from difflib import SequenceMatcher
 
 from beamcam.errors import Diagnostic, errors_in
 from beamcam.geometry.curves import Arc, EllipseArc
@@ -23,6 +22,8 @@ def diff_sheets(
     a: str, b: str, machine: Machine, name: str = "program"
 ) -> tuple[tuple[Difference, ...], tuple[Diagnostic, ...]]:
     """What program B does otherwise than A, and what is wrong with the blocks of either."""
+    from difflib import SequenceMatcher
+
     (first, said), (second, more) = statements(a, machine, name), statements(b, machine, name)
     found = []
     for how, i0, i1, j0, j1 in SequenceMatcher(None, first, second, False).get_opcodes():

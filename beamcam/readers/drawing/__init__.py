@@ -2,7 +2,6 @@
 
 import re
 from collections.abc import Iterable, Sequence
-from difflib import get_close_matches
 from itertools import pairwise
 from math import hypot, isfinite
 from pathlib import PurePath
@@ -128,6 +127,8 @@ def unknown_layers(
     said = []
     for name in wanted:
         if name.lower() not in names:
+            from difflib import get_close_matches
+
             near = get_close_matches(name.lower(), names, 1)
             expected = repr(names[near[0]]) if near else ", ".join(map(repr, names.values()))
             said.append(LAYER_OPTION.at(source, found=name, expected=expected or "none"))

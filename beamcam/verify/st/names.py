@@ -1,7 +1,6 @@
 """What names stand for: variables, constants, axes, blocks, and what the library has."""
 
 from collections.abc import Collection, Sequence
-from difflib import get_close_matches
 
 from beamcam.errors import Diagnostic, Rule, Source
 from beamcam.verify.st import library, rules, syntax
@@ -108,6 +107,8 @@ class Names:
 
 def near(word: str, known: Collection[str]) -> str:
     """What was meant perhaps."""
+    from difflib import get_close_matches
+
     names = {name.upper(): name for name in known}
     close = get_close_matches(word.upper(), list(names), 1, 0.6)
     return names[close[0]] if close else "a name that is"
