@@ -53,6 +53,7 @@ from beamcam.readers.ifc.space import Frame, add, cross, dot, scale
 from beamcam.readers.ifc.walls import Wall, walls_of
 
 PRISMATIC = 0.01  #: share by which a plate's volume may differ from outline times thickness
+ALIKE = 6  #: decimals of a mm, from which on two rings of a hole are one
 SAME_HOLE = 0.02  #: mm between a hole at one level and at the other
 EDGE = 0.3  #: mm within which a section point lies on a wall's long edge
 EXPLAINED = 0.03  #: share by which the volume may differ from what the walls explain
@@ -125,15 +126,19 @@ def _drilled(
     levels: Sequence[Shape], wall: Wall, exact: Sequence[Circle], source: Source
 ) -> tuple[list[Hole | Slot], list[Shape]]:
     """The round and slotted hollows that both levels of a wall show; the levels without them."""
-    from shapely import MultiPolygon, Polygon
+    from shapely import MultiPolygon, Polygon, get_coordinates
 
+    told: dict[bytes, Contour | Hole | Slot | None] = {}  # most are alike at both levels
     seen: list[list[tuple[Hole | Slot, tuple[float, ...]]]] = []
     for shape in levels:
         rows = []
         for piece in pieces_of(shape):
             for ring in piece.interiors:
-                chain = ring_arcs(ring, exact)
-                made = opening(wall, chain, source) if chain else None
+                key = (get_coordinates(ring).round(ALIKE) + 0.0).tobytes()
+                if key not in told:
+                    chain = ring_arcs(ring, exact)
+                    told[key] = opening(wall, chain, source) if chain else None
+                made = told[key]
                 if isinstance(made, (Hole, Slot)):
                     rows.append((made, ring.bounds))
         seen.append(rows)

@@ -108,6 +108,8 @@ def chain_of_ring(ring: Any, circles: Circles) -> Chain:
     area = sum(points[i - 1][0] * points[i][1] - points[i - 1][1] * points[i][0] for i in range(n))
     if area < 0:
         points.reverse()
+    if not circles.known:
+        return joined(tuple(Line(p, points[(i + 1) % n]) for i, p in enumerate(points)))
     on = [_circle_of(points[i], points[(i + 1) % n], circles) for i in range(n)]
     start = next((i for i in range(n) if on[i] is None or on[i] != on[i - 1]), None)
     if start is None and on[0] is not None:

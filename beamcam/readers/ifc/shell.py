@@ -81,7 +81,8 @@ class Shell(Struct, frozen=True, eq=False):
         """mm3; None where the faces are not turned alike, or leave a gap."""
         if np.abs(self.area_normals.sum(axis=0)).max() > 1e-3 * self.areas.max():
             return None
-        return abs(float((self.firsts * self.area_normals).sum())) / 3
+        thrice: float = sum(dots(self.firsts, self.area_normals).tolist())
+        return abs(thrice) / 3
 
     def moved(self, by: Frame) -> "Shell":
         points = moved(self.points, by)
@@ -181,6 +182,12 @@ def coordinates(points: Points, way: Vec) -> Numbers:
     return found
 
 
+def dots(a: Points, b: Points) -> Numbers:
+    (ax, ay, az), (bx, by, bz) = a.T, b.T
+    found: Numbers = ax * bx + ay * by + az * bz
+    return found
+
+
 def crosses(a: Points, b: Points) -> Points:
     (ax, ay, az), (bx, by, bz) = a.T, b.T
     return np.column_stack((ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx))
@@ -211,7 +218,7 @@ def segments(shell: Shell, at: Vec, normal: Vec, u: Vec, v: Vec) -> Segments:
     # The plane goes into a face and out of it by turns, along the line in which they meet.
     face = rings.face[rings.ring[after]]
     ways = crosses(shell.area_normals[face], np.broadcast_to(np.array(normal), hits.shape))
-    order = np.lexsort(((hits * ways).sum(axis=1), face))
+    order = np.lexsort((dots(hits, ways), face))
     flat = np.column_stack((coordinates(hits, u), coordinates(hits, v)))[order] + 0.0
     lines: Segments = flat.reshape(-1, 2, 2)
     found: Segments = lines[(lines[:, 0] != lines[:, 1]).any(axis=1)]
