@@ -4,21 +4,25 @@
     #9=IFCBOOLEANRESULT(.DIFFERENCE.,#7,#6);      ('DIFFERENCE', <#7>, <#6>)
     #8=IFCCOMPOSITECURVE((#1,#2,#3),.F.);         ((<#1>, <#2>, <#3>), False)
 
-The records of a class are mostly written alike: so many values, one of them a list or none. Then
-their texts are cut at the commas together, and references are looked up a column at a time. What
-is written in another way is left to `Tokens.values`, which gives the same record by record.
+The records of a class are mostly written alike: the same commas and brackets in the same order, or
+one list that is longer in some of them. Then arrays over the characters tell where each value
+stands, and values are looked up a column at a time. What is written in another way is left to
+`Tokens.values`, which gives the same record by record.
 """
 
-from collections.abc import Callable, Sequence
-from itertools import islice
+from collections.abc import Callable
+from itertools import islice, pairwise
 from typing import Any
 
+import numpy as np
 from msgspec import Struct
 
-from beamcam.readers.ifc.step import Malformed
+from beamcam.readers.ifc.characters import Places, numbers_at, words_before
+from beamcam.readers.ifc.step import Inners, Malformed, Typed, pieces
 from beamcam.readers.ifc.values import Tokens, Values
 
-_BETWEEN = ";"  #: as a value of its own between two records
+_HASH, _OPENING, _CLOSING, _COMMA, _UNKNOWN = b"#(),?"
+_WORD = 8  #: characters up to which two values are compared as numbers
 
 #: What values that are none end in, and references to points that are none.
 NOT_READ = (ArithmeticError, LookupError, TypeError, ValueError)
@@ -33,59 +37,113 @@ class Alike(Struct, frozen=True):
     """
 
     tokens: Tokens
-    referred: Callable[[list[int]], Column | None]
+    referred: Callable[[Places], Column | None]
 
-    def values(self, inners: Sequence[str]) -> list[Values] | None:
-        """The values by the texts in the brackets of each record, as of `Tokens.values`.
+    def values(self, inners: Inners) -> list[Values] | None:
+        """The values by what is in the brackets of each record, as of `Tokens.values`.
 
-        None if the records are not alike or have no values, or if there are lists in lists among
-        these, types, or strings with commas, brackets or doubled quotes.
+        None if the records are not alike or have no values, or if there are empty lists among
+        these, or strings with commas, brackets or doubled quotes.
         """
         try:
-            if "(" not in "".join(inners):
-                columns = self._columns(inners)
-            else:
-                before, listed, behind = zip(*map(_around_list, inners), strict=True)
-                columns = [*self._columns(before), self._lists(listed), *self._columns(behind)]
+            columns = self._columns(inners)
         except NOT_READ:  # some of them may be well; which, is seen one by one
             return None
-        return list(zip(*columns, strict=True)) if columns else None
+        return list(zip(*columns, strict=True))
 
-    def _columns(self, texts: Sequence[str]) -> list[Column]:
-        """The first values of all texts, the second, and so on; Malformed if not equally many."""
-        if not any(texts):
-            return []
-        tokens = f",{_BETWEEN},".join(texts).split(",")
-        width = texts[0].count(",") + 2  # with what stands between
-        between = tokens[width - 1 :: width]
-        if len(tokens) != len(texts) * width - 1 or between != [_BETWEEN] * (len(texts) - 1):
-            raise Malformed("records that are not alike")
-        return [self._column(tokens[place::width]) for place in range(width - 1)]
+    def _columns(self, of: Inners) -> list[Column]:
+        """The first values of all records, the second, and so on. Raises Malformed."""
+        low, high = (np.searchsorted(of.marks, places) for places in (of.first, of.last))
+        count = int(high[0] - low[0])
+        if (high - low == count).all():
+            marks = [of.marks[low + place] for place in range(count)]
+            signs = [of.codes[at] for at in marks]
+            if all((sign == sign[0]).all() for sign in signs):
+                return self._nested(of, [of.first - 1, *marks, of.last], [int(s[0]) for s in signs])
+        return self._around_lists(of, low, high)
 
-    def _lists(self, texts: Sequence[str]) -> list[Values]:
-        """The values of each text."""
-        values = iter(self._column(",".join(texts).split(",")))
-        return [tuple(islice(values, text.count(",") + 1)) for text in texts]
+    def _nested(self, of: Inners, edges: list[Places], signs: list[int]) -> list[Column]:
+        """The values between the edges, of which those inside a stretch are these signs."""
+        stack: list[list[Column]] = [[]]
+        kinds: list[list[str] | None] = []
+        before = _COMMA
+        for place, sign in enumerate([*signs, _COMMA]):
+            start, end = edges[place] + 1, edges[place + 1]
+            if sign == _OPENING:
+                _refuse(before == _CLOSING)
+                typed = bool((end > start).any())
+                kinds.append(_types(of.text, start, end) if typed else None)
+                stack.append([])
+            elif before == _CLOSING:
+                _refuse((end > start).any())
+            else:
+                stack[-1].append(self._column(of, start, end))
+            if sign == _CLOSING:
+                _refuse(len(stack) == 1)
+                many: Column = list(zip(*stack.pop(), strict=True))
+                types = kinds.pop()
+                if types is not None:
+                    many = [Typed(kind, v[0]) for kind, v in zip(types, many, strict=True)]
+                stack[-1].append(many)
+            before = sign
+        _refuse(len(stack) > 1)
+        return stack[0]
 
-    def _column(self, tokens: list[str]) -> Column:
-        """The value of each token, of which none has a comma."""
-        if tokens[0][:1] == "#":
-            digits = ",".join(tokens)[1:].split(",#")
-            if len(digits) == len(tokens) and all(map(str.isdecimal, digits)):
-                found = self.referred(list(map(int, digits)))
+    def _around_lists(self, of: Inners, low: Places, high: Places) -> list[Column]:
+        """The values of records with one list each, before which equally many values stand.
+
+        `low` and `high` are where in the marks those of each record begin and end.
+        """
+        counts = high - low
+        ranks = np.repeat(low - np.cumsum(counts) + counts, counts) + np.arange(counts.sum())
+        signs = of.codes[of.marks[ranks]]
+        opening, closing = ranks[signs == _OPENING], ranks[signs == _CLOSING]
+        _refuse(not len(opening) == len(closing) == len(low))
+        _refuse(((opening < low) | (closing <= opening) | (closing >= high)).any())
+        before, behind = (int(at[0]) for at in (opening - low, high - 1 - closing))
+        _refuse((opening - low != before).any() or (high - 1 - closing != behind).any())
+        left = [of.first - 1, *(of.marks[low + place] for place in range(before + 1))]
+        right = [*(of.marks[closing + place] for place in range(behind + 1)), of.last]
+        for start, end in (left[-2:], right[:2]):  # the list is a value of its own
+            _refuse((start + 1 != end).any())
+        inside = (ranks >= np.repeat(opening, counts)) & (ranks < np.repeat(closing, counts))
+        items = self._column(of, of.marks[ranks[inside]] + 1, of.marks[ranks[inside] + 1])
+        rest = iter(items)
+        listed: Column = [tuple(islice(rest, count)) for count in (closing - opening).tolist()]
+        return [*self._between(of, left[:-1]), listed, *self._between(of, right[1:])]
+
+    def _between(self, of: Inners, edges: list[Places]) -> list[Column]:
+        """The values between edges that are commas."""
+        return [self._column(of, start + 1, end) for start, end in pairwise(edges)]
+
+    def _column(self, of: Inners, start: Places, end: Places) -> Column:
+        """The value of each of the stretches, of which none has a comma or bracket."""
+        _refuse((start >= end).any())
+        if (of.codes[start] == _HASH).all():
+            numbers, behind = numbers_at(of.codes, start + 1)
+            if (behind == end).all() and (behind > start + 1).all():
+                found = self.referred(numbers)
                 if found is not None:
                     return found
-        return list(map(self.tokens.__getitem__, tokens))
+        if (end - start).max() > _WORD:
+            return list(map(self.tokens.__getitem__, pieces(of.text, start, end)))
+        # Few differ of those that are short, as .T. or $.
+        words = words_before(of.codes, end) >> (8 * (_WORD - (end - start))).astype(np.uint64)
+        distinct, first, which = np.unique(words, return_index=True, return_inverse=True)
+        if (distinct.view(np.uint8) == _UNKNOWN).any():  # which may stand for any character
+            return list(map(self.tokens.__getitem__, pieces(of.text, start, end)))
+        values = list(map(self.tokens.__getitem__, pieces(of.text, start[first], end[first])))
+        return list(map(values.__getitem__, which.tolist()))
 
 
-def _around_list(inner: str) -> tuple[str, str, str]:
-    """What stands before the one list of a record, in it and behind it, without the commas between.
+def _types(text: str, first: Places, last: Places) -> list[str]:
+    """The types that are written before values, in capitals; Malformed for what is none."""
+    found = pieces(text, first, last)
+    _refuse(not all(kind.isalnum() and kind[0].isalpha() for kind in found))
+    return [kind.upper() for kind in found]
 
-    Raises Malformed where there is none, a type before it, or a bracket more.
-    """
-    before, opening, rest = inner.partition("(")
-    listed, closing, behind = rest.partition(")")
-    apart = before[-1:] in ("", ",") and behind[:1] in ("", ",") and before != "," != behind
-    if not (opening and closing and apart) or "(" in listed or "(" in behind or ")" in behind:
-        raise Malformed("no list, or more than one")
-    return before[:-1], listed, behind[1:]
+
+def _refuse(odd: Any) -> None:
+    """Raises Malformed if so."""
+    if odd:
+        raise Malformed("records that are not alike")

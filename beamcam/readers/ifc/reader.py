@@ -21,13 +21,20 @@ def read_model(
 ) -> Reading:
     """As `beamcam.readers.ifc.read`."""
     with collector_resting():
-        opened = open_file(data, Source(name))
-        if isinstance(opened, Diagnostic):
-            return Reading("ifc", (), (opened,))
-        try:
-            return _read(opened, name, selection, options, progress)
-        finally:
-            opened.file.close()
+        # The model goes with the call, so that the collector does not walk over it afterwards.
+        return _opened_and_read(data, name, selection, options, progress)
+
+
+def _opened_and_read(
+    data: bytes, name: str, selection: Selection, options: Options, progress: Progress | None
+) -> Reading:
+    opened = open_file(data, Source(name))
+    if isinstance(opened, Diagnostic):
+        return Reading("ifc", (), (opened,))
+    try:
+        return _read(opened, name, selection, options, progress)
+    finally:
+        opened.file.close()
 
 
 def _read(

@@ -3,20 +3,25 @@
 from collections import defaultdict
 from typing import Any
 
+import numpy as np
+
+from beamcam.readers.ifc.characters import Places
 from beamcam.readers.ifc.columns import Alike
 from beamcam.readers.ifc.schema import Row, rows
 from beamcam.readers.ifc.step import MISSING, records
-from beamcam.readers.ifc.tuples import KINDS, tuples
+from beamcam.readers.ifc.tuples import KINDS, objects, tuples
 from beamcam.readers.ifc.values import Tokens, Values, text_of
 
 #: Classes of which a model has many: all their values are read when those of one are asked for.
 MANY = frozenset(
     (
         "IFCARBITRARYCLOSEDPROFILEDEF",
+        "IFCBEAM",
         "IFCBOOLEANCLIPPINGRESULT",
         "IFCBOOLEANRESULT",
         "IFCCIRCLE",
         "IFCCIRCLEPROFILEDEF",
+        "IFCCOLUMN",
         "IFCCOMPOSITECURVE",
         "IFCCOMPOSITECURVESEGMENT",
         "IFCEXTRUDEDAREASOLID",
@@ -25,14 +30,18 @@ MANY = frozenset(
         "IFCFACEOUTERBOUND",
         "IFCHALFSPACESOLID",
         "IFCLOCALPLACEMENT",
+        "IFCMAPPEDITEM",
+        "IFCMEMBER",
         "IFCOPENINGELEMENT",
         "IFCPLANE",
+        "IFCPLATE",
         "IFCPOLYLINE",
         "IFCPOLYLOOP",
         "IFCPRODUCTDEFINITIONSHAPE",
         "IFCRELVOIDSELEMENT",
         "IFCROUNDEDRECTANGLEPROFILEDEF",
         "IFCSHAPEREPRESENTATION",
+        "IFCTRIMMEDCURVE",
     )
 )
 
@@ -125,18 +134,6 @@ class Missing(Entity):
         raise LookupError(f"a reference to {self.name}, which is not in the file")
 
 
-class _Made(dict[int, Any]):
-    """What stands for the records, by their indices; an entity is made when it is looked up."""
-
-    def __init__(self, file: "File", known: dict[int, Any]) -> None:
-        super().__init__(known)
-        self._file = file
-
-    def __missing__(self, index: int) -> Any:
-        self[index] = made = self._file.made(index)
-        return made
-
-
 class File:
     """A model's records, with its schema; an entity is made when it is first referred to.
 
@@ -152,10 +149,14 @@ class File:
             number: self._rows.get(kind.upper()) or Row(kind, frozenset((kind,)), {})
             for number, kind in self._records.kinds.items()
         }
-        known = tuples(self._records)
-        # Where some point, direction or placement is written in an unusual way, each is looked at.
-        self._unusual = len(known) != sum(len(self._records.of(kind)) for kind in KINDS)
-        self._made = _Made(self, known)
+        #: What stands for each record; None where it was not met yet.
+        self._things = tuples(self._records)
+        #: Classes of points, directions and placements that are to be looked at one by one.
+        self._unusual = {
+            number
+            for number, kind in self._records.kinds.items()
+            if kind.upper() in KINDS and self._things[self._records.of_kind(number)[0]] is None
+        }
         self.tokens = Tokens(self._referred)
         self._unread = {n for n, kind in self._records.kinds.items() if kind.upper() in MANY}
         self.tied: dict[str, dict[int, list[str]]] = {}  #: names by indices; see relations.py
@@ -167,25 +168,44 @@ class File:
         It would have to walk all records of a large model for that.
         """
         self._openings = None
-        del self.tokens, self._made
+        del self.tokens, self._things
 
     def _referred(self, name: str, number: int) -> Any:
         """What stands for a name among values; a missing entity fails when it is looked at."""
         index = self._records.find(number)
-        return Missing(self, name) if index == MISSING else self._made[index]
+        if index == MISSING:
+            return Missing(self, name)
+        thing = self._things[index]
+        if thing is None:
+            thing = self._made(index, self._records.kind(index))
+            self._things[index] = thing
+        return thing
 
-    def _all_referred(self, numbers: list[int]) -> list[Any] | None:
+    def _all_referred(self, numbers: Places) -> list[Any] | None:
         """As `_referred`, by many numbers; None if one of the records is missing."""
-        indices = list(map(self._records.find, numbers))
-        return None if MISSING in indices else list(map(self._made.__getitem__, indices))
+        indices = self._records.find_all(numbers)
+        return None if (indices == MISSING).any() else self._standing(indices)
 
-    def made(self, index: int) -> Any:
+    def _standing(self, indices: Places) -> list[Any]:
+        """What stands for records: entities, which are made if they were not met before."""
+        things: list[Any] = self._things[indices].tolist()
+        if None not in things:
+            return things
+        new = np.unique(indices[self._things[indices] == None])  # noqa: E711
+        kinds = self._records.kinds_of(new)
+        for kind in set(kinds.tolist()):
+            of = new[kinds == kind]
+            self._things[of] = objects([self._made(index, kind) for index in of.tolist()])
+        things = self._things[indices].tolist()
+        return things
+
+    def _made(self, index: int, kind: int) -> Any:
         """What stands for a record that was not met before: an entity, or its numbers."""
-        made = Entity(self, index, self._row_of[self._records.kind(index)])
-        if self._unusual and made.row.name.upper() in KINDS:
-            values = made.values
-            return values if made.is_a("IfcPlacement") else tuple(map(float, values[0]))
-        return made
+        made = Entity(self, index, self._row_of[kind])
+        if kind not in self._unusual:
+            return made
+        values = made.values
+        return values if made.is_a("IfcPlacement") else tuple(map(float, values[0]))
 
     def entity(self, name: str) -> Entity:
         """The entity of a name."""
@@ -222,13 +242,13 @@ class File:
         found = Alike(self.tokens, self._all_referred).values(inners)
         if found is None:
             return False
-        for index, values in zip(indices.tolist(), found, strict=True):
-            self._made[index].values = values
+        for entity, values in zip(self._standing(indices), found, strict=True):
+            entity.values = values
         return True
 
     def by_type(self, name: str) -> list[Entity]:
         """The entities of a class and of its subtypes, in the order of the file."""
-        return list(map(self._made.__getitem__, self.indices(name)))
+        return self._standing(np.array(self.indices(name), np.int64))
 
     def indices(self, name: str) -> list[int]:
         """The records of a class and of its subtypes, in the order of the file."""

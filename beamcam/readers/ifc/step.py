@@ -71,13 +71,29 @@ class Spans(Struct, frozen=True):
     closing: Places  #: of the bracket behind them
 
 
+class Inners(Struct, frozen=True):
+    """What is between the brackets of some records, in the order of the file."""
+
+    text: str  #: of the file
+    codes: Codes
+    marks: Places  #: of all commas and brackets in the text
+    first: Places  #: where each of them begins
+    last: Places  #: and the places behind them
+
+    def texts(self) -> list[str]:
+        return pieces(self.text, self.first, self.last)
+
+
 class Records:
     """The records of a file, known by their indices in the order of the file."""
 
-    def __init__(self, text: str, codes: Codes, numbers: Places, spans: Spans) -> None:
+    def __init__(
+        self, text: str, codes: Codes, marks: Places, numbers: Places, spans: Spans
+    ) -> None:
         """Raises Malformed for a number that is there twice, and for a class that is no word."""
         self._text = text
         self._codes = codes
+        self._marks = marks
         self._spans = spans
         self._index = _index(numbers)
         self._hashes = hashes(codes, spans.kind, back_over_blanks(codes, spans.opening))
@@ -101,6 +117,11 @@ class Records:
     def name(self, index: int) -> str:
         """#12"""
         return f"#{self._number[index]}"
+
+    def kinds_of(self, indices: Places) -> Words:
+        """As `kind`, of many records."""
+        found: Words = self._hashes[indices]
+        return found
 
     def kind(self, index: int) -> int:
         """The class of a record, as a number of `kinds`."""
@@ -134,17 +155,16 @@ class Records:
         words = words_before(self._codes, first + size, size)
         wanted = words_before(heads, np.arange(1, len(texts) + 1) * 8, size)
         likely = indices[np.isin(words, wanted)]
-        inners = [inner.lstrip() for inner in self.inners(likely)]
+        inners = [inner.lstrip() for inner in self.inners(likely).texts()]
         found = zip(likely.tolist(), inners, strict=True)
         return {self.name(index): inner for index, inner in found if inner.startswith(texts)}
 
-    def inners(self, indices: Places) -> list[str]:
+    def inners(self, indices: Places) -> Inners:
         """As `inner`, of many records."""
         first, last = self._spans.opening[indices] + 1, self._spans.closing[indices]
-        text = self._text
-        return [text[i:j] for i, j in zip(first.tolist(), last.tolist(), strict=True)]
+        return Inners(self._text, self._codes, self._marks, first, last)
 
-    def references(self, indices: Places, count: int) -> list[list[int]] | None:
+    def references(self, indices: Places, count: int) -> list[Places] | None:
         """The indices that records refer to whose values are `count` references and no more.
 
         A column for each value; `$` is NONE_GIVEN, a record that is not there MISSING. None if
@@ -159,12 +179,12 @@ class Records:
             well = (given | (first == _DOLLAR)) & (given == (behind > at + 2))
             if not (well & (codes[behind] == behind_it)).all():
                 return None
-            columns.append(np.where(given, self._find_all(numbers), NONE_GIVEN).tolist())
+            columns.append(np.where(given, self.find_all(numbers), NONE_GIVEN))
             at = behind
         return columns
 
-    def _find_all(self, numbers: Places) -> Places:
-        """The indices of the records of these numbers, or MISSING."""
+    def find_all(self, numbers: Places) -> Places:
+        """As `find`, of many numbers."""
         if isinstance(self._index, dict):
             return np.array([self._index.get(n, MISSING) for n in numbers.tolist()], np.int64)
         table = np.asarray(self._index)
@@ -202,12 +222,18 @@ def records(text: str) -> Records:
     numbers, behind = numbers_at(codes, starts + 1)
     equals = past_blanks(codes, behind)
     kinds = past_blanks(codes, np.minimum(equals + 1, ends))
-    brackets = np.append(np.flatnonzero(codes == _OPENING), len(text))
+    marks = np.flatnonzero((codes == _COMMA) | (codes == _OPENING) | (codes == _CLOSING))
+    brackets = np.append(marks[codes[marks] == _OPENING], len(text))
     openings = brackets[np.searchsorted(brackets, kinds)]
     closings = back_over_blanks(codes, ends) - 1
     well: Truths = (behind > starts + 1) & (codes[equals] == _EQUALS) & (kinds < openings)
     _refuse(text, starts[~(well & (openings < closings) & (codes[closings] == _CLOSING))])
-    return Records(text, codes, numbers, Spans(starts, kinds, openings, closings))
+    return Records(text, codes, marks, numbers, Spans(starts, kinds, openings, closings))
+
+
+def pieces(text: str, first: Places, last: Places) -> list[str]:
+    """What stands from each of the first places up to its last."""
+    return [text[i:j] for i, j in zip(first.tolist(), last.tolist(), strict=True)]
 
 
 def _tidy(text: str) -> str:

@@ -11,41 +11,53 @@ what they cost one by one. So they stand for themselves among the values of othe
 from collections.abc import Collection
 from typing import Any
 
+import numpy as np
 from msgspec import DecodeError
 from msgspec.json import Decoder
+from numpy.typing import NDArray
 
-from beamcam.readers.ifc.step import NONE_GIVEN, Records
+from beamcam.readers.ifc.step import MISSING, NONE_GIVEN, Records
 
 KINDS = ("IFCCARTESIANPOINT", "IFCDIRECTION", "IFCAXIS2PLACEMENT2D", "IFCAXIS2PLACEMENT3D")
+
+Objects = NDArray[np.object_]  #: one for each record, or for each of some
 
 _NUMBERS = Decoder(list[tuple[float, ...]])
 
 
-def tuples(of: Records) -> dict[int, Any]:
-    """The points, directions and axis placements by the indices of their records.
+def tuples(of: Records) -> Objects:
+    """The points, directions and axis placements by the indices of their records, else None.
 
     A kind of which some are written in an unusual way is left out; it is read like any other.
     """
-    found: dict[int, Any] = {NONE_GIVEN: None}
+    found: Objects = np.full(len(of), None)
     for kind in KINDS[:2]:
         indices = of.of(kind)
-        texts = of.inners(indices)
+        texts = of.inners(indices).texts()
         # Most directions are along an axis.
         distinct = dict.fromkeys(texts)
         known = dict(zip(distinct, _decoded(distinct), strict=False))
         if len(known) == len(distinct):
-            found.update(zip(indices.tolist(), map(known.__getitem__, texts), strict=True))
+            found[indices] = objects(list(map(known.__getitem__, texts)))
     for kind, count in zip(KINDS[2:], (2, 3), strict=True):
         indices = of.of(kind)
         columns = of.references(indices, count)
-        try:
-            sides = [list(map(found.__getitem__, column)) for column in columns or ()]
-        except KeyError:  # a reference to another kind, or to nothing
+        if columns is None:
             continue
-        if sides:
-            found.update(zip(indices.tolist(), zip(*sides, strict=True), strict=True))
-    del found[NONE_GIVEN]
+        sides = [found[np.maximum(column, 0)] for column in columns]
+        given = [column != NONE_GIVEN for column in columns]
+        pairs = list(zip(columns, sides, given, strict=True))
+        if any((column == MISSING).any() or None in side[there] for column, side, there in pairs):
+            continue  # a reference to another kind, or to nothing
+        for _, side, there in pairs:
+            side[~there] = None
+        found[indices] = objects(list(zip(*(side.tolist() for side in sides), strict=True)))
     return found
+
+
+def objects(of: list[Any]) -> Objects:
+    """An array of them, also where they are sequences themselves."""
+    return np.fromiter(of, object, len(of))
 
 
 def _decoded(texts: Collection[str]) -> list[tuple[float, ...]]:

@@ -2,18 +2,20 @@
 
 from typing import Any
 
+import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from beamcam.readers.ifc.characters import Places, codes_of
 from beamcam.readers.ifc.columns import Alike
 from beamcam.readers.ifc.records import File, Missing
-from beamcam.readers.ifc.step import Malformed
+from beamcam.readers.ifc.step import Inners, Malformed
 from beamcam.readers.ifc.values import Tokens
 
 REFERENCES = st.integers(1, 99).map(lambda number: f"#{number}")
 PLAIN = st.sampled_from(
-    ["$", "*", ".T.", ".AREA.", "1.5", "-3", "1.E-05", "''", "'a b'", " #5", "#7 "]
+    ["$", "*", ".T.", ".AREA.", "1.5", "-3", "1.E-05", "''", "'a b'", "'Ж'", "'ф'", " #5", "#7 "]
 )
 ODD = st.sampled_from(
     ["'a,b'", "'a,;,b'", "'it''s'", "'(a)'", "'a", ";", "", "abc", "#x", "#1#2", "3#4"]
@@ -21,8 +23,24 @@ ODD = st.sampled_from(
 LISTS = st.sampled_from(["(#1)", "()", "((#1))", "T(1.)", ")"])
 
 
-def referred(numbers: list[int]) -> list[Any] | None:
-    return None if 99 in numbers else [("record", number) for number in numbers]
+SHAPES = st.sampled_from(
+    ["(T(?))", "(?,T(?))", "((?),(?,?))", "T(?)", "(?,?)", "(T(?),(?))", "t2(?)", "?"]
+)
+
+
+def referred(numbers: Places) -> list[Any] | None:
+    return None if 99 in numbers else [("record", number) for number in numbers.tolist()]
+
+
+def read(inners: list[str]) -> list[Any] | None:
+    """The values of records together."""
+    text = f"{'DATA;':8}{';'.join(inners)};"
+    last = np.cumsum([len(inner) + 1 for inner in inners]) + 7
+    first = last - np.array(list(map(len, inners)))
+    marks = [i for i, letter in enumerate(text) if letter in "(),"]
+    of = Inners(text, codes_of(text), np.array(marks, np.int64), first, last)
+    assert of.texts() == inners
+    return Alike(tokens(), referred).values(of)
 
 
 def tokens() -> Tokens:
@@ -57,13 +75,28 @@ def alike(draw: st.DrawFn) -> list[str]:
 
 @given(alike())
 def test_records_that_are_alike_are_read_as_one_by_one(inners: list[str]) -> None:
-    found = Alike(tokens(), referred).values(inners)
+    found = read(inners)
     assert found == one_by_one(inners)
+
+
+@given(st.lists(SHAPES, min_size=1, max_size=3), st.integers(1, 4), st.data())
+def test_lists_in_lists_and_types_are_read_as_one_by_one(
+    shapes: list[str], count: int, data: st.DataObject
+) -> None:
+    sorts = [data.draw(st.sampled_from([REFERENCES, PLAIN])) for _ in shapes]
+    inners = []
+    for _ in range(count):
+        written = []
+        for shape, sort in zip(shapes, sorts, strict=True):
+            head, *rest = shape.split("?")
+            written.append(head + "".join(data.draw(sort) + piece for piece in rest))
+        inners.append(",".join(written))
+    assert read(inners) == one_by_one(inners)
 
 
 @given(st.lists(st.lists(REFERENCES | PLAIN | ODD | LISTS, max_size=4).map(",".join), min_size=1))
 def test_what_is_read_together_is_never_another_value(inners: list[str]) -> None:
-    found = Alike(tokens(), referred).values(inners)
+    found = read(inners)
     assert found is None or found == one_by_one(inners)
 
 
@@ -71,13 +104,14 @@ def test_what_is_read_together_is_never_another_value(inners: list[str]) -> None
     "inners",
     [
         ["#1,#2", "#1"], ["#1", "#1,#2"], ["#1,#2,#3", "#1", "#1,#2"], ["#1", ""], ["", ""],
-        [",(#1)"], ["(#1),"], ["(#1),#2", "#1"], ["#1,(#2)", "(#2),#1"], ["(#1),(#2)"], ["((#1))"],
-        ["T(#1)"], ["(#1"], ["#1)"], ["()"], ["#1,;,#2"], ["#1#2"], ["abc"], ["'a,b'"],
+        [",(#1)"], ["(#1),"], ["(#1),#2", "#1"], ["#1,(#2)", "(#2),#1"], ["(#1)#2"],
+        ["(#1),(#2,#3)", "(#1,#2),(#3)"], ["(#1)(#2)"], ["#1(#2)"], [".A.(#2)"], ["(#1", "(#2"],
+        ["#1)"], [")#1("], ["()"], ["T()"], ["T(#1)", "(#1)"], ["#1#2"], ["abc"], ["'a,b'"],
         ["'it''s'"], ["'(a)'"],
     ],
 )  # fmt: skip
 def test_other_records_are_left_to_be_read_one_by_one(inners: list[str]) -> None:
-    assert Alike(tokens(), referred).values(inners) is None
+    assert read(inners) is None
 
 
 HOLES = "#1=IFCDIRECTION((0.,0.,1.));#3=IFCCIRCLEPROFILEDEF(.AREA.,$,$,9.);"
