@@ -6,8 +6,9 @@
 
 The records of a class are mostly written alike: the same commas and brackets in the same order, or
 one list that is longer in some of them. Then arrays over the characters tell where each value
-stands, and values are looked up a column at a time. What is written in another way is left to
-`Tokens.values`, which gives the same record by record.
+stands, and values are looked up a column at a time. Records of a few forms, as curves that are
+trimmed here by a point and there by a number, are read form by form. What is written in another
+way is left to `Tokens.values`, which gives the same record by record.
 """
 
 from collections.abc import Callable
@@ -16,12 +17,14 @@ from typing import Any
 
 import numpy as np
 from msgspec import Struct
+from msgspec.structs import replace
 
 from beamcam.readers.ifc.characters import Places, numbers_at, words_before
 from beamcam.readers.ifc.step import Inners, Malformed, Typed, pieces
 from beamcam.readers.ifc.values import Tokens, Values
 
 _HASH, _OPENING, _CLOSING, _COMMA, _UNKNOWN = b"#(),?"
+_FORMS = 4  #: in which a class may be written, if it is to be read together
 _WORD = 8  #: characters up to which two values are compared as numbers
 
 #: What values that are none end in, and references to points that are none.
@@ -46,10 +49,32 @@ class Alike(Struct, frozen=True):
         these, or strings with commas, brackets or doubled quotes.
         """
         try:
-            columns = self._columns(inners)
-        except NOT_READ:  # some of them may be well; which, is seen one by one
+            return self._rows(inners)
+        except NOT_READ:  # some of them may be well; which, is seen form by form and one by one
+            return self._form_by_form(inners)
+
+    def _form_by_form(self, of: Inners) -> list[Values] | None:
+        """As `values`, of records of a few forms, told by how many commas and brackets they have."""
+        low, high = (np.searchsorted(of.marks, places) for places in (of.first, of.last))
+        counts = high - low
+        forms = np.unique(counts)
+        if not 1 < len(forms) <= _FORMS:
             return None
-        return list(zip(*columns, strict=True))
+        found: list[Values] = [()] * len(counts)
+        for form in forms:
+            places = np.flatnonzero(counts == form)
+            first, last = of.first[places], of.last[places]
+            try:
+                rows = self._rows(replace(of, first=first, last=last))
+            except NOT_READ:
+                return None
+            for place, row in zip(places.tolist(), rows, strict=True):
+                found[place] = row
+        return found
+
+    def _rows(self, of: Inners) -> list[Values]:
+        """As `values`, or one of NOT_READ."""
+        return list(zip(*self._columns(of), strict=True))
 
     def _columns(self, of: Inners) -> list[Column]:
         """The first values of all records, the second, and so on. Raises Malformed."""
