@@ -94,8 +94,11 @@ class Body(Struct, frozen=True):
     def cutters(self, model: Model, to: Frame) -> list[Cutter]:
         """What is taken away, in coordinates in which the element stands in `to`."""
         found: list[Cutter] = []
+        stands, frame = IDENTITY, to
         for one in self.removed:
-            found += _solid_cutters(model, one.item, to.times(one.frame), one.where)
+            if one.frame is not stands:  # as few are: a chain of booleans has one frame
+                stands, frame = one.frame, to.times(one.frame)
+            found += _solid_cutters(model, one.item, frame, one.where)
         return found
 
 
@@ -242,34 +245,34 @@ def _solid_cutters(model: Model, item: Entity, frame: Frame, where: str | None) 
 def _extrusion(model: Model, item: Entity, frame: Frame, where: str | None) -> Prism:
     profile, place, way, depth, *_ = item.values
     outline, hole = _cut_out(model, profile)
-    at = _standing(model, frame, place)
+    at, even = _standing(model, frame, place)
     along = _pushed(model, at, way, depth)
-    if hole is not None and not (at.even and (way is None or _upright(way))):
+    if hole is not None and not (even and (way is None or _upright(way))):
         hole = None  # a circle that is pushed askew or stretched is none across its length
     return Prism(Frame(at.o, at.x, at.y, along), outline, where, hole)
 
 
-def _standing(model: Model, frame: Frame, place: Placement | None) -> Frame:
-    """The frame of a solid that is placed in `frame`."""
+def _standing(model: Model, frame: Frame, place: Placement | None) -> tuple[Frame, bool]:
+    """The frame of a solid that is placed in `frame`, and whether forms are kept in it."""
     if place is None or len(place) != 3:
-        return frame.times(model.axes(place))
+        at = frame.times(model.axes(place))
+        return at, at.even
     location, axis, reference = place
-    return Frame(
-        frame.point(model.point(location)), *_turned(frame.x, frame.y, frame.z, axis, reference)
-    )
+    *axes, even = _turned(frame.x, frame.y, frame.z, axis, reference)
+    return Frame(frame.point(model.point(location)), *axes), even
 
 
 @lru_cache(4096)
 def _turned(
     x: Vec, y: Vec, z: Vec, axis: Coordinates | None, reference: Coordinates | None
-) -> tuple[Vec, Vec, Vec]:
+) -> tuple[Vec, Vec, Vec, bool]:
     """The axes of a placement by its Axis and RefDirection, in a frame that has the axes x, y, z.
 
-    A model's holes stand in many places, but lie few ways.
+    Behind them whether forms are kept. A model's holes stand in many places, but lie few ways.
     """
     by = Frame(ORIGIN, x, y, z)
-    a, b, c = right_handed(ratios(axis), ratios(reference))
-    return by.vector(a), by.vector(b), by.vector(c)
+    a, b, c = (by.vector(v) for v in right_handed(ratios(axis), ratios(reference)))
+    return a, b, c, Frame(ORIGIN, a, b, c).even
 
 
 def _upright(way: Coordinates) -> bool:

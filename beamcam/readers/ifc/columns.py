@@ -54,18 +54,17 @@ class Alike(Struct, frozen=True):
             return self._form_by_form(inners)
 
     def _form_by_form(self, of: Inners) -> list[Values] | None:
-        """As `values`, of records of a few forms, told by how many commas and brackets they have."""
-        low, high = (np.searchsorted(of.marks, places) for places in (of.first, of.last))
-        counts = high - low
+        """As `values`, of a few forms, told by how many commas and brackets a record has."""
+        counts = of.closed - of.opened
         forms = np.unique(counts)
         if not 1 < len(forms) <= _FORMS:
             return None
         found: list[Values] = [()] * len(counts)
         for form in forms:
             places = np.flatnonzero(counts == form)
-            first, last = of.first[places], of.last[places]
+            some = replace(of, opened=of.opened[places], closed=of.closed[places])
             try:
-                rows = self._rows(replace(of, first=first, last=last))
+                rows = self._rows(some)
             except NOT_READ:
                 return None
             for place, row in zip(places.tolist(), rows, strict=True):
@@ -78,14 +77,13 @@ class Alike(Struct, frozen=True):
 
     def _columns(self, of: Inners) -> list[Column]:
         """The first values of all records, the second, and so on. Raises Malformed."""
-        low, high = (np.searchsorted(of.marks, places) for places in (of.first, of.last))
-        count = int(high[0] - low[0])
-        if (high - low == count).all():
-            marks = [of.marks[low + place] for place in range(count)]
-            signs = [of.codes[at] for at in marks]
+        count = int(of.closed[0] - of.opened[0])
+        if (of.closed - of.opened == count).all():
+            edges = [of.marks[of.opened + place] for place in range(count + 1)]
+            signs = [of.codes[at] for at in edges[1:-1]]
             if all((sign == sign[0]).all() for sign in signs):
-                return self._nested(of, [of.first - 1, *marks, of.last], [int(s[0]) for s in signs])
-        return self._around_lists(of, low, high)
+                return self._nested(of, edges, [int(sign[0]) for sign in signs])
+        return self._around_lists(of)
 
     def _nested(self, of: Inners, edges: list[Places], signs: list[int]) -> list[Column]:
         """The values between the edges, of which those inside a stretch are these signs."""
@@ -114,21 +112,19 @@ class Alike(Struct, frozen=True):
         _refuse(len(stack) > 1)
         return stack[0]
 
-    def _around_lists(self, of: Inners, low: Places, high: Places) -> list[Column]:
-        """The values of records with one list each, before which equally many values stand.
-
-        `low` and `high` are where in the marks those of each record begin and end.
-        """
-        counts = high - low
-        ranks = np.repeat(low - np.cumsum(counts) + counts, counts) + np.arange(counts.sum())
+    def _around_lists(self, of: Inners) -> list[Column]:
+        """The values of records with one list each, before which equally many values stand."""
+        counts = of.closed - of.opened - 1
+        ranks = np.repeat(of.opened + 1 + counts - np.cumsum(counts), counts)
+        ranks += np.arange(len(ranks))
         signs = of.codes[of.marks[ranks]]
         opening, closing = ranks[signs == _OPENING], ranks[signs == _CLOSING]
-        _refuse(not len(opening) == len(closing) == len(low))
-        _refuse(((opening < low) | (closing <= opening) | (closing >= high)).any())
-        before, behind = (int(at[0]) for at in (opening - low, high - 1 - closing))
-        _refuse((opening - low != before).any() or (high - 1 - closing != behind).any())
-        left = [of.first - 1, *(of.marks[low + place] for place in range(before + 1))]
-        right = [*(of.marks[closing + place] for place in range(behind + 1)), of.last]
+        _refuse(not len(opening) == len(closing) == len(counts))
+        _refuse(((opening <= of.opened) | (closing <= opening) | (closing >= of.closed)).any())
+        before, behind = opening - of.opened, of.closed - closing
+        _refuse((before != before[0]).any() or (behind != behind[0]).any())
+        left = [of.marks[of.opened + place] for place in range(int(before[0]) + 1)]
+        right = [of.marks[closing + place] for place in range(int(behind[0]) + 1)]
         for start, end in (left[-2:], right[:2]):  # the list is a value of its own
             _refuse((start + 1 != end).any())
         inside = (ranks >= np.repeat(opening, counts)) & (ranks < np.repeat(closing, counts))
@@ -150,10 +146,15 @@ class Alike(Struct, frozen=True):
                 found = self.referred(numbers)
                 if found is not None:
                     return found
-        if (end - start).max() > _WORD:
+        lengths = end - start
+        if (lengths == lengths[0]).all():
+            block = of.codes[start[:, None] + np.arange(lengths[0])]
+            if (block == block[0]).all() and _UNKNOWN not in block[0]:  # as .DIFFERENCE. mostly is
+                return [self.tokens[pieces(of.text, start[:1], end[:1])[0]]] * len(start)
+        if lengths.max() > _WORD:
             return list(map(self.tokens.__getitem__, pieces(of.text, start, end)))
-        # Few differ of those that are short, as .T. or $.
-        words = words_before(of.codes, end) >> (8 * (_WORD - (end - start))).astype(np.uint64)
+        # Few differ of those that are short, as .T. or 12.5 do.
+        words = words_before(of.codes, end) >> (8 * (_WORD - lengths)).astype(np.uint64)
         distinct, first, which = np.unique(words, return_index=True, return_inverse=True)
         if (distinct.view(np.uint8) == _UNKNOWN).any():  # which may stand for any character
             return list(map(self.tokens.__getitem__, pieces(of.text, start, end)))

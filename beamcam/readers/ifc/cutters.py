@@ -4,6 +4,7 @@ Every cutter stands in the member's coordinates (x along it, Y, Z) and tells its
 wall: the region of the plane c = const that it removes.
 """
 
+from functools import lru_cache
 from math import sqrt
 from typing import Any, Protocol
 
@@ -88,21 +89,20 @@ class Prism(Struct, frozen=True):
         return (min(xs), min(ys), min(zs)), (max(xs), max(ys), max(zs))
 
     def _round_box(self, shape: Round | Slotted) -> Box3:
-        """The box of a round or slotted prism: a circle reaches r sqrt(x_i^2 + y_i^2) along i."""
-        f, r = self.frame, shape.diameter / 2
-        (ax, ay, az), (bx, by, bz), (cx, cy, cz) = f.x, f.y, f.z
-        x, y, z = f.point((*shape.centre, 0.0))
-        dx = r * sqrt(ax * ax + bx * bx)
-        dy = r * sqrt(ay * ay + by * by)
-        dz = r * sqrt(az * az + bz * bz)
-        if isinstance(shape, Slotted):
-            u, v = unit_vector(shape.angle)
-            way = f.vector((u * shape.length / 2, v * shape.length / 2, 0.0))
-            dx, dy, dz = dx + abs(way[0]), dy + abs(way[1]), dz + abs(way[2])
+        """The box of a round or slotted prism."""
+        f = self.frame
+        x, y, z = self.start(shape)
+        dx, dy, dz = _spread(f.x, f.y, shape)
+        cx, cy, cz = f.z
         x0, x1 = (x, x + cx) if cx > 0 else (x + cx, x)
         y0, y1 = (y, y + cy) if cy > 0 else (y + cy, y)
         z0, z1 = (z, z + cz) if cz > 0 else (z + cz, z)
         return (x0 - dx, y0 - dy, z0 - dz), (x1 + dx, y1 + dy, z1 + dz)
+
+    def start(self, shape: Round | Slotted) -> Vec:
+        """Where the axis of a round or slotted prism begins."""
+        s, t = shape.centre
+        return self.frame.o if s == 0.0 == t else self.frame.point((s, t, 0.0))
 
     def moved(self, by: Frame) -> "Prism":
         return Prism(by.times(self.frame), self.outline, self.where, self.shape)
@@ -215,6 +215,26 @@ class Less(Struct, frozen=True):
         for one in self.taken:
             shape = shape.difference(one.slice(wall, c, circles))
         return shape
+
+
+@lru_cache(4096)
+def _spread(x: Vec, y: Vec, shape: Round | Slotted) -> Vec:
+    """How far a circle or slot reaches about its centre in a plane of the axes x and y.
+
+    A circle reaches r sqrt(x_i^2 + y_i^2) along i.
+    """
+    r = shape.diameter / 2
+    (ax, ay, az), (bx, by, bz) = x, y
+    dx = r * sqrt(ax * ax + bx * bx)
+    dy = r * sqrt(ay * ay + by * by)
+    dz = r * sqrt(az * az + bz * bz)
+    if isinstance(shape, Slotted):
+        u, v = unit_vector(shape.angle)
+        u, v = u * shape.length / 2, v * shape.length / 2
+        dx += abs(ax * u + bx * v)
+        dy += abs(ay * u + by * v)
+        dz += abs(az * u + bz * v)
+    return dx, dy, dz
 
 
 def prism(

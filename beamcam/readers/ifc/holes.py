@@ -121,7 +121,7 @@ def _drilled(
                 raise Unreadable(f"a blind hole from inside of face {wall.face}")
             face = "h"
     factor = size(cutter.frame.x)
-    p = cutter.frame.point((*shape.centre, 0.0))
+    p = cutter.start(shape)
     q = p[2] if wall.normal == "y" else p[1]
     if isinstance(shape, Round):
         return Hole(
@@ -152,7 +152,7 @@ def _radial(
     along = unit(cutter.frame.z)
     if abs(along[0]) > SQUARE:
         return None
-    start = cutter.frame.point((*shape.centre, 0.0))
+    start = cutter.start(shape)
     y, z = start[1] - r, start[2] - r
     if abs(y * along[2] - z * along[1]) > 0.05:
         raise Unreadable("a hole beside the axis of a round section")

@@ -62,10 +62,12 @@ def read_swept(model: Model, element: Entity, body: Body, source: Source) -> Sha
     form = body.form
     if form is None:
         return _read(model, element, body, source)
-    known: Shaped | None = model.members.get((element.row.name, form))
-    if known is None:
-        known = model.members[element.row.name, form] = _read(model, element, body, source)
-        return known
+    # What a form is told by is long, and so is looked up once.
+    alike: list[Shaped] = model.members.setdefault((element.row.name, form), [])
+    if not alike:
+        alike.append(_read(model, element, body, source))
+        return alike[0]
+    known = alike[0]
     return replace(known, features=tuple(replace(f, source=source) for f in known.features))
 
 

@@ -63,12 +63,14 @@ class Typed(Struct, frozen=True):
 
 
 class Spans(Struct, frozen=True):
-    """Where each record stands in the text."""
+    """Where each record stands in the text, and its brackets among all commas and brackets."""
 
     start: Places  #: of its name
     kind: Places  #: of its class
     opening: Places  #: of the bracket before its values
     closing: Places  #: of the bracket behind them
+    opened: Places  #: the first among the marks
+    closed: Places  #: the second among the marks
 
 
 class Inners(Struct, frozen=True):
@@ -77,8 +79,20 @@ class Inners(Struct, frozen=True):
     text: str  #: of the file
     codes: Codes
     marks: Places  #: of all commas and brackets in the text
-    first: Places  #: where each of them begins
-    last: Places  #: and the places behind them
+    opened: Places  #: which of the marks the brackets before them are
+    closed: Places  #: which of the marks the brackets behind them are
+
+    @property
+    def first(self) -> Places:
+        """Where each of them begins."""
+        places: Places = self.marks[self.opened] + 1
+        return places
+
+    @property
+    def last(self) -> Places:
+        """The places behind them."""
+        places: Places = self.marks[self.closed]
+        return places
 
     def texts(self) -> list[str]:
         return pieces(self.text, self.first, self.last)
@@ -161,8 +175,9 @@ class Records:
 
     def inners(self, indices: Places) -> Inners:
         """As `inner`, of many records."""
-        first, last = self._spans.opening[indices] + 1, self._spans.closing[indices]
-        return Inners(self._text, self._codes, self._marks, first, last)
+        spans = self._spans
+        opened, closed = spans.opened[indices], spans.closed[indices]
+        return Inners(self._text, self._codes, self._marks, opened, closed)
 
     def references(self, indices: Places, count: int) -> list[Places] | None:
         """The indices that records refer to whose values are `count` references and no more.
@@ -222,13 +237,19 @@ def records(text: str) -> Records:
     numbers, behind = numbers_at(codes, starts + 1)
     equals = past_blanks(codes, behind)
     kinds = past_blanks(codes, np.minimum(equals + 1, ends))
-    marks = np.flatnonzero((codes == _COMMA) | (codes == _OPENING) | (codes == _CLOSING))
-    brackets = np.append(marks[codes[marks] == _OPENING], len(text))
-    openings = brackets[np.searchsorted(brackets, kinds)]
     closings = back_over_blanks(codes, ends) - 1
+    marks = np.flatnonzero((codes == _COMMA) | (codes == _OPENING) | (codes == _CLOSING))
+    marks = np.append(marks, len(text))
+    opened = np.searchsorted(marks, kinds)
+    openings = marks[opened]
     well: Truths = (behind > starts + 1) & (codes[equals] == _EQUALS) & (kinds < openings)
-    _refuse(text, starts[~(well & (openings < closings) & (codes[closings] == _CLOSING))])
-    return Records(text, codes, marks, numbers, Spans(starts, kinds, openings, closings))
+    well &= (codes[openings] == _OPENING) & (openings < closings) & (codes[closings] == _CLOSING)
+    _refuse(text, starts[~well])
+    closed = np.append(opened[1:], len(marks) - 1) - 1  # but where something is between
+    if (marks[closed] != closings).any():
+        closed = np.searchsorted(marks, closings)
+    spans = Spans(starts, kinds, openings, closings, opened, closed)
+    return Records(text, codes, marks, numbers, spans)
 
 
 def pieces(text: str, first: Places, last: Places) -> list[str]:

@@ -34,11 +34,12 @@ def referred(numbers: Places) -> list[Any] | None:
 
 def read(inners: list[str]) -> list[Any] | None:
     """The values of records together."""
-    text = f"{'DATA;':8}{';'.join(inners)};"
-    last = np.cumsum([len(inner) + 1 for inner in inners]) + 7
+    text = f"{'DATA;':8}({');('.join(inners)});"
+    last = np.cumsum([len(inner) + 3 for inner in inners]) + 6
     first = last - np.array(list(map(len, inners)))
-    marks = [i for i, letter in enumerate(text) if letter in "(),"]
-    of = Inners(text, codes_of(text), np.array(marks, np.int64), first, last)
+    marks = np.array([i for i, letter in enumerate(text) if letter in "(),"], np.int64)
+    opened, closed = np.searchsorted(marks, first - 1), np.searchsorted(marks, last)
+    of = Inners(text, codes_of(text), marks, opened, closed)
     assert of.texts() == inners
     return Alike(tokens(), referred).values(of)
 
