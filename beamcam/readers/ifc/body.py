@@ -80,16 +80,14 @@ class Body(Struct, frozen=True):
     removed: tuple[Removed, ...]
 
     @property
-    def form(self) -> tuple[Any, ...] | None:
-        """What two swept bodies of one form have in common.
+    def has_openings(self) -> bool:
+        return any(one.where is not None for one in self.removed)
 
-        None of a body with openings, whose features name them and are nobody else's.
-        """
-        base = self.base
-        if not isinstance(base, Swept) or any(one.where is not None for one in self.removed):
-            return None
+    @property
+    def form(self) -> tuple[Any, ...]:
+        """What two bodies of one stock have in common if they are alike."""
         removed = [(_definition(one.item), one.frame) for one in self.removed]
-        return definition(base.profile), base.frame, base.along, *removed
+        return self.base.frame if isinstance(self.base, Swept) else self.base, *removed
 
     def cutters(self, model: Model, to: Frame) -> list[Cutter]:
         """What is taken away, in coordinates in which the element stands in `to`."""

@@ -53,7 +53,7 @@ class Model(Struct):
     plates: dict[Any, Any] = field(default_factory=dict)
     classified: dict[Any, Any] = field(default_factory=dict)  #: sections by their outline
     cut_outs: dict[Any, Any] = field(default_factory=dict)  #: outlines of cutters, and holes
-    members: dict[Any, Any] = field(default_factory=dict)  #: what was cut, by stock and cutters
+    members: dict[Any, Any] = field(default_factory=dict)  #: those of a stock, by this
     wanted: dict[str, str] | None = None  #: texts of the properties that matter, by their names
     properties: dict[str, Any] = field(default_factory=dict)  #: name and value by that text
     psets: dict[str, tuple[str, dict[str, str | float]]] = field(default_factory=dict)

@@ -1,7 +1,8 @@
 """From walls and what is left of them to a part's features: both routes end here."""
 
 from collections.abc import Iterator, Sequence
-from math import atan2, degrees, hypot
+from functools import lru_cache
+from math import atan2, degrees, hypot, pi
 
 from msgspec import Struct
 from msgspec.structs import replace
@@ -292,11 +293,11 @@ def sorted_features(
 
 def _place_of_contour(f: Contour) -> tuple[object, ...]:
     x, y = f.curves[0].start
-    return FACES[f.face], f.kind != "outer", round(x, 3), round(y, 3)
+    return FACES[f.face], f.kind != "outer", round(x * 1000), round(y * 1000)
 
 
 def _place_of_hole(f: Hole | Slot) -> tuple[object, ...]:
-    return FACES[f.face], isinstance(f, Slot), round(f.x, 3), round(f.y, 3)
+    return FACES[f.face], isinstance(f, Slot), round(f.x * 1000), round(f.y * 1000)
 
 
 def _among(feature: Hole | Slot, before: Sequence[Hole | Slot]) -> bool:
@@ -336,16 +337,20 @@ def _volume(section: Section, regions: Regions, holes: Sequence[Hole | Slot]) ->
 
 def hole_volume(section: Section, holes: Sequence[Hole | Slot]) -> float:
     """What holes take off the weight."""
-    from math import pi
-
-    by_face = {w.face: w.thickness for w in walls_of(section)}
+    by_face = _thicknesses(section)
     total = 0.0
     for hole in holes:
-        deep = (
-            hole.depth if hole.depth is not None else by_face.get(hole.face, section.web_thickness)
-        )
-        area = pi * hole.diameter**2 / 4
+        deep = hole.depth
+        if deep is None:
+            deep = by_face.get(hole.face, section.web_thickness)
+        area = pi * hole.diameter * hole.diameter / 4
         if isinstance(hole, Slot):
             area += hole.diameter * (hole.length + hole.height) + hole.length * hole.height
         total += area * deep
     return total
+
+
+@lru_cache(4096)
+def _thicknesses(section: Section) -> dict[str, float]:
+    """How thick the walls of a section are, by their faces."""
+    return {w.face: w.thickness for w in walls_of(section)}

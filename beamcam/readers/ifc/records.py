@@ -149,13 +149,13 @@ class File:
             number: self._rows.get(kind.upper()) or Row(kind, frozenset((kind,)), {})
             for number, kind in self._records.kinds.items()
         }
-        #: What stands for each record; None where it was not met yet.
-        self._things = tuples(self._records)
+        #: What stands for each record, and whether it was met yet.
+        self._things, self._met = tuples(self._records)
         #: Classes of points, directions and placements that are to be looked at one by one.
         self._unusual = {
             number
             for number, kind in self._records.kinds.items()
-            if kind.upper() in KINDS and self._things[self._records.of_kind(number)[0]] is None
+            if kind.upper() in KINDS and not self._met[self._records.of_kind(number)[0]]
         }
         self.tokens = Tokens(self._referred)
         self._unread = {n for n, kind in self._records.kinds.items() if kind.upper() in MANY}
@@ -175,11 +175,10 @@ class File:
         index = self._records.find(number)
         if index == MISSING:
             return Missing(self, name)
-        thing = self._things[index]
-        if thing is None:
-            thing = self._made(index, self._records.kind(index))
-            self._things[index] = thing
-        return thing
+        if not self._met[index]:
+            self._things[index] = self._made(index, self._records.kind(index))
+            self._met[index] = True
+        return self._things[index]
 
     def _all_referred(self, numbers: Places) -> list[Any] | None:
         """As `_referred`, by many numbers; None if one of the records is missing."""
@@ -188,15 +187,17 @@ class File:
 
     def _standing(self, indices: Places) -> list[Any]:
         """What stands for records: entities, which are made if they were not met before."""
-        things: list[Any] = self._things[indices].tolist()
-        if None not in things:
-            return things
-        new = np.unique(indices[self._things[indices] == None])  # noqa: E711
+        new = indices[~self._met[indices]]
         kinds = self._records.kinds_of(new)
         for kind in set(kinds.tolist()):
-            of = new[kinds == kind]
-            self._things[of] = objects([self._made(index, kind) for index in of.tolist()])
-        things = self._things[indices].tolist()
+            of, row = np.unique(new[kinds == kind]), self._row_of[kind]
+            if kind in self._unusual:
+                made = [self._made(index, kind) for index in of.tolist()]
+            else:
+                made = [Entity(self, index, row) for index in of.tolist()]
+            self._things[of] = objects(made)
+            self._met[of] = True
+        things: list[Any] = self._things[indices].tolist()
         return things
 
     def _made(self, index: int, kind: int) -> Any:

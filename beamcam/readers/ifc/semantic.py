@@ -7,8 +7,9 @@
 """
 
 from collections.abc import Sequence
+from typing import Any
 
-from msgspec import Struct
+from msgspec import Struct, field
 from msgspec.structs import replace
 
 from beamcam.errors import Source
@@ -32,7 +33,7 @@ from beamcam.readers.ifc.finish import (
 )
 from beamcam.readers.ifc.holes import Drilled, pierce
 from beamcam.readers.ifc.plates import Plate, plate_of
-from beamcam.readers.ifc.profiles import section_of
+from beamcam.readers.ifc.profiles import definition, section_of
 from beamcam.readers.ifc.region import Circles, Shape, polygon_of, rectangle
 from beamcam.readers.ifc.section import Section
 from beamcam.readers.ifc.space import Frame, add, cross, dot, scale, size, sub, unit
@@ -58,17 +59,35 @@ def read_swept(model: Model, element: Entity, body: Body, source: Source) -> Sha
 
     Equal members are read once: a building has each of its pieces several times.
     """
-    assert isinstance(body.base, Swept)
-    form = body.form
-    if form is None:
+    base = body.base
+    assert isinstance(base, Swept)
+    if body.has_openings:  # whose features name them and are nobody else's
         return _read(model, element, body, source)
-    # What a form is told by is long, and so is looked up once.
-    alike: list[Shaped] = model.members.setdefault((element.row.name, form), [])
-    if not alike:
-        alike.append(_read(model, element, body, source))
-        return alike[0]
-    known = alike[0]
+    stock = element.row.name, definition(base.profile), base.along
+    of_one_stock: Alike = model.members.setdefault(stock, Alike())
+    if of_one_stock.first is None:
+        shaped = _read(model, element, body, source)
+        of_one_stock.first = body, shaped
+        return shaped
+    if not of_one_stock.known:
+        before, shaped = of_one_stock.first
+        of_one_stock.known[before.form] = shaped
+    form = body.form
+    known = of_one_stock.known.get(form)
+    if known is None:
+        known = of_one_stock.known[form] = _read(model, element, body, source)
+        return known
     return replace(known, features=tuple(replace(f, source=source) for f in known.features))
+
+
+class Alike(Struct):
+    """The members of one stock that were read, and what they came to.
+
+    What a form is told by is long, so that none is looked at before a second one comes.
+    """
+
+    first: tuple[Body, Shaped] | None = None
+    known: dict[Any, Shaped] = field(default_factory=dict)  #: by their forms
 
 
 def _read(model: Model, element: Entity, body: Body, source: Source) -> Shaped:

@@ -16,6 +16,7 @@ from msgspec import DecodeError
 from msgspec.json import Decoder
 from numpy.typing import NDArray
 
+from beamcam.readers.ifc.characters import Truths
 from beamcam.readers.ifc.step import MISSING, NONE_GIVEN, Records
 
 KINDS = ("IFCCARTESIANPOINT", "IFCDIRECTION", "IFCAXIS2PLACEMENT2D", "IFCAXIS2PLACEMENT3D")
@@ -25,12 +26,13 @@ Objects = NDArray[np.object_]  #: one for each record, or for each of some
 _NUMBERS = Decoder(list[tuple[float, ...]])
 
 
-def tuples(of: Records) -> Objects:
-    """The points, directions and axis placements by the indices of their records, else None.
+def tuples(of: Records) -> tuple[Objects, Truths]:
+    """The points, directions and axis placements by the indices of their records; which these are.
 
     A kind of which some are written in an unusual way is left out; it is read like any other.
     """
     found: Objects = np.full(len(of), None)
+    known_at: Truths = np.zeros(len(of), bool)
     for kind in KINDS[:2]:
         indices = of.of(kind)
         texts = of.inners(indices).texts()
@@ -39,20 +41,22 @@ def tuples(of: Records) -> Objects:
         known = dict(zip(distinct, _decoded(distinct), strict=False))
         if len(known) == len(distinct):
             found[indices] = objects(list(map(known.__getitem__, texts)))
+            known_at[indices] = True
     for kind, count in zip(KINDS[2:], (2, 3), strict=True):
         indices = of.of(kind)
         columns = of.references(indices, count)
         if columns is None:
             continue
-        sides = [found[np.maximum(column, 0)] for column in columns]
         given = [column != NONE_GIVEN for column in columns]
-        pairs = list(zip(columns, sides, given, strict=True))
-        if any((column == MISSING).any() or None in side[there] for column, side, there in pairs):
-            continue  # a reference to another kind, or to nothing
-        for _, side, there in pairs:
-            side[~there] = None
+        to = [column[there] for column, there in zip(columns, given, strict=True)]
+        if any((column == MISSING).any() or not known_at[column].all() for column in to):
+            continue  # a reference to nothing, or to another kind
+        sides = [np.full(len(indices), None) for _ in columns]
+        for side, there, column in zip(sides, given, to, strict=True):
+            side[there] = found[column]
         found[indices] = objects(list(zip(*(side.tolist() for side in sides), strict=True)))
-    return found
+        known_at[indices] = True
+    return found, known_at
 
 
 def objects(of: list[Any]) -> Objects:
