@@ -42,6 +42,6 @@ def _row(option: click.Option) -> str:
 def _value(option: click.Option) -> str:
     if isinstance(option.type, click.Choice):
         return ", ".join(map(str, option.type.choices))
-    kinds = {"float": "NUMBER", "float range": "NUMBER", "integer": "NUMBER",
+    kinds = {"integer": "NUMBER",
              "integer range": "NUMBER", "path": "FILE", "directory": "FOLDER"}  # fmt: skip
     return option.metavar or kinds.get(option.type.name, option.type.name.upper())

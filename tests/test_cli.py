@@ -299,3 +299,51 @@ def test_a_bar_appears_when_a_reader_tells_how_far_it_is(monkeypatch: pytest.Mon
     assert shown_progress(stack, "m.ifc", Voice(quiet=True)) is None
     monkeypatch.setattr(sys, "stderr", StringIO())
     assert shown_progress(stack, "m.ifc", Voice()) is None
+
+
+@pytest.mark.parametrize("number", ["nan", "inf", "-inf"])
+@pytest.mark.parametrize(
+    "line",
+    [
+        "post w.nc1 -o x --bar", "plan w.nc1 --bar", "post w.nc1 -o x --thickness",
+        "plan w.nc1 --kerf", "batch w.nc1 -o out --kerf", "watch . -o out --settle",
+        "watch . -o out --every", "simulate w.gcode -o x --pace",
+        "profile --velocity 5 -o - --time", "profile --time 5 -o - --velocity",
+        "profile -o - --points 0:0,1:",
+    ],
+)  # fmt: skip
+def test_a_number_is_finite(good: str, line: str, number: str) -> None:
+    """nan is neither above nor below a limit, so that none would hold."""
+    done = call(line + number if line.endswith(":") else f"{line} {number}")
+    assert done.exit_code == 2
+    assert not Path("x").exists()
+
+
+@pytest.mark.parametrize(
+    ("words", "expected"),
+    [
+        ("profile -o - --time x", "found 'x'; expected a number."),
+        ("post w.nc1 -o x --bar 0", "found '0'; expected a number above 0."),
+        ("post w.nc1 -o x --kerf -1", "found '-1'; expected a number 0 or more."),
+        ("watch . -o out --every 0", "found '0'; expected a number 0.01 or more, at most 86400."),
+    ],
+)
+def test_a_number_within_limits(good: str, words: str, expected: str) -> None:
+    done = call(words)
+    assert done.exit_code == 2
+    assert expected in done.stderr
+
+
+def test_a_profile_with_more_rows_than_memory_holds() -> None:
+    done = call("profile --velocity 10 --time 1 --step 1e-9 -o -")
+    assert done.exit_code == 2
+    assert "found a step of 1e-09 s; expected 1e-06 s or more, for at most 1,000,000 rows" in (
+        done.stderr
+    )
+
+
+def test_a_profile_of_no_known_form(tmp_path: Path) -> None:
+    done = call(f"profile --velocity 10 --time 1 -o {tmp_path}/ramp.pdf")
+    assert done.exit_code == 2
+    assert "ramp.pdf'; expected a name in .csv, .svg, .png, or -" in done.stderr
+    assert not list(tmp_path.iterdir())

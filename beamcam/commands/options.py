@@ -8,7 +8,9 @@ the configuration. An option that a configuration can set is None where it is no
 """
 
 from collections.abc import Callable
+from contextlib import suppress
 from functools import wraps
+from math import inf, isfinite, nan
 from typing import Any
 
 import click
@@ -22,6 +24,32 @@ Decorator = Callable[[Function], Function]
 NO_SKIPS = "none"
 #: Whether it can be read or written is told by whoever does so, with a code.
 FILE = click.Path(readable=False)
+
+
+class Number(click.ParamType):  # type: ignore[type-arg]  # older versions take none
+    """A number within limits; infinity and nan, which Python takes for such, are none."""
+
+    name = "number"
+
+    def __init__(self, least: float = -inf, above: float = -inf, most: float = inf) -> None:
+        self._least, self._above, self._most = least, above, most
+
+    def convert(
+        self, value: Any, param: click.Parameter | None, ctx: click.Context | None
+    ) -> float:
+        number = nan
+        with suppress(ValueError):
+            number = float(value)
+        if isfinite(number) and self._above < number and self._least <= number <= self._most:
+            return number
+        self.fail(f"found {value!r}; expected {self._expected}.", param, ctx)
+
+    @property
+    def _expected(self) -> str:
+        limits = [f"above {self._above:g}"] if isfinite(self._above) else []
+        limits += [f"{self._least:g} or more"] if isfinite(self._least) else []
+        limits += [f"at most {self._most:g}"] if isfinite(self._most) else []
+        return " ".join(["a number", ", ".join(limits)]).strip()
 
 
 def group(*options: Decorator) -> Decorator:
@@ -68,7 +96,7 @@ config = click.option(
     help="Configuration, instead of the beamcam.toml beside the job.",
 )  # fmt: skip
 bar = click.option(
-    "--bar", type=click.FloatRange(min=0, min_open=True), metavar="MM",
+    "--bar", type=Number(above=0), metavar="MM",
     help="Length of the bar; by default the shortest in stock, or what the parts need.",
 )  # fmt: skip
 job_name = click.option("--job", metavar="NAME", help="In the program's first line; else JOB.")

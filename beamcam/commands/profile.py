@@ -1,6 +1,7 @@
 """`beamcam profile`: the velocity profile of an axis, as a table or a picture."""
 
 import os.path
+from math import inf, isfinite
 from typing import TYPE_CHECKING
 
 import click
@@ -10,6 +11,10 @@ from beamcam.commands.common import Voice, write
 
 if TYPE_CHECKING:
     from beamcam.motion.profile import Profile
+
+SUFFIXES = (".csv", ".svg", ".png")
+MOST_ROWS = 1_000_000
+NUMBER = options.Number()
 
 
 def points_of(
@@ -22,7 +27,7 @@ def points_of(
     for pair in text.split(","):
         time, colon, velocity = pair.partition(":")
         try:
-            points.append((float(time), float(velocity)))
+            points.append((_finite(time), _finite(velocity)))
         except ValueError:
             raise click.BadParameter(
                 f"found {pair!r}; expected TIME:VELOCITY,TIME:VELOCITY,..."
@@ -30,6 +35,25 @@ def points_of(
         if not colon:
             raise click.BadParameter(f"found {pair!r}; expected TIME:VELOCITY")
     return tuple(points)
+
+
+def _finite(text: str) -> float:
+    """Raises ValueError for infinity and nan too."""
+    number = float(text)
+    if not isfinite(number):
+        raise ValueError(text)
+    return number
+
+
+def row_step(duration_s: float, step_s: float | None) -> float:
+    """Seconds between the rows of a table. Raises ValueError for more rows than memory holds."""
+    step_s = step_s or duration_s / 200
+    if duration_s > MOST_ROWS * step_s:
+        raise ValueError(
+            f"found a step of {step_s:g} s; expected {duration_s / MOST_ROWS:g} s or more, "
+            f"for at most {MOST_ROWS:,} rows"
+        )
+    return step_s
 
 
 def wanted_profile(
@@ -43,8 +67,6 @@ def wanted_profile(
     greatest_jerk: float | None,
 ) -> "Profile":
     """The profile that the options ask for. Raises ValueError where they do not fit together."""
-    from math import inf
-
     from beamcam.motion import profile as profiles
 
     if points:
@@ -69,17 +91,17 @@ def wanted_profile(
 
 @click.command("profile")
 @options.output(".csv, .svg or .png; - is a table.")
-@click.option("--velocity", type=float, help="To reach, or the limit of the fastest profile.")
-@click.option("--acceleration", type=float, help="The greatest one, or a limit.")
-@click.option("--distance", type=float, help="To travel from rest to rest.")
-@click.option("--time", type=float, help="Of the ramp, or of the whole distance; seconds.")
-@click.option("--jerk", type=float, default=50.0, show_default=True, help="Rounded part, percent.")
-@click.option("--cruise", type=float, default=0.0, help="Seconds at full velocity, in --time.")
+@click.option("--velocity", type=NUMBER, help="To reach, or the limit of the fastest profile.")
+@click.option("--acceleration", type=NUMBER, help="The greatest one, or a limit.")
+@click.option("--distance", type=NUMBER, help="To travel from rest to rest.")
+@click.option("--time", type=NUMBER, help="Of the ramp, or of the whole distance; seconds.")
+@click.option("--jerk", type=NUMBER, default=50.0, show_default=True, help="Rounded part, percent.")
+@click.option("--cruise", type=NUMBER, default=0.0, help="Seconds at full velocity, in --time.")
 @click.option("--points", callback=points_of, help="TIME:VELOCITY,... joined by ramps.")
-@click.option("--greatest-jerk", type=float, help="Limit of the fastest profile; none if absent.")
-@click.option("--step", type=float, help="Seconds between rows; a 200th of the time if absent.")
+@click.option("--greatest-jerk", type=NUMBER, help="Limit of the fastest profile; none if absent.")
+@click.option("--step", type=NUMBER, help="Seconds between rows; a 200th of the time if absent.")
 @click.option("--pulses", type=int, help="Encoder pulses a revolution: adds Hz and rpm columns.")
-@click.option("--travel", type=float, help="Way of a revolution, where velocities are no rpm.")
+@click.option("--travel", type=NUMBER, help="Way of a revolution, where velocities are no rpm.")
 @options.voiced
 def command(
     output: str,
@@ -117,12 +139,14 @@ def command(
         )
         encoder = None if pulses is None else Encoder(pulses, travel)
         data: str | bytes
+        if suffix not in ("", *SUFFIXES):
+            raise ValueError(f"found {output!r}; expected a name in {', '.join(SUFFIXES)}, or -")
         if suffix == ".svg":
             data = profile_svg(profile)
         elif suffix == ".png":
             data = profile_png(profile)
         else:
-            rows = profile_table(profile, step or profile.duration_s / 200, encoder)
+            rows = profile_table(profile, row_step(profile.duration_s, step), encoder)
             lines = [",".join(f"{value:.9g}" for value in row) for row in rows.rows.tolist()]
             data = "\n".join([",".join(rows.columns), *lines]) + "\n"
     except ValueError as error:

@@ -5,7 +5,7 @@ from typing import Any
 
 import click
 
-from beamcam.commands.options import group
+from beamcam.commands.options import Number, group
 from beamcam.machine.overlay import MEANINGS, Meaning
 
 _DRAWING_NAMES = ("units", "width", "layers", "fit")
@@ -51,9 +51,9 @@ drawing_options = group(
 torch_options = group(
     click.option("--map", "colours", multiple=True, callback=_map, metavar="KEY=PROCESS",
                  help="What is done with a colour or layer: cut, mark, engrave or ignore."),
-    click.option("--thickness", type=float, help="Thickness of a drawing's sheet, mm."),
+    click.option("--thickness", type=Number(), help="Thickness of a drawing's sheet, mm."),
     click.option("--material", help="What the sheet is made of, as the machine's file has it."),
-    click.option("--kerf", type=click.FloatRange(min=0), help="Width of the cut, mm."),
+    click.option("--kerf", type=Number(least=0), help="Width of the cut, mm."),
     click.option("--kerf-by", type=click.Choice(["none", "offset", "machine"]),
                  help="Who keeps half a kerf off the contours."),
     click.option("--lead", type=click.Choice(["none", "line", "arc"]),

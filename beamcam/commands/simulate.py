@@ -17,7 +17,7 @@ from beamcam.verify.simulate import rows, stretches, trace
 _UNITS_S = {"ms": 0.001, "s": 1.0}
 
 
-class Duration(click.ParamType[float]):
+class Duration(click.ParamType):  # type: ignore[type-arg]  # older versions take none
     """A time such as 10ms or 0.5s, in seconds."""
 
     name = "time"
@@ -31,7 +31,7 @@ class Duration(click.ParamType[float]):
         return float(match[1]) * _UNITS_S[match[2]]
 
 
-class Address(click.ParamType[tuple[str, int]]):
+class Address(click.ParamType):  # type: ignore[type-arg]
     """HOST:PORT."""
 
     name = "host:port"
@@ -56,7 +56,7 @@ class Address(click.ParamType[tuple[str, int]]):
 @click.option("--modbus", type=Address(), help="Send the trace to this Modbus TCP server.")
 @click.option(
     "--pace",
-    type=click.FloatRange(min=0),
+    type=options.Number(least=0),
     default=0.0,
     show_default=True,
     help="Seconds to send a second of the cell in; 0 is as fast as it goes.",

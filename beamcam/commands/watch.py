@@ -8,6 +8,7 @@ import click
 
 from beamcam.batch import BatchError, Input, find_inputs, run
 from beamcam.batch.rules import NOTHING, WRITE
+from beamcam.commands import options
 from beamcam.commands.common import REFUSED, Voice
 from beamcam.commands.running import Screen, ended_by_term, run_options, shop_of, unused, workers_of
 from beamcam.commands.settings import settled
@@ -22,11 +23,11 @@ from beamcam.watch import HotFolder, file_away, look
 @click.option("--done", metavar="FOLDER", help="Move inputs there when they are posted.")
 @click.option("--refused", metavar="FOLDER", help="Move refused inputs there, with a .txt each.")
 @click.option(
-    "--settle", default=2.0, show_default=True, type=click.FloatRange(min=0),
+    "--settle", default=2.0, show_default=True, type=options.Number(least=0),
     help="Seconds that a file has to stay the same.",
 )  # fmt: skip
 @click.option(
-    "--every", default=1.0, show_default=True, type=click.FloatRange(min=0.01),
+    "--every", default=1.0, show_default=True, type=options.Number(least=0.01, most=86400),
     help="Seconds between two looks.",
 )  # fmt: skip
 @click.option("--once", is_flag=True, help="End when everything that is there has been posted.")

@@ -8,6 +8,7 @@ import types
 import typing
 from collections.abc import Mapping
 from functools import cache
+from math import inf, isfinite
 from typing import Any, Literal, Union, cast, get_args, get_origin
 
 from msgspec import Struct
@@ -15,6 +16,8 @@ from msgspec import Struct
 from beamcam.errors import MachineError, Source
 from beamcam.machine import rules
 from beamcam.machine.machine import Formula
+
+GREATEST = 10**300  #: whole number that is one of the machine's, by far
 
 
 @cache
@@ -123,10 +126,12 @@ def _value(hint: Any, value: object, place: Place) -> Any:
     if isinstance(hint, type) and issubclass(hint, Struct):
         return build(hint, value, place)
     if hint is float and isinstance(value, int) and not isinstance(value, bool):
-        return float(value)
+        value = float(value) if abs(value) < GREATEST else inf
     if type(value) is not hint:
         raise _wrong(place, value, {float: "a number", int: "a whole number", str: "a text",
                                     bool: "true or false"}[hint])  # fmt: skip
+    if isinstance(value, float) and not isfinite(value):
+        raise _wrong(place, value, "a finite number")
     return value
 
 

@@ -58,6 +58,8 @@ BAD = [
     ),
     ("[saw]\nkerff = 3", "machine-key", "found unknown key 'saw.kerff'; expected 'kerf'"),
     ("[saw]\nkerf = '3'", "machine-value", "found '3' for 'saw.kerf'; expected a number"),
+    ("[saw]\nkerf = nan", "machine-value", "found nan for 'saw.kerf'; expected a finite number"),
+    ("[layout]\nfront_trim = inf", "machine-value", "expected a finite number"),
     ("[saw]\nkerf = -1", "machine-value", "found -1.0 for 'saw.kerf'; expected 0 or more"),
     ("[saw]\npivot = 'v'", "machine-value", "expected one of 'o', 'u'"),
     ("[words]\nsaw = ['M42 K{angel}']", "machine-value", "found '{angel}' for 'words.saw'"),
