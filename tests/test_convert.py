@@ -155,6 +155,18 @@ def test_what_was_said_of_a_model_is_told_where_it_cannot_be_posted_too(command:
     assert "beamline: error plan-no-parts" in done.stderr
 
 
+def test_diff_tells_what_it_left_out() -> None:
+    """Two models without steel are no two models that are the same."""
+    Path("a.ifc").write_bytes(Small().data)
+    small = Small()
+    small.material(small.element(small.extruded(small.ipe300(), 900.0)), "Concrete C30/37")
+    Path("b.ifc").write_bytes(small.data)
+    done = CliRunner().invoke(main, ["diff", "a.ifc", "b.ifc"])
+    assert done.exit_code == 0
+    assert done.stderr.count("warning ifc-no-members") == 2
+    assert "b.ifc: note ifc-left-out: found 1 members of concrete" in done.stderr
+
+
 def test_twice_the_same_bytes() -> None:
     Path("m.ifc").write_bytes(model("B1", "b1", "C 1"))
     for folder in ("one/", "two/"):

@@ -57,8 +57,8 @@ def command(a: str, b: str, as_json: bool, voice: Voice, **asked: Any) -> None:
         voice.did(f"read {data[0][0]} and {data[1][0]}, programs as those of {machine.name}")
         said: tuple[Diagnostic, ...] = ()
         if kinds[0]:
-            first, second = (_parts(name, content, config.strict) for name, content in data)
-            found = diff_parts(first, second)
+            (first, of_a), (second, of_b) = (_parts(*one, config.strict) for one in data)
+            found, said = diff_parts(first, second), (*of_a, *of_b)
         else:
             texts = [(name, content.decode("utf-8", "replace")) for name, content in data]
             found, said = _diff_programs(texts, machine)
@@ -89,11 +89,12 @@ def _is_part(name: str, data: bytes) -> bool:
     return by_name or any(f.looks_like(data) for f in readers.FORMATS)
 
 
-def _parts(name: str, data: bytes, strict: bool) -> tuple[Part, ...]:
+def _parts(name: str, data: bytes, strict: bool) -> tuple[tuple[Part, ...], tuple[Diagnostic, ...]]:
+    """The parts of a file and the remarks of its reader. Raises ReadError."""
     reading = readers.read(data, name)
     if strict:
         reading = replace(reading, diagnostics=tuple(map(as_error, reading.diagnostics)))
-    return parts_of([reading])[0]
+    return parts_of([reading])
 
 
 def _diff_programs(
