@@ -155,6 +155,18 @@ def test_what_was_said_of_a_model_is_told_where_it_cannot_be_posted_too(command:
     assert "beamline: error plan-no-parts" in done.stderr
 
 
+def test_a_drawing_of_nothing_but_filled_shapes_is_no_part() -> None:
+    """Its JSON form would have no length, and could not be read."""
+    shape = '<rect width="5" height="5" fill="red"/>'
+    page = 'xmlns="http://www.w3.org/2000/svg" width="9mm" height="9mm" viewBox="0 0 9 9"'
+    Path("f.svg").write_text(f"<svg {page}>{shape}</svg>")
+    done = convert("f.svg", "-o", "f.json")
+    assert done.exit_code == 1
+    assert "warning svg-fill-only" in done.stderr
+    assert "error write-no-part" in done.stderr
+    assert not Path("f.json").exists()
+
+
 def test_diff_tells_what_it_left_out() -> None:
     """Two models without steel are no two models that are the same."""
     Path("a.ifc").write_bytes(Small().data)

@@ -107,7 +107,8 @@ def command(
         (reading,) = read_all((source,), config.strict, how, voice)
         said = reading.diagnostics
         parts = counted(sound(reading))
-        if not (parts or reading.refused):
+        # A drawing of filled shapes alone is a part without any length.
+        if not (any(part.length > 0 for part in parts) or reading.refused):
             raise ReadError(NO_PART.at(Source(source)))
         if parts and is_folder(output):
             said = (*said, *_write_folder(source, parts, target, output, voice))
