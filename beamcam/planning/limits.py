@@ -42,6 +42,9 @@ class Room(Struct, frozen=True):
     known: Kept[tuple[object, ...], Beyond | None]
 
 
+_UNKNOWN = Beyond(ControlledAxis("", "X", 0.0, 0.0), 0.0, "v")  #: not looked at yet
+
+
 def _no_rooms(_: Machine) -> Kept[Profile, Room]:
     return Kept(MOST_SECTIONS)
 
@@ -57,15 +60,17 @@ def refuse_beyond(
     room = rooms.get(part.profile) or rooms.keep(
         part.profile, Room(Strokes(part.profile, machine), Kept(MOST_STROKES))
     )
+    known = room.known
     for job in jobs:
         how = job.tooling
+        if not job.path and known.get((how.faces, how.tools, how.depth, job.y), _UNKNOWN) is None:
+            continue  # as nearly all are
         # Of a path both sides, since every formula is a straight line in y.
         for y in _least_and_greatest([y for _, y in job.path]) if job.path else (job.y,):
             key = how.faces, how.tools, how.depth, y
-            if key in room.known:
-                beyond = room.known[key]
-            else:
-                beyond = room.known.keep(key, _beyond(how, y, part, machine, room.strokes))
+            beyond = known.get(key, _UNKNOWN)
+            if beyond is _UNKNOWN:
+                beyond = known.keep(key, _beyond(how, y, part, machine, room.strokes))
             if beyond is not None:
                 for f in job.features:
                     yield f, _said(part.features[f], beyond)
@@ -101,21 +106,37 @@ def refuse_bar(
     operations: Sequence[Operation], pieces: Sequence[Piece], machine: Machine
 ) -> Iterator[Diagnostic]:
     """The operations that the bar cannot be brought to, and why."""
-    spindles: dict[str, int] = {s.face: s.number for s in machine.spindles}
     for axis in machine.axes:
         if axis.moves != "X":
             continue
+        # The ends of all together first: nearly every bar is within reach.
+        xs = [op.x for op in operations]
+        xs += [x for op in operations if type(op) is PathOp for x, _ in op.path]
+        if all(_comes_to(x, axis, machine) for x in _least_and_greatest(xs)):
+            continue
         for op in operations:
-            of_spindle = () if isinstance(op, SawOp) else (spindles[face] for face in op.faces)
-            if axis.spindle is not None and axis.spindle not in of_spindle:
+            if not _is_moved_by(axis, op, machine):
                 continue
-            xs = _least_and_greatest([x for x, _ in op.path]) if isinstance(op, PathOp) else (op.x,)
-            for x in xs:
+            for x in _xs(op):
                 if not _comes_to(x, axis, machine):
                     yield rules.STOP.at(
                         op.source, what=_work(op, pieces), axis=axis.name, found=f"{x:.3f}",
                         expected=_range(axis),
                     )  # fmt: skip
+
+
+def _xs(op: Operation) -> tuple[float, ...]:
+    """X of an operation; of a path the least and the greatest."""
+    return _least_and_greatest([x for x, _ in op.path]) if isinstance(op, PathOp) else (op.x,)
+
+
+def _is_moved_by(axis: ControlledAxis, op: Operation, machine: Machine) -> bool:
+    """Whether an operation needs an axis along the bar: the bar's own, or its spindle's."""
+    if axis.spindle is None:
+        return True
+    return not isinstance(op, SawOp) and any(
+        spindle.number == axis.spindle and spindle.face in op.faces for spindle in machine.spindles
+    )
 
 
 def _work(op: Operation, pieces: Sequence[Piece]) -> str:

@@ -126,7 +126,9 @@ def refuse_place(
 
 def refuse_too_near(holes: Group, machine: Machine) -> Iterator[tuple[int, Diagnostic]]:
     """The holes beside one that a program cannot tell them apart from, by their indices."""
-    resolution = machine.format.resolution
+    resolution, drill = machine.format.resolution, machine.drill
+    if drill is not None and 2 * resolution <= drill.duplicate_tolerance:
+        return  # what is as near as that is one hole, and there once
     for (_, f, hole), (_, _, first) in too_near(holes, resolution):
         apart = dist((hole.x, hole.y), (first.x, first.y))
         yield f, rules.TOO_NEAR.at(
