@@ -16,7 +16,8 @@ from beamcam.model.part import Hole, Part, Slot
 from beamcam.readers.ifc import rules
 from beamcam.readers.ifc.body import body_representation
 from beamcam.readers.ifc.entities import NOT_WELL_FORMED, Entity, Model, Unreadable
-from beamcam.readers.ifc.finish import Shaped, sorted_features
+from beamcam.readers.ifc.features import sorted_features
+from beamcam.readers.ifc.finish import Shaped
 from beamcam.readers.ifc.options import Options
 from beamcam.readers.ifc.space import Frame, Vec, add, dot, scale, size, sub, unit
 from beamcam.readers.ifc.walls import Wall, walls_of
@@ -79,8 +80,8 @@ def _bolt(model: Model, element: Entity) -> Bolt | None:
 
 def _axes(model: Model, item: Entity, frame: Frame) -> list[tuple[Vec, Vec, float]]:
     """Axes of the round extrusions, or of the lines that stand for a bolt."""
-    from beamcam.readers.ifc.body import mapping
     from beamcam.readers.ifc.entities import ratios
+    from beamcam.readers.ifc.solids import mapping
 
     if item.is_a("IfcMappedItem"):
         inner, source = mapping(model, item, frame)

@@ -19,16 +19,8 @@ from beamcam.readers.ifc.cutters import Cutter
 from beamcam.readers.ifc.ends import LEAST_LEAN, End
 from beamcam.readers.ifc.entities import Entity, Model, Unreadable
 from beamcam.readers.ifc.exact import Circle, circles_in
-from beamcam.readers.ifc.finish import (
-    Regions,
-    Shaped,
-    cuts_of,
-    end_planes,
-    from_regions,
-    opening,
-    reach,
-    shifted,
-)
+from beamcam.readers.ifc.features import opening, shifted
+from beamcam.readers.ifc.finish import Regions, Shaped, cuts_of, end_planes, from_regions, reach
 from beamcam.readers.ifc.kernel import build_both
 from beamcam.readers.ifc.plates import box_of, into
 from beamcam.readers.ifc.region import (
@@ -39,7 +31,7 @@ from beamcam.readers.ifc.region import (
 )
 from beamcam.readers.ifc.rolled import Rolled, other_axes, reference, rolled_stock
 from beamcam.readers.ifc.section import Section
-from beamcam.readers.ifc.semantic import LEVEL_IN, Stock, cut, in_place
+from beamcam.readers.ifc.semantic import LEVEL_IN, cut, in_place
 from beamcam.readers.ifc.shell import (
     Shell,
     broadest_normal,
@@ -50,6 +42,7 @@ from beamcam.readers.ifc.shell import (
 )
 from beamcam.readers.ifc.slices import arcs_of, ring_arcs, with_circles
 from beamcam.readers.ifc.space import Frame, add, cross, dot, scale
+from beamcam.readers.ifc.stock import Stock
 from beamcam.readers.ifc.walls import Wall, walls_of
 
 PRISMATIC = 0.01  #: share by which a plate's volume may differ from outline times thickness

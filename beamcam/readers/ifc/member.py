@@ -195,7 +195,7 @@ class Members(Struct):
         return (
             (not chosen.marks or mark in chosen.marks)
             and (not chosen.guids or element[0] in chosen.guids)
-            and (not classes or bool(classes & _class_names(kind)))
+            and (not classes or bool(classes & class_names(kind)))
             and (not chosen.assemblies or assembly in chosen.assemblies)
         )
 
@@ -239,7 +239,7 @@ class Members(Struct):
         return tuple(replace(d, source=part.source) for d in self.kernel_done[key])
 
 
-def _class_names(kind: str) -> set[str]:
+def class_names(kind: str) -> set[str]:
     """The names by which a class is meant: itself, and without StandardCase."""
     name = kind.lower().removeprefix("ifc")
     names = {name, name.removesuffix("standardcase")}

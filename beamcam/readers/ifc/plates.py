@@ -5,11 +5,11 @@ from math import atan2, cos, hypot, pi, sin
 from msgspec import Struct
 
 from beamcam.geometry.curves import Line, Point
+from beamcam.readers.ifc.classify import classify
 from beamcam.readers.ifc.curves2d import Chain
 from beamcam.readers.ifc.entities import Entity, Model, Unreadable
 from beamcam.readers.ifc.outline import with_arcs
 from beamcam.readers.ifc.profiles import outline_of
-from beamcam.readers.ifc.section import classify
 
 _FLAT = frozenset(("IfcRectangleProfileDef", "IfcCircleProfileDef", "IfcTrapeziumProfileDef"))
 THIN = 0.3  #: of the lesser side, below which an outline of a rolled form is a plate all the same

@@ -8,9 +8,10 @@ from msgspec.structs import replace
 
 from beamcam.geometry.curves import Arc, Point
 from beamcam.model.part import ProfileCode
+from beamcam.readers.ifc.classify import classify
 from beamcam.readers.ifc.curves2d import Chain, chain_of, points_chain
 from beamcam.readers.ifc.entities import Entity, Model, Unreadable
-from beamcam.readers.ifc.section import Section, classify, placed, special
+from beamcam.readers.ifc.section import Section, placed, special
 from beamcam.readers.ifc.space import IDENTITY, Frame
 
 

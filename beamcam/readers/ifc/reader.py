@@ -6,7 +6,7 @@ from beamcam.collector import collector_resting
 from beamcam.errors import Diagnostic, Source
 from beamcam.readers.ifc import rules
 from beamcam.readers.ifc.entities import Entity, Model
-from beamcam.readers.ifc.member import Members, Taken
+from beamcam.readers.ifc.member import Members, Taken, class_names
 from beamcam.readers.ifc.opening import open_file
 from beamcam.readers.ifc.options import Options, Progress, Selection
 from beamcam.readers.ifc.shares import HEAVY, SHARE, shares
@@ -79,6 +79,11 @@ def _elements(model: Model, selection: Selection) -> Iterator[Entity]:
 def _account(taken: Taken, total: int, chosen: Selection, name: str) -> Iterator[Diagnostic]:
     """What was selected and not found, what was left out, and the ledger, which has to balance."""
     source, ledger = Source(name), taken.ledger
+    classes = taken.seen.get("class", set())
+    for value in sorted(chosen.classes):
+        if not any(value.lower().removeprefix("ifc") in class_names(kind) for kind in classes):
+            some = ", ".join(sorted(classes)) or "none"
+            yield rules.NOT_FOUND.at(source, kind="class", found=value, expected=some)
     for kind, wanted in (
         ("mark", chosen.marks), ("guid", chosen.guids), ("assembly", chosen.assemblies)
     ):  # fmt: skip

@@ -5,11 +5,12 @@ from msgspec import Struct
 from msgspec.structs import replace
 
 from beamcam.geometry.curves import Line, Point, signed_area
+from beamcam.readers.ifc.classify import classify
 from beamcam.readers.ifc.curves2d import Chain
 from beamcam.readers.ifc.exact import circles_in
 from beamcam.readers.ifc.outline import sharpened
 from beamcam.readers.ifc.region import Circles, pieces_of, points_of
-from beamcam.readers.ifc.section import Section, classify
+from beamcam.readers.ifc.section import Section
 from beamcam.readers.ifc.shell import Shell, broadest_normal, coordinates, extent, segments, vec
 from beamcam.readers.ifc.slices import Segments, arcs_of, region_within
 from beamcam.readers.ifc.space import Frame, Vec, across, add, cross, dot, scale, unit

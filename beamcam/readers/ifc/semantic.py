@@ -13,13 +13,12 @@ from msgspec import Struct, field
 from msgspec.structs import replace
 
 from beamcam.errors import Source
-from beamcam.geometry.curves import Line, Point
 from beamcam.model.part import Hole, Slot
 from beamcam.readers.ifc.body import Body, Swept
-from beamcam.readers.ifc.curves2d import Chain
-from beamcam.readers.ifc.cutters import Bounded, Box3, Cutter, HalfSpace, Prism
-from beamcam.readers.ifc.ends import LEAST_LEAN, End, of_plane, trim
+from beamcam.readers.ifc.cutters import Box3, Cutter, HalfSpace, Prism
+from beamcam.readers.ifc.ends import End, of_plane, trim
 from beamcam.readers.ifc.entities import Entity, Model, Unreadable
+from beamcam.readers.ifc.features import shifted, sorted_features
 from beamcam.readers.ifc.finish import (
     Regions,
     Shaped,
@@ -28,30 +27,18 @@ from beamcam.readers.ifc.finish import (
     from_regions,
     hole_volume,
     reach,
-    shifted,
-    sorted_features,
 )
 from beamcam.readers.ifc.holes import Drilled, pierce
-from beamcam.readers.ifc.plates import Plate, plate_of
-from beamcam.readers.ifc.profiles import definition, section_of
+from beamcam.readers.ifc.profiles import definition
 from beamcam.readers.ifc.region import Circles, Shape, polygon_of, rectangle
 from beamcam.readers.ifc.section import Section
-from beamcam.readers.ifc.space import Frame, add, cross, dot, scale, size, sub, unit
+from beamcam.readers.ifc.space import Frame, add, dot, scale, sub
+from beamcam.readers.ifc.stock import Stock, stock_of
+from beamcam.readers.ifc.trimming import end_plane
 from beamcam.readers.ifc.walls import Wall, corner_points, walls_of
 
 LEAST_LENGTH = 0.1  #: mm that the ends have to leave
 LEVEL_IN = 0.1  #: share of a wall's thickness that its two levels lie inside it
-
-
-class Stock(Struct, frozen=True):
-    """What a member is cut from, in its own frame: a section between two x."""
-
-    section: Section
-    frame: Frame  #: the member's coordinates in the element's
-    x0: float
-    x1: float
-    outline: Chain | None = None  #: of a plate, in (x, y); None is a full rectangle
-    hollows: tuple[Chain, ...] = ()
 
 
 def read_swept(model: Model, element: Entity, body: Body, source: Source) -> Shaped:
@@ -64,7 +51,7 @@ def read_swept(model: Model, element: Entity, body: Body, source: Source) -> Sha
     if body.has_openings:  # whose features name them and are nobody else's
         return _read(model, element, body, source)
     stock = element.row.name, definition(base.profile), base.along
-    of_one_stock: Alike = model.members.setdefault(stock, Alike())
+    of_one_stock: Repeats = model.members.setdefault(stock, Repeats())
     if of_one_stock.first is None:
         shaped = _read(model, element, body, source)
         of_one_stock.first = body, shaped
@@ -80,7 +67,7 @@ def read_swept(model: Model, element: Entity, body: Body, source: Source) -> Sha
     return replace(known, features=tuple(replace(f, source=source) for f in known.features))
 
 
-class Alike(Struct):
+class Repeats(Struct):
     """The members of one stock that were read, and what they came to.
 
     What a form is told by is long, so that none is looked at before a second one comes.
@@ -101,72 +88,6 @@ def in_place(shaped: Shaped, frame: Frame) -> Shaped:
     """The member with its place: its own coordinates in the element's."""
     moved = Frame(add(frame.o, scale(frame.x, shaped.x0)), frame.x, frame.y, frame.z)
     return replace(shaped, frame=moved)
-
-
-def stock_of(model: Model, element: Entity, base: Swept) -> Stock:
-    """The stock and the frame of the member that a swept profile is."""
-    depth = size(base.along)
-    plane = unit(cross(base.frame.x, base.frame.y))
-    if depth <= 0 or abs(abs(dot(plane, base.along)) - depth) > 1e-6 * depth:
-        raise Unreadable("a profile that is pushed askew")
-    factor = size(base.frame.x)
-    if abs(size(base.frame.y) - factor) > 1e-6 * factor:
-        raise Unreadable("a profile that is stretched unevenly")
-    plate = plate_of(model, element, base.profile, depth / factor)
-    if plate is not None:
-        return _plate_stock(plate, base, factor)
-    section = section_of(model, base.profile)
-    frame = _frame(section, base.frame)
-    if dot(frame.x, base.along) < 0 and (section.flip_z or section.flip_y):
-        section = section.flipped_z() if section.flip_z else section.flipped_y()
-        frame = _frame(section, base.frame)
-    section = _scaled(section, factor)
-    reach_x = dot(frame.x, base.along)
-    return Stock(section, frame, min(0.0, reach_x), max(0.0, reach_x))
-
-
-def _frame(section: Section, at: Frame) -> Frame:
-    """The member's axes: Y and Z as the section lies, X square to both."""
-    o = at.point((*section.origin, 0.0))
-    y = unit(at.vector((*section.y, 0.0)))
-    z = unit(at.vector((*section.z, 0.0)))
-    return Frame(o, cross(y, z), y, z)
-
-
-def _scaled(section: Section, by: float) -> Section:
-    if abs(by - 1.0) < 1e-12:
-        return section
-    return replace(
-        section,
-        height=section.height * by,
-        width=section.width * by,
-        flange_thickness=section.flange_thickness * by,
-        web_thickness=section.web_thickness * by,
-        radius=section.radius * by,
-        area=section.area * by * by,
-    )
-
-
-def _plate_stock(plate: Plate, base: Swept, factor: float) -> Stock:
-    at = base.frame
-    x = unit(at.vector((*plate.x, 0.0)))
-    y = unit(at.vector((*plate.y, 0.0)))
-    z = cross(x, y)
-    o = at.point((*plate.origin, 0.0))
-    if dot(z, base.along) < 0:
-        o = add(o, base.along)
-    thickness = size(base.along)
-    width, length = plate.width * factor, plate.length * factor
-    section = Section(
-        "B", width, thickness, 0.0, thickness, 0.0, (0.0, 0.0), (0.0, 1.0), (1.0, 0.0),
-        True, True, width * thickness,
-    )  # fmt: skip
-    matrix = ((factor, 0.0, 0.0), (0.0, factor, 0.0))
-    outline = None
-    if plate.outline is not None:
-        outline = tuple(c.transformed(matrix) for c in plate.outline)
-    hollows = tuple(tuple(c.transformed(matrix) for c in h) for h in plate.hollows)
-    return Stock(section, Frame(o, x, y, z), 0.0, length, outline, hollows)
 
 
 def cut(stock: Stock, cutters: Sequence[Cutter], source: Source) -> Shaped:
@@ -256,92 +177,6 @@ def _sawn(
     middle = section.height / 2, section.width / 2
     volume = section.area * (end.x(*middle) - start.x(*middle)) - hole_volume(section, holes)
     return Shaped(section, x1 - x0, cuts_of(start, end), features, volume, gross, (), x0)
-
-
-def end_plane(cutter: Cutter, stock: Stock, corners: Sequence[Point]) -> HalfSpace | None:
-    """The half-space that a cutter is for this member; None if it does not take all of an end."""
-    if isinstance(cutter, Prism) and cutter.shape is not None:
-        return None
-    if isinstance(cutter, HalfSpace):
-        return cutter if abs(cutter.normal[0]) > LEAST_LEAN else None
-    if isinstance(cutter, Bounded) and isinstance(cutter.first, HalfSpace):
-        half = cutter.first
-        if abs(half.normal[0]) > LEAST_LEAN and isinstance(cutter.second, Prism):
-            return half if _takes_all(cutter.second, half, stock, corners) else None
-        return None
-    if isinstance(cutter, Prism):
-        for plane in _sides(cutter):
-            if abs(plane.normal[0]) > LEAST_LEAN and _takes_all(cutter, plane, stock, corners):
-                return plane
-    return None
-
-
-def _sides(cutter: Prism) -> list[HalfSpace]:
-    """The planes of a prism's flat sides and ends; normals point into the prism."""
-    f = cutter.frame
-    found = []
-    for o, way in ((f.o, 1.0), (add(f.o, f.z), -1.0)):
-        normal = unit(cross(f.x, f.y))
-        if dot(normal, f.z) * way < 0:
-            normal = scale(normal, -1.0)
-        found.append(HalfSpace(o, normal, cutter.where))
-    boxes = [c.bbox for c in cutter.outline.outer]
-    middle = f.point(
-        (
-            (min(b[0] for b in boxes) + max(b[2] for b in boxes)) / 2,
-            (min(b[1] for b in boxes) + max(b[3] for b in boxes)) / 2,
-            0.5,
-        )
-    )
-    for curve in cutter.outline.outer:
-        if isinstance(curve, Line):
-            a, b = f.point((*curve.start, 0.0)), f.point((*curve.end, 0.0))
-            normal = cross(sub(b, a), f.z)
-            if size(normal) < 1e-9:
-                continue
-            normal = unit(normal)
-            if dot(normal, sub(middle, a)) < 0:
-                normal = scale(normal, -1.0)
-            found.append(HalfSpace(a, normal, cutter.where))
-    return found
-
-
-def _takes_all(cutter: Prism, plane: HalfSpace, stock: Stock, corners: Sequence[Point]) -> bool:
-    """Whether a prism holds everything of the stock beyond a plane, up to the stock's end."""
-    inverse = cutter.frame.inverse()
-    far = stock.x1 if plane.normal[0] > 0 else stock.x0
-    way = 1.0 if plane.normal[0] > 0 else -1.0
-    some = False
-    h, b = stock.section.height, stock.section.width
-    for y, z in (*corners[:: max(1, len(corners) // 24)], (h / 2, b / 2)):
-        x = plane.x_at(y, z)
-        if way * (far - x) <= 1e-4:
-            continue
-        some = True
-        for at in (x + way * 1e-3, (x + far) / 2, far - way * 1e-3):
-            inner_y = min(max(y, 1e-3), h - 1e-3)
-            inner_z = min(max(z, 1e-3), b - 1e-3)
-            shift = plane.x_at(inner_y, inner_z) - x
-            s, t, k = inverse.point(
-                (at + (shift if at != far - way * 1e-3 else 0.0), inner_y, inner_z)
-            )
-            if not -1e-9 <= k <= 1 + 1e-9 or not _inside(cutter.outline.outer, (s, t)):
-                return False
-    return some
-
-
-def _inside(chain: Chain, p: Point) -> bool:
-    """Whether a point is inside a chain, its arcs taken as eight chords each."""
-    points: list[Point] = []
-    for curve in chain:
-        count = 1 if isinstance(curve, Line) else 16
-        points += [curve.point(i / count) for i in range(count)]
-    inside = False
-    for i, (bx, by) in enumerate(points):
-        ax, ay = points[i - 1]
-        if (ay > p[1]) != (by > p[1]) and p[0] < ax + (p[1] - ay) * (bx - ax) / (by - ay):
-            inside = not inside
-    return inside
 
 
 def _touches(cutter: Cutter, box: Box3, stock: Stock) -> bool:

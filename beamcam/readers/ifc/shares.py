@@ -13,7 +13,7 @@ from typing import Any, TypeVar
 T = TypeVar("T")
 
 SHARE = 16  #: members that a process takes at a time
-HEAVY = 4  #: of members that the geometry kernel builds, which takes a hundred times as long
+HEAVY = 1  #: of members that the geometry kernel builds, which takes a hundred times as long
 WORTH = 12  #: shares below which processes cost more than they save
 
 _share_of: list[Callable[[range], Any]] = []  #: the one that a forked process calls

@@ -212,6 +212,15 @@ def test_a_selection_that_names_nothing_says_what_there_is() -> None:
     assert found.parts == ()
 
 
+@pytest.mark.parametrize(("name", "found"), [("IfcBeam", 1), ("beam", 1), ("IfcWall", 0), ("x", 0)])
+def test_a_class_without_members_says_what_there_is(name: str, found: int) -> None:
+    reading = read(plain().data, "m.ifc", selection=Selection(classes=frozenset({name})))
+    said = [d.message for d in reading.diagnostics if d.code == "ifc-selection"]
+    assert len(reading.parts) == found
+    expected = f"found no member with class {name}; expected one of the file's, such as IfcBeam"
+    assert said == ([] if found else [expected])
+
+
 @pytest.mark.parametrize(
     "data", [b"PK\x03\x04 nothing", plain().data[:-60], b"ISO-10303-21;\nHEADER;\n"]
 )

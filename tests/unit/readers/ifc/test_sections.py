@@ -9,11 +9,11 @@ from hypothesis import strategies as st
 
 from beamcam.model import catalogue
 from beamcam.model.part import Profile
+from beamcam.readers.ifc.classify import classify
 from beamcam.readers.ifc.curves2d import Chain, points_chain
 from beamcam.readers.ifc.naming import named
 from beamcam.readers.ifc.outline import Round, Slotted, shape_of, with_arcs
 from beamcam.readers.ifc.profiles import rounded_box
-from beamcam.readers.ifc.section import classify
 from tests.property.ifc_builder import Member, bore_polygon, section_polygon
 
 SIZES = {

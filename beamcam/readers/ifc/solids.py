@@ -1,0 +1,189 @@
+"""Solids that are taken away: what each of them is as a cutter."""
+
+from collections.abc import Sequence
+from functools import lru_cache
+from math import hypot
+from typing import Any
+
+from beamcam.geometry.curves import Arc
+from beamcam.readers.ifc.cutters import Bounded, Cutter, HalfSpace, Less, Prism, hole_of, prism
+from beamcam.readers.ifc.entities import (
+    Coordinates,
+    Entity,
+    Model,
+    Placement,
+    Unreadable,
+    ratios,
+    right_handed,
+)
+from beamcam.readers.ifc.facets import shell_of
+from beamcam.readers.ifc.outline import Round, Slotted
+from beamcam.readers.ifc.profiles import Outline, definition, outline_of, rounded_box
+from beamcam.readers.ifc.space import ORIGIN, Frame, Vec, scale, unit
+
+_FACETED = frozenset(
+    (
+        "IfcFacetedBrep",
+        "IfcTessellatedFaceSet",
+        "IfcFaceBasedSurfaceModel",
+        "IfcShellBasedSurfaceModel",
+    )
+)
+FAR = 1e6  #: mm; how far the prism of a bounded half-space reaches
+UPRIGHT = (0.0, 0.0, 1.0)
+ASKEW = 2e-3  #: tangent of the angle by which a hole may be pushed off square
+
+
+def is_faceted(model: Model, item: Entity) -> bool:
+    """Whether a solid is given by its faces."""
+    faces = _FACETED if model.file.schema != "IFC2X3" else _FACETED - {"IfcTessellatedFaceSet"}
+    return not faces.isdisjoint(item.row.kinds)
+
+
+def mapping(model: Model, item: Entity, frame: Frame) -> tuple[Frame, tuple[Entity, ...]]:
+    """The frame of a mapped item's source and the source's items."""
+    source = item.values[0]
+    target = model.operator(item.values[1])
+    inner = frame.times(target).times(model.axes(source.values[0]))
+    return inner, source.values[1].values[3]
+
+
+def pushed(model: Model, position: Frame, way: Coordinates | None, depth: float) -> Vec:
+    """The vector along which a profile is pushed that lies in the plane of `position`."""
+    if way is None or way == UPRIGHT:
+        return scale(position.z, depth * model.mm)
+    return position.vector(scale(unit(ratios(way) or UPRIGHT), depth * model.mm))
+
+
+def solid_cutters(model: Model, item: Entity, frame: Frame, where: str | None) -> Sequence[Cutter]:
+    """What a solid in `frame` removes."""
+    kind, kinds = item.row.name, item.row.kinds
+    if kind == "IfcExtrudedAreaSolid":
+        return (_extrusion(model, item, frame, where),)
+    if kind == "IfcHalfSpaceSolid":
+        return (_half_space(model, item, frame, where),)
+    if kind == "IfcPolygonalBoundedHalfSpace":
+        half = _half_space(model, item, frame, where)
+        position = frame.times(model.axes(item.Position))
+        bound = outline_of_curve(model, item.PolygonalBoundary)
+        start = Frame(position.point((0.0, 0.0, -FAR)), position.x, position.y)
+        column = prism(start, scale(position.z, 2 * FAR), bound, where, hole_of(bound))
+        return (Bounded(half, column, where),)
+    if kind == "IfcMappedItem":
+        inner, source = mapping(model, item, frame)
+        return [c for one in source for c in solid_cutters(model, one, inner, where)]
+    if kind == "IfcCsgSolid":
+        return solid_cutters(model, item.TreeRootExpression, frame, where)
+    if "IfcBooleanResult" in kinds:
+        return _compound(model, item, frame, where)
+    if kind in ("IfcRightCircularCylinder", "IfcBlock"):
+        return (_primitive(model, item, frame, where),)
+    if is_faceted(model, item):
+        return (shell_of(model, item, frame, where),)
+    raise Unreadable(f"a cut by {kind}")
+
+
+def _extrusion(model: Model, item: Entity, frame: Frame, where: str | None) -> Prism:
+    profile, place, way, depth, *_ = item.values
+    outline, hole = _cut_out(model, profile)
+    at, even = _standing(model, frame, place)
+    along = pushed(model, at, way, depth)
+    if hole is not None and not (even and (way is None or _upright(way))):
+        hole = None  # a circle that is pushed askew or stretched is none across its length
+    return Prism(Frame(at.o, at.x, at.y, along), outline, where, hole)
+
+
+def _standing(model: Model, frame: Frame, place: Placement | None) -> tuple[Frame, bool]:
+    """The frame of a solid that is placed in `frame`, and whether forms are kept in it."""
+    if place is None or len(place) != 3:
+        at = frame.times(model.axes(place))
+        return at, at.even
+    location, axis, reference = place
+    *axes, even = _turned(frame.x, frame.y, frame.z, axis, reference)
+    return Frame(frame.point(model.point(location)), *axes), even
+
+
+@lru_cache(4096)
+def _turned(
+    x: Vec, y: Vec, z: Vec, axis: Coordinates | None, reference: Coordinates | None
+) -> tuple[Vec, Vec, Vec, bool]:
+    """The axes of a placement by its Axis and RefDirection, in a frame that has the axes x, y, z.
+
+    Behind them whether forms are kept. A model's holes stand in many places, but lie few ways.
+    """
+    by = Frame(ORIGIN, x, y, z)
+    a, b, c = (by.vector(v) for v in right_handed(ratios(axis), ratios(reference)))
+    return a, b, c, Frame(ORIGIN, a, b, c).even
+
+
+def _upright(way: Coordinates) -> bool:
+    """Whether a direction is square to the plane of x and y, either way."""
+    return way == UPRIGHT or hypot(way[0], way[1]) <= ASKEW * abs(way[2])
+
+
+def definition_of(item: Entity) -> Any:
+    """What two solids of one form have in common; of most kinds a solid is its own form only."""
+    kind = item.row.name
+    if kind == "IfcExtrudedAreaSolid":
+        profile, *rest = item.values
+        return definition(profile), *rest
+    if kind == "IfcHalfSpaceSolid":
+        surface, agreement, *_ = item.values
+        return surface.row.name, surface.values, agreement
+    return item
+
+
+def _cut_out(model: Model, profile: Entity) -> tuple[Outline, Round | Slotted | None]:
+    """The outline of what is cut out, and the hole or slot that it is; worked out once."""
+    key = definition(profile)
+    known: tuple[Outline, Round | Slotted | None] | None = model.cut_outs.get(key)
+    if known is None:
+        outline = outline_of(model, profile)
+        known = model.cut_outs[key] = outline, hole_of(outline)
+    return known
+
+
+def _compound(model: Model, item: Entity, frame: Frame, where: str | None) -> Sequence[Cutter]:
+    first = tuple(solid_cutters(model, item.FirstOperand, frame, where))
+    second = tuple(solid_cutters(model, item.SecondOperand, frame, where))
+    if item.Operator == "UNION":
+        return first + second
+    if item.Operator == "DIFFERENCE":
+        return [Less(one, second, where) for one in first]
+    return [Bounded(one, other, where) for one in first for other in second]
+
+
+def outline_of_curve(model: Model, curve: Entity) -> Outline:
+    """The outline of a bounding curve."""
+    from beamcam.readers.ifc.curves2d import chain_of
+
+    return Outline(chain_of(model, curve))
+
+
+def _half_space(model: Model, item: Entity, frame: Frame, where: str | None) -> HalfSpace:
+    surface, agreement, *_ = item.values
+    if not surface.is_a("IfcPlane"):
+        raise Unreadable(f"a cut by a half-space over {surface.is_a()}")
+    plane = model.axes(surface.values[0])
+    # AgreementFlag true: the half-space lies against the normal of its plane.
+    normal = scale(plane.z, -1.0) if agreement else plane.z
+    return HalfSpace(plane.o, normal, where).moved(frame)
+
+
+def _primitive(model: Model, item: Entity, frame: Frame, where: str | None) -> Prism:
+    position = frame.times(model.axes(item.Position))
+    mm = model.mm
+    if item.is_a("IfcBlock"):
+        x, y = item.XLength * mm, item.YLength * mm
+        corner = Frame(position.point((x / 2, y / 2, 0.0)), position.x, position.y)
+        up = scale(position.z, item.ZLength * mm)
+        return prism(corner, up, Outline(rounded_box(x, y, 0.0)), where, None)
+    radius = item.Radius * mm
+    outline = Outline((Arc((0.0, 0.0), radius, 0.0, 360.0),))
+    along = scale(position.z, item.Height * mm)
+    return Prism(
+        Frame(position.o, position.x, position.y, along),
+        outline,
+        where,
+        Round((0.0, 0.0), 2 * radius) if position.even else None,
+    )

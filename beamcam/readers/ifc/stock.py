@@ -1,0 +1,89 @@
+"""What a member is cut from: a section between two ends, or a plate, and how it lies."""
+
+from msgspec import Struct
+from msgspec.structs import replace
+
+from beamcam.readers.ifc.body import Swept
+from beamcam.readers.ifc.curves2d import Chain
+from beamcam.readers.ifc.entities import Entity, Model, Unreadable
+from beamcam.readers.ifc.plates import Plate, plate_of
+from beamcam.readers.ifc.profiles import section_of
+from beamcam.readers.ifc.section import Section
+from beamcam.readers.ifc.space import Frame, add, cross, dot, size, unit
+
+
+class Stock(Struct, frozen=True):
+    """What a member is cut from, in its own frame: a section between two x."""
+
+    section: Section
+    frame: Frame  #: the member's coordinates in the element's
+    x0: float
+    x1: float
+    outline: Chain | None = None  #: of a plate, in (x, y); None is a full rectangle
+    hollows: tuple[Chain, ...] = ()
+
+
+def stock_of(model: Model, element: Entity, base: Swept) -> Stock:
+    """The stock and the frame of the member that a swept profile is."""
+    depth = size(base.along)
+    plane = unit(cross(base.frame.x, base.frame.y))
+    if depth <= 0 or abs(abs(dot(plane, base.along)) - depth) > 1e-6 * depth:
+        raise Unreadable("a profile that is pushed askew")
+    factor = size(base.frame.x)
+    if abs(size(base.frame.y) - factor) > 1e-6 * factor:
+        raise Unreadable("a profile that is stretched unevenly")
+    plate = plate_of(model, element, base.profile, depth / factor)
+    if plate is not None:
+        return _plate_stock(plate, base, factor)
+    section = section_of(model, base.profile)
+    frame = _frame(section, base.frame)
+    if dot(frame.x, base.along) < 0 and (section.flip_z or section.flip_y):
+        section = section.flipped_z() if section.flip_z else section.flipped_y()
+        frame = _frame(section, base.frame)
+    section = _scaled(section, factor)
+    reach_x = dot(frame.x, base.along)
+    return Stock(section, frame, min(0.0, reach_x), max(0.0, reach_x))
+
+
+def _frame(section: Section, at: Frame) -> Frame:
+    """The member's axes: Y and Z as the section lies, X square to both."""
+    o = at.point((*section.origin, 0.0))
+    y = unit(at.vector((*section.y, 0.0)))
+    z = unit(at.vector((*section.z, 0.0)))
+    return Frame(o, cross(y, z), y, z)
+
+
+def _scaled(section: Section, by: float) -> Section:
+    if abs(by - 1.0) < 1e-12:
+        return section
+    return replace(
+        section,
+        height=section.height * by,
+        width=section.width * by,
+        flange_thickness=section.flange_thickness * by,
+        web_thickness=section.web_thickness * by,
+        radius=section.radius * by,
+        area=section.area * by * by,
+    )
+
+
+def _plate_stock(plate: Plate, base: Swept, factor: float) -> Stock:
+    at = base.frame
+    x = unit(at.vector((*plate.x, 0.0)))
+    y = unit(at.vector((*plate.y, 0.0)))
+    z = cross(x, y)
+    o = at.point((*plate.origin, 0.0))
+    if dot(z, base.along) < 0:
+        o = add(o, base.along)
+    thickness = size(base.along)
+    width, length = plate.width * factor, plate.length * factor
+    section = Section(
+        "B", width, thickness, 0.0, thickness, 0.0, (0.0, 0.0), (0.0, 1.0), (1.0, 0.0),
+        True, True, width * thickness,
+    )  # fmt: skip
+    matrix = ((factor, 0.0, 0.0), (0.0, factor, 0.0))
+    outline = None
+    if plate.outline is not None:
+        outline = tuple(c.transformed(matrix) for c in plate.outline)
+    hollows = tuple(tuple(c.transformed(matrix) for c in h) for h in plate.hollows)
+    return Stock(section, Frame(o, x, y, z), 0.0, length, outline, hollows)
