@@ -7,6 +7,7 @@ import pytest
 from click.testing import CliRunner, Result
 
 from beamcam.cli import main
+from beamcam.readers.ifc import read
 from tests.runs import part
 from tests.unit.readers.ifc.models import Small
 
@@ -131,16 +132,20 @@ def test_a_long_mark_has_a_name_that_systems_take() -> None:
 
 
 @pytest.mark.parametrize(
-    "words", [["--class", "IfcColumn"], ["--mark", "B1", "--class", "IfcColumn"]]
+    ("words", "error"),
+    [
+        (["--class", "IfcColumn"], "ifc-selection: found no member with class IfcColumn"),
+        (["--mark", "B1", "--guid", "{second}"], "write-no-part: found no part to write"),
+    ],
 )
-def test_a_selection_of_nothing_is_an_error(words: list[str]) -> None:
-    Path("m.ifc").write_bytes(model("B1"))
-    done = convert("m.ifc", "-o", "out/", *words)
+def test_a_selection_of_nothing_is_an_error(words: list[str], error: str) -> None:
+    data = model("B1", "B2")
+    Path("m.ifc").write_bytes(data)
+    second = read(data, "m.ifc").parts[1].guid
+    done = convert("m.ifc", "-o", "out/", *(word.format(second=second) for word in words))
     assert done.exit_code == 1
-    assert (
-        "m.ifc: error write-no-part: found no part to write; expected at least one" in done.stderr
-    )
-    assert "1 not selected" in done.stderr
+    assert f"m.ifc: error {error}; expected" in done.stderr
+    assert "2 not selected" in done.stderr
 
 
 @pytest.mark.parametrize("command", ["post m.ifc -o a.gcode", "plan m.ifc"])

@@ -201,6 +201,9 @@ def parabola_feed(start: Point, curve: Bezier, numbers: Numbers) -> list[Movemen
         return [Feed(*end)]
     d = numbers.decimals
     i, j = round(vertex[0] - start[0], d) + 0.0, round(vertex[1] - start[1], d) + 0.0
+    drawn = (end[0] - start[0], end[1] - start[1])
+    if abs(cross(drawn, (i, j))) < numbers.step / 4 * hypot(*drawn):
+        return [Feed(*end)]  # rounding took the vertex onto the chord, where no parabola has it
     return [ParabolaFeed(end[0], end[1], i, j)]
 
 
