@@ -5,7 +5,6 @@ import json
 import os
 import subprocess
 import sys
-from contextlib import ExitStack
 from io import StringIO
 from pathlib import Path
 
@@ -14,8 +13,8 @@ import pytest
 from click.testing import CliRunner, Result
 
 from beamcam.cli import COMMANDS, main
+from beamcam.commands import common
 from beamcam.commands.common import Voice
-from beamcam.commands.inspect import shown_progress
 from tests.conftest import ROOT, SAMPLES
 from tests.runs import BAD, part
 from tests.test_docs import WORDS
@@ -281,24 +280,29 @@ def test_a_file_that_may_not_be_read(
     )
 
 
-def test_a_bar_appears_when_a_reader_tells_how_far_it_is(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_bar_appears_when_reading_takes_long(monkeypatch: pytest.MonkeyPatch) -> None:
     class Terminal(StringIO):
         def isatty(self) -> bool:
             return True
 
     terminal = Terminal()
     monkeypatch.setattr(sys, "stderr", terminal)
-    with ExitStack() as stack:
-        follow = shown_progress(stack, "m.ifc", Voice())
+    now = [100.0]
+    monkeypatch.setattr(common, "perf_counter", lambda: now[0])
+    with common.followed("m.ifc", Voice()) as follow:
         assert follow is not None
-        assert terminal.getvalue() == ""  # a file that is read at once has none
         follow(1, 4)
+        assert terminal.getvalue() == ""  # a file that is read at once has none
+        now[0] += 2 * common.PATIENCE
+        follow(2, 4)
         follow(4, 4)
     assert "m.ifc" in terminal.getvalue()
     assert "100%" in terminal.getvalue()
-    assert shown_progress(stack, "m.ifc", Voice(quiet=True)) is None
+    with common.followed("m.ifc", Voice(quiet=True)) as follow:
+        assert follow is None
     monkeypatch.setattr(sys, "stderr", StringIO())
-    assert shown_progress(stack, "m.ifc", Voice()) is None
+    with common.followed("m.ifc", Voice()) as follow:
+        assert follow is None
 
 
 @pytest.mark.parametrize("number", ["nan", "inf", "-inf"])

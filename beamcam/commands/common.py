@@ -2,10 +2,10 @@
 
 import os
 import sys
-from collections.abc import Iterable, Iterator
-from contextlib import suppress
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import ExitStack, contextmanager, suppress
 from time import perf_counter
-from typing import TYPE_CHECKING, NoReturn
+from typing import TYPE_CHECKING, Any, NoReturn
 
 import click
 
@@ -18,6 +18,7 @@ if TYPE_CHECKING:
 
 REFUSED = 1  #: exit status if an input was refused
 STANDARD = "-"  #: input or output
+PATIENCE = 0.5  #: s of reading before a bar shows how far it is
 
 
 class Voice:
@@ -84,12 +85,37 @@ def read_all(
     from beamcam.readers.content import shown_name
 
     for path in inputs:
-        reading = read_file(path, strict, **options)
+        with followed(path, voice) as follow:
+            reading = read_file(path, strict, **options, progress=follow)
         if voice.verbose:
             features = sum(len(part.features) for part in reading.parts)
             found = f"{reading.format}, {len(reading.parts)} part(s), {features} feature(s)"
             voice.did(f"read {shown_name(path)}: {found}")
         yield reading
+
+
+@contextmanager
+def followed(path: str, voice: Voice) -> Iterator[Callable[[int, int], None] | None]:
+    """A bar on the terminal that follows a long reading; None where there is no terminal.
+
+    The reader tells how far it is, of how much. The bar appears when that took `PATIENCE`.
+    """
+    if voice.quiet or not sys.stderr.isatty():
+        yield None
+        return
+    begun = perf_counter()
+    with ExitStack() as stack:
+        bars: list[Any] = []
+
+        def follow(done: int, of: int) -> None:
+            if not bars:
+                if perf_counter() - begun < PATIENCE:
+                    return
+                bar = click.progressbar(length=of, label=path, file=sys.stderr)
+                bars.append(stack.enter_context(bar))
+            bars[0].update(done - bars[0].pos)
+
+        yield follow
 
 
 def write(output: str, data: str | bytes | Iterable[bytes], voice: Voice) -> None:

@@ -2,15 +2,12 @@
 
 import json
 import os.path
-import sys
-from collections.abc import Callable
-from contextlib import ExitStack
 from typing import Any
 
 import click
 
 from beamcam.commands import options
-from beamcam.commands.common import REFUSED, Voice
+from beamcam.commands.common import REFUSED, Voice, followed
 from beamcam.commands.members import member_choice, member_options
 from beamcam.commands.settings import settled
 from beamcam.commands.sheets import drawing_choice, drawing_options
@@ -49,24 +46,6 @@ def show(path: str, reading: Reading, voice: Voice) -> None:
     voice.say(reading.diagnostics)
 
 
-def shown_progress(stack: ExitStack, path: str, voice: Voice) -> Callable[[int, int], None] | None:
-    """A bar on the terminal that follows a long reading; None where there is no terminal.
-
-    It appears when the reader first tells how far it is; most never do.
-    """
-    if voice.quiet or not sys.stderr.isatty():
-        return None
-    bars: list[Any] = []
-
-    def follow(done: int, of: int) -> None:
-        if not bars:
-            bar = click.progressbar(length=of, label=path, file=sys.stderr)
-            bars.append(stack.enter_context(bar))
-        bars[0].update(done - bars[0].pos)
-
-    return follow
-
-
 @click.command("inspect")
 @options.inputs
 @options.config
@@ -96,8 +75,7 @@ def command(
     refused = False
     how = drawing_choice(asked) | member_choice(asked, kernel=check)
     for path in inputs:
-        with ExitStack() as stack:
-            follow = shown_progress(stack, path, voice)
+        with followed(path, voice) as follow:
             reading = read_file(path, config.strict, **how, progress=follow)
         voice.did(f"read {shown_name(path)}")
         if as_json:
