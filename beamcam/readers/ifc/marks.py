@@ -2,7 +2,7 @@
 
 import re
 from collections.abc import Iterator
-from functools import cache
+from functools import cache, lru_cache
 from itertools import chain
 
 from msgspec import Struct, field
@@ -205,8 +205,11 @@ def label_of(element: Entity, profile: Entity | None, data: Data) -> str:
         element.Description or "",
         element.Name or "",
     ]
-    for text in candidates:
-        text = text.rsplit(":", 1)[-1].strip()
-        if text and _PROFILE.search(text):
-            return text
-    return named
+    return next(filter(None, map(_section_name, candidates)), named)
+
+
+@lru_cache(4096)
+def _section_name(text: str) -> str:
+    """The name of a section that stands behind the last colon; empty if it looks like none."""
+    text = text.rsplit(":", 1)[-1].strip()
+    return text if _PROFILE.search(text) else ""
