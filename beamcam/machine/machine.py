@@ -238,7 +238,7 @@ class Drill(Struct, frozen=True):
     sink_tolerance: float = 0.2  #: of a countersink's depth against its diameter
     path_tolerance: float = 0.02  #: of the chords of a milled or scribed curve
     mark_depth: float = 0.3  #: of a scribed line
-    punch_depth: float = 1.0  #: of a centre punch
+    punch_depth: float = 1.0  #: of a centre punch that the part gives no depth
 
 
 class Times(Struct, frozen=True):

@@ -91,7 +91,7 @@ def _recipe(
                     rules.MARK,
                     {"found": "a centre punch", "face": faces[0], "tool": "punch"},
                 )
-            return (Step(punches[:1], rack.drill.punch_depth, "punch-mark"),)
+            return (Step(punches[:1], depth or rack.drill.punch_depth, "punch-mark"),)
 
 
 def _plain(

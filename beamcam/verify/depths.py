@@ -58,7 +58,8 @@ def _sink(need: Stroke, diameter: float, thickness: float, rack: Rack) -> Reach:
 
 
 def _punch(need: Stroke, diameter: float, thickness: float, rack: Rack) -> Reach:
-    return Reach(rack.drill.punch_depth, rack.drill.punch_depth)
+    depth = need.hole.depth or rack.drill.punch_depth
+    return Reach(depth, depth)
 
 
 #: By the kind of tool.

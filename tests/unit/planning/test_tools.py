@@ -142,6 +142,8 @@ def test_flange_countersinks_that_are_the_same_are_one_stroke() -> None:
 def test_a_punch_mark() -> None:
     (mark,) = strokes(plan(part(hole(500, diameter=0, kind="mark"))))
     assert (mark.tool.kind, mark.depth, mark.reasons) == ("punch", 1.0, ("punch-mark",))
+    (deep,) = strokes(plan(part(hole(500, diameter=0, kind="mark", depth=1.5))))
+    assert (deep.tool.kind, deep.depth) == ("punch", 1.5)
 
 
 def test_a_tool_stands_only_where_its_file_says() -> None:

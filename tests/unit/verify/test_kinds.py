@@ -149,6 +149,13 @@ def test_a_punch_mark_is_made_with_the_spindle_standing() -> None:
     ]
 
 
+def test_a_punch_mark_is_as_deep_as_the_part_says() -> None:
+    mark = web("mark", 0.0, 1.5)
+    assert messages(stroke("M48 K2 L3", 315, 80, 48.7, 33.333, turns=False), mark) == []
+    (said,) = messages(stroke("M48 K2 L3", 315, 80, 48.2, 33.333, turns=False), mark)
+    assert "punch mark on face v of P2 at x 300, y 80 made 1.000 mm deep; expected 1.500" in said
+
+
 SLOT = Slot("v", 300.0, 80.0, 18.0, 30.0, 0.0, 0.0, PLACE)
 MILL_FEED = 4.476  # 90 m/min at 16 mm, 0.15 mm a turn
 
