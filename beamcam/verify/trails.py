@@ -1,7 +1,7 @@
 """Which path makes which pocket or line to mark, and what is wrong with it."""
 
 from collections.abc import Iterator, Sequence
-from math import inf
+from math import cos, inf, radians, sin
 
 from beamcam.errors import Diagnostic
 from beamcam.verify import rules
@@ -23,15 +23,18 @@ def judge_paths(
     for need in wanted:
         kind = "mill" if isinstance(need, Pocket) else "scribe"
         from_x = drill_x + task.starts[need.part]
-        # The nearest path is meant; measuring it point by point is the dear part.
+        # The nearest path is meant, of those about one middle the one of its size; measuring it
+        # point by point is the dear part.
         near = [
-            (_apart(trail, need, from_x), trail.line, trail)
+            (*_apart(trail, need, from_x), trail.line, trail)
             for trail in left
             if trail.kind == kind and trail.face == need.face
         ]
         mark = task.parts[need.part].mark
         what = need.what if isinstance(need, Pocket) else "line to mark"
-        apart, _, trail = min(near, key=lambda n: n[:2], default=(inf, 0, None))
+        apart, _, _, trail = min(
+            near, key=lambda n: (n[0] + n[1], n[2]), default=(inf, inf, 0, None)
+        )
         if trail is None or apart > NEAR:
             yield rules.NOT_MADE.at(need.source.source, found=f"the {what}", mark=mark)
             continue
@@ -50,21 +53,28 @@ def judge_paths(
         )
 
 
-def _apart(trail: Trail, need: Pocket | Course, from_x: float) -> float:
-    """How far the middles of a path and of what it may be meant for are apart."""
-    x, y = _middle(trail.points)
+def _apart(trail: Trail, need: Pocket | Course, from_x: float) -> tuple[float, float]:
+    """How far the middles of a path and of what it may be meant for are apart, and their sizes."""
     if isinstance(need, Pocket):
+        c, s = abs(cos(radians(need.angle))), abs(sin(radians(need.angle)))
+        round_about = need.diameter - trail.diameter
         own_x, own_y = need.x, need.y
+        own_width = c * need.length + s * need.height + round_about
+        own_height = s * need.length + c * need.height + round_about
     else:
         boxes = [curve.bbox for curve in need.curves]
         corners = [(b[0], b[1]) for b in boxes] + [(b[2], b[3]) for b in boxes]
-        own_x, own_y = _middle(corners)
-    return abs(x - from_x - own_x) + abs(y - own_y)
+        own_x, own_y, own_width, own_height = _box(corners)
+    x, y, width, height = _box(trail.points)
+    apart = abs(x - from_x - own_x) + abs(y - own_y)
+    return apart, abs(width - own_width) + abs(height - own_height)
 
 
-def _middle(points: Sequence[tuple[float, float]]) -> tuple[float, float]:
+def _box(points: Sequence[tuple[float, float]]) -> tuple[float, float, float, float]:
+    """The middle of points, their width and their height."""
     xs, ys = [x for x, _ in points], [y for _, y in points]
-    return (min(xs) + max(xs)) / 2, (min(ys) + max(ys)) / 2
+    x0, x1, y0, y1 = min(xs), max(xs), min(ys), max(ys)
+    return (x0 + x1) / 2, (y0 + y1) / 2, x1 - x0, y1 - y0
 
 
 def _error(need: Pocket | Course, points: Sequence[tuple[float, float]], trail: Trail) -> float:
