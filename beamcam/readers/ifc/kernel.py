@@ -1,6 +1,8 @@
 """What the geometry kernel builds of an element: a fine shell in mm, its surfaces, and the log."""
 
+import signal
 from collections.abc import Iterable, Iterator
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -76,10 +78,26 @@ def _surfaces(solid: Any) -> Exact:
     return Exact(kept, tuple(others), _log())
 
 
+@cache
+def _kernel() -> Any:
+    """The module of the geometry kernel.
+
+    An interrupt waits until it is loaded: ifcopenshell's own code would swallow it.
+    """
+    can_wait = hasattr(signal, "pthread_sigmask")
+    if can_wait:
+        before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        import ifcopenshell.geom
+    finally:
+        if can_wait:
+            signal.pthread_sigmask(signal.SIG_SETMASK, before)
+    return ifcopenshell
+
+
 def _made(form: tuple[str, str], solid: Any) -> Any:
     """A solid in another form, by either name of its class. Raises Unreadable."""
-    from ifcopenshell import ifcopenshell_wrapper as wrapper
-
+    wrapper = _kernel().ifcopenshell_wrapper
     name = form[0] if hasattr(wrapper, form[0]) else form[1]
     try:
         return getattr(wrapper, name)(solid)
@@ -89,14 +107,11 @@ def _made(form: tuple[str, str], solid: Any) -> Any:
 
 def _solid(model: Model, element: Entity) -> Any:
     """The kernel's solid of an element. Raises Unreadable."""
-    import ifcopenshell.geom
-
     openings = [r.RelatedOpeningElement for r in getattr(element, "HasOpenings", None) or ()]
     used = [reached(each) for each in (element, *openings)]
     if any(each is None for each in used):
         raise Unreadable("geometry that contains itself")
-    geom: Any = ifcopenshell.geom
-    wrapper: Any = ifcopenshell.ifcopenshell_wrapper
+    geom, wrapper = _kernel().geom, _kernel().ifcopenshell_wrapper
     settings = geom.settings()
     settings.set("iterator-output", wrapper.NATIVE)
     settings.set("mesher-linear-deflection", CHORD)
@@ -114,10 +129,7 @@ def _solid(model: Model, element: Entity) -> Any:
 
 def _log() -> tuple[str, ...]:
     """What the kernel has said since it was last asked."""
-    import ifcopenshell
-
-    kernel: Any = ifcopenshell
-    return tuple(line for line in str(kernel.get_log()).splitlines() if line.strip())
+    return tuple(line for line in str(_kernel().get_log()).splitlines() if line.strip())
 
 
 def contains_itself(element: Entity) -> bool:
@@ -157,11 +169,9 @@ def _referred(values: tuple[Any, ...]) -> Iterator[Any]:
 
 def _file_of(model: Model) -> Any:
     """The model as the kernel reads it, once. Raises Unreadable if it does not."""
-    import ifcopenshell
-
     if not model.kernel:
         try:
-            model.kernel.append(ifcopenshell.file.from_string(model.data.decode("latin-1")))
+            model.kernel.append(_kernel().file.from_string(model.data.decode("latin-1")))
         except Exception as fault:  # the parser's own errors have no class of their own
             raise Unreadable(f"a file that the kernel does not read ({fault})") from fault
     return model.kernel[0]

@@ -1,5 +1,8 @@
 """The kernel as a second opinion."""
 
+import subprocess
+import sys
+
 import pytest
 from msgspec.structs import replace
 
@@ -153,3 +156,30 @@ def test_an_empty_data_says_nothing() -> None:
     assert found.parts[0].source == Source("m.ifc", where=found.parts[0].guid)
     assert Data().number("Length") is None
     assert pytest.approx(7.85e-6) == checks.STEEL
+
+
+INTERRUPTED = """
+import builtins, os, signal
+from beamcam.readers.ifc.kernel import _kernel
+
+real = builtins.__import__
+
+def interrupting(name, globals=None, locals=None, fromlist=(), level=0):
+    if name == "stream" and level == 1:  # in ifcopenshell's own `try` without a name
+        os.kill(os.getpid(), signal.SIGINT)
+    return real(name, globals, locals, fromlist, level)
+
+builtins.__import__ = interrupting
+try:
+    _kernel()
+    print("went on")
+except KeyboardInterrupt:
+    print("stopped")
+"""
+
+
+def test_an_interrupt_while_the_kernel_is_loaded_is_not_lost() -> None:
+    done = subprocess.run(
+        [sys.executable, "-c", INTERRUPTED], capture_output=True, text=True, check=True
+    )
+    assert done.stdout == "stopped\n"
