@@ -165,16 +165,10 @@ def _mapped(section: Section, by: Frame) -> Section:
         by.x[1] * o[0] + by.y[1] * o[1] + by.o[1],
     )
     return replace(
-        section,
-        height=section.height * x,
-        width=section.width * x,
-        flange_thickness=section.flange_thickness * x,
-        web_thickness=section.web_thickness * x,
-        radius=section.radius * x,
+        section.scaled(x),
         origin=origin,
         y=direction(section.y),
         z=direction(section.z),
-        area=section.area * x * x,
         outline=_moved(section.outline, by),
     ).right_way()
 

@@ -63,6 +63,18 @@ class Section(Struct, frozen=True, cache_hash=True):
         """An angle of equal legs with its legs exchanged."""
         return replace(self, height=self.width, width=self.height, y=self.z, z=self.y)
 
+    def scaled(self, by: float) -> "Section":
+        """The section with all its measures so many times as large, where it lies."""
+        return replace(
+            self,
+            height=self.height * by,
+            width=self.width * by,
+            flange_thickness=self.flange_thickness * by,
+            web_thickness=self.web_thickness * by,
+            radius=self.radius * by,
+            area=self.area * by * by,
+        )
+
     def right_way(self) -> "Section":
         """The section turned so that Y x Z points out of the drawing, where its form allows it."""
         if self.y[0] * self.z[1] - self.y[1] * self.z[0] > 0:

@@ -1,7 +1,6 @@
 """What a member is cut from: a section between two ends, or a plate, and how it lies."""
 
 from msgspec import Struct
-from msgspec.structs import replace
 
 from beamcam.readers.ifc.body import Swept
 from beamcam.readers.ifc.curves2d import Chain
@@ -40,7 +39,8 @@ def stock_of(model: Model, element: Entity, base: Swept) -> Stock:
     if dot(frame.x, base.along) < 0 and (section.flip_z or section.flip_y):
         section = section.flipped_z() if section.flip_z else section.flipped_y()
         frame = _frame(section, base.frame)
-    section = _scaled(section, factor)
+    if abs(factor - 1.0) >= 1e-12:
+        section = section.scaled(factor)
     reach_x = dot(frame.x, base.along)
     return Stock(section, frame, min(0.0, reach_x), max(0.0, reach_x))
 
@@ -51,20 +51,6 @@ def _frame(section: Section, at: Frame) -> Frame:
     y = unit(at.vector((*section.y, 0.0)))
     z = unit(at.vector((*section.z, 0.0)))
     return Frame(o, cross(y, z), y, z)
-
-
-def _scaled(section: Section, by: float) -> Section:
-    if abs(by - 1.0) < 1e-12:
-        return section
-    return replace(
-        section,
-        height=section.height * by,
-        width=section.width * by,
-        flange_thickness=section.flange_thickness * by,
-        web_thickness=section.web_thickness * by,
-        radius=section.radius * by,
-        area=section.area * by * by,
-    )
 
 
 def _plate_stock(plate: Plate, base: Swept, factor: float) -> Stock:
