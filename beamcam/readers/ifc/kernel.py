@@ -1,7 +1,9 @@
 """What the geometry kernel builds of an element: a fine shell in mm, its surfaces, and the log."""
 
 import signal
+import threading
 from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
 from functools import cache
 from typing import Any
 
@@ -84,15 +86,26 @@ def _kernel() -> Any:
 
     An interrupt waits until it is loaded: ifcopenshell's own code would swallow it.
     """
-    can_wait = hasattr(signal, "pthread_sigmask")
-    if can_wait:
-        before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
-    try:
+    with _interrupt_waiting():
         import ifcopenshell.geom
-    finally:
-        if can_wait:
-            signal.pthread_sigmask(signal.SIG_SETMASK, before)
     return ifcopenshell
+
+
+@contextmanager
+def _interrupt_waiting() -> Iterator[None]:
+    """An interrupt meanwhile does what it does at the end; only the main thread hears of any."""
+    before = signal.getsignal(signal.SIGINT)
+    if before is None or threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    heard: list[int] = []
+    signal.signal(signal.SIGINT, lambda number, _: heard.append(number))
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, before)
+    if heard:
+        signal.raise_signal(signal.SIGINT)
 
 
 def _made(form: tuple[str, str], solid: Any) -> Any:
