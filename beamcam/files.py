@@ -5,6 +5,8 @@ import stat
 from collections.abc import Iterable
 from contextlib import suppress
 
+REFUSED_SUFFIX = ".refused"  #: behind the name of an output whose program was refused
+
 _NEW = os.O_CREAT | os.O_EXCL | os.O_WRONLY | getattr(os, "O_BINARY", 0)
 #: A file without a name, where the system has such: a process that dies leaves nothing of it.
 _UNNAMED = getattr(os, "O_TMPFILE", 0) if os.path.isdir("/proc/self/fd") else 0

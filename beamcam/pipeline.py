@@ -28,6 +28,7 @@ from beamcam.model.part import Part
 from beamcam.model.plan import FeatureRef, Plan, SheetPlan
 from beamcam.model.work_time import WorkTime
 from beamcam.planning import Order
+from beamcam.planning.left_out import LEFT_OUT, told
 from beamcam.posts import Job, Wanted, Written, post_of
 from beamcam.readers.content import content, shown_name
 from beamcam.readers.reading import Reading
@@ -66,9 +67,31 @@ class Posted(Struct, frozen=True):
             return self.written
         return b"".join(self.written()).decode("latin-1")
 
+    @property
+    def leaves_out(self) -> bool:
+        """Whether a feature of the parts is missing from the program, as the user allowed."""
+        return any(said.code == LEFT_OUT.code for said in self.remarks)
+
     def pieces(self) -> Iterable[bytes]:
         """What stands in the file."""
-        return (self.written.encode(),) if isinstance(self.written, str) else self.written()
+        return pieces_of(self.written)
+
+
+class RefusedProgram(VerifyError):
+    """A program that was read back and does not make the parts; it can be looked at."""
+
+    def __init__(self, diagnostics: Iterable[Diagnostic], written: Written) -> None:
+        super().__init__(diagnostics)
+        self.written = written
+
+    def pieces(self) -> Iterable[bytes]:
+        """The program as it would have stood in the file."""
+        return pieces_of(self.written)
+
+
+def pieces_of(written: Written) -> Iterable[bytes]:
+    """The bytes of a program, piece by piece."""
+    return (written.encode(),) if isinstance(written, str) else written()
 
 
 def stock_of(parts: Sequence[Part]) -> Literal["beam", "sheet"]:
@@ -100,7 +123,9 @@ def read_file(path: str, strict: bool = False, **options: object) -> Reading:
 
 
 def as_error(said: Diagnostic) -> Diagnostic:
-    """A warning as an error; anything else as it is."""
+    """A warning as an error; anything else as it is, also what the user allowed by name."""
+    if said.code == LEFT_OUT.code:
+        return said
     return replace(said, severity=Severity.ERROR) if said.severity is Severity.WARNING else said
 
 
@@ -208,8 +233,9 @@ def posting(
     kind = post_of(asked.machine)
     plan = kind.plan(asked)
     yield f"planned {len(plan.operations)} operation(s)"
-    if strict and any(said.severity is Severity.WARNING for said in plan.remarks):
-        raise PlanError(map(as_error, plan.remarks))
+    remarks = (*plan.remarks, *told(plan))
+    if strict and errors_in(refused := tuple(map(as_error, remarks))):
+        raise PlanError(refused)
     program = kind.motion(plan, asked.machine, asked.name)
     if not verified:
         program = kind.unverified(program)
@@ -221,8 +247,8 @@ def posting(
         said = kind.verify(written, _wanted(asked, plan))
         yield "read the program back"
         if errors_in(said):
-            raise VerifyError(said)
-    return Posted(written, plan, (*plan.remarks, *said), program)
+            raise RefusedProgram(said, written)
+    return Posted(written, plan, (*remarks, *said), program)
 
 
 def _wanted(job: Job, plan: Plan | SheetPlan) -> Wanted:

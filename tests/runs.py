@@ -39,8 +39,8 @@ def batch(*args: object, stdin: str | None = None, command: str = "batch") -> Re
 
 def counts(result: Result) -> tuple[int, int, int, int]:
     """Posted, unchanged, refused and failed of the last line."""
-    words = result.stderr.splitlines()[-1].split()
-    assert words[1::2][:4] == ["posted,", "unchanged,", "refused,", "failed"]
+    words = result.stderr.splitlines()[-1].replace(",", "").split()
+    assert words[1::2][:4] == ["posted", "unchanged", "refused", "failed"]
     return int(words[0]), int(words[2]), int(words[4]), int(words[6])
 
 

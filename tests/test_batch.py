@@ -238,8 +238,8 @@ def test_bars_sheets_and_models_go_to_their_machines(tmp_path: Path) -> None:
     for name, suffix in names.items():
         source, target = folder / Path(name).name, tmp_path / f"one{suffix}"
         (read,) = beamcam.read(source).parts
-        # A thickness is for the drawings of the folder, which do not say theirs.
-        flat = how[4:] if read.profile.web_thickness is not None else how[2:]
+        # Thickness and map are for the drawings of the folder.
+        flat = () if read.profile.web_thickness is not None else how[2:]
         flat = how[:2] if suffix == ".gcode" else flat
         args = ["post", str(source), "-o", str(target), *flat]
         assert CliRunner().invoke(main, args).exit_code == 0

@@ -51,6 +51,13 @@ WRITE = Rule(
     "{found!r} cannot be written ({reason}); expected a folder with room that may be written to",
     "The disk is full, or the folder may not be written to. The old file, if any, still stands.",
 )
+KEPT = Rule(
+    "verify-kept",
+    Severity.NOTE,
+    "the refused program is kept in {found}; look at the lines that the messages name",
+    "A program that does not make the part is never written where a machine would take it. Under "
+    "this name it can be looked at, or sent in with a report.",
+)
 RECORD = Rule(
     "batch-record",
     Severity.WARNING,
@@ -85,6 +92,6 @@ SCHEDULER = Rule(
 )
 
 RULES = (
-    NOTHING, NOT_A_FILE, LOOP, FOLDER, NO_PART, SAME_NAME, OVER_INPUT, WRITE, RECORD, STALE,
+    NOTHING, NOT_A_FILE, LOOP, FOLDER, NO_PART, SAME_NAME, OVER_INPUT, WRITE, KEPT, RECORD, STALE,
     DIED, INTERNAL, SCHEDULER,
 )  # fmt: skip

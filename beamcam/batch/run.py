@@ -244,6 +244,11 @@ class _Run:
                 row["status"] = status
                 row["messages"].append(as_message(said))
         row["parts"] = written
+        for name, content in made.refused:
+            output = f"{below}/{name}" if below else name
+            said = self._write(output, content, slot.input.path)
+            said = said or rules.KEPT.at(Source(slot.input.path), found=output)
+            row["messages"].append(as_message(said))
 
     def _claim(self, output: str, path: str) -> Diagnostic | None:
         """Take a name for the output of an input, or say why it cannot have it."""

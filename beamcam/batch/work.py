@@ -21,10 +21,20 @@ from beamcam.batch import rules
 from beamcam.batch.names import Names, output_name
 from beamcam.collector import collector_resting
 from beamcam.errors import BeamcamError, PlanError, ReadError, Source, errors_in
+from beamcam.files import REFUSED_SUFFIX
 from beamcam.machine.machine import Formula, Machine
 from beamcam.model.part import Part
 from beamcam.model.plan import ContourOp, Plan
-from beamcam.pipeline import Posted, as_error, counted, parts_of, posting, sound, stock_of
+from beamcam.pipeline import (
+    Posted,
+    RefusedProgram,
+    as_error,
+    counted,
+    parts_of,
+    posting,
+    sound,
+    stock_of,
+)
 from beamcam.planning.stock import from_store
 from beamcam.posts import Job
 from beamcam.readers import read
@@ -97,6 +107,7 @@ class Made(Struct, frozen=True):
     index: int
     row: Row
     outputs: tuple[tuple[str, bytes], ...]  #: names below the input's folder, and contents
+    refused: tuple[tuple[str, bytes], ...] = ()  #: programs that the read-back refused, likewise
 
 
 def make_all(tasks: Sequence[Task], shop: Shop) -> list[Made]:
@@ -130,9 +141,10 @@ def making(task: Task, shop: Shop) -> Generator[str, None, Made]:
         "file": task.name, "status": "posted", "format": "", "seconds": 0.0, "parts": [],
         "messages": [],
     }  # fmt: skip
-    outputs: tuple[tuple[str, bytes], ...] = ()
+    outputs: list[tuple[str, bytes]] = []
+    refused: list[tuple[str, bytes]] = []
     try:
-        outputs = yield from _post_all(task, shop, row)
+        yield from _post_all(task, shop, row, outputs, refused)
     except BeamcamError as error:
         row["status"] = "refused"
         row["messages"] += map(as_message, error.diagnostics)
@@ -146,8 +158,8 @@ def making(task: Task, shop: Shop) -> Generator[str, None, Made]:
             Source(task.name), found=f"{found}: {error}" if str(error) else found
         )
         row["messages"].append(as_message(said))
-        row["parts"], outputs = [], ()
-    return Made(task.index, row, outputs)
+        row["parts"], outputs = [], []
+    return Made(task.index, row, tuple(outputs), tuple(refused))
 
 
 def _no_clock() -> float:
@@ -155,9 +167,16 @@ def _no_clock() -> float:
 
 
 def _post_all(
-    task: Task, shop: Shop, row: Row
-) -> Generator[str, None, tuple[tuple[str, bytes], ...]]:
-    """The programs of all parts of a file that can be made; the others refuse the file."""
+    task: Task,
+    shop: Shop,
+    row: Row,
+    outputs: list[tuple[str, bytes]],
+    refused: list[tuple[str, bytes]],
+) -> Generator[str, None, None]:
+    """Add the programs of all parts of a file that can be made; the others refuse the file.
+
+    Programs that the read-back refuses are added to `refused`.
+    """
     reading = read(task.data, task.name, **shop.reading)
     yield "read the file"
     row["format"] = reading.format
@@ -172,18 +191,20 @@ def _post_all(
     if not parts:
         raise ReadError(rules.NO_PART.at(Source(task.name)))
     stem = os.path.splitext(os.path.basename(task.name))[0]
-    outputs: list[tuple[str, bytes]] = []
     names = Names()
     for number, part in enumerate(parts, 1):
         machine = shop.machine_for(part)
+        name = output_name(shop.name, stem, part, number, len(parts) > 1, machine)
         try:
             posted = yield from post_part(part, machine, shop)
         except BeamcamError as error:
+            if isinstance(error, RefusedProgram):
+                kept = names.take(name + REFUSED_SUFFIX, part.mark)
+                refused.append((kept, b"".join(error.pieces())))
             row["status"] = "refused"
             row["messages"] += map(as_message, error.diagnostics)
             continue
         row["messages"] += map(as_message, posted.remarks)
-        name = output_name(shop.name, stem, part, number, len(parts) > 1, machine)
         other = names.owner(name)
         if other is not None and shop.name is not None:
             row["status"] = "refused"
@@ -194,7 +215,6 @@ def _post_all(
         content = posted.text.encode("utf-8")
         outputs.append((name, content))
         row["parts"].append(_part_row(part, posted, name, content, machine, shop.timed))
-    return tuple(outputs)
 
 
 def post_part(part: Part, machine: Machine, shop: Shop) -> Generator[str, None, Posted]:
@@ -242,10 +262,20 @@ def _part_row(
         "bar": plan.bar.length if isinstance(plan, Plan) else 0.0,
         "ledger": cast(Ledger, ledger),
         "skipped_by": dict(sorted(skipped_by.items())),
+        "mapped": _mapped(part, machine),
         "tools": sorted({_tool_name(op) for op in _of_each_tool(plan.operations)}),
         "operations": len(plan.operations),
         "machine_time_s": round(posted.time(machine).total_s, 3) if timed else None,
     }
+
+
+def _mapped(part: Part, machine: Machine) -> dict[str, int]:
+    """The curves that each key of the machine's map of colours and layers stands for."""
+    if machine.torch is None:
+        return {}
+    from beamcam.planning.map_keys import curves_by_key
+
+    return dict(sorted(curves_by_key((part,), machine.torch.colours).items()))
 
 
 def _of_each_tool(operations: Iterable[object]) -> Iterable[object]:

@@ -16,6 +16,7 @@ from beamcam.commands.running import (
     ended_by_term,
     run_options,
     shop_of,
+    unmatched_keys,
     unused,
     workers_of,
 )
@@ -39,6 +40,7 @@ def command(
     scheduler: str | None,
     redo: bool,
     report: str | None,
+    exit_left_out: int | None,
     voice: Voice,
     **asked: Any,
 ) -> None:
@@ -81,6 +83,9 @@ def command(
             voice.stop(error.diagnostics)
         finally:
             rows.close()
+        unmatched = [as_message(d) for d in unmatched_keys(config, screen.counts)]
+        screen.say(unmatched)
+        said += unmatched
         try:
             account.write(screen.counts, said)
         except OSError as error:
@@ -95,6 +100,8 @@ def command(
         raise SystemExit(INTERRUPTED)
     if screen.counts.refused or screen.counts.failed or any(m["severity"] == "error" for m in said):
         raise SystemExit(REFUSED)
+    if screen.counts.left_out and exit_left_out is not None:
+        raise SystemExit(exit_left_out)
 
 
 def _names(inputs: tuple[str, ...]) -> tuple[str, ...]:

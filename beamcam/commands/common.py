@@ -11,7 +11,7 @@ import click
 
 from beamcam.commands.rules import ACCOUNT, CANNOT_WRITE
 from beamcam.errors import Diagnostic, Severity, Source
-from beamcam.files import write_whole
+from beamcam.files import REFUSED_SUFFIX, write_whole
 
 if TYPE_CHECKING:
     from beamcam.readers.reading import Reading
@@ -130,6 +130,21 @@ def write(output: str, data: str | bytes | Iterable[bytes], voice: Voice) -> Non
     except OSError as error:
         voice.stop([cannot_write(output, error)])
     voice.did(f"wrote {output}")
+
+
+def keep_refused(output: str, pieces: Iterable[bytes]) -> Iterator[Diagnostic]:
+    """Keep a program that the read-back refused beside its output, and say where it is."""
+    if output == STANDARD or (os.path.exists(output) and not os.path.isfile(output)):
+        return
+    from beamcam.batch.rules import KEPT
+
+    kept = output + REFUSED_SUFFIX
+    try:
+        write_whole(kept, pieces)
+    except OSError as error:
+        yield cannot_write(kept, error)
+    else:
+        yield KEPT.at(Source(output), found=kept)
 
 
 def cannot_write(output: str, error: OSError) -> Diagnostic:

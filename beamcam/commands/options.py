@@ -116,6 +116,12 @@ skips = click.option(
     type=click.Choice([*SKIP_NAMES, NO_SKIPS]),
     help="Leave out what the machine cannot make, of this kind only; may be repeated.",
 )
+exit_left_out = click.option(
+    "--exit-left-out",
+    type=click.IntRange(1, 125),
+    metavar="STATUS",
+    help="Exit status where --allow-skips left something out; else it is 0.",
+)
 strict = click.option(
     "--strict/--no-strict", default=None, help="Let warnings refuse a part as errors do."
 )

@@ -19,6 +19,7 @@ from beamcam.pipeline import as_error
 from beamcam.planning import Order, plan_bar
 from beamcam.planning.choose import Trial, try_turns
 from beamcam.planning.explain import Explanation, explain
+from beamcam.planning.left_out import told
 from beamcam.planning.stock import from_store
 from beamcam.report.ledger import ledger_of
 from beamcam.report.run import as_message
@@ -74,14 +75,15 @@ def command(
             config.stock_lengths,
             max((part.length for part in parts), default=0.0),
         )
-        if config.strict and errors_in(remarks := tuple(map(as_error, plan.remarks))):
-            raise PlanError(remarks)
+        remarks = (*plan.remarks, *told(plan))
+        if config.strict and errors_in(refused := tuple(map(as_error, remarks))):
+            raise PlanError(refused)
         trials = [(part, try_turns(part, machine, skips)) for part in _each(parts)] if turn else []
     except BeamcamError as error:
         voice.stop((*said, *error.diagnostics))
     voice.did(f"planned {len(plan.operations)} operation(s): {ledger_of(plan.outcomes)}")
     explained = explain(plan, machine)
-    said = (*said, *plan.remarks)
+    said = (*said, *remarks)
     record = plan_record(plan, explained, machine, trials, said)
     _print(output, voice, as_json, plan_lines(plan, explained, machine, trials), record, said)
 
@@ -97,10 +99,11 @@ def _planned_sheet(
     plan = kind.plan(Job(parts, machine, skips=config.allow_skips))
     if not isinstance(plan, SheetPlan):
         raise TypeError(f"{machine.name} has a plan for bars")
-    if config.strict and errors_in(remarks := tuple(map(as_error, plan.remarks))):
-        raise PlanError(remarks)
+    remarks = (*plan.remarks, *told(plan))
+    if config.strict and errors_in(refused := tuple(map(as_error, remarks))):
+        raise PlanError(refused)
     time = kind.time(plan, kind.motion(plan, machine, config.job), machine)
-    said = (*said, *plan.remarks)
+    said = (*said, *remarks)
     return sheet_lines(plan, time, machine), sheet_record(plan, time, machine, said), said
 
 

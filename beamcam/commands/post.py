@@ -6,12 +6,12 @@ import click
 
 from beamcam.collector import collector_resting
 from beamcam.commands import options
-from beamcam.commands.common import Voice, write
+from beamcam.commands.common import Voice, keep_refused, write
 from beamcam.commands.parts import part_options, read_parts
-from beamcam.commands.settings import machine_for, settled
+from beamcam.commands.settings import machine_for, map_remarks, settled
 from beamcam.commands.tables import job_name, outputs, table_style
 from beamcam.errors import BeamcamError, Diagnostic
-from beamcam.pipeline import Posted, post, untold
+from beamcam.pipeline import Posted, RefusedProgram, post, untold
 from beamcam.planning import Order
 from beamcam.planning.stock import from_store
 
@@ -24,6 +24,7 @@ from beamcam.planning.stock import from_store
 @options.bar
 @options.job_name
 @options.skips
+@options.exit_left_out
 @options.order
 @click.option(
     "--style",
@@ -44,6 +45,7 @@ def command(
     style: str | None,
     turn: bool,
     no_verify: bool,
+    exit_left_out: int | None,
     as_json: bool,
     voice: Voice,
     **asked: Any,
@@ -67,6 +69,7 @@ def command(
         config = settled(asked, inputs)
         parts, said = read_parts(inputs, config, asked, voice)
         machine = machine_for(config, parts, output)
+        said += map_remarks(config, parts, machine)
         style = table_style(machine, output, style)
         job = job_name(config, machine, output)
 
@@ -77,6 +80,8 @@ def command(
             )  # fmt: skip
 
         posted = from_store(made, config.stock_lengths, max((p.length for p in parts), default=0.0))
+    except RefusedProgram as error:
+        voice.stop((*said, *error.diagnostics, *keep_refused(output, error.pieces())))
     except BeamcamError as error:
         voice.stop((*said, *error.diagnostics))
     if voice.verbose:
@@ -86,3 +91,5 @@ def command(
     for path, content in outputs(posted, machine, output):
         write(path, content, voice)
     voice.say((*said, *posted.remarks))
+    if posted.leaves_out and exit_left_out is not None:
+        raise SystemExit(exit_left_out)

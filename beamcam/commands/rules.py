@@ -54,4 +54,6 @@ ACCOUNT = Rule(
     "What was done and how long it took, under `--verbose` with `--json`.",
 )
 
-RULES = (OUTPUT_FORMAT, ONE_PART, NO_PART, CANNOT_WRITE, OVER_INPUT, RENAMED, WRITTEN, ACCOUNT)
+RULES = (
+    OUTPUT_FORMAT, ONE_PART, NO_PART, CANNOT_WRITE, OVER_INPUT, RENAMED, WRITTEN, ACCOUNT,
+)  # fmt: skip

@@ -55,6 +55,7 @@ run_options = options.group(
     ),
     click.option("--flat/--tree", default=None, help="All outputs in one folder, or as inputs."),
     options.skips,
+    options.exit_left_out,
     selection_options,
     drawing_options,
     torch_options,
@@ -106,6 +107,15 @@ def unused(found: Found, config: Config) -> tuple[Diagnostic, ...]:
     used = config.file and os.path.realpath(config.file)
     others = (path for path in found.configurations if os.path.realpath(path) != used)
     return tuple(UNUSED.at(Source(path)) for path in others)
+
+
+def unmatched_keys(config: Config, counts: Counts) -> tuple[Diagnostic, ...]:
+    """A note for each key of the job's map that no drawing of a whole run has curves for."""
+    if not config.map or not counts.mapped:
+        return ()
+    from beamcam.planning.map_keys import idle
+
+    return tuple(idle(config.map, counts.mapped, Source(config.file or "--map")))
 
 
 def workers_of(shop: Shop, jobs: int | None, scheduler: str | None, most: int) -> Workers:
@@ -167,9 +177,9 @@ class Screen:
             self._draw()
 
     def say(self, messages: Iterable[Message]) -> None:
-        """Print what is said about the run as a whole."""
+        """Print what is said about the run as a whole; it is little, so that notes count too."""
         for said in messages:
-            if said["severity"] in self._wanted:
+            if self._voice.wants(Severity(said["severity"])):
                 self._clear()
                 click.echo(message_line(said), err=True)
 

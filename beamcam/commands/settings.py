@@ -9,7 +9,7 @@ from pathlib import PurePath
 from typing import Any
 
 from beamcam.config.values import COMMAND_LINE, Config, Stock, beside, over
-from beamcam.errors import PlanError, Source
+from beamcam.errors import Diagnostic, PlanError, Source
 from beamcam.machine import Machine, load
 from beamcam.model.part import Part
 from beamcam.pipeline import SHEET_MACHINES, default_machine, stock_of
@@ -72,6 +72,30 @@ def _agree_on_thickness(config: Config, parts: Sequence[Part]) -> None:
 
             said = OTHER_THICKNESS.at(part.source, found=f"{asked:g}", expected=f"{own:g}")
             raise PlanError(said)
+
+
+def map_remarks(config: Config, parts: Sequence[Part], machine: Machine) -> tuple[Diagnostic, ...]:
+    """A note for each key of a configured map that no curve of the parts has.
+
+    Raises PlanError for a key of the command line that matches nothing: it was meant for these
+    very parts.
+    """
+    if not config.map or machine.torch is None:
+        return ()
+    from beamcam.planning.map_keys import curves_by_key, idle, unmatched
+
+    here = {k: v for k, v in config.map.items() if _is_asked(config, k)}
+    table = machine.torch.colours
+    if refused := tuple(unmatched(here, parts, table)):
+        raise PlanError(refused)
+    configured = [key for key in config.map if key not in here]
+    used = curves_by_key(parts, table) if configured else ()
+    return tuple(idle(configured, used, Source(config.file or "configuration")))
+
+
+def _is_asked(config: Config, key: str) -> bool:
+    """Whether the command line has that key of the map."""
+    return config.sources.get(f"map.{key}") == COMMAND_LINE
 
 
 def machine_for_program(config: Config, program: str) -> Machine:

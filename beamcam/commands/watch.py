@@ -40,6 +40,7 @@ def command(
     settle: float,
     every: float,
     once: bool,
+    exit_left_out: int | None,
     voice: Voice,
     **asked: Any,
 ) -> None:
@@ -97,6 +98,8 @@ def command(
         screen.end()
     if screen.counts.refused or screen.counts.failed:
         raise SystemExit(REFUSED)
+    if screen.counts.left_out and exit_left_out is not None:
+        raise SystemExit(exit_left_out)
 
 
 def _make(folder: str) -> None:

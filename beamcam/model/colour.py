@@ -135,20 +135,25 @@ def colour_name(colour: str) -> str:
 
 
 def process_of(contour: Contour, table: Mapping[str, Process]) -> Process | None:
-    """What `table` says is done with `contour`; None if it says nothing about it.
+    """What `table` says is done with `contour`; None if it says nothing about it."""
+    key = key_of(contour, table)
+    return None if key is None else table[key]
 
-    The keys of the table are layer names (any case) and colours ("red", "#0000FF"). The layer
-    decides before the colour, an equal colour before one that is only near in hue.
+
+def key_of(contour: Contour, table: Iterable[str]) -> str | None:
+    """The key of `table` that stands for `contour`; None if there is none.
+
+    The keys are layer names (any case) and colours ("red", "#0000FF"). The layer decides before
+    the colour, an equal colour before one that is only near in hue.
     """
     if contour.layer is not None:
         wanted = contour.layer.casefold()
-        for key, process in table.items():
+        for key in table:
             if key.casefold() == wanted:
-                return process
+                return key
     if contour.colour is None:
         return None
-    key_found = nearest_colour(contour.colour, [key for key in table if _is_colour(key)])
-    return None if key_found is None else table[key_found]
+    return nearest_colour(contour.colour, [key for key in table if _is_colour(key)])
 
 
 def _is_colour(key: str) -> bool:

@@ -3,11 +3,12 @@
 The rows are plain data, so that they pass between processes and into a report as they are.
 """
 
+from collections import Counter as Tally
 from collections.abc import Iterable, Iterator
 from typing import Any, Literal, TypedDict
 
 import msgspec
-from msgspec import Struct
+from msgspec import Struct, field
 
 from beamcam.errors import Diagnostic, one_line
 
@@ -17,6 +18,9 @@ SCHEMA = "beamcam/run/1"
 #: refused for what is in it; failed for what is around it (the disk, a process, a fault here).
 Status = Literal["posted", "unchanged", "refused", "failed"]
 STATUSES: tuple[Status, ...] = ("posted", "unchanged", "refused", "failed")
+
+
+MAP_IGNORE = "map-ignore"  #: how the ledger calls what the map of colours and layers ignores
 
 
 class Message(TypedDict):
@@ -53,6 +57,7 @@ class PartRow(TypedDict):
     bar: float  #: length of the bar, mm; 0 for a sheet
     ledger: Ledger
     skipped_by: dict[str, int]  #: code -> number of features
+    mapped: dict[str, int]  #: colour or layer of the map -> number of curves of a drawing
     tools: list[str]
     operations: int
     machine_time_s: float | None  #: None where it was not asked for
@@ -76,17 +81,25 @@ class Counts(Struct):
     unchanged: int = 0
     refused: int = 0
     failed: int = 0
+    left_out: int = 0  #: features that --allow-skips let be missing from programs
+    mapped: Tally[str] = field(default_factory=Tally)  #: curves by key of the map
 
     def add(self, row: Row) -> None:
-        """Count one file."""
+        """Count one file, and what its programs leave out."""
         setattr(self, row["status"], getattr(self, row["status"]) + 1)
+        for part in row["parts"]:
+            self.left_out += sum(
+                count for code, count in part["skipped_by"].items() if code != MAP_IGNORE
+            )
+            self.mapped.update(part["mapped"])
 
     @property
     def total(self) -> int:
         return self.posted + self.unchanged + self.refused + self.failed
 
     def __str__(self) -> str:
-        return ", ".join(f"{getattr(self, status)} {status}" for status in STATUSES)
+        counts = [f"{getattr(self, status)} {status}" for status in STATUSES]
+        return ", ".join([*counts, *([f"{self.left_out} left out"] if self.left_out else [])])
 
 
 def as_message(said: Diagnostic) -> Message:

@@ -1,0 +1,97 @@
+"""What a program does not make of its parts, or makes otherwise than by cutting, told by name.
+
+Nothing that a part has is missing from a program without a word: what was left out because
+`--allow-skips` names its kind is a warning at the feature, and lines that the map of colours and
+layers takes away from cutting are a note with their number.
+"""
+
+from collections import Counter
+from collections.abc import Iterator
+
+from beamcam.errors import Diagnostic, Rule, Severity, Source
+from beamcam.model.colour import colour_name
+from beamcam.model.part import Bend, Camber, Contour, EndPlane, Feature, Hole, Slot, TextMark
+from beamcam.model.plan import Outcome, Plan, SheetPlan
+
+LEFT_OUT = Rule(
+    "plan-left-out",
+    Severity.WARNING,
+    "found {what}, which the machine cannot make; left out, as --allow-skips {kind} allows",
+    "The part is not finished when the program ends: what is left out has to be made by hand or "
+    "on another machine. `--exit-left-out` gives it an exit status of its own.",
+)
+NOT_CUT = Rule(
+    "plan-not-cut",
+    Severity.NOTE,
+    "found {count} curve(s) {look}; the map has them {how}, not cut",
+    "A colour or a layer that is mapped to mark, engrave or ignore leaves no cut in the sheet.",
+)
+RULES = (LEFT_OUT, NOT_CUT)
+
+MAPPED_AWAY = {"map-ignore": "ignored", "mark": "marked", "engrave": "engraved"}
+
+
+def told(plan: Plan | SheetPlan) -> Iterator[Diagnostic]:
+    """A warning for each feature that was left out, and a note for each look that is not cut."""
+    skipped = [o for o in plan.outcomes if o.how == "skipped" and o.by not in MAPPED_AWAY]
+    # A part that lies on the bar several times is told of once.
+    yield from dict.fromkeys(_left_out(plan, outcome) for outcome in skipped)
+    if isinstance(plan, SheetPlan):
+        yield from _not_cut(plan)
+
+
+def _left_out(plan: Plan | SheetPlan, outcome: Outcome) -> Diagnostic:
+    piece, index = outcome.feature
+    feature = plan.pieces[piece].part.features[index]
+    kind = outcome.by.removeprefix("plan-")
+    return LEFT_OUT.at(feature.source, what=description(feature), kind=kind)
+
+
+def _not_cut(plan: SheetPlan) -> Iterator[Diagnostic]:
+    """The curves by colour and layer that the map takes away from cutting."""
+    curves: Counter[tuple[str | None, str | None, str]] = Counter()
+    first: dict[tuple[str | None, str | None, str], Source] = {}
+    features = plan.pieces[0].part.features
+    for outcome in plan.outcomes:
+        feature = features[outcome.feature[1]]
+        if outcome.by not in MAPPED_AWAY or not isinstance(feature, Contour):
+            continue
+        look = feature.layer, feature.colour, outcome.by
+        if look[:2] != (None, None):
+            curves[look] += len(feature.curves)
+            first.setdefault(look, feature.source)
+    for look, count in curves.items():
+        named = _named(*look[:2])
+        yield NOT_CUT.at(first[look], count=count, look=named, how=MAPPED_AWAY[look[2]])
+
+
+def _named(layer: str | None, colour: str | None) -> str:
+    words = [] if colour is None else [f"of colour {colour_name(colour)}"]
+    return " ".join([*words, *([] if layer is None else [f"on layer {layer!r}"])])
+
+
+def description(feature: Feature) -> str:
+    """A feature in words: what it is, its size and its place on its face."""
+    match feature:
+        case Hole():
+            kind = "hole" if feature.kind == "through" else feature.kind
+            return f"{kind} {feature.diameter:g} {_at(feature)}"
+        case Slot():
+            size = f"{feature.length + feature.diameter:g} x {feature.height + feature.diameter:g}"
+            return f"slot {size} {_at(feature)}"
+        case Contour():
+            cut = feature.process == "cut"
+            what = f"{feature.kind} contour" if cut else f"line to {feature.process}"
+            return f"{what} of {len(feature.curves)} curve(s) on face {feature.face}"
+        case TextMark():
+            return f"text {feature.text!r} {_at(feature)}"
+        case Bend():
+            return f"bend of {feature.angle:g} degrees"
+        case EndPlane():
+            return "end plane"
+        case Camber():
+            return f"camber {_at(feature)}"
+
+
+def _at(feature: Hole | Slot | TextMark | Camber) -> str:
+    return f"on face {feature.face} at x {feature.x:g}, y {feature.y:g}"

@@ -1,0 +1,152 @@
+"""What a program does not make is told, in every command that writes one."""
+
+import json
+from pathlib import Path
+
+import pytest
+from click.testing import CliRunner, Result
+from msgspec.structs import replace
+
+from beamcam import pipeline
+from beamcam.cli import main
+from beamcam.errors import Diagnostic, Severity, Source
+from beamcam.machine import load
+from beamcam.model.part import Camber, Contour, EndPlane, Feature, TextMark
+from beamcam.planning.left_out import LEFT_OUT, NOT_CUT, description
+from beamcam.planning.map_keys import IDLE, UNMATCHED
+from beamcam.posts import post_of
+from tests.conftest import SAMPLES
+from tests.runs import batch, counts, report
+from tests.unit.sheets.parts import S
+
+SLOT = str(SAMPLES / "bad" / "slot.nc1")
+COPE = str(SAMPLES / "bad" / "cope.nc1")
+PLATE = str(SAMPLES / "dxf" / "plate.dxf")
+
+
+def call(*words: object) -> Result:
+    done = CliRunner().invoke(main, [*map(str, words)])
+    assert done.exception is None or isinstance(done.exception, SystemExit), done.exception
+    return done
+
+
+def said(result: Result) -> list[tuple[str, int | None, str]]:
+    """Code, line and severity of each message of a call with --json."""
+    return [(m["code"], m["line"], m["severity"]) for m in json.loads(result.stderr)]
+
+
+@pytest.mark.parametrize(("sample", "kind"), [(SLOT, "slot"), (COPE, "cope")])
+def test_a_feature_that_is_left_out_is_a_warning_at_its_line(
+    sample: str, kind: str, tmp_path: Path
+) -> None:
+    target = tmp_path / "a.gcode"
+    refused = call("post", sample, "-o", target, "--json")
+    wanted = [line for code, line, _ in said(refused) if code == f"plan-{kind}"]
+    assert refused.exit_code == 1
+    assert wanted
+    assert not target.exists()
+    done = call("post", sample, "-o", target, "--allow-skips", kind, "--json")
+    assert done.exit_code == 0
+    assert target.exists()
+    left = [(line, weight) for code, line, weight in said(done) if code == LEFT_OUT.code]
+    assert left == [(line, "warning") for line in wanted]
+
+
+def test_what_is_left_out_has_an_exit_status_if_asked_for(tmp_path: Path) -> None:
+    words = ("--allow-skips", "slot", "--exit-left-out", 3)
+    assert call("post", SLOT, "-o", tmp_path / "a.gcode", *words).exit_code == 3
+    whole = call("post", SAMPLES / "dstv/channel.nc1", "-o", tmp_path / "b.gcode", *words)
+    assert whole.exit_code == 0
+    for status in (0, 126):
+        wrong = call("post", SLOT, "-o", tmp_path / "c.gcode", "--exit-left-out", status)
+        assert wrong.exit_code == 2
+    done = batch(SLOT, "-o", tmp_path / "out", *words)
+    assert (done.exit_code, counts(done)) == (3, (1, 0, 0, 0))
+    assert "plan-left-out" in done.stderr
+    assert done.stderr.endswith("0 failed, 1 left out\n")
+    again = batch(SLOT, "-o", tmp_path / "out", *words)
+    assert (again.exit_code, counts(again)) == (3, (0, 1, 0, 0))
+    refused = batch(SLOT, COPE, "-o", tmp_path / "out", *words)
+    assert refused.exit_code == 1
+
+
+def test_strict_takes_what_is_allowed_by_name(tmp_path: Path) -> None:
+    done = call("post", SLOT, "-o", tmp_path / "a", "--allow-skips", "slot", "--strict")
+    assert done.exit_code == 0
+    assert LEFT_OUT.code in done.stderr
+
+
+def test_a_part_that_lies_on_the_bar_twice_is_told_of_once(tmp_path: Path) -> None:
+    words = ("--allow-skips", "slot", "--bar", 12000)
+    done = call("post", SLOT, SLOT, "-o", tmp_path / "a", *words)
+    assert done.exit_code == 0
+    assert done.stderr.count(LEFT_OUT.code) == 1
+
+
+def test_curves_that_the_map_does_not_cut_are_a_note_with_their_number(tmp_path: Path) -> None:
+    how = ("--thickness", 3, "--map", "ETCH=ignore", "--map", "red=mark")
+    done = call("post", PLATE, "-o", tmp_path / "a.ngc", *how)
+    assert done.exit_code == 0
+    told = [line for line in done.stderr.splitlines() if NOT_CUT.code in line]
+    assert [line.split("found ")[1] for line in told] == [
+        "16 curve(s) of colour red on layer 'CUT'; the map has them marked, not cut",
+        "1 curve(s) of colour blue on layer 'ETCH'; the map has them ignored, not cut",
+    ]
+
+
+def test_a_key_of_the_map_that_no_curve_has_is_refused(tmp_path: Path) -> None:
+    target = tmp_path / "a.ngc"
+    done = call("post", PLATE, "-o", target, "--thickness", 3, "--map", "gren=cut")
+    assert done.exit_code == 1
+    assert not target.exists()
+    assert f"{UNMATCHED.code}: found --map gren=cut" in done.stderr
+    assert "ETCH" in done.stderr
+
+
+def test_a_configured_key_that_no_curve_has_is_a_note(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("beamcam.toml").write_text('[map]\ngren = "cut"\nETCH = "mark"\n')
+    Path("plate.dxf").write_bytes(Path(PLATE).read_bytes())
+    Path("gasket.dxf").write_bytes(Path(PLATE).read_bytes())
+    done = call("post", "plate.dxf", "-o", "a.ngc", "--thickness", 3)
+    assert done.exit_code == 0
+    assert done.stderr.count(IDLE.code) == 1
+    assert "gren" in done.stderr
+    run = batch("plate.dxf", "gasket.dxf", "-o", "out", "--thickness", 3, "--report", "r.json")
+    assert run.stderr.count(IDLE.code) == 1
+    assert counts(run) == (2, 0, 0, 0)
+    (row, _) = report(Path("r.json"))["files"]
+    assert row["parts"][0]["mapped"]["ETCH"] == 1
+
+
+def test_a_refused_program_is_kept_beside_its_output(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    sample = SAMPLES / "dstv/channel.nc1"
+    fault = Diagnostic(Source("JOB", 3), Severity.ERROR, "verify-no-feed", "found none")
+    row = replace(post_of(load("beamline")), verify=lambda *_: (fault,))
+    monkeypatch.setattr(pipeline, "post_of", lambda machine: row)
+    target = tmp_path / "a.gcode"
+    done = call("post", sample, "-o", target)
+    assert done.exit_code == 1
+    assert not target.exists()
+    assert "% JOB" in (tmp_path / "a.gcode.refused").read_text()
+    assert f"kept in {target}.refused" in done.stderr
+    assert call("post", sample, "-o", "-").stdout == ""
+    call("batch", sample, "-o", tmp_path / "out")
+    assert sorted(p.name for p in (tmp_path / "out").glob("*gcode*")) == ["channel.gcode.refused"]
+
+
+@pytest.mark.parametrize(
+    ("feature", "words"),
+    [
+        (TextMark("v", 10, 20, 0, 15, "A1", S), "text 'A1' on face v at x 10, y 20"),
+        (EndPlane((0, 0, 0), (-1, 0, 0), S), "end plane"),
+        (Camber("v", 5, 0, S), "camber on face v at x 5, y 0"),
+        (Contour("v", "inner", (), S, "punch"), "line to punch of 0 curve(s) on face v"),
+    ],
+)
+def test_a_feature_in_words(feature: Feature, words: str) -> None:
+    assert description(feature) == words
