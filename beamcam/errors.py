@@ -10,13 +10,7 @@ from enum import Enum
 
 from msgspec import Struct
 
-#: How a sign is shown that would break a line or steer a terminal.
-_SIGNS = {code: f"\\x{code:02x}" for code in (*range(32), 127)} | {9: "\\t", 10: "\\n", 13: "\\r"}
-
-
-def one_line(text: str) -> str:
-    """`text` as it is shown to people: what a name has of line ends and the like is spelled out."""
-    return text if text.isprintable() else text.translate(_SIGNS)
+from beamcam.plain_text import terminal_text
 
 
 class Severity(Enum):
@@ -52,7 +46,7 @@ class Diagnostic(Struct, frozen=True):
     message: str
 
     def __str__(self) -> str:
-        return one_line(f"{self.source}: {self.severity.value} {self.code}: {self.message}")
+        return terminal_text(f"{self.source}: {self.severity.value} {self.code}: {self.message}")
 
 
 class Rule(Struct, frozen=True):

@@ -1,6 +1,5 @@
 """`beamcam check`: a folder of golden programs, posted again and compared."""
 
-import json
 import re
 from pathlib import Path
 from typing import Any
@@ -11,7 +10,7 @@ from msgspec.structs import asdict
 
 from beamcam import readers
 from beamcam.commands import options
-from beamcam.commands.common import REFUSED, Voice
+from beamcam.commands.common import REFUSED, Voice, say_json, say_lines
 from beamcam.commands.programs import program_text
 from beamcam.commands.settings import machine_for, settled
 from beamcam.commands.tables import outputs, table_style
@@ -99,13 +98,13 @@ def command(
             }
             for r in results
         ]
-        click.echo(json.dumps(records, ensure_ascii=False, indent=1))
+        say_json(records)
     else:
         for r in results:
             _show(r, voice)
         same = sum(r.result == "same" for r in results)
         if not voice.quiet:
-            click.echo(f"{same} of {len(results)} programs are the same")
+            say_lines([f"{same} of {len(results)} programs are the same"])
     voice.end()
     if any(r.result != "same" for r in results):
         raise SystemExit(REFUSED)
@@ -114,9 +113,8 @@ def command(
 def _show(checked: Checked, voice: Voice) -> None:
     texts = {"bytes": "another text that means the same", "differs": "makes something else"}
     if checked.result != "same":
-        click.echo(f"{checked.path}: {texts.get(checked.result, checked.result)}")
-    for difference in checked.differences:
-        click.echo(f"  {difference.text}")
+        say_lines([f"{checked.path}: {texts.get(checked.result, checked.result)}"])
+    say_lines(f"  {difference.text}" for difference in checked.differences)
     voice.say(checked.diagnostics)
 
 

@@ -1,7 +1,6 @@
 """`beamcam codes`: every code that a message can have, and why it matters."""
 
 import importlib
-import json
 import pkgutil
 from collections.abc import Iterator
 
@@ -9,6 +8,7 @@ import click
 
 import beamcam
 from beamcam.commands import options
+from beamcam.commands.common import say_json
 from beamcam.errors import Rule
 
 
@@ -59,7 +59,7 @@ def command(markdown: bool, as_json: bool) -> None:
             {"code": r.code, "severity": r.severity.value, "message": r.message, "why": r.reason}
             for r in rules
         ]
-        click.echo(json.dumps(rows, ensure_ascii=False, indent=1))
+        say_json(rows)
     else:
         for rule in rules:
             click.echo(f"{rule.code}  {rule.severity.value}\n    {rule.message}\n    {rule.reason}")

@@ -12,6 +12,7 @@ import click
 from beamcam.commands.rules import ACCOUNT, CANNOT_WRITE
 from beamcam.errors import Diagnostic, Severity, Source
 from beamcam.files import REFUSED_SUFFIX, write_whole
+from beamcam.plain_text import json_text, terminal_text
 
 if TYPE_CHECKING:
     from beamcam.readers.reading import Reading
@@ -44,7 +45,7 @@ class Voice:
             self._account.clear()
         else:
             for one in said:
-                click.echo(str(one), err=True)
+                say_lines([str(one)], err=True)
 
     def did(self, what: str) -> None:
         """Tell a step that is done, and the time since the one before."""
@@ -56,7 +57,7 @@ class Voice:
         if self.as_json:
             self._account.append(ACCOUNT.at(Source("beamcam"), found=text))
         else:
-            click.echo(text, err=True)
+            say_lines([text], err=True)
 
     def end(self) -> None:
         """Say what was kept of the steps done, where nothing else was to be said."""
@@ -69,12 +70,28 @@ class Voice:
         raise SystemExit(REFUSED)
 
 
-def _echo_json(diagnostics: Iterable[Diagnostic]) -> None:
+def say_lines(lines: Iterable[str], err: bool = False) -> None:
+    """Print lines for people, without anything in them that a terminal obeys."""
+    for line in lines:
+        click.echo(terminal_text(line), err=err)
+
+
+def as_json(value: object, indent: int | None = 1) -> str:
+    """A value as JSON that a terminal can show."""
     import json
 
+    return json_text(json.dumps(value, ensure_ascii=False, indent=indent))
+
+
+def say_json(value: object, indent: int | None = 1, err: bool = False) -> None:
+    """Print a value as JSON."""
+    click.echo(as_json(value, indent), err=err)
+
+
+def _echo_json(diagnostics: Iterable[Diagnostic]) -> None:
     from beamcam.report.run import as_message
 
-    click.echo(json.dumps([as_message(d) for d in diagnostics], ensure_ascii=False), err=True)
+    say_json([as_message(d) for d in diagnostics], None, err=True)
 
 
 def read_all(
@@ -104,6 +121,7 @@ def followed(path: str, voice: Voice) -> Iterator[Callable[[int, int], None] | N
         yield None
         return
     begun = perf_counter()
+    label = terminal_text(path)
     with ExitStack() as stack:
         bars: list[Any] = []
 
@@ -111,7 +129,7 @@ def followed(path: str, voice: Voice) -> Iterator[Callable[[int, int], None] | N
             if not bars:
                 if perf_counter() - begun < PATIENCE:
                     return
-                bar = click.progressbar(length=of, label=path, file=sys.stderr)
+                bar = click.progressbar(length=of, label=label, file=sys.stderr)
                 bars.append(stack.enter_context(bar))
             bars[0].update(done - bars[0].pos)
 

@@ -6,7 +6,7 @@ from typing import Any
 import click
 
 from beamcam.commands import options
-from beamcam.commands.common import Voice
+from beamcam.commands.common import Voice, say_json, say_lines
 from beamcam.commands.settings import settled
 from beamcam.config.keys import KEYS, Table
 from beamcam.config.values import Setting
@@ -44,7 +44,7 @@ def command(inputs: tuple[str, ...], as_json: bool, keys: bool, **asked: Any) ->
         width = max(map(len, KEYS))
         for name, key in KEYS.items():
             names = ", ".join(key.rows) if isinstance(key, Table) else ""
-            click.echo(f"{name:{width}}  {key.help}{': ' if names else ''}{names}")
+            say_lines([f"{name:{width}}  {key.help}{': ' if names else ''}{names}"])
         return
     try:
         config = settled(asked, inputs)
@@ -53,8 +53,7 @@ def command(inputs: tuple[str, ...], as_json: bool, keys: bool, **asked: Any) ->
     rows = config.settings()
     if as_json:
         record = {r.key: {"value": r.value, "source": r.source and str(r.source)} for r in rows}
-        click.echo(json.dumps(record, ensure_ascii=False, indent=1))
+        say_json(record)
         return
     width = max(len(shown(row)) for row in rows)
-    for row in rows:
-        click.echo(f"{shown(row):{width}}  # {row.source or 'default'}")
+    say_lines(f"{shown(row):{width}}  # {row.source or 'default'}" for row in rows)

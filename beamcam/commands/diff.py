@@ -1,6 +1,5 @@
 """`beamcam diff`: two programs, or two parts, compared by what they mean."""
 
-import json
 from pathlib import PurePath
 from typing import Any
 
@@ -9,7 +8,7 @@ from msgspec.structs import asdict, replace
 
 from beamcam import readers
 from beamcam.commands import options
-from beamcam.commands.common import REFUSED, STANDARD, Voice
+from beamcam.commands.common import REFUSED, STANDARD, Voice, say_json, say_lines
 from beamcam.commands.programs import input_bytes
 from beamcam.commands.settings import machine_for_program, settled
 from beamcam.errors import BeamcamError, Diagnostic, VerifyError
@@ -76,10 +75,9 @@ def command(a: str, b: str, as_json: bool, voice: Voice, **asked: Any) -> None:
 def show(found: tuple[Difference, ...], as_json: bool) -> None:
     """Print differences on standard output."""
     if as_json:
-        click.echo(json.dumps([asdict(d) for d in found], ensure_ascii=False, indent=1))
+        say_json([asdict(d) for d in found])
     else:
-        for difference in found:
-            click.echo(difference.text)
+        say_lines(difference.text for difference in found)
 
 
 def _is_part(name: str, data: bytes) -> bool:

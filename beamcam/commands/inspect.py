@@ -1,17 +1,16 @@
 """`beamcam inspect`: what a file holds, for people or as data."""
 
-import json
 import os.path
 from typing import Any
 
 import click
 
 from beamcam.commands import options
-from beamcam.commands.common import REFUSED, Voice, followed
+from beamcam.commands.common import REFUSED, Voice, followed, say_json, say_lines
 from beamcam.commands.members import member_choice, member_options
 from beamcam.commands.settings import settled
 from beamcam.commands.sheets import drawing_choice, drawing_options
-from beamcam.errors import BeamcamError, one_line
+from beamcam.errors import BeamcamError
 from beamcam.model.part_json import part_to_json
 from beamcam.pipeline import read_file
 from beamcam.readers.content import shown_name
@@ -36,13 +35,12 @@ def as_json_object(path: str, reading: Reading) -> dict[str, object]:
 
 def show(path: str, reading: Reading, voice: Voice) -> None:
     """Print a reading for people: a model's members a line each, other parts at length."""
-    click.echo(one_line(f"{path}: {reading.format}, {len(reading.parts)} part(s)"))
+    say_lines([f"{path}: {reading.format}, {len(reading.parts)} part(s)"])
     if reading.format == "ifc":
-        for line in member_table(reading.parts, reading.diagnostics):
-            click.echo(line)
+        say_lines(member_table(reading.parts, reading.diagnostics))
     else:
         for part in reading.parts:
-            click.echo(part_table(part), nl=False)
+            say_lines(part_table(part))
     voice.say(reading.diagnostics)
 
 
@@ -79,7 +77,7 @@ def command(
             reading = read_file(path, config.strict, **how, progress=follow)
         voice.did(f"read {shown_name(path)}")
         if as_json:
-            click.echo(json.dumps(as_json_object(path, reading), ensure_ascii=False))
+            say_json(as_json_object(path, reading), None)
         else:
             show(path, reading, voice)
         refused |= reading.refused

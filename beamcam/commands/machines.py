@@ -5,7 +5,7 @@ import json
 import click
 
 from beamcam.commands import options
-from beamcam.commands.common import Voice
+from beamcam.commands.common import Voice, say_json, say_lines
 from beamcam.errors import BeamcamError
 from beamcam.machine import load, settings, shipped
 
@@ -36,11 +36,10 @@ def list_machines(as_json: bool) -> None:
     machines = [load(name) for name in shipped()]
     if as_json:
         rows = [{"name": m.name, "controller": m.controller, "title": m.title} for m in machines]
-        click.echo(json.dumps(rows, ensure_ascii=False, indent=1))
+        say_json(rows)
         return
     width = max(len(m.name) for m in machines)
-    for m in machines:
-        click.echo(f"{m.name:{width}}  {m.controller:10}  {m.title}")
+    say_lines(f"{m.name:{width}}  {m.controller:10}  {m.title}" for m in machines)
 
 
 @command.command("show")
@@ -59,12 +58,12 @@ def show(name: str, as_json: bool) -> None:
         Voice(as_json=as_json).stop(error.diagnostics)
     if as_json:
         record = {r.key: {"value": r.value, "source": r.source and str(r.source)} for r in rows}
-        click.echo(json.dumps(record, ensure_ascii=False, indent=1))
+        say_json(record)
         return
     width = max(len(r.key) for r in rows)
     for row in rows:
         shown = json.dumps(row.value, ensure_ascii=False)
-        click.echo(f"{row.key:{width}} = {shown}  # {row.source or 'default'}")
+        say_lines([f"{row.key:{width}} = {shown}  # {row.source or 'default'}"])
 
 
 @command.command("keys")

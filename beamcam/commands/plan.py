@@ -1,6 +1,5 @@
 """`beamcam plan`: the work that makes parts, step by step, with the reasons and the time."""
 
-import json
 from collections.abc import Iterable, Iterator
 from typing import Any
 
@@ -8,6 +7,7 @@ import click
 
 from beamcam.commands import options
 from beamcam.commands.common import Voice, write
+from beamcam.commands.common import as_json as json_of
 from beamcam.commands.parts import looking_options, read_parts
 from beamcam.commands.settings import machine_for, settled
 from beamcam.config.values import Config
@@ -16,6 +16,7 @@ from beamcam.machine.machine import Machine
 from beamcam.model.part import Part
 from beamcam.model.plan import Plan, SheetPlan, ToolLoad
 from beamcam.pipeline import as_error
+from beamcam.plain_text import terminal_text
 from beamcam.planning import Order, plan_bar
 from beamcam.planning.choose import Trial, try_turns
 from beamcam.planning.explain import Explanation, explain
@@ -116,10 +117,10 @@ def _print(
     said: tuple[Diagnostic, ...],
 ) -> None:
     if as_json:
-        write(output, json.dumps(record, ensure_ascii=False, indent=1) + "\n", voice)
+        write(output, json_of(record) + "\n", voice)
         voice.end()
     else:
-        write(output, "\n".join(lines) + "\n", voice)
+        write(output, "\n".join(map(terminal_text, lines)) + "\n", voice)
         voice.say(said)
 
 

@@ -13,7 +13,7 @@ import click
 
 from beamcam.batch import Found, Here, Shop, Workers, check_template
 from beamcam.commands import options
-from beamcam.commands.common import Voice, cores
+from beamcam.commands.common import Voice, cores, say_lines
 from beamcam.commands.members import member_choice, selection_options
 from beamcam.commands.settings import machine_of_stock
 from beamcam.commands.sheets import drawing_choice, drawing_options, torch_options
@@ -172,7 +172,7 @@ class Screen:
             lines += account_lines(row)
         if lines:
             self._clear()
-            click.echo("\n".join(lines), err=True)
+            say_lines(lines, err=True)
         if self._bar:
             self._draw()
 
@@ -181,13 +181,13 @@ class Screen:
         for said in messages:
             if self._voice.wants(Severity(said["severity"])):
                 self._clear()
-                click.echo(message_line(said), err=True)
+                say_lines([message_line(said)], err=True)
 
     def end(self, interrupted: bool = False) -> None:
         """Print the line of counts."""
         self._clear()
         if not self._voice.quiet:
-            click.echo(f"{self.counts}{' (interrupted)' if interrupted else ''}", err=True)
+            say_lines([f"{self.counts}{' (interrupted)' if interrupted else ''}"], err=True)
 
     def _clear(self) -> None:
         if self._bar and self._drawn >= 0:

@@ -6,7 +6,7 @@ from typing import Any
 import click
 
 from beamcam.commands import options
-from beamcam.commands.common import Voice, write
+from beamcam.commands.common import Voice, say_lines, write
 from beamcam.commands.programs import program_text
 from beamcam.commands.settings import machine_for_program, settled
 from beamcam.errors import BeamcamError, VerifyError, errors_in
@@ -96,7 +96,7 @@ def command(
 
             sent = send(rows(course, every), *modbus, pace)
             if not (voice.quiet or as_json):
-                click.echo(f"{sent} rows sent to {modbus[0]}:{modbus[1]}", err=True)
+                say_lines([f"{sent} rows sent to {modbus[0]}:{modbus[1]}"], err=True)
     except BeamcamError as error:
         voice.stop(error.diagnostics)
     if output is not None:

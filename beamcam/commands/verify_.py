@@ -1,13 +1,12 @@
 """`beamcam verify`: a program against the parts that it should make."""
 
-import json
 from pathlib import PurePath
 from typing import Any
 
 import click
 
 from beamcam.commands import options
-from beamcam.commands.common import REFUSED, STANDARD, Voice
+from beamcam.commands.common import REFUSED, STANDARD, Voice, say_json
 from beamcam.commands.parts import looking_options, read_parts
 from beamcam.commands.programs import input_bytes
 from beamcam.commands.settings import machine_for, machine_for_program, settled
@@ -67,7 +66,7 @@ def command(
     voice.did(f"read {shown_name(program)} back on {machine.name}: {len(found)} message(s)")
     if as_json:
         records = [as_message(d) for d in (*said, *found) if voice.wants(d.severity)]
-        click.echo(json.dumps(records, ensure_ascii=False, indent=1))
+        say_json(records)
         voice.end()
     else:
         voice.say((*said, *found))

@@ -23,6 +23,7 @@ from beamcam.model.program import (
     ToolOn,
     Traverse,
 )
+from beamcam.plain_text import comment_text
 
 SECONDS_PER_MINUTE = 60
 RATIO_DECIMALS = 6
@@ -138,9 +139,9 @@ class _Writer:
                     kerf=number(command.kerf, 4), half_kerf=number(command.kerf / 2, 4),
                 )  # fmt: skip
             case Comment():
-                return [words.comment.format(text=_plain(command.text))]
+                return [words.comment.format(text=comment_text(command.text))]
             case StartSheet():
-                return _filled(words.header, job=_plain(self._program.job))
+                return _filled(words.header, job=comment_text(self._program.job))
         return []
 
     def _curve(self, command: ParabolaFeed | EllipseFeed) -> list[str]:
@@ -158,9 +159,3 @@ class _Writer:
 
 def _filled(template: tuple[str, ...], **values: str) -> list[str]:
     return [line.format_map(values) for line in template]
-
-
-def _plain(text: str) -> str:
-    """A text as a comment may hold it: ASCII, and no parentheses, which do not nest."""
-    ascii_text = text.encode("ascii", "replace").decode("ascii")
-    return ascii_text.translate(str.maketrans("()", "[]"))

@@ -24,6 +24,7 @@ from beamcam.model.program import (
     SpindleStroke,
     StartBar,
 )
+from beamcam.plain_text import comment_text
 
 SECONDS_PER_MINUTE = 60
 NO_BLOCK = ("%", "(")  #: how lines begin that are no blocks and get no number
@@ -108,7 +109,7 @@ def _blocks(program: Program, machine: Machine) -> Iterator[str]:
             case PathCycle():
                 yield from _path_blocks(command, words, form)
             case Comment():
-                yield words.comment.format(text=command.text)
+                yield words.comment.format(text=comment_text(command.text))
     if started:
         yield from words.footer
 
@@ -116,7 +117,7 @@ def _blocks(program: Program, machine: Machine) -> Iterator[str]:
 def _header(job: str, command: StartBar, words: Words, form: NumberFormat) -> str:
     """The text before the work."""
     values = {
-        "job": job,
+        "job": comment_text(job),
         "section": str(command.section),
         "width": number(command.width, form.length_decimals),
         "height": number(command.height, form.length_decimals),

@@ -14,6 +14,7 @@ from beamcam.emitters.simotion_units import UNIT_MARK, unit_name
 from beamcam.machine.machine import Machine
 from beamcam.machine.tables import Triggers
 from beamcam.model.triggers import Round, Switch, Travel, TriggerOp, TriggerTable
+from beamcam.plain_text import comment_text
 
 #: Bytes of one operation in a unit of set-points: x, y, speed and kind; with path objects the
 #: middle of arcs as well.
@@ -168,7 +169,7 @@ class _Writer:
         if blocks:
             parts.append(blocks)
         body = "\n".join([*parts, program])
-        remarks = "".join(f"(* {remark} *)\n" for remark in self.remarks)
+        remarks = "".join(f"(* {comment_text(remark)} *)\n" for remark in self.remarks)
         return f"{remarks}{interface}\nIMPLEMENTATION\n{body}END_IMPLEMENTATION\n"
 
     def _pierces(self) -> Iterator[str]:

@@ -4,7 +4,6 @@ All forms come piece by piece, so that a table of any length takes no memory; ro
 by arrays. The formats are described in docs/step-tables.md.
 """
 
-import re
 import struct
 from collections.abc import Iterator
 
@@ -15,6 +14,7 @@ from beamcam.emitters.columns import DIGITS
 from beamcam.emitters.numbers import number
 from beamcam.machine.machine import Machine
 from beamcam.model.steps import LASER_BIT, StepRows, StepTable
+from beamcam.plain_text import comment_text, one_word
 
 MAGIC = b"BCSTEPS1"
 HEADER = struct.Struct("<8sIIIIII")  #: magic, own size, step in nm, words 0 to 3
@@ -33,8 +33,8 @@ def emit(table: StepTable, machine: Machine) -> str:
 
 def as_text(table: StepTable) -> Iterator[bytes]:
     """One row a step event: time in microseconds, word of X, word of Y, laser."""
-    head = [f"# beamcam/steps/1 job {_plain(table.job)} step {number(table.step, 6)} mm"]
-    head += [f"# {remark}" for remark in table.remarks]
+    head = [f"# beamcam/steps/1 job {one_word(table.job)} step {number(table.step, 6)} mm"]
+    head += [f"# {comment_text(remark)}" for remark in table.remarks]
     yield ("\n".join([*head, "time_us,x,y,laser"]) + "\n").encode("ascii")
     tails = np.frombuffer(
         b"".join(b",%s,%s,%d\n" % (_bits(k), _bits(k >> 2), k >> LASER_BIT) for k in range(32)),
@@ -66,8 +66,8 @@ def as_bytes(table: StepTable) -> Iterator[bytes]:
 
 def as_header(table: StepTable) -> Iterator[bytes]:
     """The rows of the binary form as an array of C."""
-    head = [f"/* beamcam/steps/1 job {_plain(table.job)} */"]
-    head += [f"/* {remark} */" for remark in table.remarks]
+    head = [f"/* beamcam/steps/1 job {one_word(table.job)} */"]
+    head += [f"/* {comment_text(remark)} */" for remark in table.remarks]
     head += [
         "#ifndef BEAMCAM_STEPS_H", "#define BEAMCAM_STEPS_H", "#include <stdint.h>", "",
         f"#define BEAMCAM_STEP_NM {round(table.step * 1e6)}u",
@@ -92,8 +92,8 @@ def as_header(table: StepTable) -> Iterator[bytes]:
 
 def as_velocities(table: StepTable) -> Iterator[bytes]:
     """One row a stretch: end point, velocity vector, laser, steps and frequency of each axis."""
-    head = [f"# beamcam/velocities/1 job {_plain(table.job)} step {number(table.step, 6)} mm"]
-    head += [f"# {remark}" for remark in table.remarks]
+    head = [f"# beamcam/velocities/1 job {one_word(table.job)} step {number(table.step, 6)} mm"]
+    head += [f"# {comment_text(remark)}" for remark in table.remarks]
     head.append("x,y,velocity_x,velocity_y,laser,steps_x,steps_y,hz_x,hz_y")
     lines = head
     for s in table.stretches():
@@ -111,11 +111,6 @@ def as_velocities(table: StepTable) -> Iterator[bytes]:
 
 #: By the suffix of the output.
 FORMS = {".steps": as_text, ".csv": as_velocities, ".bin": as_bytes, ".h": as_header}
-
-
-def _plain(job: str) -> str:
-    """The job's name as it may stand in a comment of any form."""
-    return re.sub(r"[^A-Za-z0-9._-]+", "_", job)
 
 
 def _blocks(table: StepTable) -> Iterator[StepRows]:

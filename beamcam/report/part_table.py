@@ -2,15 +2,16 @@
 
 from collections.abc import Iterable, Iterator, Sequence
 
-from beamcam.errors import one_line
 from beamcam.model.part import Bend, Camber, Contour, EndPlane, Hole, Part, Slot, TextMark
+from beamcam.plain_text import terminal_text
 
 Row = tuple[str, ...]
 
 
-def part_table(part: Part) -> str:
-    """The part in lines of text: stock first, then its features face by face in file order."""
-    return "\n".join([*_stock(part), *_features(part)]) + "\n"
+def part_table(part: Part) -> Iterator[str]:
+    """The lines of the part: stock first, then its features face by face in file order."""
+    yield from map(terminal_text, _stock(part))
+    yield from _features(part)
 
 
 def _stock(part: Part) -> Iterator[str]:
@@ -18,7 +19,7 @@ def _stock(part: Part) -> Iterator[str]:
     thickness = "?" if p.web_thickness is None else f"{p.web_thickness:g}"
     size = f"{p.height:g} x {p.width:g}, web {thickness}, flange {p.flange_thickness:g}"
     names = f"{part.mark or '(no mark)'}  {p.name or '(no profile name)'}"
-    yield f"{one_line(names)}  {part.length:g} mm"
+    yield f"{names}  {part.length:g} mm"
     yield f"  profile   {p.code}  {size}, radius {p.radius:g}"
     yield f"  quantity  {part.quantity}"
     if part.grade:
@@ -52,7 +53,7 @@ def _features(part: Part) -> Iterator[str]:
 
 def aligned(rows: Sequence[Row], indent: str = "    ") -> Iterator[str]:
     """The rows as lines, every column as wide as its widest cell."""
-    rows = [tuple(map(one_line, row)) for row in rows]
+    rows = [tuple(map(terminal_text, row)) for row in rows]
     widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
     for row in rows:
         cells = (cell.ljust(width) for cell, width in zip(row, widths, strict=True))

@@ -10,7 +10,8 @@ from typing import Any, Literal, TypedDict
 import msgspec
 from msgspec import Struct, field
 
-from beamcam.errors import Diagnostic, one_line
+from beamcam.errors import Diagnostic
+from beamcam.plain_text import json_text, terminal_text
 
 SCHEMA = "beamcam/run/1"
 
@@ -120,7 +121,7 @@ def message_line(said: Message, file: bool = True) -> str:
     place = [said["file"] if file else None, said["line"], said["where"]]
     shown = ":".join(str(word) for word in place if word is not None)
     text = f"{shown}{': ' if shown else ''}{said['severity']} {said['code']}: {said['message']}"
-    return one_line(text)
+    return terminal_text(text)
 
 
 def dumped(data: object) -> bytes:
@@ -155,10 +156,10 @@ def as_json(rows: Iterable[Row], counts: Counts, said: Iterable[Message]) -> Ite
     head = {status: getattr(counts, status) for status in STATUSES}
     yield encoded(
         f'{{"schema": "{SCHEMA}", "counts": {json.dumps(head)}, '
-        f'"messages": {json.dumps(list(said), ensure_ascii=False)},\n"files": ['
+        f'"messages": {json_text(json.dumps(list(said), ensure_ascii=False))},\n"files": ['
     )
     comma = b""
     for row in rows:
-        yield comma + b"\n" + dumped(row)
+        yield comma + b"\n" + encoded(json_text(dumped(row).decode("utf-8", "surrogateescape")))
         comma = b","
     yield b"\n]}\n"

@@ -3,6 +3,7 @@
 from collections.abc import Iterable, Iterator
 from html import escape
 
+from beamcam.plain_text import terminal_text
 from beamcam.report.ledger import ledger_line
 from beamcam.report.run import STATUSES, Counts, Message, PartRow, Row, encoded, message_line
 
@@ -43,12 +44,12 @@ def as_html(rows: Iterable[Row], counts: Counts, said: Iterable[Message]) -> Ite
 def _row(row: Row) -> str:
     parts = row["parts"]
     return (
-        f"<tr><td>{escape(row['file'])}<td class={row['status']}>{row['status']}"
+        f"<tr><td>{_shown(row['file'])}<td class={row['status']}>{row['status']}"
         f'<td class="n">{1000 * row["seconds"]:.0f} ms'
         f"<td>{'<br>'.join(map(_part, parts))}"
-        f"<td>{'<br>'.join(escape(part['machine']) for part in parts)}"
+        f"<td>{'<br>'.join(_shown(part['machine']) for part in parts)}"
         f"<td>{'<br>'.join(map(_ledger, parts))}"
-        f"<td>{'<br>'.join(escape(', '.join(part['tools'])) for part in parts)}"
+        f"<td>{'<br>'.join(_shown(', '.join(part['tools'])) for part in parts)}"
         f'<td class="n">{_clock(_machine_time_s(row)) if parts else ""}'
         f'<td class="messages">{"".join(map(_message, row["messages"]))}</tr>\n'
     )
@@ -61,15 +62,20 @@ def _machine_time_s(row: Row) -> float:
 
 def _part(part: PartRow) -> str:
     times = f" ×{part['quantity']}" if part["quantity"] != 1 else ""
-    return escape(f"{part['mark']}{times} {part['profile']} {part['length']:g} → {part['output']}")
+    return _shown(f"{part['mark']}{times} {part['profile']} {part['length']:g} → {part['output']}")
 
 
 def _ledger(part: PartRow) -> str:
-    return escape(ledger_line(part["ledger"], part["skipped_by"]))
+    return _shown(ledger_line(part["ledger"], part["skipped_by"]))
 
 
 def _message(said: Message, file: bool = False) -> str:
-    return f'<div class="{said["severity"]}">{escape(message_line(said, file))}</div>'
+    return f'<div class="{said["severity"]}">{_shown(message_line(said, file))}</div>'
+
+
+def _shown(text: str) -> str:
+    """A text of an input as HTML shows it."""
+    return escape(terminal_text(text))
 
 
 def _clock(seconds: float) -> str:

@@ -4,6 +4,7 @@ import csv
 import io
 from collections.abc import Iterable, Iterator
 
+from beamcam.plain_text import terminal_text
 from beamcam.report.run import Counts, Message, PartRow, Row, encoded, message_line
 
 HEAD = (
@@ -63,5 +64,8 @@ def _line(cells: Iterable[object]) -> bytes:
 
 
 def _harmless(cell: object) -> object:
-    """A text that a spreadsheet would take for a formula, with a quote before it."""
-    return f"'{cell}" if isinstance(cell, str) and cell.startswith(("=", "+", "-", "@")) else cell
+    """A text as one line, with a quote before what a spreadsheet would take for a formula."""
+    if not isinstance(cell, str):
+        return cell
+    text = terminal_text(cell)
+    return f"'{text}" if text.startswith(("=", "+", "-", "@")) else text

@@ -15,7 +15,7 @@ RULE = Rule("x-width", Severity.WARNING, "found {found}; expected {expected}", "
 def test_a_message_is_one_line_whatever_a_name_holds() -> None:
     said = RULE.at(Source("a\n\x1b[2Jb ä\xa0\udcff.nc1", 37), found="x\ry\t", expected=4)
     assert str(said) == (
-        "a\\n\\x1b[2Jb ä\xa0\udcff.nc1:37: warning x-width: found x\\ry\\t; expected 4"
+        "a\\n\\x1b[2Jb ä \\udcff.nc1:37: warning x-width: found x\\ry\\t; expected 4"
     )
     assert message_line(as_message(said)) == str(said)
 

@@ -1,0 +1,107 @@
+"""A part with odd marks posts, and neither its program nor what is printed of it obeys them."""
+
+import json
+import re
+import shutil
+import subprocess
+from pathlib import Path
+
+import pytest
+from click.testing import CliRunner
+
+from beamcam.cli import main
+from tests.runs import part
+
+SAMPLES = Path(__file__).resolve().parents[1] / "samples"
+ODD = "M\x1b[2J\x9b\u202e\u2028G0 X9)\x85(MSG,%;\x0b\x0c"
+#: What a line of a program of each machine may hold.
+PLAIN = re.compile(r"[\x20-\x7e]*")
+
+
+def odd_json(tmp_path: Path, sample: str, mark: str = ODD) -> Path:
+    """The JSON form of a sample, with odd text wherever there is text but a name of a layer."""
+    path = tmp_path / "odd.json"
+    source = SAMPLES / sample
+    assert CliRunner().invoke(main, ["convert", str(source), "-o", str(path)]).exit_code == 0
+    value = json.loads(path.read_text(encoding="utf-8"))
+    value |= {"mark": mark, "order": mark, "drawing": mark, "phase": mark, "notes": [mark]}
+    value["profile"]["name"] = mark
+    path.write_text(json.dumps(value), encoding="utf-8")
+    return path
+
+
+@pytest.mark.parametrize(
+    ("sample", "machine", "suffix"),
+    [
+        ("dstv/channel.nc1", "beamline", ".gcode"),
+        ("dstv/channel.nc1", "beamline-annex", ".gcode"),
+        ("dstv/gusset.nc1", "plate-linuxcnc", ".ngc"),
+        ("dstv/gusset.nc1", "plate-codesys", ".gcode"),
+    ],
+)
+def test_an_odd_mark_posts(tmp_path: Path, sample: str, machine: str, suffix: str) -> None:
+    source, out = odd_json(tmp_path, sample), tmp_path / f"o{suffix}"
+    asked = ["post", str(source), "--machine", machine, "-o", str(out), "--job", "Träger (5) %;"]
+    result = CliRunner().invoke(main, asked)
+    assert result.exit_code == 0, result.output
+    lines = out.read_text(encoding="utf-8").split("\n")
+    assert all(PLAIN.fullmatch(line) for line in lines)
+    plain = CliRunner().invoke(
+        main, ["post", str(SAMPLES / sample), "--machine", machine, "-o", str(tmp_path / "p.x")]
+    )
+    assert plain.exit_code == 0
+    # Comments apart the program is that of the plain part.
+    assert _blocks(lines) == _blocks((tmp_path / "p.x").read_text().split("\n"))
+
+
+def _blocks(lines: list[str]) -> list[str]:
+    return [line for line in lines if not line.startswith(("(", "%"))]
+
+
+@pytest.mark.skipif(shutil.which("rs274") is None, reason="rs274 of LinuxCNC is not installed")
+@pytest.mark.parametrize("job", ["LOGOPEN,gone", "  m s g, hello", "PROBEOPEN gone", "x" * 400])
+def test_no_comment_is_a_command(tmp_path: Path, job: str) -> None:
+    out = tmp_path / "o.ngc"
+    source = str(SAMPLES / "dstv/gusset.nc1")
+    asked = ["post", source, "--machine", "plate-linuxcnc", "--job", job, "-o", str(out)]
+    assert CliRunner().invoke(main, asked).exit_code == 0
+    run = subprocess.run(["rs274", "-g", str(out)], capture_output=True, text=True, cwd=tmp_path)
+    assert run.returncode == 0, run.stderr
+    assert "MESSAGE(" not in run.stdout
+    assert not (tmp_path / "gone").exists()
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        ["inspect"],
+        ["inspect", "--json"],
+        ["plan"],
+        ["plan", "--json"],
+        ["post", "-o", "-", "-v"],
+        ["convert", "-o", "-", "--to", "part-json"],
+    ],
+)
+def test_nothing_that_is_printed_steers_the_terminal(tmp_path: Path, words: list[str]) -> None:
+    source = odd_json(tmp_path, "dstv/channel.nc1", ODD + "\ud800")
+    result = CliRunner().invoke(main, [words[0], str(source), *words[1:]])
+    assert result.exception is None or isinstance(result.exception, SystemExit)
+    for line in (result.stdout + result.stderr).split("\n"):
+        assert line.isprintable(), line
+
+
+def test_nothing_of_a_batch_steers_the_terminal(tmp_path: Path) -> None:
+    folder = tmp_path / "in"
+    folder.mkdir()
+    (folder / "a\x1b[2J\u202e.nc1").write_text(part("M\x1b[2J"), encoding="utf-8")
+    for report in ("-", "r.html", "r.csv"):
+        path = report if report == "-" else str(tmp_path / report)
+        result = CliRunner().invoke(
+            main, ["batch", str(folder), "-o", str(tmp_path / "out"), "-v", "--report", path]
+        )
+        assert result.exit_code == 0, result.output
+        text = result.stdout + result.stderr
+        if report != "-":
+            text += Path(path).read_text(encoding="utf-8")
+        for line in text.split("\n"):
+            assert line.isprintable(), line
