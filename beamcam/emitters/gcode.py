@@ -15,6 +15,7 @@ from beamcam.machine.known import Kept, OncePerMachine
 from beamcam.machine.machine import Machine, NumberFormat
 from beamcam.machine.words import Words
 from beamcam.model.program import (
+    ChangeTool,
     Comment,
     DrillCycle,
     PathCycle,
@@ -108,6 +109,8 @@ def _blocks(program: Program, machine: Machine) -> Iterator[str]:
                     yield _header(program.job, command, words, form)
             case PathCycle():
                 yield from _path_blocks(command, words, form)
+            case ChangeTool() if words.change:
+                yield _change(command, words)
             case Comment():
                 yield words.comment.format(text=comment_text(command.text))
     if started:
@@ -147,6 +150,17 @@ def _cut(command: SawStroke, words: Words, form: NumberFormat, texts: Texts | No
     if pieces is None:
         pieces = texts.keep(key, _filled(words.saw, _cut_values(command, _X, form)).split(_X))
     return x.join(pieces)
+
+
+def _change(command: ChangeTool, words: Words) -> str:
+    """The stop for a change of tool by hand."""
+    values = {
+        "spindle": str(command.spindle),
+        "station": str(command.station),
+        "diameter": number(command.diameter, 3),
+        "text": command.text,
+    }
+    return _filled(words.change, values)
 
 
 def _filled(template: Iterable[str], values: Values) -> str:

@@ -105,6 +105,9 @@ class Saw(Struct, frozen=True):
 ToolKind = Literal["drill", "tap", "countersink", "mill", "punch", "scribe"]
 
 
+ToolMaterial = Literal["hss", "carbide"]
+
+
 class Tool(Struct, frozen=True, cache_hash=True):
     """A tool that a spindle can take."""
 
@@ -113,6 +116,7 @@ class Tool(Struct, frozen=True, cache_hash=True):
     point_deg: float = 118.0  #: angle of a drill's point or a countersink's cone; 180 is flat
     pitch: float = 0.0  #: of a tap
     hand: Literal["right", "left"] = "right"  #: of a tap
+    tool_material: ToolMaterial = "hss"
 
     @property
     def name(self) -> str:
@@ -148,6 +152,7 @@ class ToolSet(Struct, frozen=True):
     pre_drills: tuple[float, ...] = ()  #: of taps, the drill before each of them
     hand: Literal["right", "left"] = "right"
     largest_hole: float = 0.0  #: of mills: largest hole that may be milled as a circle
+    tool_material: ToolMaterial = "hss"  #: high-speed steel or cemented carbide
 
     @property
     def sizes(self) -> tuple[float, ...]:
@@ -208,13 +213,14 @@ class Fit(Struct, frozen=True):
 
 
 class Cutting(Struct, frozen=True):
-    """Speed and feed of a drill, for diameters up to a limit."""
+    """Speed and feed of a tool, for diameters up to a limit. The first row that fits counts."""
 
     up_to: float
     speed_m_min: float  #: at the drill's edge
-    feed_per_turn: float
-    grade: str = "*"  #: steel grade the row is for, as a shell pattern
+    feed_per_turn: float  #: mm
+    grade: str = "*"  #: steel grades the row is for, as shell patterns set off by |
     kind: ToolKind = "drill"
+    tool_material: Literal["*", "hss", "carbide"] = "*"  #: of the tools the row is for
 
 
 class Drill(Struct, frozen=True):

@@ -19,6 +19,7 @@ class Words(Struct, frozen=True):
     scribe: tuple[str, ...] = ()  #: likewise
     scribe_to: tuple[str, ...] = ()
     scribe_end: tuple[str, ...] = ()
+    change: tuple[str, ...] = ()  #: stop for a tool that is put into a station by hand
     comment: str = "({text})"
 
     traverse: tuple[str, ...] = ()  #: the head to a place, its tool off
@@ -68,6 +69,7 @@ WORD_NAMES: dict[str, frozenset[str]] = {
     "scribe": _STROKE_NAMES,
     "scribe_to": _STROKE_NAMES,
     "scribe_end": _STROKE_NAMES,
+    "change": frozenset({"spindle", "station", "diameter", "text"}),
     "traverse": frozenset({"x", "y"}),
     "feed": _TO_NAMES,
     "arc_cw": _ARC_NAMES,

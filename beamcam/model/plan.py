@@ -101,6 +101,7 @@ class ToolLoad(Struct, frozen=True):
     station: int  #: counted from 1
     tool: Tool
     out: Tool | None = None  #: what it takes the place of
+    number: int = 0  #: what the program calls the spindle
 
 
 class Outcome(Struct, frozen=True):

@@ -72,6 +72,15 @@ class PathCycle(Struct, frozen=True):
     source: Source
 
 
+class ChangeTool(Struct, frozen=True):
+    """Stop until another tool has been put into a station by hand."""
+
+    spindle: int  #: what the program calls it
+    station: int  #: counted from 1
+    diameter: float
+    text: str  #: what to put in, for whoever stands at the machine
+
+
 class Comment(Struct, frozen=True):
     """A text for whoever reads the program at the machine."""
 
@@ -160,7 +169,7 @@ class EllipseFeed(NamedTuple):
 
 Movement = Feed | ArcFeed | ParabolaFeed | EllipseFeed
 Command = (
-    StartBar | SawStroke | DrillCycle | PathCycle | Comment
+    StartBar | SawStroke | DrillCycle | PathCycle | ChangeTool | Comment
     | StartSheet | ToolOn | ToolOff | Pace | Compensate | Traverse | Movement
 )  # fmt: skip
 

@@ -11,6 +11,7 @@ from beamcam.machine.machine import Axis, Drill, Machine
 from beamcam.model.part import Profile
 from beamcam.model.plan import AS_GIVEN, DrillOp, PathOp, Plan, SawOp, SpindleOp, ToolLoad
 from beamcam.model.program import (
+    ChangeTool,
     Command,
     Comment,
     DrillCycle,
@@ -66,7 +67,7 @@ def _commands(plan: Plan, machine: Machine) -> Iterator[Command]:
     waiting = list(plan.reloads)
     for index, op in enumerate(plan.operations):
         while waiting and waiting[0].before == index:
-            yield _reload_comment(waiting.pop(0))
+            yield from _change(waiting.pop(0))
         if isinstance(op, SawOp):
             yield SawStroke(op.x, op.angle, saw.feed_mm_min, op.source, op.tilt)
             continue
@@ -77,10 +78,12 @@ def _commands(plan: Plan, machine: Machine) -> Iterator[Command]:
             yield DrillCycle(op.x, _stroke(op, section, drill, grade), op.source)
 
 
-def _reload_comment(load: ToolLoad) -> Comment:
-    """What to put into a station by hand before the next operation."""
+def _change(load: ToolLoad) -> Iterator[Command]:
+    """What to put into a station by hand before the next operation, and the stop for it."""
     out = f" for {load.out.name}" if load.out else ""
-    return Comment(f"{load.spindle} station {load.station}: {load.tool.name}{out}")
+    text = f"{load.spindle} station {load.station}: {load.tool.name}{out}"
+    yield Comment(text)
+    yield ChangeTool(load.number, load.station, load.tool.diameter, text)
 
 
 def _stroke(op: DrillOp, section: Section, drill: Drill, grade: str) -> SpindleStroke:

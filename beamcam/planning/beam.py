@@ -24,6 +24,7 @@ from beamcam.model.plan import (
 )
 from beamcam.planning import rules
 from beamcam.planning.bar import cuts_of, lay_on_bar
+from beamcam.planning.cutting_data import cutting_remarks
 from beamcam.planning.limits import refuse_bar
 from beamcam.planning.magazine import reloads
 from beamcam.planning.operations import spindle_operations
@@ -113,7 +114,10 @@ def plan_bar(
         raise PlanError(refusals)
     ordered = sort_along_x(operations, machine.format.resolution, layout.order)
     by_hand, said = reloads(ordered, machine, parts[0].source)
+    if errors_in(said):
+        raise PlanError(said)
     remarks += said
+    remarks += cutting_remarks(pieces, spindle_ops, machine)
     plan = Plan(
         laid[0].profile,
         pieces,

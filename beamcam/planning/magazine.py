@@ -35,19 +35,22 @@ def _loads_of(operations: Sequence[Operation], spindle: Spindle) -> Iterator[Too
             continue
         if len(stations) < spindle.stations:
             stations.append(tool)
-            yield ToolLoad(0, spindle.name, len(stations), tool)
+            yield ToolLoad(0, spindle.name, len(stations), tool, None, spindle.number)
             continue
         later = [t for _, t in needs[at:]]
         again = [later.index(t) if t in later else len(later) for t in stations]
         station = again.index(max(again))
-        yield ToolLoad(index, spindle.name, station + 1, tool, stations[station])
+        yield ToolLoad(index, spindle.name, station + 1, tool, stations[station], spindle.number)
         stations[station] = tool
 
 
 def reloads(
     operations: Sequence[Operation], machine: Machine, source: Source
 ) -> tuple[tuple[ToolLoad, ...], tuple[Diagnostic, ...]]:
-    """The loads by hand during the work, in its order; and a warning for each spindle of theirs."""
+    """The loads by hand during the work, in its order; and a warning for each spindle of theirs.
+
+    An error instead where the machine has no word that stops the program for them.
+    """
     # Tools come from one rack, so there are no more tools than there are objects.
     objects = {id(op.tool) for op in operations if not isinstance(op, SawOp)}
     if len(objects) <= min((s.stations for s in machine.spindles), default=0):
@@ -59,10 +62,11 @@ def reloads(
         if changed:
             worked = [op for op in operations if not isinstance(op, SawOp)]
             count = len({op.tool for op in worked if spindle.face in op.faces})
+            rule = rules.RELOAD if machine.words.change else rules.NO_CHANGE_WORD
             remarks.append(
-                rules.RELOAD.at(
+                rule.at(
                     source, found=count, stations=spindle.stations, spindle=spindle.name,
-                    changes=changed,
+                    changes=changed, machine=machine.name,
                 )
             )  # fmt: skip
     return found, tuple(remarks)

@@ -245,12 +245,37 @@ RELOAD = Rule(
     "{changes} must be changed by hand during the work",
     "The bar needs more tools than the spindle holds at once; `beamcam plan` lists the changes.",
 )
+UNNAMED_GRADE = Rule(
+    "plan-grade",
+    _N,
+    "found steel grade {found}, which no row of drill.cutting in {machine} names; "
+    "its rows for any grade are used",
+    "Speed and feed follow from the machine's cutting data. Give the grade a row there if its "
+    "drills should run otherwise.",
+)
+CUTTING_SPEED = Rule(
+    "plan-cutting-speed",
+    _W,
+    "found {tool} in {grade}, which should turn at {expected} rpm; the spindle turns at {found} "
+    "rpm at least",
+    "The drill's edge runs faster than its data allow. Harder steel wears it out, so that a larger "
+    "hole may be better made elsewhere.",
+)
+NO_CHANGE_WORD = Rule(
+    "plan-change-word",
+    _E,
+    "found {found} tools for the {stations} stations of spindle {spindle}; expected at most "
+    "{stations}, as words.change of {machine} is empty",
+    "The program has to stop where a tool is changed by hand. Give the machine file the word that "
+    'does so, such as `change = ["M00"]` under `[words]`, or split the parts over several bars.',
+)
 
 RULES = (
     NO_PARTS, STOCK, MIXED_PROFILES, SECTION_SIZE, SAW_ANGLE, FLANGE_CUT, COMPOUND, CUT_DENIED,
     CUT_FROM_CONTOUR, BAR_SHORT, BAR_LONG, BAR_FULL, PART_SHORT, REMNANT, NO_TOOL, NO_PILOT,
     SINK_DEPTH, THREAD_DEPTH, DUPLICATE, TOO_NEAR, NO_SPINDLE, IN_THE_WAY, STROKE, AXIS, STOP,
     OFF_FACE, SLOT, COPE, CUTOUT, MARK, BEVEL, OTHER, QUANTITY, TURNED, TURN_HELPS, ORDER, RELOAD,
+    UNNAMED_GRADE, CUTTING_SPEED, NO_CHANGE_WORD,
 )  # fmt: skip
 
 SKIPPABLE = (

@@ -142,7 +142,7 @@ _racks = OncePerMachine(_rack)
 def _tools(tools: ToolSet) -> Iterable[Tool]:
     pitches = tools.pitches or (0.0,) * len(tools.sizes)
     for diameter, pitch in zip(tools.sizes, pitches, strict=True):
-        yield Tool(tools.kind, diameter, tools.point_deg, pitch, tools.hand)
+        yield Tool(tools.kind, diameter, tools.point_deg, pitch, tools.hand, tools.tool_material)
 
 
 def fit_of(diameter: float, fits: tuple[Fit, ...]) -> Fit | None:

@@ -124,6 +124,8 @@ class Alone:
             return False
         (_, go, number, words), (_, saws, word, _) = blocks
         brings = go == "G" and number in (0, 1) and "X" in words and words.keys() <= {"X", "F"}
+        if number == 1 and self._meaning.feeds and "F" not in words:
+            return False
         return brings and saws == "M" and self._role(word) == "saw"
 
     def _is_stroke(self, blocks: list[Block]) -> bool:

@@ -28,6 +28,7 @@ _COMMENT = re.compile(r"\([^()]*\)")
 USUAL = re.compile(
     rf"([GM])([0-9]{{1,15}})(?: X({NUMBER}))?(?: Y({NUMBER}))?(?: Z({NUMBER}))?"
     rf"(?: F({NUMBER}))?(?: K({NUMBER}))?(?: L({NUMBER}))?"
+    rf"(?(6)|(?: F({NUMBER}))?)"  # one F: of a move before K, of a cut behind it
 )
 
 
@@ -81,7 +82,7 @@ def _unusual(
 
 
 def _usual(match: re.Match[str]) -> _Body:
-    command, number, x, y, z, f, k, second = match.groups()
+    command, number, x, y, z, f, k, second, last = match.groups()
     words: dict[str, float] = {}
     if x is not None:
         words["X"] = float(x)
@@ -95,6 +96,8 @@ def _usual(match: re.Match[str]) -> _Body:
         words["K"] = float(k)
     if second is not None:
         words["L"] = float(second)
+    if last is not None:
+        words["F"] = float(last)
     return command, int(number), words
 
 

@@ -16,7 +16,9 @@ from msgspec import Struct
 from beamcam.machine.machine import Machine
 from beamcam.verify.blocks import LETTERS
 
-Role = Literal["saw", "choose", "section", "on", "coolant-on", "coolant-off", "off", "end", "other"]
+Role = Literal[
+    "saw", "choose", "section", "on", "coolant-on", "coolant-off", "off", "end", "change", "other"
+]
 
 #: M words of the controller (DIN 66025); the rest of its range is the machine's own.
 DOCUMENTED: dict[int, Role] = {
@@ -91,6 +93,8 @@ def meaning_of(machine: Machine) -> Meaning:
             number = int(match[2])
             documented = DOCUMENTED.get(number, "other")
             role = next((_SAYS[n] for _, n in carried if n in _SAYS), documented)
+            if name == "change":
+                role = "change"
             before = m_words.get(number, MWord(role, ()))
             fields_ = tuple(dict.fromkeys((*before.fields, *carried)))
             chooses = cycle if role == "choose" and before.cycle is None else before.cycle

@@ -213,6 +213,8 @@ class _Simulation:
         elif role == "off":
             takes_s = times.spindle_s / 2
             self.state = replace(self.state, turning=0)
+        elif role == "change":
+            takes_s = times.reload_s
         elif role in ("coolant-on", "coolant-off"):
             self.state = replace(self.state, coolant=role == "coolant-on")
         elif word is not None and role == "saw":

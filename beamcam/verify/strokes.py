@@ -204,8 +204,17 @@ def _own_feed(kind: str, diameter: float, pitch: float, grade: str, task: Task) 
     rows = [row for row in drill.cutting if row.kind == kind]
     if not rows:
         return None
+    material = next(
+        (t.tool_material for t in task.rack.kinds.get(kind, ()) if diameter in t.sizes), "hss"
+    )
     row = next(
-        (r for r in rows if diameter <= r.up_to and fnmatchcase(grade.upper(), r.grade.upper())),
+        (
+            r
+            for r in rows
+            if diameter <= r.up_to
+            and r.tool_material in ("*", material)
+            and any(fnmatchcase(grade.upper(), p.strip()) for p in r.grade.upper().split("|"))
+        ),
         rows[-1],
     )
     limit = drill.greatest_feed_mm_min

@@ -83,6 +83,8 @@ class Switches:
             self._choose(switch, values, word.cycle or _NO_CYCLE)
         elif role == "saw":
             self._saw(switch, values)
+        elif role == "change":
+            self.at_rest(switch.line, "a change of tool by hand")
         elif role == "section":
             self.section.update(values)
         elif role == "other":
@@ -139,6 +141,9 @@ class Switches:
         self.at_rest(switch.line, "a cut")
         self.describe_first(switch.line)
         angle = values["angle"]
+        if "feed" in values:
+            per_minute = 60.0 if self.machine.format.feed_unit == "mm/s" else 1.0
+            self.feed_mm_min = values["feed"] * per_minute
         saw = self.machine.saw
         name, least, greatest = limits_of(self.machine, "angle")
         if saw is not None:

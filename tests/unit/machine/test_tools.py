@@ -133,7 +133,7 @@ def test_speed_and_feed_of_a_row() -> None:
     assert drill is not None
     speed, feed = speed_and_feed(Tool("drill", 22), drill, "S355")
     assert isclose(speed, 25000 / (pi * 22))
-    assert isclose(feed, 0.28 * speed)
+    assert isclose(feed, 0.25 * speed)
     assert speed_and_feed(Tool("scribe", 1), drill, "S355") == (0, 4000)
     rows = (replace(drill.cutting[0], grade="s355*", up_to=50, speed_m_min=12), *drill.cutting)
     slow, _ = speed_and_feed(Tool("drill", 22), replace(drill, cutting=rows), "S355J2")

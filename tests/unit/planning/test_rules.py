@@ -152,13 +152,25 @@ CASES: tuple[Case, ...] = (
     ("plan-reload", "beamline", (part(*(hole(500 + 100 * i, diameter=12 + i) for i in range(7))),),
      {},
      "found 7 tools for the 5 stations of spindle web; 2 must be changed by hand during the work"),
+    ("plan-change-word", "wordless", (part(*(hole(500 + 100 * i, diameter=12 + i)
+                                             for i in range(7))),), {},
+     "found 7 tools for the 5 stations of spindle web; expected at most 5, as words.change of "
+     "wordless is empty"),
+    ("plan-grade", "beamline", (part(hole(500), grade="Q235"),), {},
+     "found steel grade Q235, which no row of drill.cutting in beamline names; "
+     "its rows for any grade are used"),
+    ("plan-cutting-speed", "beamline", (part(hole(500, diameter=45), grade="1.4301"),), {},
+     "found drill 45 in 1.4301, which should turn at 85 rpm; "
+     "the spindle turns at 150 rpm at least"),
 )  # fmt: skip
 
 
 def said(case: Case) -> list[tuple[str, str]]:
     """Code and text of everything that planning a case says."""
     _, name, parts, options, _ = case
-    machine = load("beamline-pusher" if name == "simple" else name)
+    machine = load({"simple": "beamline-pusher", "wordless": "beamline"}.get(name, name))
+    if name == "wordless":
+        machine = replace(machine, name=name, words=replace(machine.words, change=()))
     if name == "simple":
         assert machine.saw is not None
         machine = replace(machine, saw=replace(machine.saw, compound=False))

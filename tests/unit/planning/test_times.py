@@ -64,12 +64,12 @@ def test_a_hole_takes_its_stroke_and_its_tool() -> None:
                      machine)  # fmt: skip
     trim, first, same, other, flange, parting = seconds(found, machine)
     # Clearance 5, web 7.1, breakthrough 2 and the point of 18 mm: 14.1 + 9 / tan(59 deg).
-    feed = 0.2 * 28000 / (pi * 18)
+    feed = 0.25 * 25000 / (pi * 18)
     stroke = (14.1 + 9 / 1.664279) / feed * 60
     assert first == pytest.approx(stroke + 2, abs=1e-3)
     assert same == pytest.approx(first, abs=1e-3)
     tip22 = 11 / 1.664279
-    assert other == pytest.approx((14.1 + tip22) / (0.28 * 25000 / (pi * 22)) * 60 + 12, abs=1e-3)
+    assert other == pytest.approx((14.1 + tip22) / (0.25 * 25000 / (pi * 22)) * 60 + 12, abs=1e-3)
     assert flange == pytest.approx((17.7 + 9 / 1.664279) / feed * 60 + 2 + 1, abs=1e-3)
     assert [trim, parting] == pytest.approx([160 * 60 / 2500] * 2, abs=1e-3)
 

@@ -28,7 +28,7 @@ def job(tmp_path: Path) -> Path:
 def broken(job: Path) -> Path:
     """The job with its first hole 2 mm further on."""
     text = job.read_text("utf-8")
-    line = next(x for x in text.splitlines() if "G00 X" in x)
+    line = next(x for x in text.splitlines() if "G00 X" in x and " Y" in x)
     x = line.split(" X")[1].split(" ")[0]
     path = job.with_name("broken.gcode")
     path.write_text(text.replace(f"X{x} ", f"X{float(x) + 2:g} "), "utf-8")

@@ -41,22 +41,22 @@ def test_a_program_is_itself_however_it_is_written() -> None:
     (edit(("K2 L22", "K2 L18"), text=move(2)),
      ["hole v at x 1098.6 moved by 2.0 mm, drill 22 to 18"]),
     (edit(("Z61.409", "Z60")), ["hole v at x 1098.6 stroke 61.409 to 60"]),
-    (edit(("F1.688", "F1.5")), ["hole v at x 1098.6 feed 101.28 to 90 mm/min"]),
+    (edit(("F1.507", "F1.5")), ["hole v at x 1098.6 feed 90.42 to 90 mm/min"]),
     (edit(("M40 K13", "M40 K1")), ["hole o at x 1498.6 spindle 13 to 1",
                                    "hole u at x 1498.6 only in A"]),
     (edit(("N24 M42 K0", "N24 M42 K5")), ["cut at x 2022.0 angle 0 to 5"]),
     (edit(("X2022.02", "X2032.02")), ["cut at x 2022.0 moved by 10.0 mm"]),
-    (edit(("N24 M42 K0\n", "")), ["cut at x 2022.0 only in A"]),
+    (edit(("N24 M42 K0 F41.667\n", "")), ["cut at x 2022.0 only in A"]),
     (edit(("M44 K100", "M44 K120")), ["width 100 to 120"]),
-    (edit(("N15 M40", "N15 M42 K3\nM40")), ["cut at x 1098.6 only in B"]),
+    (edit(("N15 M40", "N15 M42 K3 F41.667\nM40")), ["cut at x 1098.6 only in B"]),
 ])  # fmt: skip
 def test_what_is_said_of_programs(text: str, said: list[str]) -> None:
     assert programs(PROGRAM, text) == said
 
 
 def test_the_same_work_in_another_order() -> None:
-    a = PROGRAM.replace("M42 K0\nN6", "M42 K0\nM42 K5\nN6")
-    b = PROGRAM.replace("M42 K0\nN6", "M42 K5\nM42 K0\nN6")
+    a = PROGRAM.replace("M42 K0 F41.667\nN6", "M42 K0 F41.667\nM42 K5 F41.667\nN6")
+    b = PROGRAM.replace("M42 K0 F41.667\nN6", "M42 K5 F41.667\nM42 K0 F41.667\nN6")
     assert programs(a, b) == ["the same cuts and holes in another order"]
 
 

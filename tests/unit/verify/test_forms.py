@@ -5,7 +5,7 @@ import pytest
 from beamcam.verify.forms import MOST_FORMS, Forms, body_of
 
 STROKE = ["N6 M40 K2 L18", "N7 G00 X893.56 Y15 Z-5", "N8 G01 X893.56 Y15 Z107.4 F1.65"]
-CUT = ["G01 X17.98 F41.667", "M42 K0"]
+CUT = ["G00 X17.98", "M42 K0 F41.667"]
 
 
 def text(lines: list[str]) -> str:
@@ -42,7 +42,7 @@ def test_a_form_is_learned_once() -> None:
     forms = Forms()
     first, cut = forms.learn(STROKE, "Y"), forms.learn(CUT, "")
     assert cut is not None
-    assert cut[1] == ("17.98", "17.98", "41.667", "0")
+    assert cut[1] == ("17.98", "17.98", "0", "41.667")
     assert forms.learn(STROKE, "Y") == first
     assert forms.learn(CUT, "") == cut
     assert len(forms.groups) == 2

@@ -65,7 +65,7 @@ def test_what_is_switched_on(course: tuple[Stretch, ...]) -> None:
 
 def test_a_feed_takes_its_time(course: tuple[Stretch, ...]) -> None:
     (stroke,) = (p for p in course if p.line == 12)
-    way, feed = 61.409 - 42.2, 101.28 / 60
+    way, feed = 61.409 - 42.2, 90.42 / 60
     assert stroke.duration_s == pytest.approx(way / feed, rel=0.01)
     assert stroke.duration_s >= way / feed
 

@@ -1,0 +1,65 @@
+"""Steels and tools for which the machine's cutting data are only an approximation."""
+
+from collections.abc import Collection, Iterator, Sequence
+
+from msgspec.structs import replace
+
+from beamcam.errors import Diagnostic, Source
+from beamcam.machine.cutting import cutting_row, is_unnamed, turns_of
+from beamcam.machine.known import Kept, OncePerMachine
+from beamcam.machine.machine import Drill, Machine, Tool
+from beamcam.model.plan import Piece, SpindleOp
+from beamcam.planning import rules
+
+TURNING = ("drill", "countersink", "mill")  #: tools whose edge wears by its speed
+TOO_FAST = 1.2  #: times the speed of the data at which a tool is warned of
+MOST_KEPT = 256  #: sets of tools in a steel, of a machine
+
+Remarks = tuple[Diagnostic, ...]
+
+
+def _nothing_known(_: Machine) -> Kept[object, Remarks]:
+    return Kept(MOST_KEPT)
+
+
+_known_of = OncePerMachine(_nothing_known)
+
+
+def cutting_remarks(
+    pieces: Sequence[Piece], operations: Sequence[SpindleOp], machine: Machine
+) -> Iterator[Diagnostic]:
+    """A note for a steel that no row names, a warning for each tool that turns too fast in it."""
+    if machine.drill is None:
+        return
+    used: dict[str, dict[int, Tool]] = {}
+    sources: dict[str, Source] = {}
+    for op in operations:
+        part = pieces[op.features[0][0]].part
+        sources.setdefault(part.grade, part.source)
+        used.setdefault(part.grade, {})[id(op.tool)] = op.tool
+    known = _known_of(machine)
+    for grade, tools in used.items():
+        key = grade, *tools.values()
+        found = known.get(key)
+        if found is None:
+            found = known.keep(key, tuple(_remarks(grade, tools.values(), machine, machine.drill)))
+        for said in found:
+            yield replace(said, source=sources[grade])
+
+
+def _remarks(
+    grade: str, tools: Collection[Tool], machine: Machine, drill: Drill
+) -> Iterator[Diagnostic]:
+    source = Source(machine.name)
+    shown = grade or "unknown"
+    if grade and is_unnamed(drill, grade):
+        yield rules.UNNAMED_GRADE.at(source, found=shown, machine=machine.name)
+    for tool in tools:
+        if tool.kind not in TURNING:
+            continue
+        turns = turns_of(cutting_row(tool, drill, grade), tool)
+        if turns * TOO_FAST < drill.least_speed_rpm:
+            yield rules.CUTTING_SPEED.at(
+                source, tool=tool.name, grade=shown, found=f"{drill.least_speed_rpm:g}",
+                expected=f"{turns:.0f}",
+            )  # fmt: skip
