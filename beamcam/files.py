@@ -61,6 +61,41 @@ def write_whole(
         raise
 
 
+class FilesRead:
+    """The files that a command reads, none of which may be written over.
+
+    They are looked at when an output is the name of a file that stands already, not before.
+    """
+
+    def __init__(self, paths: Iterable[str]) -> None:
+        self._paths = paths
+        self._known: dict[object, str] | None = None
+
+    def written_over_by(self, output: str) -> str | None:
+        """That of the files which is the file `output` too; None if none is.
+
+        Whatever it is called: by a link of either kind, by another folder, in other letters where
+        the system does not tell them apart. A device stays what it is and may be both.
+        """
+        identity = _identity(output)
+        if identity is None:
+            return None
+        if self._known is None:
+            self._known = {_identity(path): path for path in self._paths}
+        return self._known.get(identity)
+
+
+def _identity(path: str) -> object:
+    """What two names of one file have in common; None if no file stands there."""
+    try:
+        found = os.stat(path)
+    except (OSError, ValueError):
+        return None
+    if not stat.S_ISREG(found.st_mode):
+        return None
+    return (found.st_dev, found.st_ino) if found.st_ino else os.path.realpath(path)
+
+
 def write_new(folder: str, name: str, data: bytes) -> bool:
     """Write `data` as `write_whole` does with `durable=False`, if nothing stands there, and say so.
 

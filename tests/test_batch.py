@@ -191,7 +191,7 @@ def test_an_input_is_not_written_over(jobs: Path) -> None:
     before = programs(jobs)
     result = batch(jobs, "-o", jobs, "--name", "{stem}.nc1")
     assert counts(result) == (0, 0, 4, 0)
-    assert "batch-over-input: found 'A/P000.nc1' for the output's name" in result.stderr
+    assert "batch-over-input: found the output 'A/P000.nc1', which is" in result.stderr
     assert programs(jobs) == before
     assert counts(batch(jobs, "-o", jobs)) == (4, 0, 0, 0)  # beside its input it may stand
 

@@ -117,7 +117,7 @@ def test_the_input_is_not_written_over_by_a_name_that_nobody_gave() -> None:
     before = Path("B1.nc1").read_text()
     done = convert("B1.nc1", "-o", "./")
     assert done.exit_code == 1
-    assert "error write-over-input: found './B1.nc1' for the output's name" in done.stderr
+    assert "error write-over-input: found the output './B1.nc1', which is" in done.stderr
     assert Path("B1.nc1").read_text() == before
 
 

@@ -42,8 +42,9 @@ SAME_NAME = Rule(
 OVER_INPUT = Rule(
     "batch-over-input",
     Severity.ERROR,
-    "found {found!r} for the output's name, which is an input; expected another name or folder",
-    "The program would be written over the part.",
+    "found the output {found!r}, which is the file {read!r} that this run reads; expected another "
+    "name or folder",
+    "The program would be written over a part, the configuration or a machine file.",
 )
 WRITE = Rule(
     "batch-write",

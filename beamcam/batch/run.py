@@ -11,21 +11,20 @@ done early is held back, up to a limit, and so is who may have a name that two w
 import os
 from collections import Counter as Tally
 from collections import deque
-from collections.abc import Collection, Generator, Iterator, Sequence
+from collections.abc import Generator, Iterator, Sequence
 from contextlib import suppress
-from functools import cached_property
 from hashlib import sha256
 
 from msgspec import Struct
 
 from beamcam.batch import rules
-from beamcam.batch.find import SUFFIXES, Input, read_input
+from beamcam.batch.find import Input, read_input
 from beamcam.batch.names import folded
 from beamcam.batch.pool import Chunk, Result, Workers
 from beamcam.batch.record import RECORD_NAME, Record
 from beamcam.batch.work import Made, Shop, Task
 from beamcam.errors import BeamcamError, Diagnostic, Source
-from beamcam.files import write_new, write_whole
+from beamcam.files import FilesRead, write_new, write_whole
 from beamcam.report.run import PartRow, Row, Status, as_message
 
 CHUNK_FILES = 16  #: most files that a worker gets at once
@@ -62,12 +61,14 @@ def run(
     flat: bool = False,
     force: bool = False,
     claims: dict[str, str] | None = None,
+    read: FilesRead | None = None,
 ) -> Generator[Row, None, None]:
     """Post every input into `folder` and give its row, in the order of the inputs.
 
     `flat` puts all outputs into one folder, else they lie as their inputs do. `force` does again
     what is unchanged. `claims` keeps names apart over several runs: it holds which input has which,
-    and is added to. Raises BatchError if the folder cannot be used; closes the workers.
+    and is added to. None of the files `read`, by default the inputs, is written over. Raises
+    BatchError if the folder cannot be used; closes the workers.
     """
     try:
         os.makedirs(folder, exist_ok=True)
@@ -77,7 +78,7 @@ def run(
         reason = error.strerror or str(error)
         raise BatchError(rules.WRITE.at(Source(folder), found=folder, reason=reason)) from error
     try:
-        yield from _Run(inputs, folder, shop, workers, record, flat, force, claims).rows()
+        yield from _Run(inputs, folder, shop, workers, record, flat, force, claims, read).rows()
     finally:
         workers.close()
         record.close()
@@ -96,6 +97,7 @@ class _Run:
         flat: bool,
         force: bool,
         claims: dict[str, str] | None,
+        read: FilesRead | None,
     ) -> None:
         self._inputs, self._folder, self._shop = inputs, folder, shop
         self._workers, self._record, self._flat, self._force = workers, record, flat, force
@@ -107,6 +109,7 @@ class _Run:
         self._deaths: Tally[int] = Tally()
         self._held = self._flying = 0
         self._claims = {} if claims is None else claims  #: name of an output -> input that has it
+        self._read_files = read or FilesRead(found.path for found in inputs)
         self._folders = {"": folder}  #: that stand, by their names below the first
         self._keeps_record = True
         self._most_files = max(1, min(CHUNK_FILES, len(inputs) // (4 * workers.at_once)))
@@ -233,7 +236,7 @@ class _Run:
         written: list[PartRow] = []
         for part, (name, content) in zip(row["parts"], made.outputs, strict=True):
             output = f"{below}/{name}" if below else name
-            said = self._claim(output, slot.input.path)
+            said = self._claim(output, slot.input.path) or self._over(output, slot.input.path)
             status: Status = "refused"
             if said is None:
                 said, status = self._write(output, content, slot.input.path), "failed"
@@ -246,7 +249,9 @@ class _Run:
         row["parts"] = written
         for name, content in made.refused:
             output = f"{below}/{name}" if below else name
-            said = self._write(output, content, slot.input.path)
+            said = self._over(output, slot.input.path) or self._write(
+                output, content, slot.input.path
+            )
             said = said or rules.KEPT.at(Source(slot.input.path), found=output)
             row["messages"].append(as_message(said))
 
@@ -255,16 +260,14 @@ class _Run:
         other = self._claims.setdefault(folded(output), path)
         if other != path:
             return rules.SAME_NAME.at(Source(path), found=output, other=other)
-        if output.lower().endswith(SUFFIXES) and self._real(output) in self._real_inputs:
-            return rules.OVER_INPUT.at(Source(path), found=output)
         return None
 
-    def _real(self, output: str) -> str:
-        return os.path.realpath(os.path.join(self._folder, output))
-
-    @cached_property
-    def _real_inputs(self) -> Collection[str]:
-        return {os.path.realpath(found.path) for found in self._inputs}
+    def _over(self, output: str, path: str) -> Diagnostic | None:
+        """What is said of an output that is a file which the run reads."""
+        other = self._read_files.written_over_by(os.path.join(self._folder, output))
+        if other is None:
+            return None
+        return rules.OVER_INPUT.at(Source(path), found=output, read=other)
 
     def _write(self, output: str, content: bytes, path: str) -> Diagnostic | None:
         below, _, name = output.rpartition("/")

@@ -8,7 +8,7 @@ import click
 from beamcam.batch import find_inputs, run
 from beamcam.batch.rules import WRITE
 from beamcam.commands import options
-from beamcam.commands.common import REFUSED, STANDARD, Voice
+from beamcam.commands.common import REFUSED, STANDARD, Voice, keep_apart
 from beamcam.commands.running import (
     Report,
     Screen,
@@ -20,7 +20,7 @@ from beamcam.commands.running import (
     unused,
     workers_of,
 )
-from beamcam.commands.settings import settled
+from beamcam.commands.settings import files_read, settled
 from beamcam.errors import BeamcamError, Source
 from beamcam.report.run import as_message
 
@@ -69,10 +69,13 @@ def command(
         voice.stop(error.diagnostics)
     said = [as_message(d) for d in (*found.diagnostics, *unused(found, config))]
     account = Report(report)
+    read = files_read(config, (one.path for one in found.inputs))
+    if report is not None:
+        keep_apart([report], read, voice)
     interrupted = False
     with Screen(len(found.inputs), voice) as screen, ended_by_term():
         screen.say(said)
-        rows = run(found.inputs, output, shop, workers, config.flat, redo)
+        rows = run(found.inputs, output, shop, workers, config.flat, redo, read=read)
         try:
             for row in rows:
                 screen.show(row)

@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING, Any, NoReturn
 
 import click
 
-from beamcam.commands.rules import ACCOUNT, CANNOT_WRITE
+from beamcam.commands.rules import ACCOUNT, CANNOT_WRITE, OVER_INPUT
 from beamcam.errors import Diagnostic, Severity, Source
-from beamcam.files import REFUSED_SUFFIX, write_whole
+from beamcam.files import REFUSED_SUFFIX, FilesRead, write_whole
 from beamcam.plain_text import json_text, terminal_text
 
 if TYPE_CHECKING:
@@ -136,13 +136,17 @@ def followed(path: str, voice: Voice) -> Iterator[Callable[[int, int], None] | N
         yield follow
 
 
-def write(output: str, data: str | bytes | Iterable[bytes], voice: Voice) -> None:
-    """Write to a file, whole or not at all, or to standard output for `-`; else stop."""
+def write(output: str, data: str | bytes | Iterable[bytes], voice: Voice, read: FilesRead) -> None:
+    """Write to a file, whole or not at all, or to standard output for `-`; else stop.
+
+    `read` are the files that the command reads, none of which is written over.
+    """
     if output == STANDARD:
         for piece in (data,) if isinstance(data, str | bytes) else data:
             click.echo(piece, nl=False)
         voice.did("wrote stdout")
         return
+    keep_apart([output], read, voice)
     try:
         write_whole(output, data)
     except OSError as error:
@@ -150,13 +154,29 @@ def write(output: str, data: str | bytes | Iterable[bytes], voice: Voice) -> Non
     voice.did(f"wrote {output}")
 
 
-def keep_refused(output: str, pieces: Iterable[bytes]) -> Iterator[Diagnostic]:
+def keep_apart(outputs: Iterable[str], read: FilesRead, voice: Voice) -> None:
+    """Stop if one of the outputs is a file that the command reads."""
+    for output in outputs:
+        if over := over_input(output, read):
+            voice.stop([over])
+
+
+def over_input(output: str, read: FilesRead) -> Diagnostic | None:
+    """What is said of an output that is one of the files that are read."""
+    other = None if output == STANDARD else read.written_over_by(output)
+    return None if other is None else OVER_INPUT.at(Source(output), found=output, read=other)
+
+
+def keep_refused(output: str, pieces: Iterable[bytes], read: FilesRead) -> Iterator[Diagnostic]:
     """Keep a program that the read-back refused beside its output, and say where it is."""
     if output == STANDARD or (os.path.exists(output) and not os.path.isfile(output)):
         return
     from beamcam.batch.rules import KEPT
 
     kept = output + REFUSED_SUFFIX
+    if over := over_input(kept, read):
+        yield over
+        return
     try:
         write_whole(kept, pieces)
     except OSError as error:

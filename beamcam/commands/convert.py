@@ -11,13 +11,13 @@ from msgspec import Struct
 
 from beamcam.batch.names import Names, cleaned
 from beamcam.commands import options
-from beamcam.commands.common import REFUSED, Voice, cannot_write, read_all, write
+from beamcam.commands.common import REFUSED, Voice, cannot_write, over_input, read_all, write
 from beamcam.commands.members import member_choice, member_options
-from beamcam.commands.rules import NO_PART, ONE_PART, OUTPUT_FORMAT, OVER_INPUT, RENAMED, WRITTEN
-from beamcam.commands.settings import settled
+from beamcam.commands.rules import NO_PART, ONE_PART, OUTPUT_FORMAT, RENAMED, WRITTEN
+from beamcam.commands.settings import files_read, settled
 from beamcam.commands.sheets import drawing_choice, drawing_options
 from beamcam.errors import BeamcamError, Diagnostic, ReadError, Source, errors_in
-from beamcam.files import write_whole
+from beamcam.files import FilesRead, write_whole
 from beamcam.model.part import Part
 from beamcam.pipeline import counted, sound
 
@@ -110,10 +110,11 @@ def command(
         # A drawing of filled shapes alone is a part without any length.
         if not (any(part.length > 0 for part in parts) or reading.refused):
             raise ReadError(NO_PART.at(Source(source)))
+        read = files_read(config, (source,))
         if parts and is_folder(output):
-            said = (*said, *_write_folder(source, parts, target, output, voice))
+            said = (*said, *_write_folder(read, parts, target, output, voice))
         elif not reading.refused:
-            write(output, _only_text(source, parts, target, output), voice)
+            write(output, _only_text(source, parts, target, output), voice, read)
     except BeamcamError as error:
         voice.stop((*said, *error.diagnostics))
     voice.say(said)
@@ -129,11 +130,11 @@ def _only_text(source: str, parts: Sequence[Part], target: Target, output: str) 
 
 
 def _write_folder(
-    source: str, parts: Sequence[Part], target: Target, folder: str, voice: Voice
+    read: FilesRead, parts: Sequence[Part], target: Target, folder: str, voice: Voice
 ) -> Iterator[Diagnostic]:
     """Write a file for each part that the format can hold; what is said of them, and a count.
 
-    One that cannot be written stops no other.
+    One that cannot be written stops no other. None is written over the files `read`.
     """
     try:
         Path(folder).mkdir(parents=True, exist_ok=True)
@@ -146,8 +147,8 @@ def _write_folder(
     for part, name in zip(parts, names, strict=True):
         path = os.path.join(folder, name)
         try:
-            if os.path.realpath(path) == os.path.realpath(source):
-                raise ReadError(OVER_INPUT.at(part.source, found=path))
+            if over := over_input(path, read):
+                raise ReadError(over)
             write_whole(path, target.write(part))
         except BeamcamError as error:
             yield from error.diagnostics

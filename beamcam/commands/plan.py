@@ -9,9 +9,10 @@ from beamcam.commands import options
 from beamcam.commands.common import Voice, write
 from beamcam.commands.common import as_json as json_of
 from beamcam.commands.parts import looking_options, read_parts
-from beamcam.commands.settings import machine_for, settled
+from beamcam.commands.settings import files_read, machine_for, settled
 from beamcam.config.values import Config
 from beamcam.errors import BeamcamError, Diagnostic, PlanError, errors_in
+from beamcam.files import FilesRead
 from beamcam.machine.machine import Machine
 from beamcam.model.part import Part
 from beamcam.model.plan import Plan, SheetPlan, ToolLoad
@@ -64,7 +65,7 @@ def command(
         if machine.stock == "sheet":
             sheet = _planned_sheet(parts, said, machine, config)
             voice.did(f"planned a sheet on {machine.name}")
-            _print(output, voice, as_json, *sheet)
+            _print(output, files_read(config, inputs), voice, as_json, *sheet)
             return
         if machine.saw is None or machine.drill is None or machine.layout is None:
             raise click.UsageError(
@@ -86,7 +87,8 @@ def command(
     explained = explain(plan, machine)
     said = (*said, *remarks)
     record = plan_record(plan, explained, machine, trials, said)
-    _print(output, voice, as_json, plan_lines(plan, explained, machine, trials), record, said)
+    read = files_read(config, inputs)
+    _print(output, read, voice, as_json, plan_lines(plan, explained, machine, trials), record, said)
 
 
 def _planned_sheet(
@@ -110,6 +112,7 @@ def _planned_sheet(
 
 def _print(
     output: str,
+    read: FilesRead,
     voice: Voice,
     as_json: bool,
     lines: Iterable[str],
@@ -117,10 +120,10 @@ def _print(
     said: tuple[Diagnostic, ...],
 ) -> None:
     if as_json:
-        write(output, json_of(record) + "\n", voice)
+        write(output, json_of(record) + "\n", voice, read)
         voice.end()
     else:
-        write(output, "\n".join(map(terminal_text, lines)) + "\n", voice)
+        write(output, "\n".join(map(terminal_text, lines)) + "\n", voice, read)
         voice.say(said)
 
 

@@ -6,9 +6,9 @@ import click
 
 from beamcam.collector import collector_resting
 from beamcam.commands import options
-from beamcam.commands.common import Voice, keep_refused, write
+from beamcam.commands.common import Voice, keep_apart, keep_refused, write
 from beamcam.commands.parts import part_options, read_parts
-from beamcam.commands.settings import machine_for, map_remarks, settled
+from beamcam.commands.settings import files_read, machine_for, map_remarks, settled
 from beamcam.commands.tables import job_name, outputs, table_style
 from beamcam.errors import BeamcamError, Diagnostic
 from beamcam.pipeline import Posted, RefusedProgram, post, untold
@@ -81,15 +81,18 @@ def command(
 
         posted = from_store(made, config.stock_lengths, max((p.length for p in parts), default=0.0))
     except RefusedProgram as error:
-        voice.stop((*said, *error.diagnostics, *keep_refused(output, error.pieces())))
+        kept = keep_refused(output, error.pieces(), files_read(config, inputs))
+        voice.stop((*said, *error.diagnostics, *kept))
     except BeamcamError as error:
         voice.stop((*said, *error.diagnostics))
     if voice.verbose:
         from beamcam.report.ledger import ledger_of
 
         voice.did(f"{machine.name}: {ledger_of(posted.plan.outcomes)}")
-    for path, content in outputs(posted, machine, output):
-        write(path, content, voice)
+    files, read = tuple(outputs(posted, machine, output)), files_read(config, inputs)
+    keep_apart((path for path, _ in files), read, voice)
+    for path, content in files:
+        write(path, content, voice, read)
     voice.say((*said, *posted.remarks))
     if posted.leaves_out and exit_left_out is not None:
         raise SystemExit(exit_left_out)

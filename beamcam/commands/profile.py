@@ -8,6 +8,7 @@ import click
 
 from beamcam.commands import options
 from beamcam.commands.common import Voice, write
+from beamcam.files import FilesRead
 
 if TYPE_CHECKING:
     from beamcam.motion.profile import Profile
@@ -152,4 +153,4 @@ def command(
     except ValueError as error:
         raise click.UsageError(str(error)) from error
     voice.did(f"profile of {profile.duration_s:g} s")
-    write(output, data, voice)
+    write(output, data, voice, FilesRead(()))

@@ -30,8 +30,10 @@ CANNOT_WRITE = Rule(
 OVER_INPUT = Rule(
     "write-over-input",
     Severity.ERROR,
-    "found {found!r} for the output's name, which is the input; expected another folder",
-    "The name comes from the part's mark, so that nobody has asked for this file to be replaced.",
+    "found the output {found!r}, which is the file {read!r} that this command reads; expected "
+    "another name or folder",
+    "What a program is made from (parts, configuration, machine file) is never written over, by "
+    "whatever name, link or letters the output is called.",
 )
 RENAMED = Rule(
     "write-renamed",

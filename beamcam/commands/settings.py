@@ -4,12 +4,13 @@
 the defaults; the same for every command
 """
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import PurePath
 from typing import Any
 
 from beamcam.config.values import COMMAND_LINE, Config, Stock, beside, over
 from beamcam.errors import Diagnostic, PlanError, Source
+from beamcam.files import FilesRead
 from beamcam.machine import Machine, load
 from beamcam.model.part import Part
 from beamcam.pipeline import SHEET_MACHINES, default_machine, stock_of
@@ -30,6 +31,22 @@ def settled(asked: Mapping[str, Any], inputs: Iterable[str]) -> Config:
     `asked` holds the values of the options, `config_file` among them. Raises ConfigError.
     """
     return over(_config(asked.get("config_file"), inputs), _wanted(asked))
+
+
+def files_read(config: Config, inputs: Iterable[str]) -> FilesRead:
+    """Every file that a job reads: its inputs, its configuration, the files of its machines."""
+    return FilesRead(_files_read(config, inputs))
+
+
+def _files_read(config: Config, inputs: Iterable[str]) -> Iterator[str]:
+    from beamcam.machine.load import files_of
+
+    yield from inputs
+    if config.file is not None:
+        yield config.file
+    for name in (config.machine, *config.machines.values()):
+        if name is not None:
+            yield from files_of(name)
 
 
 def _config(file: str | None, inputs: Iterable[str]) -> Config:

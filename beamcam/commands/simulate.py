@@ -8,7 +8,7 @@ import click
 from beamcam.commands import options
 from beamcam.commands.common import Voice, say_lines, write
 from beamcam.commands.programs import program_text
-from beamcam.commands.settings import machine_for_program, settled
+from beamcam.commands.settings import files_read, machine_for_program, settled
 from beamcam.errors import BeamcamError, VerifyError, errors_in
 from beamcam.readers.content import shown_name
 from beamcam.verify import run
@@ -83,7 +83,8 @@ def command(
     if output is None and modbus is None:
         raise click.UsageError("Say where the trace goes: -o FILE or --modbus HOST:PORT.")
     try:
-        machine = machine_for_program(settled(asked, (program,)), program)
+        config = settled(asked, (program,))
+        machine = machine_for_program(config, program)
         if machine.stock != "beam":
             raise click.UsageError(f"{machine.name} is no cell; simulate runs programs for bars.")
         done = run(program_text(program), machine, None, shown_name(program))
@@ -100,5 +101,5 @@ def command(
     except BeamcamError as error:
         voice.stop(error.diagnostics)
     if output is not None:
-        write(output, trace(course, machine, every), voice)
+        write(output, trace(course, machine, every), voice, files_read(config, (program,)))
     voice.say(done.diagnostics)

@@ -11,7 +11,7 @@ from beamcam.batch.rules import NOTHING, WRITE
 from beamcam.commands import options
 from beamcam.commands.common import REFUSED, Voice
 from beamcam.commands.running import Screen, ended_by_term, run_options, shop_of, unused, workers_of
-from beamcam.commands.settings import settled
+from beamcam.commands.settings import files_read, settled
 from beamcam.errors import BeamcamError, Diagnostic, Source
 from beamcam.report.run import Row, as_message
 from beamcam.watch import HotFolder, file_away, look
@@ -80,7 +80,8 @@ def command(
                 ready = hot.take(look(found.inputs), time.monotonic())
                 if ready:
                     workers = workers_of(shop, config.jobs, scheduler, len(ready))
-                    rows = run(ready, output, shop, workers, config.flat, claims=claims)
+                    read = files_read(config, (one.path for one in ready))
+                    rows = run(ready, output, shop, workers, config.flat, claims=claims, read=read)
                     try:
                         for one, row in zip(ready, rows, strict=True):
                             screen.show(row)

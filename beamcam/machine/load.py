@@ -42,6 +42,16 @@ def load(name: str) -> Machine:
     return machine
 
 
+def files_of(name: str) -> Iterator[str]:
+    """The paths of the file of a machine and of all that it is based on. Raises MachineError."""
+    seen: list[Path] = []
+    while name and (path := _find(name, seen[-1] if seen else None)) not in seen:
+        seen.append(path)
+        yield str(path)
+        base = tomllib.loads(path.read_text(encoding="utf-8")).get("base")
+        name = base if isinstance(base, str) else ""
+
+
 def settings(name: str) -> tuple[Setting, ...]:
     """Every value of a machine, the defaults included, each with where it was set."""
     table, files = _tables(name, ())

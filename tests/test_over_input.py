@@ -1,0 +1,142 @@
+"""No command writes over a file that it reads, by any name of that file."""
+
+import os
+import shutil
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+from click.testing import CliRunner
+
+from beamcam.cli import main
+from beamcam.files import FilesRead
+from tests.runs import batch, part
+
+SAMPLES = Path(__file__).resolve().parents[1] / "samples"
+
+
+def same(path: Path) -> str:
+    return str(path)
+
+
+def relative(path: Path) -> str:
+    return f"{path.parent}/../{path.parent.name}/./{path.name}"
+
+
+def hard(path: Path) -> str:
+    os.link(path, path.parent / f"hard{path.suffix}")
+    return str(path.parent / f"hard{path.suffix}")
+
+
+def symbolic(path: Path) -> str:
+    (path.parent / f"soft{path.suffix}").symlink_to(path)
+    return str(path.parent / f"soft{path.suffix}")
+
+
+def below_a_link(path: Path) -> str:
+    (path.parent / "folder").symlink_to(path.parent, target_is_directory=True)
+    return str(path.parent / "folder" / path.name)
+
+
+NAMES = [same, relative, hard, symbolic, below_a_link]
+
+
+@pytest.fixture
+def work(tmp_path: Path) -> Path:
+    """A folder with a part, a sheet, a program, a configuration and a machine on another one."""
+    folder = tmp_path / "work"
+    folder.mkdir()
+    (folder / "M.nc1").write_text(part("M"))
+    shutil.copy(SAMPLES / "dstv" / "gusset.nc1", folder / "gusset.nc1")
+    (folder / "job.toml").write_text('job = "A"\n')
+    (folder / "base.toml").write_text('base = "beamline"\n')
+    (folder / "mine.toml").write_text('base = "base.toml"\n')
+    made = CliRunner().invoke(main, ["post", str(folder / "M.nc1"), "-o", str(folder / "M.gcode")])
+    assert made.exit_code == 0
+    return folder
+
+
+def refused(folder: Path, output: str, *words: str) -> None:
+    before = {p.name: p.read_bytes() for p in folder.iterdir() if p.is_file()}
+    result = CliRunner().invoke(main, [*words, "-o", output])
+    assert result.exit_code == 1, result.output
+    assert "error write-over-input: found the output" in result.stderr
+    assert {p.name: p.read_bytes() for p in folder.iterdir() if p.is_file()} == before
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_post(work: Path, name: Callable[[Path], str]) -> None:
+    refused(work, name(work / "M.nc1"), "post", str(work / "M.nc1"))
+
+
+@pytest.mark.parametrize("file", ["job.toml", "mine.toml", "base.toml"])
+@pytest.mark.parametrize("command", ["post", "plan"])
+def test_configuration_and_machine(work: Path, command: str, file: str) -> None:
+    asked = ("--config", str(work / "job.toml"), "--machine", str(work / "mine.toml"))
+    refused(work, hard(work / file), command, str(work / "M.nc1"), *asked)
+
+
+def test_the_configuration_that_was_found(work: Path) -> None:
+    shutil.copy(work / "job.toml", work / "beamcam.toml")
+    refused(work, str(work / "beamcam.toml"), "post", str(work / "M.nc1"))
+
+
+def test_the_second_input(work: Path) -> None:
+    shutil.copy(work / "M.nc1", work / "N.nc1")
+    refused(work, str(work / "N.nc1"), "post", str(work / "M.nc1"), str(work / "N.nc1"))
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_the_other_commands(work: Path, name: Callable[[Path], str]) -> None:
+    program = work / "M.gcode"
+    refused(work, name(work / "M.nc1"), "plan", str(work / "M.nc1"))
+    refused(work, str(work / "M.nc1"), "convert", str(work / "M.nc1"))
+    refused(work, str(program), "simulate", str(program))
+
+
+def test_a_unit_beside_the_program(work: Path) -> None:
+    """A trigger program of several units is refused before the first of them is written."""
+    source = work / "unit_x_1.st"
+    shutil.copy(work / "gusset.nc1", source)
+    asked = ("post", str(source), "--machine", "table-simotion", "--style", "table", "--job", "x")
+    refused(work, str(work / "x.st"), *asked)
+    assert not (work / "x.st").exists()
+
+
+def test_batch_and_its_report(work: Path) -> None:
+    link = hard(work / "job.toml")
+    out = work / "out"
+    out.mkdir()
+    os.link(work / "M.nc1", out / "M.gcode")
+    before = (work / "M.nc1").read_bytes()
+    result = batch(work / "M.nc1", "-o", out, "--config", work / "job.toml", "--force")
+    assert result.exit_code == 1
+    assert "batch-over-input" in result.stderr
+    (work / "job.json").symlink_to(link)
+    report = ("--report", work / "job.json", "--config", work / "job.toml")
+    result = batch(work / "M.nc1", "-o", work / "out2", *report)
+    assert result.exit_code == 1
+    assert "write-over-input" in result.stderr
+    assert (work / "M.nc1").read_bytes() == before
+    assert (work / "job.toml").read_text() == 'job = "A"\n'
+
+
+def test_another_file_and_a_device_may_be_written(work: Path) -> None:
+    read = FilesRead([str(work / "M.nc1"), "/dev/null", str(work / "none")])
+    assert read.written_over_by(str(work / "M.gcode")) is None
+    assert read.written_over_by(str(work / "new")) is None
+    assert read.written_over_by(os.devnull) is None
+    assert read.written_over_by("a\0b") is None
+
+
+def test_where_the_system_numbers_no_files(work: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Some file systems give each file the number 0; then the real path tells."""
+    real = os.stat
+
+    def unnumbered(path: str) -> os.stat_result:
+        return os.stat_result((real(path).st_mode, 0, *real(path)[2:]))
+
+    monkeypatch.setattr("beamcam.files.os.stat", unnumbered)
+    read = FilesRead([str(work / "M.nc1")])
+    assert read.written_over_by(relative(work / "M.nc1")) == str(work / "M.nc1")
+    assert read.written_over_by(str(work / "gusset.nc1")) is None
