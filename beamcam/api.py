@@ -20,11 +20,11 @@ from msgspec.structs import replace
 from beamcam.errors import Diagnostic, ReadError
 from beamcam.machine import Machine, load
 from beamcam.model.part import Part
-from beamcam.model.plan import FeatureRef, Plan, SheetPlan
+from beamcam.model.plan import Plan, SheetPlan
 from beamcam.pipeline import DEFAULT_MACHINE, Posted, as_error, read_file
 from beamcam.pipeline import post as post_bar
 from beamcam.pipeline import read_back as read_program_back
-from beamcam.posts import Job, post_of
+from beamcam.posts import Job, Wanted, post_of
 from beamcam.readers import read as read_bytes
 from beamcam.readers.reading import Reading
 
@@ -92,17 +92,17 @@ def verify(
     parts: Part | Iterable[Part],
     machine: AnyMachine = DEFAULT_MACHINE,
     *,
-    skipped: Collection[FeatureRef] = (),
+    skips: Collection[str] = (),
     name: str = "program",
 ) -> tuple[Diagnostic, ...]:
     """Everything that is wrong with the text of a program, by itself and against `parts`.
 
     Nothing comes back for a program that makes exactly the parts, in their order on the bar.
-    `skipped` are features, each as (index of the part, index of its feature), that may be missing.
-    Raises MachineError.
+    `skips` names the kinds of features that may be missing, as `--allow-skips` does. Raises
+    MachineError.
     """
     loaded = _machine(machine)
-    return read_program_back(program, _parts(parts), loaded, skipped, name)
+    return read_program_back(program, Wanted(_parts(parts), loaded, tuple(skips), name))
 
 
 def _parts(parts: Part | Iterable[Part]) -> tuple[Part, ...]:

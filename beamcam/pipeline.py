@@ -25,7 +25,7 @@ from beamcam.errors import (
 )
 from beamcam.machine.machine import Machine
 from beamcam.model.part import Part
-from beamcam.model.plan import FeatureRef, Plan, SheetPlan
+from beamcam.model.plan import Plan, SheetPlan
 from beamcam.model.work_time import WorkTime
 from beamcam.planning import Order
 from beamcam.planning.left_out import LEFT_OUT, told
@@ -169,30 +169,13 @@ def sound(reading: Reading) -> Reading:
     return replace(reading, parts=parts)
 
 
-def read_back(
-    program: str | bytes,
-    parts: Sequence[Part],
-    machine: Machine,
-    skipped: Collection[FeatureRef] = (),
-    name: str = "program",
-    given: Sequence[Part] = (),
-    style: str | None = None,
-) -> tuple[Diagnostic, ...]:
+def read_back(program: str | bytes, wanted: Wanted) -> tuple[Diagnostic, ...]:
     """Everything that is wrong with a program for bars, sheets or tables, as its machine reads it.
 
-    `parts` come in their order on the bar and as they lie there, `skipped` names features that
-    may be missing, `given` are the parts before they were turned, `style` is that of `post`.
+    Raises PlanError where a sheet's own features cannot be told.
     """
     written: Written = program if isinstance(program, str) else lambda: (program,)
-    wanted = Wanted(tuple(parts), machine, skipped, name, tuple(given), style)
-    return post_of(machine).verify(written, wanted)
-
-
-def left_out(
-    parts: Sequence[Part], machine: Machine, skips: Collection[str]
-) -> frozenset[FeatureRef]:
-    """The features that may be missing under the names of `--allow-skips`. Raises PlanError."""
-    return post_of(machine).skippable(parts, machine, skips) if skips else frozenset()
+    return post_of(wanted.machine).verify(written, wanted)
 
 
 @collector_resting()
@@ -244,22 +227,15 @@ def posting(
     yield "printed the program"
     said: tuple[Diagnostic, ...] = ()
     if verified:
-        said = kind.verify(written, _wanted(asked, plan))
+        said = kind.verify(written, _wanted(asked))
         yield "read the program back"
         if errors_in(said):
             raise RefusedProgram(said, written)
     return Posted(written, plan, (*remarks, *said), program)
 
 
-def _wanted(job: Job, plan: Plan | SheetPlan) -> Wanted:
-    """What the program has to make."""
-    parts: tuple[Part, ...] = job.parts
-    given: tuple[Part, ...] = ()
-    skipped: set[FeatureRef] = set()
-    # A bar leaves nothing out that was not allowed, a sheet also what its colours say.
-    if job.skips or not isinstance(plan, Plan):
-        skipped = {o.feature for o in plan.outcomes if o.how == "skipped"}
-    if isinstance(plan, Plan):
-        parts = tuple([piece.part for piece in plan.pieces])
-        given = tuple([job.parts[piece.given] for piece in plan.pieces])
-    return Wanted(parts, job.machine, skipped, job.name, given, job.style)
+def _wanted(job: Job) -> Wanted:
+    """What the program of a job has to make."""
+    return Wanted(
+        job.parts, job.machine, job.skips, job.name, job.order, job.turn, job.bar, job.style
+    )

@@ -4,7 +4,7 @@
 that a bar never loads what only a sheet needs.
 """
 
-from collections.abc import Callable, Collection, Iterable, Sequence
+from collections.abc import Callable, Iterable
 from functools import cache
 from typing import Any
 
@@ -39,13 +39,15 @@ class Job(Struct, frozen=True):
 
 
 class Wanted(Struct, frozen=True):
-    """What a program has to make."""
+    """What was asked for, which a program has to make; nothing in it comes from a plan."""
 
-    parts: tuple[Part, ...]  #: in their order on the bar, and as they lie there
+    parts: tuple[Part, ...]  #: as they were given, in the order given
     machine: Machine
-    skipped: Collection[FeatureRef] = ()  #: features that may be missing
+    skips: tuple[str, ...] = ()  #: kinds of features that may be missing, as `--allow-skips` names
     name: str = "program"  #: of the program, for messages
-    given: tuple[Part, ...] = ()  #: the parts before they were turned
+    order: Order = "given"  #: of the parts on the bar; "best" is any
+    turn: bool = False  #: whether parts may lie turned
+    bar: float | None = None  #: length of the bar, where it is known
     style: str | None = None
 
 
@@ -56,7 +58,6 @@ class Post(Struct, frozen=True):
     motion: Callable[[Any, Machine, str], Any]
     emit: Callable[[Any, Job], Written]
     verify: Callable[[Written, Wanted], tuple[Diagnostic, ...]]
-    skippable: Callable[[Sequence[Part], Machine, Collection[str]], frozenset[FeatureRef]]
     unverified: Callable[[Any], Any]  #: the program with a remark that it was not read back
     time: Callable[[Any, Any, Machine], WorkTime]  #: of a plan and its program, where it is asked
 
@@ -76,14 +77,14 @@ def bar_post() -> Post:
     from beamcam.emitters import gcode
     from beamcam.motion.beam import beam_program
     from beamcam.planning import plan_bar
-    from beamcam.verify import skippable, verify
+    from beamcam.verify import verify
 
     def plan(job: Job) -> Plan:
         return plan_bar(job.parts, job.machine, job.bar, job.skips, job.order, job.turn)
 
     def read_back(program: Written, wanted: Wanted) -> tuple[Diagnostic, ...]:
         w = wanted
-        return verify(_text(program), w.parts, w.machine, w.skipped, w.name, w.given)
+        return verify(_text(program), w.parts, w.machine, w.skips, w.name, w.order, w.turn, w.bar)
 
     def emit(program: Program, job: Job) -> str:
         return gcode.emit(program, job.machine)
@@ -93,7 +94,7 @@ def bar_post() -> Post:
 
         return work_time(plan, machine)
 
-    return Post(plan, beam_program, emit, read_back, skippable, _with_comment, time)
+    return Post(plan, beam_program, emit, read_back, _with_comment, time)
 
 
 def sheet_post() -> Post:
@@ -104,7 +105,7 @@ def sheet_post() -> Post:
 
     def read_back(program: Written, wanted: Wanted) -> tuple[Diagnostic, ...]:
         w = wanted
-        return verify_sheet(_text(program), w.parts, w.machine, w.skipped, w.name)
+        return verify_sheet(_text(program), w.parts, w.machine, _skipped_on_sheet(w), w.name)
 
     def emit(program: Program, job: Job) -> str:
         return cutting.emit(program, job.machine)
@@ -114,7 +115,7 @@ def sheet_post() -> Post:
 
         return program_time(plan, program, machine)
 
-    return Post(_plan_sheet, sheet_program, emit, read_back, _skipped_on_sheet, _with_comment, time)
+    return Post(_plan_sheet, sheet_program, emit, read_back, _with_comment, time)
 
 
 def trigger_post() -> Post:
@@ -134,14 +135,14 @@ def trigger_post() -> Post:
 
     def read_back(program: Written, wanted: Wanted) -> tuple[Diagnostic, ...]:
         w = wanted
-        return verify_triggers(_text(program), w.parts, w.machine, w.skipped, w.name)
+        return verify_triggers(_text(program), w.parts, w.machine, _skipped_on_sheet(w), w.name)
 
     def time(plan: SheetPlan, table: Any, machine: Machine) -> WorkTime:
         from beamcam.motion.table_times import trigger_time
 
         return trigger_time(plan, table, machine)
 
-    return Post(_plan_sheet, trigger_table, emit, read_back, _skipped_on_sheet, _with_remark, time)
+    return Post(_plan_sheet, trigger_table, emit, read_back, _with_remark, time)
 
 
 def step_post() -> Post:
@@ -159,14 +160,14 @@ def step_post() -> Post:
         w = wanted
         form = w.style if w.style in READ_BACK else w.machine.suffix
         pieces = (program.encode("utf-8"),) if isinstance(program, str) else program()
-        return verify_table(form, pieces, w.parts, w.machine, w.skipped, w.name)
+        return verify_table(form, pieces, w.parts, w.machine, _skipped_on_sheet(w), w.name)
 
     def time(plan: SheetPlan, _: Any, machine: Machine) -> WorkTime:
         from beamcam.motion.table_times import step_time
 
         return step_time(plan, machine)
 
-    return Post(_plan_sheet, step_table, emit, read_back, _skipped_on_sheet, _with_remark, time)
+    return Post(_plan_sheet, step_table, emit, read_back, _with_remark, time)
 
 
 #: By the kind of stock and the family of the controller.
@@ -186,12 +187,17 @@ def _plan_sheet(job: Job) -> SheetPlan:
     return plan_sheet(job.parts, job.machine, job.skips)
 
 
-def _skipped_on_sheet(
-    parts: Sequence[Part], machine: Machine, skips: Collection[str]
-) -> frozenset[FeatureRef]:
+def _skipped_on_sheet(wanted: Wanted) -> frozenset[FeatureRef]:
+    """The features of a sheet that may be missing: by its colours, and by the kinds named.
+
+    None of a sheet that cannot be planned: what is wrong with it shows where it is compared.
+    """
     from beamcam.planning.sheet import plan_sheet
 
-    outcomes = plan_sheet(parts, machine, skips).outcomes
+    try:
+        outcomes = plan_sheet(wanted.parts, wanted.machine, wanted.skips).outcomes
+    except PlanError:
+        return frozenset()
     return frozenset(o.feature for o in outcomes if o.how == "skipped")
 
 

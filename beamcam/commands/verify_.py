@@ -11,7 +11,8 @@ from beamcam.commands.parts import looking_options, read_parts
 from beamcam.commands.programs import input_bytes
 from beamcam.commands.settings import machine_for, machine_for_program, settled
 from beamcam.errors import BeamcamError, Diagnostic, errors_in
-from beamcam.pipeline import left_out, read_back
+from beamcam.pipeline import read_back
+from beamcam.posts import Wanted
 from beamcam.readers.content import shown_name
 from beamcam.report.run import as_message
 
@@ -57,12 +58,15 @@ def command(
             machine = machine_for(config, wanted, program)
         else:
             machine = machine_for_program(config, program)
-        skipped = left_out(wanted, machine, config.allow_skips)
+        style = PurePath(program).suffix.lower()
+        found = read_back(
+            data,
+            Wanted(
+                tuple(wanted), machine, tuple(config.allow_skips), shown_name(program), style=style
+            ),
+        )
     except BeamcamError as error:
         voice.stop((*said, *error.diagnostics))
-    found = read_back(
-        data, wanted, machine, skipped, shown_name(program), style=PurePath(program).suffix.lower()
-    )
     voice.did(f"read {shown_name(program)} back on {machine.name}: {len(found)} message(s)")
     if as_json:
         records = [as_message(d) for d in (*said, *found) if voice.wants(d.severity)]

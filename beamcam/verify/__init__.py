@@ -15,12 +15,11 @@ from beamcam.errors import Diagnostic, VerifyError, errors_in
 from beamcam.machine.known import Kept, OncePerMachine
 from beamcam.machine.machine import Machine, NumberFormat
 from beamcam.model.part import Part, Profile
-from beamcam.verify import codesys, rules
+from beamcam.verify import codesys
 from beamcam.verify.blocks import Block, read_blocks
 from beamcam.verify.cell import Cell
 from beamcam.verify.compare import compare
 from beamcam.verify.events import Event
-from beamcam.verify.lying import is_turned
 from beamcam.verify.made import Bore, Cut, Made
 from beamcam.verify.meaning import Meaning, meaning_of
 from beamcam.verify.needs import FeatureRef
@@ -124,21 +123,23 @@ def verify(
     text: str,
     parts: Sequence[Part],
     machine: Machine,
-    skipped: Collection[FeatureRef] = (),
+    skips: Collection[str] = (),
     name: str = "program",
-    given: Sequence[Part] = (),
+    order: str = "given",
+    turn: bool = False,
+    bar: float | None = None,
 ) -> tuple[Diagnostic, ...]:
     """Everything that is wrong with a program, by itself and against the parts on its bar.
 
-    The parts come as they lie and in their order on the bar, `skipped` names features of them that
-    may be left out, and `given` are the same parts before they were turned. Nothing comes back for
-    a program that makes exactly the parts.
+    The parts are those that were asked for, in the order asked; `order` and `turn` say whether
+    they may lie in another one and turned, `skips` names the kinds of features that may be left
+    out, `bar` is the bar's length. Nothing comes back for a program that makes exactly the parts.
     """
     if not parts:
         return run(text, machine, None, name).diagnostics
     known = _known_of(machine)
-    if known.rack is None:
-        raise TypeError(f"{machine.name} has no drill")
+    if known.rack is None or machine.saw is None:
+        raise TypeError(f"{machine.name} has no saw and drill")
     profile = parts[0].profile
     choices = known.choices_for(profile)
     said: tuple[Diagnostic, ...] = ()
@@ -146,10 +147,38 @@ def verify(
     if made is None:
         done = run(text, machine, profile, name)
         made, said = done.made, done.diagnostics
+    free = order != "given"
+    if turn or free:
+        parts = _as_laid(made, parts, machine, free, turn, known.rack)
+        choices = known.choices_for(parts[0].profile)
+        if parts[0].profile != profile:
+            done = run(text, machine, parts[0].profile, name)
+            made, said = done.made, done.diagnostics
+    skipped = skippable(parts, machine, skips) if skips else ()
     more = compare(made, parts, machine, known.rack, known.meaning, choices, skipped, name)
-    turned = (
-        rules.TURNED.at(part.source, mark=part.mark)
-        for part, lying in zip(given, parts, strict=False)
-        if lying is not part and not is_turned(part, lying)
-    )
-    return (*said, *turned, *more)
+    return (*said, *more)
+
+
+def _as_laid(
+    made: Made, parts: Sequence[Part], machine: Machine, free: bool, turn: bool, rack: Rack
+) -> Sequence[Part]:
+    """The parts in their order on the bar and as they lie there; as given where that fails."""
+    from beamcam.verify.bars.layout import lay_out
+    from beamcam.verify.bars.pieces import pieces, planes
+
+    assert machine.saw is not None
+
+    def faults(part: Part, start: float) -> int:
+        x = start + rack.drill.x
+        return sum(
+            not any(
+                b.face == h.face and abs(b.x - x - h.x) <= 0.2 and abs(b.y - h.y) <= 0.2
+                and abs(b.diameter - h.diameter) <= 1.0
+                for b in made.bores
+            )
+            for h in part.holes
+        )  # fmt: skip
+
+    found = pieces(planes(made.cuts, machine.saw, parts[0].profile))
+    laid = lay_out(found, parts, machine, machine.saw, free, turn, faults)
+    return [one.part for one in laid] if len(laid) == len(parts) else parts

@@ -52,8 +52,11 @@ def compare(
     drilled = None if skipped else plainly_made(made.bores, parts, from_x, rack, resolution)
     wanted: list[Wanted] = []
     paths: list[Pocket | Course] = []
-    for _, need in needs_of(parts, ends, rack, skipped, drilled is None):
-        if type(need) is Stroke:
+    for ref, need in needs_of(parts, ends, rack, (), drilled is None):
+        if ref in skipped:
+            if type(need) is Stroke:  # it may be missing, or be made all the same
+                wanted.append(Wanted(need._replace(optional=True), from_x[need.part] + need.x))
+        elif type(need) is Stroke:
             wanted.append(Wanted(need, from_x[need.part] + need.x))
         elif isinstance(need, Lack):
             said.append(_lack(need, parts))

@@ -113,12 +113,6 @@ SECTION = Rule(
     "found {what} {found}; expected {expected}",
     "The controller sets clamps and offsets from the section, so it has to be the part's.",
 )
-TURNED = Rule(
-    "verify-turned",
-    _E,
-    "found {mark} lying as no turn of the part that was given; expected one of its eight",
-    "A part may be turned on the rollers, but a mirrored one is another part.",
-)
 CUT_MISSING = Rule(
     "verify-cut-missing",
     _E,
@@ -223,7 +217,7 @@ MODBUS = Rule(
 
 RULES = (
     SYNTAX, WORD, NO_END, M_QUEUE, ARC, LIMIT, STOP_BACK, CUT_OFF, NO_SPINDLE, SPINDLE_OFF,
-    SPINDLE_ON, COOLANT, RAPID, SIDEWAYS, NO_FEED, FEED, FEED_LIMIT, SECTION, TURNED, CUT_MISSING,
+    SPINDLE_ON, COOLANT, RAPID, SIDEWAYS, NO_FEED, FEED, FEED_LIMIT, SECTION, CUT_MISSING,
     CUT_PLACE, CUT_ANGLE, CUT_EXTRA, OUTLINE, HOLE_MISSING, HOLE_PLACE, HOLE_EXTRA, DEPTH, TOOL,
     TURN, PATH, PATH_EXTRA, TOOL_NEARER, NOT_MADE, MODBUS,
 )  # fmt: skip

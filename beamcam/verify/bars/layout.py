@@ -1,0 +1,106 @@
+"""Which part each piece of the bar is: by its ends, and where those do not tell, by what is in it.
+
+With the order given the parts follow each other along the bar as they were named. Left free, each
+piece is the part that fits it best; turned ones may stand in any of their eight ways.
+"""
+
+from collections.abc import Callable, Sequence
+from typing import NamedTuple
+
+from beamcam.machine.machine import Machine, Saw
+from beamcam.model.part import Part
+from beamcam.verify.bars.pieces import Piece, Plane
+from beamcam.verify.bars.turned import standing
+from beamcam.verify.ends import End, ends_of
+
+
+class Candidate(NamedTuple):
+    """A part as it may stand on the bar."""
+
+    part: Part
+    given: int  #: which of the parts that were asked for
+    ends: tuple[End, End]
+
+
+class Laid(NamedTuple):
+    """A part found on the bar."""
+
+    part: Part
+    given: int
+    ends: tuple[End, End]
+    start: float  #: bar x of its x 0
+    piece: Piece | None  #: None where its ends are not as they should be
+
+
+#: How far from right a part would be that starts at a bar x: the number of its faults.
+Fault = Callable[[Part, float], int]
+
+
+def lay_out(
+    found: Sequence[Piece], parts: Sequence[Part], machine: Machine, saw: Saw, free: bool,
+    turn: bool, faults: Fault,
+) -> list[Laid]:  # fmt: skip
+    """The parts that pieces are, from one end of the bar to the other.
+
+    Those of which no piece has the ends are missing. `free` leaves the order to the program.
+    """
+    ways: dict[int, list[Candidate]] = {}
+    waiting = [_candidates(part, i, saw, turn, ways) for i, part in enumerate(parts)]
+    laid: list[Laid] = []
+    for piece in found:
+        if not waiting:
+            break
+        choices = waiting if free else waiting[:1]
+        fitting = [
+            Laid(c.part, c.given, c.ends, start, piece)
+            for c in _distinct(choices)
+            if (start := start_of(piece, c, machine, saw)) is not None
+        ]
+        if not fitting:
+            continue
+        best = fitting[0]
+        if len(fitting) > 1:
+            best = min(fitting, key=lambda one: faults(one.part, one.start))
+        laid.append(best)
+        waiting = [c for c in waiting if c[0].given != best.given]
+    return laid
+
+
+def _candidates(
+    part: Part, given: int, saw: Saw, turn: bool, known: dict[int, list[Candidate]]
+) -> list[Candidate]:
+    """The ways in which a part may stand."""
+    if id(part) not in known:
+        ways = standing(part) if turn else [part]
+        known[id(part)] = [Candidate(p, given, ends_of(p, saw)) for p in ways]
+    return [c._replace(given=given) for c in known[id(part)]]
+
+
+def _distinct(choices: Sequence[Sequence[Candidate]]) -> list[Candidate]:
+    """The candidates, each part that is there several times once."""
+    seen: set[int] = set()
+    kept = []
+    for ways in choices:
+        for way in ways:
+            if id(way.part) not in seen:
+                seen.add(id(way.part))
+                kept.append(way)
+    return kept
+
+
+def start_of(piece: Piece, candidate: Candidate, machine: Machine, saw: Saw) -> float | None:
+    """Bar x at which a part starts that has a piece's ends; None if it has others."""
+    first, last = candidate.ends
+    if not (is_of(piece.start, first, machine, saw) and is_of(piece.end, last, machine, saw)):
+        return None
+    height = candidate.part.profile.height
+    start = piece.start.at_pivot - first.blade(saw, height)
+    by_end = piece.end.at_pivot - last.blade(saw, height)
+    return start if abs(start - by_end) <= machine.format.resolution + 1e-6 else None
+
+
+def is_of(plane: Plane, end: End, machine: Machine, saw: Saw) -> bool:
+    """Whether a cut has the angles of an end, to what the output can tell apart."""
+    slack = 0.5 * 10.0**-machine.format.angle_decimals + 1e-6
+    angle, tilt = end.saw_angles(saw)
+    return abs(plane.cut.angle - angle) <= slack and abs(plane.cut.tilt - tilt) <= slack

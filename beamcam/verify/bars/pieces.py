@@ -1,0 +1,69 @@
+"""The pieces of a bar between its cuts.
+
+    | trim |# piece 1 ######/ wedge | piece 2 ####|  rest
+
+A cut is a slab as thick as the blade. Between two of them that follow each other along the bar lies
+a piece of steel, which is a part if both its ends are those of the part. X counts on the pivot
+edge of the saw; the plane of a cut is x = x_0 - y tan(web) - z tan(flange), in DSTV's angles.
+"""
+
+from collections.abc import Sequence
+from itertools import pairwise
+from math import atan, cos, degrees, hypot, radians, tan
+from typing import NamedTuple
+
+from beamcam.machine.machine import Saw
+from beamcam.model.part import Profile
+from beamcam.verify.made import Cut
+
+
+class Plane(NamedTuple):
+    """A cut as it stands in the bar: the middle of its slab."""
+
+    cut: Cut
+    web_deg: float  #: DSTV's angles
+    flange_deg: float
+    at_pivot: float  #: bar x on the pivot edge
+    tan_web: float
+    tan_flange: float
+    half_kerf: float  #: along the bar
+
+    def along(self, rise: float, z: float) -> float:
+        """Bar x at a place of the section, `rise` above the pivot edge."""
+        return self.at_pivot - rise * self.tan_web - z * self.tan_flange
+
+
+class Piece(NamedTuple):
+    """The steel between two cuts."""
+
+    start: Plane
+    end: Plane
+
+
+def planes(cuts: Sequence[Cut], saw: Saw, profile: Profile) -> list[Plane]:
+    """The planes of the cuts in their order along the bar, by the middle of the section."""
+    rise = (-0.5 if saw.pivot == "o" else 0.5) * profile.height
+    found = [_plane(cut, saw) for cut in cuts]
+    found.sort(key=lambda p: (p.along(rise, profile.width / 2), p.cut.line))
+    return found
+
+
+def pieces(cuts: Sequence[Plane]) -> list[Piece]:
+    """What lies between planes that stand in order."""
+    return [Piece(a, b) for a, b in pairwise(cuts)]
+
+
+def _plane(cut: Cut, saw: Saw) -> Plane:
+    """The plane of a cut.
+
+    A blade turned by w and then tilted by t has the normal (cos t cos w, cos t sin w, sin t),
+    which is along (1, tan w, tan f), so tan f = tan t / cos w.
+    """
+    at = cut.x - saw.x
+    web = saw.angle_sign * (cut.angle - saw.square)
+    if not web and not cut.tilt:
+        return Plane(cut, 0.0, 0.0, at, 0.0, 0.0, saw.kerf / 2)
+    tan_web = tan(radians(web))
+    tan_flange = tan(radians(saw.tilt_sign * cut.tilt)) / cos(radians(web))
+    kerf = saw.kerf * hypot(1.0, tan_web, tan_flange) if saw.kerf_along == "normal" else saw.kerf
+    return Plane(cut, web, degrees(atan(tan_flange)), at, tan_web, tan_flange, kerf / 2)

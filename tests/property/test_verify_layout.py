@@ -1,0 +1,97 @@
+"""Which part lies where on a bar, and turned how, is found in the program."""
+
+from hypothesis import assume, given, settings
+from hypothesis import strategies as st
+from msgspec.structs import replace
+
+from beamcam.errors import PlanError
+from beamcam.machine import load
+from beamcam.model.part import EndCuts, Hole, Part
+from beamcam.model.plan import AS_GIVEN
+from beamcam.pipeline import post
+from beamcam.planning.turning import turn_between, turns_of
+from beamcam.verify import verify
+from beamcam.verify.bars.turned import ROTATIONS, rotated, standing
+from tests.strategies import CHANNEL, SOURCE, parts
+
+MACHINE = load("beamline")
+
+
+def same(one: Part, other: Part) -> bool:
+    turn = turn_between(one, other)
+    return turn is not None and turn.name == AS_GIVEN
+
+
+def determinant(rows: tuple[tuple[float, ...], ...]) -> float:
+    (a, b, c), (d, e, f), (g, h, i) = rows
+    return a * (e * i - f * h) - b * (d * i - f * g) + c * (d * h - e * g)
+
+
+def test_eight_rotations_and_no_mirror() -> None:
+    assert len(set(ROTATIONS)) == 8
+    assert {determinant(r) for r in ROTATIONS} == {1.0}
+
+
+@settings(max_examples=100, deadline=None)
+@given(parts())
+def test_the_ways_a_part_may_lie_are_those_of_the_planner(part: Part) -> None:
+    """Both are written apart: rotations of places here, maps of each face there."""
+    mine, theirs = list(standing(part)), [lying for _, lying in turns_of(part)]
+    assert len(mine) == len(theirs)
+    for lying in theirs:
+        assert any(same(one, lying) for one in mine)
+
+
+@settings(max_examples=100, deadline=None)
+@given(parts(), st.sampled_from(ROTATIONS))
+def test_turned_four_times_a_part_is_itself(part: Part, rotation: object) -> None:
+    lying = part
+    for _ in range(4):
+        lying = rotated(lying, rotation)  # type: ignore[arg-type]
+    assert same(lying, part)
+
+
+def channel(length: float, x: float, cuts: EndCuts | None = None) -> Part:
+    holes = (Hole("v", x, 50.0, 18.0, SOURCE), Hole("o", 400.0, 45.0, 14.0, SOURCE))
+    return Part("A", CHANNEL, length, SOURCE, cuts=cuts or EndCuts(), features=holes)
+
+
+@settings(max_examples=40, deadline=None)
+@given(
+    st.lists(
+        st.builds(
+            channel,
+            st.sampled_from((1500.0, 1800.0)),
+            st.sampled_from((100.0, 130.0, 200.0)),
+            st.builds(EndCuts, st.sampled_from((0.0, 20.0, -15.0)), st.sampled_from((0.0, 20.0))),
+        ),
+        min_size=1,
+        max_size=4,
+    )
+)
+def test_any_order_and_any_turn_is_found(given_parts: list[Part]) -> None:
+    try:
+        text = post(given_parts, MACHINE, bar=12000.0, order="best", turn=True).text
+    except PlanError:
+        assume(False)
+    first, *rest = given_parts
+    hole, *others = first.features
+    moved = replace(first, features=(replace(hole, x=first.length / 2 + 33.0), *others))
+    assert verify(text, [*rest, first], MACHINE, order="best", turn=True) == ()
+    assert verify(text, [*rest, moved], MACHINE, order="best", turn=True) != ()
+
+
+def test_a_mirrored_part_is_another_one() -> None:
+    part = channel(1500.0, 100.0)
+    twin = replace(part, features=tuple(replace(f, x=1500.0 - f.x) for f in part.holes))
+    text = post([part], MACHINE, turn=True).text
+    assert verify(text, [part], MACHINE, turn=True) == ()
+    assert verify(text, [twin], MACHINE, turn=True) != ()
+
+
+def test_the_order_that_was_asked_for_counts() -> None:
+    long, short = channel(1800.0, 100.0), channel(1500.0, 100.0)
+    text = post([long, short], MACHINE, bar=6000.0).text
+    assert verify(text, [long, short], MACHINE) == ()
+    assert verify(text, [short, long], MACHINE) != ()
+    assert verify(text, [short, long], MACHINE, order="best") == ()
