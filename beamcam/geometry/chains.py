@@ -1,12 +1,17 @@
 """Curves of a drawing joined to chains, end to end, in linear time.
 
-Ends are numbered: 2 k is the start of curve k, 2 k + 1 its end, so that `end ^ 1` is the other end
-of the same curve. Where just two ends meet they are partners, and a chain is found by going from
-an end to the other one of its curve, to the partner of that, and so on.
+Ends are numbered: 2 k is the start of link k, 2 k + 1 its end, so that `end ^ 1` is the other end
+of the same link. Where just two ends meet they are partners, and a chain is found by going from
+an end to the other one of its link, to the partner of that, and so on.
+
+    curves --ends that are one point--> links --ends within the tolerance--> chains
+
+Joining in two steps keeps contours of many short curves whole: within a tolerance above their
+length every end would meet several.
 """
 
 from collections import defaultdict
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from math import hypot
 
 import numpy as np
@@ -16,7 +21,7 @@ from numpy.typing import NDArray
 
 from beamcam.geometry.arrays import ends_of
 from beamcam.geometry.bezier import Bezier
-from beamcam.geometry.curves import Curve, Line
+from beamcam.geometry.curves import Curve, Line, join_boxes
 from beamcam.geometry.near import near_pairs
 from beamcam.geometry.plane import Point, distance
 
@@ -24,6 +29,15 @@ Floats = NDArray[np.float64]
 
 #: Ends nearer than this are one point; nothing has to be moved to join them.
 SAME_POINT = 1e-9
+
+#: Ends that programs write for one point are as near as this: coordinates of three decimals.
+WRITTEN_SAME = 1e-3
+
+#: A gap as wide as the tolerance is within it, whatever the last digits of its ends.
+SLACK = 1 + 1e-6
+
+#: An end of a line is moved by no more than this share of its length, which turns it.
+MOST_MOVED = 0.1
 
 
 class Chain(Struct, frozen=True):
@@ -33,12 +47,18 @@ class Chain(Struct, frozen=True):
     closed: bool
     members: tuple[int, ...]  #: which of the curves given each comes from; -1 for a bridge
 
+    def reversed(self) -> "Chain":
+        """The chain followed backwards."""
+        curves = tuple([c.reversed() for c in reversed(self.curves)])
+        return Chain(curves, self.closed, self.members[::-1])
+
 
 class Junction(Struct, frozen=True):
     """A place where three ends or more meet: chains stop there, as the way on is not known."""
 
     point: Point
     members: tuple[int, ...]  #: the curves that end there, ascending
+    in_ring: bool  #: whether more than one way leads from there back to it
 
 
 class Gap(Struct, frozen=True):
@@ -59,7 +79,7 @@ class Chains(Struct, frozen=True):
     chains: tuple[Chain, ...]
     junctions: tuple[Junction, ...]
     gaps: tuple[Gap, ...]
-    dropped: tuple[int, ...]  #: curves no larger than the tolerance
+    dropped: tuple[int, ...]  #: curves of chains no larger than the tolerance
 
 
 def join_curves(
@@ -71,11 +91,13 @@ def join_curves(
     """Chains of curves whose ends are no farther apart than `tolerance`, in the order given.
 
     Curves are turned round where needed. An end within the tolerance is moved onto its
-    neighbour where a curve can be (lines and free curves), else a line bridges the rest. Where
-    three ends or more meet, chains stop and a junction is reported. Open ends of chains nearer
-    than `look` (10 times the tolerance if not given) are reported as gaps. Curves no larger
-    than the tolerance are dropped: both their ends would be one. `ends` are those of the curves
-    (n, 4), if they are known already.
+    neighbour where a curve can be (lines and free curves), else a line bridges the rest.
+
+    Where three ends or more meet, a chain that begins and ends there is closed, and chains that
+    lead to nowhere leave the way on to the others; if more than two are left, all of them stop
+    and a junction is reported. Open ends of chains nearer than `look` (10 times the tolerance if
+    not given) are reported as gaps. Chains no larger than the tolerance are dropped. `ends` are
+    those of the curves (n, 4), if they are known already.
 
     Raises ValueError if the tolerance is not above 0.
     """
@@ -84,39 +106,124 @@ def join_curves(
     if not curves:
         return Chains((), (), (), ())
     ends = ends_of(curves) if ends is None else ends
+    same = min(tolerance, WRITTEN_SAME)
     away = np.hypot(ends[:, 2] - ends[:, 0], ends[:, 3] - ends[:, 1])
-    closed = away <= SAME_POINT
-    # A curve whose ends are far apart is not tiny; the others are looked at.
-    tiny = np.zeros(len(curves), dtype=bool)
-    for k in np.flatnonzero(away <= tolerance * (1 + SAME_POINT)).tolist():
-        tiny[k] = _size(curves[k]) <= tolerance
-    meetings = _meetings(ends.reshape(-1, 2), np.repeat(closed | tiny, 2), tolerance)
+    point = np.zeros(len(curves), dtype=bool)
+    for k in np.flatnonzero(away <= same).tolist():
+        point[k] = _size((curves[k],)) <= same
+    links = [Chain((curve,), False, (k,)) for k, curve in enumerate(curves)]
+    closed = (away <= SAME_POINT) & ~point
+    chains = [replace(links[k], closed=True) for k in np.flatnonzero(closed).tolist()]
+    loose = np.flatnonzero(~closed & ~point)
+    near = _meetings(ends[loose].reshape(-1, 2), same)
+    joined = _linked([links[k] for k in loose.tolist()], near)
+    chains += [link for link in joined if link.closed]
+    opened = [link for link in joined if not link.closed]
+    whole, junctions = _joined_within(opened, tolerance)
+    chains += whole
+    chains.sort(key=lambda chain: min(m for m in chain.members if m >= 0))
+    small = [_is_small(chain, tolerance) for chain in chains]
+    kept = [chain for chain, is_small in zip(chains, small, strict=True) if not is_small]
+    dropped = [c.members for c, is_small in zip(chains, small, strict=True) if is_small]
+    lost = {m for members in dropped for m in members if m >= 0}
+    lost.update(np.flatnonzero(point).tolist())
+    gaps = _find_gaps(kept, 10 * tolerance if look is None else look, tolerance)
+    return Chains(tuple(kept), junctions, gaps, tuple(sorted(lost)))
+
+
+def _is_small(chain: Chain, tolerance: float) -> bool:
+    first = chain.curves[0]
+    if distance(first.start, chain.curves[-1].start) > tolerance * SLACK:
+        return False
+    return _size(chain.curves) <= tolerance * SLACK
+
+
+def _size(curves: Iterable[Curve]) -> float:
+    box = join_boxes([curve.bbox for curve in curves])
+    return 0.0 if box is None else hypot(box[2] - box[0], box[3] - box[1])
+
+
+def _joined_within(
+    links: Sequence[Chain], tolerance: float
+) -> tuple[list[Chain], tuple[Junction, ...]]:
+    """Open links joined within the tolerance, and where more of them meet than go on."""
+    if not links:
+        return [], ()
+    ends = ends_of([curve for link in links for curve in (link.curves[0], link.curves[-1])])
+    points = np.column_stack((ends[0::2, :2], ends[1::2, 2:])).reshape(-1, 2)
+    near = _meetings(points, tolerance * SLACK)
+    partner = near.partner
+    rings, crowds, ringed = _resolved(near.crowds, links, partner, tolerance)
+    for crowd in crowds:
+        if len(crowd) == 2:
+            a, b = crowd
+            partner[a], partner[b] = b, a
+    apart = near.apart | {end for crowd in crowds if len(crowd) == 2 for end in crowd}
+    for k in rings:
+        partner[2 * k], partner[2 * k + 1] = 2 * k + 1, 2 * k
+        apart |= {2 * k, 2 * k + 1}
+    found = _linked(links, _Meetings(partner, frozenset(apart), []))
     junctions = tuple(
-        Junction(_end_point(curves, crowd[0]), tuple(sorted({e // 2 for e in crowd})))
-        for crowd in meetings.crowds
+        Junction(
+            _end_point(links, crowd[0]),
+            tuple(sorted({_end_member(links, e) for e in crowd})),
+            in_ring,
+        )
+        for crowd, in_ring in zip(crowds, ringed, strict=True)
+        if len(crowd) > 2
     )
-    chains: list[Chain] = []
-    used = tiny.tolist()
-    rings = closed.tolist()
-    for k in range(len(curves)):
-        if used[k]:
-            continue
-        if rings[k]:
-            used[k] = True
-            chains.append(Chain((curves[k],), True, (k,)))
-        else:
-            chains.append(_walk(curves, k, meetings, used))
-    gaps = _find_gaps(chains, 10 * tolerance if look is None else look, tolerance)
-    return Chains(tuple(chains), junctions, gaps, tuple(np.flatnonzero(tiny).tolist()))
+    return found, junctions
 
 
-def _size(curve: Curve) -> float:
-    x0, y0, x1, y1 = curve.bbox
-    return hypot(x1 - x0, y1 - y0)
+def _resolved(
+    crowds: Sequence[list[int]], links: Sequence[Chain], partner: list[int], tolerance: float
+) -> tuple[list[int], list[list[int]], list[bool]]:
+    """Links that close upon a crowd of ends, what is left of each crowd, and whether it has rings.
+
+    A link that closes leaves it, and one whose other end meets nothing: it is a branch. The last
+    value is False for a crowd of which all links lead to nowhere.
+    """
+    if not crowds:
+        return [], [], []
+    place = {end: n for n, crowd in enumerate(crowds) for end in crowd}
+    left = [list(crowd) for crowd in crowds]
+    rings = []
+    for end, n in place.items():
+        if end % 2 == 0 and place.get(end ^ 1) == n:
+            left[n] = [e for e in left[n] if e // 2 != end // 2]
+            if _size(links[end // 2].curves) > tolerance:
+                rings.append(end // 2)
+    free = {e for e in place if partner[e ^ 1] < 0 and (e ^ 1) not in place}
+    ringed = [not free.issuperset(crowd) for crowd in left]
+    return rings, _pruned(left, place, free), ringed
 
 
-def _end_point(curves: Sequence[Curve], end: int) -> Point:
-    return curves[end // 2].end if end % 2 else curves[end // 2].start
+def _pruned(left: list[list[int]], place: dict[int, int], free: set[int]) -> list[list[int]]:
+    """The crowds without the ends of links that lead to nowhere, until nothing changes.
+
+    Where all that meet lead to nowhere, none of them is the branch.
+    """
+    while free:
+        asked = {place[e] for e in free}
+        following: set[int] = set()
+        for n in asked:
+            rest = [e for e in left[n] if e not in free]
+            if len(left[n]) < 3 or not rest:
+                continue
+            left[n] = rest
+            if len(rest) == 1 and rest[0] ^ 1 in place:
+                following.add(rest[0] ^ 1)
+        free = following
+    return left
+
+
+def _end_point(links: Sequence[Chain], end: int) -> Point:
+    link = links[end // 2]
+    return link.curves[-1].end if end % 2 else link.curves[0].start
+
+
+def _end_member(links: Sequence[Chain], end: int) -> int:
+    return links[end // 2].members[-1 if end % 2 else 0]
 
 
 class _Meetings(Struct, frozen=True):
@@ -127,14 +234,12 @@ class _Meetings(Struct, frozen=True):
     crowds: list[list[int]]  #: three ends or more that meet, by their first
 
 
-def _meetings(points: Floats, left_out: NDArray[np.bool_], tolerance: float) -> _Meetings:
-    """How the ends at `points` (n, 2) meet; those `left_out` meet none.
+def _meetings(points: Floats, tolerance: float) -> _Meetings:
+    """How the ends at `points` (n, 2) meet.
 
     Ends that are near a third one meet one another too.
     """
-    asked = np.flatnonzero(~left_out)
-    first, second = near_pairs(points[asked], tolerance)
-    first, second = asked[first], asked[second]
+    first, second = near_pairs(points, tolerance)
     friends = np.bincount(np.concatenate((first, second)), minlength=len(points))
     alone = (friends[first] == 1) & (friends[second] == 1)
     a, b = first[alone], second[alone]
@@ -170,20 +275,30 @@ def _crowds(pairs: Iterator[tuple[int, int]]) -> list[list[int]]:
     return found
 
 
-def _walk(curves: Sequence[Curve], first: int, meetings: _Meetings, used: list[bool]) -> Chain:
-    """The chain through curve `first`, which keeps its direction."""
+def _linked(links: Sequence[Chain], meetings: _Meetings) -> list[Chain]:
+    """The chains that links make, in the order of their first ones."""
+    used = [False] * len(links)
+    return [_walk(links, k, meetings, used) for k in range(len(links)) if not used[k]]
+
+
+def _walk(links: Sequence[Chain], first: int, meetings: _Meetings, used: list[bool]) -> Chain:
+    """The chain through link `first`, which keeps its direction."""
     partner = meetings.partner
     ends = list(_follow(2 * first, partner))
     ring = partner[ends[-1] ^ 1] == 2 * first
     if not ring and partner[2 * first] >= 0:
         back = list(_follow(partner[2 * first], partner))
         ends = [e ^ 1 for e in reversed(back)] + ends
-    parts = []
+    parts: list[Curve] = []
+    names: list[int] = []
+    joints = []
     for e in ends:
         used[e // 2] = True
-        parts.append(curves[e // 2].reversed() if e % 2 else curves[e // 2])
-    names = [e // 2 for e in ends]
-    joints = [k for k, e in enumerate(ends) if e ^ 1 in meetings.apart]
+        link = links[e // 2].reversed() if e % 2 else links[e // 2]
+        parts += link.curves
+        names += link.members
+        if e ^ 1 in meetings.apart:
+            joints.append(len(parts) - 1)
     if joints:
         parts, names = _joined(parts, names, joints)
     return Chain(tuple(parts), ring, tuple(names))
@@ -235,7 +350,8 @@ def _joined(
 def _with_end(curve: Curve, point: Point) -> Curve | None:
     match curve:
         case Line():
-            return replace(curve, end=point)
+            moves = distance(curve.end, point) <= MOST_MOVED * curve.length
+            return replace(curve, end=point) if moves else None
         case Bezier():
             return replace(curve, points=(*curve.points[:-1], point))
         case _:
@@ -245,7 +361,8 @@ def _with_end(curve: Curve, point: Point) -> Curve | None:
 def _with_start(curve: Curve, point: Point) -> Curve | None:
     match curve:
         case Line():
-            return replace(curve, start=point)
+            moves = distance(curve.start, point) <= MOST_MOVED * curve.length
+            return replace(curve, start=point) if moves else None
         case Bezier():
             return replace(curve, points=(point, *curve.points[1:]))
         case _:
@@ -262,7 +379,7 @@ def _find_gaps(chains: list[Chain], look: float, tolerance: float) -> tuple[Gap,
     points = np.array([point for point, _ in ends], dtype=np.float64).reshape(-1, 2)
     first, second = near_pairs(points, look)
     away = np.hypot(*(points[first] - points[second]).T)
-    apart = away > tolerance
+    apart = away > tolerance * SLACK
     first, second, away = first[apart], second[apart], away[apart]
     order = np.lexsort((second, first, away))
     pairs = zip(first[order].tolist(), second[order].tolist(), strict=True)

@@ -1,8 +1,9 @@
 """Curves that a drawing holds twice: removed, so that no torch passes a place twice."""
 
-from collections.abc import Callable, Sequence
+from collections import defaultdict
+from collections.abc import Callable, Iterator, Sequence
 from enum import Enum
-from math import degrees
+from math import degrees, floor
 
 from msgspec import Struct
 from msgspec.structs import replace
@@ -34,12 +35,17 @@ class Cleaned(Struct, frozen=True):
     removed: tuple[Removed, ...]
 
 
-def remove_repetitions(curves: Sequence[Curve], tolerance: float) -> Cleaned:
+def remove_repetitions(
+    curves: Sequence[Curve], tolerance: float, others: Sequence[Curve] = ()
+) -> Cleaned:
     """Curves without duplicates, and with overlapping stretches of one line or circle merged.
 
     Curves are duplicates if they are of one kind and five points along them are no farther
     apart than `tolerance`, in either direction. Stretches overlap if they share more than the
     tolerance of a line or circle; touching ends are no overlap. The first of them stays.
+
+    They are not merged where another curve, one of `others` too, ends at an end that would be
+    lost: there one contour may go on along a line that another one shares.
 
     Raises ValueError if the tolerance is not above 0.
     """
@@ -51,6 +57,10 @@ def remove_repetitions(curves: Sequence[Curve], tolerance: float) -> Cleaned:
         if a in kept and b in kept and _are_same(curves[a], curves[b], tolerance):
             del kept[b]
             removed.append(Removed(b, a, Why.DUPLICATE))
+    ends = _Ends(tolerance)
+    for name, curve in (*kept.items(), *((-1, other) for other in others)):
+        if distance(curve.start, curve.end) > tolerance:
+            ends.add(name, curve)
     # Merging lengthens a curve, which may then meet others: again until nothing changes.
     while True:
         names = sorted(kept)
@@ -60,7 +70,13 @@ def remove_repetitions(curves: Sequence[Curve], tolerance: float) -> Cleaned:
             if a not in kept or b not in kept:
                 continue
             joined = _merged(kept[a], kept[b], tolerance)
-            if joined is not None:
+            if joined is None:
+                continue
+            lost = ends.lost(joined, kept[a], kept[b])
+            if all(o in kept and _merged(joined, kept[o], tolerance) for o in lost - {a, b}):
+                ends.remove(a, kept[a])
+                ends.remove(b, kept[b])
+                ends.add(a, joined)
                 kept[a] = joined
                 del kept[b]
                 removed.append(Removed(b, a, Why.OVERLAP))
@@ -70,6 +86,115 @@ def remove_repetitions(curves: Sequence[Curve], tolerance: float) -> Cleaned:
     names = sorted(kept)
     removed.sort(key=lambda r: r.index)
     return Cleaned(tuple(kept[n] for n in names), tuple(names), tuple(removed))
+
+
+class _Ends:
+    """The ends of curves, found again by their place."""
+
+    def __init__(self, tolerance: float) -> None:
+        self._tolerance = tolerance
+        self._cells: defaultdict[tuple[int, int], list[tuple[int, Point]]] = defaultdict(list)
+
+    def _cell(self, point: Point) -> tuple[int, int]:
+        return floor(point[0] / self._tolerance), floor(point[1] / self._tolerance)
+
+    def add(self, name: int, curve: Curve) -> None:
+        for point in (curve.start, curve.end):
+            self._cells[self._cell(point)].append((name, point))
+
+    def remove(self, name: int, curve: Curve) -> None:
+        for point in (curve.start, curve.end):
+            cell = self._cells[self._cell(point)]
+            if (name, point) in cell:
+                cell.remove((name, point))
+
+    def lost(self, joined: Curve, a: Curve, b: Curve) -> set[int]:
+        """The curves that end where `joined`, made of two curves, lacks an end of theirs."""
+        kept = (joined.start, joined.end)
+        return {
+            name
+            for curve in (a, b)
+            for point in (curve.start, curve.end)
+            if min(distance(point, end) for end in kept) > self._tolerance
+            for name in self._at(point)
+        }
+
+    def _at(self, point: Point) -> Iterator[int]:
+        column, row = self._cell(point)
+        for i in (-1, 0, 1):
+            for k in (-1, 0, 1):
+                for name, end in self._cells.get((column + i, row + k), ()):
+                    if distance(point, end) <= self._tolerance:
+                        yield name
+
+
+def uncovered(curve: Curve, covers: Sequence[Curve], tolerance: float) -> tuple[Curve, ...]:
+    """The stretches of a curve that lie on none of the others, in its order and direction.
+
+    Lines are looked for on lines and arcs on circles no farther off than `tolerance`, other
+    curves as a whole only. What is left and no longer than the tolerance is nothing.
+    """
+    if any(_are_same(curve, cover, tolerance) for cover in covers):
+        return ()
+    if not isinstance(curve, Line | Arc):
+        return (curve,)
+    taken: list[tuple[float, float]] = []
+    for cover in covers:
+        if isinstance(curve, Line) and isinstance(cover, Line):
+            taken += _shared_line(curve, cover, tolerance)
+        elif isinstance(curve, Arc) and isinstance(cover, Arc):
+            taken += _shared_arc(curve, cover, tolerance)
+    if not taken:
+        return (curve,)
+    found = []
+    at = 0.0
+    for low, high in (*sorted(taken), (1.0, 1.0)):
+        if (low - at) * curve.length > tolerance:
+            found.append(_stretch(curve, at, low))
+        at = max(at, high)
+    return tuple(found)
+
+
+def _stretch(curve: Curve, low: float, high: float) -> Curve:
+    rest = curve if high >= 1.0 else curve.split(high)[0]
+    return rest if low <= 0.0 else rest.split(low / min(high, 1.0))[1]
+
+
+def _shared_line(line: Line, cover: Line, tolerance: float) -> list[tuple[float, float]]:
+    """The shares of a line between which it lies on another."""
+    length = line.length
+    if length <= tolerance or cover.length <= tolerance:
+        return []
+    ux, uy = line.tangent(0.0)
+    along, aside = [], []
+    for p in (cover.start, cover.end):
+        rest = (p[0] - line.start[0], p[1] - line.start[1])
+        along.append(dot((ux, uy), rest))
+        aside.append(cross((ux, uy), rest))
+    low, high = max(0.0, min(along)), min(length, max(along))
+    if high - low <= tolerance:
+        return []
+    slope = (aside[1] - aside[0]) / (along[1] - along[0])
+    off = [aside[0] + (at - along[0]) * slope for at in (low, high)]
+    return [] if max(map(abs, off)) > tolerance else [(low / length, high / length)]
+
+
+def _shared_arc(arc: Arc, cover: Arc, tolerance: float) -> list[tuple[float, float]]:
+    """The shares of an arc between which it lies on another."""
+    if not _same_circle(arc, cover, tolerance):
+        return []
+    if _is_circle(cover):
+        return [(0.0, 1.0)]
+    sign = 1.0 if arc.sweep_deg > 0 else -1.0
+    other = cover if (cover.sweep_deg > 0) == (arc.sweep_deg > 0) else cover.reversed()
+    sweep, slack = abs(arc.sweep_deg), degrees(tolerance / arc.radius)
+    begin = (other.start_deg - arc.start_deg) * sign % 360.0
+    found = []
+    for low in (begin - 360.0, begin):
+        shared = max(0.0, low), min(sweep, low + abs(other.sweep_deg))
+        if shared[1] - shared[0] > slack:
+            found.append((shared[0] / sweep, shared[1] / sweep))
+    return found
 
 
 def _neighbours(curves: Sequence[Curve], tolerance: float) -> list[tuple[int, int]]:

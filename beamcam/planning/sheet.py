@@ -1,7 +1,9 @@
 """The plan of a sheet on a cutting table.
 
-part -> what each curve is for -> what lies twice taken away -> joined, nested -> half a kerf off
-     -> in order -> begun, led into, bridged -> a ledger of every feature
+part -> what each curve is for -> joined, what lies twice taken away -> nothing crosses -> nested
+     -> half a kerf off -> in order -> begun, led into, bridged -> a ledger of every feature
+
+Until the work is put in order all coordinates are those of the drawing, so that messages are too.
 """
 
 from collections.abc import Collection, Iterator, Sequence
@@ -14,11 +16,11 @@ from beamcam.model.plan import ContourOp, Outcome, Piece, SheetPlan
 from beamcam.planning import rules as bar_rules
 from beamcam.planning.contours import rules
 from beamcam.planning.contours.gather import Gathered, gather
-from beamcam.planning.contours.join import join, nest
+from beamcam.planning.contours.join import Joined, join
 from beamcam.planning.contours.material import Material
+from beamcam.planning.contours.nest import nest
 from beamcam.planning.contours.operations import operations_of
-from beamcam.planning.contours.place import moved, refuse_large, refuse_size, shift_of
-from beamcam.planning.contours.repeats import without_repeats
+from beamcam.planning.contours.place import refuse_large, refuse_size, shift_of
 
 SHEET_CODES = ("B",)
 
@@ -51,25 +53,26 @@ def plan_sheet(parts: Sequence[Part], machine: Machine, skips: Collection[str] =
     if refusals:
         raise PlanError(refusals)
     if not gathered.wanted:
-        raise PlanError(_nothing(part, gathered))
+        raise PlanError(_nothing(part, gathered, 0, torch.gap))
     remarks = [*material.remarks, *gathered.remarks]
     curves = CurveTable([w.curve for w in gathered.wanted])
     refuse_large(curves, part, torch)
     shift = shift_of(curves, torch)
-    wanted, stands, said = without_repeats(gathered.wanted, curves)
-    remarks += said
-    shapes, said = join(moved(wanted, shift), torch)
-    remarks += said
-    shapes, crossing = nest(shapes, torch.tolerance / 4)
-    if crossing and torch.kerf_by != "none":
-        raise PlanError(crossing)
-    operations, said = operations_of(shapes, material, torch)
+    kerf = material.kerf("cut")
+    joined = join(gathered.wanted, curves, torch, kerf)
+    shapes, said = nest(joined.shapes, gathered.wanted, torch.tolerance, kerf)
+    if errors := errors_in([*joined.refusals, *said]):
+        raise PlanError(errors)
+    remarks += [*joined.remarks, *said]
+    if not shapes:
+        raise PlanError(_nothing(part, gathered, len(joined.small), torch.gap))
+    operations, said = operations_of(shapes, material, torch, shift)
     remarks += said
     if errors_in(remarks):
         raise PlanError(errors_in(remarks))
     refuse_size(operations, part, torch)
     piece = Piece(part, 0.0)
-    outcomes = tuple(_outcomes(part, gathered, stands, operations))
+    outcomes = tuple(_outcomes(part, gathered, joined, operations))
     if part.quantity > 1:
         remarks.append(bar_rules.QUANTITY.at(part.source, found=part.quantity, made=1))
     plan = SheetPlan(
@@ -79,9 +82,11 @@ def plan_sheet(parts: Sequence[Part], machine: Machine, skips: Collection[str] =
     return plan
 
 
-def _nothing(part: Part, gathered: Gathered) -> Diagnostic:
-    """Why there is no work, as far as the drawing says."""
+def _nothing(part: Part, gathered: Gathered, small: int, gap: float) -> Diagnostic:
+    """Why there is no work, as far as the drawing says; `small` features are too small."""
     found = [f"{len(gathered.skipped)} features left out"] if gathered.skipped else []
+    if small:
+        found.append(f"{small} curves no larger than {gap:g} mm")
     if part.measures is not None and part.measures.filled:
         found.append(f"{part.measures.filled_length:.1f} mm round filled shapes without a stroke")
     if part.measures is not None and part.measures.hidden:
@@ -90,10 +95,11 @@ def _nothing(part: Part, gathered: Gathered) -> Diagnostic:
 
 
 def _outcomes(
-    part: Part, gathered: Gathered, stands: dict[int, int], operations: Sequence[ContourOp]
+    part: Part, gathered: Gathered, joined: Joined, operations: Sequence[ContourOp]
 ) -> Iterator[Outcome]:
     """What becomes of each feature, in their order."""
     made = {feature: op.row.process for op in operations for _, feature in op.features}
+    stands = joined.repeats.resolved(made)
     for index in range(len(part.features)):
         if index in made:
             yield Outcome((0, index), "made", made[index])
@@ -101,6 +107,8 @@ def _outcomes(
             yield Outcome((0, index), "skipped", gathered.skipped[index])
         elif index in stands:
             yield Outcome((0, index), "duplicate", rules.OVERLAP.code)
+        elif index in joined.small:
+            yield Outcome((0, index), "skipped", rules.TINY.code)
 
 
 def _balance(plan: SheetPlan, gathered: Gathered) -> None:

@@ -9,9 +9,9 @@ from hypothesis import strategies as st
 
 from beamcam.errors import Source
 from beamcam.geometry.curves import Line
-from beamcam.planning.contours.join import Shape
 from beamcam.planning.contours.nearest import nearest_first
 from beamcam.planning.contours.order import order, travel
+from beamcam.planning.contours.shape import Shape
 from beamcam.planning.contours.two_opt import LEAST_GAIN, PASSES, WINDOW, turn_stretches
 
 HERE = (0.0, 0.0)

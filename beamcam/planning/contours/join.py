@@ -1,72 +1,101 @@
-"""Curves to contours: what lies twice taken away, ends joined, and what lies inside what."""
+"""Curves to contours: what lies twice taken away, ends joined, what is too small left out."""
 
 from collections import defaultdict
 from collections.abc import Iterator, Sequence
+from math import hypot
 
 import numpy as np
-from msgspec import Struct
-from msgspec.structs import replace
+from msgspec import Struct, field
 from numpy.typing import NDArray
 
 from beamcam.errors import Diagnostic, Source
 from beamcam.geometry.arrays import CurveTable
 from beamcam.geometry.chains import Chains, join_curves
-from beamcam.geometry.curves import Curve
 from beamcam.machine.machine import Torch, TorchProcess
 from beamcam.planning.contours import rules
 from beamcam.planning.contours.gather import Wanted
-from beamcam.planning.contours.outline import outlines
+from beamcam.planning.contours.repeats import Repeats, contours_once, loose_once, overlapping
+from beamcam.planning.contours.shape import Shape, entity
 
 Floats = NDArray[np.float64]
 
 #: A closed chain whose ends are nearer than this needs no joining.
 SAME_POINT = 1e-9
 
-
-class Shape(Struct, frozen=True):
-    """A contour that one process follows, and where it lies among the cut ones."""
-
-    process: TorchProcess
-    curves: tuple[Curve, ...]
-    closed: bool
-    features: tuple[int, ...]  #: ascending; `gather.OUTLINE` may be among them
-    source: Source
-    depth: int = 0  #: how many cut contours lie around it
-    parent: int = -1  #: the innermost of them, by its index; -1 for none
-    area: float = 0.0  #: inside of a closed cut, mm2, above 0 if it runs counter-clockwise
+#: So many of the curves that meet at a junction are named.
+SHOWN_CURVES = 6
 
 
-def join(wanted: Sequence[Wanted], torch: Torch) -> tuple[list[Shape], list[Diagnostic]]:
-    """The contours, in the order in which their first curves were given, and remarks.
+class Joined(Struct):
+    """Contours, and what became of the rest."""
 
-    A feature whose curves close stays as it is drawn; all others are joined end to end, each
-    process for itself.
+    shapes: list[Shape] = field(default_factory=list)  #: in the order of their first features
+    repeats: Repeats = field(default_factory=Repeats)
+    small: dict[int, Source] = field(default_factory=dict)  #: features too small to be cut
+    remarks: list[Diagnostic] = field(default_factory=list)
+    refusals: list[Diagnostic] = field(default_factory=list)
+
+
+def join(wanted: Sequence[Wanted], curves: CurveTable, torch: Torch, kerf: float) -> Joined:
+    """The contours that `wanted` makes, each process for itself; `curves` are its curves.
+
+    A feature whose curves close stays as it is drawn; all others are joined end to end. What lies
+    on others is taken away, and so are contours no larger than the gap that is closed between two
+    ends: there the tool would not move. `kerf` is what is kept off closed cuts.
     """
-    shapes: list[tuple[int, Shape]] = []
-    said: list[Diagnostic] = []
-    loose: dict[TorchProcess, list[int]] = defaultdict(list)
-    ends = CurveTable([w.curve for w in wanted]).ends
-    for begin, end, closed in _features(wanted, ends):
+    found = Joined()
+    may_repeat = bool(overlapping(curves, [w.process for w in wanted]))
+    shapes: list[Shape] = []
+    loose: dict[TorchProcess, list[Wanted]] = defaultdict(list)
+    hulls = curves.hulls
+    for begin, end, closed in _features(wanted, curves.ends):
         first = wanted[begin]
-        if closed:
-            curves = tuple([w.curve for w in wanted[begin:end]])
-            shape = Shape(first.process, curves, True, (first.feature,), first.source)
-            shapes.append((begin, shape))
+        if not closed:
+            loose[first.process] += wanted[begin:end]
+            continue
+        if _is_small(hulls[begin:end], torch.gap):
+            found.small[first.feature] = first.source
         else:
-            loose[first.process] += range(begin, end)
-    for process, indices in loose.items():
-        chains = join_curves([wanted[i].curve for i in indices], torch.gap, ends=ends[indices])
-        for chain in chains.chains:
-            members = [indices[m] for m in chain.members if m >= 0]
-            source = wanted[members[0]].source
-            features = tuple(sorted({wanted[m].feature for m in members}))
-            shapes.append(
-                (min(members), Shape(process, chain.curves, chain.closed, features, source))
-            )
+            ring = tuple([w.curve for w in wanted[begin:end]])
+            shapes.append(Shape(first.process, ring, True, (first.feature,), first.source))
+    for process, asked in loose.items():
+        once = loose_once(asked, found.repeats) if may_repeat else asked
+        chains = join_curves([w.curve for w in once], torch.gap)
+        shapes += _shapes(process, once, chains)
+        for k in chains.dropped:
+            found.small.setdefault(once[k].feature, once[k].source)
         if process == "cut":
-            said += _remarks(chains, [wanted[i].source for i in indices], torch)
-    shapes.sort(key=lambda entry: entry[0])
-    return [shape for _, shape in shapes], said
+            _tell(found, chains, once, torch, kerf)
+    shapes.sort(key=lambda shape: shape.features[0])
+    if may_repeat:
+        shapes = contours_once(shapes, kerf, torch.gap, found.repeats)
+    found.shapes = shapes
+    made = {feature for shape in shapes for feature in shape.features}
+    found.small = {f: source for f, source in found.small.items() if f not in made}
+    if found.small:
+        source = next(iter(found.small.values()))
+        found.remarks.append(
+            rules.TINY.at(source, count=len(found.small), expected=f"{torch.gap:g}")
+        )
+    found.remarks += found.repeats.remarks()
+    found.refusals += found.repeats.refusals
+    return found
+
+
+def _shapes(process: TorchProcess, once: Sequence[Wanted], chains: Chains) -> Iterator[Shape]:
+    for chain in chains.chains:
+        members = [once[m] for m in chain.members if m >= 0]
+        features = tuple(sorted({member.feature for member in members}))
+        yield Shape(process, chain.curves, chain.closed, features, members[0].source)
+
+
+def _is_small(hulls: Floats, size: float) -> bool:
+    """Whether curves in boxes (n, 4) are no larger than `size`, corner to corner."""
+    x0, y0, x1, y1 = hulls[0].tolist()
+    if hypot(x1 - x0, y1 - y0) > size:
+        return False
+    (x0, y0), (x1, y1) = hulls[:, :2].min(axis=0).tolist(), hulls[:, 2:].max(axis=0).tolist()
+    return hypot(x1 - x0, y1 - y0) <= size
 
 
 def _features(wanted: Sequence[Wanted], places: Floats) -> Iterator[tuple[int, int, bool]]:
@@ -82,19 +111,22 @@ def _features(wanted: Sequence[Wanted], places: Floats) -> Iterator[tuple[int, i
     yield from zip(begins.tolist(), ends.tolist(), (~is_open).tolist(), strict=True)
 
 
-def _remarks(chains: Chains, sources: Sequence[Source], torch: Torch) -> list[Diagnostic]:
-    said = [
-        rules.JUNCTION.at(
-            sources[junction.members[0]],
-            found=len(junction.members),
-            x=f"{junction.point[0]:.3f}",
-            y=f"{junction.point[1]:.3f}",
-        )
-        for junction in chains.junctions
-    ]
-    said += (
+def _tell(found: Joined, chains: Chains, once: Sequence[Wanted], torch: Torch, kerf: float) -> None:
+    """Says where chains stop: where several curves meet, and at gaps."""
+    for junction in chains.junctions:
+        names = dict.fromkeys(entity(once[m].source) for m in junction.members)
+        values = {
+            "found": len(junction.members), "other": ", ".join(list(names)[1:SHOWN_CURVES]),
+            "x": f"{junction.point[0]:.3f}", "y": f"{junction.point[1]:.3f}",
+        }  # fmt: skip
+        source = once[junction.members[0]].source
+        if kerf and junction.in_ring:
+            found.refusals.append(rules.BRANCHED.at(source, kerf=f"{kerf:g}", **values))
+        else:
+            found.remarks.append(rules.JUNCTION.at(source, **values))
+    found.remarks += (
         rules.GAP.at(
-            sources[gap.members[0]],
+            once[gap.members[0]].source,
             found=f"{gap.width:.4f}",
             x=f"{gap.start[0]:.3f}",
             y=f"{gap.start[1]:.3f}",
@@ -102,53 +134,3 @@ def _remarks(chains: Chains, sources: Sequence[Source], torch: Torch) -> list[Di
         )
         for gap in chains.gaps
     )
-    return said
-
-
-def nest(shapes: Sequence[Shape], tolerance: float) -> tuple[list[Shape], list[Diagnostic]]:
-    """The shapes with their area, depth and parent, and the closed ones that cross themselves.
-
-    A contour lies in another of greater area that a point inside it lies in. Contours that touch
-    are told apart by that, those that cross are not.
-    """
-    import shapely
-
-    closed = [i for i, s in enumerate(shapes) if s.closed and s.process == "cut"]
-    found = list(shapes)
-    if not closed:
-        return found, []
-    rings = outlines([shapes[i].curves for i in closed], tolerance)
-    signed = shapely.area(rings) * np.where(shapely.is_ccw(shapely.get_exterior_ring(rings)), 1, -1)
-    areas = np.abs(signed)
-    tree = shapely.STRtree(rings)
-    simple = shapely.is_valid(rings)
-    insides = rings.copy()
-    insides[~simple] = shapely.make_valid(rings[~simple])
-    points = list(shapely.point_on_surface(insides))
-    asked = list(closed)
-    own_area = list(areas)
-    for i, shape in enumerate(shapes):
-        if shape.process == "cut" and not shape.closed:
-            points.append(shapely.Point(shape.curves[0].point(0.5)))
-            asked.append(i)
-            own_area.append(0.0)
-    inner, outer = tree.query(points, predicate="within")
-    around: dict[int, list[int]] = defaultdict(list)
-    for a, b in zip(inner.tolist(), outer.tolist(), strict=True):
-        if asked[a] != closed[b] and own_area[a] < areas[b]:
-            around[asked[a]].append(b)
-    for i, area in zip(asked, [*signed.tolist(), *[0.0] * (len(asked) - len(closed))], strict=True):
-        rings_around = around[i]
-        parent = closed[min(rings_around, key=lambda b: (areas[b], b))] if rings_around else -1
-        found[i] = replace(shapes[i], area=area, depth=len(rings_around), parent=parent)
-    said = []
-    for k in np.flatnonzero(~simple).tolist():
-        # Ends that were joined may cross by a hair; that changes no inside worth speaking of.
-        whole = insides[k].area
-        if abs(whole - areas[k]) <= tolerance * shapely.length(rings[k]):
-            continue
-        # "Self-intersection[12.5 40]"
-        reason = shapely.is_valid_reason(rings[k])
-        x, _, y = reason.partition("[")[2].rstrip("]").partition(" ")
-        said.append(rules.CROSSING.at(shapes[closed[k]].source, x=x, y=y))
-    return found, said

@@ -8,7 +8,7 @@ from beamcam.errors import Diagnostic
 from beamcam.geometry.curves import Arc, Line, join_boxes
 from beamcam.machine.machine import Torch
 from beamcam.planning.contours import rules
-from beamcam.planning.contours.join import Shape
+from beamcam.planning.contours.shape import Shape
 
 #: What of the machine's tolerance the fitting of arcs may take; the offset and the rounding of
 #: coordinates take the rest.
@@ -65,8 +65,7 @@ def _moved(
     from beamcam.geometry.offset import Vanished, offset_chains
 
     amounts = [
-        -kerf / 2 if shape.depth % 2 == 1 else kerf / 2
-        for shape, kerf in zip(shapes, kerfs, strict=True)
+        -kerf / 2 if shape.is_hole else kerf / 2 for shape, kerf in zip(shapes, kerfs, strict=True)
     ]
     moved = offset_chains(fits, amounts, tolerance * FIT_SHARE)
     found: list[Shape | None] = []

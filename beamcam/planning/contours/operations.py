@@ -15,11 +15,12 @@ from beamcam.model.lengths import total_length
 from beamcam.model.plan import ContourOp, Pass
 from beamcam.planning.contours import rules
 from beamcam.planning.contours.gather import OUTLINE
-from beamcam.planning.contours.join import Shape
 from beamcam.planning.contours.kerf import closes, compensated
 from beamcam.planning.contours.leads import Lead, Leads
 from beamcam.planning.contours.material import Material
 from beamcam.planning.contours.order import order
+from beamcam.planning.contours.place import moved
+from beamcam.planning.contours.shape import Shape
 from beamcam.planning.contours.way import (
     begun,
     bridged,
@@ -32,14 +33,17 @@ SHOWN_OPEN = 10  #: open contours are named one by one up to so many
 
 
 def operations_of(
-    shapes: Sequence[Shape], material: Material, torch: Torch
+    shapes: Sequence[Shape], material: Material, torch: Torch, shift: Point
 ) -> tuple[tuple[ContourOp, ...], list[Diagnostic]]:
-    """The work on the shapes, and what is to be said; nothing else if that holds an error."""
+    """The work on the shapes, moved by `shift`, and what is to be said; nothing if an error is."""
     kerfs = [material.kerf(s.process) if closes(s) else 0.0 for s in shapes]
     ready, said = compensated(shapes, kerfs, torch)
     if errors_in(said):
         return (), said
     said += _open_cuts(shapes)
+    is_kept_off = any(kerfs)
+    ready = moved(ready, shift)
+    shapes = moved(shapes, shift) if is_kept_off else ready
     ways = [(shape, kerfs[k]) for k, shape in _in_order(ready, torch)]
     beside = max(kerfs, default=0.0) / 2 if torch.kerf_by == "offset" else 0.0
     leads = Leads([shape for shape, _ in ways], torch, beside, shapes)
@@ -67,7 +71,7 @@ def _in_order(shapes: Sequence[Shape], torch: Torch) -> Iterator[tuple[int, Shap
     for index, turned in order(shapes):
         shape = shapes[index]
         if shape.closed:
-            if shape.process == "cut" and is_turned(shape.area, shape.depth % 2 == 1, torch):
+            if shape.process == "cut" and is_turned(shape.area, shape.is_hole, torch):
                 shape = replace(shape, curves=reversed_chain(shape.curves), area=-shape.area)
             shape = replace(shape, curves=begun(shape.curves, torch, here))
         elif turned:
@@ -88,7 +92,7 @@ def _operation(
     if torch.tabs and _wants_tabs(shape):
         stretches = list(bridged(shape.curves, torch.tabs, torch.tab_width + kerf))
     if torch.kerf_by == "machine" and kerf:
-        side = "left" if waste_side(shape.area, shape.depth % 2 == 1) > 0 else "right"
+        side = "left" if waste_side(shape.area, shape.is_hole) > 0 else "right"
     last = len(stretches) - 1
     passes = tuple(
         [

@@ -10,8 +10,8 @@ from math import dist
 import numpy as np
 
 from beamcam.geometry.plane import Point
-from beamcam.planning.contours.join import Shape
 from beamcam.planning.contours.nearest import nearest_first
+from beamcam.planning.contours.shape import Shape
 from beamcam.planning.contours.two_opt import turn_stretches
 
 Tour = list[tuple[int, bool]]

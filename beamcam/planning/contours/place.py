@@ -2,6 +2,8 @@
 
 from collections.abc import Sequence
 
+from msgspec.structs import replace
+
 from beamcam.errors import PlanError
 from beamcam.geometry.arrays import CurveTable
 from beamcam.geometry.curves import Arc, Curve, Line
@@ -11,7 +13,7 @@ from beamcam.model.drawing import extent
 from beamcam.model.part import Part
 from beamcam.model.plan import ContourOp
 from beamcam.planning.contours import rules
-from beamcam.planning.contours.gather import Wanted
+from beamcam.planning.contours.shape import Shape
 
 
 def box_of(curves: CurveTable) -> Box:
@@ -30,13 +32,14 @@ def shift_of(curves: CurveTable, torch: Torch) -> Point:
     return torch.margin - box[0], torch.margin - box[1]
 
 
-def moved(wanted: Sequence[Wanted], shift: Point) -> list[Wanted]:
-    """The curves in machine coordinates."""
+def moved(shapes: Sequence[Shape], shift: Point) -> list[Shape]:
+    """The shapes in machine coordinates."""
     if shift == (0.0, 0.0):
-        return list(wanted)
+        return list(shapes)
     matrix: Matrix = ((1.0, 0.0, shift[0]), (0.0, 1.0, shift[1]))
     return [
-        Wanted(_shifted(w.curve, shift, matrix), w.process, w.feature, w.source) for w in wanted
+        replace(shape, curves=tuple([_shifted(c, shift, matrix) for c in shape.curves]))
+        for shape in shapes
     ]
 
 

@@ -1,17 +1,24 @@
-"""Curves that lie on others, taken away before anything is cut twice."""
+"""What a drawing holds twice, taken away before anything is cut twice.
 
-from collections import Counter
-from collections.abc import Sequence
+Loose curves before they are joined; what lies on another contour when contours are known.
+"""
+
+from collections import defaultdict
+from collections.abc import Collection, Iterator, Sequence
+from math import dist
 from typing import TYPE_CHECKING
 
+from msgspec import Struct, field
 from msgspec.structs import replace
 
-from beamcam.errors import Diagnostic
+from beamcam.errors import Diagnostic, Source
 from beamcam.geometry.arrays import CurveTable
-from beamcam.geometry.curves import Arc, Line
+from beamcam.geometry.curves import Arc, Curve, Line, signed_area
 from beamcam.geometry.near import near_pairs
+from beamcam.model.lengths import total_length
 from beamcam.planning.contours import rules
 from beamcam.planning.contours.gather import Wanted
+from beamcam.planning.contours.shape import Shape, entity
 
 if TYPE_CHECKING:
     import numpy as np
@@ -23,58 +30,164 @@ if TYPE_CHECKING:
 SAME_PLACE = 1e-3
 
 
-def without_repeats(
-    wanted: Sequence[Wanted], curves: CurveTable
-) -> tuple[list[Wanted], dict[int, int], list[Diagnostic]]:
-    """What is wanted without what lies on others of the same process, and what became of it.
+class Repeats(Struct):
+    """What is cut once for two."""
 
-    `curves` are those of `wanted`. The second value says for each feature that lost all its curves
-    which feature stands for it.
-    """
-    doubtful = suspects(curves, [w.process for w in wanted])
-    if not doubtful:
-        return list(wanted), {}, []
+    stands: dict[int, int] = field(default_factory=dict)  #: a feature and the one it lies on
+    gone: list[Source] = field(default_factory=list)  #: curves and contours that are not cut
+    gone_length: float = 0.0
+    common: list[Source] = field(default_factory=list)  #: contours that share an edge
+    common_length: float = 0.0
+    refusals: list[Diagnostic] = field(default_factory=list)
+
+    def remarks(self) -> Iterator[Diagnostic]:
+        """One for all that is not cut again, one for all shared edges."""
+        if self.gone:
+            length = f"{self.gone_length:.3f}"
+            yield rules.OVERLAP.at(self.gone[0], count=len(self.gone), found=length)
+        if self.common:
+            length = f"{self.common_length:.3f}"
+            yield rules.COMMON.at(self.common[0], count=len(self.common), found=length)
+
+    def resolved(self, made: Collection[int]) -> dict[int, int]:
+        """Each feature that is not made, and the one at the end of its chain of replacements."""
+        found = {}
+        for feature, into in self.stands.items():
+            seen = {feature}
+            while into not in made and into in self.stands and into not in seen:
+                seen.add(into)
+                into = self.stands[into]
+            if feature not in made:
+                found[feature] = into
+        return found
+
+
+def loose_once(wanted: Sequence[Wanted], found: Repeats) -> list[Wanted]:
+    """Loose curves of one process without those that lie on others among them."""
+    pairs = overlapping(CurveTable([w.curve for w in wanted]), [w.process for w in wanted])
+    if not pairs:
+        return list(wanted)
     from beamcam.geometry.cleaning import remove_repetitions
-    from beamcam.model.lengths import total_length
 
-    keep: dict[int, Wanted] = dict(enumerate(wanted))
-    stands: dict[int, int] = {}
-    gone: list[int] = []
-    for process in sorted({wanted[i].process for i in doubtful}):
-        asked = [i for i in doubtful if wanted[i].process == process]
-        cleaned = remove_repetitions([wanted[i].curve for i in asked], SAME_PLACE)
-        for k, curve in zip(cleaned.indices, cleaned.curves, strict=True):
-            if curve is not wanted[asked[k]].curve:
-                keep[asked[k]] = replace(wanted[asked[k]], curve=curve)
-        for removed in cleaned.removed:
-            del keep[asked[removed.index]]
-            gone.append(asked[removed.index])
-            stands[wanted[asked[removed.index]].feature] = wanted[asked[removed.into]].feature
-    left = Counter(w.feature for w in keep.values())
-    said: list[Diagnostic] = []
-    if gone:
-        length = total_length(wanted[i].curve for i in gone)
-        said.append(
-            rules.OVERLAP.at(wanted[min(gone)].source, count=len(gone), found=f"{length:.3f}")
-        )
-    stands = {f: into for f, into in stands.items() if not left[f]}
-    return [keep[i] for i in sorted(keep)], _resolved(stands), said
+    doubtful = sorted({k for pair in pairs for k in pair})
+    others = sorted(set(range(len(wanted))).difference(doubtful))
+    cleaned = remove_repetitions(
+        [wanted[k].curve for k in doubtful], SAME_PLACE, [wanted[k].curve for k in others]
+    )
+    keep = {k: wanted[k] for k in others}
+    for n, curve in zip(cleaned.indices, cleaned.curves, strict=True):
+        keep[doubtful[n]] = replace(wanted[doubtful[n]], curve=curve)
+    for removed in cleaned.removed:
+        gone, into = wanted[doubtful[removed.index]], wanted[doubtful[removed.into]]
+        found.stands[gone.feature] = into.feature
+        found.gone.append(gone.source)
+        found.gone_length += gone.curve.length
+    return [keep[k] for k in sorted(keep)]
 
 
-def _resolved(stands: dict[int, int]) -> dict[int, int]:
-    """Each feature that is gone, and the one at the end of its chain of replacements."""
-    found = {}
-    for feature, into in stands.items():
-        seen = {feature}
-        while into in stands and into not in seen:
-            seen.add(into)
-            into = stands[into]
-        found[feature] = into
-    return found
+def contours_once(shapes: Sequence[Shape], kerf: float, gap: float, found: Repeats) -> list[Shape]:
+    """The contours without stretches that lie on others of the same process.
+
+    Of two that lie on one another the closed one stays, or else the first. Two closed ones that
+    share an edge and are not the same have to be parted by the kerf, if there is one; if there is
+    none the edge is cut once. Rests no longer than `gap` are nothing.
+    """
+    curves = [curve for shape in shapes for curve in shape.curves]
+    owners = [k for k, shape in enumerate(shapes) for _ in shape.curves]
+    covers: defaultdict[int, list[int]] = defaultdict(list)
+    for a, b in overlapping(CurveTable(curves), [shapes[k].process for k in owners]):
+        first, second = sorted((a, b), key=lambda c: (not shapes[owners[c]].closed, owners[c]))
+        if owners[first] != owners[second]:
+            covers[second].append(first)
+    if not covers:
+        return list(shapes)
+    lying = {owners[c] for c in covers}
+    kept: list[Shape] = []
+    begin = 0
+    for k, shape in enumerate(shapes):
+        own = range(begin, begin + len(shape.curves))
+        begin += len(shape.curves)
+        if k in lying:
+            on = [[(curves[o], shapes[owners[o]]) for o in covers.get(c, ())] for c in own]
+            kept += _rest(shape, on, kerf if shape.process == "cut" else 0.0, gap, found)
+        else:
+            kept.append(shape)
+    return kept
 
 
-def suspects(curves: CurveTable, processes: Sequence[str]) -> list[int]:
-    """Indices of the curves that may lie on another one of the same process, ascending.
+def _rest(
+    shape: Shape,
+    on: Sequence[Sequence[tuple[Curve, Shape]]],
+    kerf: float,
+    gap: float,
+    found: Repeats,
+) -> list[Shape]:
+    """What is to be cut of a contour of which each curve may lie `on` others."""
+    from beamcam.geometry.cleaning import uncovered
+
+    rests = [
+        uncovered(curve, [other for other, _ in others], SAME_PLACE)
+        for curve, others in zip(shape.curves, on, strict=True)
+    ]
+    lost = total_length(shape.curves) - total_length(curve for rest in rests for curve in rest)
+    if lost <= SAME_PLACE:
+        return [shape]
+    at = next(
+        k for k, curve in enumerate(shape.curves) if on[k] and rests[k] != (curve,)
+    )  # fmt: skip
+    stands_for = on[at][0][1]
+    runs = [run for run in _runs(rests, shape.closed) if total_length(run) > gap]
+    is_common = shape.closed and (bool(runs) or not _is_same(shape, on))
+    if is_common and kerf:
+        place = shape.curves[at].point(0.5)
+        found.refusals.append(_shared(shape, stands_for, place, lost, kerf))
+        return [shape]
+    if is_common:
+        found.common.append(shape.source)
+        found.common_length += lost
+    else:
+        found.gone.append(shape.source)
+        found.gone_length += lost
+    if not runs:
+        found.stands.update(dict.fromkeys(shape.features, stands_for.features[0]))
+    return [replace(shape, curves=run, closed=False) for run in runs]
+
+
+def _is_same(shape: Shape, on: Sequence[Sequence[tuple[Curve, Shape]]]) -> bool:
+    """Whether a closed contour lies on one closed contour of the same area, all round."""
+    common = set.intersection(*({id(other) for _, other in others} for others in on))
+    other = next((other for _, other in on[0] if id(other) in common), None)
+    if other is None:
+        return False
+    area = abs(signed_area(shape.curves))
+    slack = SAME_PLACE * total_length(shape.curves)
+    return other.closed and abs(area - abs(signed_area(other.curves))) <= slack
+
+
+def _shared(
+    shape: Shape, other: Shape, place: tuple[float, float], length: float, kerf: float
+) -> Diagnostic:
+    return rules.SHARED.at(
+        shape.source, found=f"{length:.3f}", other=entity(other.source), kerf=f"{kerf:g}",
+        x=f"{place[0]:.3f}", y=f"{place[1]:.3f}",
+    )  # fmt: skip
+
+
+def _runs(rests: Sequence[tuple[Curve, ...]], closed: bool) -> list[tuple[Curve, ...]]:
+    """What is left of a chain as chains of curves that follow one another."""
+    runs: list[list[Curve]] = []
+    for curve in (curve for rest in rests for curve in rest):
+        if runs and dist(runs[-1][-1].end, curve.start) <= SAME_PLACE:
+            runs[-1].append(curve)
+        else:
+            runs.append([curve])
+    if closed and len(runs) > 1 and dist(runs[-1][-1].end, runs[0][0].start) <= SAME_PLACE:
+        runs[0] = [*runs.pop(), *runs[0]]
+    return [tuple(run) for run in runs]
+
+
+def overlapping(curves: CurveTable, processes: Sequence[str]) -> list[tuple[int, int]]:
+    """Pairs of curves of the same process that may lie on one another, ascending.
 
     Lines have to be collinear, arcs on one circle, and other curves to have the same ends.
     """
@@ -88,8 +201,12 @@ def suspects(curves: CurveTable, processes: Sequence[str]) -> list[int]:
         others[np.array(near_pairs((ends[:, :2] + ends[:, 2:]) / 2, SAME_PLACE))],
     ]
     first, second = np.concatenate(pairs, axis=1).tolist()
-    alike = {(a, b) for a, b in zip(first, second, strict=True) if processes[a] == processes[b]}
-    return sorted({k for pair in alike for k in pair})
+    alike = {
+        (min(a, b), max(a, b))
+        for a, b in zip(first, second, strict=True)
+        if processes[a] == processes[b]
+    }
+    return sorted(alike)
 
 
 def _concentric(arcs: "NDArray[np.float64]") -> "tuple[Counts, Counts]":

@@ -84,8 +84,37 @@ SHEET_PLACE = Rule(
 JUNCTION = Rule(
     "plan-junction",
     _W,
-    "found {found} ends of curves that meet at x {x}, y {y}; expected two, the contour stops there",
+    "found {found} curves that meet at x {x}, y {y}, with {other}; expected two, the contour stops "
+    "there",
     "Where three curves meet the way on is not known, so that no closed contour comes of it.",
+)
+BRANCHED = Rule(
+    "plan-junction-kerf",
+    _E,
+    "found {found} curves that meet at x {x}, y {y}, with {other}; expected two where a kerf of "
+    "{kerf} mm is kept off, or --kerf-by none, which cuts them on their lines",
+    "Where contours share curves nothing says on which side of them the part lies: both parts "
+    "would come out half a kerf too small.",
+)
+TINY = Rule(
+    "plan-tiny",
+    _W,
+    "found {count} curves no larger than {expected} mm; they are left out",
+    "Two ends as near as that are one point to the machine (`torch.gap`), so that the tool would "
+    "be started and not moved.",
+)
+SHARED = Rule(
+    "plan-shared-edge",
+    _E,
+    "found a contour that lies on {other} for {found} mm near x {x}, y {y}; expected them apart by "
+    "the kerf of {kerf} mm, or --kerf-by none, which cuts the edge once",
+    "One cut takes its kerf from both parts, or from one of them the whole of it.",
+)
+COMMON = Rule(
+    "plan-common-edge",
+    _N,
+    "{count} contours share edges with others, {found} mm of them; each edge is cut once",
+    "Without a kerf to keep off, two parts can share a cut.",
 )
 GAP = Rule(
     "plan-gap",
@@ -121,8 +150,27 @@ VANISHED = Rule(
 CROSSING = Rule(
     "plan-crossing",
     _E,
-    "found a cut contour that crosses itself near x {x}, y {y}; expected a simple one",
+    "found a cut contour that crosses {other} near x {x}, y {y}; expected contours that do not "
+    "cross, or --kerf-by none, which cuts them on their lines",
     "Its inside is not known, and so neither the side of the kerf nor what falls out.",
+)
+MORE_CROSSINGS = Rule(
+    "plan-crossings",
+    _E,
+    "found {found} more places where cut contours cross; expected none",
+    "Only the first twenty are named one by one.",
+)
+CROSSED = Rule(
+    "plan-crossing-on-line",
+    _W,
+    "found a cut contour that crosses {other} near x {x}, y {y}; both are cut on their lines",
+    "What falls out of contours that cross is in more pieces than are drawn.",
+)
+MORE_CROSSED = Rule(
+    "plan-crossings-on-line",
+    _W,
+    "found {found} more places where cut contours cross; they are cut on their lines",
+    "Only the first twenty are named one by one.",
 )
 NO_LEAD = Rule(
     "plan-lead",
@@ -160,6 +208,7 @@ CHAIN = Rule(
 RULES = (
     CHAIN, SHEETS, NOTHING, UNMAPPED, MAP, OPTION, NO_PROCESS, NO_THICKNESS, THICKNESS,
     OTHER_THICKNESS, ASSUMED,
-    SHEET_SIZE, SHEET_PLACE, JUNCTION, GAP, OPEN_CUT, MORE_OPEN, OVERLAP, VANISHED, CROSSING,
+    SHEET_SIZE, SHEET_PLACE, JUNCTION, BRANCHED, TINY, SHARED, COMMON, GAP, OPEN_CUT, MORE_OPEN,
+    OVERLAP, VANISHED, CROSSING, MORE_CROSSINGS, CROSSED, MORE_CROSSED,
     NO_LEAD, SQUARE, NEEDS_LEAD, NO_TABS,
 )  # fmt: skip

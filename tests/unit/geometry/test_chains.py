@@ -58,6 +58,7 @@ def test_three_ends_in_one_place_are_a_junction():
     assert len(result.chains) == 3
     (junction,) = result.junctions
     assert (junction.point, junction.members) == ((0, 0), (0, 1, 2))
+    assert not junction.in_ring
 
 
 def test_a_gap_beyond_the_tolerance_is_reported_and_left_open():
@@ -112,3 +113,31 @@ def test_ends_in_neighbouring_cells_are_found():
 def test_a_tolerance_of_nothing_is_refused():
     with pytest.raises(ValueError, match="tolerance must be above 0, found 0"):
         join_curves([], 0.0)
+
+
+def test_a_contour_of_curves_shorter_than_the_tolerance_stays_whole():
+    corners = [(0.02 * k, 0.0) for k in range(50)] + [(1.0, 1.0), (0.0, 1.0)]
+    (chain,) = join_curves(ring(corners), 0.05).chains
+    assert chain.closed
+    assert len(chain.curves) == len(corners)
+
+
+def test_a_branch_leaves_the_contour_closed():
+    branch = [Line((10, 0), (15, -5)), Line((15, -5), (20, -5))]
+    result = join_curves([*branch, *ring(SQUARE)], 0.01)
+    assert [c.closed for c in result.chains] == [False, True]
+    assert result.junctions == ()
+
+
+def test_rings_that_touch_in_a_corner_are_told_apart():
+    other = [moved(line, 10) for line in ring(SQUARE)]
+    other = [line.transformed(((1, 0, 0), (0, 1, 10))) for line in other]
+    result = join_curves([*ring(SQUARE), *other], 0.01)
+    assert [c.closed for c in result.chains] == [True, True]
+    assert result.junctions == ()
+
+
+def test_ways_that_lead_back_in_two_manners_are_junctions_of_rings():
+    result = join_curves([*ring(SQUARE), Line((0, 0), (10, 10))], 0.01)
+    assert [j.in_ring for j in result.junctions] == [True, True]
+    assert not any(chain.closed for chain in result.chains)

@@ -6,8 +6,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from beamcam.geometry.cleaning import Removed, Why, remove_repetitions
+from beamcam.geometry.cleaning import Removed, Why, remove_repetitions, uncovered
 from beamcam.geometry.curves import Arc, Bezier, Line
+from beamcam.geometry.plane import distance
 from tests.property.curve_strategies import curves
 
 
@@ -90,6 +91,40 @@ def test_what_only_touches_stays(pair):
     result = remove_repetitions(pair, 1e-3)
     assert result.curves == pair
     assert result.removed == ()
+
+
+def test_edges_of_two_contours_are_not_merged():
+    along, beside = Line((0, 0), (10, 0)), Line((5, 0), (15, 0))
+    assert len(remove_repetitions((along, beside), 1e-3).curves) == 1
+    goes_on = Line((5, 0), (5, 9))
+    assert remove_repetitions((along, beside, goes_on), 1e-3).removed == ()
+    assert remove_repetitions((along, beside), 1e-3, (goes_on,)).removed == ()
+
+
+stretches = st.lists(st.tuples(st.integers(0, 40), st.integers(1, 15)), min_size=1, max_size=6)
+
+
+@settings(max_examples=80, deadline=None)
+@given(stretches, st.booleans(), st.booleans())
+def test_what_is_not_covered_is_what_no_cover_has(covers, turned, is_arc):
+    def stretch(a, n):
+        if is_arc:
+            return Arc((1, 2), 50, 7.0 * a, 7.0 * n)
+        return Line((0.6 * a, 0.8 * a), (0.6 * (a + n), 0.8 * (a + n)))
+
+    whole = stretch(10, 25)
+    others = [stretch(a, n) for a, n in covers]
+    rest = uncovered(whole, [c.reversed() if turned else c for c in others], 1e-3)
+    round_ = 360 / 7 if is_arc else 1000  # so many steps lead back to a place
+    for place in (k + 0.5 for k in range(10, 35)):
+        covered = any((place - a) % round_ < n for a, n in covers)
+        assert covered != any(_holds(c, stretch(place, 1).start) for c in rest)
+
+
+def _holds(curve, point):
+    """Whether a curve of more than half a step comes near a point."""
+    count = max(2, round(4 * curve.length))
+    return any(distance(curve.point(k / count), point) < 0.2 for k in range(count + 1))
 
 
 def test_a_tolerance_of_nothing_is_refused():

@@ -10,10 +10,10 @@ from hypothesis import strategies as st
 
 from beamcam.geometry.corners import intersections
 from beamcam.geometry.curves import Arc, EllipseArc, Line, signed_area
-from beamcam.geometry.nesting import polygon_of
 from beamcam.geometry.offset import Offset, Vanished, offset_chain
 from beamcam.geometry.refit import refit_ring
 from beamcam.geometry.sampling import points_at
+from tests.rings import polygon_of
 
 
 def ring(*corners):

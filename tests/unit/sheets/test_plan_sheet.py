@@ -13,8 +13,8 @@ from beamcam.machine import load
 from beamcam.model.part import Bend, Bevel, Contour, Feature, Hole, Part, Profile, Slot, TextMark
 from beamcam.model.plan import SheetPlan
 from beamcam.planning.contours import rules
-from beamcam.planning.contours.join import Shape
 from beamcam.planning.contours.order import order, travel
+from beamcam.planning.contours.shape import Shape
 from beamcam.planning.sheet import plan_sheet
 from tests.unit.sheets.parts import NESTED, S, box, circle, contour, drawing, lines, plate, table
 
@@ -144,6 +144,8 @@ def test_what_a_torch_cannot_make(case: Refusal) -> None:
 
 
 SQUARE = contour(box(0, 0, 50, 50))
+DIAGONAL = Line((0.0, 0.0), (9.0, 9.0))
+SPECK = contour(lines((0, 0), (0, 0.01), closed=False))
 CENTRE = Hole("v", 50, 40, 0.0, S, kind="mark")
 OTHERS: list[tuple[tuple[Part, ...], dict[str, object], str, str]] = [
     ((), {}, "plan-sheet-parts", "found 0 parts"),
@@ -167,6 +169,16 @@ OTHERS: list[tuple[tuple[Part, ...], dict[str, object], str, str]] = [
     ((drawing(SQUARE),), {"place": "drawn"}, "plan-sheet-place", "from x -2.7"),
     ((drawing(contour(circle(0, 0, 1.0))),), {"place": "corner"}, "", ""),
     ((drawing(contour(lines((0, 0), (50, 50), (50, 0), (0, 50)))),), {}, "plan-crossing", "itself"),
+    # Along the diagonal twenty-two squares cross each the next one.
+    ((drawing(*(contour(box(9.0 * k, 9.0 * k, 10, 10), line=k) for k in range(23))),), {},
+     "plan-crossing", "crosses line 1 near x 9.000, y 10.000"),
+    ((drawing(*(contour(box(9.0 * k, 9.0 * k, 10, 10), line=k) for k in range(23))),), {},
+     "plan-crossings", "2 more places"),
+    ((drawing(SQUARE, contour(box(50, 10, 20, 20), line=2)),), {},
+     "plan-shared-edge", "lies on line 1 for 20.000 mm near x 50.000, y 20.000"),
+    ((drawing(*(contour((c,), line=k) for k, c in enumerate((*box(0, 0, 9, 9), DIAGONAL)))),), {},
+     "plan-junction-kerf", "3 curves that meet at x 0.000, y 0.000, with line 3, line 4"),
+    ((drawing(SPECK),), {}, "plan-sheet-empty", "1 curves no larger than 0.05 mm"),
     ((drawing(SQUARE, contour(circle(25, 25, 1.2))),), {}, "plan-kerf", "1.2 x"),
     ((drawing(SQUARE, contour(circle(25, 25, 0.8))),),
      {"kerf_by": "machine", "lead": "line"}, "plan-kerf-lead", "1.5 mm"),
@@ -181,8 +193,8 @@ def test_refused(parts: tuple[Part, ...], values: dict[str, object], code: str, 
         return
     with pytest.raises(PlanError) as caught:
         plan_sheet(parts, machine)
-    assert caught.value.diagnostics[0].code == code
-    assert says in caught.value.diagnostics[0].message
+    told = {said.code: said.message for said in reversed(caught.value.diagnostics)}
+    assert says in told[code]
 
 
 def test_centres_are_marked_by_a_cross() -> None:
@@ -221,6 +233,11 @@ REMARKS: list[tuple[Part, dict[str, object], set[str]]] = [
     (drawing(*(contour((Line((20.0, 20.0), end),)) for end in ((0, 0), (40, 0), (20, 50)))), {},
      {"plan-open-cut", "plan-junction"}),
     (drawing(SQUARE, SQUARE), {}, {"plan-overlap"}),
+    (drawing(SQUARE, SPECK), {}, {"plan-tiny"}),
+    (drawing(SQUARE, contour(box(50, 10, 20, 20))), {"kerf_by": "none"},
+     {"plan-common-edge", "plan-open-cut"}),
+    (drawing(*(contour(box(9.0 * k, 9.0 * k, 10, 10)) for k in range(23))), {"kerf_by": "none"},
+     {"plan-crossing-on-line", "plan-crossings-on-line"}),
     (drawing(SQUARE, contour(circle(25, 25, 4.0))), {}, {"plan-lead"}),
 ]  # fmt: skip
 
