@@ -1,33 +1,15 @@
-"""When Python may look for rings of objects that nothing points to any more."""
+"""Tune the cyclic garbage collector of a process that is beamcam's own.
+
+Only the command line and its worker processes do so: a library leaves the collector to its host.
+"""
 
 import atexit
 import gc
-from collections.abc import Iterator
-from contextlib import contextmanager
-from functools import cache
 
 #: When rings are looked for in a process that stays: next to none are made.
 SELDOM = (20_000, 20, 100)
 
 
-@contextmanager
-def collector_resting() -> Iterator[None]:
-    """No search for rings of objects meanwhile, and as before at the end, whatever happens.
-
-    Each search walks over all objects that were made, hundreds of thousands for a drawing or a
-    model, and finds nothing: records point one way. What nothing points to is freed at once all
-    the same, so memory does not grow by it. For a stage that ends, not for a process that stays.
-    """
-    was_on = gc.isenabled()
-    gc.disable()
-    try:
-        yield
-    finally:
-        if was_on:
-            gc.enable()
-
-
-@cache
 def collector_seldom() -> None:
     """Let rings be looked for seldom in this process, and not at its end, when all goes at once.
 
@@ -35,4 +17,5 @@ def collector_seldom() -> None:
     was ever loaded when it is done: a fifth of the time of one post.
     """
     gc.set_threshold(*SELDOM)
+    atexit.unregister(gc.freeze)  # a command may be called twice in one process
     atexit.register(gc.freeze)

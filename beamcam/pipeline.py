@@ -14,7 +14,6 @@ from msgspec import Struct
 from msgspec.structs import replace
 
 from beamcam import readers
-from beamcam.collector import collector_resting
 from beamcam.errors import (
     Diagnostic,
     PlanError,
@@ -106,7 +105,6 @@ def default_machine(stock: Literal["beam", "sheet"], output: str) -> str:
     return SHEET_MACHINES.get(PurePath(output).suffix.lower(), DEFAULT_SHEET_MACHINE)
 
 
-@collector_resting()
 def read_file(path: str, strict: bool = False, **options: object) -> Reading:
     """What is in a file, `-` for standard input; a file that cannot be opened is refused.
 
@@ -178,7 +176,6 @@ def read_back(program: str | bytes, wanted: Wanted) -> tuple[Diagnostic, ...]:
     return post_of(wanted.machine).verify(written, wanted)
 
 
-@collector_resting()
 def post(
     parts: Sequence[Part],
     machine: Machine,

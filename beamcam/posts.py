@@ -5,12 +5,12 @@ that a bar never loads what only a sheet needs.
 """
 
 from collections.abc import Callable, Iterable
-from functools import cache
 from typing import Any
 
 from msgspec import Struct
 from msgspec.structs import replace
 
+from beamcam.caches import cached
 from beamcam.errors import Diagnostic, PlanError
 from beamcam.machine.machine import Machine
 from beamcam.model.part import Part
@@ -67,7 +67,7 @@ def post_of(machine: Machine) -> Post:
     return _row(machine.stock, machine.controller)
 
 
-@cache
+@cached("machine.post")
 def _row(stock: str, controller: str) -> Post:
     return POSTS[stock, controller]()
 

@@ -97,9 +97,6 @@ def test_what_changed_is_done_again(jobs: Path, tmp_path: Path) -> None:
     assert counts(batch(jobs, "-o", out, "--machine", machine)) == (4, 0, 0, 0)
     assert counts(batch(jobs, "-o", out, "--machine", machine)) == (0, 4, 0, 0)
     machine.write_text('base = "beamline"\n[drill]\nclearance = 7\n')
-    from beamcam.machine import load
-
-    load.cache_clear()
     assert counts(batch(jobs, "-o", out, "--machine", machine)) == (4, 0, 0, 0)
 
 

@@ -12,7 +12,7 @@ PACKAGE = ROOT / "beamcam"
 
 #: A package may import those of lower steps; packages on one step never import each other.
 STEPS = (
-    ("plain_text",),
+    ("caches", "plain_text"),
     ("collector", "errors", "files"),
     ("geometry",),
     ("machine",),

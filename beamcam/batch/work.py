@@ -9,7 +9,6 @@ import copyreg
 import os
 from collections import Counter
 from collections.abc import Callable, Generator, Iterable, Mapping, Sequence
-from functools import lru_cache
 from hashlib import sha256
 from typing import cast
 
@@ -19,7 +18,7 @@ from msgspec.structs import replace
 from beamcam import __version__
 from beamcam.batch import rules
 from beamcam.batch.names import Names, output_name
-from beamcam.collector import collector_resting
+from beamcam.caches import cached
 from beamcam.errors import BeamcamError, PlanError, ReadError, Source, errors_in
 from beamcam.files import REFUSED_SUFFIX
 from beamcam.machine.machine import Formula, Machine
@@ -84,7 +83,7 @@ class Shop(Struct, frozen=True):
         return self.machine
 
 
-@lru_cache(maxsize=4)
+@cached("batch.shop")
 def thaw(frozen: bytes) -> Shop:
     """The shop that was frozen; the same object each time, so that what is known of it is kept."""
     import pickle
@@ -120,16 +119,15 @@ def make_all(tasks: Sequence[Task], shop: Shop) -> list[Made]:
     seconds = [0.0] * len(tasks)
     made: dict[int, Made] = {}
     under_way = {place: making(task, shop) for place, task in enumerate(tasks)}
-    with collector_resting():
-        while under_way:
-            for place, stages in tuple(under_way.items()):
-                begun = clock()
-                try:
-                    next(stages)
-                except StopIteration as end:
-                    made[place] = end.value
-                    del under_way[place]
-                seconds[place] += clock() - begun
+    while under_way:
+        for place, stages in tuple(under_way.items()):
+            begun = clock()
+            try:
+                next(stages)
+            except StopIteration as end:
+                made[place] = end.value
+                del under_way[place]
+            seconds[place] += clock() - begun
     for place, one in made.items():
         one.row["seconds"] = round(seconds[place], 6)
     return [made[place] for place in range(len(tasks))]

@@ -4,7 +4,6 @@ from typing import Any
 
 import click
 
-from beamcam.collector import collector_resting
 from beamcam.commands import options
 from beamcam.commands.common import Voice, keep_apart, keep_refused, write
 from beamcam.commands.parts import part_options, read_parts
@@ -37,7 +36,6 @@ from beamcam.planning.stock import from_store
 @options.strict
 @options.json_messages
 @options.voiced
-@collector_resting()
 def command(
     inputs: tuple[str, ...],
     output: str,

@@ -1,6 +1,5 @@
 """A configuration read from its file, each value with the line that sets it."""
 
-import tomllib
 from pathlib import Path
 from typing import Any, cast
 
@@ -8,7 +7,8 @@ from beamcam.config import rules
 from beamcam.config.keys import KEYS, Check, Table, Unfit, layer_or_colour
 from beamcam.config.values import Config
 from beamcam.errors import BeamcamError, Source
-from beamcam.machine.schema import line_of, nearest
+from beamcam.machine.schema import nearest
+from beamcam.machine.toml import TomlError, TomlFile, line_of, toml_text
 
 
 class ConfigError(BeamcamError):
@@ -20,12 +20,12 @@ def load(path: str | Path) -> Config:
     file = Path(path)
     shown = str(path)
     try:
-        content = file.read_bytes().decode("utf-8")
-        table = tomllib.loads(content)
+        content = toml_text(file.read_bytes())
+        table = TomlFile(file, shown, content).table
     except OSError as error:
         said = rules.UNREADABLE.at(Source(shown), found=error.strerror or error)
         raise ConfigError(said) from error
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+    except TomlError as error:
         raise ConfigError(rules.NOT_TOML.at(Source(shown), found=error)) from error
     sources: dict[str, Source] = {}
     values: dict[str, object] = {}

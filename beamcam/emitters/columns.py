@@ -7,13 +7,13 @@ does not need of its field is a zero byte, and all of those are taken out at the
 """
 
 from collections.abc import Mapping
-from functools import cache
 from string import Formatter
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from beamcam.caches import cached
 from beamcam.emitters.numbers import number
 
 Floats = NDArray[np.float64]
@@ -89,7 +89,7 @@ def _steps(values: Floats, decimals: int) -> Counts | None:
     return steps
 
 
-@cache
+@cached("numbers.places")
 def _places(decimals: int) -> Groups:
     """The point and the places behind it, without zeros at the end; nothing for 0."""
     texts = [f".{k:0{decimals}d}".rstrip("0") for k in range(10**decimals)]

@@ -1,17 +1,8 @@
-"""G-code of a saw and drilling line: the machine's word templates, filled in and numbered.
-
-Most cycles and cuts are like one before but for their X, in this program or in another one. Their
-text is therefore kept in pieces between its X, so that another X joins them:
-
-    M40 K2 L18 / G00 X| Y15 Z-5 / G00 X| Y15 Z66.45 / M03 / ... / M05
-"""
+"""G-code of a saw and drilling line: the machine's word templates, filled in and numbered."""
 
 from collections.abc import Iterable, Iterator
-from itertools import groupby
-from string import Formatter
 
 from beamcam.emitters.numbers import number
-from beamcam.machine.known import Kept, OncePerMachine
 from beamcam.machine.machine import Machine, NumberFormat
 from beamcam.machine.words import Words
 from beamcam.model.program import (
@@ -29,24 +20,8 @@ from beamcam.plain_text import comment_text
 
 SECONDS_PER_MINUTE = 60
 NO_BLOCK = ("%", "(")  #: how lines begin that are no blocks and get no number
-KINDS = ("drill", "tap", "countersink", "punch")
-MOST_TEXTS = 4096  #: that are kept of a machine
-_X = "\0"
 
 Values = dict[str, str]  #: what stands in the braces of a template
-Texts = Kept[object, list[str]]  #: by stroke, or by the figures of a cut
-
-
-def _no_texts(machine: Machine) -> Texts | None:
-    """An empty table; None where a template gives X a width, so that it cannot be cut there."""
-    templates = (getattr(machine.words, kind) for kind in (*KINDS, "saw"))
-    fields = (f for template in templates for line in template for f in Formatter().parse(line))
-    if any(name == "x" and (how or kept) for _, name, how, kept in fields):
-        return None
-    return Kept(MOST_TEXTS)
-
-
-_texts_of = OncePerMachine(_no_texts)
 
 
 def emit(program: Program, machine: Machine) -> str:
@@ -60,49 +35,24 @@ def emit(program: Program, machine: Machine) -> str:
 def _numbered(blocks: Iterable[str]) -> Iterator[str]:
     """Blocks with N1, N2, ... but for the lines that are not blocks (`%`) and comments."""
     count = 0
-    for is_plain, run in groupby(blocks, _is_plain):
-        lines = "\n".join(run).split("\n")
-        if is_plain:
-            yield _with_numbers(lines, count)
-            count += len(lines)
-            continue
-        for line in lines:
-            if line.startswith(NO_BLOCK):
-                yield line
-            else:
-                count += 1
-                yield f"N{count} {line}"
-
-
-def _with_numbers(lines: list[str], count: int) -> str:
-    """Lines with the block numbers that follow `count`."""
-    last = count + len(lines)
-    while len(_NUMBERS) < last:
-        _NUMBERS.append(f"\nN{len(_NUMBERS) + 1} ")
-    text = [""] * (2 * len(lines))
-    text[::2], text[1::2] = _NUMBERS[count:last], lines
-    return "".join(text)[1:]
-
-
-_NUMBERS: list[str] = []  #: words that begin a block, as far as they were needed: "\nN1 ", ...
-
-
-def _is_plain(text: str) -> bool:
-    """Whether all lines of a text are blocks for sure."""
-    return "%" not in text and "(" not in text
+    for line in "\n".join(blocks).split("\n"):
+        if line.startswith(NO_BLOCK):
+            yield line
+        else:
+            count += 1
+            yield f"N{count} {line}"
 
 
 def _blocks(program: Program, machine: Machine) -> Iterator[str]:
     """Blocks, and whole cycles and cuts in one."""
     words, form = machine.words, machine.format
-    texts = _texts_of(machine)
     started = False
     for command in program.commands:
         match command:
             case DrillCycle():
-                yield _cycle(command, words, form, texts)
+                yield _cycle(command, words, form)
             case SawStroke() if words.saw:
-                yield _cut(command, words, form, texts)
+                yield _cut(command, words, form)
             case StartBar():
                 started = True
                 if words.header:
@@ -128,28 +78,15 @@ def _header(job: str, command: StartBar, words: Words, form: NumberFormat) -> st
     return _filled(words.header, values)
 
 
-def _cycle(command: DrillCycle, words: Words, form: NumberFormat, texts: Texts | None) -> str:
+def _cycle(command: DrillCycle, words: Words, form: NumberFormat) -> str:
     """The text of a cycle."""
-    stroke, x = command.stroke, number(command.x, form.length_decimals)
-    if texts is None:
-        return _filled(getattr(words, stroke.kind), _stroke_values(stroke, x, form))
-    pieces = texts.get(stroke)
-    if pieces is None:
-        text = _filled(getattr(words, stroke.kind), _stroke_values(stroke, _X, form))
-        pieces = texts.keep(stroke, text.split(_X))
-    return x.join(pieces)
-
-
-def _cut(command: SawStroke, words: Words, form: NumberFormat, texts: Texts | None) -> str:
-    """The text of a cut."""
     x = number(command.x, form.length_decimals)
-    if texts is None:
-        return _filled(words.saw, _cut_values(command, x, form))
-    key = command.angle, command.tilt, command.feed_mm_min
-    pieces = texts.get(key)
-    if pieces is None:
-        pieces = texts.keep(key, _filled(words.saw, _cut_values(command, _X, form)).split(_X))
-    return x.join(pieces)
+    return _filled(getattr(words, command.stroke.kind), _stroke_values(command.stroke, x, form))
+
+
+def _cut(command: SawStroke, words: Words, form: NumberFormat) -> str:
+    """The text of a cut."""
+    return _filled(words.saw, _cut_values(command, number(command.x, form.length_decimals), form))
 
 
 def _change(command: ChangeTool, words: Words) -> str:
@@ -158,7 +95,7 @@ def _change(command: ChangeTool, words: Words) -> str:
         "spindle": str(command.spindle),
         "station": str(command.station),
         "diameter": number(command.diameter, 3),
-        "text": command.text,
+        "text": comment_text(command.text),
     }
     return _filled(words.change, values)
 

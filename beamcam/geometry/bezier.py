@@ -1,11 +1,11 @@
 """Bezier curves of any degree, with weights or without."""
 
 import itertools
-from functools import lru_cache
 from math import hypot, inf
 
 from msgspec import Struct
 
+from beamcam.caches import cached
 from beamcam.geometry import bernstein
 from beamcam.geometry.plane import (
     Box,
@@ -136,7 +136,7 @@ class Bezier(Struct, frozen=True, gc=False):
         return Bezier(tuple(mapped(matrix, p) for p in self.points), self.weights)
 
 
-@lru_cache(maxsize=1024)
+@cached("curves.extremes")
 def _extremes(curve: Bezier) -> tuple[float, ...]:
     x, y, w = (list(c) for c in zip(*curve.homogeneous, strict=True))
     found: set[float] = set()

@@ -1,10 +1,10 @@
 """B-splines (NURBS when they have weights), as chains of Bezier curves."""
 
 from bisect import bisect_right
-from functools import lru_cache
 
 from msgspec import Struct
 
+from beamcam.caches import cached
 from beamcam.geometry.bezier import Bezier, Homogeneous, check_weights, from_homogeneous
 from beamcam.geometry.plane import Box, Matrix, Point, join_boxes, mapped
 
@@ -146,7 +146,7 @@ class BSpline(Struct, frozen=True, gc=False):
         return BSpline(self.degree, points, self.knots, self.weights)
 
 
-@lru_cache(maxsize=256)
+@cached("curves.spline")
 def _decomposed(spline: BSpline) -> tuple[tuple[Bezier, ...], tuple[float, ...]]:
     """The Bezier curves of a spline and the parameters between them.
 

@@ -6,11 +6,11 @@ the nodes: any spacing is right, and the curve passes through every node, the la
 
 import itertools
 from collections.abc import Sequence
-from functools import lru_cache
 from math import factorial, hypot
 
 from msgspec import Struct
 
+from beamcam.caches import cached
 from beamcam.geometry import bernstein
 from beamcam.geometry.bezier import Bezier
 from beamcam.geometry.plane import Box, Matrix, Point, box_around, distance, mapped
@@ -219,7 +219,7 @@ def parabola_of(curve: Bezier) -> tuple[Point, Point, Point]:
     return curve.start, curve.point(0.5), curve.end
 
 
-@lru_cache(maxsize=256)
+@cached("curves.newton")
 def _newton_form(
     curve: NewtonCurve,
 ) -> tuple[tuple[float, ...], tuple[float, ...], tuple[float, ...]]:
@@ -241,7 +241,7 @@ def _newton_form(
     return u, xs, ys
 
 
-@lru_cache(maxsize=256)
+@cached("curves.newton_bezier")
 def _bezier_form(curve: NewtonCurve) -> Bezier:
     u, *coordinates = _newton_form(curve)
     rows = []

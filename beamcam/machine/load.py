@@ -1,19 +1,20 @@
 """Machine files: found by name or path, laid over their bases, checked, and explained."""
 
-import tomllib
+import re
 from collections.abc import Iterator
-from functools import cache
 from pathlib import Path
 from string import Formatter
-from typing import Any
+from typing import Any, cast
 
 from msgspec import Struct
 
+from beamcam.caches import cached
 from beamcam.errors import MachineError, Source
 from beamcam.machine import rules
 from beamcam.machine.faults import axis_faults, pair_faults, tool_faults, torch_faults
 from beamcam.machine.machine import Machine
 from beamcam.machine.schema import Place, build, nearest
+from beamcam.machine.toml import TomlError, TomlFile, toml_text
 from beamcam.machine.words import WORD_NAMES
 
 SHIPPED = Path(__file__).resolve().parent.parent / "machines"
@@ -32,33 +33,34 @@ def shipped() -> tuple[str, ...]:
     return tuple(sorted(p.stem for p in SHIPPED.glob("*.toml")))
 
 
-@cache
 def load(name: str) -> Machine:
     """The machine called `name`, or the one in the file at that path. Raises MachineError."""
-    table, files = _tables(name, ())
-    place = Place(files)
+    return _machine(_files(name))
+
+
+def files_of(name: str) -> tuple[str, ...]:
+    """The paths of the file of a machine and of all that it is based on. Raises MachineError."""
+    return tuple(str(file.path) for file in _files(name))
+
+
+@cached("files.machine")
+def _machine(files: tuple[TomlFile, ...]) -> Machine:
+    """The machine that is told by a file and its bases."""
+    table, places = _merged(files)
+    place = Place(places)
     machine: Machine = build(Machine, table, place)
     _check(machine, place)
     return machine
 
 
-def files_of(name: str) -> Iterator[str]:
-    """The paths of the file of a machine and of all that it is based on. Raises MachineError."""
-    seen: list[Path] = []
-    while name and (path := _find(name, seen[-1] if seen else None)) not in seen:
-        seen.append(path)
-        yield str(path)
-        base = tomllib.loads(path.read_text(encoding="utf-8")).get("base")
-        name = base if isinstance(base, str) else ""
-
-
 def settings(name: str) -> tuple[Setting, ...]:
     """Every value of a machine, the defaults included, each with where it was set."""
-    table, files = _tables(name, ())
-    place = Place(files)
+    files = _files(name)
+    table, places = _merged(files)
+    place = Place(places)
     return tuple(
         Setting(key, value, place.child(key).source if _is_set(table, key) else None)
-        for key, value in _leaves(load(name))
+        for key, value in _leaves(_machine(files))
     )
 
 
@@ -91,40 +93,47 @@ def _leaves(record: Any, key: str = "") -> Iterator[tuple[str, object]]:
         yield key, list(record) if isinstance(record, tuple) else record
 
 
-def _tables(
-    name: str, above: tuple[Path, ...]
+def _files(name: str) -> tuple[TomlFile, ...]:
+    """The file of a machine and those that it is based on, the last one first said."""
+    found: list[TomlFile] = []
+    while True:
+        path = _find(name, found[-1].path if found else None)
+        if any(path == file.path for file in found):
+            raise MachineError(rules.BASE_LOOP.at(Source(str(found[0].path)), found=path.stem))
+        shown = path.name if path.parent == SHIPPED else str(path)
+        try:
+            file = TomlFile(path, shown, toml_text(path.read_bytes()))
+            base = file.table.get("base")
+        except TomlError as error:
+            raise MachineError(rules.NOT_TOML.at(Source(shown), found=error)) from error
+        except OSError as error:
+            expected = error.strerror or "a file that can be read"
+            said = rules.UNKNOWN_MACHINE.at(Source(shown), found=name, expected=expected)
+            raise MachineError(said) from error
+        found.append(file)
+        if base is None:
+            return tuple(found)
+        if not isinstance(base, str):
+            said = rules.WRONG_VALUE.at(
+                Source(shown), key="base", found=repr(base), expected="a machine's name"
+            )
+            raise MachineError(said)
+        name = base
+
+
+def _merged(
+    files: tuple[TomlFile, ...],
 ) -> tuple[dict[str, Any], dict[str, tuple[str, str]]]:
     """The merged table of a machine, and for each of its keys the file that sets it."""
-    path = _find(name, above[-1] if above else None)
-    if path in above:
-        raise MachineError(rules.BASE_LOOP.at(Source(str(above[0])), found=path.stem))
-    shown = path.name if path.parent == SHIPPED else str(path)
-    try:
-        text = path.read_bytes().decode("utf-8")
-        own = tomllib.loads(text)
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-        raise MachineError(rules.NOT_TOML.at(Source(shown), found=error)) from error
-    except OSError as error:
-        raise MachineError(
-            rules.UNKNOWN_MACHINE.at(
-                Source(shown), found=name, expected=error.strerror or "a file that can be read"
-            )
-        ) from error
-    base = own.pop("base", None)
-    own.setdefault("name", path.stem)
     table: dict[str, Any] = {}
-    files: dict[str, tuple[str, str]] = {}
-    if base is not None:
-        if not isinstance(base, str):
-            raise MachineError(
-                rules.WRONG_VALUE.at(
-                    Source(shown), key="base", found=repr(base), expected="a machine's name"
-                )
-            )
-        table, files = _tables(base, (*above, path))
-    _overlay(table, own, files, (shown, text), "")
-    files[""] = (shown, text)
-    return table, files
+    places: dict[str, tuple[str, str]] = {}
+    for file in reversed(files):
+        own = {"name": file.path.stem, **file.table}
+        own.pop("base", None)
+        origin = file.shown, file.text
+        _overlay(table, own, places, origin, "")
+        places[""] = origin
+    return table, places
 
 
 def _overlay(
@@ -172,12 +181,16 @@ def _check(machine: Machine, place: Place) -> None:
         template = getattr(machine.words, key)
         for line in (template,) if isinstance(template, str) else template:
             try:
-                used = [n for _, n, _, _ in Formatter().parse(line) if n is not None]
+                parsed = tuple(Formatter().parse(line))
             except ValueError as error:
                 raise wrong(f"words.{key}", line, f"a template: {error}") from error
-            for name in used:
+            for _, name, how, _ in parsed:
+                if name is None:
+                    continue
                 if name not in names:
                     raise wrong(f"words.{key}", "{" + name + "}", nearest(name, names))
+                if not _FIELD_FORM.fullmatch(how or ""):
+                    raise wrong(f"words.{key}", how, "a width of two digits, such as :>8")
     faces = {s.face for s in machine.spindles}
     for index, pair in enumerate(machine.pairs):
         if not faces.issuperset(pair.faces):
@@ -192,6 +205,8 @@ def _check(machine: Machine, place: Place) -> None:
             raise wrong(key, value, "more than 0")
         if key.endswith(_NOT_NEGATIVE) and isinstance(value, float) and value < 0:
             raise wrong(key, value, "0 or more")
+        if key.endswith("_decimals") and not 0 <= cast(int, value) <= MAX_DECIMALS:
+            raise wrong(key, value, f"0 to {MAX_DECIMALS}")
     for key, found, expected in (
         *tool_faults(machine),
         *pair_faults(machine),
@@ -205,6 +220,10 @@ def _check(machine: Machine, place: Place) -> None:
         raise MachineError(rules.MISSING_KEY.at(place.source, expected="torch"))
 
 
+#: No machine resolves a nanometre; the texts of all decimals are kept, of more they would not fit.
+MAX_DECIMALS = 6
+#: How a value may be set in a template; a greater width would fill the memory with blanks.
+_FIELD_FORM = re.compile(r"[^{}]?[<>^]?[0-9]{0,2}")
 _POSITIVE = ("up_to", "speed_m_min", "feed_per_turn", "_mm_min", "_rpm", "point_deg",
              "greatest_height", "greatest_width", "torch.length", "torch.width", "torch.tolerance",
              "torch.thickness", "torch.gap", "torch.tab_width", "_radius", "arc_limit")  # fmt: skip

@@ -6,12 +6,12 @@ so that where a station measures from is a line of the machine file and not of t
 
 from collections.abc import Mapping
 from fractions import Fraction
-from functools import cache
 from math import radians, tan
 from typing import Literal
 
 from msgspec import Struct, field
 
+from beamcam.caches import cached
 from beamcam.geometry.expression import Expression, compile_expression
 from beamcam.machine.tables import Stepper, Triggers
 from beamcam.machine.words import Words
@@ -47,7 +47,7 @@ class Formula(Struct, frozen=True):
         return _compiled(self.text)(values)
 
 
-@cache
+@cached("machine.formula")
 def _compiled(text: str) -> Expression:
     return compile_expression(text, FORMULA_NAMES)
 

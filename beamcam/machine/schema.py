@@ -7,20 +7,21 @@ at once. Errors name the file, the line of the key, what was found and what was 
 import types
 import typing
 from collections.abc import Mapping
-from functools import cache
 from math import inf, isfinite
 from typing import Any, Literal, Union, cast, get_args, get_origin
 
 from msgspec import Struct
 
+from beamcam.caches import cached
 from beamcam.errors import MachineError, Source
 from beamcam.machine import rules
 from beamcam.machine.machine import Formula
+from beamcam.machine.toml import line_of
 
 GREATEST = 10**300  #: whole number that is one of the machine's, by far
 
 
-@cache
+@cached("machine.fields")
 def _fields(cls: type[Struct]) -> dict[str, tuple[Any, bool]]:
     """Type of every field of a record, and whether the file has to give it."""
     hints = typing.get_type_hints(cls)
@@ -47,31 +48,6 @@ class Place:
             key = key.rpartition(".")[0]
         file, text = self._files.get(key, self._files[""])
         return Source(file, line_of(text, self.key))
-
-
-def line_of(text: str, key: str) -> int | None:
-    """The line on which a dotted key of a TOML text is set; None if it is not.
-
-    Array tables count: `spindles.1.number` is `number` under the second `[[spindles]]`.
-    """
-    table, counts = "", dict[str, int]()
-    best: tuple[int, int] | None = None
-    for number, raw in enumerate(text.splitlines(), 1):
-        line = raw.strip()
-        if line.startswith("[["):
-            name = line[2:].partition("]]")[0].strip()
-            counts[name] = counts.get(name, -1) + 1
-            here = table = f"{name}.{counts[name]}"
-        elif line.startswith("["):
-            here = table = line[1:].partition("]")[0].strip()
-        elif "=" in line and not line.startswith("#"):
-            name = line.partition("=")[0].strip().strip('"')
-            here = f"{table}.{name}" if table else name
-        else:
-            continue
-        if (key == here or key.startswith(here + ".")) and (best is None or len(here) > best[0]):
-            best = (len(here), number)
-    return best[1] if best else None
 
 
 def build(cls: type[Struct], table: object, place: Place) -> Any:

@@ -7,9 +7,9 @@ EN 10210-2 and EN 10219-2.
 
 import json
 import re
-from functools import cache, lru_cache
 from importlib.resources import files
 
+from beamcam.caches import cached
 from beamcam.model.part import Profile, ProfileCode
 
 TOLERANCE = 0.3  #: mm that a section may differ from the standard's measures in any of them
@@ -17,7 +17,7 @@ TOLERANCE = 0.3  #: mm that a section may differ from the standard's measures in
 Sizes = tuple[float, float, float, float, float]  #: height, width, flange, web, radius
 
 
-@cache
+@cached("sections.table")
 def sections() -> dict[str, tuple[ProfileCode, Sizes]]:
     """Code and measures of every section, by its name in capitals without blanks."""
     text = files("beamcam.model").joinpath("sections.json").read_text("utf-8")
@@ -29,7 +29,7 @@ def sections() -> dict[str, tuple[ProfileCode, Sizes]]:
     return table
 
 
-@cache
+@cached("sections.by_code")
 def _by_code() -> dict[str, tuple[tuple[str, Sizes], ...]]:
     grouped: dict[str, list[tuple[str, Sizes]]] = {}
     for name, (code, sizes) in sections().items():
@@ -50,7 +50,7 @@ def measures_of(name: str) -> tuple[ProfileCode, Sizes] | None:
     return sections().get(plain_name(name))
 
 
-@lru_cache(4096)
+@cached("sections.name")
 def name_of(profile: Profile) -> str | None:
     """The catalogue's name of a section with these measures, the nearest within the tolerance."""
     best: tuple[float, str] | None = None

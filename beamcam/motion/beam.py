@@ -5,8 +5,8 @@ from typing import cast
 
 from msgspec import Struct
 
+from beamcam.caches import BoundedCache, PerObject
 from beamcam.machine.cutting import speed_and_feed
-from beamcam.machine.known import Kept, OncePerMachine
 from beamcam.machine.machine import Axis, Drill, Machine
 from beamcam.model.part import Profile
 from beamcam.model.plan import AS_GIVEN, DrillOp, PathOp, Plan, SawOp, SpindleOp, ToolLoad
@@ -24,27 +24,25 @@ from beamcam.model.program import (
 )
 from beamcam.model.stroke import Stroke, Strokes
 
-MOST_SECTIONS, MOST_STROKES = 64, 256  #: that are kept of a machine, and of each section of it
-
 
 class Section(Struct, frozen=True):
     """What is known of a section on a machine."""
 
     strokes: Strokes
-    made: Kept[tuple[object, ...], SpindleStroke]  #: by the steel's grade and the operation
+    made: BoundedCache[tuple[object, ...], SpindleStroke]  #: by the steel's grade and the operation
 
 
-def _no_sections(machine: Machine) -> Kept[Profile, Section]:
-    return Kept(MOST_SECTIONS)
+def _no_sections(machine: Machine) -> BoundedCache[Profile, Section]:
+    return BoundedCache("motion.sections")
 
 
-_sections_of = OncePerMachine(_no_sections)
+_sections_of = PerObject("motion.machines", _no_sections)
 
 
 def _section_of(profile: Profile, machine: Machine) -> Section:
     known = _sections_of(machine)
     return known.get(profile) or known.keep(
-        profile, Section(Strokes(profile, machine), Kept(MOST_STROKES))
+        profile, Section(Strokes(profile, machine), BoundedCache("motion.strokes"))
     )
 
 

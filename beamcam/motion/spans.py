@@ -5,13 +5,13 @@ module finds the number of steps and a bound on the distance between curve and c
 """
 
 import itertools
-from functools import lru_cache
 from math import asin, ceil, pi, sqrt
 
 import numpy as np
 from msgspec import Struct
 from numpy.typing import NDArray
 
+from beamcam.caches import cached
 from beamcam.geometry.bezier import Bezier
 from beamcam.geometry.conics import Arc, EllipseArc
 
@@ -97,7 +97,7 @@ def _turning_point(curve: Arc | EllipseArc, t: float) -> tuple[float, float]:
     return Arc(curve.centre, curve.radius, 90.0 * round(angle / 90.0), 90.0).start
 
 
-@lru_cache(maxsize=64)
+@cached("curves.division")
 def _division(degree: int, parts: int) -> Floats:
     """Matrices (parts, degree + 1, degree + 1) from control points to those of equal parts."""
     found = np.empty((parts, degree + 1, degree + 1))

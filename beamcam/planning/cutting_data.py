@@ -4,25 +4,24 @@ from collections.abc import Collection, Iterator, Sequence
 
 from msgspec.structs import replace
 
+from beamcam.caches import BoundedCache, PerObject
 from beamcam.errors import Diagnostic, Source
 from beamcam.machine.cutting import cutting_row, is_unnamed, turns_of
-from beamcam.machine.known import Kept, OncePerMachine
 from beamcam.machine.machine import Drill, Machine, Tool
 from beamcam.model.plan import Piece, SpindleOp
 from beamcam.planning import rules
 
 TURNING = ("drill", "countersink", "mill")  #: tools whose edge wears by its speed
 TOO_FAST = 1.2  #: times the speed of the data at which a tool is warned of
-MOST_KEPT = 256  #: sets of tools in a steel, of a machine
 
 Remarks = tuple[Diagnostic, ...]
 
 
-def _nothing_known(_: Machine) -> Kept[object, Remarks]:
-    return Kept(MOST_KEPT)
+def _nothing_known(_: Machine) -> BoundedCache[object, Remarks]:
+    return BoundedCache("planning.remarks")
 
 
-_known_of = OncePerMachine(_nothing_known)
+_known_of = PerObject("planning.machines", _nothing_known)
 
 
 def cutting_remarks(

@@ -14,8 +14,8 @@ from typing import NamedTuple
 from msgspec import Struct
 from msgspec.structs import replace
 
+from beamcam.caches import BoundedCache, PerObject
 from beamcam.errors import Diagnostic
-from beamcam.machine.known import Kept, OncePerMachine
 from beamcam.machine.machine import ControlledAxis, Machine, Saw
 from beamcam.model.part import Face, Feature, Part, Profile
 from beamcam.model.plan import DrillOp, Operation, PathOp, Piece, SawOp
@@ -23,8 +23,6 @@ from beamcam.model.stroke import Strokes
 from beamcam.planning import rules
 from beamcam.planning.jobs import Job, Tooling
 from beamcam.planning.strokes import named
-
-MOST_SECTIONS, MOST_STROKES = 64, 1024  #: that are kept of a machine, and of each section of it
 
 
 class Beyond(NamedTuple):
@@ -39,17 +37,17 @@ class Room(Struct, frozen=True):
     """How the spindles of a machine stand on a section, and what was found of their strokes."""
 
     strokes: Strokes
-    known: Kept[tuple[object, ...], Beyond | None]
+    known: BoundedCache[tuple[object, ...], Beyond | None]
 
 
 _UNKNOWN = Beyond(ControlledAxis("", "X", 0.0, 0.0), 0.0, "v")  #: not looked at yet
 
 
-def _no_rooms(_: Machine) -> Kept[Profile, Room]:
-    return Kept(MOST_SECTIONS)
+def _no_rooms(_: Machine) -> BoundedCache[Profile, Room]:
+    return BoundedCache("planning.sections")
 
 
-_rooms = OncePerMachine(_no_rooms)
+_rooms = PerObject("planning.machines", _no_rooms)
 
 
 def refuse_beyond(
@@ -58,7 +56,7 @@ def refuse_beyond(
     """The features of jobs for which a spindle's axis cannot go far enough, and why."""
     rooms = _rooms(machine)
     room = rooms.get(part.profile) or rooms.keep(
-        part.profile, Room(Strokes(part.profile, machine), Kept(MOST_STROKES))
+        part.profile, Room(Strokes(part.profile, machine), BoundedCache("planning.strokes"))
     )
     known = room.known
     for job in jobs:

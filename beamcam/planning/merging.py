@@ -12,7 +12,7 @@ from collections.abc import Collection, Iterator, Mapping
 from itertools import combinations
 from operator import itemgetter
 
-from beamcam.machine.known import OncePerMachine
+from beamcam.caches import PerObject
 from beamcam.machine.machine import Drill, Machine
 from beamcam.model.part import Face, Hole
 
@@ -114,7 +114,7 @@ def _partner_faces(machine: Machine) -> dict[Face, Face]:
     return {a: b for pair in machine.pairs for a, b in (pair.faces, pair.faces[::-1])}
 
 
-partner_faces = OncePerMachine(_partner_faces)
+partner_faces = PerObject("planning.partner_faces", _partner_faces)
 
 
 def merge_pairs(holes: Group, partners: Mapping[Face, Face], drill: Drill) -> Iterator[Group]:

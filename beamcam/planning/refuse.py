@@ -5,8 +5,8 @@ from math import dist, inf
 
 from msgspec import Struct
 
+from beamcam.caches import BoundedCache, PerObject
 from beamcam.errors import Diagnostic
-from beamcam.machine.known import Kept, OncePerMachine
 from beamcam.machine.machine import Drill, Layout, Machine, Saw
 from beamcam.model.part import (
     Bend,
@@ -35,7 +35,6 @@ BEHIND = {
 #: Faces that a spindle has nothing or no known depth before it on: an angle has no upper flange,
 #: and a T's stem stands somewhere amid its flange.
 NOT_WORKED = {"L": ("o",), "T": ("o", "u")}
-MOST_SECTIONS = 64  #: whose reach is kept of a machine
 
 
 def refuse_stock(
@@ -69,11 +68,11 @@ class Reach(Struct, frozen=True):
     greatest: float
 
 
-def _no_reaches(_: Machine) -> Kept[Profile, Mapping[Face, Reach]]:
-    return Kept(MOST_SECTIONS)
+def _no_reaches(_: Machine) -> BoundedCache[Profile, Mapping[Face, Reach]]:
+    return BoundedCache("planning.reaches")
 
 
-_reaches = OncePerMachine(_no_reaches)
+_reaches = PerObject("planning.machines", _no_reaches)
 
 
 def reach_of(profile: Profile, machine: Machine) -> Mapping[Face, Reach]:

@@ -9,8 +9,8 @@ A spindle's `bottom` follows the depth of the hole, or the machine has one strok
 import re
 from collections.abc import Iterator, Sequence
 
+from beamcam.caches import PerObject
 from beamcam.errors import Diagnostic
-from beamcam.machine.known import OncePerMachine
 from beamcam.machine.machine import Drill, Machine
 from beamcam.model.part import Face, Feature, Hole, Part, Slot
 from beamcam.model.plan import DrillOp
@@ -26,7 +26,7 @@ def _fixed_faces(machine: Machine) -> frozenset[Face]:
     return frozenset(s.face for s in machine.spindles if not _DEPTH.search(s.stroke.bottom.text))
 
 
-fixed_faces = OncePerMachine(_fixed_faces)
+fixed_faces = PerObject("planning.fixed_faces", _fixed_faces)
 
 
 def refuse_strokes(

@@ -11,13 +11,12 @@ is settled over the whole bar, so that it needs as few tools as it can:
 
 from collections.abc import Iterable
 
-from beamcam.machine.known import Kept, OncePerMachine
+from beamcam.caches import BoundedCache, PerObject
 from beamcam.machine.machine import Drill, Fit, Machine, Tool, ToolKind, ToolSet
 from beamcam.model.part import Face
 
 Tools = tuple[Tool, ...]  #: equally good ones, the nearest first
 ROUNDING = 1e-9  #: of decimal tolerances in binary numbers
-MOST_KEPT = 4096  #: answers of each kind that a rack keeps
 MILL_ROOM = 0.98  #: a mill that leads round a circle is smaller than it by this at least
 
 
@@ -30,9 +29,11 @@ class Rack:
         self._sets = sets
         # One object for each tool, so that tools can be told apart by identity.
         self._tools = [(tools, tuple(_tools(tools))) for tools in sets]
-        self._drills: Kept[tuple[tuple[float, ...], tuple[Face, ...]], Tools] = Kept(MOST_KEPT)
-        self.recipes: Kept[object, object] = Kept(MOST_KEPT)  #: for `holes.recipe`
-        self.toolings: Kept[object, object] = Kept(MOST_KEPT)  #: for `work.work_on`
+        self._drills: BoundedCache[tuple[tuple[float, ...], tuple[Face, ...]], Tools]
+        self._drills = BoundedCache("planning.drills")
+        #: for `holes.recipe` and `work.work_on`
+        self.recipes: BoundedCache[object, object] = BoundedCache("planning.recipes")
+        self.toolings: BoundedCache[object, object] = BoundedCache("planning.toolings")
 
     def of_kind(self, kind: ToolKind, faces: tuple[Face, ...]) -> Tools:
         """All tools of a kind that the spindles of all of `faces` take, by diameter."""
@@ -136,7 +137,7 @@ def _rack(machine: Machine) -> Rack:
     return Rack(machine.tools, machine.drill)
 
 
-_racks = OncePerMachine(_rack)
+_racks = PerObject("planning.rack", _rack)
 
 
 def _tools(tools: ToolSet) -> Iterable[Tool]:

@@ -6,16 +6,16 @@ bad input. `looks_like(data)` tells by the content whether the bytes are of its 
 
 import os.path
 from collections.abc import Callable, Mapping
-from functools import cache
 from importlib import import_module
 
 from msgspec import Struct
 
+from beamcam.caches import cached
 from beamcam.errors import Source
 from beamcam.readers import rules
 from beamcam.readers.reading import Reading
 
-_module = cache(import_module)
+_module = cached("readers.module")(import_module)
 
 
 class Format(Struct, frozen=True):

@@ -1,70 +1,33 @@
-"""The collector rests while something is made, and goes on as before, whatever happens."""
+"""The command line tunes the garbage collector; the library leaves it to its host."""
 
 import gc
+import re
 import subprocess
 import sys
-import weakref
-from collections.abc import Iterator
 from pathlib import Path
 
-import pytest
-
-from beamcam.collector import SELDOM, collector_resting
-from beamcam.errors import PlanError
-from beamcam.machine import load
-from beamcam.pipeline import post, read_file
+import beamcam
+from beamcam.collector import SELDOM
 
 SAMPLES = Path(__file__).resolve().parents[2] / "samples"
+PACKAGE = SAMPLES.parent / "beamcam"
 
 
-@pytest.fixture(autouse=True)
-def as_it_was() -> Iterator[None]:
-    was_on = gc.isenabled()
-    yield
-    (gc.enable if was_on else gc.disable)()
+def test_the_library_leaves_the_collector_alone() -> None:
+    before = gc.isenabled(), gc.get_threshold(), gc.get_freeze_count()
+    reading = beamcam.read(SAMPLES / "dstv" / "channel.nc1")
+    posted = beamcam.post(reading.parts, "beamline")
+    assert not beamcam.verify(posted.text, reading.parts, "beamline")
+    assert (gc.isenabled(), gc.get_threshold(), gc.get_freeze_count()) == before
 
 
-@pytest.mark.parametrize("is_on", [True, False])
-def test_it_rests_inside_and_is_as_before_afterwards(is_on: bool) -> None:
-    (gc.enable if is_on else gc.disable)()
-    with collector_resting():
-        assert not gc.isenabled()
-        with collector_resting():
-            assert not gc.isenabled()
-        assert not gc.isenabled()
-    assert gc.isenabled() == is_on
-
-
-def test_it_goes_on_after_an_error() -> None:
-    gc.enable()
-    with pytest.raises(ZeroDivisionError), collector_resting():
-        1 / 0  # noqa: B018
-    assert gc.isenabled()
-
-
-def test_what_nothing_points_to_is_freed_meanwhile() -> None:
-    class Thing:
-        pass
-
-    with collector_resting():
-        thing = Thing()
-        ghost = weakref.ref(thing)
-        del thing
-        assert ghost() is None
-
-
-def test_it_rests_while_parts_are_posted_and_goes_on_if_they_are_refused() -> None:
-    gc.enable()
-    states: list[bool] = []
-    reading = read_file(str(SAMPLES / "dstv" / "channel.nc1"))
-    assert gc.isenabled()
-    post(reading.parts, load("beamline"), stage=lambda _: states.append(gc.isenabled()))
-    assert states
-    assert not any(states)
-    assert gc.isenabled()
-    with pytest.raises(PlanError):
-        post((), load("plate-linuxcnc"))
-    assert gc.isenabled()
+def test_only_the_command_line_and_its_workers_tune_it() -> None:
+    tuning = [
+        path.relative_to(PACKAGE).as_posix()
+        for path in sorted(PACKAGE.rglob("*.py"))
+        if re.search(r"import gc\b|collector_seldom", path.read_text(encoding="utf-8"))
+    ]
+    assert tuning == ["batch/processes.py", "cli.py", "collector.py"]
 
 
 def test_a_command_looks_for_rings_seldom_and_not_at_its_end() -> None:

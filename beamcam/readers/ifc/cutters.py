@@ -4,12 +4,12 @@ Every cutter stands in the member's coordinates (x along it, Y, Z) and tells its
 wall: the region of the plane c = const that it removes.
 """
 
-from functools import lru_cache
 from math import sqrt
 from typing import Any, Protocol
 
 from msgspec import Struct
 
+from beamcam.caches import cached
 from beamcam.geometry.curves import Point, unit_vector
 from beamcam.readers.ifc.outline import Round, Slotted, shape_of
 from beamcam.readers.ifc.profiles import Outline
@@ -217,7 +217,7 @@ class Less(Struct, frozen=True):
         return shape
 
 
-@lru_cache(4096)
+@cached("ifc.spread")
 def _spread(x: Vec, y: Vec, shape: Round | Slotted) -> Vec:
     """How far a circle or slot reaches about its centre in a plane of the axes x and y.
 

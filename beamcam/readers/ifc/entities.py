@@ -3,12 +3,12 @@
 All lengths that leave this module are millimetres.
 """
 
-from functools import lru_cache
 from math import pi
 from typing import Any
 
 from msgspec import Struct, field
 
+from beamcam.caches import cached
 from beamcam.readers.ifc.records import Entity, File
 from beamcam.readers.ifc.space import (
     IDENTITY,
@@ -145,7 +145,7 @@ def square_to(v: Vec, axis: Vec) -> Vec:
     return unit(rest)
 
 
-@lru_cache(4096)
+@cached("ifc.axes")
 def right_handed(axis: Vec | None, reference: Vec | None) -> tuple[Vec, Vec, Vec]:
     """The axes of an IfcAxis2Placement3D by its Axis (z) and RefDirection (x)."""
     z = (0.0, 0.0, 1.0) if axis is None else unit(axis)

@@ -1,11 +1,11 @@
 """From walls and what is left of them to a part's features: both routes end here."""
 
 from collections.abc import Iterator, Sequence
-from functools import lru_cache
 from math import atan2, degrees, hypot, pi
 
 from msgspec import Struct
 
+from beamcam.caches import cached
 from beamcam.errors import Source
 from beamcam.geometry.curves import Line
 from beamcam.model.part import (
@@ -246,7 +246,7 @@ def hole_volume(section: Section, holes: Sequence[Hole | Slot]) -> float:
     return total
 
 
-@lru_cache(4096)
+@cached("ifc.thicknesses")
 def _thicknesses(section: Section) -> dict[str, float]:
     """How thick the walls of a section are, by their faces."""
     return {w.face: w.thickness for w in walls_of(section)}

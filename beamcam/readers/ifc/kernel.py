@@ -4,12 +4,12 @@ import signal
 import threading
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
-from functools import cache
 from typing import Any
 
 import numpy as np
 from msgspec import Struct
 
+from beamcam.caches import cached
 from beamcam.readers.ifc.brep import BrepError, surfaces_of
 from beamcam.readers.ifc.entities import Entity, Model, Unreadable
 from beamcam.readers.ifc.shell import Shell, shell
@@ -80,7 +80,7 @@ def _surfaces(solid: Any) -> Exact:
     return Exact(kept, tuple(others), _log())
 
 
-@cache
+@cached("ifc.kernel")
 def _kernel() -> Any:
     """The module of the geometry kernel.
 

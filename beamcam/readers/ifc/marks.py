@@ -2,11 +2,11 @@
 
 import re
 from collections.abc import Iterator
-from functools import cache, lru_cache
 from itertools import chain
 
 from msgspec import Struct, field
 
+from beamcam.caches import cached
 from beamcam.readers.ifc.entities import Entity, Model
 from beamcam.readers.ifc.relations import tied
 from beamcam.readers.ifc.step import Typed
@@ -76,7 +76,7 @@ def _set_of(model: Model, definition: Entity) -> tuple[str, dict[str, Value]]:
     return name, dict(_values(model, definition)) if _matters(name) else {}
 
 
-@cache
+@cached("ifc.property_set")
 def _matters(name: str) -> bool:
     return _SETS.search(name) is not None
 
@@ -208,7 +208,7 @@ def label_of(element: Entity, profile: Entity | None, data: Data) -> str:
     return next(filter(None, map(_section_name, candidates)), named)
 
 
-@lru_cache(4096)
+@cached("ifc.section_name")
 def _section_name(text: str) -> str:
     """The name of a section that stands behind the last colon; empty if it looks like none."""
     text = text.rsplit(":", 1)[-1].strip()

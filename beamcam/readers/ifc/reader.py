@@ -2,7 +2,6 @@
 
 from collections.abc import Iterator
 
-from beamcam.collector import collector_resting
 from beamcam.errors import Diagnostic, Source
 from beamcam.readers.ifc import rules
 from beamcam.readers.ifc.entities import Entity, Model
@@ -20,14 +19,6 @@ def read_model(
     data: bytes, name: str, selection: Selection, options: Options, progress: Progress | None
 ) -> Reading:
     """As `beamcam.readers.ifc.read`."""
-    with collector_resting():
-        # The model goes with the call, so that the collector does not walk over it afterwards.
-        return _opened_and_read(data, name, selection, options, progress)
-
-
-def _opened_and_read(
-    data: bytes, name: str, selection: Selection, options: Options, progress: Progress | None
-) -> Reading:
     opened = open_file(data, Source(name))
     if isinstance(opened, Diagnostic):
         return Reading("ifc", (), (opened,))

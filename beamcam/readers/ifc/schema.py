@@ -1,9 +1,10 @@
 """What the schemas say of the entities that the reader knows: attributes and supertypes."""
 
-from functools import cache
 from importlib.resources import files
 
 from msgspec import Struct
+
+from beamcam.caches import cached
 
 
 class Row(Struct, frozen=True):
@@ -14,7 +15,7 @@ class Row(Struct, frozen=True):
     places: dict[str, int]  #: of its attributes among its values
 
 
-@cache
+@cached("ifc.schema")
 def rows(schema: str) -> dict[str, Row]:
     """The entities of IFC2X3, IFC4 or IFC4X3 by their names in capitals."""
     drawn = dict(_sections()["IFC4"])
@@ -36,7 +37,7 @@ def rows(schema: str) -> dict[str, Row]:
     return found
 
 
-@cache
+@cached("ifc.schema_text")
 def _sections() -> dict[str, dict[str, tuple[str, tuple[str, ...]]]]:
     """Supertype and own attributes by name; of each schema what IFC4 has not alike."""
     sections: dict[str, dict[str, tuple[str, tuple[str, ...]]]] = {}

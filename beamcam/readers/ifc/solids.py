@@ -1,10 +1,10 @@
 """Solids that are taken away: what each of them is as a cutter."""
 
 from collections.abc import Sequence
-from functools import lru_cache
 from math import hypot
 from typing import Any
 
+from beamcam.caches import cached
 from beamcam.geometry.curves import Arc
 from beamcam.readers.ifc.cutters import Bounded, Cutter, HalfSpace, Less, Prism, hole_of, prism
 from beamcam.readers.ifc.entities import (
@@ -103,7 +103,7 @@ def _standing(model: Model, frame: Frame, place: Placement | None) -> tuple[Fram
     return Frame(frame.point(model.point(location)), *axes), even
 
 
-@lru_cache(4096)
+@cached("ifc.placement")
 def _turned(
     x: Vec, y: Vec, z: Vec, axis: Coordinates | None, reference: Coordinates | None
 ) -> tuple[Vec, Vec, Vec, bool]:

@@ -1,11 +1,11 @@
 """The walls of a section: flat plates of full outer size, as DSTV divides a section (page 13)."""
 
-from functools import lru_cache
 from math import cos, pi, sin
 from typing import Literal
 
 from msgspec import Struct
 
+from beamcam.caches import cached
 from beamcam.model.part import Face
 from beamcam.readers.ifc.section import Section
 from beamcam.readers.ifc.space import Vec
@@ -49,7 +49,7 @@ class Wall(Struct, frozen=True):
         return (0.0, 0.0, 1.0) if self.normal == "y" else (0.0, 1.0, 0.0)
 
 
-@lru_cache(4096)
+@cached("ifc.walls")
 def walls_of(section: Section) -> tuple[Wall, ...]:
     """The walls of a section; none of a round or special one."""
     h, b, tf, tw = section.height, section.width, section.flange_thickness, section.web_thickness
@@ -73,7 +73,7 @@ def walls_of(section: Section) -> tuple[Wall, ...]:
     return ()
 
 
-@lru_cache(4096)
+@cached("ifc.corners")
 def corner_points(section: Section) -> tuple[tuple[float, float], ...]:
     """(Y, Z) of the outermost points of a section, in which the end cuts reach furthest."""
     if section.code in ("RO", "RU"):

@@ -5,11 +5,11 @@ ellipse arcs, Z closes; small letters count from the current point. Source: SVG 
 """
 
 import re
-from functools import lru_cache
 from math import cos, hypot, radians, sin, sqrt
 
 from msgspec import Struct
 
+from beamcam.caches import cached
 from beamcam.geometry.conics import direction_deg, ellipse_of
 from beamcam.geometry.curves import Bezier, Curve, Line
 from beamcam.geometry.plane import Point
@@ -224,7 +224,7 @@ def decimals(text: str, least: int = 0) -> int:
     return least
 
 
-@lru_cache
+@cached("svg.decimals")
 def _fraction(digits: int) -> re.Pattern[str]:
     """A point and as many digits or more."""
     return re.compile(rf"\.\d{{{digits},}}")

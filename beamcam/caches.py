@@ -1,0 +1,124 @@
+"""Everything that is worked out once and kept: by name, with its bound and its reason.
+
+No other module keeps anything between two calls. A cache holds what follows from its key alone, so
+that it makes no difference to any result; all of them may be used by several threads at once.
+"""
+
+from collections.abc import Callable, Hashable
+from functools import lru_cache
+from threading import Lock
+from typing import Generic, ParamSpec, TypeVar, cast
+
+from msgspec import Struct
+
+Asked = ParamSpec("Asked")
+Value = TypeVar("Value")
+Key = TypeVar("Key", bound=Hashable)
+
+
+class Kept(Struct, frozen=True):
+    """What a cache may hold, and why there is one."""
+
+    max_entries: int
+    reason: str
+
+
+#: Sections, tools and strokes that are met again in the parts of one building.
+_OF_A_BUILDING = "the parts of a job repeat it; without it posting takes a half longer"
+CACHES = {
+    "files.machine": Kept(32, "checking a machine file takes 10 ms, posting a part takes 1"),
+    "files.toml": Kept(32, "the text of a machine file is parsed once, however often it is named"),
+    "files.lines": Kept(4, "messages and `machines show` ask for the line of each key"),
+    "machine.formula": Kept(1024, "a formula of a machine file is compiled once, used per stroke"),
+    "machine.fields": Kept(64, "the types of a record are resolved from their text, 1 ms each"),
+    "machine.post": Kept(16, "the modules of a kind of machine are imported once"),
+    "readers.module": Kept(16, "the module of a format is imported once"),
+    "batch.shop": Kept(4, "a worker thaws its machines once, so that what is known of them stays"),
+    "sections.table": Kept(1, "a table of 1,300 sections is read from its file"),
+    "sections.by_code": Kept(1, "the same table by code of profile"),
+    "sections.name": Kept(4096, "each member of a model asks for the name of its section"),
+    "ifc.schema": Kept(4, "the entities of a schema are read from their file, 5 ms"),
+    "ifc.schema_text": Kept(1, "the same file, which all schemas share"),
+    "ifc.kernel": Kept(1, "ifcopenshell is loaded where a solid has to be built, 300 ms"),
+    "ifc.property_set": Kept(4096, "each member of a model has the same property sets"),
+    "ifc.section_name": Kept(4096, "the members of a model share the texts that name sections"),
+    "ifc.placement": Kept(4096, "the members of a model share their axes"),
+    "ifc.axes": Kept(4096, "the members of a model share their axes"),
+    "ifc.spread": Kept(4096, "the holes of a model share size and axes"),
+    "ifc.walls": Kept(4096, "each face of a member asks for the walls of its section"),
+    "ifc.thicknesses": Kept(4096, "each hole asks for the thickness of its wall"),
+    "ifc.corners": Kept(4096, "each end of a member asks for the corners of its section"),
+    "svg.decimals": Kept(64, "a pattern for each number of decimals, of which few are met"),
+    "curves.newton": Kept(256, "divided differences take n^2 steps, each point asks for them"),
+    "curves.newton_bezier": Kept(256, "the same curve in the form that lengths and boxes take"),
+    "curves.extremes": Kept(1024, "planning asks for the box of a curve several times"),
+    "curves.spline": Kept(256, "planning asks for the pieces of a spline several times"),
+    "curves.division": Kept(64, "matrices of one degree and number of parts serve all curves"),
+    "numbers.places": Kept(8, "all texts of so many decimals; up to 10,000 of them"),
+    "planning.rack": Kept(16, "the tools of a machine, sorted"),
+    "planning.drills": Kept(4096, _OF_A_BUILDING),
+    "planning.recipes": Kept(4096, _OF_A_BUILDING),
+    "planning.toolings": Kept(4096, _OF_A_BUILDING),
+    "planning.sections": Kept(64, _OF_A_BUILDING),
+    "planning.machines": Kept(16, "as many machines as a service runs"),
+    "planning.fixed_faces": Kept(16, "each part asks which spindles stroke all through"),
+    "planning.partner_faces": Kept(16, "each part asks which spindles of a machine work in pairs"),
+    "planning.remarks": Kept(256, _OF_A_BUILDING),
+    "planning.strokes": Kept(1024, _OF_A_BUILDING),
+    "planning.reaches": Kept(64, _OF_A_BUILDING),
+    "motion.sections": Kept(64, _OF_A_BUILDING),
+    "motion.machines": Kept(16, "as many machines as a service runs"),
+    "motion.strokes": Kept(256, _OF_A_BUILDING),
+}
+
+
+def cached(name: str) -> Callable[[Callable[Asked, Value]], Callable[Asked, Value]]:
+    """Keeps what a function gives, by its arguments; those used longest ago go first."""
+
+    def keeping(function: Callable[Asked, Value]) -> Callable[Asked, Value]:
+        return cast("Callable[Asked, Value]", lru_cache(CACHES[name].max_entries)(function))
+
+    return keeping
+
+
+class BoundedCache(dict[Key, Value], Generic[Key, Value]):
+    """A table of what was worked out before; full, it begins anew.
+
+    `get` looks, `keep` notes. Reading needs no lock: one look at a table is one step.
+    """
+
+    def __init__(self, name: str) -> None:
+        super().__init__()
+        self._max_entries = CACHES[name].max_entries
+        self._lock = Lock()
+
+    def keep(self, key: Key, value: Value) -> Value:
+        """What stands under `key` from now on: `value`, unless another thread was first."""
+        with self._lock:
+            if len(self) >= self._max_entries:
+                self.clear()
+            return self.setdefault(key, value)
+
+
+class PerObject(Generic[Key, Value]):
+    """Calls `make` once for each object, and gives what came of it from then on.
+
+    Objects are told apart by identity: a machine holds tables and has no hash.
+    """
+
+    def __init__(self, name: str, make: Callable[[Key], Value]) -> None:
+        self._make, self._max_entries = make, CACHES[name].max_entries
+        self._known: tuple[tuple[Key, Value], ...] = ()  #: replaced as a whole, never changed
+        self._lock = Lock()
+
+    def __call__(self, key: Key) -> Value:
+        for known, value in self._known:
+            if known is key:
+                return value
+        made = self._make(key)
+        with self._lock:
+            for known, value in self._known:
+                if known is key:
+                    return value
+            self._known = ((key, made), *self._known[: self._max_entries - 1])
+        return made

@@ -1,0 +1,101 @@
+"""Caches: each by name with a bound and a reason, in one place, and safe in threads."""
+
+import ast
+import sys
+from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+
+import pytest
+
+from beamcam.caches import CACHES, BoundedCache, PerObject, cached
+
+PACKAGE = Path(__file__).resolve().parents[2] / "beamcam"
+
+
+@pytest.fixture
+def hasty() -> Iterator[None]:
+    """Threads take turns as often as they can."""
+    before = sys.getswitchinterval()
+    sys.setswitchinterval(1e-6)
+    yield
+    sys.setswitchinterval(before)
+
+
+def test_every_cache_has_a_bound_and_a_reason() -> None:
+    for name, kept in CACHES.items():
+        assert 0 < kept.max_entries <= 4096, name
+        assert len(kept.reason) > 20, name
+
+
+def test_nothing_is_kept_elsewhere() -> None:
+    """No other module has a cache of functools, and every cache of the table is used once."""
+    used: list[str] = []
+    for path in sorted(PACKAGE.rglob("*.py")):
+        if path.name == "caches.py" or path.parent.name == "verify" or "verify" in path.parts:
+            continue
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+            if isinstance(node, ast.ImportFrom) and node.module == "functools":
+                names = {alias.name for alias in node.names}
+                assert not names & {"cache", "lru_cache"}, path
+            if isinstance(node, ast.Call) and ast.unparse(node.func) in (
+                "cached",
+                "BoundedCache",
+                "PerObject",
+            ):
+                used.append(ast.literal_eval(node.args[0]))
+    assert set(used) == set(CACHES)
+
+
+def test_a_full_table_begins_anew() -> None:
+    table: BoundedCache[int, int] = BoundedCache("planning.sections")
+    bound = CACHES["planning.sections"].max_entries
+    for key in range(bound):
+        assert table.keep(key, -key) == -key
+    assert len(table) == bound
+    assert table.keep(0, 5) == 5 or len(table) == 1
+    table.keep(bound, 1)
+    assert len(table) <= bound
+
+
+def test_the_first_value_stays() -> None:
+    table: BoundedCache[str, object] = BoundedCache("planning.sections")
+    first, second = object(), object()
+    assert table.keep("a", first) is first
+    assert table.keep("a", second) is first
+
+
+def test_all_threads_have_one_value(hasty: None) -> None:
+    class Thing:
+        pass
+
+    made = PerObject("planning.rack", lambda _: object())
+    things = [Thing() for _ in range(CACHES["planning.rack"].max_entries)]
+    with ThreadPoolExecutor(8) as pool:
+        found = list(pool.map(lambda k: (k % len(things), made(things[k % len(things)])),
+                              range(4000)))  # fmt: skip
+    assert len(set(found)) == len(things)
+
+
+def test_the_oldest_object_goes_first() -> None:
+    counts: list[int] = []
+    made = PerObject("planning.rack", counts.append)
+    bound = CACHES["planning.rack"].max_entries
+    keys = [10_000 + k for k in range(bound + 1)]
+    for key in keys:
+        made(key)
+    made(keys[-1])
+    made(keys[0])
+    assert counts == [*keys, keys[0]]
+
+
+def test_a_function_keeps_what_it_gave() -> None:
+    calls: list[int] = []
+
+    @cached("sections.name")
+    def double(value: int) -> int:
+        calls.append(value)
+        return 2 * value
+
+    assert [double(2), double(2), double(3)] == [4, 4, 6]
+    assert calls == [2, 3]
