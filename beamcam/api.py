@@ -9,7 +9,8 @@
 
 These four functions and what they give back are stable. A machine is the name of a shipped one,
 the path of a TOML file, or a `Machine`. What cannot be done raises a `BeamcamError` that carries
-its diagnostics; what is only to be said comes back as diagnostics beside the result.
+its diagnostics, an `AskError` where the call itself is wrong; what is only to be said comes back
+as diagnostics beside the result. All four may be called from several threads at once.
 """
 
 import os
@@ -17,6 +18,7 @@ from collections.abc import Collection, Iterable
 
 from msgspec.structs import replace
 
+from beamcam.asked import check_asked, check_flags, check_text, machine_asked, parts_asked
 from beamcam.errors import Diagnostic, ReadError
 from beamcam.machine import Machine, load
 from beamcam.model.part import Part
@@ -42,6 +44,9 @@ def read(
     first. `strict` makes warnings errors. Raises ReadError if there is an error; its diagnostics
     are all of them.
     """
+    check_flags(strict=strict)
+    check_text("name", name)
+    check_text("source", source, bytes, os.PathLike)
     if isinstance(source, bytes):
         reading = read_bytes(source, name)
         if strict:
@@ -65,8 +70,9 @@ def plan(
     `bar` is its length in mm; without it the bar is as long as the parts need. `skips` names what
     may be left out, as `--allow-skips` does. Raises PlanError and MachineError.
     """
+    check_asked(bar=bar, skips=skips)
     loaded = _machine(machine)
-    return post_of(loaded).plan(Job(_parts(parts), loaded, bar=bar, skips=tuple(skips)))
+    return post_of(loaded).plan(Job(parts_asked(parts), loaded, bar=bar, skips=tuple(skips)))
 
 
 def post(
@@ -84,7 +90,8 @@ def post(
     then says. Raises PlanError, MachineError, and VerifyError for a program that would make
     anything else.
     """
-    return post_bar(_parts(parts), _machine(machine), job, bar, skips, read_back)
+    check_flags(read_back=read_back)
+    return post_bar(parts_asked(parts), _machine(machine), job, bar, skips, read_back)
 
 
 def verify(
@@ -101,13 +108,13 @@ def verify(
     `skips` names the kinds of features that may be missing, as `--allow-skips` does. Raises
     MachineError.
     """
-    loaded = _machine(machine)
-    return read_program_back(program, Wanted(_parts(parts), loaded, tuple(skips), name))
-
-
-def _parts(parts: Part | Iterable[Part]) -> tuple[Part, ...]:
-    return (parts,) if isinstance(parts, Part) else tuple(parts)
+    check_asked(skips=skips)
+    check_text("program", program, bytes)
+    check_text("name", name)
+    wanted = Wanted(parts_asked(parts), _machine(machine), tuple(skips), name)
+    return read_program_back(program, wanted)
 
 
 def _machine(machine: AnyMachine) -> Machine:
-    return machine if isinstance(machine, Machine) else load(os.fspath(machine))
+    asked = machine_asked(machine)
+    return asked if isinstance(asked, Machine) else load(asked)

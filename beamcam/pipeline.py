@@ -14,6 +14,7 @@ from msgspec import Struct
 from msgspec.structs import replace
 
 from beamcam import readers
+from beamcam.asked import check_asked
 from beamcam.errors import (
     Diagnostic,
     PlanError,
@@ -196,6 +197,7 @@ def post(
     `stage` is told each step that is done. Raises PlanError if the machine cannot make the parts,
     or under `strict` if there is a warning; VerifyError if the program would make anything else.
     """
+    check_asked(job, bar, skips)  # before a text is taken for a list of letters
     asked = Job(tuple(parts), machine, job, bar, tuple(skips), order, turn, style)
     stages = posting(asked, verified, strict)
     while True:
@@ -210,6 +212,7 @@ def posting(
     asked: Job, verified: bool = True, strict: bool = False
 ) -> Generator[str, None, Posted]:
     """`post` stage by stage, planning first; it tells each that is done, and gives the program."""
+    check_asked(asked.name, asked.bar, asked.skips)
     kind = post_of(asked.machine)
     plan = kind.plan(asked)
     yield f"planned {len(plan.operations)} operation(s)"

@@ -2,13 +2,20 @@
 
 import subprocess
 import sys
+from collections.abc import Callable
+from functools import partial
 from pathlib import Path
+from typing import Any
 
 import pytest
+from click.testing import CliRunner
+from msgspec.structs import replace
 
 import beamcam
 from beamcam import api
-from beamcam.errors import MachineError, PlanError, ReadError
+from beamcam.asked import AskError
+from beamcam.cli import main
+from beamcam.errors import BeamcamError, MachineError, PlanError, ReadError
 from beamcam.machine import load
 from tests.conftest import ROOT, SAMPLES
 from tests.runs import BAD, part
@@ -129,3 +136,87 @@ def test_it_is_typed(tmp_path: Path) -> None:
     )  # fmt: skip
     assert "use.py:6: error" in done.stdout
     assert done.stdout.count("use.py:") == 1, done.stdout
+
+
+NAN, INF = float("nan"), float("inf")
+
+
+@pytest.mark.parametrize("bar", [NAN, INF, -INF, 0, -6000.0])
+def test_a_bar_has_a_length(bar: float) -> None:
+    parts = beamcam.read(CHANNEL).parts
+    for call in (beamcam.plan, beamcam.post):
+        with pytest.raises(AskError, match="error ask-bar: found a bar of"):
+            call(parts, bar=bar)
+
+
+@pytest.mark.parametrize("job", ["A\nG00 X0", "A\rB", "A\u2028B", "A\x0bB", "A\x85B", "\x1b[2J"])
+def test_a_job_is_one_line(job: str, tmp_path: Path) -> None:
+    parts = beamcam.read(CHANNEL).parts
+    for machine in ("beamline", "beamline-annex"):
+        with pytest.raises(AskError, match="error ask-job: found the job name"):
+            beamcam.post(parts, machine, job=job)
+    asked = [str(CHANNEL), "--job", job, "-o", str(tmp_path / "o")]
+    for command in ("post", "batch"):
+        result = CliRunner().invoke(main, [command, *asked])
+        assert result.exit_code == 1
+        assert "error ask-job" in result.stderr
+
+
+@pytest.mark.parametrize("skips", [("slots",), ("Slot",), {"none"}, [1], [None]])
+def test_skips_are_known_names(skips: Any) -> None:
+    parts = beamcam.read(CHANNEL).parts
+    text = beamcam.post(parts).text
+    for call in (beamcam.plan, beamcam.post, partial(beamcam.verify, text)):
+        with pytest.raises(AskError, match="error ask-skip"):
+            call(parts, skips=skips)
+
+
+@pytest.mark.parametrize(
+    "call",
+    [
+        lambda parts: beamcam.post(parts, skips="slot"),
+        lambda parts: beamcam.post(parts, skips=None),
+        lambda parts: beamcam.post(parts, job=5),
+        lambda parts: beamcam.post(parts, job=None),
+        lambda parts: beamcam.post(parts, bar="6000"),
+        lambda parts: beamcam.post(parts, bar=True),
+        lambda parts: beamcam.post(parts, bar=1j),
+        lambda parts: beamcam.post(parts, 5),
+        lambda parts: beamcam.post(parts, None),
+        lambda parts: beamcam.post(parts, read_back="no"),
+        lambda parts: beamcam.post("M58.nc1"),
+        lambda parts: beamcam.post(b"ST"),
+        lambda parts: beamcam.post(5),
+        lambda parts: beamcam.post([*parts, None]),
+        lambda parts: beamcam.plan([1]),
+        lambda parts: beamcam.verify(5, parts),
+        lambda parts: beamcam.verify(None, parts),
+        lambda parts: beamcam.verify("M30", parts, name=5),
+        lambda parts: beamcam.verify("M30", parts, skips="slot"),
+        lambda parts: beamcam.read(5),
+        lambda parts: beamcam.read(None),
+        lambda parts: beamcam.read(CHANNEL, strict=1),
+        lambda parts: beamcam.read(b"ST", name=None),
+    ],
+)
+def test_wrong_types_are_told(call: Callable[[Any], object]) -> None:
+    with pytest.raises(AskError, match="error ask-type: found") as told:
+        call(beamcam.read(CHANNEL).parts)
+    assert isinstance(told.value, BeamcamError)
+
+
+@pytest.mark.parametrize("number", [NAN, INF])
+def test_numbers_of_a_part_are_finite(number: float) -> None:
+    (channel,) = beamcam.read(CHANNEL).parts
+    hole = next(iter(channel.holes))
+    odd = replace(channel, features=(replace(hole, x=number),))
+    with pytest.raises(AskError, match=r"error ask-number: found \w+ as features.x of the part"):
+        beamcam.post(odd)
+    with pytest.raises(AskError, match="as length of the part"):
+        beamcam.plan(replace(channel, length=number))
+
+
+def test_a_number_of_numpy_is_a_number() -> None:
+    import numpy as np
+
+    assert beamcam.plan(beamcam.read(CHANNEL).parts, bar=np.float64(6000)).bar.length == 6000.0

@@ -18,7 +18,7 @@ STEPS = (
     ("machine",),
     ("model",),
     ("readers", "writers", "planning", "motion", "emitters", "verify", "report", "config"),
-    ("posts",),
+    ("asked", "posts"),
     ("pipeline",),
     ("batch", "api"),
     ("watch",),

@@ -11,6 +11,7 @@ from typing import IO, Any, Self
 
 import click
 
+from beamcam.asked import check_asked
 from beamcam.batch import Found, Here, Shop, Workers, check_template
 from beamcam.commands import options
 from beamcam.commands.common import Voice, cores, say_lines
@@ -73,6 +74,7 @@ def shop_of(config: Config, asked: Mapping[str, Any], timed: bool = False) -> Sh
     Raises MachineError, ConfigError and PlanError.
     """
     name = config.name or ""
+    check_asked(config.job, None, config.allow_skips)
     bars = machine_of_stock(config, "beam", name, is_one_of_two=True)
     sheets = machine_of_stock(config, "sheet", name, is_one_of_two=bars.torch is not None)
     for machine in (bars, sheets):

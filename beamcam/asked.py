@@ -1,0 +1,131 @@
+"""What a caller asks for, checked before any work: by the library and the command line alike."""
+
+import os
+from collections.abc import Collection, Iterable, Iterator
+from math import isfinite
+from typing import Any
+
+from msgspec import Struct
+
+from beamcam.errors import BeamcamError, Diagnostic, Source, rule_makers
+from beamcam.machine.machine import Machine
+from beamcam.machine.schema import nearest
+from beamcam.model.part import Part
+from beamcam.plain_text import terminal_text
+from beamcam.planning import SKIP_NAMES
+
+_error, _, _ = rule_makers("ask")
+
+ASK_TYPE = _error(
+    "type",
+    "found {found} for {name}; expected {expected}",
+    "A value of another type would be taken for something else, or end in the middle of the work.",
+)
+ASK_BAR = _error(
+    "bar",
+    "found a bar of {found} mm; expected a finite length above 0, or none",
+    "Without a length the bar is as long as the parts need.",
+)
+ASK_JOB = _error(
+    "job",
+    "found the job name {found!r}; expected one line of printable characters",
+    "The name stands in the program's first line; a line end would make blocks of the rest.",
+)
+ASK_SKIP = _error(
+    "skip",
+    "found {found!r} among the skips; expected {expected}",
+    "A misspelt name would allow nothing, and one for another kind too much.",
+)
+ASK_NUMBER = _error(
+    "number",
+    "found {found} as {name} of the part; expected a finite number",
+    "A part that was put together by a program may hold nan or inf, which no axis can go to.",
+)
+
+RULES = (ASK_TYPE, ASK_BAR, ASK_JOB, ASK_SKIP, ASK_NUMBER)
+_HERE = Source("beamcam")
+
+
+class AskError(BeamcamError):
+    """What a caller asks for makes no sense, whatever the parts are."""
+
+
+def check_asked(job: object = "JOB", bar: object = None, skips: object = ()) -> None:
+    """Raise AskError for a job's name, a bar or names of skips that cannot be meant."""
+    if said := tuple(_faults(job, bar, skips)):
+        raise AskError(said)
+
+
+def _faults(job: object, bar: object, skips: object) -> Iterator[Diagnostic]:
+    if not isinstance(job, str):
+        yield _type("job", job, "a text")
+    elif terminal_text(job) != job:
+        yield ASK_JOB.at(_HERE, found=job)
+    if bar is not None:
+        if isinstance(bar, bool | str | bytes) or not hasattr(bar, "__float__"):
+            yield _type("bar", bar, "a number, or None")
+        elif not (isfinite(bar) and bar > 0):  # type: ignore[operator]
+            yield ASK_BAR.at(_HERE, found=f"{bar}")
+    if isinstance(skips, str | bytes) or not isinstance(skips, Collection):
+        yield _type("skips", skips, "a list of names")
+        return
+    for name in skips:
+        if name not in SKIP_NAMES:
+            expected = nearest(str(name), SKIP_NAMES)
+            yield ASK_SKIP.at(_HERE, found=name, expected=expected)
+
+
+def check_flags(**flags: object) -> None:
+    """Raise AskError for what is neither True nor False."""
+    for name, flag in flags.items():
+        if not isinstance(flag, bool):
+            raise AskError(_type(name, flag, "True or False"))
+
+
+def check_text(name: str, value: object, *others: type) -> None:
+    """Raise AskError for what is no text, nor one of `others`."""
+    if not isinstance(value, (str, *others)):
+        raise AskError(_type(name, value, " or ".join(("a text", *(t.__name__ for t in others)))))
+
+
+def parts_asked(parts: Part | Iterable[Part]) -> tuple[Part, ...]:
+    """The parts that are meant. Raises AskError for anything else, and for nan and inf."""
+    if isinstance(parts, Part):
+        parts = (parts,)
+    if isinstance(parts, str | bytes) or not isinstance(parts, Iterable):
+        raise AskError(_type("parts", parts, "a Part, or several"))
+    found = tuple(parts)
+    for part in found:
+        if not isinstance(part, Part):
+            raise AskError(_type("parts", part, "a Part, or several"))
+        _check_numbers(part)
+    return found
+
+
+def machine_asked(machine: object) -> "str | Machine":
+    """A machine, its name or its path. Raises AskError for anything else."""
+    if isinstance(machine, Machine):
+        return machine
+    if not isinstance(machine, str | os.PathLike):
+        raise AskError(_type("machine", machine, "a name, the path of a file, or a Machine"))
+    return str(os.fspath(machine))
+
+
+def _type(name: str, value: object, expected: str) -> Diagnostic:
+    found = f"{type(value).__name__} {value!r:.60}" if value is not None else "None"
+    return ASK_TYPE.at(_HERE, name=name, found=found, expected=expected)
+
+
+def _check_numbers(part: Part) -> None:
+    """Raise AskError for the first number of a part that is not finite."""
+    waiting: list[tuple[str, Any]] = [("", part)]
+    while waiting:
+        name, value = waiting.pop()
+        if isinstance(value, float):
+            if not isfinite(value):
+                raise AskError(ASK_NUMBER.at(part.source, found=value, name=name))
+        elif isinstance(value, Struct):
+            fields = ((field, getattr(value, field)) for field in value.__struct_fields__)
+            waiting += ((f"{name}.{f}".lstrip("."), inner) for f, inner in fields)
+        elif isinstance(value, tuple):
+            waiting += ((name, inner) for inner in value)
