@@ -29,7 +29,7 @@ from beamcam.model.plan import Plan, SheetPlan
 from beamcam.model.work_time import WorkTime
 from beamcam.planning import Order
 from beamcam.planning.left_out import LEFT_OUT, told
-from beamcam.posts import Job, Wanted, Written, post_of
+from beamcam.posts import Job, Wanted, Written, carries_head, head_lines, post_of
 from beamcam.readers.content import content, shown_name
 from beamcam.readers.reading import Reading
 
@@ -220,18 +220,27 @@ def posting(
     if strict and errors_in(refused := tuple(map(as_error, remarks))):
         raise PlanError(refused)
     program = kind.motion(plan, asked.machine, asked.name)
-    if not verified:
-        program = kind.unverified(program)
+    program = kind.with_head(program, tuple(head_lines(asked, verified)))
     yield "put in motion"
     written = kind.emit(program, asked)
     yield "printed the program"
     said: tuple[Diagnostic, ...] = ()
     if verified:
-        said = kind.verify(written, _wanted(asked))
+        said = (*kind.verify(written, _wanted(asked)), *_head_faults(asked, written))
         yield "read the program back"
         if errors_in(said):
             raise RefusedProgram(said, written)
     return Posted(written, plan, (*remarks, *said), program)
+
+
+def _head_faults(job: Job, written: Written) -> Iterable[Diagnostic]:
+    """What the head of a program says otherwise than the job."""
+    if not carries_head(job):
+        return ()
+    from beamcam.verify.head import head_faults, head_of
+
+    text = written if isinstance(written, str) else next(iter(written())).decode("latin-1")
+    return head_faults(head_of(text), job.machine, job.skips, job.name)
 
 
 def _wanted(job: Job) -> Wanted:

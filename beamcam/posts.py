@@ -4,7 +4,7 @@
 that a bar never loads what only a sheet needs.
 """
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from typing import Any
 
 from msgspec import Struct
@@ -19,7 +19,9 @@ from beamcam.model.program import Comment, Program
 from beamcam.model.work_time import WorkTime
 from beamcam.planning import Order
 
-NOT_READ_BACK = Comment("NOT VERIFIED: THIS PROGRAM WAS NOT READ BACK")
+NOT_READ_BACK = "NOT VERIFIED: THIS PROGRAM WAS NOT READ BACK"
+FORM = 1  #: of a program and its head; a change that a reader has to know of counts it up
+KINDS_A_LINE = 4  #: of those that may be left out, so that no comment is too long for a controller
 
 #: A program as it is written: its text, or bytes piece by piece where it may be of any length.
 Written = str | Callable[[], Iterable[bytes]]
@@ -58,7 +60,7 @@ class Post(Struct, frozen=True):
     motion: Callable[[Any, Machine, str], Any]
     emit: Callable[[Any, Job], Written]
     verify: Callable[[Written, Wanted], tuple[Diagnostic, ...]]
-    unverified: Callable[[Any], Any]  #: the program with a remark that it was not read back
+    with_head: Callable[[Any, Sequence[str]], Any]  #: the program with these remarks first
     time: Callable[[Any, Any, Machine], WorkTime]  #: of a plan and its program, where it is asked
 
 
@@ -94,7 +96,7 @@ def bar_post() -> Post:
 
         return work_time(plan, machine)
 
-    return Post(plan, beam_program, emit, read_back, _with_comment, time)
+    return Post(plan, beam_program, emit, read_back, _with_comments, time)
 
 
 def sheet_post() -> Post:
@@ -115,7 +117,7 @@ def sheet_post() -> Post:
 
         return program_time(plan, program, machine)
 
-    return Post(_plan_sheet, sheet_program, emit, read_back, _with_comment, time)
+    return Post(_plan_sheet, sheet_program, emit, read_back, _with_comments, time)
 
 
 def trigger_post() -> Post:
@@ -142,7 +144,7 @@ def trigger_post() -> Post:
 
         return trigger_time(plan, table, machine)
 
-    return Post(_plan_sheet, trigger_table, emit, read_back, _with_remark, time)
+    return Post(_plan_sheet, trigger_table, emit, read_back, _with_remarks, time)
 
 
 def step_post() -> Post:
@@ -167,7 +169,7 @@ def step_post() -> Post:
 
         return step_time(plan, machine)
 
-    return Post(_plan_sheet, step_table, emit, read_back, _with_remark, time)
+    return Post(_plan_sheet, step_table, emit, read_back, _with_remarks, time)
 
 
 #: By the kind of stock and the family of the controller.
@@ -201,13 +203,28 @@ def _skipped_on_sheet(wanted: Wanted) -> frozenset[FeatureRef]:
     return frozenset(o.feature for o in outcomes if o.how == "skipped")
 
 
-def _with_comment(program: Program) -> Program:
+def head_lines(job: Job, verified: bool) -> Iterator[str]:
+    """What stands in the head of every program: how it was made, and what may be missing in it."""
+    yield f"BEAMCAM {FORM} MACHINE {job.machine.name} {job.machine.checksum}".rstrip()
+    kinds = sorted(job.skips)
+    for at in range(0, len(kinds), KINDS_A_LINE):
+        yield f"ALLOWED TO BE LEFT OUT: {', '.join(kinds[at : at + KINDS_A_LINE])}"
+    if not verified:
+        yield NOT_READ_BACK
+
+
+def carries_head(job: Job) -> bool:
+    """Whether the form of a program has a place for remarks; a binary table has none."""
+    return job.machine.controller != "stepper" or (job.style or job.machine.suffix) != ".bin"
+
+
+def _with_comments(program: Program, lines: Sequence[str]) -> Program:
     start, *work = program.commands
-    return replace(program, commands=(start, NOT_READ_BACK, *work))
+    return replace(program, commands=(start, *map(Comment, lines), *work))
 
 
-def _with_remark(program: Any) -> Any:
-    return replace(program, remarks=(NOT_READ_BACK.text, *program.remarks))
+def _with_remarks(program: Any, lines: Sequence[str]) -> Any:
+    return replace(program, remarks=(*lines, *program.remarks))
 
 
 def _text(program: Written) -> str:

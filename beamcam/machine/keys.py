@@ -11,7 +11,7 @@ from collections.abc import Iterator, Mapping
 from types import UnionType
 from typing import Literal, NamedTuple, Union, get_args, get_origin
 
-from beamcam.machine.machine import Formula, Machine
+from beamcam.machine.machine import DERIVED, Formula, Machine
 
 
 class Key(NamedTuple):
@@ -77,6 +77,8 @@ def _fields(record: type) -> dict[str, tuple[str, str]]:
     for node in body.body:
         if isinstance(node, ast.AnnAssign) and isinstance(node.target, ast.Name):
             comment = lines[(node.end_lineno or node.lineno) - 1].partition("#: ")[2]
+            if node.target.id in DERIVED:
+                continue
             found[node.target.id] = (_default(node.value), comment.strip())
     return found
 

@@ -5,8 +5,10 @@ from collections.abc import Iterator
 from pathlib import Path
 from string import Formatter
 from typing import Any, cast
+from zlib import crc32
 
-from msgspec import Struct
+from msgspec import Struct, json
+from msgspec.structs import replace
 
 from beamcam.caches import cached
 from beamcam.errors import MachineError, Source
@@ -50,7 +52,15 @@ def _machine(files: tuple[TomlFile, ...]) -> Machine:
     place = Place(places)
     machine: Machine = build(Machine, table, place)
     _check(machine, place)
-    return machine
+    return replace(machine, checksum=_checksum(table))
+
+
+def _checksum(table: dict[str, Any]) -> str:
+    """Eight hex digits that change with any value of a machine's file, or of those it is based on.
+
+    They tell that a machine has changed since; against a forger they would be of no use.
+    """
+    return f"{crc32(json.encode(table, order='deterministic')):08x}"
 
 
 def settings(name: str) -> tuple[Setting, ...]:

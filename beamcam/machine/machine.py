@@ -325,6 +325,9 @@ class Torch(Struct, frozen=True):
     corner: float = 0.0  #: how far a circle that is as fast may pass from a corner; 0 stops there
 
 
+DERIVED = ("checksum",)  #: fields of a machine that are worked out and no keys of its file
+
+
 class Machine(Struct, frozen=True):
     """A machine: `beamcam machines show NAME` prints every value and where it comes from."""
 
@@ -347,3 +350,4 @@ class Machine(Struct, frozen=True):
     triggers: Triggers | None = None
     stepper: Stepper | None = None
     sections: Mapping[str, int] = field(default_factory=dict)  #: the program's section codes
+    checksum: str = ""  #: of all that its file says, in the heads of its programs; no key of it

@@ -15,7 +15,7 @@ from msgspec import Struct
 from beamcam.caches import cached
 from beamcam.errors import MachineError, Source
 from beamcam.machine import rules
-from beamcam.machine.machine import Formula
+from beamcam.machine.machine import DERIVED, Formula
 from beamcam.machine.toml import line_of
 
 GREATEST = 10**300  #: whole number that is one of the machine's, by far
@@ -27,7 +27,7 @@ def _fields(cls: type[Struct]) -> dict[str, tuple[Any, bool]]:
     hints = typing.get_type_hints(cls)
     names = cls.__struct_fields__
     required = len(names) - len(cls.__struct_defaults__)
-    return {name: (hints[name], i < required) for i, name in enumerate(names)}
+    return {n: (hints[n], i < required) for i, n in enumerate(names) if n not in DERIVED}
 
 
 class Place:

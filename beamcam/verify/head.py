@@ -1,0 +1,94 @@
+"""What the head of a program says of how it was made.
+
+    (BEAMCAM 1 MACHINE beamline 5f3a9c2e)        version of the form, machine, checksum of its file
+    (ALLOWED TO BE LEFT OUT: cope, slot)         the kinds that --allow-skips named, if any
+
+It is read whatever signs a controller has for comments, and written nowhere in this package: a
+program whose head says otherwise than what was asked for is refused.
+"""
+
+import re
+from collections.abc import Collection, Iterator
+
+from msgspec import Struct
+
+from beamcam.errors import Diagnostic, Rule, Severity, Source
+from beamcam.machine.machine import Machine
+
+VERSION = 1  #: newest form that is known
+MOST_CHARACTERS = 65_536  #: of a program, in which its head is looked for
+
+_MADE = re.compile(r"\bBEAMCAM ([0-9]{1,6}) MACHINE (\S+)(?: ([0-9a-f]{8})\b)?")
+_ALLOWED = re.compile(r"\bALLOWED TO BE LEFT OUT: ([a-z-]+(?:, [a-z-]+)*)")
+
+
+HEAD = Rule(
+    "verify-head",
+    Severity.ERROR,
+    "found {found} in the head of the program; expected {expected}",
+    "The head says which kinds of features may be missing, and for which machine file the program "
+    "was made. One that says otherwise would make a later check believe it.",
+)
+NEWER = Rule(
+    "verify-head-newer",
+    Severity.WARNING,
+    "found a program of form {found}; expected {expected} at most, this beamcam is older",
+    "A newer beamcam may say things in a program that this one does not look for.",
+)
+MACHINE_CHANGED = Rule(
+    "verify-machine-changed",
+    Severity.WARNING,
+    "found a program for the machine {found}; the machine file is now {expected}",
+    "The machine's file has changed since the program was made: offsets, tools or limits may be "
+    "others. Post the part again.",
+)
+RULES = (HEAD, NEWER, MACHINE_CHANGED)
+
+
+class Head(Struct, frozen=True):
+    """The head of a program."""
+
+    version: int
+    machine: str
+    checksum: str  #: "" where the machine did not come from a file
+    allowed: tuple[str, ...]  #: kinds of features that may be left out, sorted
+
+
+def head_of(text: str) -> Head | None:
+    """The head of a program; None for one that has none, as one written by hand."""
+    text = text[:MOST_CHARACTERS]
+    made = _MADE.search(text)
+    if made is None:
+        return None
+    kinds = {kind for found in _ALLOWED.finditer(text) for kind in found[1].split(", ")}
+    return Head(int(made[1]), made[2], made[3] or "", tuple(sorted(kinds)))
+
+
+def head_faults(
+    head: Head | None, machine: Machine, allowed: Collection[str], name: str
+) -> Iterator[Diagnostic]:
+    """Everything in which a head differs from what was asked for."""
+    source = Source(name)
+    kinds = ", ".join(sorted(allowed)) or "none"
+    if head is None:
+        yield HEAD.at(source, found="no head", expected=f"one that allows {kinds}")
+    elif head.allowed != tuple(sorted(allowed)):
+        found = ", ".join(head.allowed) or "none"
+        yield HEAD.at(source, found=f"a head that allows {found}", expected=kinds)
+    elif head.version != VERSION or head.checksum != machine.checksum:
+        found = f"the form {head.version} and the checksum {head.checksum or 'none'}"
+        expected = f"{VERSION} and {machine.checksum or 'none'}"
+        yield HEAD.at(source, found=found, expected=expected)
+
+
+def head_remarks(head: Head | None, machine: Machine, name: str) -> Iterator[Diagnostic]:
+    """A warning where a program was made by a newer beamcam, or for another machine file."""
+    if head is None:
+        return
+    if head.version > VERSION:
+        yield NEWER.at(Source(name), found=head.version, expected=VERSION)
+    if head.checksum and machine.checksum and head.checksum != machine.checksum:
+        yield MACHINE_CHANGED.at(
+            Source(name), found=f"{head.machine} {head.checksum}",
+            expected=f"{machine.name} {machine.checksum}",
+        )  # fmt: skip
