@@ -17,6 +17,7 @@ from beamcam.model.part import Part
 from beamcam.model.plan import FeatureRef, Plan, SheetPlan
 from beamcam.model.program import Comment, Program
 from beamcam.model.work_time import WorkTime
+from beamcam.plain_text import one_word
 from beamcam.planning import Order
 
 NOT_READ_BACK = "NOT VERIFIED: THIS PROGRAM WAS NOT READ BACK"
@@ -205,7 +206,7 @@ def _skipped_on_sheet(wanted: Wanted) -> frozenset[FeatureRef]:
 
 def head_lines(job: Job, verified: bool) -> Iterator[str]:
     """What stands in the head of every program: how it was made, and what may be missing in it."""
-    yield f"BEAMCAM {FORM} MACHINE {job.machine.name} {job.machine.checksum}".rstrip()
+    yield f"BEAMCAM {FORM} MACHINE {one_word(job.machine.name)} {job.machine.checksum}".rstrip()
     kinds = sorted(job.skips)
     for at in range(0, len(kinds), KINDS_A_LINE):
         yield f"ALLOWED TO BE LEFT OUT: {', '.join(kinds[at : at + KINDS_A_LINE])}"

@@ -54,12 +54,17 @@ def words(block: str) -> list[str]:
     return [w for w in block.split() if not w.startswith("N")]
 
 
+def blocks_of(text: str) -> list[str]:
+    """The lines of a program that are no comments; the real one had none."""
+    return [line for line in text.splitlines() if not line.startswith("(")]
+
+
 def operations(text: str) -> list[tuple[float, ...]]:
     """The operations of a program in the annex's dialect, in order."""
     found: list[tuple[float, ...]] = []
     x = 0.0
     spindle: tuple[float, float] | None = None
-    for block in text.splitlines():
+    for block in blocks_of(text):
         first, *rest = words(block) or [""]
         value = {w[0]: float(w[1:]) for w in rest if first != "%"}
         if first == "G01":
@@ -75,7 +80,7 @@ def operations(text: str) -> list[tuple[float, ...]]:
 
 
 def test_same_blocks_of_each_word() -> None:
-    blocks = [b for b in program("M74", "M58", "M74").splitlines() if not b.startswith("%")]
+    blocks = [b for b in blocks_of(program("M74", "M58", "M74")) if not b.startswith("%")]
     assert len(blocks) == 218
     assert [b.split()[0] for b in blocks] == [f"N{i}" for i in range(1, 219)]
     assert Counter(words(b)[0] for b in blocks) == BLOCKS

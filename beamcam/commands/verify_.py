@@ -10,11 +10,13 @@ from beamcam.commands.common import REFUSED, STANDARD, Voice, say_json
 from beamcam.commands.parts import looking_options, read_parts
 from beamcam.commands.programs import input_bytes
 from beamcam.commands.settings import machine_for, machine_for_program, settled
+from beamcam.config.values import Config
 from beamcam.errors import BeamcamError, Diagnostic, errors_in
 from beamcam.pipeline import read_back
 from beamcam.posts import Wanted
 from beamcam.readers.content import shown_name
 from beamcam.report.run import as_message
+from beamcam.verify.head import Head, head_of, head_remarks
 
 
 @click.command("verify")
@@ -37,6 +39,9 @@ def command(
     The PARTs are given in their order on the bar. Without them the program is only checked by
     itself: syntax, limits, spindles, feeds. Nothing is said of a program that is right.
 
+    What may be missing is what --allow-skips or the configuration names, and where they do not,
+    what the program's head says; under --strict or with --allow-skips none it is not believed.
+
     \b
     beamcam verify job.gcode --against M58.nc1
     beamcam verify gasket.ngc --against gasket.dxf --machine plate-linuxcnc
@@ -58,16 +63,16 @@ def command(
             machine = machine_for(config, wanted, program)
         else:
             machine = machine_for_program(config, program)
-        style = PurePath(program).suffix.lower()
-        found = read_back(
-            data,
-            Wanted(
-                tuple(wanted), machine, tuple(config.allow_skips), shown_name(program), style=style
-            ),
+        name, style = shown_name(program), PurePath(program).suffix.lower()
+        head = head_of(data.decode("utf-8", "replace") if isinstance(data, bytes) else data)
+        skips = _allowed(config, head)
+        found = (
+            *head_remarks(head, machine, name),
+            *read_back(data, Wanted(tuple(wanted), machine, skips, name, style=style)),
         )
     except BeamcamError as error:
         voice.stop((*said, *error.diagnostics))
-    voice.did(f"read {shown_name(program)} back on {machine.name}: {len(found)} message(s)")
+    voice.did(f"read {name} back on {machine.name}: {len(found)} message(s)")
     if as_json:
         records = [as_message(d) for d in (*said, *found) if voice.wants(d.severity)]
         say_json(records)
@@ -76,3 +81,10 @@ def command(
         voice.say((*said, *found))
     if errors_in(found):
         raise SystemExit(REFUSED)
+
+
+def _allowed(config: Config, head: Head | None) -> tuple[str, ...]:
+    """The kinds of features that may be missing; those of the head where nobody says otherwise."""
+    if head is None or config.strict or "allow_skips" in config.sources:
+        return config.allow_skips
+    return head.allowed

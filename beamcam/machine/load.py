@@ -58,9 +58,11 @@ def _machine(files: tuple[TomlFile, ...]) -> Machine:
 def _checksum(table: dict[str, Any]) -> str:
     """Eight hex digits that change with any value of a machine's file, or of those it is based on.
 
-    They tell that a machine has changed since; against a forger they would be of no use.
+    They tell that a machine has changed since, whatever it is called; against a forger they would
+    be of no use.
     """
-    return f"{crc32(json.encode(table, order='deterministic')):08x}"
+    values = {key: value for key, value in table.items() if key != "name"}
+    return f"{crc32(json.encode(values, order='deterministic')):08x}"
 
 
 def settings(name: str) -> tuple[Setting, ...]:

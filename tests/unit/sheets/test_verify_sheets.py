@@ -192,7 +192,7 @@ def shifted_arcs(text: str, name: str) -> str:
     def moved(match: re.Match[str]) -> str:
         return f"I{float(match[1]) + 0.4:.4f}"
 
-    return re.sub(r"I(\S+)", moved, text, count=1)
+    return re.sub(r"\bI(\S+)", moved, text, count=1)
 
 
 @pytest.mark.parametrize("name", ["plate-linuxcnc", "plate-codesys", "laser-grbl"])
