@@ -1,27 +1,28 @@
 """Trigger programs as SIMOTION Structured Text: complete units that a D425 takes.
 
-Two styles. `chain`: a block of statements for each operation, which fires once its predecessor
-is active and its end reached, and latches. `table`: set-points in arrays, split over units where
-one would get too large, and one state machine that walks through them by the same rule.
+The runtime of the machine, which is the same for every job, and in it what is the job's own.
+Two styles: `chain`, a block of statements for each operation, which fires once its predecessor is
+active and has arrived, and latches; `table`, set-points in arrays, split over units where one would
+get too large.
 """
 
-import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
+from math import ceil
 
-from beamcam.emitters import simotion_text as text
-from beamcam.emitters.numbers import number
+from msgspec import Struct
+
 from beamcam.emitters.simotion_units import UNIT_MARK, unit_name
 from beamcam.machine.machine import Machine
+from beamcam.machine.runtime import PROCESSES, lreal, runtime_of
 from beamcam.machine.tables import Triggers
-from beamcam.model.triggers import Round, Switch, Travel, TriggerOp, TriggerTable
+from beamcam.model.triggers import Switch, Travel, TriggerOp, TriggerTable
 from beamcam.plain_text import comment_text
 
-#: Bytes of one operation in a unit of set-points: x, y, speed and kind; with path objects the
-#: middle of arcs as well.
+#: Bytes of one operation in a unit of set-points: x, y, speed and kind; with path objects a place
+#: in the middle of arcs as well.
 POINT_BYTES, ROUND_BYTES = 3 * 8 + 1, 5 * 8 + 1
 VALUES_PER_LINE = 5
-PROCESSES = ("cut", "mark", "engrave")
-TRAVEL, ROUND = 0, 7  #: kinds of operations in a table; between them: on and off of each process
+LINE, ARC = 0, 7  #: kinds of operations; between them: on and off of each process
 
 
 class ChainError(ValueError):
@@ -46,339 +47,134 @@ def emit(table: TriggerTable, machine: Machine, style: str | None = None) -> str
         raise ChainError(count, triggers.greatest_chain)
     if style is None:
         style = "table" if count > triggers.greatest_chain else triggers.style
+    rows = tuple(_rows(table.operations))
     name = unit_name(table.job)
-    writer = _Writer(table, machine, triggers, name)
-    text_ = writer.chain() if style == "chain" else writer.table()
-    return _as_called(text_, triggers.names)
+    size = ROUND_BYTES if triggers.path_objects else POINT_BYTES
+    per_unit = max(1, triggers.greatest_data // size)
+    starts = range(0, len(rows), per_unit) if style == "table" else ()
+    chunks = [_Chunk(f"{name}_{k}", k, at + 1, rows[at : at + per_unit])
+              for k, at in enumerate(starts, 1)]  # fmt: skip
+    runtime = runtime_of(machine, style)
+    pieces = [
+        UNIT_MARK.format(name=name) + "\n",
+        *(f"(* {comment_text(remark)} *)\n" for remark in table.remarks),
+        runtime.head,
+        *_uses((*triggers.uses, *(chunk.unit for chunk in chunks))),
+        *_declarations(table.operations, style),
+        runtime.middle,
+        *(_fetches(chunks, triggers) if style == "table" else _blocks(rows, triggers)),
+        runtime.end,
+        *(_data_unit(chunk, triggers) for chunk in chunks),
+    ]
+    return "".join(pieces)
 
 
-def _as_called(program: str, names: Mapping[str, str]) -> str:
-    """A program with names of the controller's library as the project's package has them."""
-    if not names:
-        return program
-    words = re.compile(rf"\b(?:{'|'.join(map(re.escape, names))})\b")
-    return words.sub(lambda word: names[word[0]], program)
+class _Row(Struct, frozen=True):
+    """One operation as numbers; a switch holds the place that the head stands at."""
+
+    said: str
+    kind: int
+    x: float
+    y: float
+    speed: float
+    via: tuple[float, float]
 
 
-def lreal(value: float) -> str:
-    """A typed literal."""
-    plain = number(value, 6)
-    return f"LREAL#{plain if '.' in plain else plain + '.0'}"
+class _Chunk(Struct, frozen=True):
+    """The set-points of one unit."""
+
+    unit: str
+    number: int
+    first: int  #: operation, counted from 1
+    rows: tuple[_Row, ...]
 
 
-class _Writer:
-    def __init__(
-        self, table: TriggerTable, machine: Machine, triggers: Triggers, name: str
-    ) -> None:
-        self.operations = table.operations
-        self.remarks = table.remarks
-        self.machine, self.triggers, self.name = machine, triggers, name
-        self.x, self.y = triggers.axes
-        self.processes = [p for p in PROCESSES if p in triggers.outputs]
-        self.rounds = triggers.path_objects
-
-    def chain(self) -> str:
-        """One unit with a block for each operation."""
-        work = "\n".join(self._blocks())
-        last = len(self.operations)
-        body = self._program(
-            globals_=f"        triggerActive : ARRAY [0..{last}] OF BOOL;",
-            locals_=self._locals("            wait : TON;"),
-            begin="                    triggerActive[0] := TRUE;",
-            work=work,
-        )
-        return self._unit(body)
-
-    def table(self) -> str:
-        """A unit with the state machine, and as many with set-points as their size asks for."""
-        size = ROUND_BYTES if self.rounds else POINT_BYTES
-        per_unit = max(1, self.triggers.greatest_data // size)
-        ops = self.operations
-        chunks = [ops[k : k + per_unit] for k in range(0, len(ops), per_unit)]
-        names = [f"{self.name}_{k}" for k in range(1, len(chunks) + 1)]
-        body = self._program(
-            globals_="\n".join(f"        {line}" for line in self._table_globals()),
-            locals_=self._locals("            wait : TON;\n            fetch : FB_Fetch;"),
-            begin="                    operation := DINT#0;\n"
-            "                    triggerActive := TRUE;",
-            work=self._machine(),
-            uses=f"    USES {', '.join(names)};\n",
-            exports="    FUNCTION_BLOCK FB_Fetch;\n",
-            blocks=self._fetch(chunks, per_unit),
-        )
-        text_ = self._unit(body)
-        start = 1
-        for k, chunk in enumerate(chunks, 1):
-            text_ += "\n" + self._data_unit(names[k - 1], k, chunk, start)
-            start += len(chunk)
-        return text_
-
-    # -- what both styles share -------------------------------------------------------------
-
-    def _unit(self, body: str) -> str:
-        return UNIT_MARK.format(name=self.name) + "\n" + body
-
-    def _locals(self, more: str) -> str:
-        lines = [more]
-        if self.rounds:
-            lines += [
-                "            pathLine : FB_PathLine;",
-                "            pathCircle : FB_PathCircle;",
-            ]
-        else:
-            lines.append("            line : FB_Line;")
-        return "\n".join(lines)
-
-    def _program(
-        self, globals_: str, locals_: str, begin: str, work: str, uses: str = "",
-        exports: str = "", blocks: str = "",
-    ) -> str:  # fmt: skip
-        t = self.triggers
-        own = "FB_PathLine FB_PathCircle" if self.rounds else "FB_Line"
-        interface = text.INTERFACE.format(
-            package=t.package,
-            uses=uses,
-            last=len(self.operations),
-            in_position=lreal(t.in_position)[6:],
-            acceleration=lreal(t.acceleration)[6:],
-            homing=lreal(t.homing_mm_s)[6:],
-            back_off=lreal(t.back_off)[6:],
-            pierces="\n".join(self._pierces()),
-            limits=t.limits,
-            start=t.start,
-            outputs="\n".join(f"        {p}On AT {t.outputs[p]} : BOOL;" for p in self.processes),
-            globals=globals_,
-            exports=exports + "\n".join(f"    FUNCTION_BLOCK {name};" for name in own.split()),
-        )
-        back_off = text.pos("axis", "BACK_OFF", "HOMING_VELOCITY", "PATH_ACCELERATION")
-        off = "\n".join(f"                {p}On := FALSE;" for p in self.processes)
-        stops = [text.STOP.format(axis=axis) for axis in t.axes]
-        if self.rounds:
-            line = text.PATH.format(path=t.path_object)
-            stops.append(text.STOP_PATH.format(path=t.path_object))
-        else:
-            line = text.LINE.format(
-                pos_x=text.pos(self.x, "endX", "scaled.velocityX", "scaled.accelerationX"),
-                pos_y=text.pos(self.y, "endY", "scaled.velocityY", "scaled.accelerationY"),
-            )
-        program = text.PROGRAM.format(
-            x=self.x, y=self.y, locals=locals_, begin=begin, work=work, all_off=off,
-            stops="\n".join(stops),
-        )  # fmt: skip
-        parts = [text.VELOCITY, line, text.HOME.format(back_off=back_off)]
-        if blocks:
-            parts.append(blocks)
-        body = "\n".join([*parts, program])
-        remarks = "".join(f"(* {comment_text(remark)} *)\n" for remark in self.remarks)
-        return f"{remarks}{interface}\nIMPLEMENTATION\n{body}END_IMPLEMENTATION\n"
-
-    def _pierces(self) -> Iterator[str]:
-        for process in self.processes:
-            waits = [op.wait_s for op in self.operations
-                     if isinstance(op, Switch) and op.on and op.process == process]  # fmt: skip
-            longest = round(1000 * max(waits, default=0.0))
-            yield f"        PIERCE_{process.upper()} : TIME := T#{longest}ms;"
-
-    # -- the chain --------------------------------------------------------------------------
-
-    def _blocks(self) -> Iterator[str]:
-        before: TriggerOp | None = None
-        here = (0.0, 0.0)
-        for k, op in enumerate(self.operations, 1):
-            yield from self._trigger(k, before, op, here)
-            if not isinstance(op, Switch):
-                here = op.x, op.y
-            before = op
-        last = len(self.operations)
-        pad = " " * 16
-        yield f"{pad}IF triggerActive[{last}]"
-        yield f"{pad}    AND {self._arrived(before, here)} THEN"
-        yield f"{pad}    workState := INT#3;"
-        yield f"{pad}END_IF;"
-
-    def _trigger(
-        self, k: int, before: TriggerOp | None, op: TriggerOp, here: tuple[float, float]
-    ) -> Iterator[str]:
-        pad = " " * 16
-        yield f"{pad}(* {k}: {_said(op)} *)"
-        yield f"{pad}IF triggerActive[{k - 1}] AND NOT triggerActive[{k}]"
-        yield f"{pad}    AND {self._arrived(before, here)} THEN"
-        yield f"{pad}    triggerActive[{k}] := TRUE;"
-        for line in self._start(op, here):
-            yield f"{pad}    {line}"
-        yield f"{pad}END_IF;"
-        if isinstance(op, Switch) and op.on:
-            yield f"{pad}IF triggerActive[{k}] AND NOT triggerActive[{k + 1}] THEN"
-            yield f"{pad}    wait(IN := TRUE, PT := PIERCE_{op.process.upper()});"
-            yield f"{pad}END_IF;"
-
-    def _arrived(self, before: TriggerOp | None, here: tuple[float, float]) -> str:
-        if isinstance(before, Switch):
-            return "wait.Q" if before.on else f"NOT {before.process}On"
-        x, y = (
-            f"(ABS({axis}.basicMotion.position - {lreal(value)}) <= IN_POSITION)"
-            for axis, value in zip(self.triggers.axes, here, strict=True)
-        )
-        return f"axesAtRest\n                    AND {x}\n                    AND {y}"
-
-    def _start(self, op: TriggerOp, here: tuple[float, float]) -> Iterator[str]:
+def _rows(operations: Sequence[TriggerOp]) -> Iterator[_Row]:
+    here = (0.0, 0.0)
+    for op in operations:
         if isinstance(op, Switch):
-            yield f"{op.process}On := {'TRUE' if op.on else 'FALSE'};"
-            if op.on:
-                yield f"wait(IN := FALSE, PT := PIERCE_{op.process.upper()});"
-        elif isinstance(op, Round):
-            yield f"pathCircle(middleX := {lreal(op.middle_x)}, middleY := {lreal(op.middle_y)},"
-            yield f"    endX := {lreal(op.x)}, endY := {lreal(op.y)},"
-            yield f"    speed := {lreal(op.speed_mm_s)});"
-        elif self.rounds:
-            yield f"pathLine(endX := {lreal(op.x)}, endY := {lreal(op.y)},"
-            yield f"    speed := {lreal(op.speed_mm_s)});"
+            kind = 2 * PROCESSES.index(op.process) + (1 if op.on else 2)
+            yield _Row(f"{op.process} {'on' if op.on else 'off'}", kind, *here, 0.0, here)
+        elif isinstance(op, Travel):
+            here = op.x, op.y
+            yield _Row("line", LINE, *here, op.speed_mm_s, here)
         else:
-            yield f"line(startX := {lreal(here[0])}, startY := {lreal(here[1])},"
-            yield f"    endX := {lreal(op.x)}, endY := {lreal(op.y)},"
-            yield f"    speed := {lreal(op.speed_mm_s)});"
+            here = op.x, op.y
+            yield _Row("arc", ARC, *here, op.speed_mm_s, (op.middle_x, op.middle_y))
 
-    # -- the table --------------------------------------------------------------------------
 
-    def _table_globals(self) -> Iterator[str]:
-        yield "operation : DINT := DINT#0;"
-        yield "triggerActive : BOOL := FALSE;"
-        yield "operationArrived : BOOL := FALSE;"
-        yield "kind : USINT := USINT#0;"
-        names = ["lastX", "lastY", "targetX", "targetY", "targetSpeed"]
-        names += ["middleX", "middleY"] if self.rounds else []
-        for name in names:
-            yield f"{name} : LREAL := LREAL#0.0;"
+def _uses(units: Sequence[str]) -> Iterator[str]:
+    if units:
+        yield f"    USES {', '.join(units)};\n"
 
-    def _machine(self) -> str:
-        if self.rounds:
-            start = "pathLine(endX := targetX, endY := targetY, speed := targetSpeed);"
-        else:
-            start = (
-                "line(startX := lastX, startY := lastY,\n"
-                "                                endX := targetX, endY := targetY,"
-                " speed := targetSpeed);"
+
+def _declarations(operations: Sequence[TriggerOp], style: str) -> Iterator[str]:
+    yield "    VAR_GLOBAL CONSTANT\n"
+    yield f"        LAST_OPERATION : DINT := DINT#{len(operations)};\n"
+    for process in PROCESSES:
+        waits = (op.wait_s for op in operations
+                 if isinstance(op, Switch) and op.on and op.process == process)  # fmt: skip
+        longest = ceil(1000 * max(waits, default=0.0) - 1e-9)
+        yield f"        PIERCE_{process.upper()} : TIME := T#{longest}ms;\n"
+    yield "    END_VAR\n"
+    if style == "chain":
+        yield "    VAR_GLOBAL\n"
+        yield f"        triggerActive : ARRAY [0..{len(operations)}] OF BOOL;\n"
+        yield "    END_VAR\n"
+
+
+def _blocks(rows: Sequence[_Row], triggers: Triggers) -> Iterator[str]:
+    """The chain: a latched block for each operation."""
+    for k, row in enumerate(rows, 1):
+        via = ""
+        if triggers.path_objects:
+            via = (
+                f",\n                middleX := {lreal(row.via[0])}, middleY := {lreal(row.via[1])}"
             )
-        on = off = waits = kinds = ""
-        for process in self.processes:
-            n = 2 * PROCESSES.index(process) + 1
-            upper = process.upper()
-            on += f"""
-                            {n}:
-                                {process}On := TRUE;
-                                wait(IN := FALSE, PT := PIERCE_{upper});
-                            {n + 1}:
-                                {process}On := FALSE;"""
-            waits += f"""
-                        {n}:
-                            wait(IN := TRUE, PT := PIERCE_{upper});
-                            operationArrived := wait.Q;
-                        {n + 1}:
-                            operationArrived := NOT {process}On;"""
-        if self.rounds:
-            off = f"""
-                            {ROUND}:
-                                pathCircle(middleX := middleX, middleY := middleY,
-                                    endX := targetX, endY := targetY, speed := targetSpeed);"""
-        kinds = f"0, {ROUND}" if self.rounds else "0"
-        return f"""\
-                IF operation > DINT#0 THEN
-                    operationArrived := FALSE;
-                    CASE kind OF
-                        {kinds}:
-                            operationArrived := axesAtRest
-                                AND (ABS({self.x}.basicMotion.position - targetX) <= IN_POSITION)
-                                AND (ABS({self.y}.basicMotion.position - targetY) <= IN_POSITION);\
-{waits}
-                    END_CASE;
-                    triggerActive := operationArrived;
-                END_IF;
-                IF triggerActive THEN
-                    triggerActive := FALSE;
-                    operation := operation + DINT#1;
-                    IF operation > LAST_OPERATION THEN
-                        workState := INT#3;
-                    ELSE
-                        fetch(index := operation);
-                        CASE kind OF
-                            0:
-                                {start}{on}{off}
-                        END_CASE;
-                    END_IF;
-                END_IF;"""
-
-    def _fetch(self, chunks: Sequence[Sequence[TriggerOp]], per_unit: int) -> str:
-        lines = ["    (* The set-points of an operation, from the unit that holds them. *)"]
-        lines += ["    FUNCTION_BLOCK FB_Fetch", "        VAR_INPUT", "            index : DINT;"]
-        lines += [
-            "        END_VAR",
-            "        VAR",
-            "            row : DINT;",
-            "        END_VAR",
-            "",
-        ]
-        lines += ["        lastX := targetX;", "        lastY := targetY;"]
-        first = 0
-        for k, chunk in enumerate(chunks, 1):
-            word = "IF" if k == 1 else "ELSIF"
-            lines.append(f"        {word} index <= DINT#{first + len(chunk)} THEN")
-            lines.append(f"            row := index - DINT#{first};")
-            lines.append(f"            kind := pointKind_{k}[row];")
-            indent = "            "
-            for target, column in self._columns():
-                lines.append(f"{indent}{target} := {column}_{k}[row];")
-            first += len(chunk)
-        lines += ["        END_IF;", "    END_FUNCTION_BLOCK", ""]
-        return "\n".join(lines)
-
-    def _columns(self) -> list[tuple[str, str]]:
-        found = [("targetX", "pointX"), ("targetY", "pointY"), ("targetSpeed", "pointSpeed")]
-        if self.rounds:
-            found += [("middleX", "pointMiddleX"), ("middleY", "pointMiddleY")]
-        return found
-
-    def _data_unit(self, name: str, k: int, ops: Sequence[TriggerOp], start: int) -> str:
-        """Arrays of set-points; a switch holds the place that the head stands at."""
-        here = self._place_before(start)
-        rows = []
-        for op in ops:
-            kind, speed, middle = TRAVEL, 0.0, here
-            if isinstance(op, Switch):
-                kind = 2 * PROCESSES.index(op.process) + (1 if op.on else 2)
-            else:
-                here = op.x, op.y
-                speed = op.speed_mm_s
-                if isinstance(op, Round):
-                    kind, middle = ROUND, (op.middle_x, op.middle_y)
-            rows.append((*here, speed, *middle, kind))
-        columns = list(zip(*rows, strict=True))
-        lines = [UNIT_MARK.format(name=name), "INTERFACE", "    VAR_GLOBAL CONSTANT"]
-        for which, (_, column) in enumerate(self._columns()):
-            values = [lreal(v) for v in columns[which]]
-            lines += _array(f"{column}_{k}", "LREAL", values)
-        lines += _array(f"pointKind_{k}", "USINT", [f"USINT#{v}" for v in columns[5]])
-        lines += ["    END_VAR", "END_INTERFACE", "", "IMPLEMENTATION", "END_IMPLEMENTATION", ""]
-        return "\n".join(lines)
-
-    def _place_before(self, start: int) -> tuple[float, float]:
-        for op in reversed(self.operations[: start - 1]):
-            if not isinstance(op, Switch):
-                return op.x, op.y
-        return 0.0, 0.0
+        yield f"""\
+        (* {k}: {row.said} *)
+        IF operationArrived AND triggerActive[{k - 1}] AND NOT triggerActive[{k}] THEN
+            triggerActive[{k}] := TRUE;
+            next(kind := USINT#{row.kind}, x := {lreal(row.x)}, y := {lreal(row.y)},
+                speed := {lreal(row.speed)}{via});
+        END_IF;
+"""
 
 
-def _array(name: str, type_: str, values: Sequence[str]) -> list[str]:
-    lines = [f"        {name} : ARRAY [1..{len(values)}] OF {type_} := ["]
-    for k in range(0, len(values), VALUES_PER_LINE):
-        comma = "," if k + VALUES_PER_LINE < len(values) else ""
-        lines.append(f"            {', '.join(values[k : k + VALUES_PER_LINE])}{comma}")
-    lines.append("        ];")
-    return lines
+def _fetches(chunks: Sequence[_Chunk], triggers: Triggers) -> Iterator[str]:
+    """The table: the row of an operation, from the unit that holds it."""
+    for chunk in chunks:
+        k, last = chunk.number, chunk.first + len(chunk.rows) - 1
+        via = ""
+        if triggers.path_objects:
+            via = f",\n                middleX := pointViaX_{k}[row], middleY := pointViaY_{k}[row]"
+        yield f"""\
+        IF (row >= DINT#{chunk.first}) AND (row <= DINT#{last}) THEN
+            next(kind := pointKind_{k}[row], x := pointX_{k}[row], y := pointY_{k}[row],
+                speed := pointSpeed_{k}[row]{via});
+        END_IF;
+"""
 
 
-def _said(op: TriggerOp) -> str:
-    if isinstance(op, Switch):
-        return f"{op.process} {'on' if op.on else 'off'}"
-    kind = "line" if isinstance(op, Travel) else "arc"
-    at = f"X {number(op.x, 3)} Y {number(op.y, 3)}"
-    return f"{kind} to {at} at {number(op.speed_mm_s, 3)} mm/s"
+def _data_unit(chunk: _Chunk, triggers: Triggers) -> str:
+    """Arrays of set-points, with the numbers of the operations as their bounds."""
+    rows = chunk.rows
+    columns = [
+        ("pointX", "LREAL", [lreal(row.x) for row in rows]),
+        ("pointY", "LREAL", [lreal(row.y) for row in rows]),
+        ("pointSpeed", "LREAL", [lreal(row.speed) for row in rows]),
+    ]
+    if triggers.path_objects:
+        columns.append(("pointViaX", "LREAL", [lreal(row.via[0]) for row in rows]))
+        columns.append(("pointViaY", "LREAL", [lreal(row.via[1]) for row in rows]))
+    columns.append(("pointKind", "USINT", [f"USINT#{row.kind}" for row in rows]))
+    bounds = f"{chunk.first}..{chunk.first + len(rows) - 1}"
+    lines = ["", UNIT_MARK.format(name=chunk.unit), "INTERFACE", "    VAR_GLOBAL CONSTANT"]
+    for name, type_, values in columns:
+        lines.append(f"        {name}_{chunk.number} : ARRAY [{bounds}] OF {type_} := [")
+        for at in range(0, len(values), VALUES_PER_LINE):
+            comma = "," if at + VALUES_PER_LINE < len(values) else ""
+            lines.append(f"            {', '.join(values[at : at + VALUES_PER_LINE])}{comma}")
+        lines.append("        ];")
+    lines += ["    END_VAR", "END_INTERFACE", "", "IMPLEMENTATION", "END_IMPLEMENTATION", ""]
+    return "\n".join(lines)

@@ -4,7 +4,7 @@ import re
 from collections.abc import Iterator
 
 from beamcam.machine.machine import FLAT_DEG, Machine, Spindle, ToolSet, Torch, inch_size
-from beamcam.machine.tables import UNCONFIRMED
+from beamcam.machine.tables import UNCONFIRMED, Triggers
 
 #: Kinds of tools whose speed or feed comes from `drill.cutting`.
 TURNING = ("drill", "tap", "countersink", "mill", "punch", "scribe")
@@ -181,30 +181,7 @@ def table_faults(machine: Machine) -> Iterator[Fault]:
     if machine.controller == "stepper" and stepper is None:
         yield "stepper", None, "a table, since the controller is stepper"
     if triggers is not None:
-        names = ("cycle_s", "acceleration", "traverse_mm_s", "homing_mm_s", "in_position",
-                 "cycles_per_chord", "back_off", "overrun", "greatest_chain")  # fmt: skip
-        for name in names:
-            if getattr(triggers, name) <= 0:
-                yield f"triggers.{name}", getattr(triggers, name), "more than 0"
-        for name in (*triggers.axes, triggers.path_object, triggers.package):
-            if not _ST_NAME.fullmatch(name):
-                yield "triggers.axes", name, "letters, digits and single _, a letter first"
-        for name, other in triggers.names.items():
-            if name not in UNCONFIRMED:
-                yield "triggers.names", name, f"one of {', '.join(UNCONFIRMED)}"
-            elif not _ST_NAME.fullmatch(other.removeprefix("_")):
-                yield f"triggers.names.{name}", other, "letters, digits and single _"
-        if triggers.greatest_data < LEAST_DATA:
-            yield "triggers.greatest_data", triggers.greatest_data, f"{LEAST_DATA} or more"
-        for row in machine.torch.rows if machine.torch else ():
-            if row.process not in triggers.outputs:
-                yield "triggers.outputs", dict(triggers.outputs), f"an output for {row.process}"
-        for address in (*triggers.limits, triggers.start):
-            if not _INPUT.fullmatch(address):
-                yield "triggers.limits", address, "an address of an input such as %I0.0"
-        for address in triggers.outputs.values():
-            if not _OUTPUT.fullmatch(address):
-                yield "triggers.outputs", address, "an address of an output such as %Q62.0"
+        yield from _trigger_faults(triggers, machine)
     if stepper is not None:
         of_stepper = ("pitch", "steps_per_turn", "acceleration", "jerk", "greatest_hz",
                  "traverse_mm_s", "corner")  # fmt: skip
@@ -215,6 +192,58 @@ def table_faults(machine: Machine) -> Iterator[Fault]:
             yield "stepper.sequence", list(stepper.sequence), "each of 00, 01, 10, 11 once"
 
 
+def _trigger_faults(triggers: Triggers, machine: Machine) -> Iterator[Fault]:
+    for name in _ABOVE_0:
+        if not getattr(triggers, name) > 0:
+            yield f"triggers.{name}", getattr(triggers, name), "more than 0"
+    if triggers.counts_per_turn > 0 and triggers.arrival_window < triggers.count:
+        expected = f"a count of the encoder or more, {triggers.count:.4f} mm"
+        yield "triggers.arrival_window", triggers.arrival_window, expected
+    torch = machine.torch
+    if torch is not None and triggers.homing_mm_s > 0:
+        way = max(torch.length, torch.width) + triggers.overrun + 2 * triggers.back_off
+        least = way / triggers.homing_mm_s
+        if triggers.max_homing_s < least:
+            expected = f"{least:g} or more for {way:g} mm at homing_mm_s"
+            yield "triggers.max_homing_s", triggers.max_homing_s, expected
+    yield from _st_name_faults(triggers)
+    if triggers.path_objects and triggers.technology not in _PATH_PACKAGES:
+        expected = f"{' or '.join(_PATH_PACKAGES)}, which have path objects"
+        yield "triggers.package", triggers.package, expected
+    if triggers.greatest_data < LEAST_DATA:
+        yield "triggers.greatest_data", triggers.greatest_data, f"{LEAST_DATA} or more"
+    for row in torch.rows if torch else ():
+        if row.process not in triggers.outputs:
+            yield "triggers.outputs", dict(triggers.outputs), f"an output for {row.process}"
+    optional = tuple(place for place in (triggers.acknowledge,) if place)
+    for place in (*triggers.limits, triggers.start, *optional):
+        if not (_INPUT.fullmatch(place) or _ST_NAME.fullmatch(place)):
+            expected = "an address of an input such as %I0.0 or the name of a variable"
+            yield "triggers.limits", place, expected
+    optional = tuple(place for place in (triggers.fault_lamp,) if place)
+    for place in (*triggers.outputs.values(), *optional):
+        if not (_OUTPUT.fullmatch(place) or _ST_NAME.fullmatch(place)):
+            expected = "an address of an output such as %Q62.0 or the name of a variable"
+            yield "triggers.outputs", place, expected
+
+
+def _st_name_faults(triggers: Triggers) -> Iterator[Fault]:
+    for name in (*triggers.axes, triggers.path_object, triggers.technology, *triggers.uses):
+        if not _ST_NAME.fullmatch(name):
+            yield "triggers.axes", name, "letters, digits and single _, a letter first"
+    for name, other in triggers.names.items():
+        if name not in UNCONFIRMED:
+            yield "triggers.names", name, f"one of {', '.join(UNCONFIRMED)}"
+        elif not all(_ST_NAME.fullmatch(word) for word in other.removeprefix("_").split(".")):
+            yield f"triggers.names.{name}", other, "letters, digits and single _"
+
+
+_ABOVE_0 = (
+    "cycle_s", "acceleration", "traverse_mm_s", "homing_mm_s", "in_position", "standstill",
+    "max_homing_s", "max_late_s", "counts_per_turn", "travel_per_turn", "cycles_per_chord",
+    "back_off", "overrun", "greatest_chain",
+)  # fmt: skip
+_PATH_PACKAGES = ("PATH", "CAM_EXT")
 LEAST_DATA = 1024  #: a unit has to hold some set-points
 _ST_NAME = re.compile(r"[A-Za-z](_?[A-Za-z0-9])*")
 _INPUT = re.compile(r"%I\d+\.[0-7]")

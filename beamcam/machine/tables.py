@@ -10,32 +10,56 @@ from msgspec import Struct, field
 UNCONFIRMED = (
     "_enableAxis", "_move", "_homing", "NEGATIVE", "homingMode", "DIRECT_HOMING",
     "homePositionType", "homePosition", "control", "ACTIVE", "stopMode", "STOP_AND_ABORT",
-    "negativeAccelType", "TRAPEZOIDAL", "pathObject", "X_Y", "posAxis",
+    "negativeAccelType", "TRAPEZOIDAL", "pathObject", "X_Y", "posAxis", "basicMotion.position",
+    "positioningState", "commandPosition", "error", "NO", "_resetAxisError", "errorResetMode",
+    "ALL_ERRORS",
 )  # fmt: skip
 
 
 class Triggers(Struct, frozen=True):
-    """A motion controller that is told by a Structured Text program, one `_pos` an operation."""
+    """A motion controller that is told by a Structured Text program, one `_pos` an operation.
+
+    Inputs and outputs are addresses such as %I0.0 or names of variables of the project.
+    """
 
     axes: tuple[str, str]  #: names of the axes of X and Y in the project
-    limits: tuple[str, str, str, str]  #: input addresses: X low, X high, Y low, Y high
-    start: str  #: input address of the button that starts the work
-    outputs: Mapping[str, str]  #: output address of each process
-    cycle_s: float  #: of the task that the program runs in
+    limits: tuple[str, str, str, str]  #: inputs: X low, X high, Y low, Y high
+    start: str  #: input of the button that starts the work
+    outputs: Mapping[str, str]  #: output of each process
+    cycle_s: float  #: of the TimerInterruptTask that the program runs in
     acceleration: float  #: mm/s2 along the path
     traverse_mm_s: float  #: along the path with the tool off
+    acknowledge: str = ""  #: input of the button that acknowledges a fault; a variable if absent
+    fault_lamp: str = ""  #: output that shows a fault
+    uses: tuple[str, ...] = ()  #: units of the project that declare named inputs and outputs
     homing_mm_s: float = 10.0
+    max_homing_s: float = 120.0  #: of homing both axes; longer is a fault
+    max_late_s: float = 2.0  #: behind its reckoned end, by which an operation has to arrive
     back_off: float = 30.0  #: from the limit switch to the corner of the work area
     overrun: float = 15.0  #: from the end of the work area to its limit switch
-    in_position: float = 0.005  #: an axis this near to its end has arrived
+    in_position: float = 0.005  #: a set position this near to its end has arrived
+    standstill: float = 0.0001  #: a set position that moves no more than this in a cycle rests
+    arrival_window: float = 0.26  #: of an actual position about its set position; encoder counts
+    counts_per_turn: int = 512  #: of the encoder
+    travel_per_turn: float = 65.0  #: of an axis, for a turn of its encoder
     cycles_per_chord: float = 3.0
-    package: str = "CAM"  #: technology package of the axes
+    package: str = ""  #: technology package; CAM for axes, PATH for path objects if absent
     style: Literal["chain", "table"] = "chain"
     greatest_chain: int = 500  #: operations of a chain; a longer path has to be a table
     greatest_data: int = 65536  #: bytes of set-points in one unit
     path_objects: bool = False  #: whether the controller interpolates lines and circles
     path_object: str = "Path"  #: its name in the project
     names: Mapping[str, str] = field(default_factory=dict)  #: what the package calls otherwise
+
+    @property
+    def technology(self) -> str:
+        """The technology package that the program needs."""
+        return self.package or ("PATH" if self.path_objects else "CAM")
+
+    @property
+    def count(self) -> float:
+        """Travel of an encoder's count."""
+        return self.travel_per_turn / self.counts_per_turn
 
 
 class Stepper(Struct, frozen=True):

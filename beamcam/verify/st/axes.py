@@ -40,6 +40,8 @@ class Axis:
         self.place, self.velocity = place, 0.0
         self.origin = 0.0
         self.enabled = False
+        self.error = False
+        self.lag = 0.0  #: by which the encoder is off the set position
         self.brake = stop  #: mm/s2 of a stop
         self.target: float | None = None  #: position that was commanded
         self.homed = 0
@@ -52,8 +54,23 @@ class Axis:
         return self.place - self.origin
 
     @property
+    def actual(self) -> float:
+        """The position that the encoder tells."""
+        return self.position + self.lag
+
+    @property
     def still(self) -> bool:
         return not self._phases and not self._endless
+
+    def enable(self) -> int:
+        """0 if the drive is on then."""
+        self.enabled = not self.error
+        return 0 if self.enabled else 1
+
+    def reset(self) -> int:
+        """An error is acknowledged."""
+        self.error = False
+        return 0
 
     def go(self, position: float, velocity: float, up: float, down: float) -> None:
         """To a position."""

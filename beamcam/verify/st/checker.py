@@ -1,6 +1,6 @@
 """Names, types, parameters and bounds of Structured Text, each fault with its line."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 from beamcam.errors import Diagnostic
 from beamcam.verify.st import library, rules, syntax
@@ -11,14 +11,12 @@ from beamcam.verify.st.types import Types
 GREATEST_NAME = 32
 
 
-def check(
-    units: Sequence[syntax.Unit], axes: Sequence[str], paths: Sequence[str], name: str
-) -> list[Diagnostic]:
+def check(units: Sequence[syntax.Unit], objects: Mapping[str, str], name: str) -> list[Diagnostic]:
     """Everything that is wrong with units by themselves.
 
-    `axes` and `paths` are the names of the project's axes and path objects.
+    `objects` are the project's own with their types: axes, path objects, inputs and outputs.
     """
-    return _Checker(units, Names(units, axes, paths, name)).check()
+    return _Checker(units, Names(units, objects, name)).check()
 
 
 class _Checker:

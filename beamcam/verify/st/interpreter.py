@@ -96,9 +96,12 @@ class _Compiled:
 class Interpreter:
     """The units of a project, loaded: global variables, and one instance of each program."""
 
-    def __init__(self, units: Sequence[syntax.Unit], world: World, name: str) -> None:
+    def __init__(
+        self, units: Sequence[syntax.Unit], world: World, name: str, outside: Sequence[str] = ()
+    ) -> None:
+        """`outside` are BOOL variables of the project that no unit here declares."""
         self.world, self.name = world, name
-        self.globals: Values = {}
+        self.globals: Values = dict.fromkeys((key.upper() for key in outside), False)
         self.addresses: dict[str, str] = {}  #: of inputs and outputs: their variable
         self._variables: dict[str, syntax.Variable] = {}
         self._blocks = {b.name.upper(): _Compiled(b) for u in units for b in u.blocks}
@@ -113,14 +116,13 @@ class Interpreter:
         for compiled in self._blocks.values():
             self._locals = {v.name.upper(): v for v in compiled.block.variables}
             compiled.body = [self._statement(s) for s in compiled.block.body]
-        self._programs = [
-            Instance(c, self) for c in self._blocks.values() if c.block.kind == "PROGRAM"
-        ]
+        self._programs = {
+            key: Instance(c, self) for key, c in self._blocks.items() if c.block.kind == "PROGRAM"
+        }
 
-    def scan(self) -> None:
-        """One cycle of every program. Raises Fault."""
-        for program in self._programs:
-            program.run({})
+    def run(self, program: str) -> None:
+        """One cycle of a program. Raises Fault; KeyError for a program that is not there."""
+        self._programs[program.upper()].run({})
 
     def first(self, variable: syntax.Variable) -> Any:
         """The value that a variable begins with; an array is a list behind its bounds."""

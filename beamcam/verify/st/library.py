@@ -3,13 +3,14 @@
 A command has to name what is `needed` here: what it leaves out would be a default of the project.
 What the simulated axes do not know, such as blending, is no parameter here either.
 
-Sources. `_pos` with its parameters up to `positiveAccel`, and `basicMotion.position`: a program
-that ran on a D425 with firmware 4.0. `_movePathLinear`, `_movePathCircular`, `_stopPath`, `_stop`,
-`pathPlane`, `pathMode`, `x`, `y`, `z`, `circularType` and its values, `ijkMode`, `i`, `j`, `k`,
-`mergeMode` and its values, `nextCommand`, `velocityProfile`, `velocity`, `positiveAccel`,
-`negativeAccel`, `pathObjectType`: manual TO Path Interpolation 11/2010, chapters 2.5, 2.8 and 5.1.
-TON, ABS, SQRT: IEC 61131-3. `UNCONFIRMED` in machine/tables.py lists what no source shows; a
-machine's file can say that the project's package calls it otherwise.
+Sources. `_pos` with its parameters up to `positiveAccel`, and `basicMotion.position`, the actual
+position: a program that ran on a D425 with firmware 4.0. `positioningState`: a third party.
+`_movePathLinear`, `_movePathCircular`, `_stopPath`, `_stop`, `pathPlane`, `pathMode`, `x`, `y`,
+`z`, `circularType` and its values, `ijkMode`, `i`, `j`, `k`, `mergeMode` and its values,
+`nextCommand`, `velocityProfile`, `velocity`, `positiveAccel`, `negativeAccel`, `pathObjectType`:
+manual TO Path Interpolation 11/2010, chapters 2.5, 2.8 and 5.1. TON, ABS, SQRT: IEC 61131-3.
+`UNCONFIRMED` in machine/tables.py lists what no source shows; a machine's file can say that the
+project's package calls it otherwise.
 """
 
 from msgspec import Struct
@@ -75,6 +76,10 @@ COMMANDS = {
         ("pathObject", "stopMode", "nextCommand"),
     ),
     "_enableAxis": Command({"axis": AXIS, "nextCommand": _WHEN}, ("axis", "nextCommand")),
+    "_resetAxisError": Command(
+        {"axis": AXIS, "errorResetMode": "enum:ALL_ERRORS", "nextCommand": _WHEN},
+        ("axis", "errorResetMode", "nextCommand"),
+    ),
     "_homing": Command(
         {
             "axis": AXIS, "homingMode": "enum:DIRECT_HOMING|ACTIVE_HOMING|PASSIVE_HOMING",
@@ -102,13 +107,17 @@ BLOCKS = {"TON": ({"IN": "BOOL", "PT": "TIME"}, {"Q": "BOOL", "ET": "TIME"})}
 
 #: System variables: of an axis, and of what they hold.
 COMPONENTS = {
-    AXIS: {"control": "enum:ACTIVE|INACTIVE", "basicMotion": "basicMotion"},
+    AXIS: {
+        "control": "enum:ACTIVE|INACTIVE", "error": "enum:YES|NO",
+        "basicMotion": "basicMotion", "positioningState": "positioningState",
+    },
     "basicMotion": {"position": "LREAL", "velocity": "LREAL"},
-}
+    "positioningState": {"commandPosition": "LREAL", "actualPosition": "LREAL"},
+}  # fmt: skip
 
 
 def _enumerators() -> frozenset[str]:
-    found: set[str] = {"ACTIVE", "INACTIVE"}
+    found: set[str] = {"ACTIVE", "INACTIVE", "YES", "NO"}
     for command in COMMANDS.values():
         for type_ in command.parameters.values():
             if type_.startswith("enum:"):

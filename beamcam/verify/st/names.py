@@ -1,6 +1,6 @@
 """What names stand for: variables, constants, axes, blocks, and what the library has."""
 
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Mapping, Sequence
 
 from beamcam.errors import Diagnostic, Rule, Source
 from beamcam.verify.st import library, rules, syntax
@@ -11,17 +11,14 @@ UNKNOWN = "?"  #: the type of what has been complained about already
 class Names:
     """The names that can be seen from where the checker stands, and what was said so far.
 
-    `axes` and `paths` are the names of the project's axes and path objects.
+    `objects` are the project's own with their types: axes, path objects, inputs and outputs.
     """
 
-    def __init__(
-        self, units: Sequence[syntax.Unit], axes: Sequence[str], paths: Sequence[str], name: str
-    ) -> None:
+    def __init__(self, units: Sequence[syntax.Unit], objects: Mapping[str, str], name: str) -> None:
         self.name = name
         self.said: list[Diagnostic] = []
         self.blocks = {b.name.upper(): b for u in units for b in u.blocks}
-        self.objects = {a.upper(): library.AXIS for a in axes}
-        self.objects |= {p.upper(): library.PATH_OBJECT for p in paths}
+        self.objects = {name.upper(): type_ for name, type_ in objects.items()}
         self.globals: dict[str, syntax.Variable] = {}
         self.locals: dict[str, syntax.Variable] = {}
 

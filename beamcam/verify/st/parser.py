@@ -6,13 +6,12 @@ is not understood ends a text with a message, as nothing behind it can be truste
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from typing import Literal, cast
 
 from beamcam.errors import Diagnostic, Source
 from beamcam.verify.st import rules, syntax
 from beamcam.verify.st.expressions import KEYWORDS, Expressions, Stop
-from beamcam.verify.st.lexer import Token, tokens
+from beamcam.verify.st.lexer import tokens
 from beamcam.verify.st.syntax import Expression, Section, Statement
 
 _SECTIONS: dict[str, Section] = {
@@ -20,33 +19,18 @@ _SECTIONS: dict[str, Section] = {
 }  # fmt: skip
 
 
-def parse(
-    text: str, name: str, names: Mapping[str, str] | None = None
-) -> tuple[list[syntax.Unit], list[Diagnostic]]:
-    """The units of a text, and what is wrong with it.
-
-    `names` says what the text calls names of the library that are known otherwise here.
-    """
+def parse(text: str, name: str) -> tuple[list[syntax.Unit], list[Diagnostic]]:
+    """The units of a text, and what is wrong with it."""
     found, said = tokens(text, name)
     if said:
         return [], said
-    parser = _Parser(_as_known(found, names) if names else found)
+    parser = _Parser(found)
     try:
         return parser.units(), []
     except Stop as stop:
         source = Source(name, stop.token.line)
         shown = stop.token.text or "the end of the text"
         return [], [rules.SYNTAX.at(source, found=shown, expected=stop.expected)]
-
-
-def _as_known(found: list[Token], names: Mapping[str, str]) -> list[Token]:
-    """Tokens with the names of our library; a name that is called otherwise is no name."""
-    known = {other.upper(): name for name, other in names.items()}
-    for name, other in names.items():
-        known.setdefault(name.upper(), f"{name} (here {other})")
-    return [
-        t._replace(text=known.get(t.text.upper(), t.text)) if t.kind == "name" else t for t in found
-    ]
 
 
 class _Parser(Expressions):

@@ -52,6 +52,12 @@ RUN = Rule(
     "found {found}; expected {expected}",
     "The program was run with simulated axes, and this happened.",
 )
+RUNTIME = Rule(
+    "st-runtime",
+    _E,
+    "found {found!r} in the fixed part of the program; expected {expected!r}",
+    "Homing, limits, faults and triggers are the same text for every job of a machine.",
+)
 COMMAND = Rule(
     "st-command",
     _E,
@@ -64,12 +70,6 @@ TRIGGER = Rule(
     "found {found}; expected {expected}",
     "Each operation is started once, when the one before it has arrived.",
 )
-HOME = Rule(
-    "st-homing",
-    _E,
-    "found {found}; expected {expected}",
-    "All places are counted from where homing ends.",
-)
 TOOL = Rule(
     "st-tool",
     _E,
@@ -79,17 +79,17 @@ TOOL = Rule(
 STRAIGHT = Rule(
     "st-straight",
     _E,
-    "found the axes {found} mm off the line of their operation; expected at most {expected} mm",
-    "Two axes that are not scaled to each other do not arrive together.",
+    "found a switch at {found}; expected it at {expected}, where the head stands",
+    "The next line is reckoned from there, and its axes would not arrive together.",
 )
 SPEED = Rule(
     "st-speed",
     _E,
-    "found {found} mm/s with the tool on; expected at most {expected} mm/s",
+    "found {found} mm/s to {what}; expected {expected} mm/s",
     "The torch does not get through, or the axis cannot follow.",
 )
 
 RULES = (
-    SYNTAX, NAME, DECLARED, PARAMETER, TYPE, BOUNDS, COUNT, RUN, COMMAND, TRIGGER, HOME, TOOL,
+    SYNTAX, NAME, DECLARED, PARAMETER, TYPE, BOUNDS, COUNT, RUN, RUNTIME, COMMAND, TRIGGER, TOOL,
     STRAIGHT, SPEED,
 )  # fmt: skip

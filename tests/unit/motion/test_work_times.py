@@ -24,9 +24,8 @@ from beamcam.motion.steps import step_table
 from beamcam.motion.table_times import length_through, step_time, trigger_time
 from beamcam.pipeline import post
 from beamcam.planning.sheet import plan_sheet
-from beamcam.verify.st import check_text
-from beamcam.verify.st.cell import Cell
 from tests.unit.sheets.parts import NESTED, box, circle, contour, drawing, lines, table
+from tests.unit.tables.plant import Plant, units_of
 from tests.unit.tables.shop import NAMES, plan, table_machine, triggers
 
 GCODE = ("plate-linuxcnc", "plate-codesys", "laser-grbl")
@@ -148,13 +147,14 @@ def test_curves_of_moves() -> None:
 def test_a_chain_of_triggers_takes_as_long_as_its_simulation(name: str) -> None:
     machine = table_machine()
     found = triggers(name, machine)
-    cell = Cell(check_text(simotion.emit(found, machine), machine)[0], machine, "a")
+    plant = Plant(units_of(simotion.emit(found, machine), machine), machine)
+    plant.press_start()
     switched = []
-    while not cell.interpreter.globals["WORKDONE"]:
-        before = cell.tool_on
-        cell.cycle()
-        if cell.tool_on != before:
-            switched.append(cell.clock_s)
+    while not plant.value("workDone"):
+        before = plant.tool_on
+        plant.cycle()
+        if plant.tool_on != before:
+            switched.append(plant.clock_s)
     time = trigger_time(plan(name, "table-simotion"), found, machine)
     # From the first start of the tool on; before is homing.
     here, ways_there = (0.0, 0.0), 0.0
@@ -164,7 +164,7 @@ def test_a_chain_of_triggers_takes_as_long_as_its_simulation(name: str) -> None:
     if hasattr(first, "x"):
         way = move_seconds(dist(here, (first.x, first.y)), 20.0, 100.0)
         ways_there = (ceil(way / cycle) + 1) * cycle
-    simulated = cell.clock_s - switched[0]
+    simulated = plant.clock_s - switched[0]
     assert time.total_s - ways_there == pytest.approx(simulated, rel=0.01, abs=4 * cycle)
     assert length_through((10, 0), (0, 10), (-10, 0)) == pytest.approx(10 * pi)
     assert length_through((0, 0), (1, 1), (3, 3)) == pytest.approx(18**0.5)

@@ -6,12 +6,18 @@ import pytest
 from msgspec.structs import replace
 
 from beamcam.emitters import step_table as forms
+from beamcam.errors import Diagnostic
 from beamcam.machine import load
 from beamcam.machine.faults import table_faults
 from beamcam.machine.machine import Machine
 from beamcam.motion.steps import step_table
 from beamcam.verify.st import rules as st_rules
 from beamcam.verify.st import verify_triggers
+from beamcam.verify.st.cell import Cell
+from beamcam.verify.st.checker import check
+from beamcam.verify.st.interpreter import Fault
+from beamcam.verify.st.parser import parse
+from beamcam.verify.st.trial import project_objects
 from beamcam.verify.steps import rules as steps_rules
 from beamcam.verify.steps import verify_table
 
@@ -22,65 +28,35 @@ from .shop import part, plan, program, table_machine
 #: Style of the shield's program, what is changed, into what, and the first thing that is said
 #: behind the name of the file.
 SAID_OF_PROGRAMS = [
-    ("chain", r"END_IF;\n +END_FUNCTION_BLOCK", "END_FUNCTION_BLOCK",
-     "70: error st-syntax: found 'END_FUNCTION_BLOCK'; expected a statement or ELSE"),
-    ("chain", "TYPE := DIRECT|Type := DIRECT", "Type := \xdcBER",
-     "91: error st-syntax: found '\xdcBER, veloci'; expected ASCII letters, numbers and signs of "
-     "Structured Text"),
-    ("chain", "INT := INT#0", "INT := INT#99999",
-     "24: error st-syntax: found 'INT#99999'; expected a value of INT"),
-    ("chain", r"wait\.Q", "wait.P",
-     "247: error st-name: found .P, which is not declared; expected a name that is"),
-    ("chain", "USEPACKAGE CAM;", "USEPACKAGE CAN;",
-     "1: error st-name: found no USEPACKAGE CAM, which is not declared; expected CAM"),
-    ("chain", "workState := INT#3", "workStat := INT#3",
-     "333: error st-name: found workStat, which is not declared; expected workState"),
-    ("chain", "length : LREAL;", "dt : LREAL;",
-     "57: error st-declaration: found the name dt as a variable; expected another, as it means "
-     "something already"),
-    ("chain", "answer : DINT;", "answer : DINT; answer : DINT;",
-     "84: error st-declaration: found the name answer twice; expected it once"),
-    ("chain", r"startY := LREAL#5\.0", "startV := LREAL#5.0",
-     "249: error st-parameter: found startV in a call of line; expected startY"),
-    ("chain", "workState := INT#3", "workState := LREAL#3.0",
-     "333: error st-type: found LREAL for workState; expected INT"),
-    ("chain", "direction := POSITIVE", "direction := ABSOLUTE",
-     "90: error st-type: found ABSOLUTE for direction of _pos; expected POSITIVE or NEGATIVE or "
-     "BY_VALUE or SHORTEST_WAY"),
+    ("chain", r"speed := LREAL#2\.0", "speed := LREAL#2",
+     "{line}: error st-syntax: found 'speed := LREAL#2);'; expected speed := LREAL#...);"),
+    ("chain", "workDone := workState = INT#3", "workDone := TRUE",
+     "{line}: error st-runtime: found 'workDone := TRUE;' in the fixed part of the program; "
+     "expected 'workDone := workState = INT#3;'"),
+    ("table", "USES unit_shield_1", "USES unit_shield_2",
+     "{line}: error st-name: found unit unit_shield_2, which is not declared; expected "
+     "unit_shield_1"),
     ("chain", r"ARRAY \[0\.\.11\] OF BOOL", "ARRAY [0..10] OF BOOL",
-     "322: error st-bounds: found index 11 of triggerActive; expected 0 to 10"),
-    ("table", r"ARRAY \[1\.\.11\] OF LREAL", "ARRAY [1..10] OF LREAL",
-     "313: error st-array: found 11 values for pointX_1; expected 10"),
-    ("chain", r"length := SQRT\(", "length := LREAL#0.0 * SQRT(",
-     "64: error st-run: found a division by 0; expected none"),
-    ("chain", r"endX := LREAL#35\.0, endY := L", "endX := LREAL#-35.0, endY := L",
-     "89: error st-command: found AxisX to -35; expected 0 to 700"),
-    ("chain", r"velocity := scaled\.velocityX", "velocity := LREAL#0.0",
-     "89: error st-command: found velocity 0; expected more than 0"),
-    ("chain", "velocityProfile := TRAPEZOIDAL", "velocityProfile := SMOOTH",
-     "89: error st-command: found a smooth profile; expected TRAPEZOIDAL, so that axes arrive "
-     "together"),
-    ("chain", "mergeMode := IMMEDIATELY,\n +nextCommand := IMMEDIATELY",
-     "mergeMode := SEQUENTIAL, nextCommand := IMMEDIATELY",
-     "89: error st-command: found mergeMode SEQUENTIAL; expected IMMEDIATELY"),
-    ("chain", "homingMode := DIRECT_HOMING", "homingMode := ACTIVE_HOMING",
-     "149: error st-command: found ACTIVE_HOMING; expected DIRECT_HOMING to a DIRECT position"),
-    ("chain", r" AND NOT triggerActive\[5\]", "",
-     "264: error st-trigger: found trigger 5 without its latch; expected NOT 5"),
-    ("chain", " OR limitYHigh", "",
-     " error st-homing: found work going on with the limit switch %I0.3 closed; expected a stop "
-     "with the tool off"),
-    ("chain", "limitXLow AT %I0.0", "limitXLow AT %I0.7",
-     " error st-homing: found nothing at %I0.0; expected a variable AT it"),
-    ("chain", "cutOn AT %Q62.0", "cutOn AT %Q62.7",
-     " error st-tool: found nothing at %Q62.0; expected a variable AT it"),
+     "{line}: error st-bounds: found index 10 of triggerActive; expected 0 to 11"),
+    ("table", r"LREAL#25\.0, LREAL#35\.0, ", "LREAL#25.0, ",
+     "{array}: error st-array: found 10 values for pointX_1; expected 11"),
+    ("chain", r"x := LREAL#35\.0, y := L", "x := LREAL#-35.0, y := L",
+     "{block}: error st-command: found AxisX to -35; expected 0 to 700"),
+    ("chain", r"NOT triggerActive\[5\]", "NOT triggerActive[6]",
+     "{line}: error st-trigger: found trigger 5 behind 4, but not 6; expected trigger 5 behind 4, "
+     "but not 5"),
     ("chain", "PIERCE_CUT : TIME := T#800ms", "PIERCE_CUT : TIME := T#80ms",
-     " error st-tool: found a wait of 0.100 s behind the start of the tool; expected 0.8 s"),
-    ("chain", r"velocity := scaled\.velocityX", "velocity := scaled.velocityY",
-     " error st-straight: found the axes 3.7992 mm off the line of their operation; expected at "
-     "most 0.01 mm"),
+     "{switch}: error st-tool: found a wait of 0.080 s behind the start of the tool; expected "
+     "0.8 s"),
+    ("chain", r"kind := USINT#1, x := LREAL#25\.0", "kind := USINT#1, x := LREAL#26.0",
+     "{block}: error st-straight: found a switch at X 26, Y 5; expected it at X 25, Y 5, where "
+     "the head stands"),
     ("chain", r"speed := LREAL#2\.0", "speed := LREAL#9.0",
-     " error st-speed: found 9.000 mm/s with the tool on; expected at most 8 mm/s"),
+     "{speed}: error st-speed: found 9 mm/s to cut; expected above 0 and at most 2 mm/s"),
+    ("chain", r"speed := LREAL#2\.0", "speed := LREAL#0.2",
+     "{speed}: error st-speed: found 0.2 mm/s to cut; expected 2 mm/s"),
+    ("chain", r"x := LREAL#0\.0, y := LREAL#0\.0", "x := LREAL#1.0, y := LREAL#0.0",
+     "{block}: error st-run: found the end at X 1.000, Y 0.000; expected both axes at 0"),
 ]  # fmt: skip
 
 
@@ -89,13 +65,94 @@ def test_what_is_said_of_a_program(style: str, find: str, put: str, says: str) -
     text = program("shield", style)
     changed = re.sub(find, lambda _: put, text, count=1)
     assert changed != text
+    line = next(k for k, (a, b) in enumerate(zip(text.split("\n"), changed.split("\n"),
+                                                 strict=False), 1) if a != b)  # fmt: skip
+    switch = text.partition("kind := USINT#1")[0].count("\n") - 1
+    places = {"line": line, "block": line - 2, "speed": line - 3, "array": line - 1,
+              "switch": switch}  # fmt: skip
     said = verify_triggers(changed, [part("shield")], table_machine(), (), "a.st")
-    assert str(said[0]) == f"a.st:{says}"
+    assert str(said[0]) == f"a.st:{says.format(**places)}"
+
+
+#: What is changed in the fixed part of a machine's programs, and the first thing that is said.
+SAID_OF_RUNTIMES = [
+    (r"END_IF;\n +END_FUNCTION_BLOCK", "END_FUNCTION_BLOCK",
+     "st-syntax: found 'END_FUNCTION_BLOCK'; expected a statement or ELSE"),
+    ("TYPE := DIRECT|Type := DIRECT", "Type := \xdcBER",
+     "st-syntax: found '\xdcBER, veloci'; expected ASCII letters, numbers and signs of Structured "
+     "Text"),
+    ("INT := INT#0", "INT := INT#99999",
+     "st-syntax: found 'INT#99999'; expected a value of INT"),
+    (r"wait\.Q", "wait.P", "st-name: found .P, which is not declared; expected a name that is"),
+    ("workState := INT#3", "workStat := INT#3",
+     "st-name: found workStat, which is not declared; expected workState"),
+    ("shareX : LREAL;", "dt : LREAL;",
+     "st-declaration: found the name dt as a variable; expected another, as it means something "
+     "already"),
+    ("shareX : LREAL;", "shareX : LREAL; shareX : LREAL;",
+     "st-declaration: found the name shareX twice; expected it once"),
+    (r"x := LREAL#25\.0, y := L", "z := LREAL#25.0, y := L",
+     "st-parameter: found z in a call of next; expected a name that is"),
+    ("workState := INT#3", "workState := LREAL#3.0",
+     "st-type: found LREAL for workState; expected INT"),
+    ("direction := POSITIVE", "direction := ABSOLUTE",
+     "st-type: found ABSOLUTE for direction of _pos; expected POSITIVE or NEGATIVE or BY_VALUE or "
+     "SHORTEST_WAY"),
+    (r"fault <> INT#0\) AND", "fault <> LREAL#0.0) AND",
+     "st-type: found LREAL for <> with INT; expected INT"),
+    (r"triggerActive\[11\] := TRUE", "triggerActive[12] := TRUE",
+     "st-bounds: found index 12 of triggerActive; expected 0 to 11"),
+    (r"way := SQRT\(", "way := LREAL#0.0 / LREAL#0.0 * SQRT(",
+     "st-run: found a division by 0; expected none"),
+    (r"FOR k := DINT#0 TO LAST_OPERATION", "FOR k := DINT#0 TO LAST_OPERATION + DINT#1",
+     "st-bounds: found index 12 of triggerActive; expected 0 to 11"),
+    (r"velocity := targetSpeed \* shareX", "velocity := LREAL#0.0",
+     "st-command: found velocity 0; expected more than 0"),
+    ("velocityProfile := TRAPEZOIDAL", "velocityProfile := SMOOTH",
+     "st-command: found a smooth profile; expected TRAPEZOIDAL, so that axes arrive together"),
+    ("mergeMode := IMMEDIATELY,\n +nextCommand := IMMEDIATELY",
+     "mergeMode := SEQUENTIAL, nextCommand := IMMEDIATELY",
+     "st-command: found ABSOLUTE with SEQUENTIAL; expected ABSOLUTE with IMMEDIATELY"),
+    ("mergeMode := IMMEDIATELY,\n +nextCommand := IMMEDIATELY",
+     "mergeMode := IMMEDIATELY, nextCommand := WHEN_MOTION_DONE",
+     "st-command: found nextCommand WHEN_MOTION_DONE; expected IMMEDIATELY in a cycle"),
+    ("homingMode := DIRECT_HOMING", "homingMode := ACTIVE_HOMING",
+     "st-command: found ACTIVE_HOMING; expected DIRECT_HOMING to a DIRECT position"),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("find", "put", "says"), SAID_OF_RUNTIMES)
+def test_what_is_said_of_a_fixed_part(find: str, put: str, says: str) -> None:
+    text = program("shield", "chain")
+    changed = re.sub(find, lambda _: put, text, count=1)
+    assert changed != text
+    line = next(k for k, (a, b) in enumerate(zip(text.split("\n"), changed.split("\n"),
+                                                 strict=False), 1) if a != b)  # fmt: skip
+    said = said_of(changed)
+    assert f": error {says}" in str(said[0])
+    assert abs((said[0].source.line or 0) - line) <= 8
+
+
+def said_of(text: str) -> list[Diagnostic]:
+    """What checker and executor say of a text that is no longer the shipped one."""
+    machine = table_machine()
+    units, said = parse(text, "a.st")
+    said = said or check(units, project_objects(machine), "a.st")
+    if said:
+        return said
+    cell = Cell(units, machine, "a.st")
+    try:
+        while not cell.said and cell.clock_s < 20:
+            cell.start = cell.clock_s > 0.0
+            cell.cycle()
+    except Fault as fault:
+        return [fault.diagnostic]
+    return cell.said
 
 
 def test_every_rule_of_programs_is_said() -> None:
-    met = {word.rstrip(":") for *_, says in SAID_OF_PROGRAMS for word in says.split()
-           if word.startswith("st-")}  # fmt: skip
+    met = {word.rstrip(":") for *_, says in (*SAID_OF_PROGRAMS, *SAID_OF_RUNTIMES)
+           for word in says.split() if word.startswith("st-")}  # fmt: skip
     assert met == {rule.code for rule in st_rules.RULES}
 
 
@@ -199,9 +256,21 @@ FAULTY = [
     (table_machine(outputs={"cut": "%Q0.0"}), "triggers.outputs", {"cut": "%Q0.0"},
      "an output for mark"),
     (table_machine(outputs={"cut": "%Q0.9", "mark": "%Q0.1"}), "triggers.outputs", "%Q0.9",
-     "an address of an output such as %Q62.0"),
+     "an address of an output such as %Q62.0 or the name of a variable"),
     (table_machine(start="I0.4"), "triggers.limits", "I0.4",
-     "an address of an input such as %I0.0"),
+     "an address of an input such as %I0.0 or the name of a variable"),
+    (table_machine(start=""), "triggers.limits", "",
+     "an address of an input such as %I0.0 or the name of a variable"),
+    (table_machine(fault_lamp="the lamp"), "triggers.outputs", "the lamp",
+     "an address of an output such as %Q62.0 or the name of a variable"),
+    (table_machine(uses=("a-b",)), "triggers.axes", "a-b",
+     "letters, digits and single _, a letter first"),
+    (table_machine(arrival_window=0.1), "triggers.arrival_window", 0.1,
+     "a count of the encoder or more, 0.1270 mm"),
+    (table_machine(max_homing_s=60.0), "triggers.max_homing_s", 60.0,
+     "77.5 or more for 775 mm at homing_mm_s"),
+    (table_machine(standstill=0.0), "triggers.standstill", 0.0, "more than 0"),
+    (table_machine(max_late_s=-1.0), "triggers.max_late_s", -1.0, "more than 0"),
 ]  # fmt: skip
 
 

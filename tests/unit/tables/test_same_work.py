@@ -10,11 +10,11 @@ from beamcam.motion.steps import step_table
 from beamcam.pipeline import post
 from beamcam.verify.sheets import events_of
 from beamcam.verify.sheets.events import Leg
-from beamcam.verify.st import check_text, run
 from beamcam.verify.steps.follow import Followed
 from beamcam.verify.steps.outline import Floats, Outline
 from beamcam.verify.steps.rows import Stream, binary_rows
 
+from .plant import DONE, Plant, units_of
 from .shop import part, plan, program, table_machine
 
 NAME = "rounded-rectangle"
@@ -40,12 +40,10 @@ def by_codesys() -> shapely.LineString:
 
 def by_simotion() -> shapely.LineString:
     machine = table_machine()
-    units, said = check_text(program(NAME, "chain"), machine)
-    assert not said
-    strokes, said = run(units, machine)
-    assert not said
-    (stroke,) = strokes
-    return shapely.LineString(stroke.points)
+    plant = Plant(units_of(program(NAME, "chain"), machine), machine)
+    plant.press_start()
+    plant.run_until(DONE, 600.0)
+    return shapely.LineString(plant.points["cut"])
 
 
 class Kept(Outline):

@@ -1,0 +1,130 @@
+"""The fixed part of a trigger program: the same text for every job of a machine.
+
+The shipped Structured Text beside this file, with the names, addresses, limits and times of a
+machine's file put in. What a job adds are its times and set-points, in two places:
+
+    head | declarations of the job | middle | operations of the job | end
+"""
+
+import re
+from collections.abc import Mapping
+from importlib.resources import files
+
+from msgspec import Struct
+
+from beamcam.machine.known import OncePerMachine
+from beamcam.machine.machine import Machine
+from beamcam.machine.tables import Triggers
+
+STYLES = ("chain", "table")
+PROCESSES = ("cut", "mark", "engrave")  #: switched on by the kinds 1, 3, 5, off by 2, 4, 6
+_INDENT = " " * 8
+
+
+class Runtime(Struct, frozen=True):
+    """The three pieces of the fixed part, each of whole lines."""
+
+    head: str
+    middle: str
+    end: str
+
+
+def runtime_of(machine: Machine, style: str) -> Runtime:
+    """The fixed part of a machine's programs, for a job in the style "chain" or "table".
+
+    Raises TypeError for a machine without a trigger program.
+    """
+    return _all_styles(machine)[style]
+
+
+def library_runtime(machine: Machine, style: str) -> Runtime:
+    """The same, with the names of the controller's library as the manuals have them."""
+    triggers = machine.triggers
+    if triggers is None:
+        raise TypeError(f"{machine.name} has no trigger program")
+    text = _shipped("cut_part")
+    text = text.replace("<motion>\n", _shipped("paths" if triggers.path_objects else "lines"))
+    text = text.replace("<operations>\n", _shipped(style))
+    for name, lines in _lines(triggers).items():
+        text = text.replace(f"<{name}>\n", "".join(f"{_INDENT}{line}\n" for line in lines))
+    for name, value in _values(triggers).items():
+        text = text.replace(f"<{name}>", value)
+    return Runtime(*text.split("@\n"))
+
+
+def lreal(value: float) -> str:
+    """A literal of the type LREAL, to six decimals."""
+    plain = f"{value:.6f}".rstrip("0")
+    return f"LREAL#{plain}0" if plain.endswith(".") else f"LREAL#{plain}"
+
+
+def _values(t: Triggers) -> dict[str, str]:
+    """What stands for each name of one word in the shipped text."""
+    numbers = (
+        "in_position", "standstill", "arrival_window", "acceleration", "homing_mm_s", "back_off",
+        "cycle_s", "max_homing_s", "max_late_s",
+    )  # fmt: skip
+    return {
+        "axis_x": t.axes[0],
+        "axis_y": t.axes[1],
+        "path_object": t.path_object,
+        "package": t.technology,
+        "cycle_ms": f"{1000 * t.cycle_s:g}",
+        **{name: lreal(getattr(t, name)) for name in numbers},
+    }
+
+
+def _lines(t: Triggers) -> dict[str, list[str]]:
+    """The lines that declare inputs and outputs, and those that copy what has a name."""
+    limits = ("limitXLow", "limitXHigh", "limitYLow", "limitYHigh")
+    inputs = dict(zip(limits, t.limits, strict=True))
+    inputs |= {"startButton": t.start, "acknowledgeButton": t.acknowledge}
+    outputs = {f"{process}On": t.outputs.get(process, "") for process in PROCESSES}
+    declared = [
+        f"{name} AT {place} : BOOL;" if is_address(place) else f"{name} : BOOL := FALSE;"
+        for name, place in (inputs | outputs).items()
+    ]
+    named = {name: other for name, other in inputs.items() if other and not is_address(other)}
+    writes = [f"{other} := {name};" for name, other in outputs.items()
+              if other and not is_address(other)]  # fmt: skip
+    lamp = t.fault_lamp
+    if is_address(lamp):
+        declared.append(f"faultLamp AT {lamp} : BOOL;")
+    shown = [f"{'faultLamp' if is_address(lamp) else lamp} := workFault;"] if lamp else []
+    return {
+        "inputs and outputs": declared,
+        "read inputs": [f"{name} := {other};" for name, other in named.items()],
+        "write outputs": writes,
+        "show fault": shown,
+    }
+
+
+def is_address(place: str) -> bool:
+    """Whether an input or output is an address such as %I0.0; else it is a variable's name."""
+    return place.startswith("%")
+
+
+def _as_called(text: str, names: Mapping[str, str]) -> str:
+    """A text with names of the controller's library as the project's package has them."""
+    if not names:
+        return text
+    longest_first = sorted(names, key=len, reverse=True)
+    words = re.compile(rf"(?<!\w)(?:{'|'.join(map(re.escape, longest_first))})(?!\w)")
+    return words.sub(lambda word: names[word[0]], text)
+
+
+def _shipped(name: str) -> str:
+    return (files(__package__) / f"{name}.st").read_text(encoding="ascii")
+
+
+def _make(machine: Machine) -> dict[str, Runtime]:
+    names = machine.triggers.names if machine.triggers else {}
+    found = {}
+    for style in STYLES:
+        plain = library_runtime(machine, style)
+        called = (_as_called(text, names) for text in (plain.head, plain.middle, plain.end))
+        found[style] = Runtime(*called)
+    return found
+
+
+_all_styles = OncePerMachine(_make)

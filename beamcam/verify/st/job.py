@@ -1,0 +1,267 @@
+"""What is a job's own in a trigger program, read line by line: operations and times to pierce.
+
+declarations -> LAST_OPERATION, PIERCE_CUT, ...
+operations   -> a latched block for each (chain), or a block for each unit of rows (table)
+data         -> arrays of set-points, in units
+"""
+
+import re
+from collections.abc import Iterable, Iterator, Sequence
+from typing import Any, NoReturn
+
+from msgspec import Struct
+
+from beamcam.errors import Rule, Source
+from beamcam.machine.machine import Machine
+from beamcam.machine.runtime import PROCESSES
+from beamcam.verify.st import rules
+from beamcam.verify.st.frame import UNIT, JobText, Line, Unreadable
+
+_REAL = r"LREAL#(-?\d+\.\d+)"
+_KIND = r"USINT#(\d+)"
+_USES = re.compile(r"    USES (\w+(?:, \w+)*);")
+_LAST = re.compile(r"        LAST_OPERATION : DINT := DINT#(\d+);")
+_LATCHES = re.compile(r"        triggerActive : ARRAY \[0\.\.(\d+)\] OF BOOL;")
+_COMMENT = re.compile(r"        \(\* \d+: [a-z ]+ \*\)")
+_TRIGGER = re.compile(
+    r"        IF operationArrived AND triggerActive\[(\d+)\] AND NOT triggerActive\[(\d+)\] THEN"
+)
+_LATCH = re.compile(r"            triggerActive\[(\d+)\] := TRUE;")
+_PLACE = re.compile(rf"            next\(kind := {_KIND}, x := {_REAL}, y := {_REAL},")
+_SPEED = re.compile(rf"                speed := {_REAL}\);")
+_SPEED_VIA = re.compile(rf"                speed := {_REAL},")
+_VIA = re.compile(rf"                middleX := {_REAL}, middleY := {_REAL}\);")
+_END = re.compile(r"        END_IF;")
+_RANGE = re.compile(r"        IF \(row >= DINT#(\d+)\) AND \(row <= DINT#(\d+)\) THEN")
+_VALUES = {"LREAL": re.compile(_REAL), "USINT": re.compile(_KIND)}
+
+Columns = list[list[float]]
+
+
+class Operation(Struct, frozen=True):
+    """One operation as the controller gets it."""
+
+    line: int
+    kind: int
+    x: float
+    y: float
+    speed: float
+    via: tuple[float, float] | None = None
+
+
+class JobRead(Struct, frozen=True):
+    """A job: its operations in their order, and seconds to pierce by process."""
+
+    operations: tuple[Operation, ...]
+    pierce_s: dict[str, float]
+
+
+def read_job(text: JobText, machine: Machine, name: str = "program") -> JobRead:
+    """The operations of a job. Raises Unreadable at the first thing that is wrong."""
+    return _Job(text, machine, name).read()
+
+
+class _Lines:
+    """Lines taken one by one, each of a form."""
+
+    def __init__(self, lines: Sequence[Line], name: str) -> None:
+        self.lines, self.name, self.at = lines, name, 0
+
+    @property
+    def here(self) -> Line:
+        if self.at < len(self.lines):
+            return self.lines[self.at]
+        last = self.lines[-1][0] if self.lines else 1
+        return last, "the end of the program"
+
+    @property
+    def left(self) -> bool:
+        return self.at < len(self.lines)
+
+    def exact(self, *wanted: str) -> None:
+        for text in wanted:
+            if not self.left or self.here[1] != text:
+                self.wrong(rules.SYNTAX, found=self.here[1].strip(), expected=text.strip())
+            self.at += 1
+
+    def match(self, form: re.Pattern[str], expected: str) -> re.Match[str]:
+        found = form.fullmatch(self.here[1]) if self.left else None
+        if found is None:
+            self.wrong(rules.SYNTAX, found=self.here[1].strip(), expected=expected)
+        self.at += 1
+        return found
+
+    def wrong(self, rule: Rule, line: int | None = None, **values: object) -> NoReturn:
+        source = Source(self.name, self.here[0] if line is None else line)
+        raise Unreadable(rule.at(source, **values))
+
+
+class _Job:
+    def __init__(self, text: JobText, machine: Machine, name: str) -> None:
+        assert machine.triggers is not None
+        self.text, self.name, self.triggers = text, name, machine.triggers
+        self.paths = machine.triggers.path_objects
+
+    def read(self) -> JobRead:
+        lines = _Lines(self.text.declarations, self.name)
+        units: list[str] = []
+        uses_line = lines.here[0]
+        if lines.left and _USES.fullmatch(lines.here[1]):
+            units = lines.match(_USES, "USES")[1].split(", ")
+        lines.exact("    VAR_GLOBAL CONSTANT")
+        last = int(lines.match(_LAST, "LAST_OPERATION : DINT := DINT#...;")[1])
+        pierce_s = dict(self._pierces(lines))
+        lines.exact("    END_VAR")
+        if self.text.style == "chain":
+            lines.exact("    VAR_GLOBAL")
+            latches = int(lines.match(_LATCHES, "triggerActive : ARRAY [0..n] OF BOOL;")[1])
+            if latches != last:
+                found = latches
+                lines.wrong(rules.BOUNDS, lines.here[0] - 1, found=found, name="triggerActive",
+                            low=0, high=last)  # fmt: skip
+            lines.exact("    END_VAR")
+        if lines.left:
+            lines.wrong(rules.SYNTAX, found=lines.here[1].strip(), expected="the runtime")
+        own = list(self.triggers.uses)
+        if units[: len(own)] != own:
+            expected = ", ".join(own)
+            lines.wrong(rules.NAME, uses_line, found=", ".join(units) or "no USES",
+                        expected=expected)  # fmt: skip
+        read = self._chain if self.text.style == "chain" else self._table
+        operations = read(last, units[len(own) :], uses_line)
+        return JobRead(operations, pierce_s)
+
+    def _pierces(self, lines: _Lines) -> Iterator[tuple[str, float]]:
+        for process in PROCESSES:
+            form = re.compile(rf"        PIERCE_{process.upper()} : TIME := T#(\d+)ms;")
+            found = lines.match(form, f"PIERCE_{process.upper()} : TIME := T#...ms;")
+            yield process, int(found[1]) / 1000
+
+    # -- chains -----------------------------------------------------------------------------
+
+    def _chain(self, last: int, units: Sequence[str], uses_line: int) -> tuple[Operation, ...]:
+        lines = _Lines(self.text.operations, self.name)
+        if units:
+            found = f"unit {units[0]}"
+            lines.wrong(rules.NAME, uses_line, found=found, expected="no unit of set-points")
+        operations = tuple(self._blocks(lines))
+        if len(operations) != last:
+            found = f"{len(operations)} operations"
+            lines.wrong(rules.TRIGGER, found=found, expected=f"{last}, as LAST_OPERATION")
+        data = _Lines(self.text.data, self.name)
+        data.exact("")
+        if data.left:
+            data.wrong(rules.SYNTAX, found=data.here[1].strip(), expected="the end of the program")
+        return operations
+
+    def _blocks(self, lines: _Lines) -> Iterator[Operation]:
+        k = 0
+        while lines.left:
+            k += 1
+            lines.match(_COMMENT, f"(* {k}: ... *)")
+            line = lines.here[0]
+            found = lines.match(_TRIGGER, "IF operationArrived AND ... THEN")
+            wanted, barred = int(found[1]), int(found[2])
+            sets = int(lines.match(_LATCH, f"triggerActive[{k}] := TRUE;")[1])
+            if (wanted, barred, sets) != (k - 1, k, k):
+                lines.wrong(
+                    rules.TRIGGER, line, found=f"trigger {sets} behind {wanted}, but not {barred}",
+                    expected=f"trigger {k} behind {k - 1}, but not {k}",
+                )  # fmt: skip
+            place = lines.match(_PLACE, "next(kind := USINT#..., x := LREAL#..., y := LREAL#...,")
+            kind, x, y = int(place[1]), float(place[2]), float(place[3])
+            if self.paths:
+                speed = lines.match(_SPEED_VIA, "speed := LREAL#...,")
+                via = lines.match(_VIA, "middleX := LREAL#..., middleY := LREAL#...);")
+                middle = float(via[1]), float(via[2])
+            else:
+                speed, middle = lines.match(_SPEED, "speed := LREAL#...);"), None
+            lines.match(_END, "END_IF;")
+            yield Operation(line, kind, x, y, float(speed[1]), middle)
+
+    # -- tables -----------------------------------------------------------------------------
+
+    @property
+    def _columns(self) -> dict[str, str]:
+        """Names of the arrays with their types, in their order."""
+        names = ["pointX", "pointY", "pointSpeed"]
+        if self.paths:
+            names += ["pointViaX", "pointViaY"]
+        return {**dict.fromkeys(names, "LREAL"), "pointKind": "USINT"}
+
+    def _table(self, last: int, units: Sequence[str], uses_line: int) -> tuple[Operation, ...]:
+        lines = _Lines(self.text.operations, self.name)
+        data = _Lines(self.text.data, self.name)
+        data.exact("")
+        operations: list[Operation] = []
+        for k, unit in enumerate(units, 1):
+            low, high = self._fetch(lines, k)
+            if low != len(operations) + 1 or high < low:
+                lines.wrong(rules.BOUNDS, lines.here[0] - 4, found=low, name=f"rows of {unit}",
+                            low=len(operations) + 1, high="more")  # fmt: skip
+            operations += self._rows(data, unit, k, low, high, uses_line)
+        if lines.left:
+            lines.wrong(rules.SYNTAX, found=lines.here[1].strip(), expected="the runtime")
+        if data.left:
+            data.wrong(rules.SYNTAX, found=data.here[1].strip(), expected="the end of the program")
+        if len(operations) != last:
+            found = f"{len(operations)} operations"
+            lines.wrong(rules.TRIGGER, found=found, expected=f"{last}, as LAST_OPERATION")
+        return tuple(operations)
+
+    def _fetch(self, lines: _Lines, k: int) -> tuple[int, int]:
+        """The rows that the block of a unit takes."""
+        bounds = lines.match(_RANGE, "IF (row >= DINT#...) AND (row <= DINT#...) THEN")
+        via = [");"]
+        if self.paths:
+            via = [",", f"                middleX := pointViaX_{k}[row], "
+                   f"middleY := pointViaY_{k}[row]);"]  # fmt: skip
+        lines.exact(
+            f"            next(kind := pointKind_{k}[row], x := pointX_{k}[row], "
+            f"y := pointY_{k}[row],",
+            f"                speed := pointSpeed_{k}[row]{via[0]}",
+            *via[1:],
+            "        END_IF;",
+        )
+        return int(bounds[1]), int(bounds[2])
+
+    def _rows(
+        self, data: _Lines, unit: str, k: int, low: int, high: int, uses_line: int
+    ) -> list[Operation]:
+        """The operations of one unit."""
+        other = data.match(UNIT, f"(* ===== UNIT {unit} ===== *)")[1]
+        if other != unit:
+            data.wrong(rules.NAME, uses_line, found=f"unit {unit}", expected=other)
+        data.exact("INTERFACE", "    VAR_GLOBAL CONSTANT")
+        line = data.here[0]
+        columns = [
+            self._array(data, f"{name}_{k}", type_, low, high)
+            for name, type_ in self._columns.items()
+        ]
+        data.exact("    END_VAR", "END_INTERFACE", "", "IMPLEMENTATION", "END_IMPLEMENTATION", "")
+        x, y, speed, *via, kinds = columns
+        middles: Iterable[Any] = zip(*via, strict=True) if via else [None] * len(x)
+        return [
+            Operation(line, int(row[0]), row[1], row[2], row[3], middle)
+            for *row, middle in zip(kinds, x, y, speed, middles, strict=True)
+        ]
+
+    def _array(self, data: _Lines, name: str, type_: str, low: int, high: int) -> list[float]:
+        """The values of one array, as many as it has rows."""
+        line = data.here[0]
+        data.exact(f"        {name} : ARRAY [{low}..{high}] OF {type_} := [")
+        start = data.at
+        while data.left and data.here[1] != "        ];":
+            data.at += 1
+        rows = "\n".join(row for _, row in data.lines[start : data.at])
+        data.exact("        ];")
+        form = _VALUES[type_]
+        values = []
+        for text in map(str.strip, rows.split(",")):
+            found = form.fullmatch(text)
+            if found is None:
+                data.wrong(rules.SYNTAX, line, found=text, expected=f"a value of {type_}")
+            values.append(float(found[1]))
+        if len(values) != high - low + 1:
+            data.wrong(rules.COUNT, line, found=len(values), name=name, expected=high - low + 1)
+        return values

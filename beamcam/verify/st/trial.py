@@ -1,0 +1,137 @@
+"""The fixed part of a machine's programs, proved once: checked, and run with simulated axes.
+
+A small job is put into it: a line with each tool, home again. The names, addresses, windows and
+times of the machine's file are those that it will run with.
+"""
+
+from math import hypot
+from typing import TYPE_CHECKING
+
+from beamcam.errors import Diagnostic, Source, errors_in
+from beamcam.machine.known import OncePerMachine
+from beamcam.machine.machine import Machine
+from beamcam.machine.runtime import PROCESSES, STYLES, is_address, library_runtime
+from beamcam.verify.st import library, rules
+from beamcam.verify.st.checker import check
+from beamcam.verify.st.parser import parse
+from beamcam.verify.st.syntax import Unit
+
+if TYPE_CHECKING:
+    from beamcam.verify.st.cell import Cell
+
+AT = (1.0, 2.0)  #: where each line of the trial begins
+SIZE = (3.0, 1.5)  #: of it
+SPEED = 10.0
+
+
+def trial(machine: Machine) -> tuple[Diagnostic, ...]:
+    """What is wrong with the fixed part of a machine's programs; nothing for one that works."""
+    return _once(machine)
+
+
+def project_objects(machine: Machine) -> dict[str, str]:
+    """Names of the project that a program uses, with their types."""
+    triggers = machine.triggers
+    if triggers is None:
+        raise TypeError(f"{machine.name} has no trigger program")
+    places = (*triggers.limits, triggers.start, triggers.acknowledge, *triggers.outputs.values(),
+              triggers.fault_lamp)  # fmt: skip
+    found = {place: "BOOL" for place in places if place and not is_address(place)}
+    found |= dict.fromkeys(triggers.axes, library.AXIS)
+    if triggers.path_objects:
+        found[triggers.path_object] = library.PATH_OBJECT
+    return found
+
+
+def _trial(machine: Machine) -> tuple[Diagnostic, ...]:
+    name = f"machine {machine.name}"
+    all_said: list[Diagnostic] = []
+    for style in STYLES:
+        units, said = parse(_program(machine, style), name)
+        said = said or check(units, project_objects(machine), name)
+        if not errors_in(said):
+            said += _run(units, machine, name)
+        all_said += (d for d in said if d not in all_said)
+    return tuple(all_said)
+
+
+_once = OncePerMachine(_trial)
+
+
+def _program(machine: Machine, style: str) -> str:
+    """The runtime with a line for each process that the machine has."""
+    assert machine.triggers is not None
+    rows: list[tuple[int, float, float]] = []
+    for k, process in enumerate(PROCESSES):
+        if process in machine.triggers.outputs:
+            end = AT[0] + SIZE[0], AT[1] + SIZE[1]
+            rows += [(0, *AT), (2 * k + 1, *AT), (0, *end), (2 * k + 2, *end)]
+    rows.append((0, 0.0, 0.0))
+    last = len(rows)
+    via = ", middleX := LREAL#0.0, middleY := LREAL#0.0" if machine.triggers.path_objects else ""
+    tail = f"speed := LREAL#{SPEED}{via});"
+    declarations = f"VAR_GLOBAL CONSTANT LAST_OPERATION : DINT := DINT#{last};\n"
+    declarations += "".join(f"PIERCE_{p.upper()} : TIME := T#100ms;\n" for p in PROCESSES)
+    if style == "chain":
+        declarations += f"END_VAR VAR_GLOBAL triggerActive : ARRAY [0..{last}] OF BOOL;\n"
+        work = "".join(
+            f"IF operationArrived AND triggerActive[{k - 1}] AND NOT triggerActive[{k}] THEN "
+            f"triggerActive[{k}] := TRUE; "
+            f"next(kind := USINT#{kind}, x := LREAL#{x}, y := LREAL#{y}, {tail} END_IF;\n"
+            for k, (kind, x, y) in enumerate(rows, 1)
+        )
+    else:
+        kinds, xs, ys = zip(*rows, strict=True)
+        for name, type_, values in (("K", "USINT", kinds), ("X", "LREAL", xs), ("Y", "LREAL", ys)):
+            typed = ", ".join(f"{type_}#{value}" for value in values)
+            declarations += f"point{name} : ARRAY [1..{last}] OF {type_} := [{typed}];\n"
+        work = f"next(kind := pointK[row], x := pointX[row], y := pointY[row], {tail}\n"
+    runtime = library_runtime(machine, style)
+    return f"{runtime.head}{declarations}END_VAR\n{runtime.middle}{work}{runtime.end}"
+
+
+def _run(units: list[Unit], machine: Machine, name: str) -> list[Diagnostic]:
+    """What happens in a run from the start button to the end."""
+    from beamcam.verify.st.cell import Cell
+    from beamcam.verify.st.interpreter import Fault
+
+    assert machine.triggers is not None
+    cell = Cell(units, machine, name)
+    try:
+        cell.cycle()
+        cell.start = True
+        while not cell.value("workDone") and not cell.value("workFault"):
+            cell.cycle()
+    except Fault as fault:
+        return [*cell.said, fault.diagnostic]
+    said = list(cell.said)
+
+    def wrong(found: str, expected: str) -> None:
+        said.append(rules.RUN.at(Source(name), found=found, expected=expected))
+
+    if cell.value("workFault"):
+        wrong(f"fault {cell.value('faultNumber')}", "work to its end")
+    elif any(abs(a.position) > machine.triggers.in_position for a in cell.axes):
+        wrong("an end elsewhere", "both axes at 0")
+    elif cell.tool_on:
+        wrong("a tool on at the end", "it off")
+    elif not errors_in(said):
+        for process in machine.triggers.outputs:
+            if not _drew(cell, process):
+                wrong(f"no line by the tool to {process}", "one from end to end")
+    return said
+
+
+def _drew(cell: "Cell", process: str) -> bool:
+    """Whether a tool went along its line, and nowhere else."""
+    points = cell.points.get(process, [])
+    length = hypot(*SIZE)
+    along = [((x - AT[0]) * SIZE[0] + (y - AT[1]) * SIZE[1]) / length for x, y in points]
+    off = [((x - AT[0]) * SIZE[1] - (y - AT[1]) * SIZE[0]) / length for x, y in points]
+    near = cell.torch.tolerance
+    return bool(
+        points
+        and max(map(abs, off)) <= near
+        and abs(min(along)) <= near
+        and abs(max(along) - length) <= near
+    )

@@ -1,0 +1,203 @@
+"""What a trigger program does, operation by operation: the strokes of its tools, and what is wrong.
+
+The runtime starts each operation at rest, when the one before it has arrived, so that the tool
+follows the lines and arcs of its operations; see `trial` for the proof.
+"""
+
+from collections.abc import Sequence
+from itertools import pairwise
+from math import atan2, cos, dist, hypot, inf, pi, sin
+from typing import cast
+
+from msgspec import Struct, field
+
+from beamcam.errors import Diagnostic, Rule, Source
+from beamcam.machine.machine import Machine, TorchProcess, TorchRow
+from beamcam.machine.runtime import PROCESSES
+from beamcam.verify.st import rules
+from beamcam.verify.st.job import JobRead, Operation
+
+Place = tuple[float, float]
+
+LINE, ARC = 0, 7
+SHOWN = 5  #: messages of a kind
+SLACK = 1e-6
+CIRCLE_STEPS = 256  #: chords of half a circle
+LONGEST_ARC = 1.1  #: times its two chords; the runtime allows for no more time
+SLOWEST = 0.9  #: of the speed that the machine's table has, or that the cycle time allows
+
+
+class Stroke(Struct):
+    """What the head does between one start of its tool and the end."""
+
+    process: TorchProcess
+    line: int
+    points: list[Place] = field(default_factory=list)
+
+
+class Work:
+    """Follows the operations of a job.
+
+    `rows` are those that run on the part's sheet, or all of the machine where no part is known.
+    """
+
+    def __init__(self, job: JobRead, machine: Machine, rows: Sequence[TorchRow], name: str) -> None:
+        assert machine.triggers is not None
+        assert machine.torch is not None
+        self.job, self.triggers, self.torch, self.name = job, machine.triggers, machine.torch, name
+        self.rows: dict[str, list[TorchRow]] = {}
+        for row in rows:
+            self.rows.setdefault(row.process, []).append(row)
+        self.said: list[Diagnostic] = []
+        self.strokes: list[Stroke] = []
+        self.here: Place = (0.0, 0.0)
+        self.on: Stroke | None = None
+        self.run: list[Operation] = []  #: the last moves of one speed
+        self.what, self.shortest = "traverse", inf
+
+    def follow(self) -> None:
+        """All operations, from the corner of the work area and back to it."""
+        for operation in self.job.operations:
+            if operation.kind in (LINE, ARC):
+                self._move(operation)
+            else:
+                self._judge()
+                self._switch(operation)
+        self._judge()
+        last = self.job.operations[-1].line if self.job.operations else 1
+        if self.on is not None:
+            self.say(rules.TOOL, last, found="a tool on at the end", expected="off")
+        if self.here != (0.0, 0.0):
+            found = f"the end at X {self.here[0]:.3f}, Y {self.here[1]:.3f}"
+            self.say(rules.RUN, last, found=found, expected="both axes at 0")
+
+    def say(self, rule: Rule, line: int, **values: object) -> None:
+        """Add a message, unless there are many of the kind already."""
+        if sum(d.code == rule.code for d in self.said) < SHOWN:
+            self.said.append(rule.at(Source(self.name, line), **values))
+
+    # -- tools ------------------------------------------------------------------------------
+
+    def _switch(self, op: Operation) -> None:
+        if not LINE < op.kind < ARC:
+            self.say(rules.COMMAND, op.line, found=f"kind {op.kind}", expected=f"0 to {ARC}")
+            return
+        if (op.x, op.y) != self.here or (op.via or self.here) != self.here:
+            found, expected = f"X {op.x:g}, Y {op.y:g}", f"X {self.here[0]:g}, Y {self.here[1]:g}"
+            self.say(rules.STRAIGHT, op.line, found=found, expected=expected)
+        if op.speed != 0.0:
+            self.say(rules.SPEED, op.line, found=f"{op.speed:g}", what="switch", expected="0")
+        process = cast("TorchProcess", PROCESSES[(op.kind - 1) // 2])
+        if op.kind % 2:
+            self._start(process, op.line)
+        elif self.on is None or self.on.process != process:
+            self.say(rules.TOOL, op.line, found=f"the end of {process}", expected="it started")
+        else:
+            self.on = None
+
+    def _start(self, process: TorchProcess, line: int) -> None:
+        if self.on is not None:
+            self.say(rules.TOOL, line, found="two tools on", expected="one")
+        rows = self.rows.get(process, [])
+        if not rows or process not in self.triggers.outputs:
+            found = f"the tool to {process}"
+            self.say(rules.TOOL, line, found=found, expected="a tool that the sheet needs")
+        waits = self.job.pierce_s[process]
+        least = min((row.pierce_s for row in rows), default=0.0)
+        if waits < least - SLACK:
+            found = f"a wait of {waits:.3f} s behind the start of the tool"
+            self.say(rules.TOOL, line, found=found, expected=f"{least:g} s")
+        self.on = Stroke(process, line, [self.here])
+        self.strokes.append(self.on)
+
+    # -- motion -----------------------------------------------------------------------------
+
+    def _move(self, op: Operation) -> None:
+        end = op.x, op.y
+        slack = self.torch.tolerance
+        ends = zip(self.triggers.axes, end, (self.torch.length, self.torch.width), strict=True)
+        for axis, place, length in ends:
+            if not -slack <= place <= length + slack:
+                found, expected = f"{axis} to {place:g}", f"0 to {length:g}"
+                self.say(rules.COMMAND, op.line, found=found, expected=expected)
+        points = [self.here, end]
+        if op.kind == ARC:
+            points = self._arc(op)
+        if end == self.here:
+            self.say(rules.COMMAND, op.line, found="a line without length", expected="a way")
+        else:
+            self._speed(op, dist(self.here, end))
+        if self.on is not None:
+            self.on.points += points[1:]
+        self.here = end
+
+    def _arc(self, op: Operation) -> list[Place]:
+        end = op.x, op.y
+        if not self.triggers.path_objects or op.via is None:
+            self.say(
+                rules.COMMAND, op.line, found="an arc", expected="a line, without path objects"
+            )
+            return [self.here, end]
+        points = circle_points(self.here, op.via, end)
+        if not points:
+            found = "a circle through points in a line (alarm 50002)"
+            self.say(rules.COMMAND, op.line, found=found, expected="an arc")
+            return [self.here, end]
+        chords = dist(self.here, op.via) + dist(op.via, end)
+        length = sum(dist(a, b) for a, b in pairwise(points))
+        if length > LONGEST_ARC * chords:
+            found = f"an arc {length / chords:.3f} times as long as its chords"
+            self.say(rules.COMMAND, op.line, found=found, expected=f"at most {LONGEST_ARC} times")
+        return points
+
+    def _speed(self, op: Operation, way: float) -> None:
+        """Note a move; moves of one speed, one behind another, are judged together."""
+        what = self.on.process if self.on is not None else "traverse"
+        if self.run and (self.run[0].speed, self.what) != (op.speed, what):
+            self._judge()
+        self.run.append(op)
+        self.what, self.shortest = what, min(self.shortest, way)
+
+    def _judge(self) -> None:
+        """Within the speeds of the tool; chords of a curve may take the time of their cycles.
+
+        All chords of a curve have the speed that its shortest one allows.
+        """
+        if not self.run:
+            return
+        (op, *_), t = self.run, self.triggers
+        feeds = [row.feed_mm_min / 60.0 for row in self.rows.get(self.what, [])]
+        feeds = [t.traverse_mm_s] if self.what == "traverse" else feeds or [0.0]
+        least = min(min(feeds), self.shortest / (t.cycles_per_chord * t.cycle_s))
+        expected = f"above 0 and at most {max(feeds):g}"
+        if 0.0 < op.speed <= max(feeds) + SLACK:
+            expected = f"{least:g}" if op.speed < SLOWEST * least else ""
+        if expected:
+            self.say(rules.SPEED, op.line, found=f"{op.speed:g}", what=self.what, expected=expected)
+        self.run, self.shortest = [], inf
+
+
+def circle_points(start: Place, middle: Place, end: Place) -> list[Place]:
+    """Points of the arc from start over middle to end; nothing if they lie in a line.
+
+    The centre is where the perpendicular bisectors of both chords meet.
+    """
+    ax, ay = middle[0] - start[0], middle[1] - start[1]
+    bx, by = end[0] - start[0], end[1] - start[1]
+    det = 2 * (ax * by - ay * bx)
+    if abs(det) < 1e-9:
+        return []
+    a2, b2 = ax * ax + ay * ay, bx * bx + by * by
+    cx, cy = (by * a2 - ay * b2) / det, (ax * b2 - bx * a2) / det
+    radius = hypot(cx, cy)
+    centre = (start[0] + cx, start[1] + cy)
+    first = atan2(-cy, -cx)
+    last = atan2(end[1] - centre[1], end[0] - centre[0])
+    sweep = (last - first) % (2 * pi) if det > 0 else -((first - last) % (2 * pi))
+    count = max(2, round(CIRCLE_STEPS * abs(sweep) / pi))
+    inner = [
+        (centre[0] + radius * cos(first + sweep * k / count),
+         centre[1] + radius * sin(first + sweep * k / count))
+        for k in range(1, count)
+    ]  # fmt: skip
+    return [start, *inner, end]

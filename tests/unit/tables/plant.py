@@ -1,0 +1,183 @@
+"""A cutting table whose parts fail: encoders jitter, drives drop out, switches stick.
+
+What is wrong begins in a cycle of the script and is looked at in every cycle.
+"""
+
+from collections.abc import Callable, Mapping
+from functools import cache
+
+from msgspec.structs import replace
+
+from beamcam.emitters import simotion
+from beamcam.machine.machine import Machine
+from beamcam.model.triggers import Round, Switch, Travel, TriggerTable
+from beamcam.verify.st.axes import Axis
+from beamcam.verify.st.cell import Cell
+from beamcam.verify.st.checker import check
+from beamcam.verify.st.parser import parse
+from beamcam.verify.st.syntax import Unit
+from beamcam.verify.st.trial import project_objects
+
+from .shop import table_machine
+
+WAITS, HOMING, WORK, DONE, FAULT = range(5)
+STOPPED_S = 0.5  #: a stop takes at most this
+
+Deed = Callable[["Plant"], None]
+
+
+@cache
+def small_machine(path_objects: bool = False) -> Machine:
+    """A small table that homes soon."""
+    machine = table_machine(
+        path_objects=path_objects, back_off=5.0, overrun=5.0, max_homing_s=15.0, max_late_s=1.0
+    )
+    assert machine.torch is not None
+    return replace(machine, torch=replace(machine.torch, length=40.0, width=40.0))
+
+
+def small_job(path_objects: bool = False) -> TriggerTable:
+    """A triangle to cut, or with path objects one with a round corner, and a line to mark."""
+    corner = Round(9, 8, 8, 3.5, 8.0) if path_objects else Travel(9, 8, 8.0)
+    return TriggerTable(
+        "small",
+        (Travel(2, 2, 20.0), Switch("cut", True, 0.2), Travel(6, 2, 8.0), corner,
+         Travel(2, 2, 8.0), Switch("cut", False), Travel(10, 4, 20.0), Switch("mark", True, 0.1),
+         Travel(10, 9, 20.0), Switch("mark", False), Travel(0, 0, 20.0)),
+    )  # fmt: skip
+
+
+@cache
+def loaded(style: str = "chain", path_objects: bool = False) -> tuple[Unit, ...]:
+    """The units of the small job."""
+    machine = small_machine(path_objects)
+    return units_of(simotion.emit(small_job(path_objects), machine, style), machine)
+
+
+def units_of(text: str, machine: Machine) -> tuple[Unit, ...]:
+    """The units of a program, which nothing is wrong with."""
+    units, said = parse(text, "a.st")
+    said = said or check(units, project_objects(machine), "a.st")
+    assert said == []
+    return tuple(units)
+
+
+class Plant(Cell):
+    """A table that does what the script says, by the number of the cycle."""
+
+    def __init__(
+        self,
+        units: tuple[Unit, ...],
+        machine: Machine,
+        script: Mapping[int, Deed] | None = None,
+        jitter: Callable[[], int] = lambda: 0,
+    ) -> None:
+        super().__init__(units, machine, "a.st")
+        self.script, self.jitter = dict(script or {}), jitter
+        self.count = 0
+        self.frozen: dict[str, float] = {}  #: axes whose encoder tells one place for ever
+        self.homed_anew = False
+        self.states = [WAITS]
+
+    def cycle(self) -> None:
+        assert self.machine.triggers is not None
+        pitch = self.machine.triggers.count
+        deed = self.script.get(self.count)
+        if deed is not None:
+            deed(self)
+        for axis in self.axes:
+            told = (round(axis.position / pitch) + self.jitter()) * pitch
+            axis.lag = self.frozen.get(axis.name, told) - axis.position
+        if self.path is not None and any(not a.enabled or a.error for a in self.axes):
+            self.path.stop()
+        super().cycle()
+        self.count += 1
+
+    def observe(self) -> None:
+        """What holds in every cycle, whatever fails."""
+        state = self.value("workState")
+        if state != self.states[-1]:
+            self.states.append(state)
+        if state == HOMING:
+            self.homed_anew = True
+        assert state == WORK or not self.tool_on, "a tool on out of work"
+        assert state != WORK or self.homed_anew, "work without homing"
+        if state in (DONE, FAULT, WAITS):
+            self.homed_anew = False
+        assert self.value("workFault") == (state == FAULT) == self.value("faultLamp")
+        assert (self.value("faultNumber") != 0) == (state == FAULT)
+        assert [self.tool(p) for p in ("cut", "mark", "engrave")].count(True) <= 1
+
+    # -- deeds ------------------------------------------------------------------------------
+
+    def run_until(self, state: int, most_s: float = 60.0) -> None:
+        """Go on until a state; it has to come in time."""
+        end = self.clock_s + most_s
+        while self.value("workState") != state:
+            assert self.clock_s < end, f"state {self.value('workState')} for ever"
+            self.cycle()
+
+    def wait(self, seconds: float) -> None:
+        end = self.clock_s + seconds
+        while self.clock_s < end:
+            self.cycle()
+
+    def press_start(self) -> None:
+        self.start = False
+        self.cycle()
+        self.start = True
+        self.cycle()
+
+    def press_acknowledge(self) -> None:
+        self.acknowledge = False
+        self.cycle()
+        self.acknowledge = True
+        self.cycle()
+
+
+def disable(index: int) -> Deed:
+    """The drive of an axis drops out: it runs out by itself."""
+
+    def deed(plant: Plant) -> None:
+        axis = plant.axes[index]
+        axis.stop()
+        axis.enabled = False
+
+    return deed
+
+
+def alarm(index: int) -> Deed:
+    """An axis reports a fault."""
+
+    def deed(plant: Plant) -> None:
+        axis = plant.axes[index]
+        axis.stop()
+        axis.error = True
+
+    return deed
+
+
+def close(index: int) -> Deed:
+    """A limit switch closes."""
+    return lambda plant: plant.closed.add(index)
+
+
+def freeze(index: int) -> Deed:
+    """An encoder tells one place for ever; the belt may be torn."""
+
+    def deed(plant: Plant) -> None:
+        axis: Axis = plant.axes[index]
+        plant.frozen[axis.name] = axis.actual + 1.0
+
+    return deed
+
+
+def fault_task(plant: Plant) -> None:
+    """The system calls the program of the fault tasks."""
+    plant.interpreter.run("CutFault")
+
+
+def mend(plant: Plant) -> None:
+    """What was broken is whole again; errors remain to be acknowledged."""
+    plant.closed.clear()
+    plant.frozen.clear()

@@ -1,0 +1,285 @@
+"""The runtime of trigger programs with faults thrown in at any time, by an executor of its text."""
+
+from itertools import chain, repeat
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from beamcam.model.triggers import Switch
+
+from .plant import (
+    DONE,
+    FAULT,
+    HOMING,
+    STOPPED_S,
+    WAITS,
+    WORK,
+    Deed,
+    Plant,
+    alarm,
+    close,
+    disable,
+    fault_task,
+    freeze,
+    loaded,
+    mend,
+    small_job,
+    small_machine,
+)
+
+WAYS = [("chain", False), ("table", False), ("chain", True), ("table", True)]
+#: What fails, and the numbers that may be shown: a drive that is not ready refuses commands.
+DEEDS: dict[str, tuple[Deed, tuple[int, ...]]] = {
+    "X disabled": (disable(0), (2, 5)),
+    "Y disabled": (disable(1), (2, 5)),
+    "alarm of X": (alarm(0), (2, 5)),
+    "alarm of Y": (alarm(1), (2, 5)),
+    "fault task": (fault_task, (6,)),
+    "X high switch": (close(1), (1,)),
+    "Y high switch": (close(3), (1,)),
+}
+CYCLES = 500  #: of a run with nothing wrong, about
+
+
+def plant(style: str = "chain", path_objects: bool = False, **more: object) -> Plant:
+    return Plant(loaded(style, path_objects), small_machine(path_objects), **more)  # type: ignore[arg-type]
+
+
+def places(job_of: Plant) -> list[tuple[float, float]]:
+    return [(round(x, 2), round(y, 2)) for x, y in job_of.points["cut"]]
+
+
+@pytest.mark.parametrize(("style", "path_objects"), WAYS)
+def test_a_run_without_faults_ends_at_home(style: str, path_objects: bool) -> None:
+    one = plant(style, path_objects)
+    one.press_start()
+    one.run_until(DONE)
+    assert one.states == [WAITS, HOMING, WORK, DONE]
+    assert one.said == []
+    assert [round(a.position, 6) for a in one.axes] == [0.0, 0.0]
+    for op in small_job(path_objects).operations:
+        if not isinstance(op, Switch) and (op.x, op.y) not in ((0, 0), (10, 4), (10, 9)):
+            assert (op.x, op.y) in places(one)
+    assert max(y for _, y in one.points["mark"]) == 9.0
+
+
+@settings(max_examples=60, deadline=None)
+@given(
+    way=st.sampled_from(WAYS),
+    kind=st.sampled_from(sorted(DEEDS)),
+    at=st.integers(0, CYCLES),
+    start_held=st.booleans(),
+)
+def test_whatever_fails_ends_in_a_shown_fault_and_a_new_press_begins_anew(
+    way: tuple[str, bool], kind: str, at: int, start_held: bool
+) -> None:
+    deed, numbers = DEEDS[kind]
+    one = plant(*way)
+    one.press_start()
+    while one.count < at and one.value("workState") != DONE:
+        one.cycle()
+    before = one.value("workState")
+    deed(one)
+    one.cycle()
+    one.cycle()
+    if before not in (HOMING, WORK) and kind != "fault task":
+        assert not one.tool_on  # nothing runs; the next start will find it
+        return
+    if kind.endswith("disabled") and before == HOMING and one.value("workState") == HOMING:
+        while one.value("workState") == HOMING:  # not enabled yet, or enabled in this cycle
+            one.cycle()
+        assert one.clock_s < 2 * one.triggers.max_homing_s
+        return
+    if before == HOMING and kind.endswith("high switch"):
+        one.run_until(FAULT, 5.0)  # which is told as soon as the axis should have left it
+    assert one.value("workState") == FAULT
+    assert one.value("faultNumber") in numbers
+    assert not one.tool_on
+    one.start = start_held
+    one.wait(STOPPED_S)
+    assert one.still
+    mend(one)
+    one.wait(0.5)
+    assert one.value("workState") == FAULT, "only an acknowledgement ends a fault"
+    one.press_acknowledge()
+    one.wait(0.5)
+    assert one.value("workState") == WAITS, "a held button starts nothing"
+    one.points.clear()
+    one.press_start()
+    assert one.value("workState") == HOMING
+    one.run_until(DONE)
+    again = plant(*way)
+    again.press_start()
+    again.run_until(DONE)
+    assert set(places(one)) == set(places(again)), "the part is begun anew, and made whole"
+
+
+@settings(max_examples=40, deadline=None)
+@given(way=st.sampled_from(WAYS), jitter=st.lists(st.integers(-1, 1), min_size=1, max_size=40))
+def test_an_encoder_that_jitters_by_a_count_stops_nothing(
+    way: tuple[str, bool], jitter: list[int]
+) -> None:
+    counts = chain.from_iterable(repeat(jitter))
+    one = plant(*way, jitter=lambda: next(counts))
+    one.press_start()
+    one.run_until(DONE)
+    assert one.states == [WAITS, HOMING, WORK, DONE]
+
+
+@pytest.mark.parametrize(("style", "path_objects"), WAYS)
+@pytest.mark.parametrize("index", [0, 1])
+def test_an_operation_that_does_not_arrive_is_a_fault(
+    style: str, path_objects: bool, index: int
+) -> None:
+    one = plant(style, path_objects)
+    one.press_start()
+    while not one.tool_on:
+        one.cycle()
+    freeze(index)(one)
+    since = one.clock_s
+    one.run_until(FAULT)
+    triggers = one.triggers
+    longest = 10 / 8 + 8 / triggers.acceleration
+    assert one.clock_s - since <= longest + triggers.max_late_s + 0.3
+    assert one.value("faultNumber") == 4
+    assert not one.tool_on
+    one.wait(STOPPED_S)
+    assert one.still
+
+
+@pytest.mark.parametrize("index", [0, 2])
+def test_a_low_switch_that_closes_in_work_is_a_fault(index: int) -> None:
+    one = plant()
+    one.press_start()
+    one.run_until(WORK)
+    one.wait(0.5)
+    close(index)(one)
+    one.cycle()
+    assert one.value("faultNumber") == 1
+    assert not one.tool_on
+
+
+@pytest.mark.parametrize(("index", "phase"), [(0, "never closes"), (1, "never closes")])
+def test_homing_that_takes_too_long_is_a_fault(index: int, phase: str) -> None:
+    one = plant()
+    one.axes[index].place = 1000.0  # the switch is far, or does not work
+    one.ends = (2000.0, 2000.0)
+    one.press_start()
+    one.run_until(FAULT)
+    assert one.value("faultNumber") == 3
+    assert one.clock_s <= one.triggers.max_homing_s + 0.2
+    one.wait(STOPPED_S)
+    assert one.still
+
+
+def test_a_low_switch_that_sticks_is_a_fault_of_homing() -> None:
+    one = plant()
+    close(0)(one)
+    one.press_start()
+    one.run_until(FAULT)
+    assert one.value("faultNumber") == 1
+
+
+def test_homing_leaves_a_high_switch_but_does_not_meet_it_again() -> None:
+    one = plant()
+    one.axes[0].place = one.ends[0] + 0.5
+    one.press_start()
+    one.run_until(DONE)
+    stuck = plant()
+    close(1)(stuck)
+    stuck.press_start()
+    stuck.run_until(FAULT)
+    assert stuck.value("faultNumber") == 1
+
+
+def test_an_axis_that_runs_from_its_switch_is_a_fault() -> None:
+    one = plant()
+    real = one.axes[1].run
+    one.axes[1].run = lambda v, a: real(-v, a)  # type: ignore[method-assign]
+    one.press_start()
+    one.run_until(FAULT, 2.0)
+    assert one.value("faultNumber") == 3
+    one.wait(STOPPED_S)
+    assert one.still
+
+
+def test_a_command_that_is_refused_is_a_fault() -> None:
+    one = plant()
+    one.press_start()
+    one.run_until(WORK)
+    while not one.tool_on:
+        one.cycle()
+    real = one.command
+    one.command = lambda name, values, line: 1 if name == "_POS" else real(name, values, line)  # type: ignore[method-assign]
+    one.run_until(FAULT, 3.0)
+    assert one.value("faultNumber") == 5
+    assert not one.tool_on
+
+
+def test_a_stop_that_is_refused_is_repeated() -> None:
+    one = plant()
+    one.press_start()
+    one.run_until(WORK)
+    one.wait(0.3)
+    real, refused = one.command, [0]
+
+    def command(name: str, values: dict[str, object], line: int) -> int:
+        if name == "_STOP" and refused[0] < 3:
+            refused[0] += 1
+            return 1
+        return real(name, values, line)
+
+    one.command = command  # type: ignore[method-assign]
+    close(1)(one)
+    one.wait(STOPPED_S)
+    assert refused == [3]
+    assert one.still
+
+
+def test_a_button_that_is_held_at_power_up_starts_nothing() -> None:
+    one = plant()
+    one.start = True
+    one.wait(0.5)
+    assert one.value("workState") == WAITS
+    one.press_start()
+    assert one.value("workState") == HOMING
+
+
+def test_after_the_end_a_new_press_makes_the_part_again() -> None:
+    one = plant()
+    one.press_start()
+    one.run_until(DONE)
+    first = places(one)
+    one.wait(1.0)
+    assert one.value("workState") == DONE, "the button is still held"
+    one.points.clear()
+    one.press_start()
+    one.run_until(HOMING)
+    one.run_until(DONE)
+    assert set(places(one)) == set(first)
+
+
+def test_a_start_button_does_nothing_in_work_or_in_a_fault() -> None:
+    one = plant()
+    one.press_start()
+    one.run_until(WORK)
+    one.press_start()
+    assert one.value("workState") == WORK
+    alarm(0)(one)
+    one.run_until(FAULT, 1.0)
+    one.press_start()
+    one.wait(0.5)
+    assert one.value("workState") == FAULT
+
+
+def test_an_acknowledge_button_that_is_held_acknowledges_nothing() -> None:
+    one = plant()
+    one.acknowledge = True
+    one.press_start()
+    one.run_until(WORK)
+    alarm(0)(one)
+    one.wait(0.5)
+    assert one.value("workState") == FAULT
+    one.press_acknowledge()
+    assert one.value("workState") == WAITS
