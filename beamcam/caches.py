@@ -66,6 +66,8 @@ CACHES = {
     "planning.remarks": Kept(256, _OF_A_BUILDING),
     "planning.strokes": Kept(1024, _OF_A_BUILDING),
     "planning.reaches": Kept(64, _OF_A_BUILDING),
+    "simotion.runtime": Kept(16, "the text is the same for every job of a machine"),
+    "simotion.trial": Kept(16, "the text is run once with simulated axes, 50 ms"),
     "motion.sections": Kept(64, _OF_A_BUILDING),
     "motion.machines": Kept(16, "as many machines as a service runs"),
     "motion.strokes": Kept(256, _OF_A_BUILDING),

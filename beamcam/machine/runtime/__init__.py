@@ -12,7 +12,7 @@ from importlib.resources import files
 
 from msgspec import Struct
 
-from beamcam.machine.known import OncePerMachine
+from beamcam.caches import PerObject
 from beamcam.machine.machine import Machine
 from beamcam.machine.tables import Triggers
 
@@ -127,4 +127,4 @@ def _make(machine: Machine) -> dict[str, Runtime]:
     return found
 
 
-_all_styles = OncePerMachine(_make)
+_all_styles = PerObject("simotion.runtime", _make)

@@ -7,8 +7,8 @@ times of the machine's file are those that it will run with.
 from math import hypot
 from typing import TYPE_CHECKING
 
+from beamcam.caches import PerObject
 from beamcam.errors import Diagnostic, Source, errors_in
-from beamcam.machine.known import OncePerMachine
 from beamcam.machine.machine import Machine
 from beamcam.machine.runtime import PROCESSES, STYLES, is_address, library_runtime
 from beamcam.verify.st import library, rules
@@ -55,7 +55,7 @@ def _trial(machine: Machine) -> tuple[Diagnostic, ...]:
     return tuple(all_said)
 
 
-_once = OncePerMachine(_trial)
+_once = PerObject("simotion.trial", _trial)
 
 
 def _program(machine: Machine, style: str) -> str:
