@@ -7,9 +7,9 @@ from typing import Any
 
 from msgspec import Struct
 
+from beamcam.conversion import nearest
 from beamcam.errors import BeamcamError, Diagnostic, Source, rule_makers
 from beamcam.machine.machine import Machine
-from beamcam.machine.schema import nearest
 from beamcam.model.part import Part
 from beamcam.plain_text import terminal_text
 from beamcam.planning import SKIP_NAMES

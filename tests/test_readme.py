@@ -59,13 +59,15 @@ def test_examples_run(page: Path, tmp_path: Path) -> None:
 
 
 def test_configurations_in_the_documentation_are_read(tmp_path: Path) -> None:
-    from beamcam.config.keys import KEYS
     from beamcam.config.load import load
+    from beamcam.config.values import ConfigFile
 
     path = tmp_path / "beamcam.toml"
     (example,) = blocks((ROOT / "docs" / "config.md").read_text(encoding="utf-8"), "toml")
     path.write_text(example)
-    assert set(KEYS) == {row.key.partition(".")[0] for row in load(path).settings() if row.source}
+    assert set(ConfigFile.__struct_fields__) == {
+        row.key.partition(".")[0] for row in load(path).settings() if row.source
+    }
 
 
 def test_commands_are_found() -> None:

@@ -10,7 +10,7 @@ from msgspec import Struct
 
 from beamcam.batch import Here, Shop
 from beamcam.cli import main
-from beamcam.config.keys import KEYS
+from beamcam.config.values import ConfigFile
 from tests.conftest import SAMPLES
 from tests.runs import BAD, part
 
@@ -216,7 +216,7 @@ def test_flat_and_jobs(shop: Path, command: str, monkeypatch: pytest.MonkeyPatch
 
 
 def test_every_key_is_tried() -> None:
-    assert {*CASES, *REFUSALS, "flat", "jobs"} == set(KEYS)
+    assert {*CASES, *REFUSALS, "flat", "jobs"} == set(ConfigFile.__struct_fields__)
 
 
 @pytest.mark.parametrize("command", CALLS)

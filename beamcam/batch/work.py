@@ -5,7 +5,6 @@ and on another machine. What it needs besides the bytes is a `Shop`, which goes 
 once, frozen.
 """
 
-import copyreg
 import os
 from collections import Counter
 from collections.abc import Callable, Generator, Iterable, Mapping, Sequence
@@ -21,7 +20,7 @@ from beamcam.batch.names import Names, output_name
 from beamcam.caches import cached
 from beamcam.errors import BeamcamError, PlanError, ReadError, Source, errors_in
 from beamcam.files import REFUSED_SUFFIX
-from beamcam.machine.machine import Formula, Machine
+from beamcam.machine.machine import Machine
 from beamcam.model.part import Part
 from beamcam.model.plan import ContourOp, Plan
 from beamcam.pipeline import (
@@ -38,9 +37,6 @@ from beamcam.planning.stock import from_store
 from beamcam.posts import Job
 from beamcam.readers import read
 from beamcam.report.run import Ledger, PartRow, Row, as_message
-
-# A formula that was used holds compiled code; its text is all that another process needs.
-copyreg.pickle(Formula, lambda formula: (Formula, (formula.text,)))
 
 
 class Shop(Struct, frozen=True):

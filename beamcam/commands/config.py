@@ -1,15 +1,16 @@
 """`beamcam config`: the configuration that holds, and where each value comes from."""
 
 import json
-from typing import Any
+from collections.abc import Mapping
+from typing import Any, Literal, get_args, get_origin, get_type_hints
 
 import click
+from msgspec import Struct
 
 from beamcam.commands import options
 from beamcam.commands.common import Voice, say_json, say_lines
 from beamcam.commands.settings import settled
-from beamcam.config.keys import KEYS, Table
-from beamcam.config.values import Setting
+from beamcam.config.values import ConfigFile, Setting
 from beamcam.errors import BeamcamError
 
 
@@ -41,10 +42,13 @@ def command(inputs: tuple[str, ...], as_json: bool, keys: bool, **asked: Any) ->
     beamcam config --keys
     """
     if keys:
-        width = max(map(len, KEYS))
-        for name, key in KEYS.items():
-            names = ", ".join(key.rows) if isinstance(key, Table) else ""
-            say_lines([f"{name:{width}}  {key.help}{': ' if names else ''}{names}"])
+        from beamcam.machine.keys import documented
+
+        known = documented(ConfigFile)
+        width = max(map(len, known))
+        for name, (_, help) in known.items():
+            names = ", ".join(_rows(name))
+            say_lines([f"{name:{width}}  {help}{': ' if names else ''}{names}"])
         return
     try:
         config = settled(asked, inputs)
@@ -57,3 +61,14 @@ def command(inputs: tuple[str, ...], as_json: bool, keys: bool, **asked: Any) ->
         return
     width = max(len(shown(row)) for row in rows)
     say_lines(f"{shown(row):{width}}  # {row.source or 'default'}" for row in rows)
+
+
+def _rows(key: str) -> tuple[str, ...]:
+    """The rows that the table of a key may have, as far as they have names."""
+    from beamcam.conversion.fault import plain
+
+    kind = plain(get_type_hints(ConfigFile)[key])
+    if isinstance(kind, type) and issubclass(kind, Struct):
+        return kind.__struct_fields__
+    rows = plain(get_args(kind)[0]) if get_origin(kind) is Mapping else None
+    return get_args(rows) if get_origin(rows) is Literal else ()

@@ -79,7 +79,7 @@ def machine_for(config: Config, parts: Sequence[Part], output: str) -> Machine:
 
 def _agree_on_thickness(config: Config, parts: Sequence[Part]) -> None:
     """Raises PlanError where the command line says another thickness than a part."""
-    asked = config.sheet.get("thickness")
+    asked = config.sheet.thickness
     if asked is None or config.sources.get("sheet.thickness") != COMMAND_LINE:
         return
     for part in parts:
@@ -136,7 +136,7 @@ def machine_of_stock(
         from beamcam.config.apply import with_tolerances
 
         machine = with_tolerances(machine, config)
-    if not (config.sheet or config.map) or (machine.torch is None and is_one_of_two):
+    if not (config.sheet.given() or config.map) or (machine.torch is None and is_one_of_two):
         return machine
     return _with_sheet(machine, config)
 
@@ -150,7 +150,7 @@ def _with_sheet(machine: Machine, config: Config) -> Machine:
     asked = COMMAND_LINE in (
         config.sources.get(f"{table}.{name}")
         for table in ("sheet", "map")
-        for name in getattr(config, table)
+        for name in config.rows(table)
     )
     if machine.torch is None and not asked:
         return machine
@@ -158,6 +158,6 @@ def _with_sheet(machine: Machine, config: Config) -> Machine:
     from beamcam.planning.contours import rules
 
     try:
-        return with_torch(machine, config.map, **config.sheet)
+        return with_torch(machine, config.map, **config.sheet.given())
     except ValueError as error:
         raise PlanError(rules.OPTION.at(Source(machine.name), found=error)) from error

@@ -3,11 +3,19 @@
 from msgspec.structs import replace
 
 from beamcam.config import rules
-from beamcam.config.keys import TOLERANCES
 from beamcam.config.load import ConfigError
 from beamcam.config.values import COMMAND_LINE, Config
 from beamcam.errors import Source
 from beamcam.machine.machine import Machine
+
+#: Key below `[tolerances]` -> field of the machine's drill that it stands for.
+TOLERANCES = {
+    "merge": "merge_tolerance",
+    "duplicate": "duplicate_tolerance",
+    "sink": "sink_tolerance",
+    "path": "path_tolerance",
+    "twin": "twin",
+}
 
 
 def with_tolerances(machine: Machine, config: Config) -> Machine:

@@ -1,14 +1,15 @@
 """A configuration read from its file, each value with the line that sets it."""
 
+from collections.abc import Mapping
 from pathlib import Path
-from typing import Any, cast
+from typing import Any
 
 from beamcam.config import rules
-from beamcam.config.keys import KEYS, Check, Table, Unfit, layer_or_colour
-from beamcam.config.values import Config
-from beamcam.errors import BeamcamError, Source
-from beamcam.machine.schema import nearest
-from beamcam.machine.toml import TomlError, TomlFile, line_of, toml_text
+from beamcam.config.values import Config, ConfigFile
+from beamcam.conversion import Fault, converted
+from beamcam.errors import BeamcamError, Diagnostic, Source
+from beamcam.machine.toml import Place, TomlError, TomlFile, toml_text
+from beamcam.model.colour import parse_colour
 
 
 class ConfigError(BeamcamError):
@@ -18,58 +19,57 @@ class ConfigError(BeamcamError):
 def load(path: str | Path) -> Config:
     """The configuration in a file. Raises ConfigError."""
     file = Path(path)
-    shown = str(path)
     try:
-        content = toml_text(file.read_bytes())
-        table = TomlFile(file, shown, content).table
+        text = toml_text(file.read_bytes())
+        table = TomlFile(file, str(path), text).table
     except OSError as error:
-        said = rules.UNREADABLE.at(Source(shown), found=error.strerror or error)
+        said = rules.UNREADABLE.at(Source(str(path)), found=error.strerror or error)
         raise ConfigError(said) from error
     except TomlError as error:
-        raise ConfigError(rules.NOT_TOML.at(Source(shown), found=error)) from error
-    sources: dict[str, Source] = {}
-    values: dict[str, object] = {}
+        raise ConfigError(rules.NOT_TOML.at(Source(str(path)), found=error)) from error
+    place = Place({"": (str(path), text)})
+    try:
+        read = converted(table, ConfigFile)
+        _check_colours(read.map)
+    except Fault as fault:
+        raise ConfigError(_said(fault, place)) from None
     folder = file.resolve().parent
-
-    def source(key: str) -> Source:
-        return Source(shown, line_of(content, key))
-
-    def checked(key: str, check: Check, value: object) -> object:
-        sources[key] = source(key)
-        try:
-            return check(value, folder)
-        except Unfit as unfit:
-            raise ConfigError(
-                rules.WRONG_VALUE.at(source(key), key=key, found=repr(value), expected=unfit)
-            ) from unfit
-
-    for key, value in table.items():
-        known = KEYS.get(key)
-        if known is None:
-            said = rules.UNKNOWN_KEY.at(source(key), found=key, expected=nearest(key, KEYS))
-            raise ConfigError(said)
-        if not isinstance(known, Table):
-            values[key] = checked(key, known.check, value)
-            continue
-        checked(key, _table, value)
-        rows = {}
-        for name, row in cast("dict[str, object]", value).items():
-            dotted = f"{key}.{name}"
-            check = known.rows.get(name, known.others)
-            if check is None:
-                raise ConfigError(
-                    rules.UNKNOWN_KEY.at(
-                        source(dotted), found=dotted, expected=nearest(name, known.rows)
-                    )
-                )
-            if name not in known.rows:
-                checked(dotted, lambda word, _: layer_or_colour(cast(str, word)), name)
-            rows[name] = checked(dotted, check, row)
-        values[key] = rows
-    return Config(**cast("dict[str, Any]", values), file=shown, sources=sources)
+    values: dict[str, Any] = {name: getattr(read, name) for name in table}
+    if read.machine:
+        values["machine"] = _from(folder, read.machine)
+    if read.machines:
+        values["machines"] = {k: _from(folder, name) for k, name in read.machines.items()}
+    values["stock_lengths"] = tuple(sorted(set(read.stock_lengths)))
+    return Config(**values, file=str(path), sources=_sources(table, place))
 
 
-def _table(value: object, folder: Path) -> object:
-    if not isinstance(value, dict):
-        raise Unfit("a table")
-    return value
+def _from(folder: Path, machine: str) -> str:
+    """A machine's name, or its path as it holds wherever the command is called from."""
+    return str(folder / machine) if machine.endswith(".toml") else machine
+
+
+def _sources(table: Mapping[str, Any], place: Place) -> dict[str, Source]:
+    """Where each key stands, and each row of those that are tables."""
+    rows = [f"{key}.{row}" for key in table if isinstance(table[key], dict) for row in table[key]]
+    return {key: place.child(key).source for key in (*table, *rows)}
+
+
+def _check_colours(colours: Mapping[str, object]) -> None:
+    """Raises Fault for a key of the map that starts like a colour and is none."""
+    for key in colours:
+        if key.startswith(("#", "rgb(", "rgba(")):
+            try:
+                parse_colour(key)
+            except ValueError as error:
+                raise Fault("value", ("map", key), key, "a colour such as '#ff0000'") from error
+
+
+def _said(fault: Fault, place: Place) -> Diagnostic:
+    """What is wrong with a key of a configuration."""
+    from beamcam.conversion.fault import shown
+
+    at = place.child(*fault.path)
+    if fault.kind == "unknown":
+        return rules.UNKNOWN_KEY.at(at.source, found=at.key, expected=fault.expected)
+    found = shown(fault.found)
+    return rules.WRONG_VALUE.at(at.source, key=at.key, found=found, expected=fault.expected)

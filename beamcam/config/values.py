@@ -9,8 +9,9 @@ from collections.abc import Iterable, Mapping
 from typing import Any, Literal
 
 from msgspec import Struct, field
-from msgspec.structs import replace
+from msgspec.structs import asdict, replace
 
+from beamcam.conversion import Count, Keys, NotNegative, Positive, PositiveCount, Text
 from beamcam.errors import Source
 
 CONFIG_NAME = "beamcam.toml"
@@ -19,6 +20,7 @@ _MAGIC = frozenset("*?[")
 
 Stock = Literal["beam", "sheet"]
 Meaning = Literal["cut", "mark", "engrave", "ignore"]
+Tolerance = Literal["merge", "duplicate", "sink", "path", "twin"]
 
 
 class Setting(Struct, frozen=True):
@@ -29,30 +31,59 @@ class Setting(Struct, frozen=True):
     source: Source | None  #: None for a default
 
 
-class Config(Struct, frozen=True):
-    """What a configuration says; the fields are the keys of the file."""
+class Sheet(Keys, frozen=True):
+    """How a sheet is cut: the names are those of the options of the command line."""
 
-    machine: str | None = None
-    machines: Mapping[Stock, str] = field(default_factory=dict)
-    stock_lengths: tuple[float, ...] = ()  #: rising
-    allow_skips: tuple[str, ...] = ()
-    strict: bool = False
-    job: str = "JOB"
-    jobs: int | None = None
-    name: str | None = None
-    flat: bool = False
-    tolerances: Mapping[str, float] = field(default_factory=dict)
-    sheet: Mapping[str, Any] = field(default_factory=dict)
+    thickness: Positive | None = None
+    material: Text | None = None
+    kerf: NotNegative | None = None
+    kerf_by: Literal["none", "offset", "machine"] | None = None
+    lead: Literal["none", "line", "arc"] | None = None
+    tabs: Count | None = None
+    place: Literal["corner", "drawn"] | None = None
+
+    def given(self) -> dict[str, Any]:
+        """The values that are set, by their names."""
+        return {name: value for name, value in asdict(self).items() if value is not None}
+
+
+class ConfigFile(Keys, frozen=True):
+    """What a configuration may say; the fields are the keys of the file."""
+
+    machine: Text | None = None  #: machine of --machine: a name or a TOML file
+    machines: Mapping[Stock, Text] = field(default_factory=dict)  #: by stock, before `machine`
+    stock_lengths: tuple[Positive, ...] = ()  #: bars in store, mm; the shortest that will do
+    allow_skips: tuple[str, ...] = ()  #: kinds of features that may be left out
+    strict: bool = False  #: whether warnings refuse a part
+    job: Text = "JOB"  #: name in a program's first line
+    jobs: PositiveCount | None = None  #: worker processes of a batch; all cores if not given
+    name: Text | None = None  #: template of a batch's output names
+    flat: bool = False  #: whether a batch writes all outputs to one folder
+    #: of drills, over the machine's own, mm
+    tolerances: Mapping[Tolerance, NotNegative] = field(default_factory=dict)
+    sheet: Sheet = Sheet()  #: how sheets are cut, over the machine's own
+    #: what is done with a layer or a colour of a drawing
     map: Mapping[str, Meaning] = field(default_factory=dict)
+
+
+class Config(ConfigFile, frozen=True):
+    """A configuration as it was read."""
+
     file: str | None = None  #: None where there is no file
     sources: Mapping[str, Source] = field(default_factory=dict)  #: by dotted key
+
+    def rows(self, table: str) -> Mapping[str, Any]:
+        """The rows of a key that is a table, by their names."""
+        value: Mapping[str, Any] | Sheet = getattr(self, table)
+        return value.given() if isinstance(value, Sheet) else value
 
     def settings(self) -> tuple[Setting, ...]:
         """Every value, the defaults included, each with where it was set."""
         rows: list[Setting] = []
         for key in self.__struct_fields__[:-2]:
             value = getattr(self, key)
-            for name, row in value.items() if isinstance(value, Mapping) else (("", value),):
+            tabular = isinstance(value, Mapping | Sheet)
+            for name, row in self.rows(key).items() if tabular else (("", value),):
                 dotted = f"{key}.{name}" if name else key
                 rows.append(Setting(dotted, row, self.sources.get(dotted)))
         return tuple(rows)
@@ -69,12 +100,14 @@ def over(config: Config, asked: Mapping[str, Any]) -> Config:
     sources = dict(config.sources)
     for key, value in asked.items():
         if isinstance(value, Mapping):
-            own = getattr(config, key)
+            own = config.rows(key)
             changed[key] = {**value, **{name: own[name] for name in own if name not in value}}
             sources |= {f"{key}.{name}": COMMAND_LINE for name in value}
         elif value is not None:
             changed[key] = value
             sources[key] = COMMAND_LINE
+    if "sheet" in changed:
+        changed["sheet"] = Sheet(**changed["sheet"])
     if "machine" in changed:
         changed["machines"] = {}
     return replace(config, **changed, sources=sources) if changed else config

@@ -112,8 +112,6 @@ def torch_faults(machine: Machine) -> Iterator[Fault]:
         yield "torch.kerf_by", torch.kerf_by, "none or offset, as there are no words for left"
     if torch.lead != "none" and not torch.lead_in:
         yield "torch.lead_in", torch.lead_in, "a length, since there is a lead"
-    if torch.tabs < 0:
-        yield "torch.tabs", torch.tabs, "0 or more"
 
 
 def path_faults(machine: Machine, torch: Torch) -> Iterator[Fault]:
@@ -121,10 +119,6 @@ def path_faults(machine: Machine, torch: Torch) -> Iterator[Fault]:
     axes = {axis.moves: axis for axis in machine.axes}
     if ("X" in axes) != ("Y" in axes):
         yield "axes", [axis.name for axis in machine.axes], "an axis for X and one for Y"
-    if torch.acceleration < 0.0:
-        yield "torch.acceleration", torch.acceleration, "0 or more"
-    if torch.corner < 0.0:
-        yield "torch.corner", torch.corner, "0 or more"
     for name in ("X", "Y"):
         axis = axes.get(name)
         if axis is not None and torch.acceleration >= axis.acceleration:
@@ -134,6 +128,19 @@ def path_faults(machine: Machine, torch: Torch) -> Iterator[Fault]:
     if needs and not (torch.acceleration and "X" in axes):
         found = list(machine.words.modal)
         yield "words.modal", found, "torch.acceleration and axes X and Y for {acceleration}"
+
+
+def spindle_faults(machine: Machine) -> Iterator[Fault]:
+    """Each spindle without a drill or an axis of its own, and each pair without its spindles."""
+    faces = {spindle.face for spindle in machine.spindles}
+    for index, pair in enumerate(machine.pairs):
+        if not faces.issuperset(pair.faces):
+            yield f"pairs.{index}.faces", list(pair.faces), "faces that have a spindle"
+    for index, spindle in enumerate(machine.spindles):
+        if spindle.across.axis == spindle.stroke.axis:
+            yield f"spindles.{index}.stroke.axis", spindle.stroke.axis, "another axis"
+        if machine.drill is None:
+            yield f"spindles.{index}", spindle.name, "a [drill] table for it"
 
 
 def pair_faults(machine: Machine) -> Iterator[Fault]:
@@ -156,21 +163,12 @@ def _moved_by(spindle: Spindle) -> dict[str, str]:
     across, stroke = spindle.across, spindle.stroke
     return {
         "across.axis": across.axis,
-        "across.position": across.position.text,
+        "across.position": across.position,
         "stroke.axis": stroke.axis,
-        "stroke.start": stroke.start.text,
-        "stroke.near": (stroke.near or stroke.start).text,
-        "stroke.bottom": stroke.bottom.text,
+        "stroke.start": stroke.start,
+        "stroke.near": stroke.near or stroke.start,
+        "stroke.bottom": stroke.bottom,
     }
-
-
-def axis_faults(machine: Machine) -> Iterator[Fault]:
-    """Each limit of an axis that is none."""
-    for index, axis in enumerate(machine.axes):
-        for name in ("speed", "acceleration", "jerk"):
-            value = getattr(axis, name)
-            if value is not None and not value > 0.0:
-                yield f"axes.{index}.{name}", value, "more than 0"
 
 
 def table_faults(machine: Machine) -> Iterator[Fault]:
@@ -182,25 +180,16 @@ def table_faults(machine: Machine) -> Iterator[Fault]:
         yield "stepper", None, "a table, since the controller is stepper"
     if triggers is not None:
         yield from _trigger_faults(triggers, machine)
-    if stepper is not None:
-        of_stepper = ("pitch", "steps_per_turn", "acceleration", "jerk", "greatest_hz",
-                 "traverse_mm_s", "corner")  # fmt: skip
-        for name in of_stepper:
-            if getattr(stepper, name) <= 0:
-                yield f"stepper.{name}", getattr(stepper, name), "more than 0"
-        if sorted(stepper.sequence) != ["00", "01", "10", "11"]:
-            yield "stepper.sequence", list(stepper.sequence), "each of 00, 01, 10, 11 once"
+    if stepper is not None and sorted(stepper.sequence) != ["00", "01", "10", "11"]:
+        yield "stepper.sequence", list(stepper.sequence), "each of 00, 01, 10, 11 once"
 
 
 def _trigger_faults(triggers: Triggers, machine: Machine) -> Iterator[Fault]:
-    for name in _ABOVE_0:
-        if not getattr(triggers, name) > 0:
-            yield f"triggers.{name}", getattr(triggers, name), "more than 0"
-    if triggers.counts_per_turn > 0 and triggers.arrival_window < triggers.count:
+    if triggers.arrival_window < triggers.count:
         expected = f"a count of the encoder or more, {triggers.count:.4f} mm"
         yield "triggers.arrival_window", triggers.arrival_window, expected
     torch = machine.torch
-    if torch is not None and triggers.homing_mm_s > 0:
+    if torch is not None:
         way = max(torch.length, torch.width) + triggers.overrun + 2 * triggers.back_off
         least = way / triggers.homing_mm_s
         if triggers.max_homing_s < least:
@@ -210,8 +199,6 @@ def _trigger_faults(triggers: Triggers, machine: Machine) -> Iterator[Fault]:
     if triggers.path_objects and triggers.technology not in _PATH_PACKAGES:
         expected = f"{' or '.join(_PATH_PACKAGES)}, which have path objects"
         yield "triggers.package", triggers.package, expected
-    if triggers.greatest_data < LEAST_DATA:
-        yield "triggers.greatest_data", triggers.greatest_data, f"{LEAST_DATA} or more"
     for row in torch.rows if torch else ():
         if row.process not in triggers.outputs:
             yield "triggers.outputs", dict(triggers.outputs), f"an output for {row.process}"
@@ -238,13 +225,7 @@ def _st_name_faults(triggers: Triggers) -> Iterator[Fault]:
             yield f"triggers.names.{name}", other, "letters, digits and single _"
 
 
-_ABOVE_0 = (
-    "cycle_s", "acceleration", "traverse_mm_s", "homing_mm_s", "in_position", "standstill",
-    "max_homing_s", "max_late_s", "counts_per_turn", "travel_per_turn", "cycles_per_chord",
-    "back_off", "overrun", "greatest_chain",
-)  # fmt: skip
 _PATH_PACKAGES = ("PATH", "CAM_EXT")
-LEAST_DATA = 1024  #: a unit has to hold some set-points
 _ST_NAME = re.compile(r"[A-Za-z](_?[A-Za-z0-9])*")
 _INPUT = re.compile(r"%I\d+\.[0-7]")
 _OUTPUT = re.compile(r"%Q\d+\.[0-7]")

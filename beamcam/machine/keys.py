@@ -11,7 +11,9 @@ from collections.abc import Iterator, Mapping
 from types import UnionType
 from typing import Literal, NamedTuple, Union, get_args, get_origin
 
-from beamcam.machine.machine import DERIVED, Formula, Machine
+from msgspec import Meta
+
+from beamcam.machine.machine import Formula, MachineFile
 
 
 class Key(NamedTuple):
@@ -25,12 +27,12 @@ class Key(NamedTuple):
 
 def machine_keys() -> tuple[Key, ...]:
     """All keys, in the order of the records."""
-    return tuple(_keys(Machine, ""))
+    return tuple(_keys(MachineFile, ""))
 
 
 def _keys(record: type, prefix: str) -> Iterator[Key]:
-    hints = typing.get_type_hints(record)
-    for name, (default, meaning) in _fields(record).items():
+    hints = typing.get_type_hints(record, include_extras=True)
+    for name, (default, meaning) in documented(record).items():
         inner, many = _record_in(hints[name])
         if inner is None:
             yield Key(prefix + name, _kind(hints[name]), default, meaning)
@@ -44,6 +46,8 @@ _PLAIN = {str: "text", float: "number", int: "whole number", bool: "true or fals
 def _kind(hint: object) -> str:
     """What a value has to be, in words."""
     origin, args = get_origin(hint), get_args(hint)
+    if origin is typing.Annotated:
+        return _kind(args[0]) + _limits(args[1])
     if origin in (Union, UnionType):
         return _kind(next(a for a in args if a is not type(None)))
     if origin is Literal:
@@ -56,9 +60,20 @@ def _kind(hint: object) -> str:
     return "arithmetic" if hint is Formula else _PLAIN[typing.cast(type, hint)]
 
 
+def _limits(meta: Meta) -> str:
+    """The limits of a number, in words."""
+    if meta.le is not None:
+        return f", {meta.ge:g} to {meta.le:g}"
+    if meta.gt is not None:
+        return f" above {meta.gt:g}"
+    return "" if meta.ge is None else f", {meta.ge:g} or more"
+
+
 def _record_in(hint: object) -> tuple[type | None, bool]:
     """The record that a field holds, and whether it holds a list of them."""
     origin, args = get_origin(hint), get_args(hint)
+    if origin is typing.Annotated:
+        return None, False
     if origin in (Union, UnionType):
         return _record_in(next(a for a in args if a is not type(None)))
     if origin is tuple:
@@ -68,8 +83,11 @@ def _record_in(hint: object) -> tuple[type | None, bool]:
     return None, False
 
 
-def _fields(record: type) -> dict[str, tuple[str, str]]:
-    """Default and comment of each field, from the record's source."""
+def documented(record: type) -> dict[str, tuple[str, str]]:
+    """Default and comment of each field, from the record's source.
+
+    A comment stands behind its field, or on the line before.
+    """
     lines = inspect.getsource(sys.modules[record.__module__]).splitlines()
     tree = ast.parse("\n".join(lines))
     body = next(n for n in tree.body if isinstance(n, ast.ClassDef) and n.name == record.__name__)
@@ -77,8 +95,9 @@ def _fields(record: type) -> dict[str, tuple[str, str]]:
     for node in body.body:
         if isinstance(node, ast.AnnAssign) and isinstance(node.target, ast.Name):
             comment = lines[(node.end_lineno or node.lineno) - 1].partition("#: ")[2]
-            if node.target.id in DERIVED:
-                continue
+            above = lines[node.lineno - 2].strip()
+            if not comment and above.startswith("#: "):
+                comment = above.removeprefix("#: ")
             found[node.target.id] = (_default(node.value), comment.strip())
     return found
 

@@ -1,24 +1,23 @@
 """Machine files: found by name or path, laid over their bases, checked, and explained."""
 
-import re
 from collections.abc import Iterator
-from pathlib import Path
-from string import Formatter
-from typing import Any, cast
+from pathlib import Path, PurePath
+from typing import Any
 from zlib import crc32
 
 from msgspec import Struct, json
-from msgspec.structs import replace
+from msgspec.structs import asdict
 
 from beamcam.caches import cached
-from beamcam.errors import MachineError, Source
+from beamcam.conversion import Fault, converted, nearest
+from beamcam.errors import Diagnostic, MachineError, Source
 from beamcam.machine import rules
-from beamcam.machine.faults import axis_faults, pair_faults, tool_faults, torch_faults
-from beamcam.machine.machine import Machine
-from beamcam.machine.schema import Place, build, nearest
-from beamcam.machine.toml import TomlError, TomlFile, toml_text
-from beamcam.machine.words import WORD_NAMES
+from beamcam.machine.faults import pair_faults, spindle_faults, tool_faults, torch_faults
+from beamcam.machine.machine import Machine, MachineFile, as_formula
+from beamcam.machine.templates import template_faults
+from beamcam.machine.toml import Place, TomlError, TomlFile, line_of, toml_text
 
+MAX_BASES = 8  #: machine files laid over each other
 SHIPPED = Path(__file__).resolve().parent.parent / "machines"
 
 
@@ -48,11 +47,15 @@ def files_of(name: str) -> tuple[str, ...]:
 @cached("files.machine")
 def _machine(files: tuple[TomlFile, ...]) -> Machine:
     """The machine that is told by a file and its bases."""
-    table, places = _merged(files)
+    table, places = merged(files)
     place = Place(places)
-    machine: Machine = build(Machine, table, place)
+    try:
+        read = converted(table, MachineFile, as_formula)
+    except Fault as fault:
+        raise MachineError(_said(fault, place)) from None
+    machine = Machine(**asdict(read), checksum=_checksum(table))
     _check(machine, place)
-    return replace(machine, checksum=_checksum(table))
+    return machine
 
 
 def _checksum(table: dict[str, Any]) -> str:
@@ -65,10 +68,24 @@ def _checksum(table: dict[str, Any]) -> str:
     return f"{crc32(json.encode(values, order='deterministic')):08x}"
 
 
+def _said(fault: Fault, place: Place) -> Diagnostic:
+    """What is wrong with a key of a machine file."""
+    from beamcam.conversion.fault import shown
+
+    at = place.child(*fault.path)
+    if fault.kind == "unknown":
+        return rules.UNKNOWN_KEY.at(at.source, found=at.key, expected=fault.expected)
+    if fault.kind == "missing":
+        above = place.child(*fault.path[:-1])
+        return rules.MISSING_KEY.at(above.source, expected=at.key)
+    found = shown(fault.found)
+    return rules.WRONG_VALUE.at(at.source, key=at.key, found=found, expected=fault.expected)
+
+
 def settings(name: str) -> tuple[Setting, ...]:
     """Every value of a machine, the defaults included, each with where it was set."""
     files = _files(name)
-    table, places = _merged(files)
+    table, places = merged(files)
     place = Place(places)
     return tuple(
         Setting(key, value, place.child(key).source if _is_set(table, key) else None)
@@ -90,9 +107,7 @@ def _is_set(table: Any, key: str) -> bool:
 
 def _leaves(record: Any, key: str = "") -> Iterator[tuple[str, object]]:
     """Dotted key and value of every plain value in a record."""
-    if hasattr(record, "text"):  # a Formula is one value
-        yield key, record.text
-    elif isinstance(record, Struct):
+    if isinstance(record, Struct):
         for name in record.__struct_fields__:
             yield from _leaves(getattr(record, name), f"{key}.{name}" if key else name)
     elif isinstance(record, dict):
@@ -126,14 +141,18 @@ def _files(name: str) -> tuple[TomlFile, ...]:
         if base is None:
             return tuple(found)
         if not isinstance(base, str):
-            said = rules.WRONG_VALUE.at(
-                Source(shown), key="base", found=repr(base), expected="a machine's name"
-            )
-            raise MachineError(said)
+            raise MachineError(_wrong_base(file, "a machine's name"))
+        if len(found) > MAX_BASES:
+            raise MachineError(_wrong_base(file, f"{MAX_BASES} files below each other at most"))
         name = base
 
 
-def _merged(
+def _wrong_base(file: TomlFile, expected: str) -> Diagnostic:
+    source, found = Source(file.shown, line_of(file.text, "base")), repr(file.table["base"])
+    return rules.WRONG_VALUE.at(source, key="base", found=found, expected=expected)
+
+
+def merged(
     files: tuple[TomlFile, ...],
 ) -> tuple[dict[str, Any], dict[str, tuple[str, str]]]:
     """The merged table of a machine, and for each of its keys the file that sets it."""
@@ -171,7 +190,7 @@ def _find(name: str, below: Path | None) -> Path:
         path = Path(name) if below is None else below.parent / name
         if path.is_file():
             return path.resolve()
-    elif (SHIPPED / f"{name}.toml").is_file() and "/" not in name:
+    elif PurePath(name).name == name and (SHIPPED / f"{name}.toml").is_file():
         return SHIPPED / f"{name}.toml"
     expected = f"{nearest(name, shipped())} or the path of a .toml file"
     raise MachineError(
@@ -181,66 +200,12 @@ def _find(name: str, below: Path | None) -> Path:
 
 def _check(machine: Machine, place: Place) -> None:
     """Raise MachineError for what no field can tell by itself."""
-
-    def wrong(key: str, found: object, expected: str) -> MachineError:
-        return MachineError(
-            rules.WRONG_VALUE.at(
-                place.child(key).source, key=key, found=repr(found), expected=expected
-            )
-        )
-
-    for key, names in WORD_NAMES.items():
-        template = getattr(machine.words, key)
-        for line in (template,) if isinstance(template, str) else template:
-            try:
-                parsed = tuple(Formatter().parse(line))
-            except ValueError as error:
-                raise wrong(f"words.{key}", line, f"a template: {error}") from error
-            for _, name, how, _ in parsed:
-                if name is None:
-                    continue
-                if name not in names:
-                    raise wrong(f"words.{key}", "{" + name + "}", nearest(name, names))
-                if not _FIELD_FORM.fullmatch(how or ""):
-                    raise wrong(f"words.{key}", how, "a width of two digits, such as :>8")
-    faces = {s.face for s in machine.spindles}
-    for index, pair in enumerate(machine.pairs):
-        if not faces.issuperset(pair.faces):
-            raise wrong(f"pairs.{index}.faces", list(pair.faces), "faces that have a spindle")
-    for index, spindle in enumerate(machine.spindles):
-        if spindle.across.axis == spindle.stroke.axis:
-            raise wrong(f"spindles.{index}.stroke.axis", spindle.stroke.axis, "another axis")
-        if machine.drill is None:
-            raise wrong(f"spindles.{index}", spindle.name, "a [drill] table for it")
-    for key, value in _leaves(machine):
-        if key.endswith(_POSITIVE) and isinstance(value, float) and value <= 0:
-            raise wrong(key, value, "more than 0")
-        if key.endswith(_NOT_NEGATIVE) and isinstance(value, float) and value < 0:
-            raise wrong(key, value, "0 or more")
-        if key.endswith("_decimals") and not 0 <= cast(int, value) <= MAX_DECIMALS:
-            raise wrong(key, value, f"0 to {MAX_DECIMALS}")
-    for key, found, expected in (
-        *tool_faults(machine),
-        *pair_faults(machine),
-        *axis_faults(machine),
-        *torch_faults(machine),
-    ):
-        raise wrong(key, found, expected)
+    for faults in (template_faults, spindle_faults, tool_faults, pair_faults, torch_faults):
+        for key, found, expected in faults(machine):
+            source = place.child(key).source
+            said = rules.WRONG_VALUE.at(source, key=key, found=repr(found), expected=expected)
+            raise MachineError(said)
     if machine.stock == "beam" and machine.layout is None:
         raise MachineError(rules.MISSING_KEY.at(place.source, expected="layout"))
     if machine.stock == "sheet" and machine.torch is None:
         raise MachineError(rules.MISSING_KEY.at(place.source, expected="torch"))
-
-
-#: No machine resolves a nanometre; the texts of all decimals are kept, of more they would not fit.
-MAX_DECIMALS = 6
-#: How a value may be set in a template; a greater width would fill the memory with blanks.
-_FIELD_FORM = re.compile(r"[^{}]?[<>^]?[0-9]{0,2}")
-_POSITIVE = ("up_to", "speed_m_min", "feed_per_turn", "_mm_min", "_rpm", "point_deg",
-             "greatest_height", "greatest_width", "torch.length", "torch.width", "torch.tolerance",
-             "torch.thickness", "torch.gap", "torch.tab_width", "_radius", "arc_limit")  # fmt: skip
-_NOT_NEGATIVE = ("kerf", "tolerance", "clearance", "breakthrough", "_trim", "least_bar",
-                 "plus", "minus", "dead_zone", "least_part", "least_remnant", "twin",
-                 "runout_pitches", "_depth", "_s", "torch.margin",
-                 "torch.lead_in", "torch.lead_out", "least_hole", "torch.cross",
-                 "power")  # fmt: skip

@@ -7,11 +7,12 @@ so that where a station measures from is a line of the machine file and not of t
 from collections.abc import Mapping
 from fractions import Fraction
 from math import radians, tan
-from typing import Literal
+from typing import Annotated, Literal
 
-from msgspec import Struct, field
+from msgspec import Meta, Struct, field
 
 from beamcam.caches import cached
+from beamcam.conversion import Count, Keys, NotNegative, Positive
 from beamcam.geometry.expression import Expression, compile_expression
 from beamcam.machine.tables import Stepper, Triggers
 from beamcam.machine.words import Words
@@ -34,17 +35,29 @@ FORMULA_NAMES = frozenset(
 )
 
 
-class Formula(Struct, frozen=True):
+class Formula(str):
     """A number that depends on the section or the hole, written as arithmetic."""
 
-    text: str
+    __slots__ = ()
 
     def check(self) -> None:
         """Raises ValueError if the text is no arithmetic over `FORMULA_NAMES`."""
-        _compiled(self.text)
+        _compiled(self)
 
     def __call__(self, values: Mapping[str, float]) -> float:
-        return _compiled(self.text)(values)
+        return _compiled(self)(values)
+
+
+def as_formula(kind: type, value: object) -> Formula:
+    """The formula in a value of a machine file. Raises ValueError."""
+    if kind is not Formula or not isinstance(value, str | int | float) or value is True:
+        raise ValueError("arithmetic as a text")
+    formula = Formula(value)
+    try:
+        formula.check()
+    except ValueError as error:
+        raise ValueError(f"arithmetic: {error}") from error
+    return formula
 
 
 @cached("machine.formula")
@@ -52,11 +65,15 @@ def _compiled(text: str) -> Expression:
     return compile_expression(text, FORMULA_NAMES)
 
 
-class NumberFormat(Struct, frozen=True):
+#: No machine resolves a nanometre; the texts of all decimals are kept, of more they would not fit.
+Decimals = Annotated[int, Meta(ge=0, le=6)]
+
+
+class NumberFormat(Keys, frozen=True):
     """How the controller's numbers and blocks are written."""
 
-    length_decimals: int = 3
-    angle_decimals: int = 3
+    length_decimals: Decimals = 3
+    angle_decimals: Decimals = 3
     feed_unit: Literal["mm/s", "mm/min"] = "mm/min"
     number_blocks: bool = False  #: N1, N2, ... before every block but % and comments
 
@@ -66,34 +83,36 @@ class NumberFormat(Struct, frozen=True):
         return 10.0**-self.length_decimals
 
 
-class Layout(Struct, frozen=True):
+class Layout(Keys, frozen=True):
     """How the stations stand along the bar, and what bars they take."""
 
     order: Literal["saw-drill", "drill-saw"]  #: which station the bar reaches first
-    least_bar: float = 0.0  #: shortest bar that the stop or gripper can hold
+    least_bar: NotNegative = 0.0  #: shortest bar that the stop or gripper can hold
     greatest_bar: float | None = None
-    front_trim: float = 0.0  #: bar x at which the first part starts
-    end_trim: float = 0.0  #: at the bar's end, of no use
-    dead_zone: float = 0.0  #: at the bar's end, that the gripper holds and cannot bring to work
-    least_part: float = 0.0  #: shortest part that does not fall between the rollers
-    least_remnant: float = 1000.0  #: a rest at least as long goes back to the store
+    front_trim: NotNegative = 0.0  #: bar x at which the first part starts
+    end_trim: NotNegative = 0.0  #: at the bar's end, of no use
+    dead_zone: NotNegative = (
+        0.0  #: at the bar's end, held by the gripper, out of the stations' reach
+    )
+    least_part: NotNegative = 0.0  #: shortest part that does not fall between the rollers
+    least_remnant: NotNegative = 1000.0  #: a rest at least as long goes back to the store
     profiles: tuple[str, ...] = ("I", "U", "L", "M", "C", "T")  #: DSTV codes that it takes
 
 
-class Saw(Struct, frozen=True):
+class Saw(Keys, frozen=True):
     """The saw: where it stands, what it cuts and how its angles are counted."""
 
-    kerf: float
+    kerf: NotNegative
     least_angle: float  #: of the mitre, in the machine's own counting
     greatest_angle: float
-    greatest_height: float
-    greatest_width: float
+    greatest_height: Positive
+    greatest_width: Positive
     x: float = 0.0  #: machine X of a cut at bar x 0
     kerf_along: Literal["normal", "x"] = "normal"  #: across the blade, or along the bar
     pivot: Literal["o", "u"] = "o"  #: the edge of the web on which X is counted
     square: float = 0.0  #: what a square cut is called: 0 or 90
     angle_sign: Literal[-1, 1] = 1  #: of DSTV's web angle in the machine's counting
-    feed_mm_min: float = 2500.0
+    feed_mm_min: Positive = 2500.0
     least_mitre: float = 0.1  #: an end nearer to square than this is sawn square, in degrees
     least_tilt: float = 0.0  #: of the blade out of the vertical, for flange angles
     greatest_tilt: float = 0.0  #: 0 and 0: the blade does not tilt
@@ -140,18 +159,18 @@ FLAT_DEG = 180.0
 MM_PER_INCH = 25.4
 
 
-class ToolSet(Struct, frozen=True):
+class ToolSet(Keys, frozen=True):
     """Tools of one kind in the diameters that the shop has."""
 
     kind: ToolKind
     diameters: tuple[float, ...] = ()
     inches: tuple[str, ...] = ()  #: more of them, as "13/16" or "1 1/16"
-    point_deg: float = 118.0
+    point_deg: Positive = 118.0
     faces: tuple[Literal["v", "o", "u", "h"], ...] = ("v", "o", "u", "h")  #: whose spindles take it
     pitches: tuple[float, ...] = ()  #: of taps, one for each diameter
     pre_drills: tuple[float, ...] = ()  #: of taps, the drill before each of them
     hand: Literal["right", "left"] = "right"
-    largest_hole: float = 0.0  #: of mills: largest hole that may be milled as a circle
+    largest_hole: NotNegative = 0.0  #: of mills: largest that may be milled as a circle
     tool_material: ToolMaterial = "hss"  #: high-speed steel or cemented carbide
 
     @property
@@ -169,14 +188,14 @@ def inch_size(text: str) -> float:
     return round(float(total) * MM_PER_INCH, 6)
 
 
-class Across(Struct, frozen=True):
+class Across(Keys, frozen=True):
     """The axis that sets a spindle across the bar."""
 
     axis: Axis
     position: Formula
 
 
-class Stroke(Struct, frozen=True):
+class Stroke(Keys, frozen=True):
     """The axis that drives a spindle into the material."""
 
     axis: Axis
@@ -185,7 +204,7 @@ class Stroke(Struct, frozen=True):
     near: Formula | None = None  #: where the rapid approach ends; `start` if not given
 
 
-class Spindle(Struct, frozen=True):
+class Spindle(Keys, frozen=True):
     """A drilling spindle: the face that it reaches, its axes and its stations."""
 
     name: str
@@ -196,7 +215,7 @@ class Spindle(Struct, frozen=True):
     stations: int = 1
 
 
-class Pair(Struct, frozen=True):
+class Pair(Keys, frozen=True):
     """Two spindles that can drill at once."""
 
     name: str
@@ -204,61 +223,61 @@ class Pair(Struct, frozen=True):
     faces: tuple[str, str]
 
 
-class Fit(Struct, frozen=True):
+class Fit(Keys, frozen=True):
     """How far a drill may differ from its hole, for holes up to a diameter."""
 
-    up_to: float
-    plus: float  #: the drill may be larger by this
-    minus: float  #: or smaller by this
+    up_to: Positive
+    plus: NotNegative  #: the drill may be larger by this
+    minus: NotNegative  #: or smaller by this
 
 
-class Cutting(Struct, frozen=True):
+class Cutting(Keys, frozen=True):
     """Speed and feed of a tool, for diameters up to a limit. The first row that fits counts."""
 
-    up_to: float
-    speed_m_min: float  #: at the drill's edge
-    feed_per_turn: float  #: mm
+    up_to: Positive
+    speed_m_min: Positive  #: at the drill's edge
+    feed_per_turn: Positive  #: mm
     grade: str = "*"  #: steel grades the row is for, as shell patterns set off by |
     kind: ToolKind = "drill"
     tool_material: Literal["*", "hss", "carbide"] = "*"  #: of the tools the row is for
 
 
-class Drill(Struct, frozen=True):
+class Drill(Keys, frozen=True):
     """The drilling station."""
 
     x: float  #: machine X of a hole at bar x 0
-    greatest_height: float
-    greatest_width: float
+    greatest_height: Positive
+    greatest_width: Positive
     fits: tuple[Fit, ...]
     cutting: tuple[Cutting, ...]
-    merge_tolerance: float = 0.1  #: flange holes nearer than this are one operation
-    clearance: float = 5.0  #: between tool and surface where the feed begins
-    breakthrough: float = 2.0  #: of the drill's full diameter beyond the far side
-    least_speed_rpm: float = 150.0
-    greatest_speed_rpm: float = 2500.0
-    greatest_feed_mm_min: float = 20000.0
-    twin: float = 0.02  #: tools that differ by no more are one tool, such as 20.64 and 13/16 in
-    duplicate_tolerance: float = 0.01  #: holes of one face nearer than this are one hole
+    merge_tolerance: NotNegative = 0.1  #: flange holes nearer than this are one operation
+    clearance: NotNegative = 5.0  #: between tool and surface where the feed begins
+    breakthrough: NotNegative = 2.0  #: of the drill's full diameter beyond the far side
+    least_speed_rpm: Positive = 150.0
+    greatest_speed_rpm: Positive = 2500.0
+    greatest_feed_mm_min: Positive = 20000.0
+    twin: NotNegative = 0.02  #: tools that differ by no more are one: 20.64 and 13/16 in
+    duplicate_tolerance: NotNegative = 0.01  #: holes of one face nearer than this are one hole
     slots: Literal["mill", "drill-mill"] = "drill-mill"  #: whether its ends are drilled first
-    runout_pitches: float = 3.0  #: of a tap's drill below a blind thread
-    sink_tolerance: float = 0.2  #: of a countersink's depth against its diameter
-    path_tolerance: float = 0.02  #: of the chords of a milled or scribed curve
-    mark_depth: float = 0.3  #: of a scribed line
-    punch_depth: float = 1.0  #: of a centre punch that the part gives no depth
+    runout_pitches: NotNegative = 3.0  #: of a tap's drill below a blind thread
+    sink_tolerance: NotNegative = 0.2  #: of a countersink's depth against its diameter
+    path_tolerance: NotNegative = 0.02  #: of the chords of a milled or scribed curve
+    mark_depth: NotNegative = 0.3  #: of a scribed line
+    punch_depth: NotNegative = 1.0  #: of a centre punch that the part gives no depth
 
 
-class Times(Struct, frozen=True):
+class Times(Keys, frozen=True):
     """What takes time besides the axes."""
 
-    spindle_s: float = 0.0  #: to start and stop a spindle, each operation
-    tool_change_s: float = 0.0  #: another tool of the spindle's own stations
-    spindle_change_s: float = 0.0  #: another spindle
-    reload_s: float = 0.0  #: another tool into a station, by hand
-    saw_s: float = 0.0  #: to clamp, start and stop the saw, each cut
+    spindle_s: NotNegative = 0.0  #: to start and stop a spindle, each operation
+    tool_change_s: NotNegative = 0.0  #: another tool of the spindle's own stations
+    spindle_change_s: NotNegative = 0.0  #: another spindle
+    reload_s: NotNegative = 0.0  #: another tool into a station, by hand
+    saw_s: NotNegative = 0.0  #: to clamp, start and stop the saw, each cut
     together: bool = False  #: whether spindles work at once where X is the same
 
 
-class ControlledAxis(Struct, frozen=True):
+class ControlledAxis(Keys, frozen=True):
     """An axis of the machine, in the order of the controller's registers.
 
     `moves` is the letter that moves it in a program, for the axis of a spindle together with
@@ -267,69 +286,66 @@ class ControlledAxis(Struct, frozen=True):
 
     name: str
     moves: Literal["X", "Y", "Z", "angle", "saw"]
-    speed: float  #: greatest, mm/s or deg/s; rapid moves run at it
-    acceleration: float  #: mm/s2 or deg/s2
+    speed: Positive  #: greatest, mm/s or deg/s; rapid moves run at it
+    acceleration: Positive  #: mm/s2 or deg/s2
     spindle: int | None = None  #: number of the spindle that it belongs to
     least: float | None = None  #: None has no limit
     greatest: float | None = None
     park: float = 0.0  #: where it stands when a program begins
-    jerk: float | None = None  #: mm/s3 or deg/s3; None has no limit
+    jerk: Positive | None = None  #: mm/s3 or deg/s3; None has no limit
 
 
 TorchProcess = Literal["cut", "mark", "engrave"]
 
 
-class TorchRow(Struct, frozen=True):
+class TorchRow(Keys, frozen=True):
     """How a process runs on one material up to a thickness."""
 
     process: TorchProcess
-    up_to: float  #: thickness of the sheet
-    feed_mm_min: float
+    up_to: Positive  #: thickness of the sheet
+    feed_mm_min: Positive
     material: str = "*"  #: grade of the sheet, as a shell pattern
-    power: float = 0.0  #: what the words call {power}
-    pierce_s: float = 0.0  #: between the tool's start and the first move
-    kerf: float = 0.0
+    power: NotNegative = 0.0  #: what the words call {power}
+    pierce_s: NotNegative = 0.0  #: between the tool's start and the first move
+    kerf: NotNegative = 0.0
 
 
-class Torch(Struct, frozen=True):
+class Torch(Keys, frozen=True):
     """The head of a machine that follows contours: a torch, a laser, an engraver.
 
     A sheet lies with its lower left corner at X 0, Y 0.
     """
 
-    length: float  #: of the work area, along X
-    width: float  #: along Y
+    length: Positive  #: of the work area, along X
+    width: Positive  #: along Y
     rows: tuple[TorchRow, ...]
     colours: Mapping[str, Literal["cut", "mark", "engrave", "ignore"]]  #: of lines, or their layers
-    thickness: float | None = None  #: of a sheet that does not say; without it the job has to
+    thickness: Positive | None = None  #: of a sheet that does not say; without it the job has to
     material: str = ""  #: of a sheet that does not say
     place: Literal["corner", "drawn"] = "corner"  #: moved to the corner, or left where it is drawn
-    margin: float = 0.0  #: between the corner and the part
-    tolerance: float = 0.01  #: greatest distance of the path from the contour
-    gap: float = 0.01  #: ends of curves as near as this belong together
+    margin: NotNegative = 0.0  #: between the corner and the part
+    tolerance: Positive = 0.01  #: greatest distance of the path from the contour
+    gap: Positive = 0.01  #: ends of curves as near as this belong together
     kerf_by: Literal["none", "offset", "machine"] = "none"  #: who keeps half a kerf off the contour
     lead: Literal["none", "line", "arc"] = "none"  #: the way from the pierced hole to the contour
-    lead_in: float = 0.0
-    lead_out: float = 0.0
+    lead_in: NotNegative = 0.0
+    lead_out: NotNegative = 0.0
     start: Literal["nearest", "drawn", "straight"] = "nearest"  #: straight: away from corners
     direction: Literal["drawn", "climb", "conventional"] = "drawn"  #: climb: material at the right
-    tabs: int = 0  #: bridges that hold a part in the sheet
-    tab_width: float = 1.0
-    least_hole: float = 0.0  #: smallest diameter that can be cut
-    cross: float = 0.0  #: size of the cross that marks a centre; 0 marks none
-    least_radius: float = 0.01  #: smallest arc that the controller takes
-    greatest_radius: float = 10000.0  #: an arc beyond is written as lines
-    arc_limit: float = 0.005  #: radii at both ends of an arc may differ by this
-    traverse_mm_min: float = 20000.0  #: of the head with its tool off, for times
-    acceleration: float = 0.0  #: along the path, to run up and to brake, mm/s2; 0: not known
-    corner: float = 0.0  #: how far a circle that is as fast may pass from a corner; 0 stops there
+    tabs: Count = 0  #: bridges that hold a part in the sheet
+    tab_width: Positive = 1.0
+    least_hole: NotNegative = 0.0  #: smallest diameter that can be cut
+    cross: NotNegative = 0.0  #: size of the cross that marks a centre; 0 marks none
+    least_radius: Positive = 0.01  #: smallest arc that the controller takes
+    greatest_radius: Positive = 10000.0  #: an arc beyond is written as lines
+    arc_limit: Positive = 0.005  #: radii at both ends of an arc may differ by this
+    traverse_mm_min: Positive = 20000.0  #: of the head with its tool off, for times
+    acceleration: NotNegative = 0.0  #: along the path, to run up and to brake, mm/s2; 0: not known
+    corner: NotNegative = 0.0  #: distance from a corner of a circle passed as fast; 0 stops there
 
 
-DERIVED = ("checksum",)  #: fields of a machine that are worked out and no keys of its file
-
-
-class Machine(Struct, frozen=True):
-    """A machine: `beamcam machines show NAME` prints every value and where it comes from."""
+class MachineFile(Keys, frozen=True):
+    """What a machine's file may say; the fields are its keys."""
 
     name: str
     title: str
@@ -350,4 +366,9 @@ class Machine(Struct, frozen=True):
     triggers: Triggers | None = None
     stepper: Stepper | None = None
     sections: Mapping[str, int] = field(default_factory=dict)  #: the program's section codes
+
+
+class Machine(MachineFile, frozen=True):
+    """A machine: `beamcam machines show NAME` prints every value and where it comes from."""
+
     checksum: str = ""  #: of all that its file says, in the heads of its programs; no key of it

@@ -1,9 +1,13 @@
 """The controllers of cutting tables that no G-code runs: trigger programs and stepper tables."""
 
 from collections.abc import Mapping
-from typing import Literal
+from typing import Annotated, Literal
 
-from msgspec import Struct, field
+from msgspec import Meta, field
+
+from beamcam.conversion import Keys, Positive, PositiveCount
+
+UnitBytes = Annotated[int, Meta(ge=1024)]  #: a unit has to hold some set-points
 
 #: Names of SIMOTION's library that neither a manual at hand nor a program that ran shows; the
 #: package of a project may call them otherwise.
@@ -16,7 +20,7 @@ UNCONFIRMED = (
 )  # fmt: skip
 
 
-class Triggers(Struct, frozen=True):
+class Triggers(Keys, frozen=True):
     """A motion controller that is told by a Structured Text program, one `_pos` an operation.
 
     Inputs and outputs are addresses such as %I0.0 or names of variables of the project.
@@ -26,27 +30,27 @@ class Triggers(Struct, frozen=True):
     limits: tuple[str, str, str, str]  #: inputs: X low, X high, Y low, Y high
     start: str  #: input of the button that starts the work
     outputs: Mapping[str, str]  #: output of each process
-    cycle_s: float  #: of the TimerInterruptTask that the program runs in
-    acceleration: float  #: mm/s2 along the path
-    traverse_mm_s: float  #: along the path with the tool off
+    cycle_s: Positive  #: of the TimerInterruptTask that the program runs in
+    acceleration: Positive  #: mm/s2 along the path
+    traverse_mm_s: Positive  #: along the path with the tool off
     acknowledge: str = ""  #: input of the button that acknowledges a fault; a variable if absent
     fault_lamp: str = ""  #: output that shows a fault
     uses: tuple[str, ...] = ()  #: units of the project that declare named inputs and outputs
-    homing_mm_s: float = 10.0
-    max_homing_s: float = 120.0  #: of homing both axes; longer is a fault
-    max_late_s: float = 2.0  #: behind its reckoned end, by which an operation has to arrive
-    back_off: float = 30.0  #: from the limit switch to the corner of the work area
-    overrun: float = 15.0  #: from the end of the work area to its limit switch
-    in_position: float = 0.005  #: a set position this near to its end has arrived
-    standstill: float = 0.0001  #: a set position that moves no more than this in a cycle rests
-    arrival_window: float = 0.26  #: of an actual position about its set position; encoder counts
-    counts_per_turn: int = 512  #: of the encoder
-    travel_per_turn: float = 65.0  #: of an axis, for a turn of its encoder
-    cycles_per_chord: float = 3.0
+    homing_mm_s: Positive = 10.0
+    max_homing_s: Positive = 120.0  #: of homing both axes; longer is a fault
+    max_late_s: Positive = 2.0  #: behind its reckoned end, by which an operation has to arrive
+    back_off: Positive = 30.0  #: from the limit switch to the corner of the work area
+    overrun: Positive = 15.0  #: from the end of the work area to its limit switch
+    in_position: Positive = 0.005  #: a set position this near to its end has arrived
+    standstill: Positive = 0.0001  #: a set position that moves no more than this in a cycle rests
+    arrival_window: Positive = 0.26  #: of an actual position about its set position; encoder counts
+    counts_per_turn: PositiveCount = 512  #: of the encoder
+    travel_per_turn: Positive = 65.0  #: of an axis, for a turn of its encoder
+    cycles_per_chord: Positive = 3.0
     package: str = ""  #: technology package; CAM for axes, PATH for path objects if absent
     style: Literal["chain", "table"] = "chain"
-    greatest_chain: int = 500  #: operations of a chain; a longer path has to be a table
-    greatest_data: int = 65536  #: bytes of set-points in one unit
+    greatest_chain: PositiveCount = 500  #: operations of a chain; a longer path has to be a table
+    greatest_data: UnitBytes = 65536  #: bytes of set-points in one unit
     path_objects: bool = False  #: whether the controller interpolates lines and circles
     path_object: str = "Path"  #: its name in the project
     names: Mapping[str, str] = field(default_factory=dict)  #: what the package calls otherwise
@@ -62,16 +66,16 @@ class Triggers(Struct, frozen=True):
         return self.travel_per_turn / self.counts_per_turn
 
 
-class Stepper(Struct, frozen=True):
+class Stepper(Keys, frozen=True):
     """Two stepping motors with lead screws, each driven by a word of two bits."""
 
-    pitch: float  #: of the lead screw, a turn
-    steps_per_turn: int
-    acceleration: float  #: mm/s2 of each axis
-    jerk: float  #: mm/s3 of each axis
-    greatest_hz: float  #: step frequency of an axis
-    traverse_mm_s: float
-    corner: float = 0.01  #: how far a circle that is as fast may pass from a corner
+    pitch: Positive  #: of the lead screw, a turn
+    steps_per_turn: PositiveCount
+    acceleration: Positive  #: mm/s2 of each axis
+    jerk: Positive  #: mm/s3 of each axis
+    greatest_hz: Positive  #: step frequency of an axis
+    traverse_mm_s: Positive
+    corner: Positive = 0.01  #: how far a circle that is as fast may pass from a corner
     sequence: tuple[str, ...] = ("00", "01", "10", "11")  #: words of forward steps
     reversed_axes: tuple[Literal["X", "Y"], ...] = field(default=())  #: whose motor turns back
 

@@ -1,15 +1,20 @@
 """TOML of machines and configurations: text to a table, and the lines that its keys stand on."""
 
 import tomllib
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
 from msgspec import Struct
 
 from beamcam.caches import cached
+from beamcam.errors import Source
 
 #: The longest machine file shipped has 12,000 bytes; reading takes a second for a million.
 MAX_TOML_BYTES = 500_000
+MAX_LINE = 4096  #: characters; the parser's time grows with the square of a dotted key's length
+MAX_DEPTH = 16  #: of tables and lists in each other
+UTF_16 = (b"\xff\xfe", b"\xfe\xff")
 
 
 class TomlError(ValueError):
@@ -33,20 +38,64 @@ def toml_text(data: bytes) -> str:
     """The text of a file. Raises TomlError for what is no text, or more than anybody writes."""
     if len(data) > MAX_TOML_BYTES:
         raise TomlError(f"{len(data)} bytes; expected at most {MAX_TOML_BYTES}")
+    if data.startswith(UTF_16):
+        raise TomlError("the file is UTF-16; save it as UTF-8")
     try:
-        return data.decode("utf-8")
+        text = data.decode("utf-8-sig")
     except UnicodeDecodeError as error:
         raise TomlError(str(error)) from error
+    for number, line in enumerate(text.split("\n"), 1):
+        if len(line) > MAX_LINE:
+            raise TomlError(f"more than {MAX_LINE} characters (at line {number})")
+    return text
 
 
 @cached("files.toml")
 def _table(text: str) -> dict[str, Any]:
     try:
-        return tomllib.loads(text)
-    except RecursionError as error:
-        raise TomlError("lists or tables too deep inside one another") from error
+        table = tomllib.loads(text)
+    except RecursionError:
+        raise TomlError(f"nested more than {MAX_DEPTH} deep") from None
     except ValueError as error:  # of numbers with too many digits too
         raise TomlError(str(error)) from error
+    if _depth(table) > MAX_DEPTH:
+        raise TomlError(f"nested more than {MAX_DEPTH} deep")
+    return table
+
+
+def _depth(table: dict[str, Any]) -> int:
+    """How many tables and lists lie inside each other."""
+    depth = 0
+    level: list[Any] = [table]
+    while level:
+        depth += 1
+        level = [
+            item
+            for holder in level
+            for item in (holder.values() if isinstance(holder, dict) else holder)
+            if isinstance(item, dict | list)
+        ]
+    return depth
+
+
+class Place:
+    """A key of a TOML document, for messages: it knows its file and its line."""
+
+    def __init__(self, files: Mapping[str, tuple[str, str]], key: str = "") -> None:
+        self._files = files  #: dotted key of a leaf -> (file, text of that file)
+        self.key = key
+
+    def child(self, *path: str | int) -> "Place":
+        return Place(self._files, ".".join(map(str, (self.key, *path) if self.key else path)))
+
+    @property
+    def source(self) -> Source:
+        """Where the key stands; its nearest parent that stands anywhere if it does not."""
+        key = self.key
+        while key not in self._files and "." in key:
+            key = key.rpartition(".")[0]
+        file, text = self._files.get(key, self._files[""])
+        return Source(file, line_of(text, self.key))
 
 
 def line_of(text: str, key: str) -> int | None:
@@ -68,15 +117,20 @@ def _lines(text: str) -> dict[str, int]:
     for number, raw in enumerate(text.split("\n"), 1):
         line = raw.strip()
         if line.startswith("[["):
-            name = line[2:].partition("]]")[0].strip()
+            name = _bare(line[2:].partition("]]")[0])
             counts[name] = counts.get(name, -1) + 1
             here = table = f"{name}.{counts[name]}"
         elif line.startswith("["):
-            here = table = line[1:].partition("]")[0].strip()
+            here = table = _bare(line[1:].partition("]")[0])
         elif "=" in line and not line.startswith("#"):
-            name = line.partition("=")[0].strip().strip('"')
+            name = _bare(line.partition("=")[0])
             here = f"{table}.{name}" if table else name
         else:
             continue
         found.setdefault(here, number)
     return found
+
+
+def _bare(key: str) -> str:
+    """A key as it is written, without its quotes."""
+    return key.strip().replace('"', "").replace("'", "")

@@ -1,9 +1,9 @@
 """The templates of a program's blocks, and what each may name in braces."""
 
-from msgspec import Struct
+from beamcam.conversion import Keys
 
 
-class Words(Struct, frozen=True):
+class Words(Keys, frozen=True):
     """The blocks of a program as templates; what stands in braces is filled in."""
 
     header: tuple[str, ...] = ()

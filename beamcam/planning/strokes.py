@@ -23,7 +23,7 @@ _DEPTH = re.compile(r"\bdepth\b")
 
 def _fixed_faces(machine: Machine) -> frozenset[Face]:
     """The faces of the spindles whose stroke does not follow the depth."""
-    return frozenset(s.face for s in machine.spindles if not _DEPTH.search(s.stroke.bottom.text))
+    return frozenset(s.face for s in machine.spindles if not _DEPTH.search(s.stroke.bottom))
 
 
 fixed_faces = PerObject("planning.fixed_faces", _fixed_faces)

@@ -1,11 +1,16 @@
 """Machine files: what is refused, and where values come from."""
 
+from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 import pytest
 
+from beamcam.conversion import Fault, converted
 from beamcam.errors import MachineError
 from beamcam.machine import load, settings, shipped
+from beamcam.machine.load import _files, merged
+from beamcam.machine.machine import MachineFile, as_formula
 from beamcam.machine.rules import RULES
 from beamcam.model.plan import DrillOp
 from beamcam.planning import plan_bar
@@ -60,11 +65,39 @@ BAD = [
     ("[saw]\nkerf = '3'", "machine-value", "found '3' for 'saw.kerf'; expected a number"),
     ("[saw]\nkerf = nan", "machine-value", "found nan for 'saw.kerf'; expected a finite number"),
     ("[layout]\nfront_trim = inf", "machine-value", "expected a finite number"),
-    ("[saw]\nkerf = -1", "machine-value", "found -1.0 for 'saw.kerf'; expected 0 or more"),
+    ("[saw]\nkerf = -1", "machine-value", "found -1 for 'saw.kerf'; expected 0 or more"),
     ("[saw]\npivot = 'v'", "machine-value", "expected one of 'o', 'u'"),
     ("[words]\nsaw = ['M42 K{angel}']", "machine-value", "found '{angel}' for 'words.saw'"),
     ("[words]\nsaw = ['M42 K{angle']", "machine-value", "a template"),
     ("[words]\nsaw = 'M42'", "machine-value", "expected a list"),
+    ("[words]\nsaw = ['X{x:>999999999}']", "machine-value", "expected {x}, or with a width of two"),
+    ("[words]\nsaw = ['X{x!r}']", "machine-value", "expected {x}, or with a width"),
+    ("[words]\nsaw = ['X{x.real}']", "machine-value", "found '{x.real}' for 'words.saw'"),
+    ("[saw]\nx = " + "9" * 400, "machine-value", "expected a finite number"),
+    ("sections = { I = 0x" + "f" * 4000 + " }", "machine-value", "of at most 18 digits"),
+    ("[saw]\nx = " + "9" * 4097, "machine-toml", "more than 4096 characters (at line 3)"),
+    ("x = " + "[" * 2000, "machine-toml", "nested more than 16 deep"),
+    ("x = " + "[" * 17 + "]" * 17, "machine-toml", "nested more than 16 deep"),
+    (".".join("x" * 1000) + " = 1", "machine-toml", "nested more than 16 deep"),
+    ("# " + "\n" * 500_000, "machine-toml", "expected at most 500000"),
+    ("[saw]\nx = 1979-05-27", "machine-value", "for 'saw.x'; expected a number"),
+    ("sections = { I = 1, U = 'x' }", "machine-value", "found 'x' for 'sections.U'"),
+    (
+        "sections = { I = 1, '' = 1.5 }",
+        "machine-value",
+        "found 1.5 for 'sections.'; expected a whole",
+    ),
+    (
+        "base = 'laser-stepper'\n[stepper]\npitch = 0",
+        "machine-value",
+        "found 0 for 'stepper.pitch'",
+    ),
+    (
+        "base = 'laser-grbl'\n[torch]\ntabs = -1",
+        "machine-value",
+        "'torch.tabs'; expected 0 or more",
+    ),
+    ("base = 'table-simotion'\n[triggers]\ngreatest_data = 10", "machine-value", "1024 or more"),
     ("controller = 'fanuc'", "machine-value", "expected one of"),
     ("[format]\nnumber_blocks = 1", "machine-value", "expected true or false"),
     ("[format]\nlength_decimals = 1.5", "machine-value", "expected a whole number"),
@@ -107,11 +140,72 @@ def test_message_names_the_line(tmp_path: Path) -> None:
         load(str(path))
 
 
-def test_not_utf8(tmp_path: Path) -> None:
+@pytest.mark.parametrize(
+    ("data", "says"),
+    [
+        (b'title = "S\xe4ge"', "machine-toml"),
+        ('base = "beamline"'.encode("utf-16"), "the file is UTF-16; save it as UTF-8"),
+    ],
+)
+def test_not_utf8(tmp_path: Path, data: bytes, says: str) -> None:
     path = tmp_path / "mine.toml"
-    path.write_bytes(b'title = "S\xe4ge"')
-    with pytest.raises(MachineError, match="machine-toml"):
+    path.write_bytes(data)
+    with pytest.raises(MachineError, match=says):
         load(str(path))
+
+
+def test_an_editor_of_windows_wrote_it(tmp_path: Path) -> None:
+    """A byte order mark and CRLF change neither values nor lines."""
+    path = tmp_path / "mine.toml"
+    path.write_bytes('\ufeffbase = "beamline"\r\n\r\n[saw]\r\nkerf = 3\r\n'.encode())
+    machine = load(str(path))
+    assert machine.saw
+    assert machine.saw.kerf == 3.0
+    assert {str(s.source) for s in settings(str(path)) if s.key == "saw.kerf"} == {f"{path}:4"}
+    path = tmp_path / "other.toml"
+    path.write_bytes('\ufeffbase = "beamline"\r\n\r\n[saw]\r\nkerf = -3\r\n'.encode())
+    with pytest.raises(MachineError, match=r"other\.toml:4: error machine-value: found -3 "):
+        load(str(path))
+
+
+def test_bases_without_end(tmp_path: Path) -> None:
+    for k in range(20):
+        (tmp_path / f"m{k}.toml").write_text(f'base = "m{k + 1}.toml"\n')
+    with pytest.raises(MachineError, match=r"found 'm9\.toml' for 'base'; expected 8 files"):
+        load(str(tmp_path / "m0.toml"))
+
+
+#: A value of another type than that of every key.
+OTHERS: tuple[object, ...] = (True, 3, "x", [True], {"x": True}, float("nan"))
+
+
+@pytest.mark.parametrize("name", ["beamline-annex", "table-simotion", "laser-stepper"])
+def test_each_wrong_value_names_its_key(name: str) -> None:
+    """Whatever a key of a shipped machine is given instead, the fault is at that key."""
+    table, _ = merged(_files(name))
+    for path in tuple(paths_of(table)):
+        holder: Any = table
+        for step in path[:-1]:
+            holder = holder[step]
+        right = holder[path[-1]]
+        for other in OTHERS:
+            if type(right) is type(other) or other == 3:
+                continue  # a number may be arithmetic, or a length
+            holder[path[-1]] = other
+            if other == "x" and path[-1] in ("start", "bottom", "near", "position"):
+                continue  # arithmetic may be a text
+            with pytest.raises(Fault) as caught:
+                converted(table, MachineFile, as_formula)
+            assert caught.value.path[: len(path)] == path
+        holder[path[-1]] = right
+
+
+def paths_of(value: object) -> Iterator[tuple[Any, ...]]:
+    """The path of each value that is not a table."""
+    if isinstance(value, dict | list):
+        for key, item in value.items() if isinstance(value, dict) else enumerate(value):
+            below = list(paths_of(item))
+            yield from ((key, *path) for path in below) if below else [(key,)]
 
 
 def test_a_file_lies_over_its_base(tmp_path: Path) -> None:

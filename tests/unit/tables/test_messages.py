@@ -246,13 +246,10 @@ FAULTY = [
     (replace(LASER, stepper=None), "stepper", None, "a table, since the controller is stepper"),
     (replace(table_machine(), triggers=None), "triggers", None,
      "a table, since the controller is simotion"),
-    (stepper(pitch=0.0), "stepper.pitch", 0.0, "more than 0"),
     (stepper(sequence=("00", "01", "10", "10")), "stepper.sequence", ["00", "01", "10", "10"],
      "each of 00, 01, 10, 11 once"),
-    (table_machine(cycle_s=0.0), "triggers.cycle_s", 0.0, "more than 0"),
     (table_machine(axes=("Eje X", "EjeY")), "triggers.axes", "Eje X",
      "letters, digits and single _, a letter first"),
-    (table_machine(greatest_data=10), "triggers.greatest_data", 10, "1024 or more"),
     (table_machine(outputs={"cut": "%Q0.0"}), "triggers.outputs", {"cut": "%Q0.0"},
      "an output for mark"),
     (table_machine(outputs={"cut": "%Q0.9", "mark": "%Q0.1"}), "triggers.outputs", "%Q0.9",
@@ -269,8 +266,6 @@ FAULTY = [
      "a count of the encoder or more, 0.1270 mm"),
     (table_machine(max_homing_s=60.0), "triggers.max_homing_s", 60.0,
      "77.5 or more for 775 mm at homing_mm_s"),
-    (table_machine(standstill=0.0), "triggers.standstill", 0.0, "more than 0"),
-    (table_machine(max_late_s=-1.0), "triggers.max_late_s", -1.0, "more than 0"),
 ]  # fmt: skip
 
 

@@ -25,9 +25,9 @@ def askew(name: str, slope: float, *faces: str) -> Machine:
     spindles = tuple(
         replace(s, stroke=replace(
             s.stroke,
-            start=Formula(s.stroke.start.text + lower),
-            near=None if s.stroke.near is None else Formula(s.stroke.near.text + lower),
-            bottom=Formula(s.stroke.bottom.text + lower),
+            start=Formula(s.stroke.start + lower),
+            near=None if s.stroke.near is None else Formula(s.stroke.near + lower),
+            bottom=Formula(s.stroke.bottom + lower),
         )) if s.face in faces else s
         for s in machine.spindles
     )  # fmt: skip

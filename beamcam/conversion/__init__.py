@@ -1,0 +1,84 @@
+"""Values of a file as a record, checked by msgspec against the record's own types.
+
+msgspec stops at the first fault and says what it expected. `Fault` adds what it leaves out: the key
+of a table's row, the value that was found, the words that may stand there, the nearest known key.
+"""
+
+from collections.abc import Callable, Iterable
+from math import isfinite
+from typing import Annotated, Any, Literal, TypeVar
+
+from msgspec import Meta, Struct, ValidationError, convert
+
+Record = TypeVar("Record")
+Path = tuple[str | int, ...]
+Hook = Callable[[Any, Any], Any]  #: type and value: the value as that type, or ValueError
+
+Text = Annotated[str, Meta(min_length=1)]
+Positive = Annotated[float, Meta(gt=0)]
+NotNegative = Annotated[float, Meta(ge=0)]
+Count = Annotated[int, Meta(ge=0)]
+PositiveCount = Annotated[int, Meta(ge=1)]
+
+
+class Keys(Struct, frozen=True, forbid_unknown_fields=True):
+    """A record whose fields are the keys of a table, and all that it may have."""
+
+
+MOST_BITS = 63  #: of a whole number; no machine counts further
+
+
+class Fault(ValueError):
+    """A value that a record does not take."""
+
+    def __init__(
+        self,
+        kind: Literal["unknown", "missing", "type", "value"],
+        path: Path,
+        found: object,
+        expected: str,
+    ) -> None:
+        super().__init__(kind, path, found, expected)
+        self.kind = kind
+        self.path = path  #: keys and indices from the top; of a missing key its own
+        self.found = found
+        self.expected = expected
+
+
+def converted(value: object, record: type[Record], hook: Hook | None = None) -> Record:
+    """`value`, as a parser of TOML or JSON gives it, as a record. Raises Fault."""
+    try:
+        result = convert(value, record, dec_hook=hook)
+    except ValidationError as error:
+        from beamcam.conversion.fault import fault_of
+
+        raise fault_of(str(error), value, record, hook) from None
+    odd = _odd_number(value)
+    if odd is not None:
+        raise odd
+    return result
+
+
+def _odd_number(value: object) -> Fault | None:
+    """The first number that is not finite, or too large to reckon with."""
+    waiting: list[tuple[Path, Any]] = [((), value)]
+    while waiting:
+        path, holder = waiting.pop()
+        for key, item in holder.items() if isinstance(holder, dict) else enumerate(holder):
+            if isinstance(item, float):
+                if not isfinite(item):
+                    return Fault("value", (*path, key), item, "a finite number")
+            elif isinstance(item, dict | list):
+                waiting.append(((*path, key), item))
+            elif isinstance(item, int) and item.bit_length() > MOST_BITS:
+                return Fault("value", (*path, key), item, "a number of at most 18 digits")
+    return None
+
+
+def nearest(word: str, known: Iterable[str]) -> str:
+    """The known word most like `word`, as a suggestion; all of them where none is like it."""
+    from difflib import get_close_matches
+
+    names = sorted(known)
+    close = get_close_matches(word, names, 1, 0.6)
+    return repr(close[0]) if close else "one of " + ", ".join(names)

@@ -1,0 +1,38 @@
+"""What is wrong with the templates of a program's blocks."""
+
+import re
+from collections.abc import Iterator
+from string import Formatter
+
+from beamcam.conversion import nearest
+from beamcam.machine.faults import Fault
+from beamcam.machine.machine import Machine
+from beamcam.machine.words import WORD_NAMES
+
+#: How a value may be set in a template; a greater width would fill the memory with blanks.
+_FIELD_FORM = re.compile(r"[^{}]?[<>^]?[0-9]{0,2}")
+
+
+def template_faults(machine: Machine) -> Iterator[Fault]:
+    """Each template that names what it cannot, or gives a value a form that it must not have.
+
+    Decimals are those of [format], so that a program is read back as it was rounded.
+    """
+    for key, names in WORD_NAMES.items():
+        template = getattr(machine.words, key)
+        for line in (template,) if isinstance(template, str) else template:
+            for found, expected in _line_faults(line, names):
+                yield f"words.{key}", found, expected
+
+
+def _line_faults(line: str, names: frozenset[str]) -> Iterator[tuple[str, str]]:
+    try:
+        fields = [field for field in Formatter().parse(line) if field[1] is not None]
+    except ValueError as error:
+        yield line, f"a template: {error}"
+        return
+    for _, name, form, conversion in fields:
+        if name not in names:
+            yield "{" + str(name) + "}", nearest(str(name), names)
+        elif conversion or not _FIELD_FORM.fullmatch(form or ""):
+            yield line, "{" + name + "}, or with a width of two digits, such as {" + name + ":>8}"
