@@ -12,10 +12,6 @@ from beamcam.geometry.curves import Curve, Line, signed_area
 from beamcam.geometry.refit import refit_ring
 from beamcam.geometry.sampling import points_at
 
-#: Corners sharper than this are rounded; their mitre would stand out by more than 2.5 times
-#: the offset.
-MITRE_LIMIT = 2.5
-
 
 def flat_offset(
     curves: tuple[Curve, ...], amount: float, tolerance: float
@@ -23,16 +19,14 @@ def flat_offset(
     """The rings of a chain moved by `amount` mm, outwards if above 0; none if it vanishes.
 
     They are lines and arcs within `tolerance`, and run as the chain does, holes the other way.
+    Corners that open are rounded: a mitre would close places where there is room.
     """
     import shapely
 
     ring = np.concatenate([_flat(curve, tolerance / 8) for curve in curves])
-    polygon = shapely.Polygon(ring)
-    if not polygon.is_valid:
-        polygon = polygon.buffer(0)
-    # Joints between chords are smooth: a round join there keeps arcs round.
+    polygon = shapely.make_valid(shapely.Polygon(ring))
     quarter = max(8, int(90 / max(1.0, degrees(2 * sqrt(tolerance / 4 / abs(amount))))))
-    moved = polygon.buffer(amount, quad_segs=quarter, join_style="mitre", mitre_limit=MITRE_LIMIT)
+    moved = polygon.buffer(amount, quad_segs=quarter)
     parts = [p for p in getattr(moved, "geoms", [moved]) if p.area > tolerance * tolerance]
     turned = signed_area(curves) < 0
     chains = []

@@ -11,8 +11,9 @@ both curves are cut where they meet. A ring that comes out so is right if it doe
     that is covered, and being beside the chain itself, it is the edge of it: none of its points
     is nearer to the chain than it shall be.
 
-Where a ring crosses itself, or a side or an arc would have to run backwards, the chain is moved as
-a polygon (`flat_offset`).
+Where a ring crosses itself, as a mitre may make it do where two corners are near one another, all
+its corners are rounded. Where it still crosses itself, or a side or an arc would have to run
+backwards, the chain is moved as a polygon (`flat_offset`).
 """
 
 from collections.abc import Sequence
@@ -26,7 +27,7 @@ from beamcam.geometry.curves import Curve
 from beamcam.geometry.flat_offset import flat_offset
 from beamcam.geometry.plane import distance
 from beamcam.geometry.polylines import polylines
-from beamcam.geometry.raw_offset import raw_offsets
+from beamcam.geometry.raw_offset import MITRE_LIMIT, Ring, raw_offsets
 
 #: Distance from the original at which the flattened form stands for the exact one.
 DEFAULT_TOLERANCE = 0.005
@@ -65,12 +66,14 @@ def offset_chains(
     chains: Sequence[Sequence[Curve]],
     amounts: Sequence[float],
     tolerance: float = DEFAULT_TOLERANCE,
+    mitre_limit: float = MITRE_LIMIT,
 ) -> list[Offset | Vanished]:
     """Closed chains, each moved by its amount in mm, outwards if above 0; their directions stay.
 
     Outer contours take +kerf / 2, holes -kerf / 2, by their depth, not by how they are drawn.
     Lines and arcs stay what they are. Chains with other curves, and those whose parts run into
-    each other, come back as lines and arcs within `tolerance`.
+    each other, come back as lines and arcs within `tolerance`. Mitres stand out by no more than
+    `mitre_limit` times the amount; with 0 every corner that opens is rounded.
 
     Raises ValueError for a chain that is not closed or has no area.
     """
@@ -83,16 +86,15 @@ def offset_chains(
         raise ValueError("a chain without area has no outside")
     # On a ring that runs counter-clockwise the outside is on the right.
     rights = np.where(areas > 0, 1.0, -1.0) * np.array(amounts, dtype=np.float64)
-    rings = raw_offsets(chains, rights, table)
-    made = [k for k, ring in enumerate(rings) if ring is not None]
-    candidates = [rings[k] or () for k in made]
-    after = signed_areas(candidates)
-    right = _are_right(areas[made], after, candidates, rights[made], tolerance)
-    moved = {
-        k: Offset((ring,), (area,), True)
-        for k, ring, area, is_right in zip(made, candidates, after.tolist(), right, strict=True)
-        if is_right
-    }
+    moved: dict[int, Offset] = {}
+    waiting = list(range(len(chains)))
+    for limit in dict.fromkeys((mitre_limit, 0.0)):
+        some = [chains[k] for k in waiting]
+        if len(some) < len(chains):
+            table = CurveTable([curve for chain in some for curve in chain])
+        rings = raw_offsets(some, rights[waiting], table, limit)
+        moved |= _right_ones(waiting, rings, areas, rights, tolerance)
+        waiting = [k for k in waiting if k not in moved]
     found: list[Offset | Vanished] = []
     for k, (chain, amount) in enumerate(zip(chains, amounts, strict=True)):
         if amount == 0.0:
@@ -104,6 +106,25 @@ def offset_chains(
         else:
             found.append(Vanished(abs(float(areas[k])), amount))
     return found
+
+
+def _right_ones(
+    asked: Sequence[int],
+    rings: Sequence[Ring | None],
+    areas: NDArray[np.float64],
+    rights: NDArray[np.float64],
+    tolerance: float,
+) -> dict[int, Offset]:
+    """The rings that are right, by the chains (of all `areas`) that were `asked` for."""
+    made = [(k, ring) for k, ring in zip(asked, rings, strict=True) if ring is not None]
+    which, candidates = [k for k, _ in made], [ring for _, ring in made]
+    after = signed_areas(candidates)
+    right = _are_right(areas[which], after, candidates, rights[which], tolerance)
+    return {
+        k: Offset((ring,), (area,), True)
+        for (k, ring), area, is_right in zip(made, after.tolist(), right, strict=True)
+        if is_right
+    }
 
 
 def _are_right(

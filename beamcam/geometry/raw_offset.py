@@ -14,12 +14,15 @@ from beamcam.geometry.arrays import CurveTable, arc_ends, unit_vectors
 from beamcam.geometry.conics import arc_between
 from beamcam.geometry.corners import between, meeting
 from beamcam.geometry.curves import Arc, Curve, Line
-from beamcam.geometry.flat_offset import MITRE_LIMIT
 
 Floats = NDArray[np.float64]
 Flags = NDArray[np.bool_]
 Counts = NDArray[np.int64]
 Ring = tuple[Line | Arc, ...]
+
+#: Corners sharper than this are rounded; their mitre would stand out by more than 2.5 times
+#: the offset.
+MITRE_LIMIT = 2.5
 
 #: Moved neighbours whose ends are nearer than this (mm for a move of 1 mm, no controller tells so
 #: little) follow one another: coordinates rounded to 1e-6 make such corners of smooth joints.
@@ -44,11 +47,15 @@ class _Moved:
 
 
 def raw_offsets(
-    chains: Sequence[Sequence[Curve]], rights: Floats, table: CurveTable
+    chains: Sequence[Sequence[Curve]],
+    rights: Floats,
+    table: CurveTable,
+    mitre_limit: float = MITRE_LIMIT,
 ) -> list[Ring | None]:
     """Each chain moved to its right by so much (n,), to its left if below 0.
 
-    `table` holds the curves of all chains.
+    `table` holds the curves of all chains. Mitres stand out by no more than `mitre_limit` times
+    the move; corners that are sharper get arcs, with 0 all of them.
     None where that cannot be: for a chain with other curves than lines and arcs, where an arc
     would vanish, and where two curves do not meet or would run backwards. The rings may cross
     themselves.
@@ -66,7 +73,7 @@ def raw_offsets(
     apart = np.hypot(step[:, 0], step[:, 1]) > SMOOTH * (1 + np.abs(right))
     smooth = np.flatnonzero(~apart & moved.is_line[following])
     moved.ends[following[smooth], :2] = moved.ends[smooth, 2:]
-    joints, pieces = _cornered(moved, corners, following, right, apart & ~lonely)
+    joints, pieces = _cornered(moved, corners, following, right, apart & ~lonely, mitre_limit)
     failed = np.zeros(len(chains), dtype=bool)
     failed[chain_of[moved.bad]] = True
     records = _records(moved)
@@ -125,7 +132,12 @@ def _beside(table: CurveTable, right: Floats) -> tuple[_Moved, Floats]:
 
 
 def _cornered(
-    moved: _Moved, corners: Floats, following: Counts, right: Floats, apart: Flags
+    moved: _Moved,
+    corners: Floats,
+    following: Counts,
+    right: Floats,
+    apart: Flags,
+    mitre_limit: float,
 ) -> tuple[dict[int, Arc], dict[int, Line | Arc]]:
     """Cuts and prolongs what meets at corners (`apart`), and marks as bad what cannot.
 
@@ -139,7 +151,7 @@ def _cornered(
     opens = (turn * right[k] > 0) | ((turn == 0) & (along < 0))
     straight = moved.is_line[k] & moved.is_line[n]
     # The mitre of two lines stands out by 1 / cos(turn / 2) of the move.
-    blunt = (1 + along) * MITRE_LIMIT**2 >= 2
+    blunt = (1 + along) * mitre_limit**2 >= 2
     before = moved.ends.copy()
     joints = {
         i: _joint(before[i], before[j], corners[i], right[i])

@@ -2,6 +2,7 @@
 
 from collections import defaultdict
 from collections.abc import Iterator, Sequence
+from itertools import chain as chained
 from math import hypot
 
 import numpy as np
@@ -11,6 +12,7 @@ from numpy.typing import NDArray
 from beamcam.errors import Diagnostic, Source
 from beamcam.geometry.arrays import CurveTable
 from beamcam.geometry.chains import Chains, join_curves
+from beamcam.geometry.curves import Line
 from beamcam.machine.machine import Torch, TorchProcess
 from beamcam.planning.contours import rules
 from beamcam.planning.contours.gather import Wanted
@@ -50,7 +52,7 @@ def join(wanted: Sequence[Wanted], curves: CurveTable, torch: Torch, kerf: float
     hulls = curves.hulls
     for begin, end, closed in _features(wanted, curves.ends):
         first = wanted[begin]
-        if not closed:
+        if not closed or _is_there_and_back(wanted[begin:end]):
             loose[first.process] += wanted[begin:end]
             continue
         if _is_small(hulls[begin:end], torch.gap):
@@ -68,7 +70,8 @@ def join(wanted: Sequence[Wanted], curves: CurveTable, torch: Torch, kerf: float
             _tell(found, chains, once, torch, kerf)
     shapes.sort(key=lambda shape: shape.features[0])
     if may_repeat:
-        shapes = contours_once(shapes, kerf, torch.gap, found.repeats)
+        kept = contours_once(shapes, kerf, torch.gap, found.repeats)
+        shapes = list(chained.from_iterable(kept))
     found.shapes = shapes
     made = {feature for shape in shapes for feature in shape.features}
     found.small = {f: source for f, source in found.small.items() if f not in made}
@@ -96,6 +99,11 @@ def _is_small(hulls: Floats, size: float) -> bool:
         return False
     (x0, y0), (x1, y1) = hulls[:, :2].min(axis=0).tolist(), hulls[:, 2:].max(axis=0).tolist()
     return hypot(x1 - x0, y1 - y0) <= size
+
+
+def _is_there_and_back(wanted: Sequence[Wanted]) -> bool:
+    """Whether a closed feature is a line that is drawn in both directions."""
+    return len(wanted) == 2 and all(type(w.curve) is Line for w in wanted)
 
 
 def _features(wanted: Sequence[Wanted], places: Floats) -> Iterator[tuple[int, int, bool]]:

@@ -1,14 +1,25 @@
 """Contours moved off the part by half a kerf, or left to the controller to move."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 
 from msgspec.structs import replace
 
 from beamcam.errors import Diagnostic
-from beamcam.geometry.curves import Arc, Line, join_boxes
+from beamcam.geometry.curves import join_boxes
 from beamcam.machine.machine import Torch
 from beamcam.planning.contours import rules
+from beamcam.planning.contours.narrow import (
+    left_in,
+    sharp_corners,
+    told_near,
+    told_of,
+    too_near,
+)
+from beamcam.planning.contours.repeats import Repeats, contours_once
 from beamcam.planning.contours.shape import Shape
+
+#: Mitres of corners stand out by no more than so many half kerfs.
+MITRE_LIMIT = 2.5
 
 #: What of the machine's tolerance the fitting of arcs may take; the offset and the rounding of
 #: coordinates take the rest.
@@ -18,65 +29,103 @@ FIT_SHARE = 0.4
 def compensated(
     shapes: Sequence[Shape], kerfs: Sequence[float], torch: Torch
 ) -> tuple[list[Shape], list[Diagnostic]]:
-    """The ways of the torch along the shapes, one for each, and why that cannot be.
+    """The ways of the torch along the shapes, one for each, and what is to be said of them.
 
     `kerfs` says for each shape what is to be kept off, 0 for nothing. By offset the contours lie
     half of it away from the part: outwards, in a hole inwards. A controller that keeps off by
-    itself gets lines and arcs.
+    itself gets lines and arcs. What cannot be cut is an error: a contour without room for the
+    kerf, one that the cut of another enters, and one that a controller cannot keep off.
     """
     found = list(shapes)
     by_machine = torch.kerf_by == "machine"
     which = [
         k
         for k, (shape, kerf) in enumerate(zip(shapes, kerfs, strict=True))
-        if (by_machine and shape.process == "cut" and shape.closed)
-        or (kerf and torch.kerf_by == "offset")
+        if kerf or (by_machine and shape.process == "cut" and shape.closed)
     ]
     if not which:
         return found, []
     from beamcam.geometry.arc_fitting import fit_chains
 
     fits = fit_chains([shapes[k].curves for k in which], torch.tolerance * FIT_SHARE)
-    if by_machine:
-        for k, curves in zip(which, fits, strict=True):
-            found[k] = replace(shapes[k], curves=curves)
-        return found, []
+    for k, curves in zip(which, fits, strict=True):
+        found[k] = replace(shapes[k], curves=curves)
+    kept_off = [k for k in which if kerfs[k]]
     said: list[Diagnostic] = []
-    rings = _moved([shapes[k] for k in which], fits, [kerfs[k] for k in which], torch.tolerance)
-    for k, ring in zip(which, rings, strict=True):
-        if ring is None:
-            said.append(_no_room(shapes[k], kerfs[k]))
-        else:
-            found[k] = ring
+    paths: list[Shape | None] = list(shapes)
+    for k, path in _moved(found, kept_off, kerfs, torch, said):
+        paths[k] = path
+    near = too_near(shapes, paths, kerfs, torch)
+    # There may be room for the kerf, but not for a mitre that stands out from it.
+    rounded = {n.shape for n in near if n.width >= kerfs[n.shape] - torch.tolerance}
+    if rounded and not by_machine:
+        for k, path in _moved(found, sorted(rounded), kerfs, torch, [], mitre_limit=0.0):
+            paths[k] = path
+        near = too_near(shapes, paths, kerfs, torch)
+    said += [told_near(shapes, n, kerfs[n.shape]) for n in near]
+    if not by_machine:
+        for k in kept_off:
+            found[k] = paths[k] or found[k]
     return found, said
 
 
 def _moved(
     shapes: Sequence[Shape],
-    fits: Sequence[tuple[Line | Arc, ...]],
+    which: Sequence[int],
     kerfs: Sequence[float],
-    tolerance: float,
-) -> list[Shape | None]:
-    """The shapes half a kerf away from the part; None for what has no room for the kerf.
+    torch: Torch,
+    said: list[Diagnostic],
+    mitre_limit: float = MITRE_LIMIT,
+) -> Iterator[tuple[int, Shape | None]]:
+    """Those of the shapes half a kerf away from the part; None for one without room for the kerf.
 
     A notch narrower than the kerf closes up and leaves a ring, a hole with a narrow neck falls
-    into several: the torch cannot make the one nor the other.
+    into several: what the greatest of them does not reach is told.
     """
     from beamcam.geometry.offset import Vanished, offset_chains
 
-    amounts = [
-        -kerf / 2 if shape.is_hole else kerf / 2 for shape, kerf in zip(shapes, kerfs, strict=True)
+    some = [shapes[k] for k in which]
+    widths = [kerfs[k] for k in which]
+    amounts = [-w / 2 if s.is_hole else w / 2 for s, w in zip(some, widths, strict=True)]
+    fit = torch.tolerance * FIT_SHARE
+    moved = offset_chains([s.curves for s in some], amounts, fit, mitre_limit)
+    corners = sharp_corners(some, widths)
+    for k, offset, sharp in zip(which, moved, corners, strict=True):
+        shape, kerf = shapes[k], kerfs[k]
+        if isinstance(offset, Vanished):
+            said.append(_no_room(shape, kerf))
+            yield k, None
+            continue
+        area, ring = max(zip(offset.areas, offset.chains, strict=True), key=lambda one: abs(one[0]))
+        path = replace(shape, curves=ring, area=area)
+        left = sharp if offset.exact else left_in(shape, path, kerf, torch.tolerance)
+        said += told_of(shape, left, kerf)
+        yield k, path
+
+
+def common_cuts(
+    paths: Sequence[Shape], kerfs: Sequence[float], torch: Torch
+) -> tuple[list[Shape], list[float], list[Diagnostic]]:
+    """The ways of the torch and their kerfs, with what two parts a kerf apart share cut once.
+
+    A contour of which nothing would be left is followed all the same.
+    """
+    if torch.kerf_by != "offset" or not any(kerfs):
+        return list(paths), list(kerfs), []
+    which = [k for k, kerf in enumerate(kerfs) if kerf]
+    repeats = Repeats()
+    once = contours_once([paths[k] for k in which], 0.0, torch.gap, repeats)
+    rests = {k: rest for k, rest in zip(which, once, strict=True) if rest}
+    shared = repeats.common_length
+    if not shared:
+        return list(paths), list(kerfs), []
+    found = [(k, shape) for k, path in enumerate(paths) for shape in rests.get(k, [path])]
+    first = {k: n for n, (k, _) in reversed(list(enumerate(found)))}
+    shapes = [
+        replace(shape, parent=first[shape.parent] if shape.parent >= 0 else -1)
+        for _, shape in found
     ]
-    moved = offset_chains(fits, amounts, tolerance * FIT_SHARE)
-    found: list[Shape | None] = []
-    for shape, offset in zip(shapes, moved, strict=True):
-        sized = (
-            [] if isinstance(offset, Vanished) else zip(offset.chains, offset.areas, strict=True)
-        )
-        rings = [(chain, area) for chain, area in sized if abs(area) > tolerance * tolerance]
-        one = len(rings) == 1
-        found.append(replace(shape, curves=rings[0][0], area=rings[0][1]) if one else None)
-    return found
+    return shapes, [kerfs[k] for k, _ in found], list(repeats.remarks())
 
 
 def _no_room(shape: Shape, kerf: float) -> Diagnostic:

@@ -19,10 +19,6 @@ Lead = tuple[tuple[Curve, ...], tuple[Curve, ...]]
 #: The shares of the machine's lengths that are tried, longest first.
 SHARES = (1.0, 0.6, 0.35, 0.2)
 
-#: A lead keeps this share of half the kerf to every contour of the part; at the contour that it
-#: leads to it has all of it, less what curves are flattened by.
-CLEARANCE = 0.9
-
 
 class Leads:
     """The ways in and out of the shapes that need them."""
@@ -37,7 +33,9 @@ class Leads:
         waiting = [k for k, s in enumerate(ways) if s.process == "cut" and closes(s)]
         sides = {k: waste_side(ways[k].area, ways[k].depth % 2 == 1) for k in waiting}
         # With a kerf the part's own contours must stay untouched, without one the ways as well.
-        fence = _Fence([s for s in contours if s.process == "cut"], torch, CLEARANCE * half_kerf)
+        # What chords and rounding take of half a kerf is less than half of the tolerance.
+        clearance = max(0.0, half_kerf - torch.tolerance / 2)
+        fence = _Fence([s for s in contours if s.process == "cut"], torch, clearance)
         short: list[Shape] = []
         for share in SHARES:
             tried = {k: leads(ways[k].curves, sides[k], torch, share) for k in waiting}

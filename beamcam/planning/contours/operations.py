@@ -15,7 +15,7 @@ from beamcam.model.lengths import total_length
 from beamcam.model.plan import ContourOp, Pass
 from beamcam.planning.contours import rules
 from beamcam.planning.contours.gather import OUTLINE
-from beamcam.planning.contours.kerf import closes, compensated
+from beamcam.planning.contours.kerf import closes, common_cuts, compensated
 from beamcam.planning.contours.leads import Lead, Leads
 from beamcam.planning.contours.material import Material
 from beamcam.planning.contours.order import order
@@ -41,12 +41,12 @@ def operations_of(
     if errors_in(said):
         return (), said
     said += _open_cuts(shapes)
-    is_kept_off = any(kerfs)
-    ready = moved(ready, shift)
-    shapes = moved(shapes, shift) if is_kept_off else ready
+    fence = moved(shapes, shift) if any(kerfs) else None
+    ready, kerfs, common = common_cuts(moved(ready, shift), kerfs, torch)
+    said += common
     ways = [(shape, kerfs[k]) for k, shape in _in_order(ready, torch)]
     beside = max(kerfs, default=0.0) / 2 if torch.kerf_by == "offset" else 0.0
-    leads = Leads([shape for shape, _ in ways], torch, beside, shapes)
+    leads = Leads([shape for shape, _ in ways], torch, beside, fence or ready)
     said += leads.remarks
     found = [
         _operation(shape, kerf, material, torch, leads.of(k))

@@ -85,8 +85,10 @@ def loose_once(wanted: Sequence[Wanted], found: Repeats) -> list[Wanted]:
     return [keep[k] for k in sorted(keep)]
 
 
-def contours_once(shapes: Sequence[Shape], kerf: float, gap: float, found: Repeats) -> list[Shape]:
-    """The contours without stretches that lie on others of the same process.
+def contours_once(
+    shapes: Sequence[Shape], kerf: float, gap: float, found: Repeats
+) -> list[list[Shape]]:
+    """What is left of each contour without stretches that lie on others of the same process.
 
     Of two that lie on one another the closed one stays, or else the first. Two closed ones that
     share an edge and are not the same have to be parted by the kerf, if there is one; if there is
@@ -99,19 +101,17 @@ def contours_once(shapes: Sequence[Shape], kerf: float, gap: float, found: Repea
         first, second = sorted((a, b), key=lambda c: (not shapes[owners[c]].closed, owners[c]))
         if owners[first] != owners[second]:
             covers[second].append(first)
-    if not covers:
-        return list(shapes)
     lying = {owners[c] for c in covers}
-    kept: list[Shape] = []
+    kept: list[list[Shape]] = []
     begin = 0
     for k, shape in enumerate(shapes):
         own = range(begin, begin + len(shape.curves))
         begin += len(shape.curves)
         if k in lying:
             on = [[(curves[o], shapes[owners[o]]) for o in covers.get(c, ())] for c in own]
-            kept += _rest(shape, on, kerf if shape.process == "cut" else 0.0, gap, found)
+            kept.append(_rest(shape, on, kerf if shape.process == "cut" else 0.0, gap, found))
         else:
-            kept.append(shape)
+            kept.append([shape])
     return kept
 
 

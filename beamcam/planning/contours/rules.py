@@ -147,6 +147,28 @@ VANISHED = Rule(
     "found a contour of {found} mm without room for a kerf of {kerf} mm; expected a wider one",
     "The cut would take away what it should leave, or close up.",
 )
+NARROW = Rule(
+    "plan-narrow",
+    _E,
+    "found a place {found} mm wide at x {x}, y {y}{more}, {depth} mm of it out of reach; expected "
+    "at least the kerf of {kerf} mm, or a smaller --kerf, or --kerf-by none",
+    "The beam does not get into a slot or through a neck narrower than itself, and what is waste "
+    "there would stay on the part.",
+)
+NEAR = Rule(
+    "plan-near",
+    _E,
+    "found {found} mm of waste between the contour and {other} at x {x}, y {y}; expected at least "
+    "the kerf of {kerf} mm, or a smaller --kerf, or --kerf-by none",
+    "The cut along one contour would enter the part at the other. Parts just a kerf apart share a "
+    "cut.",
+)
+LEFT = Rule(
+    "plan-left-in-corner",
+    _W,
+    "the round beam leaves {depth} mm in a corner or a slot {found} mm wide at x {x}, y {y}{more}",
+    "A round beam reaches no farther; where that matters, the place is finished by hand.",
+)
 CROSSING = Rule(
     "plan-crossing",
     _E,
@@ -209,6 +231,6 @@ RULES = (
     CHAIN, SHEETS, NOTHING, UNMAPPED, MAP, OPTION, NO_PROCESS, NO_THICKNESS, THICKNESS,
     OTHER_THICKNESS, ASSUMED,
     SHEET_SIZE, SHEET_PLACE, JUNCTION, BRANCHED, TINY, SHARED, COMMON, GAP, OPEN_CUT, MORE_OPEN,
-    OVERLAP, VANISHED, CROSSING, MORE_CROSSINGS, CROSSED, MORE_CROSSED,
+    OVERLAP, VANISHED, NARROW, NEAR, LEFT, CROSSING, MORE_CROSSINGS, CROSSED, MORE_CROSSED,
     NO_LEAD, SQUARE, NEEDS_LEAD, NO_TABS,
 )  # fmt: skip

@@ -146,6 +146,17 @@ def test_what_a_torch_cannot_make(case: Refusal) -> None:
 SQUARE = contour(box(0, 0, 50, 50))
 DIAGONAL = Line((0.0, 0.0), (9.0, 9.0))
 SPECK = contour(lines((0, 0), (0, 0.01), closed=False))
+SLOTTED = contour(
+    lines((0, 0), (40, 0), (40, 40), (20.6, 40), (20.6, 20), (20, 20), (20, 40), (0, 40))
+)
+#: Two chambers and a neck between them, in a plate.
+WAISTED = contour(
+    lines(
+        (0, 0), (10, 0), (10, 4.5), (20, 4.5), (20, 0), (30, 0), (30, 10), (20, 10), (20, 5.5),
+        (10, 5.5), (10, 10), (0, 10),
+    )
+)  # fmt: skip
+NOTCHED = contour(lines((0, 0), (40, 0), (40, 40), (23, 40), (20, 31), (17, 40), (0, 40)))
 CENTRE = Hole("v", 50, 40, 0.0, S, kind="mark")
 OTHERS: list[tuple[tuple[Part, ...], dict[str, object], str, str]] = [
     ((), {}, "plan-sheet-parts", "found 0 parts"),
@@ -180,8 +191,13 @@ OTHERS: list[tuple[tuple[Part, ...], dict[str, object], str, str]] = [
      "plan-junction-kerf", "3 curves that meet at x 0.000, y 0.000, with line 3, line 4"),
     ((drawing(SPECK),), {}, "plan-sheet-empty", "1 curves no larger than 0.05 mm"),
     ((drawing(SQUARE, contour(circle(25, 25, 1.2))),), {}, "plan-kerf", "1.2 x"),
-    ((drawing(SQUARE, contour(circle(25, 25, 0.8))),),
-     {"kerf_by": "machine", "lead": "line"}, "plan-kerf-lead", "1.5 mm"),
+    ((drawing(SLOTTED),), {}, "plan-narrow", "0.600 mm wide at x 20.300, y 39.998, 19.939 mm of"),
+    ((drawing(contour(box(-9, -9, 50, 50)), WAISTED),), {},
+     "plan-narrow", "a place 1.000 mm wide at x 10.00"),
+    ((drawing(SQUARE, contour(box(50.8, 0, 20, 20), line=2)),), {},
+     "plan-near", "0.800 mm of waste between the contour and line 2 at x 50.400"),
+    ((drawing(SQUARE, contour(circle(25, 25, 4.0))),),
+     {"kerf_by": "machine", "lead": "line", "lead_in": 0.5}, "plan-kerf-lead", "1.5 mm"),
 ]  # fmt: skip
 
 
@@ -233,6 +249,7 @@ REMARKS: list[tuple[Part, dict[str, object], set[str]]] = [
     (drawing(*(contour((Line((20.0, 20.0), end),)) for end in ((0, 0), (40, 0), (20, 50)))), {},
      {"plan-open-cut", "plan-junction"}),
     (drawing(SQUARE, SQUARE), {}, {"plan-overlap"}),
+    (drawing(NOTCHED), {}, {"plan-left-in-corner"}),
     (drawing(SQUARE, SPECK), {}, {"plan-tiny"}),
     (drawing(SQUARE, contour(box(50, 10, 20, 20))), {"kerf_by": "none"},
      {"plan-common-edge", "plan-open-cut"}),

@@ -1,0 +1,235 @@
+"""Places that are narrower than the kerf: between two contours, in a slot, in a neck, in a corner.
+
+____          ____      The beam is a disc of the kerf's width. Where it does not get in, what
+    |  slot  |          is waste stays on the part; where the waste between two contours is
+    |        |          narrower than it, the cut of the one enters the other.
+    |________|
+"""
+
+from collections.abc import Iterator, Sequence
+from math import cos, dist, pi, sqrt
+from typing import TYPE_CHECKING, Any
+
+from msgspec import Struct
+
+from beamcam.errors import Diagnostic
+from beamcam.geometry.arrays import CurveTable
+from beamcam.geometry.plane import Point
+from beamcam.machine.machine import Torch
+from beamcam.planning.contours import rules
+from beamcam.planning.contours.outline import outlines, ways
+from beamcam.planning.contours.shape import Shape, entity
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+    Floats = NDArray[np.float64]
+
+#: What is left in a slot is no deeper than so many kerfs, or the slot is refused; and in a corner
+#: that is sharp, where everybody knows that a round beam leaves something.
+DEEPEST_SLOT = 1.0
+DEEPEST_CORNER = 4.0
+
+#: What is left is told where it is deeper than so many kerfs: half of one in a corner of 60
+#: degrees.
+TOLD = 0.55
+
+#: A slot may be so much deeper than the corner between its walls where they meet the beam: what
+#: curves are flattened by, and a share.
+CORNER_SLACK = 0.05
+CORNER_SHARE = 1.2
+
+#: Chords that stand for contours and paths where they are measured, as a share of the tolerance.
+FINE_SHARE = 0.1
+
+
+class Left(Struct, frozen=True):
+    """Waste that the beam does not reach, and so stays on the part."""
+
+    place: Point
+    width: float  #: of the way to it
+    depth: float  #: the farthest of it from where the beam comes
+    is_corner: bool  #: no more than any corner of that angle leaves
+
+
+class Near(Struct, frozen=True):
+    """A contour that the cut along another one enters."""
+
+    shape: int  #: that is cut
+    other: int
+    width: float  #: of the waste between both, where it is least
+    place: Point
+
+
+def too_near(
+    shapes: Sequence[Shape], paths: Sequence[Shape | None], kerfs: Sequence[float], torch: Torch
+) -> list[Near]:
+    """The contours that cuts along others enter, each pair once.
+
+    `paths` are those of the beam's middle along the shapes, `kerfs` the widths of the cuts.
+    """
+    import shapely
+
+    moved = [k for k, kerf in enumerate(kerfs) if kerf and paths[k] is not None]
+    fence = [k for k, s in enumerate(shapes) if s.process == "cut" and s.closed]
+    if not moved or len(fence) < 2:
+        return []
+    fine = torch.tolerance / 4
+    lines = ways([shapes[k].curves for k in fence], fine)
+    middles = ways([path.curves for k in moved if (path := paths[k])], fine)
+    radius = max(kerfs) / 2
+    near, hit = shapely.STRtree(lines).query(middles, "dwithin", distance=radius - torch.tolerance)
+    of_shape = dict(zip(fence, lines.tolist(), strict=True))
+    found: dict[tuple[int, int], Near] = {}
+    for a, b in sorted(zip(near.tolist(), hit.tolist(), strict=True)):
+        k, other = moved[a], fence[b]
+        pair = min(k, other), max(k, other)
+        if k != other and pair not in found:
+            shortest = shapely.shortest_line(of_shape[k], lines[b])
+            x, y = shapely.get_coordinates(shortest).mean(axis=0).tolist()
+            found[pair] = Near(k, other, shortest.length, (x, y))
+    return list(found.values())
+
+
+def told_near(shapes: Sequence[Shape], near: Near, kerf: float) -> Diagnostic:
+    """The error for a contour that the cut along another one enters."""
+    return rules.NEAR.at(
+        shapes[near.shape].source, found=f"{near.width:.3f}",
+        other=entity(shapes[near.other].source), x=f"{near.place[0]:.3f}",
+        y=f"{near.place[1]:.3f}", kerf=f"{kerf:g}",
+    )  # fmt: skip
+
+
+def left_in(shape: Shape, path: Shape, kerf: float, tolerance: float) -> list[Left]:
+    """What the beam leaves of the waste beside a contour, the deepest first.
+
+    The waste that it reaches is all that a disc of the kerf's width covers whose middle is no
+    nearer to the contour than half of that: the inside of the path grown by half a kerf for a
+    hole, shrunk for an outline.
+    """
+    import shapely
+
+    drawn = outlines([shape.curves, path.curves], tolerance * FINE_SHARE)
+    # A ring that touches itself has lines beside its areas when it is made valid.
+    contour, ring = (shapely.buffer(one, 0.0) for one in shapely.make_valid(drawn))
+    side = kerf / 2 if shape.is_hole else -kerf / 2
+    reached = shapely.buffer(ring, side, quad_segs=32)
+    waste, rest = (contour, reached) if shape.is_hole else (reached, contour)
+    middle = shapely.boundary(ring)
+    found = []
+    for piece in shapely.get_parts(shapely.difference(waste, rest)).tolist():
+        if piece.area == 0.0:  # points and lines in which both touch
+            continue
+        left = _left(piece, middle, shapely.boundary(contour), kerf / 2, tolerance)
+        if left is not None:
+            found.append(left)
+    return sorted(found, key=lambda left: -left.depth)
+
+
+def _left(piece: Any, middle: Any, contour: Any, radius: float, tolerance: float) -> Left | None:
+    """What is left in one place; None if it is no more than curves are flattened by."""
+    import numpy as np
+    import shapely
+
+    corners = shapely.get_coordinates(piece)
+    away = shapely.distance(shapely.points(corners), middle)
+    depth = float(away.max()) - radius
+    if depth <= tolerance:
+        return None
+    x, y = corners[int(np.argmax(away))].tolist()
+    mouth = corners[away <= radius + tolerance * FINE_SHARE]
+    on_contour = shapely.intersection(
+        shapely.boundary(piece), contour.buffer(tolerance * FINE_SHARE)
+    )
+    walls = [line for line in shapely.get_parts(on_contour).tolist() if line.length > 0.0]
+    merged = shapely.get_parts(shapely.line_merge(shapely.multilinestrings(walls))).tolist()
+    sides = [wall for wall in merged if wall.length > radius / 4]
+    if len(sides) > 1:  # a neck: the beam comes from both ends
+        (a, b), (c, d) = shapely.get_coordinates(shapely.shortest_line(*sides[:2])).tolist()
+        return Left(((a + c) / 2, (b + d) / 2), sides[0].distance(sides[1]), depth, False)
+    (x0, y0), (x1, y1) = _longest_chord(mouth)
+    width = dist((x0, y0), (x1, y1))
+    from_middle = sqrt(max(radius * radius - width * width / 4, 0.0))
+    in_corner = radius * radius / from_middle - radius if from_middle > 0.0 else depth
+    if depth <= in_corner * CORNER_SHARE + CORNER_SLACK:
+        return Left((x, y), width, depth, True)
+    return Left(((x0 + x1) / 2, (y0 + y1) / 2), width, depth, False)
+
+
+def _longest_chord(points: "Floats") -> tuple[Point, Point]:
+    """The two of some points that are farthest apart."""
+    import numpy as np
+    import shapely
+
+    hull = shapely.get_coordinates(shapely.convex_hull(shapely.multipoints(points)))
+    away = np.hypot(*(hull[:, None] - hull[None]).transpose(2, 0, 1))
+    a, b = np.unravel_index(int(np.argmax(away)), away.shape)
+    return tuple(hull[a].tolist()), tuple(hull[b].tolist())
+
+
+def told_of(shape: Shape, left: Sequence[Left], kerf: float) -> Iterator[Diagnostic]:
+    """An error for the deepest place that is refused, else a warning if there is one to tell."""
+    for rule, which in (
+        (rules.NARROW, [one for one in left if one.depth > _deepest(one) * kerf]),
+        (rules.LEFT, [one for one in left if one.depth > TOLD * kerf]),
+    ):
+        if which:
+            deepest = which[0]
+            yield rule.at(
+                shape.source, found=f"{deepest.width:.3f}", depth=f"{deepest.depth:.3f}",
+                x=f"{deepest.place[0]:.3f}", y=f"{deepest.place[1]:.3f}", kerf=f"{kerf:g}",
+                more="" if len(which) == 1 else f" and {len(which) - 1} more",
+            )  # fmt: skip
+            return
+
+
+def _deepest(left: Left) -> float:
+    return DEEPEST_CORNER if left.is_corner else DEEPEST_SLOT
+
+
+def sharp_corners(shapes: Sequence[Shape], kerfs: Sequence[float]) -> list[list[Left]]:
+    """What the beam leaves in the corners of each contour that point into the part.
+
+    Between walls at an angle `a` a disc of radius r touches both and stays r (1 / sin(a / 2) - 1)
+    off the corner.
+    """
+    import numpy as np
+
+    table = CurveTable([curve for shape in shapes for curve in shape.curves])
+    sizes = np.array([len(shape.curves) for shape in shapes])
+    begins = np.cumsum(sizes) - sizes
+    owner = np.repeat(np.arange(len(shapes)), sizes)
+    following = np.arange(len(table.curves)) + 1
+    following[begins + sizes - 1] = begins
+    ends, starts = _tangents(table)
+    a, b = ends, starts[following]
+    turn = np.arctan2(a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0], np.sum(a * b, axis=1))
+    # On a ring that runs counter-clockwise the waste of a hole lies left, that of an outline right.
+    left = np.array([1.0 if (s.area > 0.0) == s.is_hole else -1.0 for s in shapes])
+    inward = np.clip(turn * left[owner], 0.0, pi - 1e-6)
+    depth = np.array(kerfs)[owner] / 2 * (1 / np.cos(inward / 2) - 1)
+    found: list[list[Left]] = [[] for _ in shapes]
+    for k in np.flatnonzero(depth > TOLD * np.array(kerfs)[owner]).tolist():
+        x, y = table.ends[k, 2:].tolist()
+        width = kerfs[owner[k]] * cos((pi - float(inward[k])) / 2)
+        found[owner[k]].append(Left((x, y), width, float(depth[k]), True))
+    return [sorted(one, key=lambda left: -left.depth) for one in found]
+
+
+def _tangents(table: CurveTable) -> "tuple[Floats, Floats]":
+    """Directions of lines and arcs at their ends and at their starts, (n, 2) each."""
+    import numpy as np
+
+    from beamcam.geometry.arrays import unit_vectors
+    from beamcam.geometry.curves import Arc, Line
+
+    ends, starts = np.zeros((len(table.curves), 2)), np.zeros((len(table.curves), 2))
+    step = table.lines[:, 2:] - table.lines[:, :2]
+    unit = step / np.maximum(np.hypot(step[:, 0], step[:, 1]), 1e-300)[:, None]
+    ends[table.where(Line)] = starts[table.where(Line)] = unit
+    arcs = table.arcs
+    turn = np.where(arcs[:, 4] > 0.0, 90.0, -90.0)
+    starts[table.where(Arc)] = unit_vectors(arcs[:, 3] + turn)
+    ends[table.where(Arc)] = unit_vectors(arcs[:, 3] + arcs[:, 4] + turn)
+    return ends, starts
