@@ -12,6 +12,7 @@ from beamcam.files import FilesRead
 
 if TYPE_CHECKING:
     from beamcam.motion.profile import Profile
+    from beamcam.motion.profile_report import Unit
 
 SUFFIXES = (".csv", ".svg", ".png")
 MOST_ROWS = 1_000_000
@@ -55,6 +56,24 @@ def row_step(duration_s: float, step_s: float | None) -> float:
             f"for at most {MOST_ROWS:,} rows"
         )
     return step_s
+
+
+def unit_of(name: str | None, pulses: int | None, travel: float | None) -> "Unit":
+    """The unit that the options speak of. Raises ValueError where they contradict each other."""
+    from beamcam.motion.profile_report import MM_S, RPM, UNITS
+
+    if travel is not None and pulses is None:
+        raise ValueError("--travel goes with --pulses, the encoder's pulses a revolution")
+    if name is None:
+        return RPM if pulses is not None and travel is None else MM_S
+    unit = UNITS[name]
+    if pulses is not None and (travel is None) is (unit is MM_S):
+        raise ValueError(
+            "with --unit mm/s the encoder needs --travel, its way of a revolution"
+            if unit is MM_S
+            else "--travel goes with --unit mm/s; rpm are revolutions already"
+        )
+    return unit
 
 
 def wanted_profile(
@@ -101,8 +120,13 @@ def wanted_profile(
 @click.option("--points", callback=points_of, help="TIME:VELOCITY,... joined by ramps.")
 @click.option("--greatest-jerk", type=NUMBER, help="Limit of the fastest profile; none if absent.")
 @click.option("--step", type=NUMBER, help="Seconds between rows; a 200th of the time if absent.")
+@click.option(
+    "--unit",
+    type=click.Choice(["rpm", "mm/s"]),
+    help="Of velocities; positions are revolutions or mm. rpm with --pulses alone.",
+)
 @click.option("--pulses", type=int, help="Encoder pulses a revolution: adds Hz and rpm columns.")
-@click.option("--travel", type=NUMBER, help="Way of a revolution, where velocities are no rpm.")
+@click.option("--travel", type=NUMBER, help="Way of a revolution in mm, with --pulses.")
 @options.voiced
 def command(
     output: str,
@@ -115,6 +139,7 @@ def command(
     points: tuple[tuple[float, float], ...],
     greatest_jerk: float | None,
     step: float | None,
+    unit: str | None,
     pulses: int | None,
     travel: float | None,
     voice: Voice,
@@ -122,11 +147,14 @@ def command(
     """Write the velocity profile of an axis, as a table or a picture.
 
     A ramp is an S-curve of which --jerk percent are rounded: 0 is a trapezoid, 100 has no
-    constant stretch. Without --time the profile is the fastest within the limits. Units are
-    yours: mm and mm/s, or revolutions and rpm.
+    constant stretch. Without --time the profile is the fastest within the limits.
+
+    Velocities are mm/s and positions mm; with --unit rpm, or --pulses without --travel, velocities
+    are rpm, accelerations rpm/s and positions and --distance revolutions.
 
     \b
     beamcam profile --velocity 1000 --time 100 --jerk 50 --pulses 120 -o ramp.csv
+    beamcam profile --unit rpm --distance 25 --time 4 -o turns.csv
     beamcam profile --distance 500 --time 4 --jerk 100 -o move.svg
     beamcam profile --points 0:0,2:300,5:300,6:0 -o job.png
     beamcam profile --distance 500 --velocity 200 --acceleration 800 --greatest-jerk 9000 -o -
@@ -135,19 +163,21 @@ def command(
 
     suffix = os.path.splitext(output)[1].lower()
     try:
+        shown = unit_of(unit, pulses, travel)
+        way = None if distance is None else distance * shown.seconds
         profile = wanted_profile(
-            velocity, acceleration, distance, time, jerk, cruise, points, greatest_jerk
+            velocity, acceleration, way, time, jerk, cruise, points, greatest_jerk
         )
         encoder = None if pulses is None else Encoder(pulses, travel)
         data: str | bytes
         if suffix not in ("", *SUFFIXES):
             raise ValueError(f"found {output!r}; expected a name in {', '.join(SUFFIXES)}, or -")
         if suffix == ".svg":
-            data = profile_svg(profile)
+            data = profile_svg(profile, unit=shown)
         elif suffix == ".png":
             data = profile_png(profile)
         else:
-            rows = profile_table(profile, row_step(profile.duration_s, step), encoder)
+            rows = profile_table(profile, row_step(profile.duration_s, step), encoder, shown)
             lines = [",".join(f"{value:.9g}" for value in row) for row in rows.rows.tolist()]
             data = "\n".join([",".join(rows.columns), *lines]) + "\n"
     except ValueError as error:

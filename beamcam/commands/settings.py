@@ -73,22 +73,38 @@ def machine_for(config: Config, parts: Sequence[Part], output: str) -> Machine:
     Where none is asked for it is that for their kind of stock, and of sheets by the suffix of
     `output`. Raises MachineError, ConfigError and PlanError.
     """
-    _agree_on_thickness(config, parts)
+    _agree_on_sheet(config, parts)
     return machine_of_stock(config, stock_of(parts), output)
 
 
-def _agree_on_thickness(config: Config, parts: Sequence[Part]) -> None:
-    """Raises PlanError where the command line says another thickness than a part."""
-    asked = config.sheet.thickness
-    if asked is None or config.sources.get("sheet.thickness") != COMMAND_LINE:
-        return
+def _agree_on_sheet(config: Config, parts: Sequence[Part]) -> None:
+    """Raises PlanError where the command line says another thickness or material than a part."""
+    said: list[Diagnostic] = []
+    thickness, material = config.sheet.thickness, config.sheet.material
+    if thickness is not None and config.sources.get("sheet.thickness") == COMMAND_LINE:
+        said += _other_thicknesses(thickness, parts)
+    if material is not None and config.sources.get("sheet.material") == COMMAND_LINE:
+        said += _other_materials(material, parts)
+    if said:
+        raise PlanError(tuple(said))
+
+
+def _other_thicknesses(asked: float, parts: Sequence[Part]) -> Iterator[Diagnostic]:
+    from beamcam.planning.contours.rules import OTHER_THICKNESS
+
     for part in parts:
         own = part.profile.web_thickness
         if own is not None and abs(own - asked) > SAME_THICKNESS:
-            from beamcam.planning.contours.rules import OTHER_THICKNESS
+            yield OTHER_THICKNESS.at(part.source, found=f"{asked:g}", expected=f"{own:g}")
 
-            said = OTHER_THICKNESS.at(part.source, found=f"{asked:g}", expected=f"{own:g}")
-            raise PlanError(said)
+
+def _other_materials(asked: str, parts: Sequence[Part]) -> Iterator[Diagnostic]:
+    from beamcam.planning.contours.material import is_same
+    from beamcam.planning.contours.rules import OTHER_MATERIAL
+
+    for part in parts:
+        if part.grade and not is_same(asked, part.grade):
+            yield OTHER_MATERIAL.at(part.source, found=asked, expected=part.grade)
 
 
 def map_remarks(config: Config, parts: Sequence[Part], machine: Machine) -> tuple[Diagnostic, ...]:

@@ -6,7 +6,8 @@ r"""Velocity over time, in stretches of constant jerk.
        _________/          \________          t2 = (1 - J) T. 0 % is a trapezoid, 100 % has
                 t1 t2 t3                      no stretch of constant acceleration.
 
-Units are the caller's: mm and mm/s, or revolutions and rpm; time is seconds.
+Units are the caller's: mm and mm/s; or rpm, whose positions are then sixtieths of revolutions.
+Time is seconds.
 """
 
 import itertools

@@ -17,6 +17,23 @@ Floats = NDArray[np.float64]
 DRAWN_SAMPLES = 400
 
 
+class Unit(Struct, frozen=True):
+    """What velocities are counted in; positions come as velocity times its seconds."""
+
+    name: str
+    seconds: float  #: in which a velocity of 1 makes a way of 1
+    way: str  #: unit of positions
+
+    def labels(self) -> tuple[str, str, str]:
+        """Names of the curves of position, velocity and acceleration."""
+        return f"position, {self.way}", f"velocity, {self.name}", f"acceleration, {self.name}/s"
+
+
+RPM = Unit("rpm", 60.0, "revolutions")
+MM_S = Unit("mm/s", 1.0, "mm")
+UNITS = {unit.name: unit for unit in (RPM, MM_S)}
+
+
 class Encoder(Struct, frozen=True):
     """What a pulse counter on the shaft shows."""
 
@@ -43,7 +60,9 @@ class ProfileTable(Struct, frozen=True):
     rows: Floats  #: (n, number of columns)
 
 
-def profile_table(profile: Profile, step_s: float, encoder: Encoder | None = None) -> ProfileTable:
+def profile_table(
+    profile: Profile, step_s: float, encoder: Encoder | None = None, unit: Unit = MM_S
+) -> ProfileTable:
     """Time, position, velocity and acceleration every `step_s`, the end always included; with
     an encoder its frequency and speed too.
 
@@ -58,7 +77,7 @@ def profile_table(profile: Profile, step_s: float, encoder: Encoder | None = Non
     else:
         t[-1] = profile.duration_s
     x, v, a = profile.sample(t)
-    columns, names = [t, x, v, a], ["t_s", "position", "velocity", "acceleration"]
+    columns, names = [t, x / unit.seconds, v, a], ["t_s", "position", "velocity", "acceleration"]
     if encoder is not None:
         columns += [encoder.hz(v), encoder.rpm(v)]
         names += ["encoder_hz", "encoder_rpm"]
@@ -76,15 +95,17 @@ class _Panel(Struct, frozen=True):
     points: Floats  #: (n, 2), picture coordinates, y down
 
 
-def _panels(profile: Profile, width: float, height: float, margin: float) -> list[_Panel]:
+def _panels(
+    profile: Profile, width: float, height: float, margin: float, unit: Unit
+) -> list[_Panel]:
     edges = [e for p in profile.phases for e in (p.start_s, p.start_s + p.duration_s * (1 - 1e-12))]
     t = np.unique(np.concatenate((np.linspace(0, profile.duration_s, DRAWN_SAMPLES), edges)))
     found = []
     each = (height - margin) / 3
     right = (width - 2 * margin) / (profile.duration_s or 1.0)
-    for k, (name, values) in enumerate(
-        zip(("position", "velocity", "acceleration"), profile.sample(t), strict=True)
-    ):
+    x, v, a = profile.sample(t)
+    curves = (x / unit.seconds, v, a)
+    for k, (name, values) in enumerate(zip(unit.labels(), curves, strict=True)):
         low, high = min(0.0, float(values.min())), max(0.0, float(values.max()))
         top, bottom = margin / 2 + k * each, margin / 2 + (k + 1) * each - margin / 2
         scale = (bottom - top) / ((high - low) or 1.0)
@@ -100,7 +121,7 @@ def _number(value: float) -> str:
     return text.rstrip("0").rstrip(".") if "." in text else text
 
 
-def profile_svg(profile: Profile, width: int = 800, height: int = 600) -> str:
+def profile_svg(profile: Profile, width: int = 800, height: int = 600, unit: Unit = MM_S) -> str:
     """A drawing of position, velocity and acceleration over time, one above the other."""
     margin = 60.0
     lines = [
@@ -109,7 +130,9 @@ def profile_svg(profile: Profile, width: int = 800, height: int = 600) -> str:
         f'<rect width="{width}" height="{height}" fill="white"/>',
     ]
     for panel, colour in zip(
-        _panels(profile, width, height, margin), ("#1b7837", "#2166ac", "#b2182b"), strict=True
+        _panels(profile, width, height, margin, unit),
+        ("#1b7837", "#2166ac", "#b2182b"),
+        strict=True,
     ):
         zero = panel.bottom + panel.low * (panel.bottom - panel.top) / (
             (panel.high - panel.low) or 1.0
@@ -139,7 +162,7 @@ def profile_png(profile: Profile, width: int = 800, height: int = 600) -> bytes:
     """The same three curves as a PNG picture, without text."""
     picture = np.full((height, width, 3), 255, dtype=np.uint8)
     for panel, colour in zip(
-        _panels(profile, width, height, 30.0),
+        _panels(profile, width, height, 30.0, MM_S),
         ((27, 120, 55), (33, 102, 172), (178, 24, 43)),
         strict=True,
     ):

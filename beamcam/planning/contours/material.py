@@ -1,11 +1,24 @@
 """The sheet's material and thickness, and how the machine works it."""
 
+import re
 from fnmatch import fnmatchcase
 
 from beamcam.errors import Diagnostic
 from beamcam.machine.machine import Torch, TorchProcess, TorchRow
 from beamcam.model.part import Part
 from beamcam.planning.contours import rules
+
+#: Names of structural steel as options say them, and as grades do: EN 10025, DIN 17100, ASTM, GB.
+_STEEL = ("steel", "mild steel", "structural steel", "carbon steel")
+_STEEL_GRADE = re.compile(r"(S ?\d{3}|ST ?\d\d|FE ?\d{3}|A ?(36|572|992)|Q ?\d{3}|RST ?\d\d)", re.I)
+
+
+def is_same(material: str, grade: str) -> bool:
+    """Whether a material that is asked for may be what a part's grade names."""
+    asked, own = material.strip().casefold(), grade.strip().casefold()
+    if asked in _STEEL:
+        return own in _STEEL or _STEEL_GRADE.match(own) is not None
+    return asked == own
 
 
 class Material:

@@ -61,6 +61,13 @@ OTHER_THICKNESS = Rule(
     "found --thickness {found}; expected {expected}, as the part itself says",
     "Only a drawing does not say how thick its sheet is; one of the two is wrong.",
 )
+OTHER_MATERIAL = Rule(
+    "plan-material-other",
+    _E,
+    "found --material {found}; expected {expected}, as the part itself says",
+    "Speed, power and kerf follow from the material; one of the two is wrong. A part without a "
+    "grade takes the option.",
+)
 ASSUMED = Rule(
     "plan-thickness-assumed",
     _N,
@@ -229,7 +236,7 @@ CHAIN = Rule(
 
 RULES = (
     CHAIN, SHEETS, NOTHING, UNMAPPED, MAP, OPTION, NO_PROCESS, NO_THICKNESS, THICKNESS,
-    OTHER_THICKNESS, ASSUMED,
+    OTHER_THICKNESS, OTHER_MATERIAL, ASSUMED,
     SHEET_SIZE, SHEET_PLACE, JUNCTION, BRANCHED, TINY, SHARED, COMMON, GAP, OPEN_CUT, MORE_OPEN,
     OVERLAP, VANISHED, NARROW, NEAR, LEFT, CROSSING, MORE_CROSSINGS, CROSSED, MORE_CROSSED,
     NO_LEAD, SQUARE, NEEDS_LEAD, NO_TABS,

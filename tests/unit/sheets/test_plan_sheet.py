@@ -266,7 +266,9 @@ def test_remarks(part: Part, values: dict[str, object], expected: set[str]) -> N
 
 
 #: What the command line says, and what only machines without words for a contour can say.
-OF_OTHERS = {"plan-map", "plan-sheet-option", "plan-chain", "plan-thickness-other"}
+OF_OTHERS = {
+    "plan-map", "plan-sheet-option", "plan-chain", "plan-thickness-other", "plan-material-other",
+}  # fmt: skip
 
 
 def test_every_rule_has_a_case() -> None:

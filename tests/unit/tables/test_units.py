@@ -1,5 +1,6 @@
 """Units of several trigger programs in one folder, and sheets whose thickness is said twice."""
 
+import json
 import shutil
 from pathlib import Path
 
@@ -54,3 +55,36 @@ def test_thicknesses_that_cannot_be(source: str, how: str, said: str, tmp_path: 
     assert code == 1
     assert said in output
     assert not (tmp_path / "a.ngc").exists()
+
+
+@pytest.mark.parametrize(
+    ("grade", "material", "denied"),
+    [
+        ("S235JR", "mild steel", False), ("S355J2+N", "Steel", False), ("St37-2", "steel", False),
+        ("A36", "mild steel", False), ("acrylic", "Acrylic", False), ("", "wood", False),
+        ("S235JR", "aluminium", True), ("S235JR", "stainless", True), ("wood", "acrylic", True),
+        ("1.4301", "mild steel", True), ("AW-5754", "steel", True), ("acrylic", "acryl", True),
+    ],
+)  # fmt: skip
+def test_a_material_that_the_part_denies(
+    grade: str, material: str, denied: bool, tmp_path: Path
+) -> None:
+    part = json.loads(CAM.read_text())
+    part["grade"] = grade
+    (tmp_path / "a.json").write_text(json.dumps(part))
+    code, said = run("plan", tmp_path / "a.json", "--machine", "plate-linuxcnc", "--lead", "none",
+                     "--material", material)  # fmt: skip
+    expected = f"found --material {material}; expected {grade}, as the part itself says"
+    assert (expected in said) is denied
+    assert (code == 1) is denied, said
+
+
+def test_a_material_of_a_configuration_denies_nothing(tmp_path: Path) -> None:
+    """It is meant for the drawings among the parts of a folder, which say none."""
+    (tmp_path / "beamcam.toml").write_text('[sheet]\nmaterial = "wood"\n')
+    part = json.loads(CAM.read_text()) | {"grade": "acrylic"}
+    (tmp_path / "a.json").write_text(json.dumps(part))
+    code, said = run("plan", tmp_path / "a.json", "--machine", "laser-grbl", "--config",
+                     tmp_path / "beamcam.toml")  # fmt: skip
+    assert "--material" not in said
+    assert code == 0, said
