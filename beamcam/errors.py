@@ -5,7 +5,7 @@ message. `rule.at(source, found=..., expected=...)` gives a `Diagnostic`, which 
 what cannot be posted raises a `BeamcamError` that carries its diagnostics.
 """
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator
 from enum import Enum
 
 from msgspec import Struct
@@ -49,6 +49,12 @@ class Diagnostic(Struct, frozen=True):
         return terminal_text(f"{self.source}: {self.severity.value} {self.code}: {self.message}")
 
 
+#: Characters of a value that a message shows; a list of all keys of a machine has 900.
+MAX_SHOWN = 1500
+#: Messages of one code that are shown one by one.
+MAX_OF_A_KIND = 20
+
+
 class Rule(Struct, frozen=True):
     """One thing that can be wrong with an input.
 
@@ -62,7 +68,28 @@ class Rule(Struct, frozen=True):
 
     def at(self, source: Source, **values: object) -> Diagnostic:
         """The diagnostic for this rule at `source`. Raises KeyError if a value is missing."""
-        return Diagnostic(source, self.severity, self.code, self.message.format_map(values))
+        shown = {name: _shortened(value) for name, value in values.items()}
+        return Diagnostic(source, self.severity, self.code, self.message.format_map(shown))
+
+
+def _shortened(value: object) -> object:
+    """A value as a message shows it: of a long text the beginning."""
+    if isinstance(value, str) and len(value) > MAX_SHOWN:
+        return f"{value[:MAX_SHOWN]}... ({len(value) - MAX_SHOWN} more characters)"
+    return value
+
+
+def first_of_each_kind(diagnostics: Iterable[Diagnostic]) -> Iterator[Diagnostic]:
+    """The first `MAX_OF_A_KIND` of each code, and at the end how many more there are of it."""
+    counts: dict[str, int] = {}
+    for said in diagnostics:
+        counts[said.code] = counts.get(said.code, 0) + 1
+        if counts[said.code] <= MAX_OF_A_KIND:
+            yield said
+    for code, count in counts.items():
+        if count > MAX_OF_A_KIND:
+            more = count - MAX_OF_A_KIND
+            yield MORE.at(Source("beamcam"), found=more, code=code, of=count)
 
 
 RuleMaker = Callable[[str, str, str], Rule]
@@ -78,6 +105,16 @@ def rule_makers(family: str) -> tuple[RuleMaker, RuleMaker, RuleMaker]:
         return lambda code, message, reason: Rule(f"{family}-{code}", severity, message, reason)
 
     return maker(Severity.ERROR), maker(Severity.WARNING), maker(Severity.NOTE)
+
+
+MORE = Rule(
+    "more-messages",
+    Severity.NOTE,
+    "found {found} more messages {code}, {of} in all; `inspect --json` and the report of a batch "
+    "hold each",
+    "One fault of an export repeats in each line; the first twenty tell it.",
+)
+RULES = (MORE,)
 
 
 class BeamcamError(Exception):

@@ -40,6 +40,15 @@ def comment_text(text: str) -> str:
     return REPLACEMENT + plain.lstrip() if _ACTIVE.match(plain.lstrip()) else plain
 
 
+def whole_text(text: str) -> str:
+    """`text` with U+FFFD for each half of a character, which no file takes."""
+    try:
+        text.encode("utf-8")
+    except UnicodeEncodeError:
+        return text.encode("utf-16-le", "surrogatepass").decode("utf-16-le", "replace")
+    return text
+
+
 def one_word(text: str) -> str:
     """`text` as a word: ASCII letters, digits, `.`, `_` and `-`, any run of others as one `_`."""
     return _NOT_IN_WORDS.sub(REPLACEMENT, text)[:MAX_COMMENT] or REPLACEMENT

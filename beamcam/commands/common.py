@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, NoReturn
 import click
 
 from beamcam.commands.rules import ACCOUNT, CANNOT_WRITE, OVER_INPUT
-from beamcam.errors import Diagnostic, Severity, Source
+from beamcam.errors import Diagnostic, Severity, Source, first_of_each_kind
 from beamcam.files import REFUSED_SUFFIX, FilesRead, write_whole
 from beamcam.plain_text import json_text, terminal_text
 
@@ -39,7 +39,7 @@ class Voice:
 
     def say(self, diagnostics: Iterable[Diagnostic]) -> None:
         """Say messages. As JSON they are one list with what was done, so this is said once."""
-        said = [d for d in diagnostics if self.wants(d.severity)]
+        said = [d for d in first_of_each_kind(diagnostics) if self.wants(d.severity)]
         if self.as_json:
             _echo_json([*self._account, *said])
             self._account.clear()

@@ -27,7 +27,7 @@ MAX_HALVINGS = 24
 
 
 #: More curves than this are an oscillation that no machine cuts.
-MOST_CURVES = 5000
+MOST_CURVES = 2000
 
 
 class Fit(Struct, frozen=True):

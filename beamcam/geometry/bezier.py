@@ -1,6 +1,5 @@
 """Bezier curves of any degree, with weights or without."""
 
-import itertools
 from math import hypot, inf
 
 from msgspec import Struct
@@ -13,10 +12,12 @@ from beamcam.geometry.plane import (
     Point,
     box_around,
     cross,
-    integrate,
     mapped,
     normalized,
 )
+
+#: No CAD program writes more (ACIS and Parasolid stop there); a point takes degree^2 steps.
+MAX_DEGREE = 25
 
 Homogeneous = tuple[float, float, float]  #: (w x, w y, w)
 
@@ -30,6 +31,10 @@ class Bezier(Struct, frozen=True, gc=False):
     def __post_init__(self) -> None:
         if len(self.points) < 2:
             raise ValueError(f"a Bezier curve needs 2 points or more, found {len(self.points)}")
+        if len(self.points) > MAX_DEGREE + 1:
+            raise ValueError(
+                f"a Bezier curve has degree {MAX_DEGREE} at most, found {len(self.points) - 1}"
+            )
         if self.weights is not None:
             check_weights(self.weights, len(self.points))
 
@@ -54,11 +59,9 @@ class Bezier(Struct, frozen=True, gc=False):
     @property
     def length(self) -> float:
         """Length by numerical integration, to about 1e-10 relative."""
-        breaks = [0.0, *self.extremes(), 1.0]
-        return sum(
-            integrate(lambda t: hypot(*self.derivatives(t)[1]), a, b)
-            for a, b in itertools.pairwise(breaks)
-        )
+        from beamcam.geometry.free_lengths import bezier_length
+
+        return bezier_length((self,))
 
     @property
     def bbox(self) -> Box:

@@ -5,8 +5,11 @@ from bisect import bisect_right
 from msgspec import Struct
 
 from beamcam.caches import cached
-from beamcam.geometry.bezier import Bezier, Homogeneous, check_weights, from_homogeneous
+from beamcam.geometry.bezier import MAX_DEGREE, Bezier, Homogeneous, check_weights, from_homogeneous
 from beamcam.geometry.plane import Box, Matrix, Point, join_boxes, mapped
+
+#: Taking a spline apart takes (degree + 1)^3 steps a control point, a second for so many.
+MAX_STEPS = 1_000_000
 
 
 class BSpline(Struct, frozen=True, gc=False):
@@ -24,6 +27,13 @@ class BSpline(Struct, frozen=True, gc=False):
         expected = len(self.control) + self.degree + 1
         if self.degree < 1:
             raise ValueError(f"a spline has degree 1 or more, found {self.degree}")
+        if self.degree > MAX_DEGREE:
+            raise ValueError(f"a spline has degree {MAX_DEGREE} at most, found {self.degree}")
+        if len(self.control) > (most := MAX_STEPS // (self.degree + 1) ** 3):
+            raise ValueError(
+                f"a spline of degree {self.degree} has at most {most} control points, "
+                f"found {len(self.control)}"
+            )
         if len(self.control) <= self.degree:
             raise ValueError(
                 f"a spline of degree {self.degree} needs {self.degree + 1} control points "

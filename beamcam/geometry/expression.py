@@ -13,6 +13,8 @@ from collections.abc import Callable, Collection, Mapping
 #: Operations inside each other; no drawing needs more, and Python's own stack ends somewhere.
 MOST_NESTED = 100
 MANY = 100
+#: A formula is worked out thousands of times for a curve; no drawing's has a tenth of that.
+MOST_CHARACTERS = 1000
 
 Expression = Callable[[Mapping[str, float]], float]
 
@@ -44,6 +46,10 @@ def compile_expression(text: str, names: Collection[str]) -> Expression:
     The function that comes back raises ArithmeticError or ValueError where the expression has
     no value (division by zero, root of a negative number).
     """
+    if len(text) > MOST_CHARACTERS:
+        raise ValueError(
+            f"{text[:40]!r}... has {len(text)} characters, expected at most {MOST_CHARACTERS}"
+        )
     try:
         tree = ast.parse(text.strip().replace("^", "**"), mode="eval")
     except (SyntaxError, ValueError, RecursionError, MemoryError) as error:

@@ -12,7 +12,7 @@ from msgspec import Struct
 
 from beamcam.caches import cached
 from beamcam.geometry import bernstein
-from beamcam.geometry.bezier import Bezier
+from beamcam.geometry.bezier import MAX_DEGREE, Bezier
 from beamcam.geometry.plane import Box, Matrix, Point, box_around, distance, mapped
 
 #: Spacings that differ by less than this share count as equal.
@@ -22,7 +22,7 @@ EQUIDISTANT_SLACK = 1e-12
 CALM_NODES = 5
 
 #: Rounding has swallowed a polynomial long before; the work grows with the square of the nodes.
-MOST_NODES = 100
+MOST_NODES = MAX_DEGREE + 1
 
 #: A polynomial may leave the band between two nodes by this share of the extent of all of them.
 CALM_SHARE = 0.25

@@ -5,6 +5,10 @@ from math import cos, hypot, radians, sin
 
 Point = tuple[float, float]
 Box = tuple[float, float, float, float]  #: least x, least y, greatest x, greatest y
+#: mm that a coordinate may have at most: 1,000 km. Sums and squares of such stay numbers, and keep
+#: their digits to a thousandth.
+MAX_COORDINATE = 1e9
+
 Matrix = tuple[tuple[float, float, float], tuple[float, float, float]]
 #: rows (a, b, c) and (d, e, f): x' = a x + b y + c, y' = d x + e y + f
 

@@ -4,10 +4,11 @@ A place is written as a path: `contours[2].curves[0].arc.radius`.
 """
 
 from collections.abc import Callable, Collection, Iterable
-from math import isfinite
 from typing import TypeVar
 
 from beamcam.errors import Diagnostic, ReadError, Rule, Severity, Source
+from beamcam.geometry.plane import MAX_COORDINATE
+from beamcam.plain_text import whole_text
 
 T = TypeVar("T")
 
@@ -88,7 +89,7 @@ class JsonObject:
         value = self._required(key, "a text")
         if not isinstance(value, str):
             raise self.fault(JSON_TYPE, key, found=show(value), expected="a text")
-        return value
+        return whole_text(value)
 
     def text_or_none(self, key: str) -> str | None:
         """A text, or None where the key is null or not there."""
@@ -120,6 +121,9 @@ class JsonObject:
         value = self._required(key, "a whole number")
         if isinstance(value, bool) or not isinstance(value, int):
             raise self.fault(JSON_TYPE, key, found=show(value), expected="a whole number")
+        if abs(value) > MAX_COORDINATE:
+            expected = f"a whole number between -{MAX_COORDINATE:g} and {MAX_COORDINATE:g}"
+            raise self.fault(JSON_VALUE, key, found=show(value), expected=expected)
         return value
 
     def boolean(self, key: str, default: bool) -> bool:
@@ -147,8 +151,9 @@ class JsonObject:
             result = float(value)
         except OverflowError:
             result = float("inf")
-        if not isfinite(result):
-            raise self.fault(JSON_VALUE, key, found=show(value), expected="a finite number")
+        if not abs(result) <= MAX_COORDINATE:  # nan is above all
+            expected = f"a number between -{MAX_COORDINATE:g} and {MAX_COORDINATE:g}"
+            raise self.fault(JSON_VALUE, key, found=show(value), expected=expected)
         return result
 
     def numbers(self, key: str, count: int | None = None) -> tuple[float, ...]:

@@ -1,13 +1,12 @@
 """Lengths of many curves at once, and how much of them lies twice on the same place.
 
-Lines and arcs have closed forms. All Bezier curves of one degree are integrated together in
-numpy, which is imported only when a drawing has some.
+Lines and arcs have closed forms. All Bezier curves of one degree are integrated together, by numpy,
+which is imported only when a drawing has some.
 """
 
 from collections import defaultdict
 from collections.abc import Iterable, Sequence
 from math import atan2, cos, floor, hypot, pi, sin
-from typing import TYPE_CHECKING
 
 from beamcam.geometry.curves import (
     Arc,
@@ -21,20 +20,12 @@ from beamcam.geometry.curves import (
 )
 from beamcam.geometry.plane import Point, dot
 
-if TYPE_CHECKING:
-    import numpy as np
-    from numpy.typing import NDArray
-
 #: Curves nearer than this lie on the same place.
 SAME_PLACE = 1e-3
 
-#: How far a length may be off, relative; the estimate is the gain of the last halving.
-RELATIVE_ERROR = 1e-9
-_MOST_HALVINGS = 24
-
 
 def total_length(curves: Iterable[Curve]) -> float:
-    """The sum of the lengths, to about 1e-9 relative."""
+    """The sum of the lengths, to about 1e-10 relative."""
     total = 0.0
     free: dict[int, list[Bezier]] = defaultdict(list)
     for curve in curves:
@@ -43,63 +34,11 @@ def total_length(curves: Iterable[Curve]) -> float:
                 free[piece.degree].append(piece)
         else:
             total += curve.length
-    return total + sum(_bezier_lengths(pieces) for pieces in free.values())
+    if not free:
+        return total
+    from beamcam.geometry.free_lengths import bezier_length
 
-
-def _bezier_lengths(pieces: Sequence[Bezier]) -> float:
-    """Summed length of Bezier curves of one degree, by Gauss-Legendre with 12 points.
-
-    A curve is halved until both halves together say the same as the whole: a smooth curve needs
-    one halving, one with a cusp some twenty.
-    """
-    import numpy as np
-
-    nodes, weights = np.polynomial.legendre.leggauss(12)
-    rows = np.array([piece.homogeneous for piece in pieces])  # (n, degree + 1, 3)
-    whole = _gauss_lengths(rows, (nodes + 1) / 2, weights / 2)
-    total = 0.0
-    for _ in range(_MOST_HALVINGS):
-        left, right = _halved(rows)
-        first = _gauss_lengths(left, (nodes + 1) / 2, weights / 2)
-        second = _gauss_lengths(right, (nodes + 1) / 2, weights / 2)
-        done = np.abs(first + second - whole) <= RELATIVE_ERROR * (first + second)
-        total += float(np.sum((first + second)[done]))
-        if done.all():
-            return total
-        rows = np.concatenate((left[~done], right[~done]))
-        whole = np.concatenate((first[~done], second[~done]))
-    return total + float(np.sum(whole))
-
-
-def _gauss_lengths(
-    rows: "NDArray[np.float64]", t: "NDArray[np.float64]", weights: "NDArray[np.float64]"
-) -> "NDArray[np.float64]":
-    """Length of each curve of `rows` (n, degree + 1, 3) by one rule: an array (n,)."""
-    import numpy as np
-
-    values = rows[:, :, :, None] * np.ones_like(t)
-    degree = rows.shape[1] - 1
-    while values.shape[1] > 2:
-        values = (1 - t) * values[:, :-1] + t * values[:, 1:]
-    slope = degree * (values[:, 1] - values[:, 0])
-    value = (1 - t) * values[:, 0] + t * values[:, 1]
-    w, dw = value[:, 2], slope[:, 2]
-    dx = (slope[:, 0] - value[:, 0] / w * dw) / w
-    dy = (slope[:, 1] - value[:, 1] / w * dw) / w
-    lengths: NDArray[np.float64] = np.hypot(dx, dy) @ weights
-    return lengths
-
-
-def _halved(rows: "NDArray[np.float64]") -> "tuple[NDArray[np.float64], NDArray[np.float64]]":
-    """Both halves of each curve, by de Casteljau."""
-    import numpy as np
-
-    left, right = np.empty_like(rows), np.empty_like(rows)
-    row = rows
-    for k in range(rows.shape[1]):
-        left[:, k], right[:, -1 - k] = row[:, 0], row[:, -1]
-        row = (row[:, :-1] + row[:, 1:]) / 2
-    return left, right
+    return total + sum(map(bezier_length, free.values()))
 
 
 # --- what lies twice ------------------------------------------------------------------------------

@@ -5,6 +5,7 @@ from typing import cast
 
 from beamcam.errors import ReadError, Rule, Severity, Source
 from beamcam.geometry.curves import Arc, Curve, signed_area
+from beamcam.model.colour import parse_colour
 from beamcam.model.curve_json import JSON_CURVE, curves_from_json
 from beamcam.model.function_json import JSON_EXPRESSION
 from beamcam.model.json_object import JSON_OBJECT_RULES, JSON_VALUE, JsonObject, show
@@ -34,6 +35,7 @@ from beamcam.model.part import (
     TextMark,
 )
 from beamcam.model.part_json import COMPUTED_KEYS, PART_SCHEMA
+from beamcam.plain_text import whole_text
 
 HOLE_KINDS = ("through", "blind", "thread", "left-thread", "countersink", "mark")
 CONTOUR_KINDS = ("outer", "inner", "open")
@@ -153,14 +155,14 @@ def _texts(top: JsonObject, key: str) -> tuple[str, ...]:
     for i, value in enumerate(top.items(key)):
         if not isinstance(value, str):
             raise top.fault(JSON_VALUE, f"{key}[{i}]", found=show(value), expected="a text")
-        found.append(value)
+        found.append(whole_text(value))
     return tuple(found)
 
 
 def _pair(top: JsonObject, index: int, value: object) -> tuple[str, str]:
     match value:
         case [str(word), str(text)]:
-            return word, text
+            return whole_text(word), whole_text(text)
     key = f"info[{index}]"
     raise top.fault(JSON_VALUE, key, found=show(value), expected="two texts [word, text]")
 
@@ -295,8 +297,20 @@ def _contour(item: JsonObject, face: str, file: str) -> Contour:
         item.children("notches", lambda n: _notch(n, len(curves))),
         item.text("edge", ""),
         item.text_or_none("layer"),
-        item.text_or_none("colour"),
+        _colour(item),
     )
+
+
+def _colour(item: JsonObject) -> str | None:
+    """A colour as "#rrggbb"."""
+    text = item.text_or_none("colour")
+    if text is None:
+        return None
+    try:
+        return parse_colour(text)
+    except ValueError:
+        expected = "#RRGGBB, rgb(r, g, b) or the name of a colour"
+        raise item.fault(JSON_VALUE, "colour", found=show(text), expected=expected) from None
 
 
 def _turned_as(curves: tuple[Curve, ...], kind: ContourKind, face: str) -> tuple[Curve, ...]:

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable, Iterator, Sequence
 
+from beamcam.model.lengths import total_length
 from beamcam.model.part import Bend, Camber, Contour, EndPlane, Hole, Part, Slot, TextMark
 from beamcam.plain_text import terminal_text
 
@@ -81,7 +82,7 @@ def _contours(contours: Iterable[Contour]) -> list[Row]:
         boxes = [curve.bbox for curve in c.curves]
         box = (min(b[0] for b in boxes), min(b[1] for b in boxes),
                max(b[2] for b in boxes), max(b[3] for b in boxes))  # fmt: skip
-        length = sum(curve.length for curve in c.curves)
+        length = total_length(c.curves)
         rows.append(
             (c.face, c.kind, c.process, str(len(c.curves)), f"{length:.2f}",
              " ".join(f"{v:g}" for v in box))

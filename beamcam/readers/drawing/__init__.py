@@ -3,14 +3,24 @@
 import re
 from collections.abc import Iterable, Sequence
 from itertools import pairwise
-from math import hypot, isfinite
+from math import hypot
 from pathlib import PurePath
 
 from beamcam.errors import Diagnostic, Source
 from beamcam.geometry.conics import direction_deg
-from beamcam.geometry.curves import Arc, Curve, EllipseArc, Line
+from beamcam.geometry.curves import (
+    Arc,
+    Bezier,
+    BSpline,
+    Curve,
+    EllipseArc,
+    Line,
+    NewtonCurve,
+)
+from beamcam.geometry.plane import MAX_COORDINATE, Point
 from beamcam.model.drawing import Measures, extent
 from beamcam.model.part import Contour, Part, Profile
+from beamcam.plain_text import whole_text
 from beamcam.readers.drawing.rules import LAYER_OPTION
 
 #: Millimetres in a unit, by the words of `--units` and `--width`.
@@ -49,7 +59,10 @@ def split_length(text: str) -> tuple[float, str]:
     found = _LENGTH.match(text)
     if found is None:
         raise ValueError(f"found {text!r}, expected a number and a unit")
-    return float(found[1]), found[2].lower()
+    number = float(found[1])
+    if abs(number) > MAX_COORDINATE:
+        raise ValueError(f"found {text!r}, expected a number of at most {MAX_COORDINATE:g}")
+    return number, found[2].lower()
 
 
 def joined(chain: Sequence[Curve]) -> bool:
@@ -60,19 +73,27 @@ def joined(chain: Sequence[Curve]) -> bool:
     return hypot(x1 - x0, y1 - y0) <= ONE_POINT
 
 
-def is_surely_finite(curve: Curve) -> bool:
-    """Whether a line or an arc has finite coordinates only; others are not looked at.
+def is_in_bounds(curve: Curve) -> bool:
+    """Whether all coordinates of a curve are numbers of at most `MAX_COORDINATE`."""
+    match curve:
+        case Line():
+            values: tuple[float, ...] = (*curve.start, *curve.end)
+        case Arc():
+            values = (*curve.centre, curve.radius, curve.start_deg, curve.sweep_deg)
+        case EllipseArc():
+            values = (*curve.centre, *curve.axis, curve.ratio, curve.start_deg, curve.sweep_deg)
+        case Bezier():
+            return _are_in_bounds(curve.points)
+        case BSpline():
+            return _are_in_bounds(curve.control)
+        case NewtonCurve():
+            return _are_in_bounds(curve.nodes)
+    # Of nan the comparison is false.
+    return all(-MAX_COORDINATE <= value <= MAX_COORDINATE for value in values)
 
-    It takes one sum, which may be beyond all numbers where none of its terms is.
-    """
-    if isinstance(curve, Line):
-        (x0, y0), (x1, y1) = curve.start, curve.end
-        return isfinite(abs(x0) + abs(y0) + abs(x1) + abs(y1))
-    if isinstance(curve, Arc):
-        x, y = curve.centre
-        size = abs(x) + abs(y) + curve.radius
-        return isfinite(size + abs(curve.start_deg) + abs(curve.sweep_deg))
-    return False
+
+def _are_in_bounds(points: Iterable[Point]) -> bool:
+    return all(-MAX_COORDINATE <= value <= MAX_COORDINATE for point in points for value in point)
 
 
 def lines_through(points: Iterable[tuple[float, float]]) -> tuple[Line, ...]:
@@ -110,7 +131,7 @@ def drawing_part(name: str, contours: tuple[Contour, ...], measures: Measures) -
     box = extent(curve for contour in contours for curve in contour.curves)
     x0, y0, x1, y1 = box or (0.0, 0.0, 0.0, 0.0)
     profile = Profile("B", "", y1 - y0, 0.0, 0.0, None)
-    mark = PurePath(name).stem
+    mark = whole_text(PurePath(name).stem)
     return Part(mark, profile, x1 - x0, Source(name), features=contours, measures=measures)
 
 

@@ -7,12 +7,12 @@ for numbers that make no curve.
 
 from collections.abc import Callable, Iterable, Sequence
 from itertools import pairwise
-from math import atan, degrees, hypot, isfinite, tau
+from math import atan, degrees, hypot, tau
 
 from beamcam.geometry.conics import direction_deg, ellipse_of
 from beamcam.geometry.curves import Arc, BSpline, Curve, EllipseArc, Line
-from beamcam.geometry.plane import IDENTITY, Matrix, Point
-from beamcam.readers.drawing import is_surely_finite, round_if_circle
+from beamcam.geometry.plane import IDENTITY, MAX_COORDINATE, Matrix, Point
+from beamcam.readers.drawing import is_in_bounds, round_if_circle
 from beamcam.readers.dxf.frame import FROM_ABOVE, Axes, Frame, Vector, in_world
 
 Chain = tuple[Curve, ...]
@@ -223,14 +223,9 @@ BY_VALUES: dict[str, Callable[..., list[Chain]]] = {
 }
 
 
-def check_finite(chains: Iterable[Chain]) -> None:
-    """Raises ValueError where a coordinate is no finite number."""
+def check_bounds(chains: Iterable[Chain]) -> None:
+    """Raises ValueError where a coordinate is no number, or one beyond all drawings."""
     for chain in chains:
         for curve in chain:
-            if not (is_surely_finite(curve) or _is_finite(curve)):
-                raise ValueError("a coordinate that is no finite number")
-
-
-def _is_finite(curve: Curve) -> bool:
-    points = curve.control if isinstance(curve, BSpline) else (curve.start, curve.end)
-    return all(isfinite(v) for p in points for v in p)
+            if not is_in_bounds(curve):
+                raise ValueError(f"a coordinate that is no number up to {MAX_COORDINATE:g} mm")

@@ -12,7 +12,7 @@ from beamcam.model.part import Contour
 from beamcam.readers.drawing import as_contour
 from beamcam.readers.dxf import rules
 from beamcam.readers.dxf.bulk import MARKER, Run
-from beamcam.readers.dxf.curves import BY_VALUES, Chain, EdgeOnError, Heights, check_finite
+from beamcam.readers.dxf.curves import BY_VALUES, Chain, EdgeOnError, Heights, check_bounds
 from beamcam.readers.dxf.entities import CURVES, by_fit_points, is_curve, through_fit_points
 from beamcam.readers.dxf.frame import Frame
 from beamcam.readers.dxf.layers import Attributes, Layers, Look, attributes_of
@@ -140,7 +140,7 @@ class Walk(Struct):
         count = len(heights)
         try:
             chains = read(frame, heights, *values)
-            check_finite(chains)
+            check_bounds(chains)
         except _BAD_NUMBERS as error:
             del heights[count:]
             if not hidden and isinstance(error, EdgeOnError):

@@ -5,14 +5,14 @@ ellipse arcs, Z closes; small letters count from the current point. Source: SVG 
 """
 
 import re
-from math import cos, hypot, radians, sin, sqrt
+from math import cos, hypot, inf, radians, sin, sqrt
 
 from msgspec import Struct
 
 from beamcam.caches import cached
 from beamcam.geometry.conics import direction_deg, ellipse_of
 from beamcam.geometry.curves import Bezier, Curve, Line
-from beamcam.geometry.plane import Point
+from beamcam.geometry.plane import MAX_COORDINATE, Point
 from beamcam.readers.drawing import round_if_circle
 
 _COMMANDS = re.compile(r"([MmZzLlHhVvCcSsQqTtAa])")
@@ -60,6 +60,8 @@ def _numbers(command: str, text: str) -> list[float]:
     """The numbers behind a command. Raises PathError for anything else, or too few."""
     name = command.upper()
     numbers = _arc_numbers(text) if name == "A" else _numbers_apart(text)
+    if not all(-MAX_COORDINATE <= number <= MAX_COORDINATE for number in numbers):
+        raise PathError(_short(text), f"numbers of at most {MAX_COORDINATE:g}")
     if name == "Z":
         if numbers:
             raise PathError(_short(text), "a command after Z")
@@ -199,6 +201,8 @@ def arc_curves(start: Point, end: Point, numbers: list[float]) -> list[Curve]:
     # Half of the chord, in a frame where the ellipse is the unit circle.
     x, y = (c * dx + s * dy) / rx, (c * dy - s * dx) / ry
     half = hypot(x, y)
+    if not 0.0 < half < inf:
+        raise PathError(f"radii {numbers[0]:g} and {numbers[1]:g}", "those of an ellipse")
     if half > 1.0:
         rx, ry, x, y, half = rx * half, ry * half, x / half, y / half, 1.0
     rise = sqrt(max(0.0, 1.0 - half * half)) / half

@@ -1,11 +1,11 @@
 """The basic shapes as chains of exact curves, in the units of the drawing."""
 
 import re
-from math import hypot, inf, isfinite
+from math import hypot
 
 from beamcam.geometry.conics import ellipse_of
 from beamcam.geometry.curves import Arc, Curve, EllipseArc
-from beamcam.geometry.plane import Point
+from beamcam.geometry.plane import MAX_COORDINATE, Point
 from beamcam.readers.drawing import MM_PER_UNIT, lines_through, round_if_circle, split_length
 from beamcam.readers.svg.page import CSS_PX
 from beamcam.readers.svg.path import Subpath, parse_path
@@ -90,7 +90,9 @@ def view_box(text: str) -> tuple[float, float, float, float]:
         x, y, width, height = map(float, words)
     except ValueError as error:
         raise NumberError("viewBox", text, "four numbers") from error
-    if not (0.0 < width < inf and 0.0 < height < inf and isfinite(x) and isfinite(y)):
+    if not (
+        width > 0.0 and height > 0.0 and max(map(abs, (x, y, width, height))) <= MAX_COORDINATE
+    ):
         raise NumberError("viewBox", text, "a width and a height above 0")
     return x, y, width, height
 
@@ -159,6 +161,8 @@ def _points(element: Element) -> list[Point]:
         numbers = [float(word) for word in words]
     except ValueError as error:
         raise NumberError("points", text[:40], "numbers") from error
+    if not all(-MAX_COORDINATE <= number <= MAX_COORDINATE for number in numbers):
+        raise NumberError("points", text[:40], f"numbers of at most {MAX_COORDINATE:g}")
     if len(numbers) % 2:
         raise NumberError("points", text[:40], "pairs of numbers")
     return list(zip(numbers[::2], numbers[1::2], strict=True))

@@ -2,9 +2,9 @@
 
 import re
 from collections.abc import Callable
-from math import isfinite, radians, tan
+from math import radians, tan
 
-from beamcam.geometry.plane import IDENTITY, Matrix, unit_vector
+from beamcam.geometry.plane import IDENTITY, MAX_COORDINATE, Matrix, unit_vector
 
 _CALL = re.compile(r"\s*,?\s*(\w+)\s*\(([^()]*)\)\s*")
 
@@ -64,8 +64,8 @@ def parse_transform(text: str) -> Matrix:
         numbers = [float(n) for n in re.split(r"[\s,]+", call[2].strip()) if n]
         if len(numbers) not in counts:
             raise ValueError(f"{' or '.join(map(str, counts))} numbers in {call[1]}()")
-        if not all(map(isfinite, numbers)):
-            raise ValueError("finite numbers")
+        if not all(-MAX_COORDINATE <= number <= MAX_COORDINATE for number in numbers):
+            raise ValueError(f"numbers of at most {MAX_COORDINATE:g}")
         result = product(result, build(*numbers))
         position = call.end()
     return result

@@ -2,17 +2,16 @@
 
 from collections import Counter
 from collections.abc import Iterable
-from math import isfinite
 
 from msgspec import Struct, field
 from msgspec.structs import replace
 
 from beamcam.errors import Diagnostic, ReadError, Source
 from beamcam.geometry.curves import Arc, Curve, Line
-from beamcam.geometry.plane import Matrix, Point
+from beamcam.geometry.plane import MAX_COORDINATE, Matrix, Point
 from beamcam.model.colour import parse_colour
 from beamcam.model.part import Contour
-from beamcam.readers.drawing import as_contour, is_surely_finite, split_length
+from beamcam.readers.drawing import as_contour, is_in_bounds, split_length
 from beamcam.readers.svg import rules
 from beamcam.readers.svg.css import Style, StyleSheet, style_of
 from beamcam.readers.svg.layers import layer_of
@@ -177,8 +176,10 @@ class Walk(Struct):
             self._say_number(element, error)
             return
         chains = self._placed(subpaths, place.matrix)
-        if not all(_is_finite(curve) for chain in chains for curve in chain):
-            endless = NumberError(element.tag, "inf", "coordinates that are finite numbers")
+        if not all(is_in_bounds(curve) for chain in chains for curve in chain):
+            endless = NumberError(
+                element.tag, "no such number", f"coordinates of at most {MAX_COORDINATE:g} mm"
+            )
             self._say_number(element, endless)
         elif chains:
             self._sort(element, chains, place, source)
@@ -279,10 +280,6 @@ def _moved(curves: Iterable[Curve], matrix: Matrix) -> tuple[Curve, ...]:
         image = a * x + b * y + c, d * x + e * y + f
         found.append(Line(start, image))
     return tuple(found)
-
-
-def _is_finite(curve: Curve) -> bool:
-    return is_surely_finite(curve) or all(isfinite(v) for v in (*curve.start, *curve.end))
 
 
 def _has_length(curve: Curve) -> bool:

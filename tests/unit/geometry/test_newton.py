@@ -114,13 +114,13 @@ def test_nodes_that_turn_as_often_as_the_curve_may_swing_too():
 def test_a_polynomial_loses_a_digit_a_node():
     calm = NewtonCurve(tuple((float(x), x * x / 10.0) for x in range(8)))
     assert node_error(calm) < 1e-12
-    assert node_error(NewtonCurve(tuple((float(x), (-1.0) ** x) for x in range(40)))) > 1.0
+    assert node_error(NewtonCurve(tuple((float(x), (-1.0) ** x) for x in range(26)))) > 1e-6
 
 
 def test_nodes_without_a_place_of_their_own_are_refused():
     assert newton_through(TABLE) == NewtonCurve(TABLE)
-    with pytest.raises(ValueError, match="at most 100 nodes, found 101"):
-        newton_through(tuple((float(x), 0.0) for x in range(101)))
+    with pytest.raises(ValueError, match="at most 26 nodes, found 27"):
+        newton_through(tuple((float(x), 0.0) for x in range(27)))
     with pytest.raises(ValueError, match="too near to the one before"):
         newton_through(((0.0, 0.0), (1e8, 0.0), (1e8, 1e-9)))
 

@@ -5,8 +5,9 @@ from itertools import pairwise
 from hypothesis import given
 from hypothesis import strategies as st
 
-from beamcam.geometry.curves import Arc, Bezier, Line
-from beamcam.readers.drawing import is_surely_finite
+from beamcam.geometry.curves import Arc, Bezier, EllipseArc, Line
+from beamcam.geometry.plane import MAX_COORDINATE
+from beamcam.readers.drawing import is_in_bounds
 from beamcam.readers.svg.walk import _has_length, _moved
 
 numbers = st.floats(-1e6, 1e6)
@@ -35,11 +36,10 @@ def test_an_arc_has_a_length_where_its_box_has_one(arc) -> None:
 
 
 @given(st.lists(st.floats(), min_size=4, max_size=4))
-def test_what_is_surely_finite_has_finite_ends(values) -> None:
+def test_coordinates_in_bounds(values) -> None:
     x, y, z, w = values
-    line = Line((x, y), (z, w))
-    if is_surely_finite(line):
-        assert all(abs(v) < float("inf") for v in values)
-    if all(abs(v) < 1e300 for v in values):
-        assert is_surely_finite(line)
-    assert not is_surely_finite(Arc((x, y), float("inf"), z, w))
+    wanted = all(abs(v) <= MAX_COORDINATE for v in values)
+    assert is_in_bounds(Line((x, y), (z, w))) == wanted
+    assert is_in_bounds(Bezier(((x, y), (z, w)))) == wanted
+    assert is_in_bounds(EllipseArc((x, y), (z, w), 0.5, 0.0, 90.0)) == wanted
+    assert not is_in_bounds(Arc((x, y), float("inf"), z, w))
