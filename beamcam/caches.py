@@ -64,6 +64,7 @@ CACHES = {
     "planning.partner_faces": Kept(16, "each part asks which spindles of a machine work in pairs"),
     "planning.remarks": Kept(256, _OF_A_BUILDING),
     "planning.strokes": Kept(1024, _OF_A_BUILDING),
+    "planning.walls": Kept(256, _OF_A_BUILDING),
     "planning.reaches": Kept(64, _OF_A_BUILDING),
     "simotion.runtime": Kept(16, "the text is the same for every job of a machine"),
     "simotion.trial": Kept(16, "the text is run once with simulated axes, 50 ms"),

@@ -38,6 +38,7 @@ PROFILES = {
     "U": ("UPN200", 200.0, 75.0, 11.5, 8.5, 11.5),
     "L": ("L100X10", 100.0, 100.0, 10.0, 10.0, 12.0),
 }
+GAUGES = {"I": (35.0, 115.0), "U": (48.0,), "L": (55.0,)}
 
 
 def part(number: int, chance: random.Random) -> str:
@@ -54,9 +55,9 @@ def part(number: int, chance: random.Random) -> str:
     faces = "vu" if code == "L" else "vou"
     for k in range(12):
         face = faces[k % len(faces)]
-        across = height if face == "v" else width
         x = 60 + k * (length - 120) / 12 + chance.randrange(0, 40)
-        y = across / 2 + chance.choice((-15, 0, 15))
+        # On the web about its middle, on a flange on its gauge lines.
+        y = height / 2 + chance.choice((-15, 0, 15)) if face == "v" else chance.choice(GAUGES[code])
         holes.append(f"  {face} {x:10.2f}u {y:10.2f} {chance.choice((13, 18, 22)):10.2f}\n")
     return head + sizes + rest + "".join(holes) + "EN\n"
 

@@ -46,6 +46,19 @@ class Case(Struct, frozen=True):
     parts: tuple[Part, ...]
     machine: Machine
 
+    def outcome(self, text: str) -> "Outcome":
+        """What a program makes, without the cut that takes the wedge of the last part off.
+
+        The part is free without it; it squares what is left of the bar, if anything is.
+        """
+        made = outcome(text)
+        if self.parts[-1].cuts.web_end:
+            square = self.machine.saw.square if self.machine.saw else 0.0
+            last = max((i for i, d in enumerate(made) if d[0] == "cut"), default=-1)
+            if last >= 0 and made[last][3] == square:
+                del made[last]
+        return made
+
     def said(self, text: str) -> tuple[Diagnostic, ...]:
         return verify(text, self.parts, self.machine, SKIP_NAMES)
 
@@ -153,7 +166,7 @@ def score(mutants: int, seed: int, programs: Sequence[Case] | None = None) -> Sc
     rng = random.Random(seed)
     programs = programs if programs is not None else list(cases())
     result = Score(Counter(), Counter(), 0, 0, [], 0, [])
-    originals = [(c, c.text.split("\n"), outcome(c.text)) for c in programs]
+    originals = [(c, c.text.split("\n"), c.outcome(c.text)) for c in programs]
     seen: set[tuple[str, str]] = set()
     turns = 0
     while sum(result.made.values()) < mutants and turns < 20 * mutants:
@@ -166,7 +179,7 @@ def score(mutants: int, seed: int, programs: Sequence[Case] | None = None) -> Sc
             continue
         seen.add((case.name, text))
         caught = case.caught(text)
-        if not changed(before, outcome(text), case.parts[0], case.machine.format.resolution):
+        if not changed(before, case.outcome(text), case.parts[0], case.machine.format.resolution):
             result.harmless += 1
             result.said_of_harmless += caught
             continue

@@ -95,8 +95,17 @@ class Layout(Keys, frozen=True):
         0.0  #: at the bar's end, held by the gripper, out of the stations' reach
     )
     least_part: NotNegative = 0.0  #: shortest part that does not fall between the rollers
+    min_bar_left: NotNegative = 0.0  #: of the bar while its last part is worked; 0: nothing known
     least_remnant: NotNegative = 1000.0  #: a rest at least as long goes back to the store
     profiles: tuple[str, ...] = ("I", "U", "L", "M", "C", "T")  #: DSTV codes that it takes
+
+
+class SawSection(Keys, frozen=True):
+    """The largest section that the blade reaches across, up to an angle off the square cut."""
+
+    max_angle: NotNegative  #: degrees off the square cut, to either side
+    max_height: Positive
+    max_width: Positive
 
 
 class Saw(Keys, frozen=True):
@@ -119,6 +128,7 @@ class Saw(Keys, frozen=True):
     tilt_sign: Literal[-1, 1] = 1  #: of DSTV's flange angle in the machine's counting
     compound: bool = False  #: whether it may turn and tilt in one cut
     common_cuts: bool = False  #: whether one cut may end a part and start the next
+    max_sections: tuple[SawSection, ...] = ()  #: by angle; empty: nothing known but the greatest
 
 
 ToolKind = Literal["drill", "tap", "countersink", "mill", "punch", "scribe"]
@@ -264,6 +274,8 @@ class Drill(Keys, frozen=True):
     path_tolerance: NotNegative = 0.02  #: of the chords of a milled or scribed curve
     mark_depth: NotNegative = 0.3  #: of a scribed line
     punch_depth: NotNegative = 1.0  #: of a centre punch that the part gives no depth
+    min_edge_distance: NotNegative = 0.0  #: steel from a hole to an edge, an end or another hole
+    min_fillet_distance: float = 0.0  #: from a hole to where the root fillet begins
 
 
 class Times(Keys, frozen=True):

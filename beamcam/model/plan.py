@@ -38,6 +38,11 @@ class Bar(Struct, frozen=True):
     end_trim: float = 0.0
 
     @property
+    def left(self) -> float:
+        """What is left of the bar behind the last cut."""
+        return self.rest + self.end_trim
+
+    @property
     def total(self) -> float:
         """The sum of the stretches."""
         return self.front_trim + self.parts + self.kerfs - self.nested + self.rest + self.end_trim

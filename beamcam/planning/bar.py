@@ -29,8 +29,10 @@ from beamcam.model.part import Part, Profile
 from beamcam.model.plan import Bar, Piece, SawOp
 from beamcam.planning import rules
 from beamcam.planning.ends import End
+from beamcam.planning.operations.rules import BAR_LEFT
 
 Ends = tuple[End, End]
+NOTHING_LEFT = 1e-6  #: mm
 SAME_ANGLE_DEG = 0.01  #: ends that differ by no more share a cut
 
 
@@ -72,6 +74,12 @@ def lay_on_bar(
         raise PlanError(
             rules.BAR_SHORT.at(source, found=f"{whole:.3f}", expected=f"{layout.least_bar:g}")
         )
+    held = starts[-1] + layout.min_bar_left
+    if length is None:
+        whole = max(whole, held)
+    elif held > length + 1e-6:
+        expected = f"{layout.min_bar_left:g}"
+        raise PlanError(BAR_LEFT.at(source, found=f"{length - starts[-1]:.3f}", expected=expected))
     if layout.greatest_bar is not None and whole > layout.greatest_bar:
         raise PlanError(
             rules.BAR_LONG.at(source, found=f"{whole:.3f}", expected=f"{layout.greatest_bar:g}")
@@ -99,8 +107,13 @@ def share_cut(end: End, start: End, saw: Saw) -> bool:
     )
 
 
-def cuts_of(pieces: Sequence[Piece], ends: Sequence[Ends], saw: Saw) -> Iterator[SawOp]:
-    """The cuts that give every piece its ends, the blade always on the waste side."""
+def cuts_of(
+    pieces: Sequence[Piece], ends: Sequence[Ends], saw: Saw, bar: Bar | None = None
+) -> Iterator[SawOp]:
+    """The cuts that give every piece its ends, the blade always on the waste side.
+
+    Behind a skew end at the end of `bar` nothing is left to be squared.
+    """
     for index, (piece, (start, end)) in enumerate(zip(pieces, ends, strict=True)):
         source = piece.part.source
         shares_start = index > 0 and share_cut(ends[index - 1][1], start, saw)
@@ -120,7 +133,7 @@ def cuts_of(pieces: Sequence[Piece], ends: Sequence[Ends], saw: Saw) -> Iterator
             x = saw.x + pieces[index + 1].start - saw.kerf / 2
             both = (index, index + 1)
             yield SawOp(x, saw.square, "parting", both, source, 0.0, "end", ("cut-parting-both",))
-        else:
+        elif end.is_square or following is not None or bar is None or bar.left > NOTHING_LEFT:
             x = saw.x + piece.end + kerf_along_bar(saw, end) / 2
             reason = "cut-parting" if end.is_square else "cut-wedge"
             yield SawOp(x, saw.square, "parting", (index,), source, 0.0, "end", (reason,))

@@ -27,9 +27,9 @@ from beamcam.planning.bar import cuts_of, lay_on_bar
 from beamcam.planning.cutting_data import cutting_remarks
 from beamcam.planning.limits import refuse_bar
 from beamcam.planning.magazine import reloads
-from beamcam.planning.operations import spindle_operations
 from beamcam.planning.order import sort_along_x
 from beamcam.planning.refuse import refuse_stock
+from beamcam.planning.tool_choice import spindle_operations
 from beamcam.planning.tools import rack_of
 from beamcam.planning.work import Work, work_on
 
@@ -108,7 +108,7 @@ def plan_bar(
         Piece(part, start, i, turns[i]) for part, start, i in zip(laid, starts, given, strict=True)
     )
     spindle_ops = list(spindle_operations(pieces, works, drill))
-    operations: list[Operation] = [*cuts_of(pieces, ends, saw), *spindle_ops]
+    operations: list[Operation] = [*cuts_of(pieces, ends, saw, account), *spindle_ops]
     refusals = [*refuse_bar(operations, pieces, machine)]
     if refusals:
         raise PlanError(refusals)

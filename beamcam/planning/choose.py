@@ -22,9 +22,9 @@ from beamcam.model.plan import AS_GIVEN, Operation, Piece
 from beamcam.planning import rules
 from beamcam.planning.bar import Ends, cuts_of, share_cut
 from beamcam.planning.ends import End
-from beamcam.planning.operations import spindle_operations
 from beamcam.planning.order import sort_along_x
 from beamcam.planning.times import time_of
+from beamcam.planning.tool_choice import spindle_operations
 from beamcam.planning.tools import rack_of
 from beamcam.planning.turning import TURNS, Turn, lies, turn_between, turned
 from beamcam.planning.work import Work, work_on

@@ -21,9 +21,11 @@ from beamcam.model.part import (
     Slot,
     TextMark,
 )
+from beamcam.model.section import section_fault
 from beamcam.planning import rules
 from beamcam.planning.ends import End, leaves_stock
 from beamcam.planning.merging import Group, too_near
+from beamcam.planning.operations.rules import SECTION_SHAPE
 from beamcam.planning.tools import Rack
 
 #: The other side of the plate behind a face, by section: a through hole is the same from there.
@@ -51,6 +53,9 @@ def refuse_stock(
             )  # fmt: skip
         elif mine is not profile and mine != profile:
             yield rules.MIXED_PROFILES.at(part.source, found=mine.name, expected=profile.name)
+        fault = section_fault(mine)
+        if fault is not None:
+            yield SECTION_SHAPE.at(part.source, found=fault, code=mine.code)
         for station, size in (("saw", saw), ("drill", drill)):
             if mine.height > size.greatest_height or mine.width > size.greatest_width:
                 yield rules.SECTION_SIZE.at(

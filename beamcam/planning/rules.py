@@ -1,6 +1,7 @@
 """What a machine cannot make of a part, or of a bar."""
 
 from beamcam.errors import Rule, Severity
+from beamcam.planning.operations.rules import FINISHED_PART
 
 _E, _W, _N = Severity.ERROR, Severity.WARNING, Severity.NOTE
 
@@ -275,7 +276,7 @@ RULES = (
     CUT_FROM_CONTOUR, BAR_SHORT, BAR_LONG, BAR_FULL, PART_SHORT, REMNANT, NO_TOOL, NO_PILOT,
     SINK_DEPTH, THREAD_DEPTH, DUPLICATE, TOO_NEAR, NO_SPINDLE, IN_THE_WAY, STROKE, AXIS, STOP,
     OFF_FACE, SLOT, COPE, CUTOUT, MARK, BEVEL, OTHER, QUANTITY, TURNED, TURN_HELPS, ORDER, RELOAD,
-    UNNAMED_GRADE, CUTTING_SPEED, NO_CHANGE_WORD,
+    *FINISHED_PART, UNNAMED_GRADE, CUTTING_SPEED, NO_CHANGE_WORD,
 )  # fmt: skip
 
 SKIPPABLE = (

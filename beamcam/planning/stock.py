@@ -4,6 +4,7 @@ from collections.abc import Callable, Iterable, Sequence
 from typing import TypeVar
 
 from beamcam.errors import Diagnostic, PlanError, errors_in
+from beamcam.planning.operations.rules import BAR_LEFT
 from beamcam.planning.rules import BAR_FULL, BAR_SHORT
 
 Made = TypeVar("Made")
@@ -33,4 +34,8 @@ def from_store(
 
 def _is_too_short(said: Iterable[Diagnostic]) -> bool:
     """Whether a longer bar would help."""
-    return {d.code for d in errors_in(said)} <= {BAR_FULL.code, BAR_SHORT.code}
+    return {d.code for d in errors_in(said)} <= {
+        BAR_FULL.code,
+        BAR_SHORT.code,
+        BAR_LEFT.code,
+    }

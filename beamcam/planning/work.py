@@ -5,12 +5,12 @@ features -> refused, or left out where that is allowed
          -> slots: ends drilled, then milled      -> lines: scribed
 """
 
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Collection, Iterable, Iterator, Sequence
 
 from msgspec import Struct
 from msgspec.structs import replace
 
-from beamcam.errors import Diagnostic, PlanError
+from beamcam.errors import Diagnostic, PlanError, Severity
 from beamcam.geometry.plane import Point
 from beamcam.machine.machine import Drill, Machine, Saw
 from beamcam.model.part import Contour, Face, Feature, Hole, Part, Slot
@@ -21,6 +21,10 @@ from beamcam.planning.holes import Refusal, Step, recipe
 from beamcam.planning.jobs import Job, Tooling, scribe_job, slot_ends, slot_jobs
 from beamcam.planning.limits import refuse_beyond, turning_saw
 from beamcam.planning.merging import Group, Placed, drop_duplicates, merge_pairs, partner_faces
+from beamcam.planning.operations import rules as finished_rules
+from beamcam.planning.operations.hole import FinishedPart, judge_point
+from beamcam.planning.operations.hole_pairs import judge_pairs, named
+from beamcam.planning.operations.saw_cut import judge_ends
 from beamcam.planning.paths import pocket_path
 from beamcam.planning.refuse import (
     face_at_work,
@@ -56,12 +60,19 @@ def work_on(part: Part, machine: Machine, saw: Saw, rack: Rack, skips: Collectio
         return Work(SQUARE, (), {}, (), (), error.diagnostics, ())
     turning = turning_saw(saw, machine)
     refusals = [said for end in ends if (said := refuse_cut(end, turning, part.source))]
-    bench = _Bench(part, machine, rack)
+    for said in judge_ends(part, ends, saw):
+        if said.severity is Severity.ERROR:
+            refusals.append(said)
+        else:
+            remarks = (*remarks, said)
+    bench = _Bench(part, machine, rack, FinishedPart(part, ends, machine, rack.drill))
     holes = bench.sort_features(ends)
     kept, dropped = drop_duplicates(holes, rack.drill.duplicate_tolerance)
+    bench.tell(judge_pairs(kept, rack.drill))
     bench.refused |= refuse_too_near(kept, machine)
     bench.add_holes(kept)
     bench.drop_jobs()
+    remarks = (*remarks, *(said for f, said in bench.told if f not in bench.refused))
     refused, skipped = bench.refused, {}
     if dropped:
         remarks = (*remarks, *_duplicate_remarks(part, dropped))
@@ -93,8 +104,9 @@ def _duplicate_remarks(part: Part, dropped: dict[int, Placed]) -> Iterator[Diagn
 class _Bench:
     """One part on one machine: takes its features, collects the jobs and what is refused."""
 
-    def __init__(self, part: Part, machine: Machine, rack: Rack) -> None:
-        self.part, self.machine, self.rack = part, machine, rack
+    def __init__(self, part: Part, machine: Machine, rack: Rack, finished: FinishedPart) -> None:
+        self.part, self.machine, self.rack, self.finished = part, machine, rack, finished
+        self.told: list[tuple[int, Diagnostic]] = []  #: remarks about features
         self.jobs: list[Job] = []
         self.refused: dict[int, Diagnostic] = {}
         self.sawn: list[int] = []  #: contours that the cuts at the ends make
@@ -122,11 +134,27 @@ class _Bench:
                 and reach.least <= y - radius
                 and y + radius <= reach.greatest
             ):
-                holes.append((x, f, hole))
+                if self.finished.is_plain(hole) or self._is_in_part(f, hole):
+                    holes.append((x, f, hole))
             else:
                 self._refuse(f, refuse_place(hole, hole.face, self.part, reached))
         holes.sort()
         return tuple(holes)
+
+    def tell(self, found: Iterable[tuple[int, Diagnostic]]) -> None:
+        """Refuse the features that an error is said of, and keep what else is told of them."""
+        for f, said in found:
+            if said.severity is Severity.ERROR:
+                self.refused.setdefault(f, said)
+            else:
+                self.told.append((f, said))
+
+    def _is_in_part(self, f: int, hole: Hole | Slot) -> bool:
+        """Whether the finished part holds a hole or slot; what is wrong with it is kept."""
+        what = f"a slot of width {hole.diameter:g}" if isinstance(hole, Slot) else named(hole)
+        circles = slot_ends(hole) if isinstance(hole, Slot) else ((hole.x, hole.y),)
+        self.tell((f, said) for said in self.finished.judge(what, hole, circles))
+        return f not in self.refused
 
     def _refuse(self, f: int, said: Diagnostic | None) -> bool:
         if said is not None:
@@ -139,7 +167,18 @@ class _Bench:
         if face == hole.face:
             return hole
         self._behind.add(f)
+        self._tell_of_face(f, hole, named(hole), face)
         return replace(hole, face=face)
+
+    def _tell_of_face(self, f: int, shape: Hole | Slot, what: str, face: Face) -> None:
+        """Say that a feature is made from another face than its own."""
+        angle = self.part.profile.code == "L" and shape.face == "o"
+        rule = finished_rules.ANGLE_FACE if angle else finished_rules.FROM_BEHIND
+        said = rule.at(
+            shape.source, what=what, x=f"{shape.x:g}", y=f"{shape.y:g}", face=shape.face,
+            other=face,
+        )  # fmt: skip
+        self.told.append((f, said))
 
     def _add_other(self, f: int, feature: Feature, ends: Ends) -> None:
         if isinstance(feature, Slot):
@@ -148,7 +187,9 @@ class _Bench:
             said = refuse_slot(feature, face, self.rack) or _refuse_slot_place(
                 feature, face, self.part, self._reached
             )
-            if not self._refuse(f, said):
+            if not self._refuse(f, said) and self._is_in_part(f, replace(feature, face=face)):
+                if face != feature.face:
+                    self._tell_of_face(f, feature, f"a slot of width {feature.diameter:g}", face)
                 self.jobs += slot_jobs(f, feature, face, self._reached[face].spindle, self.rack)
         else:
             said = refuse_other(feature, self.part, ends, self.rack, self._reached)
@@ -235,6 +276,12 @@ class _Bench:
             return
         if f in self._behind:
             why = (*why, "from-behind")
+        if hole.depth is not None:
+            thickness = self.part.profile.thickness(hole.face)
+            for _, f_of, each in group:
+                point = judge_point(each, steps[0].tools[0], named(each), thickness)
+                if point is not None:
+                    self.told.append((f_of, point))
         number = self._number(faces)
         for step in steps:
             size = 0.0 if step.reason else diameters[0]

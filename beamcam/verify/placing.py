@@ -112,6 +112,9 @@ class Placing:
         ):
             self.last_cut.append(cut.line)
             return cut.x - saw.x - following.blade(saw, height), True
+        if at is None and following is None and cut is not None:
+            self.last_cut.append(cut.line)  # the bar ends with the part, and its wedge falls off
+            return cut.x - saw.x + saw.kerf / 2, False
         parting = self._take(square, behind[0] if at is None else at, part)
         self.last_cut.append(parting.line if parting else None)
         return (parting.x - saw.x if parting else behind[0]) + saw.kerf / 2, False

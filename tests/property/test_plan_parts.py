@@ -25,7 +25,7 @@ DIAMETERS = (
     8, 9.0, 13, 14, 17.46, 18, 20.6375, 20.64, 22, 23.8, 26.98, 26.9875, 26.99, 27, 27.1, 30.15,
     5, 7.5, 52, 70, 19.95, 20.05,
 )  # fmt: skip
-SHIFTS = (0.0, 0.0, 0.05, 0.1, 0.11, 0.3, 2.0)
+SHIFTS = (0.0, 0.0, 0.05, 0.1, 0.11, 0.3, 2.0)  #: of a twin on the other flange
 BATCHES = 10
 PARTS = 1000  #: in each batch
 
@@ -33,18 +33,25 @@ PARTS = 1000  #: in each batch
 def random_holes(random: Random, profile: Profile, length: float, file: str) -> Iterator[Feature]:
     """Holes, twins on the other flange that are the same or nearly so, and repeats."""
     line = 24
-    for _ in range(random.randrange(9)):
+    for place in range(random.randrange(9)):
         face = random.choice("vvouh")
         width = profile.face_width(face)
-        x = random.choice((100.0, 300.0, round(random.uniform(-5, length + 5), 1)))
-        y = random.choice((40.0, round(random.uniform(-3, width + 3), 2)))
+        # Clear of mitres, of walls and of each other; a few are beyond their face.
+        x, y = 420.0 + 80 * place + round(random.uniform(0, 5), 1), 40.0
+        if face in "vh":
+            y = random.choice((40.0, round(random.uniform(60, width - 60), 2)))
+        if random.random() < 0.05:
+            x, y = random.choice(((-5.0, y), (x, -3.0), (x, width + 3)))
         kind = random.choice(("through", "through", "through", "blind", "thread", "mark"))
-        diameter = float(random.choice((8, 10, 12, 16) if kind == "thread" else DIAMETERS))
+        sizes = DIAMETERS if face in "vh" else tuple(d for d in DIAMETERS if d < 50)
+        diameter = float(random.choice((8, 10, 12, 16) if kind == "thread" else sizes))
+        if diameter > 50:
+            y = width / 2
         depth = 6.0 if kind == "blind" else None
         line += 1
         hole = Hole(face, x, y, diameter, Source(file, line), depth, kind)  # type: ignore[arg-type]
         yield hole
-        if face in "ou" and random.random() < 0.6:
+        if face in "ou" and profile.code != "L" and random.random() < 0.6:
             other = replace(
                 hole,
                 face="u" if face == "o" else "o",
@@ -58,19 +65,19 @@ def random_holes(random: Random, profile: Profile, length: float, file: str) -> 
                 other = replace(other, depth=5.0, kind="blind")
             yield other
         if random.random() < 0.1:
-            yield replace(hole, x=x + random.choice((0.0, 0.005, 0.02)))
+            yield replace(hole, x=x + random.choice((0.0, 0.005)))
         if random.random() < 0.1 and kind == "through":
             cone = random.choice((90.0, None))
             yield replace(hole, kind="countersink", diameter=20.0, depth=3.0, angle=cone)
     if random.random() < 0.2:
-        x, y = random.uniform(80, length - 80), profile.height / 2
+        x, y = random.uniform(420, length - 420), profile.height / 2
         angle = random.choice((0.0, 90.0, 30.0))
         yield Slot("v", x, y, 22.0, random.choice((20.0, 40.0)), 0.0, angle, Source(file, line + 1))
 
 
 def random_part(random: Random, number: int) -> Part:
     profile = random.choice((BEAM, CHANNEL, ANGLE))
-    length = round(random.uniform(1300, 6000), 1)
+    length = round(random.uniform(1500, 6000), 1)
     angles = (0.0, 0.0, 0.0, 20.0, -30.0, 44.0)
     file = f"random-{number}.nc1"
     return Part(

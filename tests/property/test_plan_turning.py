@@ -180,7 +180,10 @@ def asymmetric(code: str) -> Part:
         Hole("u", 700.0, profile.width / 3, 14.0, SOURCE),
     )
     if code in ("I", "U", "M"):
-        features = (*features, Hole("o", 450.0, profile.width / 4, 18.0, SOURCE))
+        features = (
+            *features,
+            Hole("o", 450.0, profile.width / (2 if code == "U" else 4), 18.0, SOURCE),
+        )
     cuts = EndCuts(web_start=10.0)
     return Part("A", profile, 2000.0, SOURCE, cuts=cuts, features=features)
 

@@ -85,9 +85,10 @@ def test_mutants_are_known_only_for_what_they_are(
 
 LINES = PROGRAM.split("\n")
 EXTRA = (
-    "G91", "G90", "G00 X1098.56 Y20", "G01 X1098.56 Y20 Z61.409", "G00 Z-5", "M03", "M05", "M30",
-    "(X1 M30)", "%", "N3 N4 M05", "M40 K2 L22", "M40 K1 L14", "G01 X17.98 F41.667", "M42 K0",
-    "G01 X17.98", "M43 K1", "M44 K100 L200", "M44 K100 L201", "g00 x5", "G00 X", "G00 X5 X6", "\0",
+    "G91", "G90", "G00 X1098.56 Y20", "G01 X1098.56 Y20 Z61.409", "G00 Z-5", "M05", "M30",
+    "(X1 M30)", "%", "N3 N4 M05", "M40 K2 L22", "M40 K1 L14", "G01 X17.98 F41.667",
+    "M42 K0 F41.667", "M03 K362", "G01 X17.98",
+    "M43 K1", "M44 K100 L200", "M44 K100 L201", "g00 x5", "G00 X", "G00 X5 X6", "\0",
     "G04 T1", "G02 X1 Y1 R5", "M77", "",
 )  # fmt: skip
 
@@ -151,8 +152,8 @@ def test_blocks_without_numbers_are_another_form() -> None:
 
 
 @pytest.mark.parametrize(("old", "new"), [
-    ("N4 G01 X17.98 F41.667", "N4 G01 X17.98"),  # at a feed from nowhere
-    ("N11 G01 X1098.56 Y20 Z61.409 F1.688", "N11 G01 X1098.56 Y20 Z61.409"),
+    ("N4 G00 X17.98", "N4 G01 X17.98"),  # at a feed from nowhere
+    ("N11 G01 X1098.56 Y20 Z61.409 F1.507", "N11 G01 X1098.56 Y20 Z61.409"),
     ("N14 M05\n", ""),  # it is left turning
     ("N12 G00 X1098.56 Y20 Z-5", "N12 G00 X1098.56 Y20 Z5"),  # and here in the bar
     ("N7 G00 X1098.56 Y20 Z-5", "N7 G00 X1098.56 Z-5"),  # across from where it was before

@@ -6,6 +6,7 @@ from typing import cast
 from msgspec import Struct
 
 from beamcam.model.part import PROFILE_CODES, EndCuts, Profile, ProfileCode
+from beamcam.model.section import section_fault
 from beamcam.readers.dstv import rules
 from beamcam.readers.dstv.tokens import CODES, LARGEST, PLAIN_CODES, Log, number
 
@@ -139,8 +140,11 @@ def read_header(head: HeaderLines, log: Log) -> Header | None:
     if quantity is None or code is None or length is None or dimensions is None:
         return None
     height, width, flange, web, radius, weight, surface, *cuts = dimensions
+    profile = Profile(code, values[6], height, width, flange, web, radius)
     if height <= 0:
         log.add(rules.HEIGHT, lines[9], found=height)
+    elif min(width, flange, web) > 0 and (fault := section_fault(profile)) is not None:
+        log.add(rules.SECTION, lines[9], found=fault, code=code)
     texts = [_text(values[i]) for i in (0, 1, 2, 4)]
     if max(map(len, values)) > TEXT_LIMIT:
         for i, value in enumerate(values):
@@ -161,7 +165,7 @@ def read_header(head: HeaderLines, log: Log) -> Header | None:
         values[3],
         texts[3],
         quantity,
-        Profile(code, values[6], height, width, flange, web, radius),
+        profile,
         length,
         saw_length,
         weight,

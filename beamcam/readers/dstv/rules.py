@@ -151,6 +151,12 @@ HEIGHT = _warning(
     "found height {found:g}, expected more than 0",
     "Features cannot be checked against a section without a height.",
 )
+SECTION = _error(
+    "section",
+    "found {found} in a section of profile code {code}, expected walls that fit into each other",
+    "Such a section cannot be rolled. Header lines 10 to 15 are height, flange width, thickness of "
+    "flange and web, and radius.",
+)
 TEXT_LONG = _note(
     "text-long",
     "found a text of {count} characters, the standard allows {limit}",

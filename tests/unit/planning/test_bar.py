@@ -37,7 +37,7 @@ def test_parts_that_share_an_angle_share_a_cut() -> None:
     found = plan(skew, skew, machine="beamline")
     kerf = 4.04 / cos(radians(30))
     lean = 300 * tan(radians(30))
-    assert [c[0] for c in cuts(found)] == ["mitre", "common", "mitre", "parting"]
+    assert [c[0] for c in cuts(found)] == ["mitre", "common", "mitre"]
     first, second = found.pieces
     # Both ends lean the same way, so the second part lies in the first one's wedge.
     assert second.start == pytest.approx(first.end + kerf - lean)
@@ -51,7 +51,7 @@ def test_parts_that_share_an_angle_share_a_cut() -> None:
 def test_a_dialect_without_common_cuts_parts_each_of_them() -> None:
     skew = part(cuts=EndCuts(30.0, 30.0), profile=CHANNEL)
     found = plan(skew, skew, machine="beamline-annex")
-    assert [c[0] for c in cuts(found)] == ["mitre", "mitre", "parting", "mitre", "mitre", "parting"]
+    assert [c[0] for c in cuts(found)] == ["mitre", "mitre", "parting", "mitre", "mitre"]
     assert found.bar.nested == 0
 
 

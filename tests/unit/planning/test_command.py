@@ -120,7 +120,7 @@ def test_what_is_left_out_is_listed(tmp_path: Path) -> None:
 
 
 def test_tools_to_change_are_listed(tmp_path: Path) -> None:
-    rows = "\n".join(f"  v {500 + 100 * i}.00u 100.00 {12 + i}.00" for i in range(7))
+    rows = "\n".join(f"  v {550 + 100 * i}.00u 100.00 {12 + i}.00" for i in range(7))
     file = tmp_path / "many.nc1"
     file.write_text(PART.format(end="0.000").replace("EN\n", f"BO\n{rows}\nEN\n"))
     status, text, said = run(str(file))

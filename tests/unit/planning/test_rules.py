@@ -9,7 +9,7 @@ from beamcam.machine import load
 from beamcam.model.part import Bend, Bevel, Contour, EndCuts, Part, Profile, Slot, TextMark
 from beamcam.planning import SKIP_NAMES, plan_bar
 from beamcam.planning.rules import RULES, SKIPPABLE
-from tests.unit.planning.shop import BEAM, CHANNEL, SOURCE, TUBE, hole, part
+from tests.unit.planning.shop import ANGLE, BEAM, CHANNEL, SOURCE, TUBE, hole, part
 
 Points = tuple[tuple[float, float], ...]
 
@@ -29,6 +29,7 @@ HOUSE = Contour("v", "inner", (Line((1, 2), (61, 2)), Line((61, 2), (1, 42)),
 THREAD = hole(500, diameter=16, kind="thread", depth=2.0)
 MITRED = part(cuts=EndCuts(web_start=30.0, web_end=30.0))
 
+PUSHER = load("beamline-pusher")
 HEB400 = Profile("I", "HEB400", 400.0, 300.0, 24.0, 13.5, 27.0)
 
 #: Code, machine, parts and options, and the message.
@@ -114,9 +115,9 @@ CASES: tuple[Case, ...] = (
      (part(replace(LINE, face="o", curves=(Line((100, 50), (200, -12)),))),), {},
      "found a line to mark on face o that takes the left drill vertical to 200.600; "
      "expected -320 to 200"),
-    ("plan-stop", "beamline-pusher", (part(hole(10, diameter=100)),), {},
-     "found a hole of diameter 100 on face v of P1 that takes the pusher to -15.000; "
-     "expected at least 0"),
+    ("plan-stop", "behind", (part(hole(60, diameter=100)),), {},
+     "found a hole of diameter 100 on face v of P1 that takes the pusher to 35.000; "
+     "expected at least 50"),
     ("plan-slot", "beamline", (part(Slot("v", 500, 150, 22, 40, 0, 0, SOURCE)),), {},
      "found a slot of 62 x 22 mm on face v; expected no slot, the machine has no mill"),
     ("plan-slot", "beamline-pusher", (part(Slot("v", 500, 150, 6, 40, 0, 0, SOURCE)),), {},
@@ -152,6 +153,58 @@ CASES: tuple[Case, ...] = (
     ("plan-reload", "beamline", (part(*(hole(500 + 100 * i, diameter=12 + i) for i in range(7))),),
      {},
      "found 7 tools for the 5 stations of spindle web; 2 must be changed by hand during the work"),
+    ("plan-section-shape", "beamline", (part(profile=replace(BEAM, web_thickness=0.0)),), {},
+     "found a web thickness of 0 mm in a section of profile code I; "
+     "expected walls that fit into each other"),
+    ("plan-cuts-cross", "beamline", (part(cuts=EndCuts(45.0, -45.0), length=500.0),), {"bar": 9e3},
+     "found end cuts that cross by 100.000 mm at y 0, z 0; "
+     "expected the part to be longer than both mitres there"),
+    ("plan-cuts-touch", "beamline", (part(cuts=EndCuts(45.0, -45.0), length=600.0),), {"bar": 9e3},
+     "the end cuts meet in a point at y 0, z 0"),
+    ("plan-saw-reach", "beamline", (part(cuts=EndCuts(50.0), profile=replace(BEAM, height=900.0)),),
+     {}, "found a section of 900 x 150 mm at a cut of 50 degrees at the start; "
+     "expected at most 500 x 500 mm (height x width), as the blade reaches at that angle"),
+    ("plan-bar-left", "beamline", (part(), part(length=145.0)), {"bar": 3900.0},
+     "found 875.960 mm of bar from the last part on; expected at least 1200 mm, "
+     "give a longer --bar or another order of parts"),
+    ("plan-off-part", "beamline", (part(hole(20, 40), cuts=EndCuts(30.0)),), {},
+     "found a hole of diameter 18 at x 20, y 40 on face v, 122 mm of it beyond the start of the "
+     "part; expected it wholly within the finished part"),
+    ("plan-off-part", "beamline", (part(hole(500, 5, face="o")),), {},
+     "found a hole of diameter 18 at x 500, y 5 on face o, 4 mm of it beyond the edge of face o; "
+     "expected it wholly within the finished part"),
+    ("plan-near-edge", "beamline", (part(hole(10)),), {},
+     "found a hole of diameter 18 at x 10, y 150 on face v, 1 mm from the start of the part; "
+     "expected at least 3 mm"),
+    ("plan-near-edge", "beamline", (part(hole(500), hole(520)),), {},
+     "found a hole of diameter 18 at x 520, y 150 on face v, 2 mm from a hole of diameter 18 of "
+     "p.nc1:7; expected at least 3 mm"),
+    ("plan-hole-overlap", "beamline", (part(hole(500), hole(500, diameter=22)),), {},
+     "found a hole of diameter 22 at x 500, y 150 on face v, 0 mm from a hole of diameter 18 of "
+     "p.nc1:7; expected at least 20 mm between their middles"),
+    ("plan-wall", "beamline", (part(hole(500, 75, face="o")),), {},
+     "found a hole of diameter 18 at x 500, y 75 on face o; "
+     "expected it clear of the wall from y 71.45 to 78.55"),
+    ("plan-fillet", "beamline", (part(hole(500, 92, face="o")),), {},
+     "found a hole of diameter 18 at x 500, y 92 on face o where the root fillet is 4.34 mm high; "
+     "expected at most 2 mm, the breakthrough behind the wall"),
+    ("plan-fillet", "beamline", (part(hole(500, 20)),), {},
+     "found a hole of diameter 18 at x 500, y 20 on face v where the root fillet is 12 mm high; "
+     "expected at most 5 mm, the clearance of the rapid approach"),
+    ("plan-near-fillet", "beamline", (part(hole(500, 26)),), {},
+     "found a hole of diameter 18 at x 500, y 26 on face v, 8.7 mm into the root fillet; "
+     "expected at least 0 mm from it"),
+    ("plan-blind-depth", "beamline", (part(hole(500, kind="blind", depth=30.0)),), {},
+     "found a hole of diameter 18 of depth 30 at x 500, y 150 on face v; "
+     "expected at most 7.1 mm, the thickness of the wall"),
+    ("plan-blind-point", "beamline", (part(hole(500, kind="blind", depth=4.0)),), {},
+     "found a hole of diameter 18 of depth 4 at x 500, y 150 on face v; "
+     "its point comes 2.31 mm through the wall of 7.1 mm"),
+    ("plan-from-behind", "beamline", (part(hole(500, face="h")),), {},
+     "found a hole of diameter 18 at x 500, y 150 on face h; it is made from face v"),
+    ("plan-angle-face", "beamline", (part(hole(500, 50, face="o"), profile=ANGLE),), {},
+     "found a hole of diameter 18 at x 500, y 50 on face o of an angle, which has faces v and u; "
+     "it is made on face u"),
     ("plan-change-word", "wordless", (part(*(hole(500 + 100 * i, diameter=12 + i)
                                              for i in range(7))),), {},
      "found 7 tools for the 5 stations of spindle web; expected at most 5, as words.change of "
@@ -168,7 +221,14 @@ CASES: tuple[Case, ...] = (
 def said(case: Case) -> list[tuple[str, str]]:
     """Code and text of everything that planning a case says."""
     _, name, parts, options, _ = case
-    machine = load({"simple": "beamline-pusher", "wordless": "beamline"}.get(name, name))
+    machine = load(
+        {"simple": "beamline-pusher", "wordless": "beamline"}.get(name, name)
+        if name != "behind"
+        else "beamline-pusher"
+    )
+    if name == "behind":  # the pusher does not come as far as that
+        axes = tuple(replace(a, least=50.0) if a.moves == "X" else a for a in PUSHER.axes)
+        machine = replace(PUSHER, axes=axes)
     if name == "wordless":
         machine = replace(machine, name=name, words=replace(machine.words, change=()))
     if name == "simple":

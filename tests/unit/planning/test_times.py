@@ -171,7 +171,7 @@ def test_a_hole_from_below_is_made_by_turning_the_part() -> None:
     found = plan(behind, machine="beamline", turn=True)
     (piece,) = found.pieces
     assert piece.turn == "turned 180 about its length"
-    assert [d.code for d in found.remarks] == ["plan-turned"]
+    assert [d.code for d in found.remarks] == ["plan-turned", "plan-blind-point"]
     assert [o.how for o in found.outcomes] == ["made"]
     # By leave it would be left out, but turned it need not be.
     kept = plan(behind, machine="beamline", turn=True, skips=("face",))

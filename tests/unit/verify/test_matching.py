@@ -30,19 +30,15 @@ def part(profile: Profile, *holes: Hole) -> Part:
 
 
 @pytest.mark.parametrize(("machine", "made"), [
-    ("beamline", part(UPN200, hole("o", 200, 40, 14), hole("o", 200, 40, 14, "blind", 4.0))),
-    ("beamline", part(UPN200, hole("o", 200, 40, 14, "blind", 4.0), hole("o", 200, 40, 14))),
+    ("beamline", part(UPN200, hole("o", 200, 40, 14), hole("o", 200, 40, 22, "blind", 4.0))),
+    ("beamline", part(UPN200, hole("o", 200, 40, 22, "blind", 4.0), hole("o", 200, 40, 14))),
     ("beamline", part(
-        UPN200, hole("u", 300, 40, 14, "blind", 6.0), hole("o", 300, 40, 14, "blind", 5.0),
-        hole("o", 300, 40, 14, "blind", 6.0),
-    )),
-    ("beamline", part(
-        UPN200, hole("o", 300, 40.05, 14, "blind", 6.0), hole("o", 300, 40, 14),
+        UPN200, hole("o", 300, 40.05, 22, "blind", 6.0), hole("o", 300, 40, 14),
         hole("u", 300, 40.05, 14),
     )),
     ("beamline", part(
-        IPE300, hole("o", 200, 30, 22), hole("u", 200.05, 30, 22), hole("o", 200.05, 30, 17.5),
-        hole("u", 200, 30, 17.5),
+        IPE300, hole("o", 200, 30, 22, "blind", 4.0), hole("u", 200.05, 30, 22, "blind", 4.0),
+        hole("o", 200.05, 30, 17.5), hole("u", 200, 30, 17.5),
     )),
     ("beamline-pusher", part(
         IPE300, hole("o", 200, 40, 14), hole("u", 200, 40, 14), hole("o", 200, 40, 16, "thread"),
@@ -74,7 +70,7 @@ def test_whatever_is_planned_at_one_place_is_read_back(machine: str) -> None:
         except PlanError:
             continue
         posted += any(o.how in ("made", "merged") for o in plan.outcomes)
-    assert posted > 100
+    assert posted > 30
 
 
 def crowded(rng: random.Random, machine: str) -> Hole:

@@ -73,6 +73,7 @@ LINES = {
     "dstv-row-lost": 26,
     "dstv-saw-length": 10,
     "dstv-second-st": 34,
+    "dstv-section": 12,
     "dstv-section-code": 26,
     "dstv-section-fields": 28,
     "dstv-single-punch": 33,

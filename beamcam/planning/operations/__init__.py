@@ -1,0 +1,1 @@
+"""The kinds of work on a bar, a file each."""
