@@ -21,9 +21,10 @@ from msgspec.structs import replace
 from beamcam.asked import check_asked, check_flags, check_text, machine_asked, parts_asked
 from beamcam.errors import Diagnostic, ReadError
 from beamcam.machine import Machine, load
+from beamcam.machine.defaults import DEFAULT_MACHINE
 from beamcam.model.part import Part
 from beamcam.model.plan import Plan, SheetPlan
-from beamcam.pipeline import DEFAULT_MACHINE, Posted, as_error, read_file
+from beamcam.pipeline import Posted, as_error, read_file
 from beamcam.pipeline import post as post_bar
 from beamcam.pipeline import read_back as read_program_back
 from beamcam.posts import Job, Wanted, post_of

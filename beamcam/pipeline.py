@@ -7,7 +7,6 @@ Which planner, motion step, emitter and read-back belong together stands in `pos
 """
 
 from collections.abc import Callable, Collection, Generator, Iterable, Sequence
-from pathlib import PurePath
 from typing import Literal
 
 from msgspec import Struct
@@ -33,14 +32,6 @@ from beamcam.posts import Job, Wanted, Written, carries_head, head_lines, post_o
 from beamcam.readers.content import content, shown_name
 from beamcam.readers.reading import Reading
 
-DEFAULT_MACHINE = "beamline"
-#: The machine of a sheet by the suffix of the output, where none is named.
-SHEET_MACHINES = {
-    ".ngc": "plate-linuxcnc", ".gcode": "plate-codesys", ".nc": "laser-grbl",
-    ".st": "table-simotion", ".steps": "laser-stepper", ".csv": "laser-stepper",
-    ".bin": "laser-stepper", ".h": "laser-stepper",
-}  # fmt: skip
-DEFAULT_SHEET_MACHINE = "plate-linuxcnc"
 Stage = Callable[[str], None]  #: is told what has been done
 
 
@@ -97,13 +88,6 @@ def pieces_of(written: Written) -> Iterable[bytes]:
 def stock_of(parts: Sequence[Part]) -> Literal["beam", "sheet"]:
     """The kind of stock that parts are made of: a sheet if all of them are plates."""
     return "sheet" if parts and all(part.profile.code == "B" for part in parts) else "beam"
-
-
-def default_machine(stock: Literal["beam", "sheet"], output: str) -> str:
-    """The machine where none is named: of a sheet by the suffix of the output."""
-    if stock == "beam":
-        return DEFAULT_MACHINE
-    return SHEET_MACHINES.get(PurePath(output).suffix.lower(), DEFAULT_SHEET_MACHINE)
 
 
 def read_file(path: str, strict: bool = False, **options: object) -> Reading:

@@ -42,7 +42,7 @@ def command(inputs: tuple[str, ...], as_json: bool, keys: bool, **asked: Any) ->
     beamcam config --keys
     """
     if keys:
-        from beamcam.machine.keys import documented
+        from beamcam.conversion.schema import documented
 
         known = documented(ConfigFile)
         width = max(map(len, known))

@@ -13,8 +13,9 @@ from beamcam.commands.programs import input_bytes
 from beamcam.commands.settings import machine_for_program, settled
 from beamcam.errors import BeamcamError, Diagnostic, VerifyError
 from beamcam.machine import Machine
+from beamcam.machine.defaults import is_of_programs
 from beamcam.model.part import Part
-from beamcam.pipeline import SHEET_MACHINES, as_error, parts_of
+from beamcam.pipeline import as_error, parts_of
 from beamcam.readers.content import shown_name
 from beamcam.verify import rules as verify_rules
 from beamcam.verify import run
@@ -83,8 +84,10 @@ def show(found: tuple[Difference, ...], as_json: bool) -> None:
 def _is_part(name: str, data: bytes) -> bool:
     """Whether a file is of a format that a reader knows; `.nc` is that of programs too."""
     suffix = PurePath(name).suffix.lower()
-    by_name = suffix not in SHEET_MACHINES and any(suffix in f.suffixes for f in readers.FORMATS)
-    return by_name or any(f.looks_like(data) for f in readers.FORMATS)
+    by_name = any(suffix in form.suffixes for form in readers.FORMATS)
+    return (by_name and not is_of_programs(name)) or any(
+        f.looks_like(data) for f in readers.FORMATS
+    )
 
 
 def _parts(name: str, data: bytes, strict: bool) -> tuple[tuple[Part, ...], tuple[Diagnostic, ...]]:

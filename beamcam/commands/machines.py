@@ -21,6 +21,7 @@ def command() -> None:
     beamcam machines list
     beamcam machines show beamline
     beamcam machines keys
+    beamcam machines schema
     """
 
 
@@ -86,3 +87,15 @@ def keys(markdown: bool) -> None:
             click.echo(f"| `{name}` | {kind} | {shown} | {meaning.replace('|', chr(92) + '|')} |")
         else:
             click.echo(f"{name}\n    {kind}, {shown.strip('`')}; {meaning}".rstrip("; "))
+
+
+@command.command("schema")
+def schema() -> None:
+    """Print the JSON schema of a machine file, by which an editor completes and checks it.
+
+    \b
+    beamcam machines schema > machine.schema.json
+    """
+    from beamcam.machine.schema import machine_schema
+
+    click.echo(json.dumps(machine_schema(), indent=1))

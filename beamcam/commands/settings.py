@@ -5,15 +5,15 @@ the defaults; the same for every command
 """
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from pathlib import PurePath
 from typing import Any
 
 from beamcam.config.values import COMMAND_LINE, Config, Stock, beside, over
 from beamcam.errors import Diagnostic, PlanError, Source
 from beamcam.files import FilesRead
 from beamcam.machine import Machine, load
+from beamcam.machine.defaults import default_machine, is_of_sheets
 from beamcam.model.part import Part
-from beamcam.pipeline import SHEET_MACHINES, default_machine, stock_of
+from beamcam.pipeline import stock_of
 
 #: Keys of a configuration that are options of their own, by the name of the option's value.
 _OPTIONS = {
@@ -133,9 +133,7 @@ def _is_asked(config: Config, key: str) -> bool:
 
 def machine_for_program(config: Config, program: str) -> Machine:
     """The machine that a program of that name is for; `machine_for` where its parts are unknown."""
-    suffix = PurePath(program).suffix.lower()
-    sheet = suffix in SHEET_MACHINES and suffix != ".gcode"  # which programs for bars have too
-    return machine_of_stock(config, "sheet" if sheet else "beam", program)
+    return machine_of_stock(config, "sheet" if is_of_sheets(program) else "beam", program)
 
 
 def machine_of_stock(

@@ -3,9 +3,6 @@
 The records' own annotations and `#:` comments say it, so this list cannot grow old.
 """
 
-import ast
-import inspect
-import sys
 import typing
 from collections.abc import Iterator, Mapping
 from types import UnionType
@@ -13,6 +10,7 @@ from typing import Literal, NamedTuple, Union, get_args, get_origin
 
 from msgspec import Meta
 
+from beamcam.conversion.schema import documented
 from beamcam.machine.machine import Formula, MachineFile
 
 
@@ -81,28 +79,3 @@ def _record_in(hint: object) -> tuple[type | None, bool]:
     if isinstance(hint, type) and hint is not Formula and hint.__module__.startswith("beamcam."):
         return hint, False
     return None, False
-
-
-def documented(record: type) -> dict[str, tuple[str, str]]:
-    """Default and comment of each field, from the record's source.
-
-    A comment stands behind its field, or on the line before.
-    """
-    lines = inspect.getsource(sys.modules[record.__module__]).splitlines()
-    tree = ast.parse("\n".join(lines))
-    body = next(n for n in tree.body if isinstance(n, ast.ClassDef) and n.name == record.__name__)
-    found = {}
-    for node in body.body:
-        if isinstance(node, ast.AnnAssign) and isinstance(node.target, ast.Name):
-            comment = lines[(node.end_lineno or node.lineno) - 1].partition("#: ")[2]
-            above = lines[node.lineno - 2].strip()
-            if not comment and above.startswith("#: "):
-                comment = above.removeprefix("#: ")
-            found[node.target.id] = (_default(node.value), comment.strip())
-    return found
-
-
-def _default(value: ast.expr | None) -> str:
-    if value is None:
-        return ""
-    return "()" if isinstance(value, ast.Call) else ast.unparse(value)  # field(default_factory=)

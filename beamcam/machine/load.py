@@ -64,7 +64,7 @@ def _checksum(table: dict[str, Any]) -> str:
     They tell that a machine has changed since, whatever it is called; against a forger they would
     be of no use.
     """
-    values = {key: value for key, value in table.items() if key != "name"}
+    values = {key: value for key, value in table.items() if key not in ("name", "default_for")}
     return f"{crc32(json.encode(values, order='deterministic')):08x}"
 
 
@@ -161,6 +161,8 @@ def merged(
     for file in reversed(files):
         own = {"name": file.path.stem, **file.table}
         own.pop("base", None)
+        if file is not files[0]:
+            own.pop("default_for", None)
         origin = file.shown, file.text
         _overlay(table, own, places, origin, "")
         places[""] = origin

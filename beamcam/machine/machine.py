@@ -366,6 +366,7 @@ class MachineFile(Keys, frozen=True):
     format: NumberFormat
     words: Words = Words()
     suffix: str = ".gcode"
+    default_for: tuple[str, ...] = ()  #: suffixes of outputs for which it is taken; not inherited
     layout: Layout | None = None
     saw: Saw | None = None
     drill: Drill | None = None

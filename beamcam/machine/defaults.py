@@ -1,0 +1,45 @@
+"""Which shipped machine is meant where none is named."""
+
+from collections.abc import Mapping
+from pathlib import PurePath
+from typing import Literal
+
+Stock = Literal["beam", "sheet"]
+
+ANY_SUFFIX = "*"
+
+#: Stock and suffix of the output -> machine, from the key `default_for` of the shipped files. It
+#: stands here since reading all of them takes longer than posting a small part; a test compares.
+DEFAULTS: Mapping[tuple[Stock, str], str] = {
+    ("beam", "*"): "beamline",
+    ("beam", ".gcode"): "beamline",
+    ("sheet", "*"): "plate-linuxcnc",
+    ("sheet", ".bin"): "laser-stepper",
+    ("sheet", ".csv"): "laser-stepper",
+    ("sheet", ".gcode"): "plate-codesys",
+    ("sheet", ".h"): "laser-stepper",
+    ("sheet", ".nc"): "laser-grbl",
+    ("sheet", ".ngc"): "plate-linuxcnc",
+    ("sheet", ".st"): "table-simotion",
+    ("sheet", ".steps"): "laser-stepper",
+}
+
+DEFAULT_MACHINE = DEFAULTS["beam", ANY_SUFFIX]
+
+
+def default_machine(stock: Stock, output: str = "") -> str:
+    """The machine for that stock where none is named, by the name of the output."""
+    suffix = PurePath(output).suffix.lower()
+    return DEFAULTS.get((stock, suffix), DEFAULTS[stock, ANY_SUFFIX])
+
+
+def is_of_sheets(program: str) -> bool:
+    """Whether programs of that name are for sheets only."""
+    suffix = PurePath(program).suffix.lower()
+    return ("sheet", suffix) in DEFAULTS and ("beam", suffix) not in DEFAULTS
+
+
+def is_of_programs(name: str) -> bool:
+    """Whether a machine writes its programs under that suffix."""
+    suffix = PurePath(name).suffix.lower()
+    return any(suffix == known for _, known in DEFAULTS)
