@@ -14,7 +14,7 @@ from beamcam.caches import cached
 from beamcam.errors import Diagnostic, PlanError
 from beamcam.machine.machine import Machine
 from beamcam.model.part import Part
-from beamcam.model.plan import FeatureRef, Plan, SheetPlan
+from beamcam.model.plan import Plan, SheetPlan
 from beamcam.model.program import Comment, Program
 from beamcam.model.work_time import WorkTime
 from beamcam.plain_text import one_word
@@ -108,7 +108,7 @@ def sheet_post() -> Post:
 
     def read_back(program: Written, wanted: Wanted) -> tuple[Diagnostic, ...]:
         w = wanted
-        return verify_sheet(_text(program), w.parts, w.machine, _skipped_on_sheet(w), w.name)
+        return verify_sheet(_text(program), w.parts, w.machine, w.skips, w.name)
 
     def emit(program: Program, job: Job) -> str:
         return cutting.emit(program, job.machine)
@@ -138,7 +138,7 @@ def trigger_post() -> Post:
 
     def read_back(program: Written, wanted: Wanted) -> tuple[Diagnostic, ...]:
         w = wanted
-        return verify_triggers(_text(program), w.parts, w.machine, _skipped_on_sheet(w), w.name)
+        return verify_triggers(_text(program), w.parts, w.machine, w.skips, w.name)
 
     def time(plan: SheetPlan, table: Any, machine: Machine) -> WorkTime:
         from beamcam.motion.table_times import trigger_time
@@ -163,7 +163,7 @@ def step_post() -> Post:
         w = wanted
         form = w.style if w.style in READ_BACK else w.machine.suffix
         pieces = (program.encode("utf-8"),) if isinstance(program, str) else program()
-        return verify_table(form, pieces, w.parts, w.machine, _skipped_on_sheet(w), w.name)
+        return verify_table(form, pieces, w.parts, w.machine, w.skips, w.name)
 
     def time(plan: SheetPlan, _: Any, machine: Machine) -> WorkTime:
         from beamcam.motion.table_times import step_time
@@ -188,20 +188,6 @@ def _plan_sheet(job: Job) -> SheetPlan:
     from beamcam.planning.sheet import plan_sheet
 
     return plan_sheet(job.parts, job.machine, job.skips)
-
-
-def _skipped_on_sheet(wanted: Wanted) -> frozenset[FeatureRef]:
-    """The features of a sheet that may be missing: by its colours, and by the kinds named.
-
-    None of a sheet that cannot be planned: what is wrong with it shows where it is compared.
-    """
-    from beamcam.planning.sheet import plan_sheet
-
-    try:
-        outcomes = plan_sheet(wanted.parts, wanted.machine, wanted.skips).outcomes
-    except PlanError:
-        return frozenset()
-    return frozenset(o.feature for o in outcomes if o.how == "skipped")
 
 
 def head_lines(job: Job, verified: bool) -> Iterator[str]:

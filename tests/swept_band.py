@@ -27,11 +27,12 @@ from shapely.strtree import STRtree
 
 FINE = 0.002
 QUADRANT = 64
-GAP = 0.05  #: ends as near as this belong together
+GAP = 0.0501  #: ends as near as this belong together
 MARGIN = 10.0  #: of plate-linuxcnc, to whose corner the drawing is moved
 MM_PER_UNIT = {0: 1.0, 1: 25.4, 2: 304.8, 4: 1.0, 5: 10.0, 6: 1000.0, 13: 0.001, 14: 100.0}
 #: What a round beam leaves in a corner is no farther from it than so many kerfs: 11 degrees.
 DEEPEST = 5.0
+NO_CURVES = ("TEXT", "MTEXT", "POINT", "HATCH", "ATTRIB", "ATTDEF", "SOLID", "DIMENSION")
 UNCUT_COLOURS = (2, 5)  #: yellow and blue are marked
 
 _CALL = re.compile(
@@ -49,13 +50,17 @@ def strokes_of(program: Path) -> list[shapely.LineString]:
 
     Raises Refused with what the interpreter says.
     """
-    with tempfile.TemporaryDirectory() as own:  # where it writes its file of parameters
-        run = subprocess.run(
-            ["rs274", "-g", str(program.resolve())],
-            capture_output=True, text=True, timeout=60, cwd=own,
-        )  # fmt: skip
+    for _ in range(3):  # now and then it stops at its start, without a word
+        with tempfile.TemporaryDirectory() as own:  # where it writes its file of parameters
+            run = subprocess.run(
+                ["rs274", "-g", str(program.resolve())],
+                capture_output=True, text=True, timeout=60, cwd=own,
+            )  # fmt: skip
+        said = run.stderr.replace("executing", "").strip()
+        if not run.returncode or said:
+            break
     if run.returncode:
-        raise Refused(run.stderr.strip())
+        raise Refused(said)
     found: list[shapely.LineString] = []
     here = np.zeros(2)
     points: list[np.ndarray] | None = None
@@ -120,7 +125,10 @@ def drawn(path: Path, mm: float | None = None) -> Drawn:
     scale = mm or MM_PER_UNIT.get(document.header.get("$INSUNITS", 0), 1.0)
     lines, marked = [], []
     for entity in recursive_decompose(document.modelspace()):
-        if entity.dxftype() in ("TEXT", "MTEXT", "POINT", "HATCH", "ATTRIB", "SOLID"):
+        layer = (
+            document.layers.get(entity.dxf.layer) if entity.dxf.layer in document.layers else None
+        )
+        if entity.dxftype() in NO_CURVES or (layer and (layer.is_off() or layer.is_frozen())):
             continue
         try:
             # A path has cubics that come near to a rational spline, which are not enough here.
@@ -130,8 +138,8 @@ def drawn(path: Path, mm: float | None = None) -> Drawn:
             continue
         if len(points) > 1:
             colour = entity.dxf.color
-            if colour == 256:
-                colour = document.layers.get(entity.dxf.layer).dxf.color
+            if colour == 256 and layer is not None:
+                colour = layer.dxf.color
             line = shapely.LineString(np.array(points) * scale)
             (marked if colour in UNCUT_COLOURS else lines).append(line)
     low = np.min([line.bounds[:2] for line in (*lines, *marked)], axis=0)
@@ -152,10 +160,11 @@ def chained(lines: Iterable[shapely.LineString]) -> Drawn:
     merged = shapely.get_parts(shapely.line_merge(shapely.MultiLineString(loose))).tolist()
     closed += [line for line in merged if line.is_ring or line.coords[0] == line.coords[-1]]
     rings = [shapely.Polygon(line) for line in _each_once(closed) if len(line.coords) > 3]
-    return Drawn(
-        [r for r in rings if r.area > GAP * GAP],
-        [line for line in merged if line.coords[0] != line.coords[-1]],
-    )
+    rings = [r for r in rings if r.area > GAP * GAP]
+    on_rings = shapely.union_all(shapely.buffer(shapely.get_exterior_ring(rings), GAP))
+    opened = [line for line in merged if line.coords[0] != line.coords[-1]]
+    once = shapely.get_parts(shapely.difference(opened, on_rings)).tolist()
+    return Drawn(rings, [line for line in once if line.length > GAP])
 
 
 def _clusters(ends: np.ndarray) -> np.ndarray:
@@ -200,7 +209,7 @@ class Measured(NamedTuple):
         """How deep the band reaches into the part at most, in mm; 0 if it does not."""
         part = self.drawn.part()
         allowed = shapely.union_all(
-            shapely.buffer(self.drawn.opened, self.kerf / 2 + GAP, quad_segs=QUADRANT)
+            shapely.buffer(self.drawn.opened, self.kerf / 2 + 2 * GAP, quad_segs=QUADRANT)
         )
         bitten = shapely.difference(shapely.intersection(self.band(), part), allowed)
         # A strip along the edge has its corners on the outline, so that its sides are asked too.
@@ -210,6 +219,7 @@ class Measured(NamedTuple):
     def pierced(self, by: float) -> int:
         """Strokes that begin inside of the part, more than `by` mm from its edge."""
         inner = self.drawn.part().buffer(-by)
+        inner = shapely.difference(inner, shapely.union_all(shapely.buffer(self.drawn.opened, GAP)))
         return sum(bool(inner.intersects(shapely.Point(s.coords[0]))) for s in self.strokes)
 
     def uncut(self, by: float) -> float:
@@ -223,9 +233,9 @@ class Measured(NamedTuple):
 
     def _sheet(self) -> BaseGeometry:
         """More than all that is cut."""
-        return shapely.box(*shapely.total_bounds([*self.strokes, *self.drawn.rings])).buffer(
-            4 * self.kerf + 1
-        )
+        return shapely.box(
+            *shapely.total_bounds([*self.strokes, *self.drawn.rings, *self.drawn.opened])
+        ).buffer(4 * self.kerf + 1)
 
     def unreached(self, by: float) -> float:
         """How far the contour is from the band at most, where no beam of that kerf comes."""

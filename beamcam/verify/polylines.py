@@ -8,7 +8,6 @@ from beamcam.errors import Diagnostic
 from beamcam.machine.machine import Machine, TorchProcess
 from beamcam.model.part import Part
 
-FeatureRef = tuple[int, int]
 Points = Sequence[tuple[float, float]]
 
 
@@ -16,7 +15,7 @@ def compare_polylines(
     ways: Sequence[tuple[TorchProcess, Points]],
     part: Part,
     machine: Machine,
-    skipped: Collection[FeatureRef],
+    skips: Collection[str],
     slack: float,
     name: str,
 ) -> list[Diagnostic]:
@@ -35,7 +34,7 @@ def compare_polylines(
     if torch is None:
         raise TypeError(f"{machine.name} has no torch")
     rows = {row.process: row for row in reversed(rows_of(part, torch))}
-    need = need_of(part, torch, {feature for _, feature in skipped})
+    need = need_of(part, torch, skips)
     strokes: list[Stroke] = []
     chains = []
     count = 0

@@ -19,8 +19,6 @@ if TYPE_CHECKING:
 
 __all__ = ["events_of", "run", "verify_sheet"]
 
-FeatureRef = tuple[int, int]
-
 
 def events_of(
     text: str, machine: Machine, name: str = "program"
@@ -49,13 +47,14 @@ def verify_sheet(
     text: str,
     parts: Sequence[Part],
     machine: Machine,
-    skipped: Collection[FeatureRef] = (),
+    skips: Collection[str] = (),
     name: str = "program",
 ) -> tuple[Diagnostic, ...]:
     """Everything that is wrong with a program, by itself and against the part of its sheet.
 
-    `skipped` names features that may be missing. Nothing comes back for a program that makes
-    exactly the part. Raises TypeError for a machine without a torch.
+    `skips` are the kinds of features that may be missing, as `--allow-skips` names them. Nothing
+    comes back for a program that makes exactly the part. Raises TypeError for a machine without a
+    torch.
     """
     from beamcam.verify.sheets.compare import compare
     from beamcam.verify.sheets.need import need_of, rows_of, shift_of
@@ -77,7 +76,7 @@ def verify_sheet(
         name,
     )
     said += more
-    need = need_of(part, torch, {feature for _, feature in skipped})
+    need = need_of(part, torch, skips)
     said += need.said
     if need.curves or strokes.each:
         said += compare(strokes, need, machine, torch, shift_of(need, torch), name)

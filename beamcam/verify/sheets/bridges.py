@@ -4,20 +4,22 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from beamcam.verify.sheets.elements import Counts, Floats
-from beamcam.verify.sheets.work import Flags, Traced, Work
+from beamcam.errors import Diagnostic, Source
+from beamcam.verify.sheets import rules
+from beamcam.verify.sheets.elements import Flags, Floats
+from beamcam.verify.sheets.work import Traced, Work
 
 Bounds = Sequence[tuple[int, int]]
 
 
-def join_bridged(work: Work, bounds: Bounds, traced: Sequence[Traced]) -> Counts:
-    """Gives the first stroke around a contour with bridges its ring; the leader of each stroke.
+def join_bridged(work: Work, bounds: Bounds, traced: Sequence[Traced]) -> list[Diagnostic]:
+    """Gives the first stroke around a contour with bridges its ring; contours with too many.
 
     `bounds` are the ways of each stroke, those of leads included.
     """
-    leader = np.arange(len(traced))
+    said: list[Diagnostic] = []
     if not work.bridged:
-        return leader
+        return said
     first = 0
     while first < len(traced):
         last = first
@@ -27,16 +29,20 @@ def join_bridged(work: Work, bounds: Bounds, traced: Sequence[Traced]) -> Counts
             last = last + 1 if _goes_on(work, traced, last) else len(traced)
         if first < last < len(traced) and not traced[last].closed:
             mine = traced[first : last + 1]
-            mine[0].ring = [(t.first, t.last) for t in mine]
-            boxes = np.array([t.box for t in mine])
-            low, high = boxes[:, :2].min(axis=0).tolist(), boxes[:, 2:].max(axis=0).tolist()
-            mine[0].box = (*low, *high)
-            leader[first : last + 1] = first
-            for t in mine:
-                t.group = mine[0].group
+            if mine[0].contour is None:
+                mine[0].ring = [(t.first, t.last) for t in mine]
+                boxes = np.array([t.box for t in mine])
+                low, high = boxes[:, :2].min(axis=0).tolist(), boxes[:, 2:].max(axis=0).tolist()
+                mine[0].box = (*low, *high)
+                for t in mine:
+                    t.group, t.goes_round = mine[0].group, True
+            if last - first > work.torch.tabs:
+                source = Source(work.name, mine[0].stroke.line)
+                found, most = last - first, work.torch.tabs
+                said.append(rules.TABS.at(source, found=found, expected=most))
             first = last
         first += 1
-    return leader
+    return said
 
 
 def _goes_on(work: Work, traced: Sequence[Traced], k: int) -> bool:

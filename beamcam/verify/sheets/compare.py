@@ -1,14 +1,14 @@
 """Paths travelled with the tool on, compared with the contours of the part.
 
-Both are sampled, whatever they are made of:
-
-    paths      every path runs along a contour, its leads in the waste, and every stroke closes
-    contours   every stretch of a contour has a path, and one only
-    sides      the kerf is taken from the waste
-    order      no contour is cut after one around it, none marked after a cut
+paths      every path runs along a contour, and every stroke closes
+contours   every stretch of a contour has a path, and one only
+band       the beam takes nothing of the part, with its leads neither
+order      no contour is cut after one around it, none marked after a cut
 """
 
 from collections.abc import Sequence
+
+import numpy as np
 
 from beamcam.errors import Diagnostic
 from beamcam.machine.machine import Machine, Torch
@@ -31,6 +31,12 @@ def compare(
     """Everything in which the strokes differ from what the part needs."""
     said: list[Diagnostic] = []
     traced: list[Traced] = []
+    if torch.kerf_by == "machine":
+        from beamcam.verify.sheets.compensation import beam_of
+
+        strokes, said = beam_of(strokes, name)
+        if said:
+            return said
     processes = dict.fromkeys([*need.curves, *(s.process for s in strokes.each)])
     for process in processes:
         work = work_of(process, strokes, need, machine.format.resolution, torch, shift, name)
@@ -47,12 +53,12 @@ def _compared(work: Work) -> tuple[Sequence[Traced], list[Diagnostic]]:
         line, place = work.strokes[0].line, work.moves.start[0]
         return [], [work.extra(line, place, "any distance", found)]
     if not work.strokes:
-        return [], [work.missing(work.need.starts[0])]
-    traced, leader, said = follow(work)
-    covered, more = cover(work, traced)
-    said += more
-    if work.torch.kerf_by != "none":
-        from beamcam.verify.sheets.sides import side_faults
+        asked = np.flatnonzero(~work.small)
+        return [], [work.missing(work.need.starts[k]) for k in asked[:1]]
+    traced, said = follow(work)
+    said += cover(work, traced)
+    if work.half_kerf:
+        from beamcam.verify.sheets.band import band_faults
 
-        said += side_faults(work, traced, leader, covered)
+        said += band_faults(work, traced)
     return traced, said

@@ -1,87 +1,64 @@
-"""What the part needs: every stretch of every contour has a path beside it, and one only.
+"""What the part needs: every stretch of every contour has a path, and one only.
 
-With r half the kerf that the program keeps off, each sample of a contour has the path r beside
-it, or no tool of that width can come there.
+With r half the kerf of a beam that keeps off, each sample of a closed contour has a path at most r
+away, or lies in a corner that no beam of that width reaches; each of any other has one on it.
+
+Curves are asked at places `SPACING` apart, or r / 2 but no less than 0.2 mm where the beam keeps
+off, three on each or more: no stretch is overlooked that is longer, nor one of more than a third
+of its curve. At these places distances are exact for lines and arcs, and within the machine's
+tolerance / 8 for others.
 """
 
 from collections.abc import Sequence
 
 import numpy as np
-from msgspec import Struct
 
 from beamcam.errors import Diagnostic, Source
 from beamcam.verify.sheets import rules
 from beamcam.verify.sheets.bridges import in_bridges
-from beamcam.verify.sheets.elements import Counts, Floats
+from beamcam.verify.sheets.elements import Counts, Flags, Floats
 from beamcam.verify.sheets.grid import Pairs
 from beamcam.verify.sheets.paths import on_contour
-from beamcam.verify.sheets.work import SHOWN, SPACING, Flags, Traced, Work
+from beamcam.verify.sheets.work import SHOWN, SPACING, Traced, Work
 
-ROOM = 4.0  #: how far from a place that no tool can reach a path is, by half the kerf
-
-
-class Covered(Struct, frozen=True):
-    """Samples of contours that have a path."""
-
-    points: Floats  #: (n, 2)
-    way: Counts  #: of the path
+LEAST_SPACING = 0.2
+OVER = 6.0  #: how far a stroke may run over its start, by half the kerf
 
 
-def cover(work: Work, traced: Sequence[Traced]) -> tuple[Covered, list[Diagnostic]]:
-    """The samples that have a path, what is missing, and what is followed more than once."""
-    element, share, owner = work.need.samples(SPACING)
+def cover(work: Work, traced: Sequence[Traced]) -> list[Diagnostic]:
+    """What is missing, and what is followed more than once."""
+    beside = work.beside
+    dense = min(SPACING, max(work.half_kerf / 2, LEAST_SPACING))
+    element, share, owner = work.need.samples(np.where(beside, dense, SPACING))
     points = work.need.elements.places(element, share)
-    slack = work.tolerance + work.free[owner]
-    most = float(slack.max(initial=0.0))
-    pairs = work.path.near(points, most)
-    away, way, _ = work.path.nearest_of(pairs, len(points))
-    done = away <= slack
-    blocked = np.zeros(len(points), dtype=bool)
-    chosen = points
-    radii = sorted({t.half_kerf for t in traced if t.half_kerf > 0.0})
-    ahead = work.need.elements.directions(element, share) if radii else points
-    normal = np.column_stack((-ahead[:, 1], ahead[:, 0]))
-    for radius in radii:
-        place, near, best = _beside(work, points, normal, radius, most)
-        new = ~done & (best <= slack)
-        chosen = np.where(new[:, None], place, chosen)
-        way[new] = near[new]
-        done |= new
-        rest = np.flatnonzero(~done & ~blocked)
-        blocked[rest] = _is_blocked(work, points[rest], normal[rest], radius, slack[rest])
-    missing = np.flatnonzero(~done & ~blocked)
+    slack = work.slack[owner]
+    reach = slack + np.where(beside[owner], work.half_kerf, 0.0)
+    pairs = work.path.near(points, float(reach.max(initial=0.0)))
+    if work.half_kerf:
+        pairs = _own(work, traced, pairs, beside[owner])
+    away, feet = work.path.feet(pairs, len(points))
+    missing = np.flatnonzero((away > reach) & ~work.small[owner])
+    if len(missing) and work.half_kerf:
+        from beamcam.verify.sheets.corners import in_corners
+
+        missing = missing[~work.on_kept_off(points[missing]) | beside[owner[missing]]]
+        missing = missing[~in_corners(work, traced, missing, (element, share, owner))]
     missing = missing[~in_bridges(work, traced, points[missing])]
     _, firsts = np.unique(owner[missing], return_index=True)
     said = [work.missing(points[k]) for k in missing[firsts][:SHOWN]]
-    covered = np.flatnonzero(done)
-    if chosen is not points:
-        pairs = work.path.near(chosen, most)
-    said += _twice(work, traced, points, owner, slack, covered, pairs)
-    return Covered(points[covered], way[covered]), said
+    covered = np.flatnonzero(away <= reach)
+    places = points
+    if work.half_kerf:
+        places = np.where((away <= reach)[:, None], feet, points)
+        pairs = work.path.near(places, float(slack.max(initial=0.0)))
+    return said + _twice(work, traced, places, owner, slack, covered, pairs)
 
 
-def _beside(
-    work: Work, points: Floats, normal: Floats, radius: float, reach: float
-) -> tuple[Floats, Counts, Floats]:
-    """The place a radius beside each point that is nearer to the path, which way, and how near."""
-    sides = [points + sign * radius * normal for sign in (1.0, -1.0)]
-    (left, way, _), (right, other, _) = (
-        work.path.nearest_of(work.path.near(side, reach), len(side)) for side in sides
-    )
-    nearer = right < left
-    place = np.where(nearer[:, None], sides[1], sides[0])
-    return place, np.where(nearer, other, way), np.minimum(left, right)
-
-
-def _is_blocked(work: Work, points: Floats, normal: Floats, radius: float, slack: Floats) -> Flags:
-    """Where another contour is so near that no tool of that radius comes beside a point."""
-    if not len(points):
-        return np.zeros(0, dtype=bool)
-    near = work.path.nearest_of(work.path.near(points, ROOM * radius), len(points))[0]
-    place, _, _ = _beside(work, points, normal, radius, (ROOM + 1) * radius)
-    room = work.need.nearest_of(work.need.near(place, radius), len(place))[0]
-    found: Flags = (room < radius - slack / 2) & np.isfinite(near)
-    return found
+def _own(work: Work, traced: Sequence[Traced], pairs: Pairs, beside: Flags) -> Pairs:
+    """Pairs of a sample that the beam keeps off and a path that does so, or of neither."""
+    keeps_off = np.array([t.half_kerf > 0.0 for t in traced])
+    stroke = work.of_way[work.path.owner[pairs.element]]
+    return pairs.kept(keeps_off[stroke] == beside[pairs.point])
 
 
 def _twice(
@@ -93,7 +70,11 @@ def _twice(
     covered: Counts,
     pairs: Pairs,
 ) -> list[Diagnostic]:
-    """Stretches of a contour that have more than one path; `pairs` are samples and the path."""
+    """Stretches of a contour that have more than one path.
+
+    `points` are places of the path, or of the contour where the beam stays on that; `pairs` are
+    they and the path.
+    """
     need, path = work.need, work.path
     is_long = np.zeros(len(points), dtype=bool)
     is_long[covered] = need.lengths[owner[covered]] > 8 * work.tolerance
@@ -105,12 +86,15 @@ def _twice(
     kept &= counts[near.point] > 1
     if not kept.any():
         return []
+    kept &= ~_overlap(work, traced, near)
     at = path.at(near.element[kept], near.along[kept])
     stroke = work.of_way[near_way[kept]]
     passes = _passes(near.point[kept], at, stroke, 6 * reach, len(points))
     doubtful = np.flatnonzero(passes > 1)
     # Contours that run beside one another have a path each.
-    beside = need.by_way(need.near(points[doubtful], 2 * reach))
+    beside = need.by_way(need.near(points[doubtful], work.half_kerf + 2 * reach))
+    if work.region is not None:
+        beside = beside.kept(~work.region.twins[need.owner[beside.element]])
     allowed = np.bincount(beside.point, minlength=len(doubtful))
     doubtful = doubtful[passes[doubtful] > allowed]
     said: list[Diagnostic] = []
@@ -122,6 +106,22 @@ def _twice(
         worst = int(np.max(passes[mine]))
         said.append(rules.TWICE.at(Source(work.name), x=f"{x:.3f}", y=f"{y:.3f}", found=worst))
     return said
+
+
+def _overlap(work: Work, traced: Sequence[Traced], near: Pairs) -> Flags:
+    """Which pairs are of the end of a stroke that has to run over its start.
+
+    A controller that keeps off takes up half a kerf along the contour at both ends of it.
+    """
+    if work.torch.kerf_by != "machine" or not work.half_kerf:
+        return np.zeros(len(near.point), dtype=bool)
+    path = work.path
+    lasts = np.array([t.last for t in traced]) - 1
+    ends = path.begins[lasts] + path.lengths[lasts]
+    stroke = work.of_way[path.owner[near.element]]
+    over = OVER * work.half_kerf + work.torch.lead_out
+    found: Flags = path.at(near.element, near.along) > ends[stroke] - over
+    return found
 
 
 def _passes(sample: Counts, at: Floats, stroke: Counts, apart: float, count: int) -> Counts:

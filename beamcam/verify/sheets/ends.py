@@ -19,9 +19,12 @@ ROUNDING = 1e-9
 
 
 def end_faults(work: Work, traced: Sequence[Traced]) -> list[Diagnostic]:
-    """What is open and should not be: no contour ends there, and no bridge begins."""
+    """What is open and should not be: no contour ends there, and no bridge begins.
+
+    Where the beam keeps off a contour, what is left of that says whether it closes.
+    """
     said: list[Diagnostic] = []
-    opened = [t for t in traced if not t.closed]
+    opened = [t for t in traced if not t.closed and not t.half_kerf]
     if not opened:
         return said
     starts = work.path.starts[[t.first for t in opened]]
@@ -35,10 +38,21 @@ def end_faults(work: Work, traced: Sequence[Traced]) -> list[Diagnostic]:
         ):
             if count != 2 or is_bridge(work, place, others, t.half_kerf):
                 continue
+            if _on_another(work, place, way) or work.on_kept_off(place.reshape(1, 2))[0]:
+                continue
             x, y = place.tolist()
             source = Source(work.name, int(work.moves.line[way]))
             said.append(rules.OPEN.at(source, what=what, x=f"{x:.3f}", y=f"{y:.3f}"))
     return said[:SHOWN]
+
+
+def _on_another(work: Work, place: Floats, way: int) -> bool:
+    """Whether a place lies on the path of another stroke than that of a way.
+
+    An edge that two contours share is cut once: what is left of the second ends on the first.
+    """
+    pairs = work.path.near(place.reshape(1, 2), work.tolerance)
+    return bool((work.of_way[work.path.owner[pairs.element]] != work.of_way[way]).any())
 
 
 class _Branches:

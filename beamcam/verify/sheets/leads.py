@@ -2,17 +2,8 @@
 
 from collections.abc import Sequence
 
-import numpy as np
-
-from beamcam.errors import Diagnostic, Source
-from beamcam.verify.sheets import rules
-from beamcam.verify.sheets.elements import Floats
-from beamcam.verify.sheets.ways import Ways
-from beamcam.verify.sheets.work import Flags, Work
-
-SPACING = 0.2
-#: Share of half the kerf that a lead keeps off the part; its last tenth comes to the contour.
-KEPT_OFF = 0.85
+from beamcam.verify.sheets.elements import Flags
+from beamcam.verify.sheets.work import Work
 
 Bounds = Sequence[tuple[int, int]]
 
@@ -66,38 +57,3 @@ class _Shape:
         while end < last and not bad[end]:
             end += 1
         return (begin, end) if begin < end else (first, last)
-
-
-def lead_faults(work: Work, bounds: Bounds, kept: Bounds, radii: Floats) -> list[Diagnostic]:
-    """The leads that do not keep off the part, their last tenth before the contour aside."""
-    reach = KEPT_OFF * float(radii.max(initial=0.0)) - work.tolerance
-    leads = [
-        (low, high, stroke)
-        for stroke, ((first, last), (begin, end)) in enumerate(zip(bounds, kept, strict=True))
-        for low, high in ((first, begin), (end, last))
-        if low < high
-    ]
-    if reach <= 0.0 or not leads:
-        return []
-    rows = np.concatenate([np.arange(low, high) for low, high, _ in leads])
-    lead_of = np.repeat(np.arange(len(leads)), [high - low for low, high, _ in leads])
-    ways = Ways.of_moves(work.moves.take(rows), work.fine)
-    element, share, way = ways.samples(SPACING)
-    points = ways.elements.places(element, share)
-    away, _, _ = work.need.nearest_of(work.need.near(points, reach), len(points))
-    half = radii[[stroke for _, _, stroke in leads]][lead_of[way]]
-    bites = np.flatnonzero(away < KEPT_OFF * half - work.tolerance)
-    _, firsts = np.unique(lead_of[way[bites]], return_index=True)
-    said = []
-    for k in bites[firsts].tolist():
-        low, high, stroke = leads[lead_of[way[k]]]
-        x, y = points[k].tolist()
-        length = float(work.path.lengths[low:high].sum())
-        said.append(
-            rules.LEAD.at(
-                Source(work.name, int(work.moves.line[rows[way[k]]])),
-                found=f"{length:.3f}", x=f"{x:.3f}", y=f"{y:.3f}",
-                expected=f"it at least {radii[stroke]:g} mm off the part",
-            )
-        )  # fmt: skip
-    return said

@@ -1,6 +1,6 @@
 """What a sheet needs to have cut and marked, read from the part and the machine's table alone."""
 
-from collections.abc import Collection, Iterable
+from collections.abc import Collection, Sequence
 from fnmatch import fnmatchcase
 from typing import TYPE_CHECKING, cast
 
@@ -13,24 +13,28 @@ from beamcam.geometry.plane import Point
 from beamcam.machine.machine import Torch, TorchProcess, TorchRow
 from beamcam.model.colour import process_of
 from beamcam.model.drawing import extent
-from beamcam.model.part import Contour, Hole, Part, Process, Slot
+from beamcam.model.part import Contour, Feature, Hole, Part, Process, Slot, TextMark
 from beamcam.verify.sheets import rules
 
 if TYPE_CHECKING:
     from beamcam.verify.sheets.ways import Ways
 
 Needs = dict[TorchProcess, list[Curve]]
+FACES = ("v", "h")  #: of a plate; what goes through has the same numbers on both
+OUTLINE = -1  #: in place of a feature, for the rectangle of a plate without a contour of its own
 
 
 class Need(Struct):
     """Curves by process, as the part has them."""
 
     curves: Needs = field(default_factory=dict)
+    features: dict[TorchProcess, list[int]] = field(default_factory=dict)  #: of each curve
     said: list[Diagnostic] = field(default_factory=list)
     drawn: "dict[tuple[TorchProcess, float], Ways]" = field(default_factory=dict)
 
-    def add(self, process: TorchProcess, curves: Iterable[Curve]) -> None:
+    def add(self, process: TorchProcess, curves: Sequence[Curve], feature: int) -> None:
         self.curves.setdefault(process, []).extend(curves)
+        self.features.setdefault(process, []).extend([feature] * len(curves))
 
     def ways(self, process: TorchProcess, tolerance: float) -> "Ways":
         """The curves of a process as elements, where the part has them; made once."""
@@ -42,18 +46,27 @@ class Need(Struct):
         return self.drawn[key]
 
 
-def need_of(part: Part, torch: Torch, skipped: Collection[int]) -> Need:
-    """The curves of a part; features that nothing is known to make are told."""
+def need_of(part: Part, torch: Torch, skips: Collection[str]) -> Need:
+    """The curves of a part; features that nothing is known to make are told.
+
+    A feature may be missing if its colour or layer is mapped to "ignore", or if the machine cannot
+    make it and its kind is one of `skips`, as `--allow-skips` names them. A feature that the
+    machine can make is needed whatever is named.
+    """
     need = Need()
     table = cast("dict[str, Process]", torch.colours)
     known: dict[tuple[str | None, str | None], str | None] = {}
     outlined = False
     for index, feature in enumerate(part.features):
         if isinstance(feature, Contour):
-            outlined = outlined or (feature.kind == "outer" and feature.process == "cut")
-        if index in skipped:
-            continue
-        made = False
+            outlined = outlined or (
+                feature.kind == "outer" and feature.process == "cut" and feature.face in FACES
+            )
+        lack = lack_of(feature, torch)
+        if lack is not None and lack not in skips:
+            _not_made(need, part, feature, lack)
+        if lack is not None and (lack != "bevel" or lack not in skips):
+            continue  # a bevel that may be missing leaves a contour that is cut square
         if isinstance(feature, Contour):
             look = feature.layer, feature.colour
             if look == (None, None):
@@ -62,26 +75,48 @@ def need_of(part: Part, torch: Torch, skipped: Collection[int]) -> Need:
                 if look not in known:
                     known[look] = process_of(feature, table)
                 process = known[look]
-            made = process is not None and feature.face in ("v", "h")
-            if made and process != "ignore":
-                need.add(cast("TorchProcess", process), feature.curves)
-        elif isinstance(feature, Hole | Slot):
-            made = feature.depth is None and feature.face in ("v", "h")
-            if made and isinstance(feature, Hole) and feature.kind == "mark" and torch.cross:
-                need.add("mark", _cross(feature, torch.cross))
-            elif made and feature.kind == "through":
-                need.add("cut", _ring(feature))
-            else:
-                made = False
-        if not made:
-            source = getattr(feature, "source", part.source)
-            need.said.append(rules.NOT_MADE.at(source, found=type(feature).__name__.lower()))
+            if process is None:
+                _not_made(need, part, feature, "map")
+            elif process != "ignore":
+                need.add(cast("TorchProcess", process), feature.curves, index)
+        elif isinstance(feature, Hole) and feature.kind == "mark":
+            need.add("mark", _cross(feature, torch.cross), index)
+        else:
+            need.add("cut", _ring(cast("Hole | Slot", feature)), index)
     if part.measures is None and not outlined:
         width = part.profile.height
         corners = [(0.0, 0.0), (part.length, 0.0), (part.length, width), (0.0, width)]
         ends = zip(corners, [*corners[1:], corners[0]], strict=True)
-        need.add("cut", [Line(a, b) for a, b in ends])
+        need.add("cut", [Line(a, b) for a, b in ends], OUTLINE)
     return need
+
+
+def lack_of(feature: Feature, torch: Torch) -> str | None:
+    """Why a table cannot make a feature, by the name of `--allow-skips`; None if it can."""
+    match feature:
+        case Contour() | Hole() | Slot() if feature.face not in FACES:
+            return "face"
+        case Contour():
+            return "bevel" if feature.bevels else None
+        case Hole() if feature.kind == "mark":
+            return None if torch.cross and feature.depth is None else "tool"
+        case Hole():
+            through = feature.kind == "through" and feature.depth is None
+            return None if through and feature.diameter >= torch.least_hole else "tool"
+        case Slot():
+            through = feature.kind == "through" and feature.depth is None
+            width = min(feature.length, feature.height) + feature.diameter
+            return None if through and width >= torch.least_hole else "slot"
+        case TextMark():
+            return "mark"
+        case _:
+            return "other"
+
+
+def _not_made(need: Need, part: Part, feature: Feature, lack: str) -> None:
+    source = getattr(feature, "source", part.source)
+    found = type(feature).__name__.lower()
+    need.said.append(rules.NOT_MADE.at(source, found=found, kind=lack))
 
 
 def _plain(process: Process) -> str:

@@ -8,6 +8,7 @@ from beamcam.errors import Diagnostic, Source
 from beamcam.verify.sheets import rules
 from beamcam.verify.sheets.work import SHOWN, Traced
 
+TOUCHING = 0.01  #: mm by which a contour may leave the one around it
 MOST_AT_ONCE = 1 << 16  #: cuts that are looked at together, some 3 MB
 
 
@@ -24,7 +25,8 @@ def order_faults(traced: Sequence[Traced], name: str) -> list[Diagnostic]:
                 )
             )  # fmt: skip
             break
-    cuts = [t for t in traced if t.stroke.process == "cut"]
+    # An open cut has no inside, and lies in none.
+    cuts = [t for t in traced if t.stroke.process == "cut" and t.goes_round]
     for a, b in _inside_of_earlier(cuts):
         if cuts[a].group != cuts[b].group:
             said.append(
@@ -43,7 +45,7 @@ def _inside_of_earlier(cuts: Sequence[Traced]) -> list[tuple[int, int]]:
     done for some rings at a time, as many as have `MOST_AT_ONCE` cuts within their X together, so
     that it takes no more memory the more of them lie above one another.
     """
-    rings = [k for k, t in enumerate(cuts) if t.ring]
+    rings = [k for k, t in enumerate(cuts) if t.ring or t.contour is not None]
     if not rings:
         return []
     places = np.array(rings)
@@ -68,14 +70,17 @@ def _inside_of_earlier(cuts: Sequence[Traced]) -> list[tuple[int, int]]:
 
 
 def _within(cuts: Sequence[Traced], inner: list[int], ring: int) -> list[tuple[int, int]]:
-    """Those of some cuts that lie in the ring of one, with it."""
+    """Those of some cuts that lie in the ring of one, with it; they may touch it."""
     import shapely
 
-    from beamcam.verify.sheets.sides import polygon_of
-
-    polygon = polygon_of(cuts[ring])
+    polygon = cuts[ring].inside()
     if polygon is None:
         return []
+    polygon = shapely.buffer(polygon, TOUCHING)
     places = np.array([cuts[k].middle for k in inner])
     inside = shapely.contains_xy(polygon, places)
-    return [(k, ring) for k, is_in in zip(inner, inside.tolist(), strict=True) if is_in]
+    return [
+        (k, ring)
+        for k, is_in in zip(inner, inside.tolist(), strict=True)
+        if is_in and shapely.covers(polygon, shapely.points(cuts[k].corners())).all()
+    ]

@@ -1,8 +1,9 @@
 """What a program follows: every path runs along a contour, and its strokes close.
 
-With r half the kerf that the program keeps off:
+With r half the kerf of a beam that keeps off, 0 of any other:
 
-    every sample of a path   has a contour r beside it, but for the leads, which lie in waste
+    every sample of a path   has a closed contour at most r away, or an open one on its middle,
+                             but for the leads, which lie in waste
     every stroke             closes, or ends where a contour ends
 """
 
@@ -12,45 +13,70 @@ import numpy as np
 
 from beamcam.errors import Diagnostic
 from beamcam.verify.sheets.bridges import join_bridged
-from beamcam.verify.sheets.elements import Counts, Floats
+from beamcam.verify.sheets.elements import Counts, Flags, Floats
 from beamcam.verify.sheets.ends import end_faults
-from beamcam.verify.sheets.leads import Bounds, lead_faults, rings
-from beamcam.verify.sheets.work import MITRE, SHOWN, SPACING, Flags, Traced, Work
+from beamcam.verify.sheets.leads import Bounds, rings
+from beamcam.verify.sheets.work import MITRE, SHOWN, SPACING, Traced, Work
+
+Near = tuple[Floats, Counts, Floats]  #: how far the nearest way is, which, how far along it
 
 
-def follow(work: Work) -> tuple[list[Traced], Counts, list[Diagnostic]]:
-    """The strokes without their leads, the leader of each, and what follows no contour.
-
-    The leader is the first of the strokes that go round one contour with bridges between them.
-    """
+def follow(work: Work) -> tuple[list[Traced], list[Diagnostic]]:
+    """The strokes without their leads, and what follows no contour."""
     element, share, way = work.path.samples(SPACING)
     points = work.path.elements.places(element, share)
+    if work.half_kerf:  # nothing else would see an end that runs on into the waste
+        points = np.concatenate((points, work.path.ends))
+        way = np.concatenate((way, np.arange(work.path.count)))
     stroke = work.of_way[way]
-    most = work.tolerance + float(work.free.max(initial=0.0))
-    reach = max(MITRE * work.most_half_kerf() + most, 2 * most)
-    away, who, at = work.need.nearest_of(work.need.near(points, reach), len(points))
-    radii = _half_kerfs(work, away, stroke)
-    mine = radii[stroke]
-    slack = work.tolerance + work.free[who]
-    good = np.abs(away - mine) <= slack
-    corner = ~good & (mine > 0.0) & (away > mine) & (away <= MITRE * mine + slack)
-    if corner.any():
-        good |= corner & ((at <= slack) | (work.need.lengths[who] - at <= slack))
+    on, off = _nearest(work, points)
+    followed = on[0] <= work.slack[on[1]]
+    expected = np.zeros(len(work.strokes))
+    if work.half_kerf:
+        count = np.bincount(stroke, minlength=len(work.strokes))
+        centred = np.bincount(stroke, followed, len(work.strokes)) > count / 2
+        expected = np.where(centred, 0.0, work.half_kerf)
+        followed = np.where(centred[stroke], followed, _beside(work, off))
     bad = np.zeros(work.path.count, dtype=bool)
-    bad[way[~good]] = True
+    bad[way[~followed]] = True
     ends = np.cumsum(np.bincount(work.of_way, minlength=len(work.strokes))).tolist()
     bounds = list(zip([0, *ends[:-1]], ends, strict=True))
     kept = rings(work, bounds, bad)
-    said = lead_faults(work, bounds, kept, radii)
-    traced = _traced(work, kept, radii)
-    leader = join_bridged(work, bounds, traced)
-    wrong = np.flatnonzero(~good & on_contour(work, traced)[way])
+    traced = _traced(work, kept, expected)
+    if work.half_kerf:
+        _round_contours(work, traced, stroke, off[1])
+    said = join_bridged(work, bounds, traced)
+    wrong = np.flatnonzero(~followed & on_contour(work, traced)[way])
     _, firsts = np.unique(stroke[wrong], return_index=True)
     for k in wrong[firsts][:SHOWN].tolist():
-        off, nearest = work.need.nearest_to(points[k])
-        expected = f"{mine[k]:g} mm within {work.tolerance + work.free[nearest]:.4f}"
-        said.append(work.extra(int(work.moves.line[way[k]]), points[k], f"{off:.4f}", expected))
-    return traced, leader, said + end_faults(work, traced)
+        away, nearest = work.need.nearest_to(points[k])
+        kept_off = f"{expected[stroke[k]]:g} mm within {work.slack[nearest]:.4f}"
+        said.append(work.extra(int(work.moves.line[way[k]]), points[k], f"{away:.4f}", kept_off))
+    return traced, said + end_faults(work, traced)
+
+
+def _nearest(work: Work, points: Floats) -> tuple[Near, Near]:
+    """Of each point the nearest curve that the beam stays on, and the nearest that it keeps off."""
+    most = float(work.slack.max(initial=0.0))
+    reach = max(MITRE * work.half_kerf + most, 2 * most)
+    pairs = work.need.near(points, reach)
+    if not work.half_kerf:
+        found = work.need.nearest_of(pairs, len(points))
+        return found, found
+    beside = work.beside[work.need.owner[pairs.element]]
+    on = work.need.nearest_of(pairs.kept(~beside), len(points))
+    return on, work.need.nearest_of(pairs.kept(beside), len(points))
+
+
+def _beside(work: Work, nearest: Near) -> Flags:
+    """Where a path is half a kerf from a contour at most, or goes round a corner of it."""
+    away, who, at = nearest
+    slack, half = work.slack[who], work.half_kerf
+    corner = (away <= MITRE * half + slack) & (
+        (at <= slack) | (work.need.lengths[who] - at <= slack)
+    )
+    found: Flags = (away <= half + slack) | corner
+    return found
 
 
 def on_contour(work: Work, traced: Sequence[Traced]) -> Flags:
@@ -59,17 +85,6 @@ def on_contour(work: Work, traced: Sequence[Traced]) -> Flags:
     for t in traced:
         found[t.first : t.last] = True
     return found
-
-
-def _half_kerfs(work: Work, away: Floats, stroke: Counts) -> Floats:
-    """What each stroke keeps off its contours: half the kerf, or nothing."""
-    kerfs = np.array([s.row.kerf / 2 if work.offset else 0.0 for s in work.strokes])
-    if not kerfs.any():
-        return kerfs
-    order = np.lexsort((away, stroke))
-    counts = np.bincount(stroke, minlength=len(work.strokes))
-    middle = away[order][np.cumsum(counts) - counts + counts // 2]
-    return np.where(np.abs(middle) < np.abs(middle - kerfs), 0.0, kerfs)
 
 
 def _traced(work: Work, kept: Bounds, radii: Floats) -> list[Traced]:
@@ -82,11 +97,31 @@ def _traced(work: Work, kept: Bounds, radii: Floats) -> list[Traced]:
     columns = (work.strokes, kept, radii.tolist(), closed.tolist(), middles.tolist(), boxes)
     return [
         Traced(
-            stroke, first, last, half_kerf, is_closed, (x, y), work.path, work.fine,
-            [(first, last)] if is_closed else [], box, stroke.line,
+            stroke, first, last, half_kerf, is_closed, work.path, work.fine,
+            [(first, last)] if is_closed else [], (x, y), box, stroke.line, is_closed,
         )
         for stroke, (first, last), half_kerf, is_closed, (x, y), box in zip(*columns, strict=True)
     ]  # fmt: skip
+
+
+def _round_contours(work: Work, traced: Sequence[Traced], stroke: Counts, nearest: Counts) -> None:
+    """Gives the strokes that keep off a contour the one that most of their samples are beside."""
+    assert work.region is not None
+    ring_of = np.full(work.need.count, -1)
+    for k, ring in enumerate(work.region.rings):
+        ring_of[[way for way, _ in ring]] = k
+    found = ring_of[nearest]
+    known = found >= 0
+    count = len(work.region.rings)
+    pairs, times = np.unique(stroke[known] * max(count, 1) + found[known], return_counts=True)
+    order = np.argsort(times, kind="stable")
+    most = dict(zip((pairs[order] // max(count, 1)).tolist(), pairs[order].tolist(), strict=True))
+    for k, t in enumerate(traced):
+        if t.half_kerf and k in most:
+            ring = most[k] % count
+            polygon = work.region.polygons[ring]
+            t.contour, t.box, t.group, t.goes_round = polygon, polygon.bounds, -1 - ring, True
+            t.middle = polygon.exterior.coords[0]
 
 
 def _boxes(work: Work, kept: Counts) -> Floats:

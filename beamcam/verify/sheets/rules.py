@@ -96,17 +96,35 @@ SIDE = Rule(
     "found the path at X {x}, Y {y} on the side of the part; expected it in the waste",
     "The part would come out smaller by the kerf.",
 )
+BAND = Rule(
+    "verify-sheet-band",
+    _E,
+    "found the middle of the beam {found} mm from the part at X {x}, Y {y}; expected {expected}",
+    "The beam takes half its kerf on each side of its path, and would cut into the part.",
+)
+COMPENSATION = Rule(
+    "verify-sheet-compensation",
+    _E,
+    "found {found}; expected a path that the controller can keep the beam beside",
+    "The controller would stop there, in the middle of a cut.",
+)
 OPEN = Rule(
     "verify-sheet-open",
     _E,
     "found a path that {what} at X {x}, Y {y}, in the middle of a contour; expected it to close",
     "What is between the two ends holds the part.",
 )
+TABS = Rule(
+    "verify-sheet-tabs",
+    _E,
+    "found {found} bridges in a contour; expected at most {expected}",
+    "What was asked to hold the part is what has to be broken off afterwards.",
+)
 LEAD = Rule(
     "verify-sheet-lead",
     _E,
-    "found a lead of {found} mm at X {x}, Y {y}; expected {expected}",
-    "The torch pierces where the part or its neighbour is.",
+    "found a lead {found} mm from the part at X {x}, Y {y}; expected {expected}",
+    "The torch pierces or leaves where the part or its neighbour is.",
 )
 ORDER = Rule(
     "verify-sheet-order",
@@ -117,11 +135,12 @@ ORDER = Rule(
 NOT_MADE = Rule(
     "verify-sheet-not-made",
     _E,
-    "found {found} and nothing that says what makes it; expected it to be skipped by name",
+    "found {found} that the machine does not make ({kind}); expected that kind to be named by "
+    "--allow-skips, or its colour by --map",
     "Nothing is left out in silence.",
 )
 
 RULES = (
     SYNTAX, WORD, SETTING, END, ARC, FEED, RAMP, TOOL, RAPID, IDLE, AREA, MISSING, EXTRA, TWICE,
-    SIDE, OPEN, LEAD, ORDER, NOT_MADE,
+    SIDE, BAND, COMPENSATION, OPEN, TABS, LEAD, ORDER, NOT_MADE,
 )  # fmt: skip

@@ -140,6 +140,16 @@ class Ways:
         along[best.point] = self.at(best.element, best.along) - self.begins[owner]
         return away, who, along
 
+    def feet(self, pairs: Pairs, count: int) -> tuple[Floats, Floats]:
+        """How far the nearest way is from each of `count` points, and its nearest place, (n, 2)."""
+        away, feet = np.full(count, np.inf), np.zeros((count, 2))
+        best = _nearest(pairs, pairs.point)
+        length = self.elements.length[best.element]
+        share = np.divide(best.along, length, out=np.zeros(len(length)), where=length > 0.0)
+        away[best.point] = best.away
+        feet[best.point] = self.elements.places(best.element, share)
+        return away, feet
+
     def at(self, element: Counts, along: Floats) -> Floats:
         """How far along all ways, one behind the other, places on elements lie."""
         found: Floats = self._reached[element] + along
@@ -181,15 +191,24 @@ class Ways:
 
         No chord of an arc is farther from it than `tolerance`.
         """
-        low, high = int(self._first[first]), int(self._behind[last - 1])
+        return self._points(int(self._first[first]), int(self._behind[last - 1]), tolerance)[0]
+
+    def outlines(self, tolerance: float) -> tuple[Floats, Counts]:
+        """The points of all ways as `outline` has them, and where each begins, (count + 1,)."""
+        points, counts = self._points(0, len(self.elements), tolerance)
+        behind = np.concatenate(([0], np.cumsum(counts)))
+        return points, behind[np.concatenate(([0], self._behind))]
+
+    def _points(self, low: int, high: int, tolerance: float) -> tuple[Floats, Counts]:
+        """Points along some elements, and how many of each."""
         arcs = self.elements.arcs[low:high]
         # The sagitta of a chord is r (1 - cos(turn / 2)), which is below r turn^2 / 8.
         steps = np.abs(arcs[:, 4]) * np.sqrt(arcs[:, 2] / (8 * tolerance))
         steps = np.maximum(steps, np.abs(arcs[:, 4]) / MOST_TURN_RAD)
-        count = np.maximum(1, np.ceil(steps)).astype(np.int64)
-        owner = np.repeat(np.arange(low, high), count + 1)
-        number = np.arange(len(owner)) - np.repeat(np.cumsum(count + 1) - count - 1, count + 1)
-        return self.elements.places(owner, number / np.repeat(count, count + 1))
+        count = np.maximum(1, np.ceil(steps)).astype(np.int64) + 1
+        owner = np.repeat(np.arange(low, high), count)
+        number = np.arange(len(owner)) - np.repeat(np.cumsum(count) - count, count)
+        return self.elements.places(owner, number / np.repeat(count - 1, count)), count
 
     def point(self, way: Counts, at: Floats) -> Floats:
         """The places so far along ways, (n, 2)."""
@@ -204,8 +223,8 @@ class Ways:
         share: Floats = (place - self._reached[element]) / safe
         return element, share
 
-    def samples(self, spacing: float) -> tuple[Counts, Floats, Counts]:
-        """Places inside each way, three or more, at most `spacing` apart.
+    def samples(self, spacing: float | Floats) -> tuple[Counts, Floats, Counts]:
+        """Places inside each way, three or more, at most `spacing` (or that of each) apart.
 
         The element of each and the share of it, for `places` and `directions`; and the way of
         each. Ends are left out, since ways meet there.

@@ -1,47 +1,69 @@
 """The strokes of one process and the curves that they should follow."""
 
 from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
 import numpy as np
-import numpy.typing as npt
 from msgspec import Struct
 
 from beamcam.errors import Diagnostic, Source
-from beamcam.geometry.curves import BSpline, Curve
 from beamcam.machine.machine import Torch, TorchProcess
 from beamcam.verify.sheets import rules
-from beamcam.verify.sheets.elements import Counts, Floats
+from beamcam.verify.sheets.elements import Counts, Flags, Floats
 from beamcam.verify.sheets.gaps import widest_gap
 from beamcam.verify.sheets.moves import Moves
 from beamcam.verify.sheets.need import Need
-from beamcam.verify.sheets.splines import spans_of
 from beamcam.verify.sheets.strokes import Stroke, Strokes
 from beamcam.verify.sheets.ways import Ways
 
-Flags = npt.NDArray[np.bool_]
+if TYPE_CHECKING:
+    from shapely import Polygon
+
+    from beamcam.verify.sheets.region import Region
 
 SPACING = 4.0  #: mm between samples
 MITRE = 2.5  #: how far from a corner a path may pass it, by half the kerf
 #: Cubics that stand for circles miss them by 2.7e-4 of the radius; a path may be the true circle.
-CIRCLE_SHARE = 3.5e-4
+CIRCLE_SHARE = 1e-3
+ASKED = (0.08, 0.16, 0.24, 0.5, 0.76, 0.84, 0.92)  #: shares of a curve that may be a circle
+FLAT = 1e-6
 SHOWN = 5  #: of one kind of fault
 
 
 class Traced(Struct):
-    """A stroke whose leads are known."""
+    """A stroke whose leads are known, and what it goes round."""
 
     stroke: Stroke
     first: int  #: of its ways along the contour
     last: int  #: behind the last of them
     half_kerf: float  #: that the path keeps off the contour
     closed: bool
-    middle: tuple[float, float]  #: a place on the path
     path: Ways
     fine: float  #: what chords may be off
     ring: list[tuple[int, int]]  #: ways that go round an inside together; none if it is open
+    middle: tuple[float, float]  #: a place on the contour
     box: tuple[float, float, float, float]  #: around the ring
-    group: int  #: line of the first stroke of its contour
-    inside: object = None  #: polygon of the ring, made when it is asked for
+    group: int  #: of strokes of one contour
+    goes_round: bool  #: by itself, or with others and the bridges between them
+    contour: "Polygon | None" = None  #: inside of the closed contour that it keeps off
+
+    def inside(self) -> "Polygon | None":
+        """The polygon that it goes round; None of less than a triangle."""
+        import shapely
+
+        if self.contour is not None:
+            return self.contour
+        points = np.concatenate([self.path.outline(a, b, self.fine) for a, b in self.ring])
+        return shapely.make_valid(shapely.Polygon(points)) if len(points) > 3 else None
+
+    def corners(self) -> Floats:
+        """Places of the contour, (n, 2)."""
+        import shapely
+
+        if self.contour is None:
+            return self.path.starts[self.first : self.last]
+        found: Floats = shapely.get_coordinates(self.contour)
+        return found
 
 
 class Work(Struct, frozen=True):
@@ -57,27 +79,38 @@ class Work(Struct, frozen=True):
     step: float  #: of the program's numbers
     fine: float  #: what chords may be off
     tolerance: float
-    free: Floats  #: what each needed curve may be off besides
+    slack: Floats  #: what each needed curve may be off: the tolerance and what it adds to that
+    half_kerf: float  #: of the beam, that keeps off closed contours; 0 stays on them
+    region: "Region | None"  #: of a beam that keeps off
+    small: Flags  #: needed curves that are too small to be cut
     shift: tuple[float, float]
     name: str
 
     @property
-    def offset(self) -> bool:
-        """Whether paths may keep off their contours by half a kerf."""
-        return self.torch.kerf_by == "offset" and self.process == "cut"
+    def beside(self) -> Flags:
+        """The needed curves that the beam keeps off."""
+        return np.zeros(self.need.count, dtype=bool) if self.region is None else self.region.closed
+
+    def on_kept_off(self, points: Floats) -> Flags:
+        """Points that lie on a contour which the beam keeps off.
+
+        What is open there is drawn twice, or ends on the contour.
+        """
+        found = np.zeros(len(points), dtype=bool)
+        if self.half_kerf:
+            pairs = self.need.near(points, self.torch.gap)
+            found[pairs.point[self.beside[self.need.owner[pairs.element]]]] = True
+        return found
 
     @property
     def bridged(self) -> bool:
         """Whether contours may have bridges."""
         return bool(self.torch.tabs) and self.process == "cut"
 
-    def most_half_kerf(self) -> float:
-        """The greatest that a stroke may keep off its contour."""
-        return max(s.row.kerf / 2 for s in self.strokes) if self.offset else 0.0
-
     def most(self, length: float) -> float:
-        """What a lead may measure at most."""
-        return length * 1.001 + 8 * self.step
+        """What a lead may measure at most; the controller takes up half a kerf along it."""
+        taken_up = 2 * self.half_kerf if self.torch.kerf_by == "machine" else 0.0
+        return length * 1.001 + 8 * self.step + taken_up
 
     def tab_width(self, half_kerf: float) -> float:
         """How far apart the strokes on both sides of a bridge may be."""
@@ -119,20 +152,66 @@ def work_of(
     fine = torch.tolerance / 8
     curves = need.curves.get(process, [])
     ways = need.ways(process, fine).moved(shift)
-    shares = np.zeros(len(curves))
-    shares[ways.rest] = [_share(curves[k]) for k in ways.rest.tolist()]
+    half_kerf = _half_kerf(process, mine, torch)
+    region = None
+    tolerance = torch.tolerance + 2 * step + fine
     # What joining ends may move is allowed where there is something to join.
-    tolerance = torch.tolerance + 2 * step + fine + _loose(ways, torch.gap)
+    if half_kerf and len(curves):
+        from beamcam.verify.sheets.region import region_of
+
+        features = np.array(need.features[process])
+        region = region_of(ways, features, torch.gap, torch.gap, fine)
+        joined = region.joined + torch.gap * region.doubled
+    else:
+        tolerance += _loose(ways, torch.gap)
+        joined = np.zeros(len(curves))
+    slack = tolerance + joined + _round(ways)
     return Work(
         process, mine, moves, ways, Ways.of_moves(moves, fine),
         np.repeat(np.arange(len(mine)), counts), torch, step, fine, tolerance,
-        shares * np.minimum(ways.lengths, 1e6), shift, name,
+        slack, half_kerf, region, _small(ways, torch.gap), shift, name,
     )  # fmt: skip
 
 
-def _share(curve: Curve) -> float:
-    """What of its length a free curve may be off, as the circle that it stands for."""
-    return CIRCLE_SHARE / (spans_of(curve) if isinstance(curve, BSpline) else 1)
+def _small(ways: Ways, gap: float) -> Flags:
+    """Curves no larger than the gap that is closed between two ends."""
+    if not (ways.lengths <= 4 * gap).any():
+        return np.zeros(ways.count, dtype=bool)
+    from beamcam.verify.sheets.region import small_ways
+
+    return small_ways(ways, gap)
+
+
+def _half_kerf(process: TorchProcess, strokes: Sequence[Stroke], torch: Torch) -> float:
+    """What the beam of a process keeps off closed contours."""
+    if process != "cut" or torch.kerf_by == "none":
+        return 0.0
+    return max((s.row.kerf / 2 for s in strokes), default=0.0)
+
+
+def _round(ways: Ways) -> Floats:
+    """How far free curves that stand for circles are from them, (count,); 0 for all others.
+
+    The circle goes through three places of the curve, and others are no farther from it than a
+    cubic is from its quarter of a circle.
+    """
+    found = np.zeros(ways.count)
+    which = ways.rest[ways.lengths[ways.rest] > 0.0]
+    if not len(which):
+        return found
+    shares = np.array([0.0, 1 / 3, 2 / 3, *ASKED])
+    x, y = ways.point(
+        np.repeat(which, len(shares)), np.outer(ways.lengths[which], shares).ravel()
+    ).T.reshape(2, len(which), len(shares))
+    (ux, uy), (wx, wy) = ((x[:, k] - x[:, 0], y[:, k] - y[:, 0]) for k in (1, 2))
+    twice, uu, ww = 2 * (ux * wy - uy * wx), ux * ux + uy * uy, wx * wx + wy * wy
+    bent = np.abs(twice) > FLAT * (uu + ww)
+    safe = np.where(bent, twice, 1.0)
+    cx, cy = x[:, 0] + (wy * uu - uy * ww) / safe, y[:, 0] + (ux * ww - wx * uu) / safe
+    radius = np.hypot(x[:, 0] - cx, y[:, 0] - cy)
+    off = np.abs(np.hypot(x - cx[:, None], y - cy[:, None]) - radius[:, None]).max(axis=1)
+    found[which] = np.where(bent & (off <= CIRCLE_SHARE * radius), 2 * off, 0.0)
+    return found
 
 
 def _loose(need: Ways, gap: float) -> float:

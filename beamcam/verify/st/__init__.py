@@ -19,8 +19,6 @@ from beamcam.verify.st.work import Work
 
 __all__ = ["read_program", "verify_triggers"]
 
-FeatureRef = tuple[int, int]
-
 
 def read_program(
     text: str, machine: Machine, name: str = "program"
@@ -36,7 +34,7 @@ def verify_triggers(
     text: str,
     parts: Sequence[Part],
     machine: Machine,
-    skipped: Collection[FeatureRef] = (),
+    skips: Collection[str] = (),
     name: str = "program",
 ) -> tuple[Diagnostic, ...]:
     """Everything that is wrong with a trigger program, by itself and against its part.
@@ -61,5 +59,5 @@ def verify_triggers(
 
     (part,) = parts
     ways = [(stroke.process, stroke.points) for stroke in work.strokes]
-    said += compare_polylines(ways, part, machine, skipped, triggers.in_position, name)
+    said += compare_polylines(ways, part, machine, skips, triggers.in_position, name)
     return tuple(said)

@@ -18,7 +18,7 @@ from beamcam.machine.tables import Stepper
 from beamcam.model.part import Part
 from beamcam.verify.steps.follow import Followed
 from beamcam.verify.steps.header import header_rows
-from beamcam.verify.steps.outline import FeatureRef, Outline
+from beamcam.verify.steps.outline import Outline
 from beamcam.verify.steps.rows import Rows, Stream, TableFault, binary_rows, text_rows
 from beamcam.verify.steps.velocities import ROUND, Velocities, stretches
 
@@ -39,7 +39,7 @@ def verify_table(
     pieces: Iterable[bytes],
     parts: Sequence[Part],
     machine: Machine,
-    skipped: Collection[FeatureRef] = (),
+    skips: Collection[str] = (),
     name: str = "program",
 ) -> tuple[Diagnostic, ...]:
     """Everything that is wrong with a table, by itself and against its part.
@@ -56,12 +56,12 @@ def verify_table(
     (part,) = parts or (None,)
     table: Followed | Velocities
     if form == VELOCITIES:
-        outline = Outline(part, machine, skipped, sqrt(2.0) * ROUND, 0.0, name)
+        outline = Outline(part, machine, skips, sqrt(2.0) * ROUND, 0.0, name)
         table = Velocities(machine, name, outline)
         fault = _read(table.follow, stretches(stream, stepper.step))
     else:
         half, simplify = stepper.step * sqrt(0.5), stepper.step * SIMPLIFY
-        outline = Outline(part, machine, skipped, half, simplify, name)
+        outline = Outline(part, machine, skips, half, simplify, name)
         table = Followed(machine, name, outline)
         fault = _read(table.follow, _STEPS[form](stream, stepper))
     if fault is not None:

@@ -19,7 +19,6 @@ from beamcam.verify.sheets.ways import Ways
 from beamcam.verify.steps import rules
 
 Floats = NDArray[np.float64]
-FeatureRef = tuple[int, int]
 
 SPEED_SLACK = 1e-3  #: mm/s
 COARSE = 2.0  #: steps by which stairs of steps are smoothed for their length
@@ -116,7 +115,7 @@ class Outline:
         self,
         part: Part | None,
         machine: Machine,
-        skipped: Collection[FeatureRef],
+        skips: Collection[str],
         rounding: float,
         simplify: float,
         name: str,
@@ -124,7 +123,7 @@ class Outline:
         if machine.torch is None:
             raise TypeError(f"{machine.name} has no torch")
         self.part, self.machine, self.torch = part, machine, machine.torch
-        self.skipped, self.name = skipped, name
+        self.skips, self.name = skips, name
         self.rounding, self.simplify = rounding, simplify
         self.said: list[Diagnostic] = []
         self.ways: list[tuple[TorchProcess, list[tuple[float, float]]]] = []
@@ -132,7 +131,7 @@ class Outline:
         self.work: dict[TorchProcess, Work] = {}
         self._stroke: _Stroke | None = None
         if part is not None:
-            need = need_of(part, self.torch, {feature for _, feature in skipped})
+            need = need_of(part, self.torch, skips)
             shift = shift_of(need, self.torch)
             self.work = work_of(part, self.torch)
             for process, curves in need.curves.items():
@@ -241,7 +240,7 @@ class Outline:
         if self.part is None or self.said:
             return self.said
         slack = self.rounding + self.simplify
-        return compare_polylines(self.ways, self.part, self.machine, self.skipped, slack, self.name)
+        return compare_polylines(self.ways, self.part, self.machine, self.skips, slack, self.name)
 
 
 def simple(points: Floats, slack: float) -> Floats:

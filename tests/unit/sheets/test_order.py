@@ -16,6 +16,11 @@ class Cut(Struct):
     box: tuple[float, float, float, float]
     middle: tuple[float, float]
     ring: tuple[int, ...] = (0,)  #: open without one
+    contour: None = None
+
+    @property
+    def goes_round(self) -> bool:
+        return bool(self.ring)
 
 
 places = st.integers(0, 12).map(float)

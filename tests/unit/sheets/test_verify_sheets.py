@@ -134,6 +134,19 @@ def mark_last(text: str) -> str:
     return text.replace(block[0], "").replace("G0 X0 Y0", block[0] + "G0 X0 Y0")
 
 
+def more_tabs(text: str) -> str:
+    """The first long line of the last contour in two strokes with a bridge between them."""
+    lines = text.split("\n")
+    last = max(k for k, line in enumerate(lines) if line == "F2300")
+    k = next(k for k in range(last + 2, len(lines)) if lines[k].startswith("G1"))
+    (x0, y0), (x1, y1) = (map(float, re.findall(r"[XY](\S+)", lines[j])) for j in (k - 1, k))
+    length = abs(x1 - x0) + abs(y1 - y0)
+    near, far = ((length / 4 + d) / length for d in (-1.2, 1.2))
+    a, b = (f"X{x0 + s * (x1 - x0):.4f} Y{y0 + s * (y1 - y0):.4f}" for s in (near, far))
+    bridge = [f"G1 {a}", "M5", f"G0 {b}", "M3 S1", "G4 P0.5", "F2300"]
+    return "\n".join([*lines[:k], *bridge, *lines[k:]])
+
+
 PLAIN = {"kerf_by": "none", "lead": "none"}
 MUTANTS: list[tuple[str, dict[str, object], Change, str]] = [
     ("plate-linuxcnc", {}, swap("M5\n", ""), "verify-sheet-rapid"),
@@ -161,7 +174,14 @@ MUTANTS: list[tuple[str, dict[str, object], Change, str]] = [
     ("plate-linuxcnc", {}, swap("%\n", ""), "verify-sheet-syntax"),
     ("plate-linuxcnc", {}, swap("G1 X", "G1 X1-"), "verify-sheet-syntax"),
     ("plate-linuxcnc", {"kerf_by": "machine", "lead": "line"}, swap("G41.1", "G42.1"),
-     "verify-sheet-tool"),
+     "verify-sheet-side"),
+    ("plate-linuxcnc", {"kerf_by": "machine", "lead": "line"}, swap("D1.5", "D2.5"),
+     "verify-sheet-extra"),
+    ("plate-linuxcnc", {"kerf_by": "machine", "lead": "line"}, swap("D1.5", "D0.9"),
+     "verify-sheet-band"),
+    ("plate-linuxcnc", {"kerf_by": "machine", "lead": "line"}, swap("D1.5", "D7"),
+     "verify-sheet-compensation"),
+    ("plate-linuxcnc", {"tabs": 2}, more_tabs, "verify-sheet-tabs"),
     ("laser-grbl", {"material": "wood"}, swap("(JOB)", "%"), "verify-sheet-syntax"),
     ("laser-grbl", {"material": "wood"}, swap("(JOB)", "(" + "J" * 90 + ")"),
      "verify-sheet-syntax"),
@@ -233,7 +253,7 @@ def test_a_feature_that_nothing_makes() -> None:
     bent = plate(Bend((0, 0), (9, 0), 90.0, 3.0, S))
     (said,) = verify_sheet(text, (bent,), machine)
     assert (said.code, said.source) == ("verify-sheet-not-made", S)
-    assert not verify_sheet(text, (bent,), machine, {(0, 0)})
+    assert not verify_sheet(text, (bent,), machine, ("other",))
 
 
 def test_every_rule_has_a_case() -> None:

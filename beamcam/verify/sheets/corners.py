@@ -1,0 +1,137 @@
+"""Corners of the waste that no round beam reaches.
+
+    part      |
+              |  e        The beam stands at c and touches both sides at e. What lies between them
+        ______|.·¯¯.      along the contour stays, and is left out of what is asked for.
+        part  e   c |
+
+A stretch that has no path is such a corner if no place of the waste has room for the beam and
+touches it, if the beam touches both of its ends from one place, and if it grows narrow: a slot
+that is too narrow for the beam does not, and both ends of a neck are touched from two places.
+"""
+
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+
+from beamcam.verify.sheets.elements import Counts, Flags, Floats
+from beamcam.verify.sheets.work import Traced, Work
+
+HALVINGS = 24  #: of the way between a place that has a path and one that has none
+SHALLOW = 2.0  #: by half the kerf; what is less deep need not grow narrow
+NARROWS = 0.75  #: width half way down, by that of the mouth
+
+Samples = tuple[Counts, Floats, Counts]  #: element, share of it and way of each
+
+
+def in_corners(work: Work, traced: Sequence[Traced], missing: Counts, samples: Samples) -> Flags:
+    """Which of the samples without a path lie in a corner."""
+    element, share, owner = samples
+    found = np.zeros(len(missing), dtype=bool)
+    if work.region is None or not len(missing):
+        return found
+    which = np.flatnonzero(work.beside[owner[missing]])
+    which = which[_no_room(work, element[missing[which]], share[missing[which]])]
+    left = np.zeros(len(owner), dtype=bool)
+    left[missing[which]] = True
+    is_missing = np.zeros(len(owner), dtype=bool)
+    is_missing[missing] = True
+    good = np.zeros(len(owner), dtype=bool)
+    beam = _Beam(work, traced)
+    for stretch in _stretches(work, owner, is_missing):
+        if left[stretch[1:-1]].all() and beam.is_corner(stretch, samples):
+            good[stretch[1:-1]] = True
+    # A curve that lies on another is where that one is.
+    found[:] = good[missing] | (left[missing] & work.region.twins[owner[missing]])
+    return found
+
+
+def _no_room(work: Work, element: Counts, share: Floats) -> Flags:
+    """Places of contours beside which no beam has room in the waste."""
+    assert work.region is not None
+    elements, half = work.need.elements, work.half_kerf
+    points = elements.places(element, share)
+    ahead = elements.directions(element, share)
+    normal = np.column_stack((-ahead[:, 1], ahead[:, 0]))
+    closed = work.beside
+    found = np.ones(len(points), dtype=bool)
+    for sign in (1.0, -1.0):
+        middle = points + sign * half * normal
+        pairs = work.need.near(middle, half)
+        pairs = pairs.kept(closed[work.need.owner[pairs.element]])
+        away, way, _ = work.need.nearest_of(pairs, len(middle))
+        room = away >= half - work.slack[way] - work.tolerance
+        found &= ~(room & ~work.region.in_part(middle))
+    return found
+
+
+def _stretches(work: Work, owner: Counts, missing: Flags) -> Iterator[Counts]:
+    """Samples of a ring that have no path, one behind the other, between two that have one."""
+    assert work.region is not None
+    firsts = np.searchsorted(owner, np.arange(work.need.count + 1))
+    lost = np.add.reduceat(missing, firsts[:-1]) > 0
+    for ring in work.region.rings:
+        if not lost[[k for k, _ in ring]].any():
+            continue
+        rows = [np.arange(firsts[k], firsts[k + 1])[:: -1 if turned else 1] for k, turned in ring]
+        order = np.concatenate(rows)
+        gone = missing[order]
+        if gone.all():
+            continue
+        begin = int(np.argmin(gone))  # one that has a path
+        order, gone = np.roll(order, -begin), np.roll(gone, -begin)
+        order, gone = np.append(order, order[0]), np.append(gone, False)
+        steps = np.flatnonzero(np.diff(gone.astype(np.int8)))
+        for low, high in zip(steps[::2].tolist(), steps[1::2].tolist(), strict=True):
+            yield order[low : high + 2]
+
+
+class _Beam:
+    """The beam along its path, asked where it touches contours."""
+
+    def __init__(self, work: Work, traced: Sequence[Traced]) -> None:
+        self._work = work
+        self._keeps_off = np.array([t.half_kerf > 0.0 for t in traced])
+
+    def is_corner(self, stretch: Counts, samples: Samples) -> bool:
+        """Whether a stretch, its first and last sample touched by the beam, is a corner."""
+        element, share, owner = samples
+        work = self._work
+        points = work.need.elements.places(element[stretch], share[stretch])
+        reach = work.half_kerf + work.slack[owner[stretch]]
+        ends, middles = [], []
+        for have, lack in ((0, 1), (-1, -2)):
+            # Along the chord between both samples, which are half a beam apart or less.
+            a, b = points[have], points[lack]
+            for _ in range(HALVINGS):
+                middle = (a + b) / 2
+                if self._nearest(middle)[0] <= reach[have]:
+                    a = middle
+                else:
+                    b = middle
+            ends.append(a)
+            middles.append(self._nearest(a)[1])
+        if np.hypot(*(middles[1] - middles[0])) > work.half_kerf / 4 + 4 * work.tolerance:
+            return False
+        return self._narrows(points[1:-1], ends[0], ends[1], (middles[0] + middles[1]) / 2)
+
+    def _narrows(self, points: Floats, first: Floats, last: Floats, middle: Floats) -> bool:
+        """Whether a stretch is shallow, or narrower half way down than at its mouth."""
+        depth = np.hypot(*(points - middle).T) - self._work.half_kerf
+        deepest = int(np.argmax(depth))
+        if depth[deepest] <= SHALLOW * self._work.half_kerf:
+            return True
+        half = depth[deepest] / 2
+        one = points[int(np.argmin(np.abs(depth[: deepest + 1] - half)))]
+        other = points[deepest + int(np.argmin(np.abs(depth[deepest:] - half)))]
+        mouth = float(np.hypot(*(last - first)))
+        return bool(np.hypot(*(other - one)) <= NARROWS * mouth)
+
+    def _nearest(self, point: Floats) -> tuple[float, Floats]:
+        """How far the path is from a point, and its place that is nearest."""
+        work = self._work
+        asked = point.reshape(1, 2)
+        pairs = work.path.near(asked, 2 * work.half_kerf + 2 * float(work.slack.max()))
+        pairs = pairs.kept(self._keeps_off[work.of_way[work.path.owner[pairs.element]]])
+        away, feet = work.path.feet(pairs, 1)
+        return float(away[0]), feet[0]

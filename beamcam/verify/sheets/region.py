@@ -1,0 +1,287 @@
+"""What is part and what is waste on a sheet.
+
+The part is the set of points that an odd number of closed cut contours enclose, curves that are
+drawn twice counted once. A contour that an even number of others enclose is an outline, its waste
+outside; one that an odd number enclose is a hole, its waste inside.
+
+A contour is closed if the curves of one feature meet end to end, two at each place; or if curves
+of several do, within the machine's gap. Of these, curves that lead to nowhere count for nothing
+first; then a contour stops where an odd number still meets. Rings may touch in a corner. All other
+curves are open and have no inside: no side and no order is asked of them, they bound no part, and
+the beam stays centred on them.
+"""
+
+from collections import defaultdict
+from collections.abc import Sequence
+
+import numpy as np
+import shapely
+from msgspec import Struct
+from numpy.typing import NDArray
+
+from beamcam.verify.sheets.elements import Counts, Flags, Floats
+from beamcam.verify.sheets.ways import Ways
+
+SAME_POINT = 1e-6  #: ends of the curves of one feature that meet
+#: Of a curve, where it is asked whether it lies on another; most are out after the first.
+SHARES = (0.5, 0.29, 0.71, 0.13, 0.87, 0.0, 1.0)
+
+Chain = list[tuple[int, bool]]  #: ways one behind the other, and whether each is turned round
+
+
+class Region(Struct, frozen=True):
+    """The closed contours of a sheet; ways are numbered as those that it was made of."""
+
+    polygons: NDArray[np.object_]  #: of each ring
+    rings: list[Chain]
+    closed: Flags  #: ways of a ring, and those that lie on one
+    twins: Flags  #: ways that lie on others
+    doubled: Flags  #: ways that lie on others, or others on them
+    joined: Floats  #: how far the ends of a way are from those that follow them in its ring
+
+    def depth(self, points: Floats) -> Counts:
+        """How many contours enclose each point (n, 2)."""
+        tree = shapely.STRtree(self.polygons)
+        asked, _ = tree.query(shapely.points(points), "within")
+        found: Counts = np.bincount(asked, minlength=len(points))
+        return found
+
+    def in_part(self, points: Floats) -> Flags:
+        """Which points (n, 2) lie in the part."""
+        found: Flags = self.depth(points) % 2 == 1
+        return found
+
+
+def region_of(ways: Ways, features: Counts, gap: float, same: float, fine: float) -> Region:
+    """The region of ways whose features are known by their numbers.
+
+    Ends at most `gap` apart meet, curves no farther than `same` from others lie on them. Outlines
+    are chords at most `fine` off.
+    """
+    real = np.flatnonzero(ways.lengths > 0.0)
+    own = _closed_features(ways, features, real)
+    twins = _twins(ways, own, same)
+    rings = _rings(ways, [k for k in real.tolist() if own[k]], features, 0.0)
+    loose = [k for k in real.tolist() if not own[k] and not twins[k]]
+    once = [ring for ring in rings if not all(twins[k] for k, _ in ring)]
+    once += _rings(ways, loose, np.zeros_like(features), gap)
+    points, begins = ways.outlines(fine)
+    sizes = np.diff(begins)
+    once = [ring for ring in once if sizes[[k for k, _ in ring]].sum() > 3]
+    polygons = _polygons(points, begins, once)
+    # A line there and back again has no inside.
+    wide = shapely.area(polygons) > same * shapely.length(polygons)
+    once = [ring for ring, is_wide in zip(once, wide.tolist(), strict=True) if is_wide]
+    polygons = polygons[wide]
+    closed = np.zeros(ways.count, dtype=bool)
+    closed[[k for ring in once for k, _ in ring]] = True
+    closed |= twins & _on(ways, closed, same)
+    doubled = twins | _lie_under(ways, twins, same)
+    return Region(polygons, once, closed, twins, doubled, _joined(ways, once))
+
+
+def small_ways(ways: Ways, gap: float) -> Flags:
+    """Ways that are no larger than the gap, with all that they are joined to.
+
+    Between two ends as near as that the tool does not move, so nothing cuts them.
+    """
+    low, high = ways.boxes
+    sizes: Floats = np.hypot(*(high - low).T)
+    if not (sizes <= gap).any():
+        return np.zeros(ways.count, dtype=bool)
+    every = np.arange(ways.count)
+    places = shapely.points(np.concatenate((ways.starts, ways.ends)))
+    a, b = shapely.STRtree(places).query(places, "dwithin", distance=gap + SAME_POINT)
+    group = every.copy()
+    while True:
+        least = group.copy()
+        np.minimum.at(least, a % ways.count, group[b % ways.count])
+        if np.array_equal(least, group):
+            break
+        group = least
+    wide_low, wide_high = low.copy(), high.copy()
+    np.minimum.at(wide_low, group, low)
+    np.maximum.at(wide_high, group, high)
+    small: Flags = np.hypot(*(wide_high - wide_low)[group].T) <= gap
+    return small
+
+
+def _closed_features(ways: Ways, features: Counts, real: Counts) -> Flags:
+    """The ways of features whose curves meet two by two."""
+    places = _places(ways, real, features[real], 0.0)
+    odd = np.unique(features[real][~(np.bincount(places.ravel())[places] == 2).all(axis=1)])
+    found = np.zeros(ways.count, dtype=bool)
+    found[real] = ~np.isin(features[real], odd)
+    return found
+
+
+def _places(ways: Ways, which: Counts, group: Counts, gap: float) -> Counts:
+    """A number for the place of both ends of some ways, (n, 2).
+
+    Ends of one group that are the same point are at one place. Where not just two are, places as
+    near as `SAME_POINT`, and then such as near as `gap`, are one.
+    """
+    ends = np.concatenate((ways.starts[which], ways.ends[which]))
+    keys = np.column_stack((np.tile(group, 2), ends))
+    order = np.lexsort(keys.T[::-1])
+    new = np.any(keys[order][1:] != keys[order][:-1], axis=1)
+    label = np.zeros(len(ends), dtype=np.int64)
+    label[order[1:]] = np.cumsum(new)
+    first = np.zeros(int(label.max(initial=-1)) + 1, dtype=np.int64)
+    first[label] = np.arange(len(ends))
+    root = np.arange(len(first))
+    for apart in (SAME_POINT, gap + SAME_POINT):
+        odd = np.flatnonzero(np.bincount(root[label], minlength=len(root)) != 2)
+        odd = odd[root[odd] == odd]
+        points = shapely.points(ends[first[odd]])
+        a, b = shapely.STRtree(points).query(points, "dwithin", distance=apart)
+        alike = (a < b) & (keys[first[odd[a]], 0] == keys[first[odd[b]], 0])
+        for x, y in zip(odd[a[alike]].tolist(), odd[b[alike]].tolist(), strict=True):
+            low, high = sorted((root[x], root[y]))
+            root[root == high] = low
+    found: Counts = root[label].reshape(2, -1).T
+    return found
+
+
+def _twins(ways: Ways, own: Flags, same: float) -> Flags:
+    """Ways that lie on others which come before them: closed features first, then the longer."""
+    rank = np.empty(ways.count, dtype=np.int64)
+    rank[np.lexsort((np.arange(ways.count), -ways.lengths, ~own))] = np.arange(ways.count)
+    return _lie_on(ways, np.arange(ways.count), rank, same)
+
+
+def _on(ways: Ways, which: Flags, same: float) -> Flags:
+    """Ways that lie on some of them."""
+    rank = np.where(which, 0, 1)
+    return _lie_on(ways, np.arange(ways.count), rank, same)
+
+
+def _lie_under(ways: Ways, twins: Flags, same: float) -> Flags:
+    """Ways that twins lie on."""
+    found = np.zeros(ways.count, dtype=bool)
+    which = np.flatnonzero(twins)
+    if len(which):
+        pairs = ways.near(ways.point(which, ways.lengths[which] / 2), same)
+        found[ways.owner[pairs.element]] = True
+    return found
+
+
+def _lie_on(ways: Ways, asked: Counts, rank: Counts, same: float) -> Flags:
+    """Ways of which each place lies no farther than `same` from a way of lower rank."""
+    on = np.ones(len(asked), dtype=bool)
+    left = asked
+    for share in SHARES:
+        points = ways.point(left, share * ways.lengths[left])
+        pairs = ways.near(points, same)
+        lower = rank[ways.owner[pairs.element]] < rank[left][pairs.point]
+        hit = np.zeros(len(left), dtype=bool)
+        hit[pairs.point[lower]] = True
+        on[left[~hit]] = False
+        left = left[hit]
+    return on
+
+
+def _rings(ways: Ways, which: Sequence[int], group: Counts, gap: float) -> list[Chain]:
+    """The rings among some ways that meet at their ends.
+
+    What leads to nowhere is taken away first, then what ends where three or another odd number
+    meet. Of the rest an even number meets everywhere, so that it is made of rings.
+    """
+    if not which:
+        return []
+    numbers = np.array(which, dtype=np.int64)
+    ends = _places(ways, numbers, group[numbers], gap).tolist()
+    meeting: dict[int, list[int]] = defaultdict(list)
+    for k, (a, b) in enumerate(ends):
+        meeting[a].append(k)
+        meeting[b].append(k)
+    kept = [True] * len(which)
+    _take_away(ends, meeting, kept, only_free=True)
+    _take_away(ends, meeting, kept, only_free=False)
+    return [[(which[k], turned) for k, turned in ring] for ring in _loops(ends, meeting, kept)]
+
+
+def _take_away(
+    ends: Sequence[Sequence[int]],
+    meeting: dict[int, list[int]],
+    kept: list[bool],
+    only_free: bool,
+) -> None:
+    """Takes away ways with a free end, or with an end where an odd number meets, all of them."""
+    left = {place: sum(kept[k] for k in ways) for place, ways in meeting.items()}
+    odd = [place for place, count in left.items() if count == 1 or (count % 2 and not only_free)]
+    while odd:
+        for k in meeting[odd.pop()]:
+            if not kept[k]:
+                continue
+            kept[k] = False
+            for place in ends[k]:
+                left[place] -= 1
+                if left[place] == 1 or (left[place] % 2 and not only_free):
+                    odd.append(place)
+
+
+def _loops(
+    ends: Sequence[Sequence[int]], meeting: dict[int, list[int]], kept: Sequence[bool]
+) -> list[Chain]:
+    """The rings that ways make where an even number meets at each place; none passes one twice."""
+    done = [not is_kept for is_kept in kept]
+    waiting = {place: iter(ways) for place, ways in meeting.items()}
+    found: list[Chain] = []
+    for first in range(len(ends)):
+        if done[first]:
+            continue
+        here = ends[first][0]
+        chain: Chain = []
+        passed = {here: 0}
+        k: int | None = first
+        while k is not None:
+            done[k] = True
+            a, b = ends[k]
+            turned = a != here
+            chain.append((k, turned))
+            here = a if turned else b
+            if here in passed:
+                begin = passed[here]
+                found.append(chain[begin:])
+                gone = {ends[j][1 - back] for j, back in chain[begin:]} - {here}
+                passed = {place: at for place, at in passed.items() if place not in gone}
+                del chain[begin:]
+            else:
+                passed[here] = len(chain)
+            k = next((j for j in waiting[here] if not done[j]), None)
+    return found
+
+
+def _joined(ways: Ways, rings: Sequence[Chain]) -> Floats:
+    """The greater of the gaps at both ends of each way, between it and its neighbours in a ring."""
+    found = np.zeros(ways.count)
+    for ring in rings:
+        numbers = np.array([k for k, _ in ring])
+        turned = np.array([back for _, back in ring])[:, None]
+        begins = np.where(turned, ways.ends[numbers], ways.starts[numbers])
+        ends = np.where(turned, ways.starts[numbers], ways.ends[numbers])
+        gaps = np.hypot(*(np.roll(begins, -1, axis=0) - ends).T)
+        if gaps.any():
+            found[numbers] = np.maximum(gaps, np.roll(gaps, 1))
+    return found
+
+
+def _polygons(points: Floats, begins: Counts, rings: Sequence[Chain]) -> NDArray[np.object_]:
+    """The inside of each ring; `points` are those of all ways, which begin at `begins`."""
+    if not rings:
+        return np.zeros(0, dtype=object)
+    bounds = begins.tolist()
+    rows, sizes = [], []
+    for ring in rings:
+        size = 0
+        for k, turned in ring:
+            row = np.arange(bounds[k], bounds[k + 1])
+            rows.append(row[::-1] if turned else row)
+            size += len(row)
+        sizes.append(size)
+    indices = np.repeat(np.arange(len(rings)), sizes)
+    polygons: NDArray[np.object_] = shapely.polygons(
+        shapely.linearrings(points[np.concatenate(rows)], indices=indices)
+    )
+    return polygons
