@@ -32,11 +32,12 @@ def step_table(plan: SheetPlan, machine: Machine, job: str) -> StepTable:
     if stepper is None:
         raise TypeError(f"{machine.name} has no stepping motors")
     found = ways(plan, machine)
+    planned: list[PlannedPath] = []  # with the first run through the rows
     return StepTable(
         job,
         stepper.step,
         stepper.sequence,
-        lambda: step_rows(found, stepper),
+        lambda: step_rows(found, stepper, planned),
         lambda: stretches(found, stepper.step, greatest_speed(stepper)),
     )
 
@@ -52,21 +53,27 @@ def plan_way(way: Way, stepper: Stepper) -> PlannedPath:
     return plan_speeds(way.points, way.speed_mm_s, LookAheadRules((axis, axis), stepper.corner))
 
 
-def step_rows(job: list[Way], stepper: Stepper) -> Iterator[StepRows]:
+def step_rows(
+    job: list[Way], stepper: Stepper, planned: list[PlannedPath] | None = None
+) -> Iterator[StepRows]:
     """The rows of a job: the first stands at time 0, with both axes at place 0 and the laser off.
 
-    Between two ways is a rest that is longer than the least time between two steps.
+    Between two ways is a rest that is longer than the least time between two steps. `planned`
+    takes the motion along each way, for a second run.
     """
+    paths = [] if planned is None else planned
     words = _Words(stepper)
     clock_us = 0
     rest_us = int(2 * MICROSECONDS / stepper.greatest_hz) + 1
     yield words.row(0, False)
-    for way in job:
+    for k, way in enumerate(job):
         if way.laser:
             yield words.row(clock_us, True)
             clock_us += round(way.wait_s * MICROSECONDS)
         clock_us += rest_us
-        path = plan_way(way, stepper)
+        if k == len(paths):
+            paths.append(plan_way(way, stepper))
+        path = paths[k]
         for x, y in events(path, stepper):
             yield words.rows(x, y, clock_us, way.laser)
         clock_us += int(np.ceil(path.duration_s * MICROSECONDS)) + rest_us

@@ -10,16 +10,17 @@ from msgspec import Struct
 from numpy.typing import NDArray
 
 from beamcam.errors import Diagnostic, Source
-from beamcam.geometry.curves import Curve
 from beamcam.machine.machine import Machine, Torch, TorchProcess
 from beamcam.model.part import Part
 from beamcam.verify.polylines import compare_polylines
-from beamcam.verify.sheets.need import need_of, shift_of, thickness_of
+from beamcam.verify.sheets.need import need_of, rows_of, shift_of, thickness_of
 from beamcam.verify.sheets.ways import Ways
 from beamcam.verify.steps import rules
 
 Floats = NDArray[np.float64]
 
+CORNER = 3.0  #: half kerfs that a path may be off a corner that it goes around
+MOST_MEASURED = 100  #: points of a stroke that are too far off its curves
 SPEED_SLACK = 1e-3  #: mm/s
 COARSE = 2.0  #: steps by which stairs of steps are smoothed for their length
 #: Motors may be kept this share below their greatest frequency, for the rounding of times.
@@ -55,6 +56,19 @@ def work_of(part: Part, torch: Torch) -> dict[TorchProcess, Work]:
     return found
 
 
+def beside(process: TorchProcess, part: Part, torch: Torch) -> float:
+    """How far a path may lie beside its curves: by the kerf that is kept off, and the leads.
+
+    That is for telling strokes apart; what they leave of the part is compared as a whole.
+    """
+    if process != "cut":
+        return 0.0
+    rows = rows_of(part, torch) if torch.kerf_by == "offset" else ()
+    kerf = max((row.kerf for row in rows if row.process == process), default=0.0)
+    leads = 0.0 if torch.lead == "none" else max(torch.lead_in, torch.lead_out)
+    return CORNER * kerf / 2 + leads
+
+
 class Seen(NamedTuple):
     """A speed, and the line that it was seen at."""
 
@@ -81,9 +95,18 @@ class _Stroke:
         self.worst: dict[TorchProcess, tuple[float, float]] = {}
         self.pieces: list[Floats] = []
 
-    def measure(self, process: TorchProcess, ways: Ways, points: Floats) -> None:
-        """How far points are off the curves of a process."""
-        away = ways.nearest(points)[0]
+    def measure(self, process: TorchProcess, track: "_Track", points: Floats) -> None:
+        """How far points are off the curves of a process, unless some were too far before.
+
+        Of the points that are too far a few are measured: the farthest of them is told.
+        """
+        if self.away[process] > track.most:
+            return
+        away = track.ways.nearest_of(track.ways.near(points, track.most), len(points))[0]
+        lost = np.flatnonzero(np.isinf(away))
+        if len(lost):
+            points = points[lost[:: len(lost) // MOST_MEASURED + 1]]
+            away = track.ways.nearest(points)[0]
         k = int(np.argmax(away))
         if away[k] >= self.away[process]:
             self.away[process] = float(away[k])
@@ -98,7 +121,7 @@ class _Track:
     """
 
     def __init__(self, ways: Ways, most: float, fine: float) -> None:
-        self.ways = ways
+        self.ways, self.most = ways, most
         lines = [ways.outline(k, k + 1, fine) for k in range(ways.count)]
         self.band = shapely.MultiLineString(lines).buffer(most, quad_segs=4)
         shapely.prepare(self.band)
@@ -134,11 +157,11 @@ class Outline:
             need = need_of(part, self.torch, skips)
             shift = shift_of(need, self.torch)
             self.work = work_of(part, self.torch)
+            fine = self.torch.tolerance / 8
             for process, curves in need.curves.items():
-                listed: list[Curve] = list(curves)
-                fine = self.torch.tolerance / 8
-                ways = Ways(listed, fine, shift)
-                self.tracks[process] = _Track(ways, rounding + self.torch.tolerance, fine)
+                ways = Ways(list(curves), fine, shift)
+                most = rounding + self.torch.tolerance + beside(process, part, self.torch)
+                self.tracks[process] = _Track(ways, most, fine)
 
     def begin(self, line: int) -> None:
         """The laser is switched on."""
@@ -156,12 +179,12 @@ class Outline:
         for process, track in self.tracks.items():
             off = ~shapely.contains_xy(track.band, points)
             if off.any():
-                stroke.measure(process, track.ways, points[off])
+                stroke.measure(process, track, points[off])
             else:
                 inside.append(process)
         if len(inside) > 1:  # near the curves of several: it matters how near
             for process in inside:
-                stroke.measure(process, self.tracks[process].ways, points)
+                stroke.measure(process, self.tracks[process], points)
         stroke.pieces.append(simple(points, self.simplify) if corners is None else corners)
 
     def end(self, fastest: Seen, slowest: Seen | None = None, times: Times | None = None) -> None:
@@ -172,17 +195,19 @@ class Outline:
         stroke, self._stroke = self._stroke, None
         if self.part is None or stroke is None:
             return
-        process = min(stroke.away, key=lambda p: stroke.away[p], default=None)
+        process = min(
+            stroke.away, key=lambda p: (stroke.away[p] > self.tracks[p].most, stroke.away[p]),
+            default=None,
+        )  # fmt: skip
         points = np.concatenate(stroke.pieces)
         source = Source(self.name, stroke.line)
-        most = self.rounding + self.torch.tolerance
         if (points == points[0]).all():
             found, expected = "the laser on and the head at rest", "a stroke"
             self.said.append(rules.LASER.at(source, found=found, expected=expected))
         elif process is None:
             said = rules.PLACE.at(source, x="any", y="any", expected="the laser off")
             self.said.append(said)
-        elif stroke.away[process] > most:
+        elif stroke.away[process] > (most := self.tracks[process].most):
             x, y = (f"{v:.2f}" for v in stroke.worst[process])
             off = f"{stroke.away[process]:.4f}"
             expected = f"it within {most:.4f} mm of the path, not {off} mm off"
