@@ -15,7 +15,6 @@ TABLES = [("laser-stepper", ".steps"), ("laser-stepper", ".csv"), ("table-simoti
 KERF = 0.4
 WAYS_IN: list[dict[str, object]] = [
     {"lead": "none"}, {"lead": "line", "lead_in": 2.0, "lead_out": 1.0},
-    {"lead": "arc", "lead_in": 2.0, "lead_out": 1.0},
 ]  # fmt: skip
 
 PART = drawing(contour(box(10, 10, 40, 30)), contour(circle(25, 20, 5)), thickness=3.0)
@@ -30,7 +29,7 @@ def table(name: str, kerf: float, **values: object) -> Machine:
 
 
 @pytest.mark.parametrize("part", [PART, SPIKE], ids=["plate", "spike"])
-@pytest.mark.parametrize("way_in", WAYS_IN, ids=["none", "line", "arc"])
+@pytest.mark.parametrize("way_in", WAYS_IN, ids=["none", "line"])
 @pytest.mark.parametrize(("name", "style"), TABLES)
 def test_half_a_kerf_is_kept_off(
     name: str, style: str, way_in: dict[str, object], part: Part
