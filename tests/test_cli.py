@@ -157,7 +157,8 @@ def test_parts_from_standard_input(good: str, piped: str, named: str) -> None:
 )
 def test_programs_from_standard_input(good: str, piped: str, named: str) -> None:
     left, right = call(piped, Path("w.gcode").read_text()), call(named)
-    assert (left.exit_code, left.stdout, left.stderr) == (0, right.stdout, right.stderr)
+    said = left.stderr.replace("stdin", "w.gcode")
+    assert (left.exit_code, left.stdout, said) == (0, right.stdout, right.stderr)
 
 
 @pytest.mark.parametrize(

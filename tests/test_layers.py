@@ -17,6 +17,7 @@ STEPS = (
     ("geometry",),
     ("machine",),
     ("model",),
+    ("controllers",),
     ("readers", "writers", "planning", "motion", "emitters", "verify", "report", "config"),
     ("asked", "posts"),
     ("pipeline",),

@@ -11,19 +11,19 @@ from beamcam.commands import options
 from beamcam.commands.common import REFUSED, STANDARD, Voice, say_json, say_lines
 from beamcam.commands.programs import input_bytes
 from beamcam.commands.settings import machine_for_program, settled
+from beamcam.controllers import rules
 from beamcam.errors import BeamcamError, Diagnostic, VerifyError
 from beamcam.machine import Machine
 from beamcam.machine.defaults import is_of_programs
 from beamcam.model.part import Part
 from beamcam.pipeline import as_error, parts_of
 from beamcam.readers.content import shown_name
-from beamcam.verify import rules as verify_rules
 from beamcam.verify import run
 from beamcam.verify.differ import Difference, diff_parts, diff_programs
 from beamcam.verify.statements import diff_sheets
 
 #: What a program may not have if its meaning is to be known.
-NOT_UNDERSTOOD = {r.code for r in (verify_rules.SYNTAX, verify_rules.WORD, verify_rules.ARC)}
+NOT_UNDERSTOOD = {r.code for r in (rules.SYNTAX, rules.WORD, rules.ARC)}
 
 
 @click.command("diff")

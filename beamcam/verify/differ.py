@@ -25,7 +25,7 @@ from beamcam.model.part import (
     Slot,
     TextMark,
 )  # fmt: skip
-from beamcam.verify.made import Bore, Cut, Made
+from beamcam.verify.bars.made import Bore, Cut, Made
 
 NEAR = 60.0  #: mm; what lies nearer is taken to have moved, what lies further to be another thing
 

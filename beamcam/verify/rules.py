@@ -1,38 +1,15 @@
 """What can be wrong with a program, by itself or against the parts that it should make."""
 
+from beamcam.controllers.rules import RULES as CONTROLLER_RULES
 from beamcam.errors import Rule, Severity
 
 _E, _W = Severity.ERROR, Severity.WARNING
 
-SYNTAX = Rule(
-    "verify-syntax",
-    _E,
-    "found {found!r}; expected {expected}",
-    "The controller would stop at that block, or read something else than was meant.",
-)
-WORD = Rule(
-    "verify-word",
-    _E,
-    "found {found}; expected {expected}",
-    "What the read-back does not know it cannot vouch for, so it refuses the program.",
-)
 NO_END = Rule(
     "verify-end",
     _E,
     "found {found}; expected M30 once, as the last command",
     "A program that was cut off in the middle looks like a whole one up to its last line.",
-)
-M_QUEUE = Rule(
-    "verify-m-queue",
-    _E,
-    "found {found} M words in a row; expected at most {expected}",
-    "CODESYS runs out of its queue (SMC_DEC_OUTQUEUE_RAN_EMPTY); a G75 before resets the count.",
-)
-ARC = Rule(
-    "verify-arc",
-    _E,
-    "found an arc {found}; expected {expected}",
-    "CODESYS replaces an arc that does not fit together by a straight line without a word.",
 )
 LIMIT = Rule(
     "verify-limit",
@@ -89,23 +66,57 @@ SIDEWAYS = Rule(
     "found {found} with the tool of face {face} at {axis} {at}; expected it drawn back",
     "A drill that is still in the material breaks when the bar or the spindle moves sideways.",
 )
+CLEARANCE = Rule(
+    "verify-clearance",
+    _E,
+    "found a rapid move that ends {found} mm before face {face}; expected at least {expected} mm",
+    "The machine file says how much room a rapid keeps; steel is never quite where it should be.",
+)
+SPINDLE_STOPPED = Rule(
+    "verify-spindle-stopped",
+    _E,
+    "found the spindle stopped with the tool of face {face} at {axis} {at}, in the material; "
+    "expected it drawn back before",
+    "A drill that stops in the hole is caught there, and breaks when it is drawn out.",
+)
+SPEED = Rule(
+    "verify-speed",
+    _E,
+    "found a speed of {found} rpm for {what}; expected {least} to {greatest} rpm",
+    "The speed is beyond the spindle's limits, or more than 1.2 times what the cutting data give.",
+)
+TOOL_CHANGE = Rule(
+    "verify-tool-change",
+    _E,
+    "found {what} chosen on spindle {spindle}; expected a stop before that puts it into one of the "
+    "{stations} stations",
+    "The stations hold the tools that the program needs first; another one comes in by hand only.",
+)
+UNSEEN = Rule(
+    "verify-unseen",
+    Severity.NOTE,
+    "how far face {found} lies below the flanges is not in the program, so rapids towards it were "
+    "not checked; give the parts by --against",
+    "The program says height, width and kind of its section, but no thickness.",
+)
 NO_FEED = Rule(
     "verify-no-feed",
     _E,
     "found a {found} without a feed; expected an F word",
-    "The controller's own default feed is 0, or what somebody has set there.",
+    "The controller's own default feed is 0, or what somebody has set there; a feed that still "
+    "holds from a cut before is not the drill's.",
 )
 FEED = Rule(
     "verify-feed",
     _W,
-    "found a feed of {found} mm/min for {what}; expected {expected} mm/min",
-    "The feed is not the one that the machine file gives for that tool and grade.",
+    "found a feed of {found} mm/min for {what}; expected about {expected} mm/min",
+    "The feed is less than half of what the machine file gives for that tool and grade.",
 )
 FEED_LIMIT = Rule(
     "verify-feed-limit",
     _E,
     "found a feed of {found} mm/min for {what}; expected at most {expected} mm/min",
-    "The station cannot feed faster.",
+    "More than 1.2 times what the cutting data give, or beyond the machine, breaks the tool.",
 )
 SECTION = Rule(
     "verify-section",
@@ -194,13 +205,6 @@ PATH_EXTRA = Rule(
     "found a path of a {kind} on face {face} from X {x}, y {y}; expected none there",
     "It belongs to no part, or is gone twice.",
 )
-TOOL_NEARER = Rule(
-    "verify-tool-nearer",
-    _W,
-    "found a drill {found} for the {what} on face {face} of {mark} at x {x}, y {y}; "
-    "expected {expected}, which is nearer",
-    "The drill is within the fit, but the shop has a better one.",
-)
 NOT_MADE = Rule(
     "verify-not-made",
     _E,
@@ -216,8 +220,8 @@ MODBUS = Rule(
 )
 
 RULES = (
-    SYNTAX, WORD, NO_END, M_QUEUE, ARC, LIMIT, STOP_BACK, CUT_OFF, NO_SPINDLE, SPINDLE_OFF,
-    SPINDLE_ON, COOLANT, RAPID, SIDEWAYS, NO_FEED, FEED, FEED_LIMIT, SECTION, CUT_MISSING,
-    CUT_PLACE, CUT_ANGLE, CUT_EXTRA, OUTLINE, HOLE_MISSING, HOLE_PLACE, HOLE_EXTRA, DEPTH, TOOL,
-    TURN, PATH, PATH_EXTRA, TOOL_NEARER, NOT_MADE, MODBUS,
+    *CONTROLLER_RULES, NO_END, LIMIT, STOP_BACK, CUT_OFF, NO_SPINDLE, SPINDLE_OFF, SPINDLE_ON,
+    SPINDLE_STOPPED, SPEED, COOLANT, RAPID, CLEARANCE, UNSEEN, SIDEWAYS, TOOL_CHANGE, NO_FEED, FEED,
+    FEED_LIMIT, SECTION, CUT_MISSING, CUT_PLACE, CUT_ANGLE, CUT_EXTRA, OUTLINE, HOLE_MISSING,
+    HOLE_PLACE, HOLE_EXTRA, DEPTH, TOOL, TURN, PATH, PATH_EXTRA, NOT_MADE, MODBUS,
 )  # fmt: skip

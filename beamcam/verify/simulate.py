@@ -16,13 +16,13 @@ from math import cos, hypot, inf, isnan, radians
 from msgspec import Struct
 from msgspec.structs import replace
 
+from beamcam.controllers.events import Move, Pause, Switch, Turn
 from beamcam.errors import MachineError, Source
 from beamcam.machine import rules as machine_rules
 from beamcam.machine.machine import Machine
 from beamcam.verify import Run
-from beamcam.verify.events import Move, Pause, Switch, Turn
+from beamcam.verify.bars.stations import Choice
 from beamcam.verify.ramps import STANDING, Ramp, ramp
-from beamcam.verify.stations import Choice
 
 Positions = tuple[float, ...]
 
@@ -122,7 +122,7 @@ class _Simulation:
     """The clock, the axes and the switches while a program runs."""
 
     def __init__(self, run: Run, machine: Machine) -> None:
-        self.events, self.choices, self.meaning = run.events, run.choices, run.meaning
+        self.events, self.choices, self.dialect = run.events, run.choices, run.dialect
         self.machine = machine
         self.clock_s = 0.0
         self.positions: Positions = tuple(a.park for a in machine.axes)
@@ -194,7 +194,7 @@ class _Simulation:
         return done
 
     def _switch(self, event: Switch) -> Iterator[Stretch]:
-        word = self.meaning.m_words.get(event.number)
+        word = self.dialect.m_words.get(event.number)
         role = word.role if word else "other"
         times = self.machine.times
         takes_s = 0.0

@@ -10,9 +10,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
+from beamcam.controllers.arcs import arc_fault as codesys_fault
 from beamcam.geometry.curves import Arc, Bezier, BSpline, Curve, Line
 from beamcam.machine import load
-from beamcam.verify.arcs import arc_fault as codesys_fault
 from beamcam.verify.sheets import events_of, grbl, linuxcnc
 from beamcam.verify.sheets.events import Event
 from beamcam.verify.sheets.gaps import widest_gap

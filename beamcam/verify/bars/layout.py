@@ -9,9 +9,9 @@ from typing import NamedTuple
 
 from beamcam.machine.machine import Machine, Saw
 from beamcam.model.part import Part
+from beamcam.verify.bars.part_ends import End, ends_of
 from beamcam.verify.bars.pieces import Piece, Plane
 from beamcam.verify.bars.turned import standing
-from beamcam.verify.ends import End, ends_of
 
 
 class Candidate(NamedTuple):
@@ -32,13 +32,13 @@ class Laid(NamedTuple):
     piece: Piece | None  #: None where its ends are not as they should be
 
 
-#: How far from right a part would be that starts at a bar x: the number of its faults.
-Fault = Callable[[Part, float], int]
+#: How many faults a part would have that starts at a bar x.
+Faults = Callable[[Candidate, float], int]
 
 
 def lay_out(
     found: Sequence[Piece], parts: Sequence[Part], machine: Machine, saw: Saw, free: bool,
-    turn: bool, faults: Fault,
+    turn: bool, faults: Faults,
 ) -> list[Laid]:  # fmt: skip
     """The parts that pieces are, from one end of the bar to the other.
 
@@ -52,17 +52,18 @@ def lay_out(
             break
         choices = waiting if free else waiting[:1]
         fitting = [
-            Laid(c.part, c.given, c.ends, start, piece)
-            for c in _distinct(choices)
-            if (start := start_of(piece, c, machine, saw)) is not None
+            (candidate, start)
+            for candidate in _distinct(choices)
+            if (start := start_of(piece, candidate, machine, saw)) is not None
         ]
         if not fitting:
             continue
         best = fitting[0]
         if len(fitting) > 1:
-            best = min(fitting, key=lambda one: faults(one.part, one.start))
-        laid.append(best)
-        waiting = [c for c in waiting if c[0].given != best.given]
+            best = min(fitting, key=lambda one: faults(one[0], one[1]))
+        candidate, start = best
+        laid.append(Laid(candidate.part, candidate.given, candidate.ends, start, piece))
+        waiting = [c for c in waiting if c[0].given != candidate.given]
     return laid
 
 
@@ -96,11 +97,56 @@ def start_of(piece: Piece, candidate: Candidate, machine: Machine, saw: Saw) -> 
     height = candidate.part.profile.height
     start = piece.start.at_pivot - first.blade(saw, height)
     by_end = piece.end.at_pivot - last.blade(saw, height)
+    if not piece.end.cut.line:
+        by_end = piece.end.at_pivot - candidate.part.length
     return start if abs(start - by_end) <= machine.format.resolution + 1e-6 else None
 
 
 def is_of(plane: Plane, end: End, machine: Machine, saw: Saw) -> bool:
     """Whether a cut has the angles of an end, to what the output can tell apart."""
+    if not plane.cut.line:  # the end of the bar
+        return end.square
     slack = 0.5 * 10.0**-machine.format.angle_decimals + 1e-6
     angle, tilt = end.saw_angles(saw)
     return abs(plane.cut.angle - angle) <= slack and abs(plane.cut.tilt - tilt) <= slack
+
+
+def wedge_cuts(
+    laid: Sequence[Laid], cuts: Sequence[Plane], machine: Machine, saw: Saw, bar: float | None
+) -> set[int] | None:
+    """The lines of the square cuts that remove the wedge behind each skew end.
+
+    None where one is missing. None is needed behind an end that is the next part's start too, and
+    where the bar ends with the part; where the next part starts square, the cut that gives it its
+    start is the one.
+    """
+    found: set[int] = set()
+    place = {plane.cut.line: i for i, plane in enumerate(cuts)}
+    for index, one in enumerate(laid):
+        end = one.piece.end if one.piece is not None else None
+        if end is None or one.ends[1].square:
+            continue
+        following = laid[index + 1] if index + 1 < len(laid) else None
+        at = place[end.cut.line] + 1
+        if following is not None and following.piece is not None:
+            start = following.piece.start
+            if start is end:
+                continue
+            if following.ends[0].square and start is cuts[at]:
+                found.add(start.cut.line)
+                continue
+        x = one.start + one.part.length + one.ends[1].kerf(saw) / 2
+        if at >= len(cuts) and following is None and _ends_with(bar, x, one, machine, saw):
+            continue
+        square = End(1, 0.0, 0.0, 0.0)
+        if at >= len(cuts) or not is_of(cuts[at], square, machine, saw):
+            return None
+        if abs(cuts[at].at_pivot - x) > machine.format.resolution + 1e-6:
+            return None
+        found.add(cuts[at].cut.line)
+    return found
+
+
+def _ends_with(bar: float | None, x: float, last: Laid, machine: Machine, saw: Saw) -> bool:
+    """Whether nothing of a bar is left behind its last cut; of one of unknown length it may be."""
+    return bar is None or bar <= x + last.ends[1].kerf(saw) / 2 + machine.format.resolution

@@ -9,12 +9,12 @@ edge of the saw; the plane of a cut is x = x_0 - y tan(web) - z tan(flange), in 
 
 from collections.abc import Sequence
 from itertools import pairwise
-from math import atan, cos, degrees, hypot, radians, tan
+from math import atan, cos, degrees, hypot, nan, radians, tan
 from typing import NamedTuple
 
 from beamcam.machine.machine import Saw
 from beamcam.model.part import Profile
-from beamcam.verify.made import Cut
+from beamcam.verify.bars.made import Cut
 
 
 class Plane(NamedTuple):
@@ -48,9 +48,26 @@ def planes(cuts: Sequence[Cut], saw: Saw, profile: Profile) -> list[Plane]:
     return found
 
 
-def pieces(cuts: Sequence[Plane]) -> list[Piece]:
-    """What lies between planes that stand in order."""
-    return [Piece(a, b) for a, b in pairwise(cuts)]
+def pieces(cuts: Sequence[Plane], bar: float | None = None) -> list[Piece]:
+    """What lies between planes that stand in order, and before the end of a bar of known length.
+
+    The bar's own end stands as a cut of line 0.
+    """
+    found = [Piece(a, b) for a, b in pairwise(cuts)]
+    if bar is not None and cuts:
+        end = Plane(Cut(0, bar, nan, 0.0), 0.0, 0.0, bar, 0.0, 0.0, 0.0)
+        found.append(Piece(cuts[-1], end))
+    return found
+
+
+def overlapping(cuts: Sequence[Plane]) -> bool:
+    """Whether a cut is made a second time, on what the blade has taken already."""
+    return any(
+        a.web_deg == b.web_deg
+        and a.flange_deg == b.flange_deg
+        and b.at_pivot - a.at_pivot < a.half_kerf
+        for a, b in pairwise(cuts)
+    )
 
 
 def _plane(cut: Cut, saw: Saw) -> Plane:

@@ -15,11 +15,11 @@ from math import atan2, cos, degrees, dist, isnan, radians, sin, sqrt
 
 from msgspec.structs import replace
 
+from beamcam.controllers.arcs import arc_fault, sweep_of
+from beamcam.controllers.blocks import BRAKING, read_blocks
 from beamcam.errors import Diagnostic, Source
 from beamcam.geometry.curves import Arc, Bezier, EllipseArc
 from beamcam.geometry.plane import Point, cross
-from beamcam.verify.arcs import arc_fault, sweep_of
-from beamcam.verify.blocks import BRAKING, read_blocks
 from beamcam.verify.sheets import rules
 from beamcam.verify.sheets.controller import Controller
 from beamcam.verify.sheets.events import Keep, Leg, Pause, Ramp, Side, Switch

@@ -6,7 +6,7 @@ import pytest
 
 from beamcam.machine import load
 from beamcam.verify import interpret
-from beamcam.verify.made import Bore, Cut
+from beamcam.verify.bars.made import Bore, Cut
 from tests.conftest import SHARED
 
 FILE = SHARED / "reference" / "beam-cell" / "annex-a.gcode"

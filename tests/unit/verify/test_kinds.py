@@ -31,21 +31,31 @@ M30
 %
 """
 APPROACH = "G00 X{x} Y{y} Z-5\nG00 X{x} Y{y} Z42.2\n"
-ON, OFF = "M03 K400\nM08\n", "M09\nM05\n"
+OFF = "M09\nM05\n"
+SPEEDS_M_MIN = {"M40": 25, "M45": 8, "M47": 18, "M49": 90}  #: of the cutting data, by the tool
+
+
+def on(choice: str) -> str:
+    """The words that start a spindle: n = 1000 v / (pi d)."""
+    tool = choice.split("\n")[0]
+    turns = 1000 * SPEEDS_M_MIN[tool[:3]] / (pi * float(tool.split("L")[1]))
+    return f"M03 K{turns:.0f}\nM08\n"
 
 
 def stroke(choice: str, x: float, y: float, z: float, feed: float, turns: bool = True) -> str:
     """A stroke on the web: its surface is at Z 47.2, and Y counts from its middle downwards."""
     place = {"x": f"{x:g}", "y": f"{100 - y:g}"}
     down = f"G01 X{x:g} Y{100 - y:g} Z{z:.3f} F{feed}\nG00 X{x:g} Y{100 - y:g} Z-5\n"
-    return f"{choice}\n{APPROACH.format(**place)}{ON if turns else ''}{down}{OFF if turns else ''}"
+    begin, end = (on(choice), OFF) if turns else ("", "")
+    return f"{choice}\n{APPROACH.format(**place)}{begin}{down}{end}"
 
 
 def tapped(x: float, y: float, z: float, pitch: str = "1.75") -> str:
     place = {"x": f"{x:g}", "y": f"{100 - y:g}"}
     at = f"X{x:g} Y{100 - y:g}"
     return (
-        f"M45 K2 L12\nM46 K{pitch}\n{APPROACH.format(**place)}{ON}G01 {at} Z{z} F6.189\nM04 K400\n"
+        f"M45 K2 L12\nM46 K{pitch}\n{APPROACH.format(**place)}{on('M45 K2 L12')}"
+        f"G01 {at} Z{z} F6.189\nM04 K212\n"
         f"G01 {at} Z42.2 F6.189\nG00 {at} Z-5\n{OFF}"
     )
 
@@ -53,7 +63,8 @@ def tapped(x: float, y: float, z: float, pitch: str = "1.75") -> str:
 def led(choice: str, points: list[tuple[float, float]], z: float, feed: float, turns: bool) -> str:
     """A tool led along points of the web."""
     (x, y), *rest = points
-    text = f"{choice}\n{APPROACH.format(x=f'{x:.3f}', y=f'{100 - y:.3f}')}{ON if turns else ''}"
+    text = f"{choice}\n{APPROACH.format(x=f'{x:.3f}', y=f'{100 - y:.3f}')}"
+    text += on(choice) if turns else ""
     for px, py in points:
         text += f"G01 X{px:.3f} Y{100 - py:.3f} Z{z:.3f} F{feed}\n"
     px, py = rest[-1]
@@ -104,7 +115,7 @@ def test_a_thread_of_another_pitch() -> None:
 
 
 def test_a_tap_has_to_be_screwed_out() -> None:
-    stuck = TAP.replace("M04 K400\n", "")
+    stuck = TAP.replace("M04 K212\n", "")
     assert [m.split("; ")[0] for m in messages(PRE + stuck, THREAD)] == [
         "P2.gcode:21: error verify-turn: found a feed into the material with M03"
     ]

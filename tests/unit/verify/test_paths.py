@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from beamcam.geometry.curves import Arc
-from beamcam.verify.paths import FLAT, distance_to, line_error
+from beamcam.verify.bars.paths import FLAT, distance_to, line_error
 
 points = st.tuples(st.floats(-50, 50), st.floats(-50, 50))
 

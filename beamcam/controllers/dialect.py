@@ -13,8 +13,8 @@ from typing import Literal
 
 from msgspec import Struct
 
+from beamcam.controllers.blocks import LETTERS
 from beamcam.machine.machine import Machine
-from beamcam.verify.blocks import LETTERS
 
 Role = Literal[
     "saw", "choose", "section", "on", "coolant-on", "coolant-off", "off", "end", "change", "other"
@@ -44,6 +44,7 @@ class Cycle(Struct, frozen=True):
     turns: int  #: the M word that starts the spindle, 0 if it does not turn
     cools: bool
     along: bool  #: whether it is led along a path
+    feeds: bool  #: whether its way into the material carries a feed of its own
 
 
 class MWord(Struct, frozen=True):
@@ -54,14 +55,14 @@ class MWord(Struct, frozen=True):
     cycle: Cycle | None = None  #: of the tool that it chooses, of a choosing word
 
 
-class Meaning(Struct, frozen=True):
+class Dialect(Struct, frozen=True):
     """The words of a machine."""
 
     m_words: dict[int, MWord]
     letters: frozenset[str]  #: addresses that its programs may use
     section_fields: frozenset[str]  #: what a program has to say about its bar
     feeds: bool  #: whether its programs carry feeds
-    saw_feeds: bool  #: whether its cuts do
+    changes: bool  #: whether they stop for a tool that is changed by hand
     sizes: tuple[float, ...]  #: diameters of the shop's tools
 
     def size(self, diameter: float) -> float:
@@ -75,7 +76,7 @@ class Meaning(Struct, frozen=True):
         return ", ".join(f"M{n:02}" for n in sorted(self.m_words))
 
 
-def meaning_of(machine: Machine) -> Meaning:
+def dialect_of(machine: Machine) -> Dialect:
     """The words of a machine, read off its templates."""
     m_words: dict[int, MWord] = {30: MWord("end", ())}
     letters = set(LETTERS)
@@ -101,9 +102,8 @@ def meaning_of(machine: Machine) -> Meaning:
             m_words[number] = MWord(role, fields_, chooses)
     said = {name for w in m_words.values() if w.role == "section" for _, name in w.fields}
     sizes = tuple(sorted({d for tools in machine.tools for d in tools.sizes}))
-    return Meaning(
-        m_words, frozenset(letters), frozenset(said), bool(feeding), "saw" in feeding, sizes
-    )
+    changes = any(word.role == "change" for word in m_words.values())
+    return Dialect(m_words, frozenset(letters), frozenset(said), bool(feeding), changes, sizes)
 
 
 def _templates(machine: Machine) -> Iterator[tuple[str, tuple[str, ...]]]:
@@ -118,4 +118,5 @@ def _cycle(name: str, lines: tuple[str, ...]) -> Cycle:
     numbers = [int(m[2]) for line in lines if (m := _COMMAND.match(line)) and m[1] == "M"]
     roles = [DOCUMENTED.get(n, "other") for n in numbers]
     turns = next((n for n, role in zip(numbers, roles, strict=True) if role == "on"), 0)
-    return Cycle(name, turns, "coolant-on" in roles, name in ALONG_A_PATH)
+    feeds = any("{feed}" in line for line in lines)
+    return Cycle(name, turns, "coolant-on" in roles, name in ALONG_A_PATH, feeds)

@@ -4,10 +4,10 @@ from math import isnan, nan
 
 import pytest
 
+from beamcam.controllers.blocks import read_blocks
+from beamcam.controllers.codesys import run
+from beamcam.controllers.events import Event, Move, Pause, Switch, Turn
 from beamcam.machine.machine import NumberFormat
-from beamcam.verify.blocks import read_blocks
-from beamcam.verify.codesys import run
-from beamcam.verify.events import Event, Move, Pause, Switch, Turn
 
 FORM = NumberFormat(feed_unit="mm/s")
 
@@ -27,7 +27,7 @@ def messages(text: str) -> list[str]:
 def test_moves_are_modal_and_feeds_count_a_minute() -> None:
     first, second, third = events("G00 X1 Y2 Z3\nG01 X4 F5\nY6")
     assert first == Move(1, True, (nan, nan, nan), (1.0, 2.0, 3.0), 0.0) or isnan(first.start[0])  # type: ignore[union-attr]
-    assert second == Move(2, False, (1.0, 2.0, 3.0), (4.0, 2.0, 3.0), 300.0)
+    assert second == Move(2, False, (1.0, 2.0, 3.0), (4.0, 2.0, 3.0), 300.0, True)
     assert third == Move(3, False, (4.0, 2.0, 3.0), (4.0, 6.0, 3.0), 300.0)
 
 

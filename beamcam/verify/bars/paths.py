@@ -10,7 +10,7 @@ from itertools import pairwise
 from math import ceil, cos, hypot, pi, radians, sin, sqrt
 
 from beamcam.geometry.curves import Curve, Point
-from beamcam.verify.needs import Pocket
+from beamcam.verify.bars.targets import Pocket
 
 STEP = 1.0  #: mm between the points that are measured, where a line is not too tight for it
 FLAT = 0.001  #: mm between a line and the chords that it is measured by

@@ -4,7 +4,7 @@ drill         through: its full diameter beyond the far side, at most as the mac
               blind: the full diameter at the depth; before a thread at least the thread's
 tap           through: its tip beyond the far side; blind: its tip at the depth
 countersink   the cone as wide as the sink where it is to be, the flat at its depth
-punch         as deep as the machine file says
+punch         as deep as the part or the machine file says
 mill, scribe  through: beyond the far side; else at the depth
 """
 
@@ -13,8 +13,8 @@ from math import inf, radians, tan
 from typing import NamedTuple
 
 from beamcam.machine.machine import FLAT_DEG
-from beamcam.verify.needs import THREADS, Stroke
-from beamcam.verify.rack import Rack
+from beamcam.verify.bars.shop import Shop
+from beamcam.verify.bars.targets import THREADS, Kind
 
 
 class Reach(NamedTuple):
@@ -24,46 +24,46 @@ class Reach(NamedTuple):
     greatest: float
 
 
-def _drill(need: Stroke, diameter: float, thickness: float, rack: Rack) -> Reach:
-    hole = need.hole
-    tip = rack.tip("drill", diameter, hole.face)
+def _drill(kind: Kind, diameter: float, thickness: float, shop: Shop) -> Reach:
+    hole = kind.hole
+    tip = shop.tip("drill", diameter, hole.face)
     if hole.depth is None:
-        return Reach(thickness + tip, thickness + rack.drill.breakthrough + tip)
+        return Reach(thickness + tip, thickness + shop.drill.breakthrough + tip)
     if hole.kind in THREADS:
         return Reach(hole.depth + tip, max(hole.depth + tip, thickness or inf))
     return Reach(hole.depth + tip, hole.depth + tip)
 
 
-def _tap(need: Stroke, diameter: float, thickness: float, rack: Rack) -> Reach:
-    if need.hole.depth is None:
-        tip = rack.tip("tap", diameter, need.hole.face)
-        return Reach(thickness, thickness + rack.drill.breakthrough + tip)
-    return Reach(need.hole.depth, need.hole.depth)
+def _tap(kind: Kind, diameter: float, thickness: float, shop: Shop) -> Reach:
+    if kind.hole.depth is None:
+        tip = shop.tip("tap", diameter, kind.hole.face)
+        return Reach(thickness, thickness + shop.drill.breakthrough + tip)
+    return Reach(kind.hole.depth, kind.hole.depth)
 
 
-def _sink(need: Stroke, diameter: float, thickness: float, rack: Rack) -> Reach:
-    hole = need.hole
+def _sink(kind: Kind, diameter: float, thickness: float, shop: Shop) -> Reach:
+    hole = kind.hole
     cone = hole.angle or FLAT_DEG
     if cone >= FLAT_DEG:
         depth = hole.depth or 0.0
         return Reach(depth, depth)
     slope = tan(radians(cone) / 2)
-    alone = (hole.diameter - need.pilot) / 2 / slope
+    alone = (hole.diameter - kind.pilot) / 2 / slope
     deep = hole.depth or alone
-    if deep > alone + rack.drill.sink_tolerance:
-        point = deep + need.pilot / 2 / slope
+    if deep > alone + shop.drill.sink_tolerance:
+        point = deep + kind.pilot / 2 / slope
     else:
         point = hole.diameter / 2 / slope
     return Reach(point, point)
 
 
-def _punch(need: Stroke, diameter: float, thickness: float, rack: Rack) -> Reach:
-    depth = need.hole.depth or rack.drill.punch_depth
+def _punch(kind: Kind, diameter: float, thickness: float, shop: Shop) -> Reach:
+    depth = kind.hole.depth or shop.drill.punch_depth
     return Reach(depth, depth)
 
 
 #: By the kind of tool.
-REACHES: dict[str, Callable[[Stroke, float, float, Rack], Reach]] = {
+REACHES: dict[str, Callable[[Kind, float, float, Shop], Reach]] = {
     "drill": _drill,
     "tap": _tap,
     "countersink": _sink,
@@ -71,8 +71,8 @@ REACHES: dict[str, Callable[[Stroke, float, float, Rack], Reach]] = {
 }
 
 
-def path_reach(depth: float | None, thickness: float, rack: Rack) -> Reach:
+def path_reach(depth: float | None, thickness: float, shop: Shop) -> Reach:
     """Of a mill: through, or at a depth."""
     if depth is None:
-        return Reach(thickness, thickness + rack.drill.breakthrough)
+        return Reach(thickness, thickness + shop.drill.breakthrough)
     return Reach(depth, depth)

@@ -1,7 +1,14 @@
-"""What a program does, event by event, whatever controller it is written for.
+"""What a program does, event by event: one vocabulary for every controller.
+
+    Move     the tool or the bar goes straight from place to place, in rapid or at a feed
+    Turn     it goes along an arc
+    Switch   an M word: something starts, stops, is chosen, cuts, or the program ends
+    Pause    it waits
 
 Plain tuples, because every run of `post` makes thousands of them. Coordinates are mm, feeds
-mm/min; a coordinate that no block has named yet is not a number (nan).
+mm/min; a coordinate that no block has named yet is not a number (nan). A controller that has more
+(compensation, curves, outputs that are switched on the way) adds its event here, so that whoever
+follows a program learns one set of words.
 """
 
 from typing import NamedTuple
@@ -17,6 +24,7 @@ class Move(NamedTuple):
     start: Place
     end: Place
     feed_mm_min: float  #: 0 where no F stands before
+    own_feed: bool = False  #: whether the feed stands in its own block
 
 
 class Turn(NamedTuple):

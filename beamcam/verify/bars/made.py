@@ -31,6 +31,7 @@ class Bore(NamedTuple):
     kind: str = "drill"  #: of the tool
     turning: int = 0  #: the M word that started the spindle; 0 if it stands
     pitch: float = 0.0  #: that was chosen for a tap
+    speed_rpm: float = 0.0  #: 0 where the program does not say
 
 
 class Trail(NamedTuple):

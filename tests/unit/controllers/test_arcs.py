@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from beamcam.verify.arcs import arc_fault, radius_centre, rounding_fault, sweep_of
+from beamcam.controllers.arcs import arc_fault, radius_centre, rounding_fault, sweep_of
 
 lengths = st.floats(-500, 500)
 

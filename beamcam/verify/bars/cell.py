@@ -1,45 +1,46 @@
 """A saw and drilling cell at work: events in, what they make out, and what would break.
 
-The state and the M words stand in `switches`; here are the moves.
+Where the section is known the steel is: before its face a tool comes in rapid and keeps the
+machine's clearance, behind it it is fed. Of a program alone the section is what its own words say,
+which leaves a web's place between the flanges open: there the steel begins somewhere on the way of
+the feed. The state and the M words stand in `cell_state`; here are the moves.
 """
 
 from collections.abc import Iterable
 from math import isnan, nan
-from typing import NoReturn
 
+from beamcam.controllers.events import Event, Move, Switch, Turn
+from beamcam.controllers.rules import WORD
 from beamcam.verify import rules
-from beamcam.verify.events import Event, Move, Pause, Switch, Turn
-from beamcam.verify.made import Bore, Made, Trail, made_in_order
-from beamcam.verify.stations import Choice, Station
-from beamcam.verify.switches import AXES, EPSILON, Switches
+from beamcam.verify.bars.cell_state import AXES, EPSILON, CellState
+from beamcam.verify.bars.made import Bore, Made, Trail, made_in_order
+from beamcam.verify.bars.stations import Choice, Station
 
 _OTHER_WAY = {3: 4, 4: 3}
+_NOWHERE = (nan, nan)
 
 
-class Cell(Switches):
+class Cell(CellState):
     """The cell while a program runs; `run` gives what came of it."""
 
     def run(self, events: Iterable[Event], last_line: int) -> Made:
         """What the events make."""
-        self.play(events)
-        if not self.ended:
-            self.say(rules.NO_END, max(last_line, 1), found="the end of the program")
-        return made_in_order(tuple(self.section.items()), self.order)
-
-    def play(self, events: Iterable[Event]) -> None:
-        """Go through events, up to the program's end at most."""
         for event in events:
             if self.ended:
                 self.say(rules.NO_END, event.line, found="a block behind M30")
-                return
+                break
             if type(event) is Move:
                 self._move(event)
             elif type(event) is Switch:
                 self.switch(event)
             elif type(event) is Turn:
-                self._turn(event)
-            elif type(event) is not Pause:
-                _unknown(event)
+                self.say(
+                    WORD, event.line, found="an arc",
+                    expected="straight strokes, the cell has no mill",
+                )  # fmt: skip
+        if not self.ended:
+            self.say(rules.NO_END, max(last_line, 1), found="the end of the program")
+        return made_in_order(tuple(self.section.items()), self.order)
 
     def _move(self, move: Move) -> None:
         x = move.end[0]
@@ -47,8 +48,8 @@ class Cell(Switches):
         if moved:
             self._move_bar(x, move, self.cycle.along and self._in_work(move))
         self.feed_mm_min = move.feed_mm_min
-        if not move.rapid and self.meaning.feeds and move.feed_mm_min <= 0:
-            self.say(rules.NO_FEED, move.line, found="feed")
+        if not move.rapid and self.dialect.feeds and move.feed_mm_min <= 0:
+            self.say(rules.NO_FEED, move.line, found="move")
         choice = self.choice
         if choice is None:
             if move.end[1:] != move.start[1:]:
@@ -58,7 +59,7 @@ class Cell(Switches):
         across, stroke = move.end[first.across], move.end[first.stroke]
         if isnan(stroke) or isnan(across):
             return
-        before = self.at.get(first.number, (nan, nan))
+        before = self.at.get(first.number, _NOWHERE)
         if not moved and before == (across, stroke):
             return
         for station in choice.stations:
@@ -66,32 +67,47 @@ class Cell(Switches):
             for index, axis, least, greatest in station.limits:
                 if not least <= move.end[index] <= greatest:
                     self.beyond(move.line, axis, move.end[index], least, greatest)
-        if not self.known:
-            self._stroke_somewhere(move, choice, across, stroke, before, moved)
-            return
-        outer = first.depth_beside(stroke, first.y(across))
-        was_out = first.depth_beside(before[1], first.y(before[0]))
         # The controller starts from its own last place, whichever spindle that was for.
         aside = moved or across != before[0] or across != move.start[first.across]
-        if aside and (outer > EPSILON or was_out > EPSILON):
-            if self._in_work(move) and was_out > EPSILON:
-                self._lead(move, first, across, stroke)
-                return
-            letter = "X" if moved else AXES[first.across]
-            self.sideways(
-                move.line, f"a move of {letter}", first, before[1] if was_out > outer else stroke
-            )
+        if aside and self._aside(move, first, across, stroke, before, moved):
             return
         for station in choice.stations:
             self._enter(move, station, choice, across, stroke, before[1])
+
+    def _aside(
+        self, move: Move, first: Station, across: float, stroke: float,
+        before: tuple[float, float], moved: bool,
+    ) -> bool:  # fmt: skip
+        """A move along or across the bar; whether nothing is left to be looked at."""
+        outer = first.depth_beside(stroke, first.y(across))
+        was_out = first.depth_beside(before[1], first.y(before[0]))
+        if outer > EPSILON or was_out > EPSILON:
+            if was_out > EPSILON and self._in_work(move):
+                self._lead(move, first, across, stroke)
+                return True
+            letter = "X" if moved else AXES[first.across]
+            at = before[1] if was_out > outer else stroke
+            self.sideways(move.line, f"a move of {letter}", first, at)
+            return True
+        self.fed_from.clear()
+        gap = first.start_gap - self.machine.format.resolution - EPSILON
+        if move.rapid and (-outer < gap or -was_out < gap):
+            self._too_close(move, first, -outer if isnan(was_out) else -max(outer, was_out))
+            return True
+        return False
+
+    def _too_close(self, move: Move, station: Station, gap: float, inside: bool = False) -> None:
+        expected = station.near_gap if inside else station.start_gap
+        self.say(
+            rules.CLEARANCE, move.line, face=station.face, found=f"{round(gap, 3) + 0.0:.3f}",
+            expected=f"{expected:g}",
+        )  # fmt: skip
 
     def _in_work(self, move: Move) -> bool:
         """Whether the tool that is chosen may be led along a path, and is."""
         if not self.cycle.along or move.rapid or self.choice is None:
             return False
-        first = self.choice.stations[0]
-        across, stroke = self.at.get(first.number, (nan, nan))
-        return first.tip_depth(stroke, first.y(across)) > EPSILON
+        return self.in_steel() is not None
 
     def _lead(self, move: Move, station: Station, across: float, stroke: float) -> None:
         """A tool led on in the material; the point that it went in at is the path's first."""
@@ -121,13 +137,24 @@ class Cell(Switches):
         self.peck = (self.x, across)
 
     def _ready(self, move: Move, station: Station) -> None:
-        """Say what is missing for a feed into the material."""
-        if self.cycle.turns and not self.turning:
+        """Say what is missing for a feed into the material, and what is wrong with the feed."""
+        cycle = self.cycle
+        if cycle.turns and not self.turning:
             self.say(rules.SPINDLE_OFF, move.line, face=station.face)
-        elif self.turning != self.cycle.turns and self.known:
-            self.say(rules.TURN, move.line, found=self.turning, expected=self.cycle.turns)
-        if self.cycle.cools and not self.cooling:
+        elif self.turning != cycle.turns:
+            self.say(rules.TURN, move.line, found=self.turning, expected=cycle.turns)
+        if cycle.cools and not self.cooling:
             self.say(rules.COOLANT, move.line, found="a feed into the material", expected="on")
+        if not cycle.feeds:
+            return
+        run = self.data.run(cycle.kind, self.diameter, self.pitch)
+        if run is None:
+            return
+        feed, most = move.feed_mm_min, run.most_feed
+        if self.turning and self.speed_rpm:
+            # Slower turns with the same feed load each cutting edge more.
+            most = min(most, run.most_per_turn * self.speed_rpm + 0.1)
+        self.check_feed(move.line, feed, self.tool, run.least_feed, run.own_feed, most)
 
     def _move_bar(self, x: float, move: Move, in_work: bool) -> None:
         name, least, greatest = self.stop_limits
@@ -152,24 +179,46 @@ class Cell(Switches):
         """One station's stroke axis on its way into the bar, or out of it."""
         y = station.y(across)
         depth, was = station.tip_depth(stroke, y), station.tip_depth(before, y)
+        inward = not station.way * (before - stroke) >= 0  # from nowhere counts too
         if self.cycle.kind == "tap" and was > max(depth, 0.0) + EPSILON:
             back = _OTHER_WAY.get(self.cycle.turns, 0)
             if move.rapid or self.turning != back:  # it has to be screwed out as it was in
                 found = 0 if move.rapid else self.turning
                 self.say(rules.TURN, move.line, found=found, expected=back)
         if move.rapid:
-            if not station.clear_from <= y <= station.clear_to:  # through the flange's edge
-                depth = station.depth_beside(stroke, y)
-            deeper = depth > EPSILON and not station.way * (before - stroke) > 0
-            if deeper and depth > self._drilled(station, across) + EPSILON:
-                self.say(
-                    rules.RAPID, move.line, axis=AXES[station.stroke],
-                    found=f"{stroke:g}", depth=f"{depth:.3f}",
-                )  # fmt: skip
+            if inward:
+                self._approach(move, station, across, stroke)
             return
-        if depth <= EPSILON or station.way * (stroke - before) <= 0:
+        if not inward or before != before:
             return
-        self._stroke(move, station, choice, across, stroke, depth)
+        if station.surface_known:
+            enters = depth > EPSILON
+        else:
+            enters = depth + station.face_depth > EPSILON
+            self.unseen.add(station.face)
+        if enters:
+            self.fed_from.setdefault(station.number, before)
+            self._stroke(move, station, choice, across, stroke, depth)
+
+    def _approach(self, move: Move, station: Station, across: float, stroke: float) -> None:
+        """A rapid towards the bar: to its clearance, or into what is drilled already."""
+        y = station.y(across)
+        depth, gap = station.tip_depth(stroke, y), station.near_gap
+        if not station.surface_known:
+            depth, gap = depth + station.face_depth, station.start_gap
+            if depth > EPSILON:
+                self.unseen.add(station.face)
+                return
+        elif not station.clear_from <= y <= station.clear_to:  # through the flange's edge
+            depth, gap = station.depth_beside(stroke, y), station.start_gap
+        drilled = self._drilled(station, across)
+        if depth > drilled + EPSILON:
+            self.say(
+                rules.RAPID, move.line, axis=AXES[station.stroke],
+                found=f"{stroke:g}", depth=f"{depth:.3f}",
+            )  # fmt: skip
+        elif not drilled and -depth < gap - self.machine.format.resolution - EPSILON:
+            self._too_close(move, station, -depth, True)
 
     def _drilled(self, station: Station, across: float) -> float:
         """How deep the hole under the tool is already."""
@@ -186,10 +235,13 @@ class Cell(Switches):
         depth: float,
     ) -> None:  # fmt: skip
         self._ready(move, station)
+        if self.cycle.feeds and not move.own_feed and move.feed_mm_min > 0:
+            self.say(rules.NO_FEED, move.line, found="stroke of " + self.tool)
         self.describe_first(move.line)
         bore = Bore(
             move.line, station.face, self.x, station.y(across), self.diameter, depth,
             choice.number, move.feed_mm_min, stroke, self.cycle.kind, self.turning, self.pitch,
+            self.speed_rpm,
         )  # fmt: skip
         if self.peck == (self.x, across):  # deeper in the same hole
             for index in range(len(self.order) - self.pecked, len(self.order)):
@@ -203,25 +255,3 @@ class Cell(Switches):
             self.peck = (self.x, across)
             self.pecked = 1
         self.order.append(bore)
-
-    def _stroke_somewhere(
-        self, move: Move, choice: Choice, across: float, stroke: float,
-        before: tuple[float, float], moved: bool,
-    ) -> None:  # fmt: skip
-        """A feed along the stroke alone, on a section that is not known: it makes a hole."""
-        if move.rapid or moved or across != before[0]:
-            return
-        for station in choice.stations:
-            if station.way * (stroke - before[1]) > 0:
-                depth = station.tip_depth(stroke, station.y(across))
-                self._stroke(move, station, choice, across, stroke, depth)
-
-    def _turn(self, turn: Turn) -> None:
-        self.say(
-            rules.WORD, turn.line, found="an arc",
-            expected="straight strokes, the cell has no mill",
-        )  # fmt: skip
-
-
-def _unknown(event: object) -> NoReturn:
-    raise AssertionError(f"no rule for {event!r}")

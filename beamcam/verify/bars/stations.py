@@ -18,6 +18,7 @@ from msgspec import Struct
 from beamcam.machine.machine import ControlledAxis, Machine, Spindle
 from beamcam.model.part import Profile
 
+WEBBED = ("I", "U", "C", "L", "T")  #: sections whose web lies behind their flanges
 _AXIS_INDEX = {"X": 0, "Y": 1, "Z": 2}
 
 
@@ -35,6 +36,9 @@ class Station(Struct, frozen=True):
     face_depth: float  #: how far the outermost material on that side stands before the face
     way: float  #: +1 if the stroke axis counts into the material, or -1
     thickness: float  #: of the material behind the face; 0 if not known
+    surface_known: bool  #: whether the section is known far enough to say where the face lies
+    start_gap: float  #: clearance that the machine keeps beside the bar
+    near_gap: float  #: and before the face, where the feed begins
     clear_from: float  #: y between which only the face itself is in the way, flanges beyond
     clear_to: float
     limits: tuple[tuple[int, str, float, float], ...]  #: axis index, name, least and greatest
@@ -100,6 +104,10 @@ def _station(spindle: Spindle, machine: Machine, profile: Profile | None) -> Sta
         clear_from = profile.flange_thickness
         clear_to = inf if profile.code == "L" else profile.height - profile.flange_thickness
     across, stroke = _AXIS_INDEX[spindle.across.axis], _AXIS_INDEX[spindle.stroke.axis]
+    start, near = spindle.stroke.start(values), spindle.stroke.near
+    face_depth = values["face_depth"]
+    start_gap = -(way * (start - surface) + face_depth)
+    near_gap = start_gap + face_depth if near is None else -way * (near(values) - surface)
     limits = tuple(
         (_AXIS_INDEX[a.moves], a.name, *_range(a))
         for a in machine.axes
@@ -107,8 +115,16 @@ def _station(spindle: Spindle, machine: Machine, profile: Profile | None) -> Sta
     )
     return Station(
         spindle.number, spindle.face, across, stroke, across_0, per_y, surface, surface_per_y,
-        values["face_depth"], way, values["thickness"], clear_from, clear_to, limits,
+        face_depth, way, values["thickness"], _surface_known(profile, spindle.face), start_gap,
+        near_gap, clear_from, clear_to, limits,
     )  # fmt: skip
+
+
+def _surface_known(profile: Profile | None, face: str) -> bool:
+    """Whether a face lies where the section says: before a web, only if its thickness is known."""
+    if profile is None:
+        return False
+    return profile.web_thickness is not None or not (face in ("v", "h") and profile.code in WEBBED)
 
 
 def _range(axis: ControlledAxis) -> tuple[float, float]:

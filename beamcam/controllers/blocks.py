@@ -14,8 +14,8 @@ those of N, G, M and H. Source: CODESYS online help, "CNC: DIN 66025".
 import re
 from collections.abc import Set
 
+from beamcam.controllers import rules
 from beamcam.errors import Diagnostic, Source
-from beamcam.verify import rules
 
 #: Letters that the controller's help describes; a machine file may use more in its templates.
 LETTERS = frozenset("NGMXYZABCPQUVWDEFHIJKLORT")

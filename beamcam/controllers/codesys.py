@@ -7,12 +7,12 @@ travel command. F counts per second or per minute as the machine file says.
 
 from math import isnan, nan
 
+from beamcam.controllers import rules
+from beamcam.controllers.arcs import arc_fault, radius_centre, radius_fault, sweep_of
+from beamcam.controllers.blocks import BRAKING, Block
+from beamcam.controllers.events import Event, Move, Pause, Place, Switch, Turn
 from beamcam.errors import Diagnostic, Source
 from beamcam.machine.machine import NumberFormat
-from beamcam.verify import rules
-from beamcam.verify.arcs import arc_fault, radius_centre, radius_fault, sweep_of
-from beamcam.verify.blocks import BRAKING, Block
-from beamcam.verify.events import Event, Move, Pause, Place, Switch, Turn
 
 M_WORDS_IN_A_ROW = 64  #: CODESYS, SMC_DEC_OUTQUEUE_RAN_EMPTY
 _WITHOUT_EFFECT = frozenset({40, 50, 53})  # compensation, smoothing, offsets: off, as at the start
@@ -98,7 +98,7 @@ def run(
             if start != end:
                 in_a_row, too_many = 0, False
             if travel < 2:
-                events.append(Move(line, travel == 0, start, end, feed))
+                events.append(Move(line, travel == 0, start, end, feed, "F" in words))
                 stray = words.keys() - _STRAIGHT_WORDS
             else:
                 turn = _turn((line, "G", travel, words), start, end, absolute_centre, form)

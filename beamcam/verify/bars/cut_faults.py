@@ -1,4 +1,4 @@
-"""Where the parts lie on the bar, by the program's own cuts.
+"""What is wrong with the cuts of a bar whose pieces are not its parts.
 
     | start cut |# part 1 ######/ end cut | parting cut |# part 2 ####| parting cut
 
@@ -13,8 +13,8 @@ from beamcam.errors import Diagnostic, Source
 from beamcam.machine.machine import Machine, Saw
 from beamcam.model.part import Part
 from beamcam.verify import rules
-from beamcam.verify.ends import End
-from beamcam.verify.made import Cut
+from beamcam.verify.bars.made import Cut
+from beamcam.verify.bars.part_ends import End
 
 _by_x = itemgetter(1, 0)  # X and line of a cut
 COMMON_DEG = 0.01  #: ends that differ by no more may share a cut
@@ -22,8 +22,9 @@ SQUARE = End(1, 0.0, 0.0, 0.0)
 NEAR = 60.0  #: mm; a cut this near to where it should be is taken for it, in the wrong place
 
 
-class Placing:
-    """The starts of the parts on the bar, and what is wrong with the cuts."""
+class CutFaults:
+    """Parts laid on the bar by the cuts that come nearest to theirs: `starts`, and what is wrong in
+    `said`."""
 
     def __init__(self, cuts: Sequence[Cut], machine: Machine, saw: Saw, name: str) -> None:
         self.machine, self.saw, self.name = machine, saw, name
@@ -36,8 +37,6 @@ class Placing:
 
     def place(self, parts: Sequence[Part], ends: Sequence[tuple[End, End]]) -> None:
         """Find every part's cuts, in the order given; what is left over is too much."""
-        if self._all_square(parts, ends):
-            return
         begin: float | None = None  #: where the cut before lets the next part begin
         shared = False  #: whether that cut made the next start, skew as it may be
         for index, part in enumerate(parts):
@@ -49,27 +48,6 @@ class Placing:
                     Source(self.name, cut.line), angle=_shown(cut.angle, cut.tilt), x=f"{cut.x:g}"
                 )
             )
-
-    def _all_square(self, parts: Sequence[Part], ends: Sequence[tuple[End, End]]) -> bool:
-        """Place parts between square cuts, each where the one before has it; False if any is not.
-
-        As most bars are; what `_place` finds for them is the same.
-        """
-        saw, half = self.saw, self.saw.kerf / 2
-        if len(self.left) != len(parts) + 1 or len(self._like(SQUARE, self.left)) < len(self.left):
-            return False
-        starts: list[float] = []
-        start = self.left[0].x - saw.x + half
-        for part, (first, last), cut in zip(parts, ends, self.left[1:], strict=True):
-            x = start + part.length + half + saw.x
-            stands = abs(cut.x - x) <= self.machine.format.resolution
-            if not (stands and first.square and last.square and part.length > NEAR):
-                return False
-            starts.append(start)
-            start = cut.x - saw.x + half
-        self.starts = starts
-        self.last_cut = [cut.line for cut in self.left[1:]]
-        return True
 
     def _place(
         self,

@@ -1,0 +1,161 @@
+"""Programs for bars read back: what they make, what would break, and the parts compared.
+
+    text -> events (controllers) -> features made (cell) -> pieces of bar (pieces) -> compared
+
+Nothing of it comes from a plan: which piece of the bar is which part, how it lies, and what may be
+missing, the read-back finds out from the program, the parts, the machine and what was asked.
+"""
+
+from collections.abc import Collection, Sequence
+
+from msgspec import Struct
+
+from beamcam.controllers import events_of
+from beamcam.controllers.dialect import Dialect, dialect_of
+from beamcam.controllers.events import Event, Switch
+from beamcam.errors import Diagnostic, Source, VerifyError, errors_in
+from beamcam.machine.known import Kept, OncePerMachine
+from beamcam.machine.machine import Machine
+from beamcam.model.part import Part, Profile
+from beamcam.verify import rules
+from beamcam.verify.bars.ability import FeatureRef, skippable
+from beamcam.verify.bars.cell import Cell
+from beamcam.verify.bars.compare import Asked, Comparison
+from beamcam.verify.bars.cutting_data import CuttingData
+from beamcam.verify.bars.made import Bore, Cut, Made, Trail
+from beamcam.verify.bars.shop import Shop
+from beamcam.verify.bars.stations import Choice, choices_of
+from beamcam.verify.bars.turned import standing
+
+__all__ = [
+    "Bore", "Cut", "FeatureRef", "Made", "Run", "Trail", "interpret", "run", "skippable", "verify",
+]  # fmt: skip
+
+MOST_SECTIONS = 256  #: of which the places of the spindles are kept
+MOST_GRADES = 64  #: of which the cutting data are
+
+
+class Run(Struct, frozen=True):
+    """A program that was interpreted."""
+
+    made: Made
+    events: tuple[Event, ...]
+    diagnostics: tuple[Diagnostic, ...]  #: what is wrong with it by itself
+    dialect: Dialect
+    choices: dict[int, Choice]
+    unseen: tuple[str, ...] = ()  #: faces that it works on without saying where they lie
+
+
+class _Known:
+    """What is worked out once for a machine and a section."""
+
+    def __init__(self, machine: Machine) -> None:
+        if machine.drill is None or machine.saw is None:
+            raise TypeError(f"{machine.name} has no saw and drill")
+        self.machine = machine
+        self.dialect = dialect_of(machine)
+        self.shop = Shop(machine, machine.drill)
+        self._choices: Kept[Profile | None, dict[int, Choice]] = Kept(MOST_SECTIONS)
+        self._data: Kept[tuple[str, ...] | None, CuttingData] = Kept(MOST_GRADES)
+
+    def choices(self, profile: Profile | None) -> dict[int, Choice]:
+        """What each spindle number chooses on a section."""
+        known = self._choices.get(profile)
+        if known is not None:
+            return known
+        return self._choices.keep(profile, choices_of(self.machine, profile))
+
+    def data(self, grades: tuple[str, ...] | None) -> CuttingData:
+        """The cutting data for steel of some grades."""
+        known = self._data.get(grades)
+        if known is not None:
+            return known
+        return self._data.keep(grades, CuttingData(self.machine, self.shop.drill, grades))
+
+
+_known_of = OncePerMachine(_Known)
+
+
+def run(
+    text: str, machine: Machine, profile: Profile | None = None, name: str = "program",
+    grades: tuple[str, ...] | None = None,
+) -> Run:  # fmt: skip
+    """A program interpreted on a bar of `profile`, of steel of some grades.
+
+    Where they are not given, the section is what the program says, and any grade may be meant.
+    """
+    known = _known_of(machine)
+    events, said = events_of(text, machine, known.dialect, name)
+    if profile is None:
+        profile = _section_of(events, known.dialect, machine)
+    choices = known.choices(profile)
+    cell = Cell(machine, known.dialect, choices, known.data(grades), name)
+    made = cell.run(events, text.count("\n"))
+    said += cell.said
+    unseen = tuple(sorted(cell.unseen))
+    return Run(made, tuple(events), tuple(said), known.dialect, choices, unseen)
+
+
+def _section_of(events: Sequence[Event], dialect: Dialect, machine: Machine) -> Profile:
+    """The section as far as a program says it: what kind it is, and how high and wide."""
+    said: dict[str, float] = {}
+    for event in events:
+        if type(event) is Switch:
+            word = dialect.m_words.get(event.number)
+            if word is not None and word.role == "section":
+                said |= {f: event.words[at] for at, f in word.fields if at in event.words}
+    codes = {number: code for code, number in machine.sections.items()}
+    code = codes.get(int(said.get("section", -1)), "SO")
+    height, width = said.get("height", 0.0), said.get("width", 0.0)
+    return Profile(code, "", height, width, 0.0, None)  # type: ignore[arg-type]
+
+
+def interpret(text: str, machine: Machine, name: str = "program") -> Made:
+    """What a program makes. Raises VerifyError if something in it is wrong by itself."""
+    done = run(text, machine, None, name)
+    if errors_in(done.diagnostics):
+        raise VerifyError(done.diagnostics)
+    return done.made
+
+
+def verify(
+    text: str,
+    parts: Sequence[Part],
+    machine: Machine,
+    skips: Collection[str] = (),
+    name: str = "program",
+    order: str = "given",
+    turn: bool = False,
+    bar: float | None = None,
+) -> tuple[Diagnostic, ...]:
+    """Everything that is wrong with a program, by itself and against the parts on its bar.
+
+    The parts are those that were asked for, in the order asked; `order` and `turn` say whether
+    they may lie in another one and turned, `skips` names the kinds of features that may be left
+    out, `bar` is the bar's length. Nothing comes back for a program that makes exactly the parts.
+    """
+    if not parts:
+        alone = run(text, machine, None, name)
+        unseen = (rules.UNSEEN.at(Source(name), found=face) for face in alone.unseen)
+        return (*alone.diagnostics, *unseen)
+    known = _known_of(machine)
+    grades = tuple(dict.fromkeys(part.grade for part in parts))
+    profile = parts[0].profile
+    done = run(text, machine, profile, name, grades)
+    if turn:
+        other = _lying_section(done.made, parts[0])
+        if other != profile:
+            profile = other
+            done = run(text, machine, profile, name, grades)
+    asked = Asked(parts, skips, order != "given", turn, bar)
+    choices = known.choices(profile)
+    more = Comparison(done.made, asked, known.shop, profile, choices, name).run()
+    return (*done.diagnostics, *more)
+
+
+def _lying_section(made: Made, part: Part) -> Profile:
+    """The section of a part as it lies by what the program says of it."""
+    said = dict(made.section)
+    size = said.get("height"), said.get("width")
+    fitting = (p.profile for p in standing(part) if (p.profile.height, p.profile.width) == size)
+    return next(fitting, part.profile)

@@ -1,0 +1,301 @@
+"""What a saw and drilling cell stands like, and what its M words do to it.
+
+    state        changed by                      asked when
+    spindle      the choosing word               Y or Z move: whose axes are they?
+    turning      M03, M04, M05                   a feed goes into material; the bar moves
+    cooling      M07, M08, M09                   likewise, if the machine's cycles cool
+    places       moves; each spindle its own     a move begins: is the tool still in the bar?
+
+A spindle's axes stay where they are while another one works, so each keeps its places.
+"""
+
+from math import isnan, nan
+
+from beamcam.controllers.dialect import Cycle, Dialect, MWord
+from beamcam.controllers.events import Switch
+from beamcam.controllers.rules import WORD
+from beamcam.errors import Diagnostic, Rule, Source
+from beamcam.machine.machine import Machine
+from beamcam.verify import rules
+from beamcam.verify.bars.cutting_data import LEAST, CuttingData
+from beamcam.verify.bars.made import Bore, Cut, Trail
+from beamcam.verify.bars.magazine import Changed, Chosen, missing_changes
+from beamcam.verify.bars.stations import Choice, Station, limits_of
+
+EPSILON = 1e-6
+AXES = "XYZ"
+_NO_CYCLE = Cycle("drill", 0, False, False, False)
+
+
+class CellState:
+    """The state of the cell while a program runs, and its M words."""
+
+    def __init__(
+        self, machine: Machine, dialect: Dialect, choices: dict[int, Choice], data: CuttingData,
+        name: str,
+    ) -> None:  # fmt: skip
+        self.machine, self.dialect, self.choices = machine, dialect, choices
+        self.data = data
+        self.name = name
+        self.said: list[Diagnostic] = []
+        self.section: dict[str, float] = {}
+        self.order: list[Cut | Bore | Trail] = []
+        self.tools: list[Chosen | Changed] = []
+        self.choice: Choice | None = None
+        self.diameter = 0.0
+        self.cycle = _NO_CYCLE  #: of the tool that is chosen
+        self.pitch = 0.0
+        self.turning = 0  #: the M word that started the spindle
+        self.speed_rpm = 0.0  #: that it was started with; 0 where the program does not say
+        self.cooling = False
+        self.x = self.furthest = self.feed_mm_min = nan
+        self.at: dict[int, tuple[float, float]] = {}  #: across and stroke of each spindle
+        self.fed_from: dict[int, float] = {}  #: stroke at which a tool's feed into the bar began
+        self.unseen: set[str] = set()  #: faces that were worked on without knowing where they lie
+        self.peck: tuple[float, float] | None = None  #: X and across of the hole being drilled
+        self.pecked = 0  #: how many bores the last stroke made
+        self.ended = False
+        self.stop_limits = limits_of(machine, "X")
+        self.never_back = machine.layout is not None and machine.layout.order == "saw-drill"
+        self.per_minute = 60.0 if machine.format.feed_unit == "mm/s" else 1.0
+
+    def say(self, rule: Rule, line: int, **values: object) -> None:
+        self.said.append(rule.at(Source(self.name, line), **values))
+
+    def switch(self, switch: Switch) -> None:
+        word = self.dialect.m_words.get(switch.number)
+        if word is None:
+            self.say(
+                WORD, switch.line, found=f"M{switch.number:02}",
+                expected=f"a word of this machine: {self.dialect.shown()}",
+            )  # fmt: skip
+            return
+        values = self._values(switch, word) if word.fields or switch.words else {}
+        match word.role:
+            case "on":
+                self._start(switch, values or {})
+            case "off":
+                self._stop(switch.line)
+            case "coolant-on":
+                self.cooling = True
+            case "coolant-off":
+                self.cooling = False
+            case _ if values is None:
+                return
+            case "choose":
+                self._choose(switch, values, word.cycle or _NO_CYCLE)
+            case "change":
+                self._change(switch, values)
+            case "saw":
+                self._saw(switch, values)
+            case "section":
+                self.section.update(values)
+            case "other":
+                self.pitch = values.get("pitch", self.pitch)
+            case "end":
+                self.at_rest(switch.line, "the end of the program")
+                self._check_magazines()
+                self.ended = True
+
+    def _values(self, switch: Switch, word: MWord) -> dict[str, float] | None:
+        """The word's parameters by what they carry; None (and said) where one is missing."""
+        found = switch.words
+        values: dict[str, float] = {}
+        for letter, field in word.fields:
+            value = found.get(letter)
+            if value is None:
+                shown = f"M{switch.number:02}"
+                self.say(
+                    WORD, switch.line, found=f"{shown} without {letter}",
+                    expected=f"{letter} with the {field}",
+                )  # fmt: skip
+                return None
+            if field in self.section:
+                self._say_again(switch.line, field, value)
+            if values.setdefault(field, value) != value:
+                self.say(
+                    WORD, switch.line, found=f"{letter}{value:g} behind M{switch.number:02}",
+                    expected=f"{values[field]:g}, the {field} a second time",
+                )  # fmt: skip
+        if len(found) > len(word.fields):
+            known = {letter for letter, _ in word.fields}
+            for letter in found.keys() - known:
+                self.say(
+                    WORD, switch.line, found=f"{letter} behind M{switch.number:02}",
+                    expected="no such parameter",
+                )  # fmt: skip
+        return values
+
+    def _say_again(self, line: int, field: str, value: float) -> None:
+        """What the program says of its bar a second time has to be the same."""
+        before = self.section[field]
+        if before != value and not isnan(before):
+            self.say(
+                rules.SECTION, line, what=field, found=f"{value:g}",
+                expected=f"{before:g}, as before",
+            )  # fmt: skip
+
+    def _start(self, switch: Switch, values: dict[str, float]) -> None:
+        """A spindle that starts to turn, or turns the other way."""
+        if self.choice is None:
+            self.say(rules.NO_SPINDLE, switch.line, found="a spindle that starts")
+        elif (
+            self.turning
+            and self.turning != switch.number
+            and self.cycle.kind != "tap"
+            and self.in_steel()
+        ):
+            self.say(rules.TURN, switch.line, found=switch.number, expected=self.cycle.turns)
+        self.turning = switch.number
+        self.speed_rpm = speed = values.get("speed", 0.0)
+        drill = self.machine.drill
+        if "speed" not in values or drill is None:
+            return
+        run = self.data.run(self.cycle.kind, self.diameter, self.pitch)
+        most = drill.greatest_speed_rpm + 0.6 if run is None else run.most_speed
+        if not drill.least_speed_rpm - 0.6 <= speed <= most:
+            self.say(
+                rules.SPEED, switch.line, found=f"{speed:g}", what=self.tool,
+                least=f"{drill.least_speed_rpm:g}", greatest=f"{most:.0f}",
+            )  # fmt: skip
+
+    @property
+    def tool(self) -> str:
+        """The tool that is chosen, for messages."""
+        return f"a {self.cycle.kind} {self.diameter:g}"
+
+    def _stop(self, line: int) -> None:
+        station = self.in_steel() if self.turning else None
+        if station is not None:
+            self.say(
+                rules.SPINDLE_STOPPED, line, face=station.face, axis=AXES[station.stroke],
+                at=f"{self.at[station.number][1]:g}",
+            )  # fmt: skip
+        self.turning = 0
+
+    def _choose(self, switch: Switch, values: dict[str, float], cycle: Cycle) -> None:
+        self.at_rest(switch.line, "the choice of a spindle")
+        number = values["spindle"]
+        self.choice = self.choices.get(int(number)) if number == int(number) else None
+        self.peck = None
+        self.diameter = self.dialect.size(values.get("diameter", 0.0))
+        self.cycle, self.pitch = cycle, values.get("pitch", 0.0)
+        if self.choice is None:
+            numbers = ", ".join(str(n) for n in self.choices)
+            self.say(WORD, switch.line, found=f"spindle {number:g}", expected=f"one of {numbers}")
+            return
+        tool = cycle.kind, self.diameter
+        self.tools += [Chosen(switch.line, s.number, tool) for s in self.choice.stations]
+
+    def _change(self, switch: Switch, values: dict[str, float]) -> None:
+        self.at_rest(switch.line, "a change of tool by hand")
+        spindle, diameter = values.get("spindle"), values.get("diameter")
+        size = None if diameter is None else self.dialect.size(diameter)
+        self.tools.append(Changed(switch.line, None if spindle is None else int(spindle), size))
+
+    def _check_magazines(self) -> None:
+        """Say which tools are chosen though no station can hold them by then."""
+        tools = {one.tool for one in self.tools if isinstance(one, Chosen)}
+        spindles = self.machine.spindles
+        if not self.dialect.changes or len(tools) <= min(s.stations for s in spindles):
+            return
+        for spindle in spindles:
+            for chosen in missing_changes(self.tools, spindle.number, spindle.stations):
+                kind, diameter = chosen.tool
+                self.say(
+                    rules.TOOL_CHANGE, chosen.line, what=f"a {kind} {diameter:g}",
+                    spindle=spindle.number, stations=spindle.stations,
+                )  # fmt: skip
+
+    def _saw(self, switch: Switch, values: dict[str, float]) -> None:
+        self.at_rest(switch.line, "a cut")
+        self.describe_first(switch.line)
+        angle = values["angle"]
+        saw = self.machine.saw
+        name, least, greatest = limits_of(self.machine, "angle")
+        if saw is not None:
+            least, greatest = max(least, saw.least_angle), min(greatest, saw.greatest_angle)
+            if "feed" in values:
+                self._saw_feed(switch.line, values["feed"] * self.per_minute, saw.feed_mm_min)
+        if not least <= angle <= greatest:
+            self.beyond(switch.line, name, angle, least, greatest)
+        if isnan(self.x):
+            self.say(WORD, switch.line, found="a cut", expected="an X before")
+            return
+        tilt = values.get("tilt", 0.0)
+        if saw is not None and not saw.least_tilt <= tilt <= saw.greatest_tilt:
+            self.beyond(switch.line, "the blade's tilt", tilt, saw.least_tilt, saw.greatest_tilt)
+        feed = values["feed"] * self.per_minute if "feed" in values else self.feed_mm_min
+        self.order.append(Cut(switch.line, self.x, angle, feed, tilt))
+        self.peck = None
+
+    def _saw_feed(self, line: int, feed: float, own: float) -> None:
+        """Refuse a feed beyond the saw's own, and warn of one far below it."""
+        self.check_feed(line, feed, "the saw", LEAST * own, own, own + 0.1)
+
+    def check_feed(
+        self, line: int, feed: float, what: str, least: float, own: float, most: float
+    ) -> None:
+        """Refuse a feed above `most`, warn of one below `least`; all in mm/min."""
+        if feed > most:
+            self.say(rules.FEED_LIMIT, line, found=f"{feed:g}", what=what, expected=f"{most:.4g}")
+        elif 0 < feed < least:
+            self.say(rules.FEED, line, found=f"{feed:g}", what=what, expected=f"{own:.4g}")
+        elif feed <= 0:
+            self.say(rules.NO_FEED, line, found=f"feed for {what}")
+
+    def at_rest(self, line: int, what: str) -> None:
+        """Say what is not at rest before a spindle is chosen, the saw cuts or the program ends."""
+        if self.turning:
+            self.say(rules.SPINDLE_ON, line, found=what)
+        if self.cooling:
+            self.say(rules.COOLANT, line, found=what, expected="off")
+        if self.choice is not None:
+            for station in self.choice.stations:
+                if self.is_in(station):
+                    self.sideways(line, what, station, self.at[station.number][1])
+
+    @property
+    def is_at_rest(self) -> bool:
+        """Whether nothing turns or flows and every tool is drawn back, with more to come."""
+        tools = (s for choice in self.choices.values() for s in choice.stations)
+        return not (self.turning or self.cooling or self.ended) and not any(
+            self.is_in(station) for station in tools
+        )
+
+    def is_in(self, station: Station) -> bool:
+        """Whether a station's tool is where material may be beside it."""
+        across, stroke = self.at.get(station.number, (nan, nan))
+        return station.depth_beside(stroke, station.y(across)) > EPSILON
+
+    def in_steel(self) -> Station | None:
+        """The first station of the choice whose tool is in the material behind its face."""
+        for station in self.choice.stations if self.choice is not None else ():
+            across, stroke = self.at.get(station.number, (nan, nan))
+            if station.surface_known:
+                depth = station.tip_depth(stroke, station.y(across))
+            else:
+                depth = station.way * (stroke - self.fed_from.get(station.number, nan))
+            if depth > EPSILON:
+                return station
+        return None
+
+    def describe_first(self, line: int) -> None:
+        """Say that the program works on a bar that it has not described."""
+        missing = self.dialect.section_fields - self.section.keys()
+        if missing:
+            names = ", ".join(sorted(missing))
+            self.say(rules.SECTION, line, what="no", found=names, expected=f"{names} before")
+            self.section.update(dict.fromkeys(missing, nan))
+
+    def beyond(self, line: int, axis: str, at: float, least: float, greatest: float) -> None:
+        self.say(
+            rules.LIMIT, line, axis=axis, found=f"{at:g}", least=f"{least:g}",
+            greatest=f"{greatest:g}",
+        )  # fmt: skip
+
+    def sideways(self, line: int, what: str, station: Station, at: float) -> None:
+        self.say(
+            rules.SIDEWAYS, line, found=what, face=station.face,
+            axis=AXES[station.stroke], at=f"{at:g}",
+        )  # fmt: skip

@@ -1,0 +1,203 @@
+"""What a program makes against what was asked for: everything once, in its place, nothing else.
+
+cuts -> pieces of bar -> parts;  holes, pockets and lines of each part -> what made them
+"""
+
+from collections.abc import Collection, Iterator, Sequence
+from math import isnan
+
+from msgspec import Struct
+
+from beamcam.errors import Diagnostic, Source
+from beamcam.machine.machine import Machine
+from beamcam.model.part import Part, Profile
+from beamcam.verify import rules
+from beamcam.verify.bars.ability import may_be_missing
+from beamcam.verify.bars.cut_faults import CutFaults
+from beamcam.verify.bars.holes import NEAR, HoleCheck, Want
+from beamcam.verify.bars.layout import Candidate, Laid, lay_out, wedge_cuts
+from beamcam.verify.bars.made import Made
+from beamcam.verify.bars.part_ends import End, ends_of
+from beamcam.verify.bars.pieces import overlapping, pieces, planes
+from beamcam.verify.bars.pockets import Led, check_paths, is_led
+from beamcam.verify.bars.shop import Shop
+from beamcam.verify.bars.stations import Choice
+from beamcam.verify.bars.targets import (
+    Course,
+    Lack,
+    Pocket,
+    Round,
+    Target,
+    targets_of,
+)
+
+
+class Asked(Struct, frozen=True):
+    """What was asked for."""
+
+    parts: Sequence[Part]
+    skips: Collection[str] = ()
+    free: bool = False  #: whether the parts may lie in another order
+    turn: bool = False
+    bar: float | None = None
+
+
+class Comparison:
+    """One program against what was asked for; `said` is what is wrong."""
+
+    def __init__(
+        self, made: Made, asked: Asked, shop: Shop, profile: Profile,
+        choices: dict[int, Choice], name: str,
+    ) -> None:  # fmt: skip
+        saw = shop.machine.saw
+        if saw is None:
+            raise TypeError(f"{shop.machine.name} has no saw")
+        self.made, self.asked, self.shop, self.saw = made, asked, shop, saw
+        self.machine: Machine = shop.machine
+        self.profile, self.name = profile, name
+        self.targets: dict[int, list[Target]] = {}
+        self.holes = HoleCheck(made.bores, shop, profile, choices, name)
+        self.said: list[Diagnostic] = [*_section(made, profile, self.machine, name)]
+
+    def run(self) -> tuple[Diagnostic, ...]:
+        """Everything that is wrong."""
+        laid = self._lay_out()
+        parts = [one.part for one in laid]
+        wants: list[Want] = []
+        led: list[Led] = []
+        optional: dict[tuple[int, int], None] = {}  #: part and feature that may be missing
+        for p, one in enumerate(laid):
+            targets = self._targets_of(one.part, one.ends)
+            spare = may_be_missing(one.part, targets, self.shop, self.asked.skips)
+            optional.update(dict.fromkeys((p, f) for f in spare))
+            from_x = self.shop.drill.x + one.start
+            gone: set[int] = set()  #: slots that are left out, with the holes at their ends
+            for target in targets:
+                if isinstance(target, Lack):
+                    if target.feature not in spare:
+                        self.said.append(_lack(target, one.part))
+                elif isinstance(target, Round):
+                    if not (target.optional and target.feature in gone):
+                        wants.append(Want(p, target, from_x + target.x))
+                elif target.feature in spare and not is_led(
+                    self.made.trails, target, from_x, self.shop
+                ):
+                    gone.add(target.feature)
+                else:
+                    led.append(Led(p, target, from_x))
+        left = self._missed(self.holes.take(wants), optional)
+        self.said += self.holes.complain(left, parts)
+        if self.made.trails or led:
+            self.said += check_paths(
+                self.made.trails, led, parts, self.shop, self.profile, self.name
+            )
+        if self.machine.layout is not None and self.machine.layout.order == "drill-saw":
+            self.said += self._after_its_cut(laid)
+        return tuple(self.said)
+
+    def _targets_of(self, part: Part, ends: tuple[End, End]) -> list[Target]:
+        known = self.targets.get(id(part))
+        if known is None:
+            known = self.targets[id(part)] = targets_of(part, ends, self.shop)
+        return known
+
+    def _lay_out(self) -> list[Laid]:
+        """The parts on the bar; what is wrong with its cuts is said."""
+        asked, saw = self.asked, self.saw
+        cuts = planes(self.made.cuts, saw, self.profile)
+        found = pieces(cuts, asked.bar)
+        laid = lay_out(found, asked.parts, self.machine, saw, asked.free, asked.turn, self._faults)
+        if len(laid) == len(asked.parts):
+            used = wedge_cuts(laid, cuts, self.machine, saw, asked.bar)
+            for one in laid:
+                if one.piece is not None and used is not None:
+                    used |= {one.piece.start.cut.line, one.piece.end.cut.line}
+            whole = used is not None and len(used - {0}) == len(self.made.cuts)
+            if whole and not overlapping(cuts):
+                return laid
+        return self._complain_of_cuts(laid)
+
+    def _complain_of_cuts(self, laid: Sequence[Laid]) -> list[Laid]:
+        """The parts where their cuts come nearest; what is wrong with the cuts is said."""
+        asked = self.asked
+        parts: list[Part] = list(asked.parts)
+        if asked.free or asked.turn:  # those that are found stay as they lie
+            missing = {*range(len(parts))} - {one.given for one in laid}
+            parts = [*(one.part for one in laid), *(parts[i] for i in sorted(missing))]
+        ends = [ends_of(part, self.saw) for part in parts]
+        faults = CutFaults(self.made.cuts, self.machine, self.saw, self.name)
+        faults.place(parts, ends)
+        last = parts[-1]
+        x = self.saw.x + faults.starts[-1] + last.length + ends[-1][1].kerf(self.saw) / 2
+        angle = f"{self.saw.square:g}"
+        # Behind a skew end at the end of the bar alone no cut is needed, and there it is not.
+        self.said += faults.said or [
+            rules.CUT_MISSING.at(last.source, angle=angle, x=f"{x:.6g}", end="end", mark=last.mark)
+        ]
+        return [
+            Laid(part, i, ends[i], start, None)
+            for i, (part, start) in enumerate(zip(parts, faults.starts, strict=True))
+        ]
+
+    def _faults(self, candidate: Candidate, start: float) -> int:
+        """How many features of a part are not there if it starts at a bar x."""
+        from_x = self.shop.drill.x + start
+        targets = self._targets_of(candidate.part, candidate.ends)
+        wants = [Want(0, t, from_x + t.x) for t in targets if isinstance(t, Round)]
+        lacks = sum(isinstance(t, Lack) for t in targets)
+        starts = [x for trail in self.made.trails for x, _ in trail.points[:1]]
+        paths = [t for t in targets if not isinstance(t, Round | Lack)]
+        far = sum(all(abs(x - from_x - _x_of(t)) > NEAR for x in starts) for t in paths)
+        return self.holes.unmade(wants) + lacks + far
+
+    def _missed(self, left: Sequence[Want], optional: Collection[tuple[int, int]]) -> list[Want]:
+        """Of the holes that nothing makes those that have to be there.
+
+        A feature that may be missing is there wholly, or nothing of it is.
+        """
+        made = {
+            (w.part, w.target.feature) for w in self.holes.made.values() if not w.target.optional
+        }
+        return [
+            w for w in left if (key := (w.part, w.target.feature)) not in optional or key in made
+        ]
+
+    def _after_its_cut(self, laid: Sequence[Laid]) -> Iterator[Diagnostic]:
+        """Holes of a part that has been parted before."""
+        place: dict[int, int] = {}  #: line of a cut or bore -> its place in the order of work
+        for index, op in enumerate(self.made.order):
+            place.setdefault(op.line, index)
+        parted = [None if one.piece is None else one.piece.end.cut.line for one in laid]
+        found = sorted((self.holes.bores[i].line, i, w.part) for i, w in self.holes.made.items())
+        for line, i, part in found:
+            cut = parted[part]
+            if cut and place[line] > place[cut]:
+                x = self.holes.bores[i].x
+                yield rules.CUT_OFF.at(Source(self.name, line), found=f"{x:g}", cut=cut)
+
+
+def _x_of(target: Pocket | Course) -> float:
+    """Where a pocket or line is along its part."""
+    return target.x if isinstance(target, Pocket) else target.curves[0].start[0]
+
+
+def _section(made: Made, profile: Profile, machine: Machine, name: str) -> Iterator[Diagnostic]:
+    """What the program says about the bar, against the parts' profile."""
+    expected = {
+        "height": profile.height,
+        "width": profile.width,
+        "section": float(machine.sections.get(profile.code, -1)),
+    }
+    for field, value in made.section:
+        if not isnan(value) and abs(value - expected[field]) > 0.75 * machine.format.resolution:
+            yield rules.SECTION.at(
+                Source(name), what=field, found=f"{value:g}", expected=f"{expected[field]:g}"
+            )
+
+
+def _lack(lack: Lack, part: Part) -> Diagnostic:
+    if lack.place is None:
+        return rules.NOT_MADE.at(lack.source.source, found=lack.what, mark=part.mark)
+    x, y = lack.place
+    face = getattr(lack.source, "face", "")
+    return rules.OUTLINE.at(lack.source.source, face=face, mark=part.mark, x=f"{x:g}", y=f"{y:g}")

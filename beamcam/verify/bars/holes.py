@@ -1,0 +1,289 @@
+"""The holes that a program makes against those that the parts ask for, each exactly once.
+
+A hole is right if it lies in its place, its tool is of a size that fits and the shop has, and it
+reaches its wall. Of several at one place each is made by the tool that leaves it. A stroke of two
+spindles at once may stand between its two holes, and what follows a drill where that one was.
+"""
+
+from collections.abc import Iterable, Iterator, Sequence
+from math import floor
+from typing import NamedTuple
+
+from beamcam.errors import Diagnostic, Source
+from beamcam.machine.machine import FLAT_DEG
+from beamcam.model.part import Part, Profile
+from beamcam.verify import rules
+from beamcam.verify.bars.depths import REACHES, Reach
+from beamcam.verify.bars.made import Bore
+from beamcam.verify.bars.shop import Shop
+from beamcam.verify.bars.stations import Choice, stroke_values
+from beamcam.verify.bars.targets import Kind, Round
+
+NOUNS = {"drill": "hole", "tap": "thread", "countersink": "countersink", "punch": "punch mark"}
+NEAR = 60.0  #: mm; a hole this near to where it should be is taken for it, in the wrong place
+
+
+class Want(NamedTuple):
+    """A hole of a part on the bar."""
+
+    part: int
+    target: Round
+    x: float  #: machine X
+
+
+class HoleCheck:
+    """The holes of one program. `choices` say where its spindles stand on the section."""
+
+    def __init__(
+        self, bores: Sequence[Bore], shop: Shop, profile: Profile, choices: dict[int, Choice],
+        name: str,
+    ) -> None:  # fmt: skip
+        self.shop, self.profile, self.name = shop, profile, name
+        resolution = shop.machine.format.resolution
+        self.merge = shop.drill.merge_tolerance
+        #: A bore may be off by half a step, and so may the cut that its part starts at.
+        self.x_slack, self.y_slack = resolution + 1e-6, 0.75 * resolution + 1e-6
+        self.depth_slack = resolution + 1e-6
+        self.stations = {s.face: s for choice in choices.values() for s in choice.stations}
+        self.pockets: dict[tuple[str, str, int], list[int]] = {}
+        self.bores = bores
+        self.paired = _paired(bores)
+        for i, bore in enumerate(bores):
+            key = bore.face, bore.kind, floor(bore.x)
+            if key in self.pockets:
+                self.pockets[key].append(i)
+            else:
+                self.pockets[key] = [i]
+        self.made: dict[int, Want] = {}  #: by the bore's index
+
+    # Which bore makes which hole
+
+    def take(self, wants: Iterable[Want]) -> list[Want]:
+        """Give each hole the bore that makes it rightly; those that are left come back."""
+        left = []
+        for want in wants:
+            best = self._right(want)
+            if best is None:
+                left.append(want)
+            else:
+                self.made[best] = want
+        return left
+
+    def unmade(self, wants: Iterable[Want]) -> int:
+        """How many holes nothing makes rightly."""
+        return sum(self._right(want) is None for want in wants if not want.target.optional)
+
+    def _right(self, want: Want) -> int | None:
+        """The bore that makes a hole rightly, of those not taken: the nearest in size."""
+        near = [i for i in self._near(want) if self._is_right(want, self.bores[i])]
+        if len(near) < 2:
+            return near[0] if near else None
+        return min(near, key=lambda i: self._unlike(want, self.bores[i]))
+
+    def _near(self, want: Want) -> Iterator[int]:
+        """The bores at a hole's place that are not taken."""
+        x, target = want.x, want.target
+        kind = target.kind.tool
+        follows = kind != "drill"
+        reach = self.merge + self.x_slack
+        low, high = floor(x - reach), floor(x + reach)
+        pockets = self.pockets
+        for key in (low,) if low == high else range(low, high + 1):
+            for i in pockets.get((target.face, kind, key), ()):
+                if i in self.made:
+                    continue
+                bore = self.bores[i]
+                more = self.merge if follows or i in self.paired else 0.0
+                if (
+                    abs(bore.x - x) <= self.x_slack + more
+                    and abs(bore.y - target.y) <= self.y_slack + more
+                ):
+                    yield i
+
+    def _is_right(self, want: Want, bore: Bore) -> bool:
+        kind, diameter = want.target.kind, bore.diameter
+        if not kind.least <= diameter <= kind.most:
+            return False
+        if diameter not in self.shop.sizes(kind.tool, bore.face):
+            return False
+        if kind.tool != "drill" and self._wrong_tool(kind, bore):
+            return False
+        reach = self._reach(kind, bore)
+        if bore.tip_depth < reach.least - self.depth_slack:
+            return False
+        return (
+            bore.tip_depth <= reach.greatest + self.depth_slack
+            or bore.tip_depth <= self.reach(kind, bore).greatest + self.depth_slack
+        )
+
+    def _unlike(self, want: Want, bore: Bore) -> tuple[float, float]:
+        off = abs(want.x - bore.x) + abs(want.target.y - bore.y)
+        return round(abs(want.target.kind.own - bore.diameter), 6), round(off, 6)
+
+    def reach(self, kind: Kind, bore: Bore) -> Reach:
+        """Where the tip may turn back in a hole; through holes as deep as the machine strokes."""
+        reach = self._reach(kind, bore)
+        if kind.hole.depth is None and kind.tool in ("drill", "tap"):
+            thickness = self.profile.thickness(bore.face)
+            return Reach(reach.least, max(reach.greatest, self._stroke_end(bore, thickness)))
+        return reach
+
+    def _reach(self, kind: Kind, bore: Bore) -> Reach:
+        thickness = self.profile.thickness(bore.face)
+        return REACHES[kind.tool](kind, bore.diameter, thickness, self.shop)
+
+    def _stroke_end(self, bore: Bore, thickness: float) -> float:
+        """How deep the machine's own stroke goes, which may be one for all holes."""
+        machine = self.shop.machine
+        spindle = next(s for s in machine.spindles if s.face == bore.face)
+        values = stroke_values(machine, self.profile, bore.face)
+        tip = self.shop.tip(bore.kind, bore.diameter, bore.face)
+        values |= {"depth": thickness + self.shop.drill.breakthrough, "tip": tip, "y": bore.y}
+        return self.stations[bore.face].tip_depth(spindle.stroke.bottom(values), bore.y)
+
+    def _wrong_tool(self, kind: Kind, bore: Bore) -> str:
+        """What the tool should be like that taps or sinks, "" if it is."""
+        if kind.tool == "tap" and abs(bore.pitch - kind.pitch) > 1e-6:
+            return f"pitch {kind.pitch:g}"
+        if kind.tool == "countersink":
+            cone = kind.hole.angle or FLAT_DEG
+            cones = {
+                t.point_deg for t in self.shop.of("countersink", bore.face)
+                if bore.diameter in t.sizes
+            }  # fmt: skip
+            if cone not in cones:
+                return f"a cone of {cone:g} degrees"
+        return ""
+
+    # What is wrong
+
+    def complain(self, left: Sequence[Want], parts: Sequence[Part]) -> Iterator[Diagnostic]:
+        """What is wrong with the holes that nothing makes rightly, and with bores of no hole."""
+        yield from self._astray(parts)
+        astray: list[Want] = []
+        for want in left:
+            if want.target.optional:
+                continue
+            near = [*self._near(want)]
+            if not near:
+                astray.append(want)
+                continue
+            best = min(near, key=lambda i: self._unlike(want, self.bores[i]))
+            self.made[best] = want
+            yield self._not_right(want, self.bores[best], parts)
+        for want in astray:
+            found = self._nearest(want)
+            if found is None:
+                yield self._missing(want, parts)
+            else:
+                self.made[found] = want
+                yield self._elsewhere(want, self.bores[found], parts)
+        for i, bore in enumerate(self.bores):
+            if i not in self.made:
+                yield rules.HOLE_EXTRA.at(
+                    Source(self.name, bore.line),
+                    what=f"{NOUNS.get(bore.kind, bore.kind)} {bore.diameter:g}",
+                    face=bore.face, x=f"{bore.x:g}", y=f"{bore.y:g}",
+                )  # fmt: skip
+
+    def _astray(self, parts: Sequence[Part]) -> Iterator[Diagnostic]:
+        """Bores that may stand off their hole by the merging tolerance, and stand off for nothing.
+
+        A stroke of two spindles lies between its two holes, what follows a drill where that was.
+        """
+        drilled: set[tuple[str, float, float]] | None = None
+        by_line: dict[int, list[Want]] = {}
+        for i in self.paired:
+            if i in self.made:
+                by_line.setdefault(self.bores[i].line, []).append(self.made[i])
+        for i, want in list(self.made.items()):
+            bore = self.bores[i]
+            if abs(bore.x - want.x) <= self.x_slack and abs(bore.y - want.target.y) <= self.y_slack:
+                continue
+            if bore.kind != "drill":
+                if drilled is None:
+                    drilled = {(b.face, b.x, b.y) for b in self.bores if b.kind == "drill"}
+                if (bore.face, bore.x, bore.y) in drilled:
+                    continue
+            both = by_line.get(bore.line, [want])
+            xs, ys = [w.x for w in both], [w.target.y for w in both]
+            if not (
+                min(xs) - self.x_slack <= bore.x <= max(xs) + self.x_slack
+                and min(ys) - self.y_slack <= bore.y <= max(ys) + self.y_slack
+            ):
+                yield self._elsewhere(want, bore, parts)
+
+    def _nearest(self, want: Want) -> int | None:
+        """The bore of a hole's face and tool that may have been meant for it."""
+        target = want.target
+        near = [
+            (abs(b.x - want.x) + abs(b.y - target.y), i)
+            for i, b in enumerate(self.bores)
+            if i not in self.made and b.face == target.face and b.kind == target.kind.tool
+            and abs(b.x - want.x) <= NEAR and abs(b.y - target.y) <= NEAR
+        ]  # fmt: skip
+        return min(near)[1] if near else None
+
+    def _described(self, want: Want, parts: Sequence[Part]) -> dict[str, object]:
+        """How messages name a hole."""
+        target = want.target
+        return {
+            "what": target.kind.what, "face": target.face, "mark": parts[want.part].mark,
+            "x": f"{target.x:g}", "y": f"{target.y:g}",
+        }  # fmt: skip
+
+    def _not_right(self, want: Want, bore: Bore, parts: Sequence[Part]) -> Diagnostic:
+        """What is wrong with the tool, or else the depth, that makes a hole in its place."""
+        kind, source = want.target.kind, Source(self.name, bore.line)
+        described = self._described(want, parts)
+        found, expected = f"a {kind.tool} {bore.diameter:g}", f"a {kind.tool} {kind.own:g}"
+        if bore.diameter not in self.shop.sizes(kind.tool, bore.face):
+            expected += ", the shop has none of that size"
+        elif kind.least <= bore.diameter <= kind.most:
+            expected = self._wrong_tool(kind, bore)
+            if kind.tool == "tap":
+                found = f"a tap of pitch {bore.pitch:g}"
+        if expected:
+            return rules.TOOL.at(source, found=found, expected=expected, **described)
+        reach = self.reach(kind, bore)
+        tip = self.shop.tip("drill", bore.diameter, bore.face) if bore.kind == "drill" else 0.0
+        return wrong_depth(
+            (bore.tip_depth, bore.tip_depth), reach, tip, self.depth_slack, source, described
+        )
+
+    def _missing(self, want: Want, parts: Sequence[Part]) -> Diagnostic:
+        return rules.HOLE_MISSING.at(
+            want.target.kind.hole.source, machine_x=f"{want.x:g}", **self._described(want, parts)
+        )
+
+    def _elsewhere(self, want: Want, bore: Bore, parts: Sequence[Part]) -> Diagnostic:
+        return rules.HOLE_PLACE.at(
+            Source(self.name, bore.line),
+            found_x=f"{want.target.x + bore.x - want.x:.6g}",
+            found_y=f"{bore.y:.6g}",
+            **self._described(want, parts),
+        )
+
+
+def wrong_depth(
+    tip_depths: tuple[float, float], reach: Reach, tip: float, slack: float, source: Source,
+    described: dict[str, object],
+) -> Diagnostic:  # fmt: skip
+    """A tip that turned back, between two depths, outside of its reach."""
+    found, expected = tip_depths[1], f"at most {reach.greatest - tip:.3f}"
+    if tip_depths[0] < reach.least - slack:
+        found, expected = tip_depths[0], f"at least {reach.least - tip:.3f}"
+    if reach.least == reach.greatest:
+        expected = f"{reach.least - tip:.3f}"
+    return rules.DEPTH.at(source, found=f"{found - tip:.3f}", expected=expected, **described)
+
+
+def _paired(bores: Sequence[Bore]) -> frozenset[int]:
+    """The indices of bores that are strokes of two spindles at once."""
+    paired: list[int] = []
+    before = None
+    for i, bore in enumerate(bores):
+        if before is not None and bore.line == before.line:
+            paired += (i - 1, i)
+        before = bore
+    return frozenset(paired)

@@ -1,0 +1,73 @@
+"""Which tools a spindle can have at hand: its stations hold so many, and a stop changes one.
+
+What is put in before the program starts is not written down; it is taken to be the tools that the
+program needs first. At each stop a tool comes in, for one that is needed last of all: if even so a
+tool is chosen that cannot be there, the program has forgotten to stop for it.
+"""
+
+from collections.abc import Iterator, Sequence
+from typing import NamedTuple
+
+Tool = tuple[str, float]  #: kind and diameter
+
+
+class Chosen(NamedTuple):
+    """A tool that a spindle is told to take."""
+
+    line: int
+    spindle: int
+    tool: Tool
+
+
+class Changed(NamedTuple):
+    """A stop for a tool that is put in by hand; None where the word does not say."""
+
+    line: int
+    spindle: int | None
+    diameter: float | None
+
+
+def missing_changes(
+    course: Sequence[Chosen | Changed], spindle: int, stations: int
+) -> Iterator[Chosen]:
+    """The choices of tools that cannot be in a spindle's stations by then."""
+    own = [one for one in course if one.spindle in (spindle, None)]
+    loaded: set[Tool] = set()
+    started = False  #: whether all stations have had their first tool
+    for at, one in enumerate(own):
+        if isinstance(one, Chosen):
+            if one.tool in loaded:
+                continue
+            if started or len(loaded) >= stations:
+                yield one
+                started = True
+                _make_room(loaded, own[at:], stations)
+            loaded.add(one.tool)
+            continue
+        new = _meant(one, own[at:], loaded)
+        if new is not None:
+            if len(loaded) >= stations:
+                started = True
+            _make_room(loaded, own[at:], stations)
+            loaded.add(new)
+
+
+def _meant(change: Changed, rest: Sequence[Chosen | Changed], loaded: set[Tool]) -> Tool | None:
+    """The tool that a stop brings: the next one that is needed and not there."""
+    for one in rest:
+        if isinstance(one, Changed) or one.tool in loaded:
+            continue
+        if change.diameter is None or abs(one.tool[1] - change.diameter) < 0.001:
+            return one.tool
+    return None
+
+
+def _make_room(loaded: set[Tool], rest: Sequence[Chosen | Changed], stations: int) -> None:
+    """Take out what is needed last of all, if every station is taken."""
+    if len(loaded) < stations:
+        return
+    next_use: dict[Tool, int] = {}
+    for at, one in enumerate(rest):
+        if isinstance(one, Chosen):
+            next_use.setdefault(one.tool, at)
+    loaded.discard(max(sorted(loaded), key=lambda tool: next_use.get(tool, len(rest))))

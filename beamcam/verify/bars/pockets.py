@@ -1,0 +1,133 @@
+"""The paths that a program leads tools along, against the slots and lines of the parts."""
+
+from collections.abc import Iterator, Sequence
+from math import cos, inf, radians, sin
+from typing import NamedTuple
+
+from beamcam.errors import Diagnostic, Source
+from beamcam.model.part import Part, Profile
+from beamcam.verify import rules
+from beamcam.verify.bars.depths import Reach, path_reach
+from beamcam.verify.bars.holes import NEAR, wrong_depth
+from beamcam.verify.bars.made import Trail
+from beamcam.verify.bars.paths import line_error, pocket_error
+from beamcam.verify.bars.shop import Shop
+from beamcam.verify.bars.targets import Course, Pocket
+
+
+class Led(NamedTuple):
+    """A pocket or line of a part on the bar."""
+
+    part: int
+    target: Pocket | Course
+    from_x: float  #: machine X of the part's x 0
+
+
+def check_paths(
+    trails: Sequence[Trail], wanted: Sequence[Led], parts: Sequence[Part], shop: Shop,
+    profile: Profile, name: str,
+) -> Iterator[Diagnostic]:  # fmt: skip
+    """What is wrong with the paths: each pocket and line once, by the path that fits it best."""
+    allowed = _allowed(shop)
+    left = list(trails)
+    for want in wanted:
+        target, mark = want.target, parts[want.part].mark
+        trail = _meant(left, want)
+        if trail is None:
+            source = target.source.source
+            yield rules.NOT_MADE.at(source, found=f"the {target.what}", mark=mark)
+            continue
+        left.remove(trail)
+        off = _off(trail, want)
+        if off > allowed:
+            yield rules.PATH.at(
+                Source(name, trail.line), what=f"the {target.what}", mark=mark,
+                found=f"{off:.3f}", expected=f"{allowed:g}",
+            )  # fmt: skip
+        yield from _tool_and_depth(trail, target, mark, shop, profile, Source(name, trail.line))
+    for trail in left:
+        x, y = trail.points[0]
+        yield rules.PATH_EXTRA.at(
+            Source(name, trail.line), kind=trail.kind, face=trail.face, x=f"{x:g}", y=f"{y:g}"
+        )
+
+
+def is_led(trails: Sequence[Trail], target: Pocket | Course, from_x: float, shop: Shop) -> bool:
+    """Whether a path is there that makes a pocket or line."""
+    want = Led(0, target, from_x)
+    trail = _meant(trails, want)
+    return trail is not None and _off(trail, want) <= _allowed(shop)
+
+
+def _allowed(shop: Shop) -> float:
+    """How far a path may be off."""
+    return shop.drill.path_tolerance + 2 * shop.machine.format.resolution
+
+
+def _off(trail: Trail, want: Led) -> float:
+    """How far the pocket or line that a path makes is off."""
+    points = [(x - want.from_x, y) for x, y in trail.points]
+    if isinstance(want.target, Pocket):
+        return pocket_error(want.target, points, trail.diameter)
+    return line_error(want.target.curves, points)
+
+
+def _meant(trails: Sequence[Trail], want: Led) -> Trail | None:
+    """The path that a pocket or line is made by: the nearest, about one middle the one of its
+    size."""
+    kind = "mill" if isinstance(want.target, Pocket) else "scribe"
+    near = [
+        (*_apart(trail, want.target, want.from_x), trail.line, trail)
+        for trail in trails
+        if trail.kind == kind and trail.face == want.target.face
+    ]
+    found = min(near, key=lambda n: (n[0] + n[1], n[2]), default=(inf, inf, 0, None))
+    return found[3] if found[0] <= NEAR else None
+
+
+def _apart(trail: Trail, target: Pocket | Course, from_x: float) -> tuple[float, float]:
+    """How far the middles of a path and of what it may be meant for are apart, and their sizes."""
+    if isinstance(target, Pocket):
+        c, s = abs(cos(radians(target.angle))), abs(sin(radians(target.angle)))
+        round_about = target.diameter - trail.diameter
+        own_x, own_y = target.x, target.y
+        own_width = c * target.length + s * target.height + round_about
+        own_height = s * target.length + c * target.height + round_about
+    else:
+        boxes = [curve.bbox for curve in target.curves]
+        corners = [(b[0], b[1]) for b in boxes] + [(b[2], b[3]) for b in boxes]
+        own_x, own_y, own_width, own_height = _box(corners)
+    x, y, width, height = _box(trail.points)
+    apart = abs(x - from_x - own_x) + abs(y - own_y)
+    return apart, abs(width - own_width) + abs(height - own_height)
+
+
+def _box(points: Sequence[tuple[float, float]]) -> tuple[float, float, float, float]:
+    """The middle of points, their width and their height."""
+    xs, ys = [x for x, _ in points], [y for _, y in points]
+    x0, x1, y0, y1 = min(xs), max(xs), min(ys), max(ys)
+    return (x0 + x1) / 2, (y0 + y1) / 2, x1 - x0, y1 - y0
+
+
+def _tool_and_depth(
+    trail: Trail, target: Pocket | Course, mark: str, shop: Shop, profile: Profile, source: Source
+) -> Iterator[Diagnostic]:
+    """What is wrong with the tool and the depth of a path."""
+    x, y = (target.x, target.y) if isinstance(target, Pocket) else target.curves[0].start
+    described: dict[str, object] = {
+        "what": target.what, "face": target.face, "mark": mark, "x": f"{x:g}", "y": f"{y:g}",
+    }  # fmt: skip
+    sizes = shop.sizes(trail.kind, target.face)
+    if trail.diameter not in sizes:
+        shown = ", ".join(f"{d:g}" for d in sizes)
+        found = f"a {trail.kind} {trail.diameter:g}"
+        yield rules.TOOL.at(source, found=found, expected=f"one of {shown}", **described)
+        return
+    if isinstance(target, Pocket):
+        reach = path_reach(target.depth, profile.thickness(target.face), shop)
+    else:
+        reach = Reach(shop.drill.mark_depth, shop.drill.mark_depth)
+    slack = shop.machine.format.resolution + 1e-6
+    depths = trail.least_depth, trail.greatest_depth
+    if depths[0] < reach.least - slack or depths[1] > reach.greatest + slack:
+        yield wrong_depth(depths, reach, 0.0, slack, source, described)

@@ -1,0 +1,87 @@
+"""The tools that a shop has, and between which sizes a tool fits a hole."""
+
+from collections.abc import Iterator
+from functools import lru_cache
+from math import radians, tan
+
+from beamcam.machine.machine import FLAT_DEG, Drill, Machine, ToolSet
+from beamcam.model.part import Face, Hole, Part
+
+USUAL_POINT_DEG = 118.0
+
+#: Faces that are the other side of one plate; an angle's only flange has its outside on u.
+OTHER_SIDE = {
+    **{code: {"h": "v"} for code in ("I", "U", "C", "T", "B")},
+    "L": {"h": "v", "o": "u"},
+}
+#: Faces of a section behind which there is no plate of its own.
+NO_PLATE = {"L": ("o",), "T": ("o", "u")}
+
+
+class Shop:
+    """The tools of a machine, by kind, and the faces that its spindles reach."""
+
+    def __init__(self, machine: Machine, drill: Drill) -> None:
+        self.machine, self.drill = machine, drill
+        self.kinds: dict[str, tuple[ToolSet, ...]] = {}
+        for tools in machine.tools:
+            self.kinds[tools.kind] = (*self.kinds.get(tools.kind, ()), tools)
+        self.faces: tuple[Face, ...] = tuple(s.face for s in machine.spindles)
+        self.sizes = lru_cache(64)(self._sizes)
+        self.fits = lru_cache(1024)(self._fits)
+        self.tip = lru_cache(1024)(self._tip)
+        self.twice = drill.duplicate_tolerance + 1e-9  #: holes nearer than this are one
+
+    def of(self, kind: str, face: Face) -> Iterator[ToolSet]:
+        """The tools of a kind that the spindle of a face takes."""
+        return (t for t in self.kinds.get(kind, ()) if face in t.faces)
+
+    def _sizes(self, kind: str, face: Face) -> tuple[float, ...]:
+        """Diameters of the tools of a kind that the spindle of a face takes, in order."""
+        return tuple(sorted({d for tools in self.of(kind, face) for d in tools.sizes}))
+
+    def fit(self, diameter: float) -> tuple[float, float] | None:
+        """Least and greatest drill for a hole; None if the machine says nothing of that size."""
+        for row in self.drill.fits:
+            if diameter <= row.up_to:
+                return diameter - row.minus - 1e-6, diameter + row.plus + 1e-6
+        return None
+
+    def _fits(self, kind: str, diameter: float, face: Face) -> tuple[float, ...]:
+        """The tools of a kind that fit a hole, the nearest first, of two the smaller."""
+        limits = self.fit(diameter)
+        if limits is None:
+            return ()
+        fitting = [d for d in self.sizes(kind, face) if limits[0] <= d <= limits[1]]
+        return tuple(sorted(fitting, key=lambda d: (abs(d - diameter), d)))
+
+    def tap(self, hole: Hole) -> tuple[float, float, float] | None:
+        """Diameter and pitch of the tap of a thread, and the drill before it."""
+        hand = "left" if hole.kind == "left-thread" else "right"
+        for tools in self.of("tap", hole.face):
+            if tools.hand == hand:
+                for size, pitch, before in zip(
+                    tools.sizes, tools.pitches, tools.pre_drills, strict=True
+                ):
+                    if abs(size - hole.diameter) <= self.drill.twin:
+                        return size, pitch, before
+        return None
+
+    def _tip(self, kind: str, diameter: float, face: Face) -> float:
+        """Length of a tool's point: radius / tan(half the angle); 0 of a flat one."""
+        angle = self.point_deg(kind, diameter, face)
+        return 0.0 if angle >= FLAT_DEG else diameter / 2 / tan(radians(angle) / 2)
+
+    def point_deg(self, kind: str, diameter: float, face: Face) -> float:
+        """Angle of the point of the shop's tool of a diameter; a usual drill's if it has none."""
+        angles = (t.point_deg for t in self.of(kind, face) if diameter in t.sizes)
+        return next(angles, USUAL_POINT_DEG)
+
+    def mills_round(self, diameter: float, face: Face) -> bool:
+        """Whether a hole may be milled as a circle: no drill is as large, and a mill may."""
+        largest = max((t.largest_hole for t in self.of("mill", face)), default=0.0)
+        return max(self.sizes("drill", face), default=0.0) < diameter <= largest
+
+    def works_on(self, face: Face, part: Part) -> bool:
+        """Whether a spindle works on a face of a part."""
+        return face in self.faces and face not in NO_PLATE.get(part.profile.code, ())
