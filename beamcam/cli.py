@@ -3,13 +3,16 @@
 Only the modules of `beamcam.commands` print, exit or read the environment.
 """
 
+import sys
 from importlib import import_module
+from io import TextIOWrapper
 from typing import Any
 
 import click
 
 from beamcam import __version__
 from beamcam.collector import collector_seldom
+from beamcam.system import is_unicode
 
 #: name -> module of beamcam.commands whose `command` it is, and its help in a line
 COMMANDS = {
@@ -37,6 +40,9 @@ class Commands(click.Group):
     def main(self, *args: Any, **values: Any) -> Any:
         """Run a command; a fault of standard output is told as one of any other output is."""
         collector_seldom()
+        for stream in (sys.stdout, sys.stderr):
+            if isinstance(stream, TextIOWrapper) and not is_unicode(stream.encoding):
+                stream.reconfigure(errors="backslashreplace")
         try:
             return super().main(*args, **values)
         except BrokenPipeError:

@@ -5,9 +5,11 @@ import stat
 from collections.abc import Iterable
 from contextlib import suppress
 
+from beamcam.system import BINARY, replace_file
+
 REFUSED_SUFFIX = ".refused"  #: behind the name of an output whose program was refused
 
-_NEW = os.O_CREAT | os.O_EXCL | os.O_WRONLY | getattr(os, "O_BINARY", 0)
+_NEW = os.O_CREAT | os.O_EXCL | os.O_WRONLY | BINARY
 #: A file without a name, where the system has such: a process that dies leaves nothing of it.
 _UNNAMED = getattr(os, "O_TMPFILE", 0) if os.path.isdir("/proc/self/fd") else 0
 
@@ -53,7 +55,7 @@ def write_whole(
                     _copy(file, part, durable)
         finally:
             os.close(file)
-        os.replace(part, target)
+        replace_file(part, target)
     except BaseException:
         if named:
             with suppress(OSError):
@@ -142,7 +144,7 @@ def _mode(path: str) -> int | None:
 
 def _write_to_device(path: str, data: bytes | Iterable[bytes]) -> None:
     """Write to what has no name of its own that a file could take: /dev/null, a printer, a pipe."""
-    file = os.open(path, os.O_WRONLY)
+    file = os.open(path, os.O_WRONLY | BINARY)
     try:
         _write_all(file, data)
     finally:

@@ -12,7 +12,7 @@ PACKAGE = ROOT / "beamcam"
 
 #: A package may import those of lower steps; packages on one step never import each other.
 STEPS = (
-    ("caches", "conversion", "plain_text"),
+    ("caches", "conversion", "plain_text", "system"),
     ("collector", "errors", "files"),
     ("geometry",),
     ("machine",),

@@ -7,13 +7,17 @@ Without a template an output is called after its input, and where that holds sev
 the part's mark too.
 """
 
+import re
 import unicodedata
 from collections.abc import Mapping
 from string import Formatter
 
 from beamcam.machine.machine import Machine
 from beamcam.model.part import Part
+from beamcam.system import free_of_devices
 
+_FORM = re.compile(r"[^{}]?[<>^]?[0-9]{0,2}[sd]?")  #: of a value in a name
+_NOT_IN_NAMES = frozenset('<>:"|?*\\')  #: which Windows has for something else
 MOST_LETTERS = 80  #: as DSTV has it; a name of 255 bytes holds two such in most alphabets
 #: What a template may name, with a value to try it out.
 FIELDS: Mapping[str, str | int] = {
@@ -34,17 +38,20 @@ FIELDS: Mapping[str, str | int] = {
 def check_template(template: str) -> None:
     """Raises ValueError, saying what was expected, if no output can be called after a template."""
     try:
-        names = [name for _, name, _, _ in Formatter().parse(template) if name is not None]
-        for name in names:
+        for _, name, form, _ in Formatter().parse(template):
+            if name is None:
+                continue
+            if not _FORM.fullmatch(form or ""):
+                raise ValueError(f"found {template!r}; expected widths of two digits at most")
             if name not in FIELDS:
                 known = ", ".join("{" + field + "}" for field in FIELDS)
                 raise ValueError(f"found {{{name}}} in {template!r}; expected one of {known}")
         made = template.format_map(FIELDS)
     except (IndexError, KeyError, AttributeError) as error:
         raise ValueError(f"found {template!r}; expected a template ({error})") from error
-    if made.startswith("/") or "\\" in made or ":" in made.partition("/")[0]:
+    if made.startswith("/") or not _NOT_IN_NAMES.isdisjoint(made):
         raise ValueError(f"found {template!r}; expected a path below the output folder")
-    if not all(word.strip(". ") for word in made.split("/")):
+    if not all(word.strip(". ") and word[-1] not in ". " for word in made.split("/")):
         raise ValueError(f"found {template!r}; expected names between the slashes")
 
 
@@ -64,11 +71,9 @@ def output_name(
 
     `number` counts the parts of the file from 1, `several` says whether there are more.
     """
-    if template is None and not several:
-        return f"{stem}{machine.suffix}"
     mark = cleaned(part.mark) or "part"
     if template is None:
-        return f"{stem}_{mark}{machine.suffix}"
+        template = "{stem}_{mark}{suffix}" if several else "{stem}{suffix}"
     values: dict[str, str | int] = {
         "stem": stem,
         "mark": mark,
@@ -82,7 +87,7 @@ def output_name(
         "machine": cleaned(machine.name),
         "suffix": machine.suffix,
     }
-    return template.format_map(values)
+    return "/".join(map(free_of_devices, template.format_map(values).split("/")))
 
 
 class Names:

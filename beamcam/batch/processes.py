@@ -11,25 +11,29 @@ and the second is innocent.
 
 import contextlib
 import gc
-import multiprocessing
 import signal
-import sys
 import threading
 from collections import deque
 from collections.abc import Iterator, Sequence
+from multiprocessing import get_context
 from multiprocessing.connection import Connection, wait
+from multiprocessing.process import BaseProcess
 from queue import SimpleQueue
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from msgspec import Struct, field
 
 from beamcam.batch.pool import Chunk, Result
 from beamcam.batch.work import Made, Shop, make_all, thaw
 from beamcam.collector import collector_seldom
+from beamcam.system import max_workers, start_method
+
+if TYPE_CHECKING:  # Windows has no such name
+    from multiprocessing.context import ForkContext, SpawnContext
 
 
 class _Worker(Struct):
-    process: multiprocessing.process.BaseProcess
+    process: BaseProcess
     tasks: "Connection[Chunk, None]"
     results: "Connection[None, list[Made]]"
     chunks: deque[Chunk] = field(default_factory=deque)
@@ -41,11 +45,12 @@ class Processes:
     PER_WORKER = 2  #: chunks that each worker has at most
 
     def __init__(self, shop: Shop, jobs: int) -> None:
-        self.at_once = jobs
+        self.at_once = max_workers(jobs)
         self._frozen = shop.freeze
         self._workers: list[_Worker] = []
-        # Forking is the quickest where it is safe; other systems start afresh.
-        self._context = multiprocessing.get_context("fork" if sys.platform == "linux" else None)
+        self._context: ForkContext | SpawnContext = (
+            get_context("fork") if start_method() == "fork" else get_context("spawn")
+        )
 
     def has_room(self) -> bool:
         return sum(len(w.chunks) for w in self._workers) < self.at_once * self.PER_WORKER

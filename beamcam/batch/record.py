@@ -14,8 +14,10 @@ from typing import BinaryIO
 
 from beamcam.files import write_whole
 from beamcam.report.run import Row, dumped, loaded
+from beamcam.system import BINARY
 
 RECORD_NAME = ".beamcam-batch.jsonl"
+_TO_ADD = os.O_WRONLY | os.O_APPEND | os.O_CREAT | BINARY
 _HEAD = b'{"key":"'
 _KEY = slice(len(_HEAD), len(_HEAD) + 64)
 
@@ -89,7 +91,7 @@ class Record:
         outputs = [part["output"] for part in row["parts"]]
         line = dumped({"key": key.hex(), "outputs": outputs, "row": row}) + b"\n"
         if self._file is None:
-            self._file = os.open(self._path, os.O_WRONLY | os.O_APPEND | os.O_CREAT, 0o666)
+            self._file = os.open(self._path, _TO_ADD, 0o666)
         if self._torn:  # end the torn line, so that this one is read
             line = b"\n" + line
         self._torn = True

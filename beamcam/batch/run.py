@@ -26,6 +26,7 @@ from beamcam.batch.work import Made, Shop, Task
 from beamcam.errors import BeamcamError, Diagnostic, Source
 from beamcam.files import FilesRead, write_new, write_whole
 from beamcam.report.run import PartRow, Row, Status, as_message
+from beamcam.system import can_sync_all
 
 CHUNK_FILES = 16  #: most files that a worker gets at once
 CHUNK_BYTES = 256 * 1024  #: a chunk of more is closed
@@ -82,7 +83,7 @@ def run(
     finally:
         workers.close()
         record.close()
-        if hasattr(os, "sync"):
+        if can_sync_all():
             os.sync()  # once for all, in place of waiting for the disk after each file
 
 
@@ -278,7 +279,7 @@ class _Run:
                 self._folders[below] = folder
             folder = self._folders[below]
             if not write_new(folder, name, content):
-                write_whole(os.path.join(folder, name), content, durable=False)
+                write_whole(os.path.join(folder, name), content, durable=not can_sync_all())
         except OSError as error:
             return rules.WRITE.at(Source(path), found=output, reason=error.strerror or error)
         return None

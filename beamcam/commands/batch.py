@@ -23,6 +23,7 @@ from beamcam.commands.running import (
 from beamcam.commands.settings import files_read, settled
 from beamcam.errors import BeamcamError, Source
 from beamcam.report.run import as_message
+from beamcam.system import portable_path
 
 INTERRUPTED = 130  #: exit status after Ctrl-C, as shells have it
 
@@ -112,8 +113,8 @@ def _names(inputs: tuple[str, ...]) -> tuple[str, ...]:
     names: list[str] = []
     for word in inputs:
         if word == STANDARD:
-            lines = (line.rstrip("\r\n") for line in sys.stdin)
-            names += [line for line in lines if line]
+            lines = (line.strip("\r\n\ufeff") for line in sys.stdin)
+            names += [portable_path(line) for line in lines if line]
         else:
             names.append(word)
     return tuple(names)

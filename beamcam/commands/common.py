@@ -13,6 +13,7 @@ from beamcam.commands.rules import ACCOUNT, CANNOT_WRITE, OVER_INPUT
 from beamcam.errors import Diagnostic, Severity, Source, first_of_each_kind
 from beamcam.files import REFUSED_SUFFIX, FilesRead, write_whole
 from beamcam.plain_text import json_text, terminal_text
+from beamcam.system import is_unicode
 
 if TYPE_CHECKING:
     from beamcam.readers.reading import Reading
@@ -80,7 +81,8 @@ def as_json(value: object, indent: int | None = 1) -> str:
     """A value as JSON that a terminal can show."""
     import json
 
-    return json_text(json.dumps(value, ensure_ascii=False, indent=indent))
+    only_ascii = not is_unicode(getattr(sys.stdout, "encoding", None))
+    return json_text(json.dumps(value, ensure_ascii=only_ascii, indent=indent))
 
 
 def say_json(value: object, indent: int | None = 1, err: bool = False) -> None:
@@ -142,7 +144,9 @@ def write(output: str, data: str | bytes | Iterable[bytes], voice: Voice, read: 
     `read` are the files that the command reads, none of which is written over.
     """
     if output == STANDARD:
-        for piece in (data,) if isinstance(data, str | bytes) else data:
+        # Bytes, so that no system puts other line ends or another alphabet in.
+        data = data.encode("utf-8") if isinstance(data, str) else data
+        for piece in (data,) if isinstance(data, bytes) else data:
             click.echo(piece, nl=False)
         voice.did("wrote stdout")
         return
@@ -196,10 +200,3 @@ def stop_without_output(error: OSError) -> NoReturn:
     with suppress(OSError, ValueError):
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
     Voice().stop([cannot_write("stdout", error)])
-
-
-def cores() -> int:
-    """How many cores this process may use."""
-    if hasattr(os, "sched_getaffinity"):
-        return len(os.sched_getaffinity(0))
-    return os.cpu_count() or 1

@@ -5,8 +5,8 @@ from typing import Any
 
 import click
 
-from beamcam.commands.common import cores
 from beamcam.commands.options import group
+from beamcam.system import cores
 
 #: Which members of a model are meant: `marks`, `guids`, `classes` and `assemblies`.
 selection_options = group(

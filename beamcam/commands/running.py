@@ -14,7 +14,7 @@ import click
 from beamcam.asked import check_asked
 from beamcam.batch import Found, Here, Shop, Workers, check_template
 from beamcam.commands import options
-from beamcam.commands.common import Voice, cores, say_lines
+from beamcam.commands.common import Voice, say_lines
 from beamcam.commands.members import member_choice, selection_options
 from beamcam.commands.settings import machine_of_stock
 from beamcam.commands.sheets import drawing_choice, drawing_options, torch_options
@@ -25,6 +25,7 @@ from beamcam.files import write_whole
 from beamcam.machine import Machine
 from beamcam.report.ledger import ledger_line
 from beamcam.report.run import Counts, Message, Row, dumped, loaded, message_line
+from beamcam.system import cores, stop_signals
 
 REPORTS = (".json", ".csv", ".html")
 
@@ -259,14 +260,15 @@ class Report:
 
 @contextmanager
 def ended_by_term() -> Iterator[None]:
-    """Let SIGTERM end a run as Ctrl-C does, so that it closes what it has open and counts."""
+    """Let the system end a run as Ctrl-C does, so that it closes what it has open and counts."""
     import signal
 
     def interrupt(*_: object) -> None:
         raise KeyboardInterrupt
 
-    before = signal.signal(signal.SIGTERM, interrupt)
+    before = {number: signal.signal(number, interrupt) for number in stop_signals()}
     try:
         yield
     finally:
-        signal.signal(signal.SIGTERM, before)
+        for number, handler in before.items():
+            signal.signal(number, handler)

@@ -45,7 +45,7 @@ def load(path: str | Path) -> Config:
 
 def _from(folder: Path, machine: str) -> str:
     """A machine's name, or its path as it holds wherever the command is called from."""
-    return str(folder / machine) if machine.endswith(".toml") else machine
+    return str(folder / machine.replace("\\", "/")) if machine.endswith(".toml") else machine
 
 
 def _sources(table: Mapping[str, Any], place: Place) -> dict[str, Source]:

@@ -16,6 +16,7 @@ from beamcam.machine.faults import pair_faults, spindle_faults, tool_faults, tor
 from beamcam.machine.machine import Machine, MachineFile, as_formula
 from beamcam.machine.templates import template_faults
 from beamcam.machine.toml import Place, TomlError, TomlFile, line_of, toml_text
+from beamcam.system import portable_path
 
 MAX_BASES = 8  #: machine files laid over each other
 SHIPPED = Path(__file__).resolve().parent.parent / "machines"
@@ -189,6 +190,7 @@ def _overlay(
 def _find(name: str, below: Path | None) -> Path:
     """The file of a machine: a shipped name, or a path (of a base: beside the file it is in)."""
     if name.endswith(".toml"):
+        name = portable_path(name) if below is None else name.replace("\\", "/")
         path = Path(name) if below is None else below.parent / name
         if path.is_file():
             return path.resolve()

@@ -5,9 +5,10 @@ import sys
 
 from beamcam.errors import Diagnostic, Source
 from beamcam.readers import rules
+from beamcam.system import BINARY
 
 STANDARD_INPUT = "-"
-TO_READ = os.O_RDONLY | getattr(os, "O_BINARY", 0)  #: how a file is opened
+TO_READ = os.O_RDONLY | BINARY  #: how a file is opened
 _PIECE = 1 << 20
 _ZEROS = bytes(_PIECE)
 

@@ -6,9 +6,10 @@ threads of its own may not.
 """
 
 import signal
-import sys
 from collections.abc import Callable, Generator
 from typing import Any, TypeVar
+
+from beamcam.system import start_method
 
 T = TypeVar("T")
 
@@ -29,7 +30,7 @@ def shares(
     rest is done here.
     """
     done = 0
-    if workers > 1 and count >= WORTH * size and sys.platform == "linux":
+    if workers > 1 and count >= WORTH * size and start_method() == "fork":
         for given in _by_processes(share, count, workers, size):
             yield given
             done = min(done + size, count)

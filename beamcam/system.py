@@ -1,0 +1,83 @@
+"""What differs between Windows, macOS and Linux, asked in one place."""
+
+import os
+import signal
+import sys
+from collections.abc import Callable
+from time import sleep
+from typing import Literal
+
+BINARY = getattr(os, "O_BINARY", 0)  #: without it Windows writes "\r\n" for "\n"
+
+#: Waiting for more than 63 things at once is an error of Windows; the pipe of a worker is one.
+MAX_WORKERS_WINDOWS = 60
+
+#: A scanner for viruses holds a new file for some hundred milliseconds.
+REPLACE_TRIES = 20
+REPLACE_WAIT_S = 0.05
+
+_RESERVED = frozenset(
+    {"CON", "PRN", "AUX", "NUL", *(f"{port}{n}" for port in ("COM", "LPT") for n in range(1, 10))}
+)
+
+
+def is_windows() -> bool:
+    return os.name == "nt"
+
+
+def is_unicode(encoding: str | None) -> bool:
+    """Whether a stream takes every character; pipes of Windows have the alphabet of a region."""
+    return (encoding or "").lower().replace("-", "").startswith("utf")
+
+
+def start_method() -> Literal["fork", "spawn"]:
+    """How another process is begun: as a copy of this one where that is safe, else afresh."""
+    return "fork" if sys.platform == "linux" else "spawn"
+
+
+def cores() -> int:
+    """How many cores this process may use."""
+    allowed: Callable[[int], set[int]] | None = getattr(os, "sched_getaffinity", None)
+    return len(allowed(0)) if allowed is not None else os.cpu_count() or 1
+
+
+def max_workers(wanted: int) -> int:
+    """As many of the workers as one process can wait for."""
+    return min(wanted, MAX_WORKERS_WINDOWS) if is_windows() else wanted
+
+
+def stop_signals() -> tuple[int, ...]:
+    """The signals, besides Ctrl-C, by which a run is asked to end."""
+    names = ("SIGTERM", "SIGBREAK")  # Ctrl-Break and the end of a session, of Windows
+    return tuple(getattr(signal, name) for name in names if hasattr(signal, name))
+
+
+def replace_file(part: str, target: str) -> None:
+    """`os.replace`; Windows refuses while anybody reads the target, which is tried again then."""
+    for left in range(REPLACE_TRIES if is_windows() else 1, 0, -1):
+        try:
+            os.replace(part, target)
+        except PermissionError:
+            if left == 1:
+                raise
+            sleep(REPLACE_WAIT_S)
+        else:
+            return
+
+
+def can_sync_all() -> bool:
+    """Whether all that was written can be brought to the disk at once; else file by file."""
+    return hasattr(os, "sync")
+
+
+def free_of_devices(name: str) -> str:
+    """A file's name, with `_` behind one that is a device of Windows in every folder."""
+    stem, dot, rest = name.partition(".")
+    return f"{stem}_{dot}{rest}" if stem.strip().upper() in _RESERVED else name
+
+
+def portable_path(name: str) -> str:
+    """A path as this system writes it: one that only Windows knows has / in place of the other."""
+    if is_windows() or "\\" not in name or os.path.exists(name):
+        return name
+    return name.replace("\\", "/")
