@@ -27,7 +27,7 @@ MAX_HALVINGS = 24
 
 
 #: More curves than this are an oscillation that no machine cuts.
-MOST_CURVES = 2000
+MOST_CURVES = 1000
 
 
 class Fit(Struct, frozen=True):

@@ -37,6 +37,8 @@ JSON_KEY_UNKNOWN = Rule(
     "A key that nobody reads is a feature that nobody makes, so a misspelt one is refused.",
 )
 
+#: A part reaches from one end of all coordinates to the other at most.
+MAX_NUMBER = 10 * MAX_COORDINATE
 _SHOWN = 60  #: characters of a value that a message shows
 
 
@@ -121,8 +123,8 @@ class JsonObject:
         value = self._required(key, "a whole number")
         if isinstance(value, bool) or not isinstance(value, int):
             raise self.fault(JSON_TYPE, key, found=show(value), expected="a whole number")
-        if abs(value) > MAX_COORDINATE:
-            expected = f"a whole number between -{MAX_COORDINATE:g} and {MAX_COORDINATE:g}"
+        if abs(value) > MAX_NUMBER:
+            expected = f"a whole number between -{MAX_NUMBER:g} and {MAX_NUMBER:g}"
             raise self.fault(JSON_VALUE, key, found=show(value), expected=expected)
         return value
 
@@ -151,8 +153,8 @@ class JsonObject:
             result = float(value)
         except OverflowError:
             result = float("inf")
-        if not abs(result) <= MAX_COORDINATE:  # nan is above all
-            expected = f"a number between -{MAX_COORDINATE:g} and {MAX_COORDINATE:g}"
+        if not abs(result) <= MAX_NUMBER:  # nan is above all
+            expected = f"a number between -{MAX_NUMBER:g} and {MAX_NUMBER:g}"
             raise self.fault(JSON_VALUE, key, found=show(value), expected=expected)
         return result
 

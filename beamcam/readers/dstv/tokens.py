@@ -5,6 +5,7 @@ import re
 from msgspec import Struct, field
 
 from beamcam.errors import Diagnostic, Rule, Source
+from beamcam.geometry.plane import MAX_COORDINATE
 from beamcam.readers.dstv.rules import DECIMAL_COMMA
 
 PLAIN_CODES = ("ST", "EN", "BO", "SI", "AK", "IK", "PU", "KO", "SC", "TO", "UE", "PR", "KA", "IN")
@@ -13,7 +14,7 @@ CODES = frozenset(PLAIN_CODES + PLANE_CODES)
 
 EDGES = ("u", "o", "s")  #: reference letters of x
 _SHOWN = 80  #: characters of a row that a message shows
-LARGEST = 1e12  #: no coordinate is as large; also keeps nan and inf out
+LARGEST = MAX_COORDINATE  #: keeps nan and inf out too
 
 # DSTV NC, page 5: a change from digit to letter or back separates as a blank does.
 _TOKEN = re.compile(r"[+-]?(?:[0-9]+(?:[.,][0-9]*)?|[.,][0-9]+)|[A-Za-z]|\S", re.ASCII)

@@ -1,0 +1,395 @@
+"""How beamcam takes damaged inputs: nothing but its own errors, and never too long or too much.
+
+Samples of the five formats and machine files are damaged at random, read, printed as a table and as
+JSON, converted, and posted on a machine with the read-back. An input counts as held if it ends in a
+program or in a `BeamcamError`; a crash is any other exception, a hang more than 5 s of processor
+time, a burst more than 1 GB of memory. Each worker is a process of its own, whose time and memory
+the system bounds; where it knows no such bounds (Windows) the parent looks at the clock.
+
+    python benchmarks/fuzz.py [--inputs 100000] [--seed 1] [--jobs 2] [--formats dstv,json]
+    python benchmarks/fuzz.py --seed 1 --only 4711 --keep FOLDER
+
+The same seed gives the same inputs. --keep writes each input that did not hold into FOLDER.
+"""
+
+import multiprocessing
+import random
+import signal
+import sys
+import tempfile
+import time
+import traceback
+from collections import Counter, deque
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
+from multiprocessing.connection import Connection, wait
+from pathlib import Path
+from typing import Any
+
+from msgspec import Struct
+from msgspec.structs import replace
+
+sys.path.insert(0, str(Path(__file__).parents[1]))
+
+from beamcam.errors import BeamcamError, VerifyError
+from benchmarks.damage import damaged
+from benchmarks.script import arguments, at_least, start
+
+ROOT = Path(__file__).resolve().parent.parent
+FORMATS = ("dstv", "dxf", "svg", "ifc", "json", "toml")
+SUFFIXES = {
+    "dstv": ".nc1", "dxf": ".dxf", "svg": ".svg", "ifc": ".ifc", "json": ".json", "toml": ".toml",
+}  # fmt: skip
+BARS = ("beamline", "beamline-annex", "beamline-pusher")
+SHEETS = ("plate-linuxcnc", "plate-codesys", "laser-grbl", "table-simotion", "laser-stepper")
+MOST_S = 5.0  #: of processor time that an input may take
+MOST_BYTES = 1 << 30  #: that it may take beyond what a worker has before
+PATIENCE = 6.0  #: times `MOST_S` by the clock after which a worker that does not answer is ended
+LARGEST_SAMPLE = 60_000  #: bytes; larger ones would only make each step slower
+MOST_PARTS = 2  #: of a file that are posted
+
+HELD = ("posted", "refused", "read-back")
+FAULTS = ("crash", "hang", "memory")
+
+
+class Outcome(Struct):
+    """What became of one input."""
+
+    index: int
+    format: str
+    how: str  #: one of `HELD` or `FAULTS`
+    place: str = ""  #: where a fault was
+    seconds: float = 0.0
+    megabytes: float = 0.0
+
+
+class Hang(BaseException):
+    """An input took too long. No `Exception`, so that nothing takes it for one of its own."""
+
+
+def samples(kind: str) -> list[bytes]:
+    """The files that are damaged, in the order of their names."""
+    if kind == "toml":
+        paths = sorted((ROOT / "beamcam" / "machines").glob("*.toml"))
+    else:
+        found = (ROOT / "samples").rglob(f"*{SUFFIXES[kind]}")
+        paths = sorted(path for path in found if "bad" not in path.parts)
+    return [data for path in paths if len(data := path.read_bytes()) <= LARGEST_SAMPLE]
+
+
+def input_of(index: int, seed: int, files: dict[str, list[bytes]]) -> tuple[str, bytes]:
+    """Format and bytes of an input; the same for the same number and seed."""
+    chance = random.Random(f"{seed} {index}")
+    kind = tuple(files)[index % len(files)]
+    return kind, damaged(chance.choice(files[kind]), chance)
+
+
+def work(kind: str, data: bytes, chance: random.Random) -> str:
+    """Do with an input all that the commands do; one of `HELD`, or any exception."""
+    try:
+        if kind == "toml":
+            _use_machine(data)
+        else:
+            _use_parts(f"input{SUFFIXES[kind]}", data, chance)
+    except VerifyError:
+        return "read-back"
+    except BeamcamError:
+        return "refused"
+    return "posted"
+
+
+def _use_machine(data: bytes) -> None:
+    """Load a machine file, and post a sample with it."""
+    from beamcam.machine import load
+
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "mine.toml"
+        path.write_bytes(data)
+        machine = load(str(path))
+    sample = "channel" if machine.stock == "beam" else "plate"
+    _post(f"{sample}.nc1", (ROOT / f"samples/dstv/{sample}.nc1").read_bytes(), machine)
+
+
+def _use_parts(name: str, data: bytes, chance: random.Random) -> None:
+    from beamcam.machine import load
+    from beamcam.model.part_json import part_to_json
+    from beamcam.readers import read
+    from beamcam.report.part_table import part_table
+    from beamcam.writers import dstv, faces_dxf, part_json
+
+    reading = read(data, name)
+    for said in reading.diagnostics:
+        str(said)
+    for part in reading.parts[:MOST_PARTS]:
+        list(part_table(part))
+        part_to_json(part)
+        if reading.refused or part.length <= 0.0 or not part.profile.height:
+            continue  # as `convert` does
+        again = read(part_json.write(part).encode(), "again.json")
+        if again.refused:
+            raise AssertionError(f"the JSON form is refused: {again.diagnostics[0]}")
+        for writer in (dstv, faces_dxf):
+            with suppress(BeamcamError):
+                writer.write(part)
+    if reading.refused or not reading.parts:
+        raise BeamcamError(reading.diagnostics)
+    sheet = reading.parts[0].profile.code == "B"
+    _post(name, data, load(chance.choice(SHEETS if sheet else BARS)))
+
+
+def _post(name: str, data: bytes, machine: Any) -> None:
+    """Post the first parts of a file, all of a sheet cut."""
+    from beamcam.machine.overlay import with_torch
+    from beamcam.model.part import Contour
+    from beamcam.pipeline import post
+    from beamcam.planning import SKIP_NAMES
+    from beamcam.readers import read
+
+    parts = read(data, name).parts[:MOST_PARTS]
+    if machine.torch is not None:
+        machine = with_torch(machine, {"red": "cut"})
+        parts = tuple(
+            replace(
+                part,
+                features=tuple(
+                    replace(f, layer=None, colour="#ff0000") if isinstance(f, Contour) else f
+                    for f in part.features
+                ),
+            )
+            for part in parts[:1]
+        )
+    posted = post(parts, machine, skips=SKIP_NAMES)
+    for _ in posted.pieces():
+        pass
+
+
+# --- workers --------------------------------------------------------------------------------------
+
+
+def serve(pipe: "Connection[Any, Any]", seed: int, kinds: tuple[str, ...]) -> None:
+    """Take numbers of inputs and give outcomes, until the pipe is closed."""
+    files = {kind: samples(kind) for kind in kinds}
+    _warm_up(files)
+    _bound_memory()
+    with suppress(EOFError, OSError):
+        while True:
+            pipe.send(one(pipe.recv(), seed, files))
+
+
+def one(index: int, seed: int, files: dict[str, list[bytes]]) -> Outcome:
+    """What becomes of one input, in this process."""
+    kind, data = input_of(index, seed, files)
+    outcome = Outcome(index, kind, "")
+    begun = time.process_time()
+    try:
+        with _bounded_time():
+            outcome.how = work(kind, data, random.Random(f"{seed} {index} machine"))
+    except Hang as hang:
+        outcome.how, outcome.place = "hang", _place(hang)
+    except MemoryError as error:
+        outcome.how, outcome.place = "memory", _place(error)
+    except Exception as error:
+        outcome.how = "crash"
+        outcome.place = f"{type(error).__name__} {_place(error)}: {str(error)[:80]}"
+    outcome.seconds = time.process_time() - begun
+    outcome.megabytes = _peak_megabytes()
+    if outcome.how in HELD and outcome.seconds > MOST_S:
+        outcome.how, outcome.place = "hang", "seen at its end"
+    return outcome
+
+
+def _warm_up(files: dict[str, list[bytes]]) -> None:
+    """Load what the work needs, so that no input pays for it."""
+    for kind, found in files.items():
+        with suppress(Exception):
+            work(kind, found[0], random.Random(1))
+
+
+def _place(error: BaseException) -> str:
+    """The innermost place in beamcam."""
+    frames = traceback.extract_tb(error.__traceback__)
+    own = [f for f in frames if "beamcam" in f.filename and "benchmarks" not in f.filename]
+    if not own:
+        return "outside"
+    path = Path(own[-1].filename)
+    return f"{path.parent.name}/{path.name}:{own[-1].lineno} {own[-1].name}"
+
+
+@contextmanager
+def _bounded_time() -> Iterator[None]:
+    """Raise `Hang` after `MOST_S` of processor time, where the system can tell."""
+    if not hasattr(signal, "setitimer"):
+        yield
+        return
+
+    def stop(*_: object) -> None:
+        raise Hang
+
+    signal.signal(signal.SIGPROF, stop)
+    signal.setitimer(signal.ITIMER_PROF, MOST_S)
+    try:
+        yield
+    finally:
+        signal.setitimer(signal.ITIMER_PROF, 0)
+
+
+def _bound_memory() -> None:
+    """Let this process take `MOST_BYTES` beyond what it has, where the system can tell."""
+    with suppress(ImportError, OSError, ValueError):
+        import resource
+
+        pages = int(Path("/proc/self/statm").read_text().split()[0])
+        most = pages * resource.getpagesize() + MOST_BYTES
+        resource.setrlimit(resource.RLIMIT_AS, (most, resource.getrlimit(resource.RLIMIT_AS)[1]))
+
+
+def _peak_megabytes() -> float:
+    """The most memory that this process had so far; 0 where the system does not say."""
+    try:
+        import resource
+    except ImportError:
+        return 0.0
+    peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+    return peak / (1 << 20) if sys.platform == "darwin" else peak / 1024
+
+
+class Worker:
+    """A process with one input at a time; one that does not answer is ended and begun anew."""
+
+    def __init__(self, seed: int, kinds: tuple[str, ...]) -> None:
+        self._arguments = (seed, kinds)
+        self._begin()
+
+    def _begin(self) -> None:
+        context = multiprocessing.get_context("spawn")
+        self.pipe, other = context.Pipe()
+        self._process = context.Process(target=serve, args=(other, *self._arguments), daemon=True)
+        self._process.start()
+        other.close()
+        self.index: int | None = None
+        self.since = time.monotonic()
+
+    def give(self, index: int) -> None:
+        self.index, self.since = index, time.monotonic()
+        self.pipe.send(index)
+
+    def take(self) -> Outcome:
+        """The outcome of its input; a worker that died over it is replaced."""
+        assert self.index is not None
+        index, self.index = self.index, None
+        try:
+            outcome: Outcome = self.pipe.recv()
+            return outcome
+        except (EOFError, OSError):
+            self.end()
+            self._begin()
+            kinds = self._arguments[1]
+            return Outcome(index, kinds[index % len(kinds)], "memory", "the worker died")
+
+    def too_late(self) -> Outcome | None:
+        """The outcome of an input over which the worker is ended."""
+        if self.index is None or time.monotonic() - self.since < PATIENCE * MOST_S:
+            return None
+        index, kinds = self.index, self._arguments[1]
+        self.end()
+        self._begin()
+        return Outcome(index, kinds[index % len(kinds)], "hang", "in a library", PATIENCE * MOST_S)
+
+    def end(self) -> None:
+        self._process.kill()
+        self._process.join()
+        self.pipe.close()
+
+
+def outcomes(indices: range, seed: int, jobs: int, kinds: tuple[str, ...]) -> Iterator[Outcome]:
+    """What becomes of each input, in the order in which they are done."""
+    waiting = deque(indices)
+    workers = [Worker(seed, kinds) for _ in range(min(jobs, len(indices)))]
+    try:
+        while waiting or any(worker.index is not None for worker in workers):
+            for worker in workers:
+                if worker.index is None and waiting:
+                    worker.give(waiting.popleft())
+            busy = {worker.pipe: worker for worker in workers if worker.index is not None}
+            for pipe in wait(list(busy), timeout=1.0):
+                yield busy[pipe].take()  # type: ignore[index]
+            for worker in workers:
+                if (late := worker.too_late()) is not None:
+                    yield late
+    finally:
+        for worker in workers:
+            worker.end()
+
+
+# --- the table ------------------------------------------------------------------------------------
+
+
+def table(found: list[Outcome], kinds: tuple[str, ...]) -> Iterator[str]:
+    """The counts of each format, and the slowest and the greatest of it."""
+    yield "".join(
+        f"{word:>10}" for word in ("format", "inputs", *HELD, *FAULTS, "most s", "most MB")
+    )
+    for kind in (*kinds, "all"):
+        own = [o for o in found if kind in (o.format, "all")]
+        counts = Counter(o.how for o in own)
+        seconds = max((o.seconds for o in own), default=0.0)
+        memory = max((o.megabytes for o in own), default=0.0)
+        cells = (kind, len(own), *(counts[how] for how in (*HELD, *FAULTS)))
+        yield "".join(f"{cell:>10}" for cell in cells) + f"{seconds:>10.1f}{memory:>10.0f}"
+
+
+def faults(found: list[Outcome]) -> Iterator[str]:
+    """Each kind of fault once, with its count and the first input that shows it."""
+    first: dict[tuple[str, str, str], list[int]] = {}
+    for outcome in found:
+        if outcome.how in FAULTS:
+            key = outcome.format, outcome.how, outcome.place
+            first.setdefault(key, []).append(outcome.index)
+    for (kind, how, place), indices in sorted(first.items(), key=lambda item: -len(item[1])):
+        yield f"{len(indices):6} x {kind} {how}, first --only {min(indices)}: {place}"
+
+
+def _kinds(text: str) -> tuple[str, ...]:
+    kinds = tuple(text.split(","))
+    if not set(kinds) <= set(FORMATS):
+        raise ValueError(text)
+    return kinds
+
+
+def main() -> None:
+    parser = arguments(__doc__)
+    parser.add_argument("--inputs", type=at_least(1), default=100_000, help="default 100000")
+    parser.add_argument("--seed", type=at_least(0), default=1, help="default 1")
+    parser.add_argument("--jobs", type=at_least(1), default=2, help="worker processes, default 2")
+    parser.add_argument("--formats", type=_kinds, default=FORMATS, help=",".join(FORMATS))
+    parser.add_argument("--only", type=at_least(0), help="the number of one input")
+    parser.add_argument("--keep", type=Path, help="folder for inputs that did not hold")
+    asked = parser.parse_args()
+    numbers = range(asked.inputs) if asked.only is None else range(asked.only, asked.only + 1)
+    found: list[Outcome] = []
+    keep = _keeper(asked.keep, asked.seed, asked.formats)
+    for outcome in outcomes(numbers, asked.seed, asked.jobs, asked.formats):
+        found.append(outcome)
+        if outcome.how in FAULTS or asked.only is not None:
+            keep(outcome.index)
+    print("\n".join((*table(found, asked.formats), *faults(found))))
+    if any(outcome.how in FAULTS for outcome in found):
+        sys.exit(1)
+
+
+def _keeper(folder: Path | None, seed: int, kinds: tuple[str, ...]) -> Callable[[int], None]:
+    """What writes an input into a folder, if there is one."""
+    if folder is None:
+        return lambda _: None
+    folder.mkdir(parents=True, exist_ok=True)
+    files = {kind: samples(kind) for kind in kinds}
+
+    def keep(index: int) -> None:
+        kind, data = input_of(index, seed, files)
+        (folder / f"{seed}-{index}{SUFFIXES[kind]}").write_bytes(data)
+
+    return keep
+
+
+if __name__ == "__main__":
+    start(main)
