@@ -1,4 +1,4 @@
-"""Files damaged in one place or several: bytes, numbers, words, lines and brackets of any format."""
+"""Files damaged in one place or several: bytes, numbers, words, lines, brackets of any format."""
 
 import random
 import re
@@ -11,16 +11,16 @@ _TEXT = re.compile(rb"\"[^\"\n]*\"|'[^'\n]*'")
 #: Numbers that break arithmetic, loops and memory where nobody looks at them.
 NUMBERS = (
     b"0", b"-0.0", b"-1", b"1", b"2", b"7", b"0.001", b"1e-12", b"1e-300", b"5e-324", b"1e9",
-    b"-1e9",     b"1e15", b"1e300", b"1e308", b"-1e308", b"1e400", b"nan", b"inf", b"-inf", b"999999999",
-    b"2147483648", b"-2147483649", b"18446744073709551616", b"9" * 400, b"9" * 5000, b"0x10",
-    b"1.2.3",     b"360", b"-360", b"359.9999999999", b"90", b"45", b"1_000", b"1,5", b"",
+    b"-1e9", b"1e15", b"1e300", b"1e308", b"-1e308", b"1e400", b"nan", b"inf", b"-inf",
+    b"999999999", b"2147483648", b"-2147483649", b"18446744073709551616", b"9" * 400, b"9" * 5000,
+    b"0x10", b"1.2.3", b"360", b"-360", b"359.9999999999", b"90", b"45", b"1_000", b"1,5", b"",
 )  # fmt: skip
 #: Text that steers terminals and programs, ends comments, or is no text.
 TEXTS = (
     b"\x1b[2J", b"\xe2\x80\xae", b"\xe2\x80\xa8", b"\xc2\x85", b"\x0b", b"\0", b"\r", b"\n",
-    b"(MSG,x)", b")", b"(", b"%", b";", b"*)", b"*/", b"\xff\xfe", b"\xed\xa0\x80", b"\\ud800", b"&#0;",
-    b"<!--", b"]]>", b"'", b'"', b"\\", b"../../x", b"A" * 3000, b"{x:>999999999}", b"{0.__class__}",
-    b"\xc3\x9f",
+    b"(MSG,x)", b")", b"(", b"%", b";", b"*)", b"*/", b"\xff\xfe", b"\xed\xa0\x80", b"\\ud800",
+    b"&#0;", b"<!--", b"]]>", b"'", b'"', b"\\", b"../../x", b"A" * 3000, b"{x:>999999999}",
+    b"{0.__class__}", b"\xc3\x9f",
 )  # fmt: skip
 DEEP = 3000  #: brackets inside one another
 MANY = 200  #: times that a line is said again

@@ -11,10 +11,8 @@ import pytest
 from tests.conftest import ROOT
 
 BENCHMARKS = ROOT / "benchmarks"
-#: The others are there to be imported.
-SCRIPTS = sorted(
-    path.name for path in BENCHMARKS.glob("*.py") if path.stem not in ("mutants", "script")
-)
+OTHERS = ("damage", "mutants", "script")  #: are there to be imported
+SCRIPTS = sorted(path.name for path in BENCHMARKS.glob("*.py") if path.stem not in OTHERS)
 
 
 def run(script: str, *arguments: str, cwd: Path) -> subprocess.CompletedProcess[str]:

@@ -67,10 +67,6 @@ def command(
             voice.did(f"planned a sheet on {machine.name}")
             _print(output, files_read(config, inputs), voice, as_json, *sheet)
             return
-        if machine.saw is None or machine.drill is None or machine.layout is None:
-            raise click.UsageError(
-                f"{machine.name} has no saw and drill, whose work could be planned"
-            )
         skips = config.allow_skips
         plan = from_store(
             lambda bar: plan_bar(parts, machine, bar, skips, order, turn),

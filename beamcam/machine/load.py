@@ -209,7 +209,6 @@ def _check(machine: Machine, place: Place) -> None:
             source = place.child(key).source
             said = rules.WRONG_VALUE.at(source, key=key, found=repr(found), expected=expected)
             raise MachineError(said)
-    if machine.stock == "beam" and machine.layout is None:
-        raise MachineError(rules.MISSING_KEY.at(place.source, expected="layout"))
-    if machine.stock == "sheet" and machine.torch is None:
-        raise MachineError(rules.MISSING_KEY.at(place.source, expected="torch"))
+    for table in ("saw", "drill", "layout") if machine.stock == "beam" else ("torch",):
+        if getattr(machine, table) is None:
+            raise MachineError(rules.MISSING_KEY.at(place.source, expected=table))

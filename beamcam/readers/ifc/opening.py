@@ -15,6 +15,10 @@ from beamcam.readers.ifc.records import File
 from beamcam.readers.ifc.step import Malformed
 
 _SCHEMA = re.compile(rb"FILE_SCHEMA\s*\(\s*\(\s*'([^']*)'", re.IGNORECASE)
+#: Bytes that an archive may unpack to whatever its size, and how many times its size beyond: STEP
+#: text packs to a tenth, a bomb to a thousandth.
+MAX_UNPACKED = 64_000_000
+MAX_RATIO = 50
 _NO_MODEL = "an archive without a model"
 _KNOWN = re.compile(r"IFC(2X3(_TC1)?|4|4X3(_ADD[12]|_TC1)?)$", re.IGNORECASE)
 
@@ -42,6 +46,8 @@ def open_file(data: bytes, source: Source) -> Model | Diagnostic:
         return open_model(File(text_of(data), _schema(name)), data)
     except Malformed as fault:
         return rules.SYNTAX.at(replace(source, line=fault.line), found=str(fault))
+    except RecursionError:
+        return rules.SYNTAX.at(source, found="values too deep inside one another")
     except (ArithmeticError, AttributeError, LookupError, TypeError, ValueError) as fault:
         return rules.SYNTAX.at(source, found=str(fault) or type(fault).__name__)
 
@@ -69,6 +75,9 @@ def _unzip(data: bytes) -> bytes | str:
             names = [name for name in archive.namelist() if _is_model(name)]
             if len(names) != 1:
                 return f"an archive with {len(names)} models" if names else _NO_MODEL
+            size, packed = archive.getinfo(names[0]).file_size, len(data)
+            if size > (most := max(MAX_UNPACKED, MAX_RATIO * packed)):
+                return f"{packed} bytes that unpack to {size}, expected at most {most}"
             return archive.read(names[0])
     except (zipfile.BadZipFile, zlib.error, EOFError, OSError) as fault:
         return f"a damaged archive, {fault}"

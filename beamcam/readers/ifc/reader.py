@@ -9,6 +9,7 @@ from beamcam.readers.ifc.member import Members, Taken, class_names
 from beamcam.readers.ifc.opening import open_file
 from beamcam.readers.ifc.options import Options, Progress, Selection
 from beamcam.readers.ifc.shares import HEAVY, SHARE, shares
+from beamcam.readers.ifc.step import Malformed
 from beamcam.readers.reading import Reading
 
 CLASSES = ("IfcBeam", "IfcColumn", "IfcMember", "IfcPlate", "IfcDiscreteAccessory")
@@ -24,6 +25,12 @@ def read_model(
         return Reading("ifc", (), (opened,))
     try:
         return _read(opened, name, selection, options, progress)
+    except Malformed as fault:  # of a record that nobody looked at before
+        said = rules.SYNTAX.at(Source(name, fault.line), found=str(fault))
+        return Reading("ifc", (), (said,))
+    except RecursionError:
+        found = "values too deep inside one another"
+        return Reading("ifc", (), (rules.SYNTAX.at(Source(name), found=found),))
     finally:
         opened.file.close()
 

@@ -12,6 +12,7 @@ from beamcam.readers.ifc.step import Malformed, Typed
 Values = tuple[Any, ...]
 
 _GLOBAL_ID = 24  #: its length with its quotes; there are no two alike, so none need be kept
+_MOST_DIGITS = 20  #: of a record's number; Python itself refuses 4,300
 _SHORT = 7  #: characters of a number that a model likely has again
 
 _TOKEN = re.compile(r"'[^']*+(?:''[^']*+)*+'|[^\s,()']++|[(),']")
@@ -38,7 +39,7 @@ class Tokens(dict[str, Any]):
         first = token[:1]
         if first == "#":
             digits = token[1:]
-            if digits.isdecimal():
+            if digits.isdecimal() and len(digits) < _MOST_DIGITS:
                 self[token] = found = self.reference(token, int(digits))
                 return found
         elif first == "'":

@@ -129,15 +129,16 @@ def test_tools_to_change_are_listed(tmp_path: Path) -> None:
     assert "warning plan-reload" in said
 
 
-def test_a_machine_without_a_saw_is_wrong_usage(path: str, tmp_path: Path) -> None:
+def test_a_machine_without_a_saw_is_refused(path: str, tmp_path: Path) -> None:
     file = tmp_path / "saw.toml"
     file.write_text(
         'title = "t"\ncontroller = "codesys"\nstock = "beam"\n[format]\n[words]\n'
         '[layout]\norder = "saw-drill"\n'
     )
     status, _, said = run(path, "--machine", str(file))
-    assert status == 2
-    assert "has no saw and drill" in said
+    assert status == 1
+    assert "error machine-missing" in said
+    assert "saw" in said
 
 
 CAM = str(Path(__file__).resolve().parents[3] / "samples" / "json" / "cam.json")
