@@ -54,7 +54,7 @@ def library_runtime(machine: Machine, style: str) -> Runtime:
 
 def lreal(value: float) -> str:
     """A literal of the type LREAL, to six decimals."""
-    plain = f"{value:.6f}".rstrip("0")
+    plain = f"{round(value, 6) + 0.0:.6f}".rstrip("0")
     return f"LREAL#{plain}0" if plain.endswith(".") else f"LREAL#{plain}"
 
 

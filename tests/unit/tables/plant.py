@@ -157,6 +157,25 @@ def alarm(index: int) -> Deed:
     return deed
 
 
+def alarm_that_stays(index: int, cycles: int) -> Deed:
+    """A fault whose cause goes away so many cycles after it was acknowledged."""
+
+    def deed(plant: Plant) -> None:
+        alarm(index)(plant)
+        axis = plant.axes[index]
+
+        def reset() -> int:
+            def late(plant: Plant) -> None:
+                axis.error = False
+
+            plant.script[plant.count + cycles] = late
+            return 0
+
+        axis.reset = reset  # type: ignore[method-assign]
+
+    return deed
+
+
 def close(index: int) -> Deed:
     """A limit switch closes."""
     return lambda plant: plant.closed.add(index)
