@@ -8,6 +8,7 @@ from beamcam.errors import Diagnostic
 from beamcam.geometry.curves import join_boxes
 from beamcam.machine.machine import Torch
 from beamcam.planning.contours import rules
+from beamcam.planning.contours.entry import uncompensated
 from beamcam.planning.contours.narrow import (
     left_in,
     sharp_corners,
@@ -97,6 +98,8 @@ def _moved(
             yield k, None
             continue
         area, ring = max(zip(offset.areas, offset.chains, strict=True), key=lambda one: abs(one[0]))
+        if torch.kerf_by == "machine" and not offset.exact:
+            said.append(uncompensated(shape, kerf))
         path = replace(shape, curves=ring, area=area)
         left = sharp if offset.exact else left_in(shape, path, kerf, torch.tolerance)
         said += told_of(shape, left, kerf)
@@ -132,8 +135,3 @@ def _no_room(shape: Shape, kerf: float) -> Diagnostic:
     box = join_boxes([c.bbox for c in shape.curves]) or (0.0, 0.0, 0.0, 0.0)
     size = f"{box[2] - box[0]:.3g} x {box[3] - box[1]:.3g}"
     return rules.VANISHED.at(shape.source, found=size, kerf=f"{kerf:g}")
-
-
-def closes(shape: Shape) -> bool:
-    """Whether a contour is a ring with an inside, as an offset needs one."""
-    return shape.closed and shape.area != 0.0

@@ -6,7 +6,6 @@ from beamcam.errors import Diagnostic
 from beamcam.geometry.curves import Curve
 from beamcam.machine.machine import Torch
 from beamcam.planning.contours import rules
-from beamcam.planning.contours.kerf import closes
 from beamcam.planning.contours.outline import ways as polylines_of
 from beamcam.planning.contours.shape import Shape
 from beamcam.planning.contours.way import leads, waste_side
@@ -30,7 +29,7 @@ class Leads:
         self.remarks: list[Diagnostic] = []
         if torch.lead == "none":
             return
-        waiting = [k for k, s in enumerate(ways) if s.process == "cut" and closes(s)]
+        waiting = [k for k, s in enumerate(ways) if s.process == "cut" and s.is_ring]
         sides = {k: waste_side(ways[k].area, ways[k].depth % 2 == 1) for k in waiting}
         # With a kerf the part's own contours must stay untouched, without one the ways as well.
         # What chords and rounding take of half a kerf is less than half of the tolerance.

@@ -138,7 +138,7 @@ def _left(piece: Any, middle: Any, contour: Any, radius: float, tolerance: float
     if depth <= tolerance:
         return None
     x, y = corners[int(np.argmax(away))].tolist()
-    mouth = corners[away <= radius + tolerance * FINE_SHARE]
+    mouth = corners[away <= max(radius, float(away.min())) + tolerance * FINE_SHARE]
     on_contour = shapely.intersection(
         shapely.boundary(piece), contour.buffer(tolerance * FINE_SHARE)
     )

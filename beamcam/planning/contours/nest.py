@@ -14,7 +14,10 @@ from beamcam.planning.contours.outline import outlines, ways
 from beamcam.planning.contours.shape import Shape, entity
 
 if TYPE_CHECKING:
+    import numpy as np
     from numpy.typing import NDArray
+
+    Floats = NDArray[np.float64]
 
 #: Two contours that lie over one another by less than this share of the machine's tolerance
 #: touch: so near are the chords that stand for their curves, and what programs round.
@@ -49,7 +52,7 @@ def _nested(shapes: Sequence[Shape], closed: Sequence[int], rings: "NDArray[Any]
     import shapely
 
     found = list(shapes)
-    signed = shapely.area(rings) * np.where(shapely.is_ccw(shapely.get_exterior_ring(rings)), 1, -1)
+    signed = _signed_areas(rings)
     areas = np.abs(signed)
     tree = shapely.STRtree(rings)
     points = list(shapely.point_on_surface(_valid(rings)))
@@ -70,6 +73,23 @@ def _nested(shapes: Sequence[Shape], closed: Sequence[int], rings: "NDArray[Any]
         parent = closed[min(rings_around, key=lambda b: (areas[b], b))] if rings_around else -1
         found[i] = replace(shapes[i], area=area, depth=len(rings_around), parent=parent)
     return found
+
+
+def _signed_areas(rings: "NDArray[Any]") -> "Floats":
+    """The areas of polygons, above 0 for those that run counter-clockwise.
+
+    By the corners about the first one of each: asked which way a ring runs, GEOS looks at its
+    highest corner only, and is wrong where that is double but for the last digit.
+    """
+    import numpy as np
+    import shapely
+
+    points, owner = shapely.get_coordinates(rings, return_index=True)
+    points -= points[np.searchsorted(owner, owner)]
+    (x0, y0), (x1, y1) = points[:-1].T, points[1:].T
+    # From the last corner of a ring to the first of the next one, which is its own 0, 0.
+    swept = (x0 * y1 - x1 * y0) / 2
+    return np.bincount(owner[:-1], swept, len(rings)).astype(np.float64)
 
 
 def _valid(rings: "NDArray[Any]") -> "NDArray[Any]":

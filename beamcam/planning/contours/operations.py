@@ -11,11 +11,11 @@ from msgspec.structs import replace
 from beamcam.errors import Diagnostic, errors_in
 from beamcam.geometry.plane import Point
 from beamcam.machine.machine import Torch
-from beamcam.model.lengths import total_length
 from beamcam.model.plan import ContourOp, Pass
 from beamcam.planning.contours import rules
+from beamcam.planning.contours.entry import entries
 from beamcam.planning.contours.gather import OUTLINE
-from beamcam.planning.contours.kerf import closes, common_cuts, compensated
+from beamcam.planning.contours.kerf import common_cuts, compensated
 from beamcam.planning.contours.leads import Lead, Leads
 from beamcam.planning.contours.material import Material
 from beamcam.planning.contours.order import order
@@ -30,7 +30,12 @@ from beamcam.planning.contours.way import (
     waste_side,
 )
 
+<<<<<<< HEAD
 OVERRUN = 1.0  #: of a contour that the controller keeps off, by the kerf
+=======
+Way = tuple[Shape, float]  #: with the kerf that is kept off
+
+>>>>>>> 83bb0e7 (planning: a controller that keeps off the kerf gets only contours that it can follow)
 SHOWN_OPEN = 10  #: open contours are named one by one up to so many
 
 
@@ -38,7 +43,7 @@ def operations_of(
     shapes: Sequence[Shape], material: Material, torch: Torch, shift: Point
 ) -> tuple[tuple[ContourOp, ...], list[Diagnostic]]:
     """The work on the shapes, moved by `shift`, and what is to be said; nothing if an error is."""
-    kerfs = [material.kerf(s.process) if closes(s) else 0.0 for s in shapes]
+    kerfs = [material.kerf(s.process) if s.is_ring else 0.0 for s in shapes]
     ready, said = compensated(shapes, kerfs, torch)
     if errors_in(said):
         return (), said
@@ -47,15 +52,12 @@ def operations_of(
     ready, kerfs, common = common_cuts(moved(ready, shift), kerfs, torch)
     said += common
     ways = [(shape, kerfs[k]) for k, shape in _in_order(ready, torch)]
-    beside = max(kerfs, default=0.0) / 2 if torch.kerf_by == "offset" else 0.0
-    leads = Leads([shape for shape, _ in ways], torch, beside, fence or ready)
-    said += leads.remarks
-    found = [
-        _operation(shape, kerf, material, torch, leads.of(k))
-        for k, (shape, kerf) in enumerate(ways)
-    ]
     if torch.kerf_by == "machine":
-        said += _too_short_leads(found)
+        led, more = _by_machine(ways, torch, fence or ready)
+    else:
+        led, more = _by_offset(ways, torch, fence or ready)
+    said += more
+    found = [_operation(shape, kerf, material, torch, lead) for (shape, kerf, lead) in led]
     if torch.tabs:
         short = sum(
             len(op.passes) != torch.tabs + 1
@@ -65,6 +67,34 @@ def operations_of(
         if short:
             said.append(rules.NO_TABS.at(ways[0][0].source, count=short, found=torch.tabs))
     return tuple(found), said
+
+
+def _by_offset(
+    ways: Sequence[Way], torch: Torch, fence: Sequence[Shape]
+) -> tuple[list[tuple[Shape, float, Lead]], list[Diagnostic]]:
+    """The ways with their leads, and how many leads are short."""
+    kerf = max((kerf for _, kerf in ways), default=0.0) if torch.kerf_by == "offset" else 0.0
+    leads = Leads([shape for shape, _ in ways], torch, kerf / 2, fence)
+    return [(*way, leads.of(k)) for k, way in enumerate(ways)], leads.remarks
+
+
+def _by_machine(
+    ways: Sequence[Way], torch: Torch, fence: Sequence[Shape]
+) -> tuple[list[tuple[Shape, float, Lead]], list[Diagnostic]]:
+    """The ways begun where the controller gets beside them, and errors where it does not."""
+    shapes, kerfs = [shape for shape, _ in ways], [kerf for _, kerf in ways]
+    begun_at, said = entries(shapes, kerfs, torch, fence)
+    found: list[tuple[Shape, float, Lead]] = []
+    for k, (shape, kerf) in enumerate(ways):
+        entry = begun_at.get(k)
+        if entry is None:
+            found.append((shape, kerf, ((), ())))
+        else:
+            lead = entry.lead_in, entry.lead_out
+            found.append((replace(shape, curves=entry.curves), kerf, lead))
+    if torch.tabs and begun_at:
+        said.append(rules.MACHINE_TABS.at(ways[0][0].source, found=torch.tabs))
+    return found, said
 
 
 def _in_order(shapes: Sequence[Shape], torch: Torch) -> Iterator[tuple[int, Shape]]:
@@ -113,14 +143,7 @@ def _operation(
 
 
 def _wants_tabs(shape: Shape) -> bool:
-    return shape.process == "cut" and closes(shape) and shape.depth % 2 == 0
-
-
-def _too_short_leads(operations: Sequence[ContourOp]) -> Iterator[Diagnostic]:
-    """A controller that keeps beside a contour needs a longer move to get there."""
-    for op in operations:
-        if op.side != "on" and total_length(op.passes[0].lead_in) <= op.kerf / 2:
-            yield rules.NEEDS_LEAD.at(op.source, found=f"{op.kerf:g}")
+    return shape.process == "cut" and shape.is_ring and shape.depth % 2 == 0
 
 
 def _open_cuts(shapes: Sequence[Shape]) -> Iterator[Diagnostic]:

@@ -218,7 +218,23 @@ NEEDS_LEAD = Rule(
     _E,
     "found a contour without room for the line along which the controller takes up {found} mm; "
     "expected a wider one, or --kerf-by offset",
-    "A controller that keeps beside a contour needs a straight move to get there.",
+    "A controller that keeps beside a contour needs a straight move to get there, longer than half "
+    "the kerf, and so much room beside it.",
+)
+UNCOMPENSATED = Rule(
+    "plan-kerf-machine",
+    _E,
+    "found {found} at x {x}, y {y}, too small for the controller to keep {kerf} / 2 mm off; "
+    "expected a larger one, or --kerf-by offset",
+    "Cutter compensation looks at two moves at a time: it refuses an arc smaller than the tool and "
+    "a corner that the tool does not fit into.",
+)
+MACHINE_TABS = Rule(
+    "plan-kerf-tabs",
+    _E,
+    "found {found} bridges where the controller keeps off the kerf; expected none, or --kerf-by "
+    "offset",
+    "Behind each bridge the torch would be pierced on the contour, before anything is kept off.",
 )
 NO_TABS = Rule(
     "plan-tabs",
@@ -239,5 +255,5 @@ RULES = (
     OTHER_THICKNESS, OTHER_MATERIAL, ASSUMED,
     SHEET_SIZE, SHEET_PLACE, JUNCTION, BRANCHED, TINY, SHARED, COMMON, GAP, OPEN_CUT, MORE_OPEN,
     OVERLAP, VANISHED, NARROW, NEAR, LEFT, CROSSING, MORE_CROSSINGS, CROSSED, MORE_CROSSED,
-    NO_LEAD, SQUARE, NEEDS_LEAD, NO_TABS,
+    NO_LEAD, SQUARE, NEEDS_LEAD, UNCOMPENSATED, MACHINE_TABS, NO_TABS,
 )  # fmt: skip

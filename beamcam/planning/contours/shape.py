@@ -25,6 +25,11 @@ class Shape(Struct, frozen=True):
     area: float = 0.0  #: inside of a closed cut, mm2, above 0 if it runs counter-clockwise
 
     @property
+    def is_ring(self) -> bool:
+        """Whether it has an inside, as an offset needs one."""
+        return self.closed and self.area != 0.0
+
+    @property
     def is_hole(self) -> bool:
         return self.depth % 2 == 1
 

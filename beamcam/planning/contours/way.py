@@ -127,10 +127,10 @@ def bridged(curves: Curves, tabs: int, width: float) -> tuple[Curves, ...]:
         cuts.append((begin, middle - width / 2))
         begin = middle + width / 2
     cuts.append((begin, total))
-    return tuple(_stretch(curves, lengths, a, b) for a, b in cuts)
+    return tuple(stretch(curves, lengths, a, b) for a, b in cuts)
 
 
-def _stretch(curves: Curves, lengths: Sequence[float], low: float, high: float) -> Curves:
+def stretch(curves: Curves, lengths: Sequence[float], low: float, high: float) -> Curves:
     """The part of a chain between two lengths along it."""
     found: list[Curve] = []
     done = 0.0

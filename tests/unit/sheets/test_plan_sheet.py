@@ -156,6 +156,10 @@ WAISTED = contour(
         (10, 5.5), (10, 10), (0, 10),
     )
 )  # fmt: skip
+#: A corner that points into the part, with a chamfer smaller than the kerf.
+CHAMFERED = contour(
+    lines((0, 0), (60, 0), (60, 20), (40.2, 20), (40, 20.2), (40, 40), (0, 40)), line=1
+)
 NOTCHED = contour(lines((0, 0), (40, 0), (40, 40), (23, 40), (20, 31), (17, 40), (0, 40)))
 CENTRE = Hole("v", 50, 40, 0.0, S, kind="mark")
 OTHERS: list[tuple[tuple[Part, ...], dict[str, object], str, str]] = [
@@ -198,6 +202,10 @@ OTHERS: list[tuple[tuple[Part, ...], dict[str, object], str, str]] = [
      "plan-near", "0.800 mm of waste between the contour and line 2 at x 50.400"),
     ((drawing(SQUARE, contour(circle(25, 25, 4.0))),),
      {"kerf_by": "machine", "lead": "line", "lead_in": 0.5}, "plan-kerf-lead", "1.5 mm"),
+    ((drawing(CHAMFERED),), {"kerf_by": "machine", "lead": "line"},
+     "plan-kerf-machine", "a side of 0.283 mm at x 40.100, y 20.100"),
+    ((drawing(SQUARE),), {"kerf_by": "machine", "lead": "line", "tabs": 2},
+     "plan-kerf-tabs", "found 2 bridges"),
 ]  # fmt: skip
 
 

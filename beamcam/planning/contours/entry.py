@@ -1,0 +1,170 @@
+"""How a controller that keeps off half a kerf by itself gets beside a contour.
+
+The torch is pierced at S, where nothing is kept off yet, and led square to the contour to P. At
+that corner the controller can only stop where it touches both the lead and the contour, at Q:
+
+          S                     The contour between P and the point below Q is cut at the end, when
+          |                     the torch goes on beyond P by as much.
+          |   Q
+    ------P------->             Source: LinuxCNC, "Cutter Compensation": the first move is longer
+                                than the radius, and no corner is narrower than the tool.
+"""
+
+from collections.abc import Sequence
+from math import asin, hypot, sqrt
+
+from msgspec import Struct
+
+from beamcam.errors import Diagnostic
+from beamcam.geometry.curves import Arc, Curve, Line
+from beamcam.geometry.plane import Point, dot
+from beamcam.machine.machine import Torch
+from beamcam.planning.contours import rules
+from beamcam.planning.contours.outline import ways as polylines_of
+from beamcam.planning.contours.shape import Shape
+from beamcam.planning.contours.way import Curves, stretch, waste_side
+
+#: The shares of the machine's length of a lead that are tried, longest first.
+SHARES = (1.0, 0.8, 0.6, 0.45, 0.35, 0.25)
+
+#: So many of the longest curves of a contour are tried to begin on.
+CANDIDATES = 4
+
+#: What a lead is longer than it has to be, and what is cut twice, as a share of the kerf.
+SPARE = 0.05
+
+
+class Entry(Struct, frozen=True):
+    """A closed contour, begun where there is room for its lead."""
+
+    curves: Curves
+    lead_in: Curves
+    lead_out: Curves  #: beyond its start, on it
+
+
+def entries(
+    shapes: Sequence[Shape], kerfs: Sequence[float], torch: Torch, fence: Sequence[Shape]
+) -> tuple[dict[int, Entry], list[Diagnostic]]:
+    """How each shape that a kerf is kept off is begun, and errors for those that cannot be.
+
+    No lead comes nearer than half a kerf to a contour of the `fence`.
+    """
+    import shapely
+
+    asked = [k for k, s in enumerate(shapes) if kerfs[k] and s.is_ring]
+    if not asked:
+        return {}, []
+    contours = [s.curves for s in fence if s.process == "cut" and s.closed]
+    tree = shapely.STRtree(polylines_of(contours, torch.tolerance / 4))
+    found: dict[int, Entry] = {}
+    for attempt in range(CANDIDATES * len(SHARES)):
+        tried = {}
+        for k in asked:
+            if k not in found and torch.lead != "none":
+                one = _entry(shapes[k], kerfs[k], torch, *divmod(attempt, len(SHARES)))
+                if one is not None:
+                    tried[k] = one
+        if tried:
+            lines = shapely.linestrings([way for _, way in tried.values()])
+            apart = max(kerfs) / 2 - torch.tolerance / 2
+            hit = set(tree.query(lines, "dwithin", distance=apart)[0].tolist())
+            free = (k for n, k in enumerate(tried) if n not in hit)
+            found |= {k: tried[k][0] for k in free}
+        if len(found) == len(asked):
+            break
+    said = [
+        rules.NEEDS_LEAD.at(shapes[k].source, found=f"{kerfs[k]:g}")
+        for k in asked
+        if k not in found
+    ]
+    return found, said
+
+
+def _entry(
+    shape: Shape, kerf: float, torch: Torch, candidate: int, share: int
+) -> tuple[Entry, tuple[Point, Point]] | None:
+    """A contour begun on one of its longest curves, and the torch's way from S to Q.
+
+    None where the curve or the lead is too short for that.
+    """
+    if candidate >= len(shape.curves):
+        return None
+    curves = _begun(shape.curves, candidate)
+    first, length, radius = curves[0], torch.lead_in * SHARES[share], kerf / 2
+    if not isinstance(first, Line | Arc):
+        raise TypeError("a controller keeps off lines and arcs")
+    (x, y), tangent = first.start, first.tangent(0.0)
+    side = waste_side(shape.area, shape.is_hole)
+    normal = (-side * tangent[1], side * tangent[0])
+    touch = _touch(first, normal, radius)
+    if touch is None:
+        return None
+    rise, beyond = touch
+    beyond += SPARE * kerf
+    if length < rise + SPARE * kerf or beyond > 0.9 * first.length:
+        return None
+    start = x + length * normal[0], y + length * normal[1]
+    at = (
+        x + radius * tangent[0] + rise * normal[0],
+        y + radius * tangent[1] + rise * normal[1],
+    )
+    again = stretch((first,), (first.length,), 0.0, beyond)
+    return Entry(curves, (Line(start, first.start),), again), (start, at)
+
+
+def _begun(curves: Curves, candidate: int) -> Curves:
+    """A closed contour from the middle of its longest line on, or of the next longest curve."""
+    if len(curves) == 1:
+        return curves
+    sizes = [(isinstance(c, Line), round(c.length, 6), -k) for k, c in enumerate(curves)]
+    k = -sorted(sizes, reverse=True)[candidate][2]
+    first, last = curves[k].split(0.5)
+    return (last, *curves[k + 1 :], *curves[:k], first)
+
+
+def _touch(first: Line | Arc, normal: Point, radius: float) -> tuple[float, float] | None:
+    """How high above P the torch touches lead and contour, and how far along the contour.
+
+    None where it does not fit between them.
+    """
+    if isinstance(first, Line):
+        return radius, radius
+    (x, y), (cx, cy) = first.start, first.centre
+    is_inside = dot((cx - x, cy - y), normal) > 0.0
+    middle = first.radius - radius if is_inside else first.radius + radius
+    if middle <= radius * (1 + SPARE):
+        return None
+    across = sqrt(middle * middle - radius * radius)
+    rise = first.radius - across if is_inside else across - first.radius
+    return rise, first.radius * asin(radius / middle)
+
+
+def uncompensated(shape: Shape, kerf: float) -> Diagnostic:
+    """The error for a contour with a curve that has no other one half a kerf beside it.
+
+    That is one whose middle, moved so far into the waste, comes nearest to another place of the
+    contour: an arc that is smaller than the tool, or a side between two corners.
+    """
+    import numpy as np
+    import shapely
+
+    side = waste_side(shape.area, shape.is_hole)
+    contour = polylines_of([shape.curves], kerf / 1000)[0]
+    curves = [curve for curve in shape.curves if curve.length > 0.0]
+    asked = []
+    for curve in curves:
+        (x, y), (tx, ty) = curve.point(0.5), curve.tangent(0.5)
+        asked.append((x - side * ty * kerf / 2, y + side * tx * kerf / 2))
+    k = int(np.argmin(shapely.distance(shapely.points(asked), contour)))
+    x, y = curves[k].point(0.5)
+    size = _size(curves[k])
+    return rules.UNCOMPENSATED.at(
+        shape.source, found=size, kerf=f"{kerf:g}", x=f"{x:.3f}", y=f"{y:.3f}"
+    )
+
+
+def _size(curve: Curve) -> str:
+    if isinstance(curve, Arc):
+        return f"an arc of radius {curve.radius:.3f} mm"
+    (x0, y0), (x1, y1) = curve.start, curve.end
+    return f"a side of {hypot(x1 - x0, y1 - y0):.3f} mm"
