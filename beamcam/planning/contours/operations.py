@@ -26,16 +26,11 @@ from beamcam.planning.contours.way import (
     bridged,
     is_turned,
     reversed_chain,
-    run_over,
     waste_side,
 )
 
-<<<<<<< HEAD
-OVERRUN = 1.0  #: of a contour that the controller keeps off, by the kerf
-=======
 Way = tuple[Shape, float]  #: with the kerf that is kept off
 
->>>>>>> 83bb0e7 (planning: a controller that keeps off the kerf gets only contours that it can follow)
 SHOWN_OPEN = 10  #: open contours are named one by one up to so many
 
 
@@ -125,10 +120,6 @@ def _operation(
         stretches = list(bridged(shape.curves, torch.tabs, torch.tab_width + kerf))
     if torch.kerf_by == "machine" and kerf:
         side = "left" if waste_side(shape.area, shape.is_hole) > 0 else "right"
-        # The controller cuts the corner behind the lead short, by half a kerf of the contour: the
-        # end runs over the start, in place of a way out.
-        if len(stretches) == 1:
-            stretches, lead = [run_over(shape.curves, OVERRUN * kerf)], (lead[0], ())
     last = len(stretches) - 1
     passes = tuple(
         [

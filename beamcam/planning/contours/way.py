@@ -29,13 +29,7 @@ def is_turned(area: float, is_hole: bool, torch: Torch) -> bool:
 
 
 def begun(curves: Curves, torch: Torch, here: Point) -> Curves:
-    """A closed contour from where the machine begins it, the head being at `here`.
-
-    A controller that keeps off needs a straight line at both sides of the start, since it cuts the
-    corner between a lead and the contour short.
-    """
-    if torch.kerf_by == "machine" and any(isinstance(curve, Line) for curve in curves):
-        return _from_longest(curves)
+    """A closed contour from where the machine begins it, the head being at `here`."""
     if torch.start == "drawn":
         return curves
     if torch.start == "straight":
@@ -55,12 +49,6 @@ def _from_longest(curves: Curves) -> Curves:
     longest = max(range(len(curves)), key=lambda k: (isinstance(curves[k], Line), _size(curves[k])))
     first, last = curves[longest].split(0.5)
     return (last, *curves[longest + 1 :], *curves[:longest], first)
-
-
-def run_over(curves: Curves, length: float) -> Curves:
-    """A closed contour followed `length` mm beyond its start."""
-    lengths = [c.length for c in curves]
-    return (*curves, *_stretch(curves, lengths, 0.0, min(length, sum(lengths))))
 
 
 def _size(curve: Curve) -> float:
