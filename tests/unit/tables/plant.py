@@ -5,6 +5,7 @@ What is wrong begins in a cycle of the script and is looked at in every cycle.
 
 from collections.abc import Callable, Mapping
 from functools import cache
+from typing import Any
 
 from msgspec.structs import replace
 
@@ -77,7 +78,12 @@ class Plant(Cell):
         self.count = 0
         self.frozen: dict[str, float] = {}  #: axes whose encoder tells one place for ever
         self.homed_anew = False
+        self.met: set[int] = set()  #: axes that ran against their low switches in this homing
+        self.late = False  #: whether an axis takes up a command a cycle later
+        self.taken: list[tuple[str, dict[str, Any], int]] = []
         self.states = [WAITS]
+        self.pressed = self.acknowledged = False
+        self._start_before = self._acknowledge_before = True
 
     def cycle(self) -> None:
         assert self.machine.triggers is not None
@@ -90,16 +96,38 @@ class Plant(Cell):
             axis.lag = self.frozen.get(axis.name, told) - axis.position
         if self.path is not None and any(not a.enabled or a.error for a in self.axes):
             self.path.stop()
+        taken, self.taken = self.taken, []
+        for name, values, line in taken:
+            super().command(name, values, line)
         super().cycle()
         self.count += 1
 
+    def command(self, name: str, values: dict[str, Any], line: int) -> int:
+        if self.late and name == "_POS":
+            self.taken.append((name, values, line))
+            return 0
+        return super().command(name, values, line)
+
     def observe(self) -> None:
         """What holds in every cycle, whatever fails."""
+        self.pressed = self.start and not self._start_before
+        self.acknowledged = self.acknowledged or (
+            self.acknowledge and not self._acknowledge_before and self.states[-1] == FAULT
+        )
+        self._start_before, self._acknowledge_before = self.start, self.acknowledge
         state = self.value("workState")
         if state != self.states[-1]:
             self.states.append(state)
+            assert state != WORK or self.value("operation") == 0, "work in mid cut"
+            assert state != WORK or self.met == {0, 1}, "work without meeting the low switches"
+            assert state != HOMING or self.pressed, "homing without a press of start"
+            assert (self.states[-2] != FAULT) or self.acknowledged, "a fault not acknowledged"
+            self.acknowledged = False
         if state == HOMING:
             self.homed_anew = True
+            self.met |= {k for k, axis in enumerate(self.axes) if axis.place <= 0.0}
+        else:
+            self.met = set()
         assert state == WORK or not self.tool_on, "a tool on out of work"
         assert state != WORK or self.homed_anew, "work without homing"
         if state in (DONE, FAULT, WAITS):
