@@ -163,8 +163,7 @@ def chained(lines: Iterable[shapely.LineString]) -> Drawn:
     rings = [r for r in rings if r.area > GAP * GAP]
     on_rings = shapely.union_all(shapely.buffer(shapely.get_exterior_ring(rings), GAP))
     opened = [line for line in merged if line.coords[0] != line.coords[-1]]
-    once = shapely.get_parts(shapely.difference(opened, on_rings)).tolist()
-    return Drawn(rings, [line for line in once if line.length > GAP])
+    return Drawn(rings, [line for line in opened if not on_rings.covers(line)])
 
 
 def _clusters(ends: np.ndarray) -> np.ndarray:
@@ -247,8 +246,12 @@ class Measured(NamedTuple):
         """Length of open curves that the middle of the beam does not follow."""
         if not self.drawn.opened:
             return 0.0
-        followed = shapely.union_all(shapely.buffer(self.strokes, GAP + by))
-        left = shapely.difference(shapely.MultiLineString(self.drawn.opened), followed)
+        # What lies on a ring is drawn twice, and cut beside it.
+        rings = shapely.get_exterior_ring(self.drawn.rings)
+        once = [*shapely.buffer(self.strokes, GAP + by), *shapely.buffer(rings, GAP)]
+        left = shapely.difference(
+            shapely.MultiLineString(self.drawn.opened), shapely.union_all(once)
+        )
         return float(left.length)
 
     def joined(self, by: float) -> int:
@@ -279,6 +282,8 @@ class Measured(NamedTuple):
 
     def faults(self, by: float = 0.03) -> Iterator[str]:
         """What is wrong with the cut, in words."""
+        if not (self.strokes or self.drawn.rings or self.drawn.opened):
+            return
         if (found := self.into_part()) > by:
             yield f"{found:.3f} mm into the part"
         if found := self.pierced(by):

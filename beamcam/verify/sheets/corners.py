@@ -101,8 +101,19 @@ class _Beam:
         reach = work.half_kerf + work.slack[owner[stretch]]
         ends, middles = [], []
         for have, lack in ((0, 1), (-1, -2)):
-            # Along the chord between both samples, which are half a beam apart or less.
+            # Along the contour: both samples are half a beam apart or less, with one end of a curve
+            # between them at most.
             a, b = points[have], points[lack]
+            if owner[stretch[have]] != owner[stretch[lack]]:
+                way = owner[stretch[lack]]
+                between = min(
+                    (work.need.starts[way], work.need.ends[way]),
+                    key=lambda end: float(np.hypot(*(end - a)) + np.hypot(*(end - b))),
+                )
+                if self._nearest(between)[0] <= reach[lack]:
+                    a = between
+                else:
+                    b = between
             for _ in range(HALVINGS):
                 middle = (a + b) / 2
                 if self._nearest(middle)[0] <= reach[have]:

@@ -20,8 +20,10 @@ from msgspec import Struct
 from numpy.typing import NDArray
 
 from beamcam.verify.sheets.elements import Counts, Flags, Floats
+from beamcam.verify.sheets.overlaps import Stretches, trim, whole
 from beamcam.verify.sheets.ways import Ways
 
+SAME_PLACE = 5e-3  #: curves as near as this are drawn twice
 SAME_POINT = 1e-6  #: ends of the curves of one feature that meet
 #: Of a curve, where it is asked whether it lies on another; most are out after the first.
 SHARES = (0.5, 0.29, 0.71, 0.13, 0.87, 0.0, 1.0)
@@ -36,8 +38,7 @@ class Region(Struct, frozen=True):
     rings: list[Chain]
     closed: Flags  #: ways of a ring, and those that lie on one
     twins: Flags  #: ways that lie on others
-    doubled: Flags  #: ways that lie on others, or others on them
-    joined: Floats  #: how far the ends of a way are from those that follow them in its ring
+    apart: Floats  #: how far a way may be from where it is cut: from its twin, from its neighbours
 
     def depth(self, points: Floats) -> Counts:
         """How many contours enclose each point (n, 2)."""
@@ -52,32 +53,37 @@ class Region(Struct, frozen=True):
         return found
 
 
-def region_of(ways: Ways, features: Counts, gap: float, same: float, fine: float) -> Region:
+def region_of(ways: Ways, features: Counts, gap: float, fine: float) -> Region:
     """The region of ways whose features are known by their numbers.
 
-    Ends at most `gap` apart meet, curves no farther than `same` from others lie on them. Outlines
-    are chords at most `fine` off.
+    Ends at most `gap` apart meet, and rings no farther from one another are the same. Outlines are
+    chords at most `fine` off.
     """
     real = np.flatnonzero(ways.lengths > 0.0)
     own = _closed_features(ways, features, real)
-    twins = _twins(ways, own, same)
-    rings = _rings(ways, [k for k in real.tolist() if own[k]], features, 0.0)
+    rank = _ranks(ways, own)
+    twins = _lie_on(ways, np.arange(ways.count), rank, SAME_PLACE)
+    drawn = whole(ways, fine)
+    rings = _rings(drawn, [k for k in real.tolist() if own[k]], features, 0.0)
     loose = [k for k in real.tolist() if not own[k] and not twins[k]]
     once = [ring for ring in rings if not all(twins[k] for k, _ in ring)]
-    once += _rings(ways, loose, np.zeros_like(features), gap)
-    points, begins = ways.outlines(fine)
-    sizes = np.diff(begins)
+    trim(drawn, ways, loose, np.where(twins, ways.count, rank), SAME_PLACE)
+    once += _rings(drawn, loose, np.zeros_like(features), gap)
+    sizes = np.diff(drawn.begins)
     once = [ring for ring in once if sizes[[k for k, _ in ring]].sum() > 3]
-    polygons = _polygons(points, begins, once)
+    polygons = _polygons(drawn, once)
     # A line there and back again has no inside.
-    wide = shapely.area(polygons) > same * shapely.length(polygons)
-    once = [ring for ring, is_wide in zip(once, wide.tolist(), strict=True) if is_wide]
+    wide = shapely.area(polygons) > SAME_PLACE * shapely.length(polygons)
+    again, under = _same_rings(polygons, gap)
+    closed, apart = np.zeros(ways.count, dtype=bool), _joined(drawn, once) + SAME_PLACE * twins
+    closed[[k for ring, is_wide in zip(once, wide, strict=True) if is_wide for k, _ in ring]] = True
+    closed |= twins & _on(ways, closed, SAME_PLACE)
+    twins[[k for r in again for k, _ in once[r]]] = True
+    apart[[k for r in again | under for k, _ in once[r]]] += gap
+    wide[list(again)] = False
+    once = [ring for ring, is_kept in zip(once, wide.tolist(), strict=True) if is_kept]
     polygons = polygons[wide]
-    closed = np.zeros(ways.count, dtype=bool)
-    closed[[k for ring in once for k, _ in ring]] = True
-    closed |= twins & _on(ways, closed, same)
-    doubled = twins | _lie_under(ways, twins, same)
-    return Region(polygons, once, closed, twins, doubled, _joined(ways, once))
+    return Region(polygons, once, closed, twins, apart)
 
 
 def small_ways(ways: Ways, gap: float) -> Flags:
@@ -115,7 +121,7 @@ def _closed_features(ways: Ways, features: Counts, real: Counts) -> Flags:
     return found
 
 
-def _places(ways: Ways, which: Counts, group: Counts, gap: float) -> Counts:
+def _places(ways: Ways | Stretches, which: Counts, group: Counts, gap: float) -> Counts:
     """A number for the place of both ends of some ways, (n, 2).
 
     Ends of one group that are the same point are at one place. Where not just two are, places as
@@ -143,11 +149,11 @@ def _places(ways: Ways, which: Counts, group: Counts, gap: float) -> Counts:
     return found
 
 
-def _twins(ways: Ways, own: Flags, same: float) -> Flags:
-    """Ways that lie on others which come before them: closed features first, then the longer."""
+def _ranks(ways: Ways, own: Flags) -> Counts:
+    """Which ways count where they lie on one another: of closed features first, then the longer."""
     rank = np.empty(ways.count, dtype=np.int64)
     rank[np.lexsort((np.arange(ways.count), -ways.lengths, ~own))] = np.arange(ways.count)
-    return _lie_on(ways, np.arange(ways.count), rank, same)
+    return rank
 
 
 def _on(ways: Ways, which: Flags, same: float) -> Flags:
@@ -156,14 +162,17 @@ def _on(ways: Ways, which: Flags, same: float) -> Flags:
     return _lie_on(ways, np.arange(ways.count), rank, same)
 
 
-def _lie_under(ways: Ways, twins: Flags, same: float) -> Flags:
-    """Ways that twins lie on."""
-    found = np.zeros(ways.count, dtype=bool)
-    which = np.flatnonzero(twins)
-    if len(which):
-        pairs = ways.near(ways.point(which, ways.lengths[which] / 2), same)
-        found[ways.owner[pairs.element]] = True
-    return found
+def _same_rings(polygons: NDArray[np.object_], gap: float) -> tuple[set[int], set[int]]:
+    """Rings that are nowhere farther than a gap from an earlier one, and those earlier ones."""
+    boxes = shapely.bounds(polygons).reshape(-1, 4)
+    corners = shapely.points(boxes[:, :2])
+    a, b = shapely.STRtree(corners).query(corners, "dwithin", distance=2 * gap)
+    near = (a < b) & (np.abs(boxes[a] - boxes[b]).max(axis=1) <= gap + SAME_POINT)
+    a, b = a[near], b[near]
+    rings = shapely.get_exterior_ring(polygons)
+    same = shapely.hausdorff_distance(rings[a], rings[b]) <= gap + SAME_POINT
+    again = set(b[same].tolist())
+    return again, set(a[same].tolist()) - again
 
 
 def _lie_on(ways: Ways, asked: Counts, rank: Counts, same: float) -> Flags:
@@ -181,7 +190,7 @@ def _lie_on(ways: Ways, asked: Counts, rank: Counts, same: float) -> Flags:
     return on
 
 
-def _rings(ways: Ways, which: Sequence[int], group: Counts, gap: float) -> list[Chain]:
+def _rings(ways: Stretches, which: Sequence[int], group: Counts, gap: float) -> list[Chain]:
     """The rings among some ways that meet at their ends.
 
     What leads to nowhere is taken away first, then what ends where three or another odd number
@@ -253,9 +262,9 @@ def _loops(
     return found
 
 
-def _joined(ways: Ways, rings: Sequence[Chain]) -> Floats:
+def _joined(ways: Stretches, rings: Sequence[Chain]) -> Floats:
     """The greater of the gaps at both ends of each way, between it and its neighbours in a ring."""
-    found = np.zeros(ways.count)
+    found = np.zeros(len(ways.starts))
     for ring in rings:
         numbers = np.array([k for k, _ in ring])
         turned = np.array([back for _, back in ring])[:, None]
@@ -267,21 +276,17 @@ def _joined(ways: Ways, rings: Sequence[Chain]) -> Floats:
     return found
 
 
-def _polygons(points: Floats, begins: Counts, rings: Sequence[Chain]) -> NDArray[np.object_]:
-    """The inside of each ring; `points` are those of all ways, which begin at `begins`."""
+def _polygons(ways: Stretches, rings: Sequence[Chain]) -> NDArray[np.object_]:
+    """The inside of each ring."""
     if not rings:
         return np.zeros(0, dtype=object)
-    bounds = begins.tolist()
     rows, sizes = [], []
     for ring in rings:
-        size = 0
-        for k, turned in ring:
-            row = np.arange(bounds[k], bounds[k + 1])
-            rows.append(row[::-1] if turned else row)
-            size += len(row)
-        sizes.append(size)
+        own = [ways.rows(k)[:: -1 if turned else 1] for k, turned in ring]
+        rows += own
+        sizes.append(sum(map(len, own)))
     indices = np.repeat(np.arange(len(rings)), sizes)
     polygons: NDArray[np.object_] = shapely.polygons(
-        shapely.linearrings(points[np.concatenate(rows)], indices=indices)
+        shapely.linearrings(ways.points[np.concatenate(rows)], indices=indices)
     )
     return polygons

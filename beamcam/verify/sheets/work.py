@@ -160,8 +160,8 @@ def work_of(
         from beamcam.verify.sheets.region import region_of
 
         features = np.array(need.features[process])
-        region = region_of(ways, features, torch.gap, torch.gap, fine)
-        joined = region.joined + torch.gap * region.doubled
+        region = region_of(ways, features, torch.gap, fine)
+        joined = region.apart
     else:
         tolerance += _loose(ways, torch.gap)
         joined = np.zeros(len(curves))

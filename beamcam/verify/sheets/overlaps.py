@@ -1,0 +1,79 @@
+"""Curves that lie on others in part: there they are drawn twice, and count once."""
+
+from collections.abc import Sequence
+
+import numpy as np
+import shapely
+from msgspec import Struct
+from shapely.ops import substring
+
+from beamcam.verify.sheets.elements import Counts, Floats
+from beamcam.verify.sheets.ways import Ways
+
+
+class Stretches(Struct):
+    """What of each way counts: its ends, and points along it."""
+
+    starts: Floats  #: (n, 2)
+    ends: Floats
+    points: Floats  #: of all ways, chords between them
+    begins: Counts  #: where the points of each way begin, (n + 1,)
+
+    def rows(self, way: int) -> Counts:
+        """The numbers of a way's points."""
+        return np.arange(self.begins[way], self.begins[way + 1])
+
+
+def whole(ways: Ways, fine: float) -> Stretches:
+    """All ways from end to end; chords are at most `fine` off."""
+    points, begins = ways.outlines(fine)
+    return Stretches(ways.starts.copy(), ways.ends.copy(), points, begins)
+
+
+def trim(found: Stretches, ways: Ways, loose: Sequence[int], rank: Counts, same: float) -> None:
+    """Cuts what lies on a curve of lower rank off the ends of loose ways.
+
+    W overlaps V where an end of W lies on V, an end of V on W, and the middle between both on V.
+    """
+    if not loose:
+        return
+    numbers = np.array(loose, dtype=np.int64)
+    places = np.concatenate((ways.starts[numbers], ways.ends[numbers]))
+    pairs = ways.by_way(ways.near(places, same))
+    own = np.tile(numbers, 2)[pairs.point]
+    other = ways.owner[pairs.element]
+    at_end = np.minimum(
+        np.hypot(*(ways.starts[other] - places[pairs.point]).T),
+        np.hypot(*(ways.ends[other] - places[pairs.point]).T),
+    )
+    asked = np.flatnonzero((rank[other] < rank[own]) & (at_end > same))
+    spans: dict[int, list[float]] = {}
+    for k in asked.tolist():
+        w, v = int(own[k]), int(other[k])
+        line = _line(found, w)
+        span = spans.setdefault(w, [0.0, line.length])
+        at_start = pairs.point[k] < len(numbers)
+        for end in (ways.starts[v], ways.ends[v]):
+            point = shapely.Point(end)
+            at = line.project(point)
+            if line.distance(point) > same or not same < at < line.length - same:
+                continue
+            middle = line.interpolate(at / 2 if at_start else (at + line.length) / 2)
+            if _line(found, v).distance(middle) <= same:
+                span[0 if at_start else 1] = at
+    for w, (low, high) in spans.items():
+        if low < high:
+            _replace(found, w, np.array(substring(_line(found, w), low, high).coords))
+
+
+def _line(found: Stretches, way: int) -> shapely.LineString:
+    return shapely.LineString(found.points[found.rows(way)])
+
+
+def _replace(found: Stretches, way: int, points: Floats) -> None:
+    """Puts other points in the place of a way's."""
+    low, high = found.begins[way], found.begins[way + 1]
+    found.points = np.concatenate((found.points[:low], points, found.points[high:]))
+    found.begins = found.begins.copy()
+    found.begins[way + 1 :] += len(points) - (high - low)
+    found.starts[way], found.ends[way] = points[0], points[-1]
