@@ -2,6 +2,7 @@
 
 import re
 from collections.abc import Iterator
+from math import sqrt
 
 from beamcam.machine.machine import FLAT_DEG, Machine, Spindle, ToolSet, Torch, inch_size
 from beamcam.machine.tables import UNCONFIRMED, Triggers
@@ -189,6 +190,11 @@ def _trigger_faults(triggers: Triggers, machine: Machine) -> Iterator[Fault]:
         expected = f"a count of the encoder or more, {triggers.count:.4f} mm"
         yield "triggers.arrival_window", triggers.arrival_window, expected
     torch = machine.torch
+    # Points are cut off to the decimals of both axes, and count as reached a little before.
+    least = triggers.in_position / 2 + machine.format.resolution * sqrt(2)
+    if torch is not None and torch.tolerance <= least:
+        expected = f"more than {least:g}, which rounding and triggers.in_position take"
+        yield "torch.tolerance", torch.tolerance, expected
     if torch is not None:
         way = max(torch.length, torch.width) + triggers.overrun + 2 * triggers.back_off
         least = way / triggers.homing_mm_s

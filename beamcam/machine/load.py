@@ -11,6 +11,7 @@ from msgspec.structs import asdict
 from beamcam.caches import cached
 from beamcam.conversion import Fault, converted, nearest
 from beamcam.errors import Diagnostic, MachineError, Source
+from beamcam.geometry.plane import MAX_COORDINATE
 from beamcam.machine import rules
 from beamcam.machine.faults import pair_faults, spindle_faults, tool_faults, torch_faults
 from beamcam.machine.machine import Machine, MachineFile, as_formula
@@ -208,6 +209,12 @@ def _check(machine: Machine, place: Place) -> None:
         for key, found, expected in faults(machine):
             source = place.child(key).source
             said = rules.WRONG_VALUE.at(source, key=key, found=repr(found), expected=expected)
+            raise MachineError(said)
+    for key, value in _leaves(machine):
+        if isinstance(value, int | float) and abs(value) > MAX_COORDINATE:
+            expected = f"a number between -{MAX_COORDINATE:g} and {MAX_COORDINATE:g}"
+            source = place.child(key).source
+            said = rules.WRONG_VALUE.at(source, key=key, found=repr(value), expected=expected)
             raise MachineError(said)
     for table in ("saw", "drill", "layout") if machine.stock == "beam" else ("torch",):
         if getattr(machine, table) is None:

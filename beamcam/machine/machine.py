@@ -12,7 +12,7 @@ from typing import Annotated, Literal
 from msgspec import Meta, Struct, field
 
 from beamcam.caches import cached
-from beamcam.conversion import Count, Keys, NotNegative, Positive
+from beamcam.conversion import Count, Keys, NotNegative, Positive, PositiveCount
 from beamcam.geometry.expression import Expression, compile_expression
 from beamcam.machine.tables import Stepper, Triggers
 from beamcam.machine.words import Words
@@ -193,9 +193,9 @@ def inch_size(text: str) -> float:
     """Millimetres of an inch size such as "13/16" or "1 1/16". Raises ValueError."""
     try:
         total = sum(Fraction(word) for word in text.split())
-    except (ValueError, ZeroDivisionError) as error:
+        return round(float(total) * MM_PER_INCH, 6)
+    except (ValueError, ArithmeticError) as error:
         raise ValueError(f"{text!r} is no size in inches") from error
-    return round(float(total) * MM_PER_INCH, 6)
 
 
 class Across(Keys, frozen=True):
@@ -222,7 +222,7 @@ class Spindle(Keys, frozen=True):
     face: Literal["v", "o", "u", "h"]
     across: Across
     stroke: Stroke
-    stations: int = 1
+    stations: PositiveCount = 1
 
 
 class Pair(Keys, frozen=True):
