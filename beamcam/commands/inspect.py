@@ -49,7 +49,11 @@ def show(path: str, reading: Reading, voice: Voice) -> None:
 @options.config
 @member_options
 @drawing_options
-@click.option("--check", is_flag=True, help="Check members by the geometry kernel too.")
+@click.option(
+    "--check/--no-check",
+    default=True,
+    help="Hold what was cut of a model's members against the geometry kernel.",
+)
 @click.option("--json", "as_json", is_flag=True, help="Print JSON, one object a file.")
 @options.strict
 @options.voiced

@@ -12,7 +12,7 @@ from typing import Annotated, Literal
 from msgspec import Meta, Struct, field
 
 from beamcam.caches import cached
-from beamcam.conversion import Count, Keys, NotNegative, Positive, PositiveCount
+from beamcam.conversion import Count, Keys, NotNegative, Positive
 from beamcam.geometry.expression import Expression, compile_expression
 from beamcam.machine.tables import Stepper, Triggers
 from beamcam.machine.words import Words
@@ -222,7 +222,7 @@ class Spindle(Keys, frozen=True):
     face: Literal["v", "o", "u", "h"]
     across: Across
     stroke: Stroke
-    stations: PositiveCount = 1
+    stations: int = 1
 
 
 class Pair(Keys, frozen=True):

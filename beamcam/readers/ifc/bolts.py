@@ -5,7 +5,7 @@ within the wall's outline, if the shank reaches through. The hole is wider than 
 clearance of the bolt's standard.
 """
 
-from collections.abc import Sequence, Set
+from collections.abc import Iterator, Sequence, Set
 from math import acos, degrees
 
 from msgspec import Struct
@@ -25,6 +25,7 @@ from beamcam.readers.ifc.walls import Wall, walls_of
 SQUARE_DEG = 1.0  #: by which a bolt may be off square to its wall and still be drilled square
 NEAR_DEG = 30.0  #: a bolt that leans more than this does not clamp the wall
 REACH = 0.5  #: mm that a shank may fall short of a surface
+NEAR = 1e-3  #: mm of steel round a hole
 IN_LINE = 0.05  #: mm within which two bolts make one hole
 INCH = 25.4
 
@@ -139,6 +140,8 @@ def drill_bolt_holes(
             continue
         world = model.placement(element.ObjectPlacement).times(shaped.frame)
         holes, skew = _through_member(bolts, world, part, shaped, options, name)
+        holes, in_air = _in_steel(holes, shaped)
+        said += _told_in_air(in_air, part)
         said += (rules.forced(d) for d in skew) if options.force else skew
         if skew and not options.force:
             continue
@@ -214,6 +217,43 @@ def _through_member(
             if not any(_one(hole, known) for known in holes):
                 holes.append(hole)
     return holes, skew
+
+
+def _in_steel(holes: Sequence[Hole], shaped: Shaped) -> tuple[list[Hole], list[Hole]]:
+    """The holes whose circles lie within what the cuts leave of their walls, and the others."""
+    if not holes:
+        return [], []
+    from shapely import Point
+
+    from beamcam.readers.ifc.explained import plain_stocks
+    from beamcam.readers.ifc.rebuilt import rebuilt
+
+    made = rebuilt(shaped, plain_stocks(shaped.section).exact)
+    walls = {w.face: w for w in walls_of(shaped.section)}
+    steel: list[Hole] = []
+    air: list[Hole] = []
+    for hole in holes:
+        wall = walls[hole.face]
+        circle = Point(hole.x, hole.y).buffer(hole.diameter / 2 + NEAR)
+        x0, y0, x1, y1 = circle.bounds
+        held = y0 >= 0.0 and y1 <= wall.width
+        for end in (made.start, made.end):
+            for p in ((x, q, c) for x in (x0, x1) for q in (y0, y1) for c in (wall.low, wall.high)):
+                x, y, z = wall.point(*p)
+                held = held and end.side * (x - end.x(y, z)) <= 0.0
+        gone = any(c.wall == wall and c.shape.intersects(circle) for c in made.cuts)
+        (steel if held and not gone else air).append(hole)
+    return steel, air
+
+
+def _told_in_air(holes: Sequence[Hole], part: Part) -> Iterator[Diagnostic]:
+    by_face: dict[str, list[Hole]] = {}
+    for hole in holes:
+        by_face.setdefault(hole.face, []).append(hole)
+    for face, some in by_face.items():
+        places = ", ".join(f"x {h.x:.1f} y {h.y:.1f}" for h in some[:3])
+        more = ", ..." if len(some) > 3 else ""
+        yield rules.BOLT_AIR.at(part.source, found=len(some), face=face, places=places + more)
 
 
 def _one(a: Hole, b: Hole) -> bool:

@@ -3,6 +3,7 @@
 All lengths that leave this module are millimetres.
 """
 
+from contextlib import suppress
 from math import pi
 from typing import Any
 
@@ -38,6 +39,10 @@ class Unreadable(Exception):
     """Something in a member's geometry that the reader does not take; the text says what."""
 
 
+class Kinked(Unreadable):
+    """A member of two straight pieces."""
+
+
 class Model(Struct):
     """An open file with its units and what was already worked out of it."""
 
@@ -59,6 +64,8 @@ class Model(Struct):
     psets: dict[str, tuple[str, dict[str, str | float]]] = field(default_factory=dict)
     materials: dict[str, str] = field(default_factory=dict)
     kernel: list[Any] = field(default_factory=list)  #: the kernel's file, when it was asked for
+    stocks: dict[Any, Any] = field(default_factory=dict)  #: sections as the kernel builds them
+    stated: list[float] = field(default_factory=list)  #: its precision in mm, once it was asked
 
     def point(self, c: Coordinates) -> Vec:
         """An IfcCartesianPoint of two or three coordinates, in mm."""
@@ -107,6 +114,16 @@ class Model(Struct):
             frame = frame.times(self.axes(step.RelativePlacement))
             self.placements[step] = frame
         return frame
+
+    @property
+    def precision(self) -> float:
+        """mm to which the file states its geometry to be right; 0 where it states nothing."""
+        if not self.stated:
+            self.stated.append(0.0)
+            for context in self.file.by_type("IfcGeometricRepresentationContext"):
+                with suppress(*NOT_WELL_FORMED):
+                    self.stated[0] = max(self.stated[0], float(context.Precision or 0.0) * self.mm)
+        return self.stated[0]
 
     def operator(self, entity: Entity) -> Frame:
         """An IfcCartesianTransformationOperator, its scales and mirrors included."""

@@ -6,7 +6,7 @@ from math import atan2, degrees, hypot, pi
 from msgspec import Struct
 
 from beamcam.caches import cached
-from beamcam.errors import Source
+from beamcam.errors import Diagnostic, Source
 from beamcam.geometry.curves import Line
 from beamcam.model.part import (
     Bevel,
@@ -22,12 +22,14 @@ from beamcam.readers.ifc.ends import End, Level, fitted_end, reaches
 from beamcam.readers.ifc.entities import Unreadable
 from beamcam.readers.ifc.features import contour, opening, shifted, sorted_features
 from beamcam.readers.ifc.region import Circles, Shape, chains_of, cleaned, pieces_of, rectangle
-from beamcam.readers.ifc.section import Section
+from beamcam.readers.ifc.section import Section, Stocks
 from beamcam.readers.ifc.space import IDENTITY, Frame
 from beamcam.readers.ifc.walls import Wall, corner_points, walls_of
 
 SQUARE_DEG = 0.005  #: an end that is less off square is square
 COMPOUND_DEG = 0.05  #: web and flange angle above which an end needs a plane of its own
+REACHED = 0.01  #: mm by which an end's plane may miss the end of the member
+LEVEL_REACH = 0.002  #: share of a wall's thickness that its outer levels lie inside it, at most
 UNEXPLAINED = 0.05  #: mm, the width of what no end plane explains
 
 
@@ -44,6 +46,8 @@ class Shaped(Struct, frozen=True):
     x0: float = 0.0  #: where the part's start lies on the stock
     frame: Frame = IDENTITY  #: the part's coordinates in the element's
     fitted: tuple[str, ...] = ()  #: surfaces of the kernel that only facets stand for
+    stocks: Stocks | None = None  #: regions of the section, where a shell showed them
+    said: tuple[Diagnostic, ...] = ()  #: of what no feature explains, where a body was compared
 
 
 Regions = dict[Wall, tuple[tuple[float, Shape], tuple[float, Shape]]]
@@ -85,11 +89,14 @@ def from_regions(
     source: Source,
     gross: float,
     sole: tuple[End | None, End | None] = (None, None),
+    span: tuple[float, float] | None = None,
 ) -> Shaped:
     """The member whose walls are `regions`, at two levels each, with `holes` beside.
 
     `sole` are the single planes that the stock ends in where there is one; the cuts decide whether
-    they are still the ends. Raises Unreadable if nothing is left.
+    they are still the ends. An end is the plane that most of it lies in, or square where that plane
+    does not reach the end of the member: a shoulder of copes is no end. `span` is the member's
+    least and greatest x where they are known. Raises Unreadable if nothing is left.
     """
     levels: list[Level] = [(w, c, s) for w, pair in regions.items() for c, s in pair]
     if not any(pieces_of(s) for _, _, s in levels):
@@ -97,7 +104,8 @@ def from_regions(
     start, end = fitted_end(-1, levels), fitted_end(1, levels)
     if start is None or end is None:
         raise Unreadable("ends that no plane describes")
-    x0, x1 = _extents(levels, section, sole)
+    x0, x1 = span or _extents(levels, section, (sole[0] or start, sole[1] or end))
+    start, end = _reaching(start, levels, section, x0), _reaching(end, levels, section, x1)
     found: list[Hole | Slot | Contour] = list(holes)
     remarks: list[str] = []
     for wall, pair in regions.items():
@@ -111,20 +119,34 @@ def from_regions(
 
 
 def _extents(
-    levels: Sequence[Level], section: Section, sole: tuple[End | None, End | None]
+    levels: Sequence[Level], section: Section, ends: tuple[End, End]
 ) -> tuple[float, float]:
     """The member's least and greatest x; exact where an end is one plane."""
     bounds = [p.bounds for _, _, s in levels for p in pieces_of(s)]
-    x0, x1 = min(b[0] for b in bounds), max(b[2] for b in bounds)
+    found = min(b[0] for b in bounds), max(b[2] for b in bounds)
     corners = corner_points(section)
-    # A level lies a little inside its wall, and a leaning end reaches further at the surface.
-    if sole[0] is not None:
-        reached = min(sole[0].x(y, z) for y, z in corners)
-        x0 = reached if abs(reached - x0) < 1.0 else x0
-    if sole[1] is not None:
-        reached = max(sole[1].x(y, z) for y, z in corners)
-        x1 = reached if abs(reached - x1) < 1.0 else x1
+    deep = max(w.thickness for w, _, _ in levels)
+    x0, x1 = (
+        # A level lies a little inside its wall, and a leaning end reaches further at the surface.
+        reached
+        if abs(reached - x) < deep * LEVEL_REACH * (abs(end.a) + abs(end.b)) + REACHED
+        else x
+        for end, x in zip(ends, found, strict=True)
+        for reached in (end.side * max(reaches(end, corners)),)
+    )
     return x0, x1
+
+
+def _reaching(end: End, levels: Sequence[Level], section: Section, x: float) -> End:
+    """An end whose plane reaches x and leaves all walls behind it, or else the square one at x."""
+    reached = end.side * max(reaches(end, corner_points(section)))
+    square = End(end.side, 0.0, 0.0, x)
+    if abs(reached - x) >= REACHED:
+        return square
+    if end.a == 0.0 == end.b:
+        return end
+    over = (s.intersection(end.removed(wall, c)) for wall, c, s in levels)
+    return end if all(shape.buffer(-UNEXPLAINED).is_empty for shape in over) else square
 
 
 def _wall_features(
@@ -156,7 +178,8 @@ def _wall_features(
     for piece in pieces:
         outer, inner = chains_of(piece, circles)
         if needs_outline or len(pieces) > 1:
-            bevels = _bevels(outer, wall, low, high) if skew else ()
+            deep = abs(pair[1][0] - pair[0][0])
+            bevels = _bevels(outer, wall, low, high, deep) if skew else ()
             yield contour(wall.face, "outer", outer, source, bevels)
         for chain in inner:
             yield opening(wall, chain, source)
@@ -203,8 +226,8 @@ def _alike_through(differ: Shape, plain: Sequence[Shape]) -> bool:
     return bool(differ.difference(expected.buffer(UNEXPLAINED)).buffer(-UNEXPLAINED).is_empty)
 
 
-def _bevels(outer: Chain, wall: Wall, low: Shape, high: Shape) -> tuple[Bevel, ...]:
-    """The edges of a contour where the other surface of the wall stands back."""
+def _bevels(outer: Chain, wall: Wall, low: Shape, high: Shape, deep: float) -> tuple[Bevel, ...]:
+    """The edges of a contour where the other surface of the wall, `deep` below, stands back."""
     from shapely import Point
 
     found = []
@@ -216,7 +239,7 @@ def _bevels(outer: Chain, wall: Wall, low: Shape, high: Shape) -> tuple[Bevel, .
         back = [float(s.distance(middle)) if not s.is_empty else 0.0 for s in (near, far)]
         # The levels lie inside the wall; what they differ by is for the depth between them.
         if max(back) > UNEXPLAINED:
-            angle = degrees(atan2(max(back), 0.8 * wall.thickness))
+            angle = degrees(atan2(max(back), deep))
             found.append(Bevel(i, angle if back[0] > back[1] else -angle, 0.0))
     return tuple(found)
 

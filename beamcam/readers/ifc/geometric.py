@@ -6,19 +6,20 @@
    its hollows are holes. A polygon whose vertices lie on a circle is that circle.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from typing import Any
 
 import numpy as np
 from msgspec.structs import replace
 
-from beamcam.errors import Source
+from beamcam.errors import Diagnostic, Severity, Source
 from beamcam.geometry.curves import Point
 from beamcam.model.part import Contour, Hole, Slot
 from beamcam.readers.ifc.cutters import Cutter
 from beamcam.readers.ifc.ends import LEAST_LEAN, End
-from beamcam.readers.ifc.entities import Entity, Model, Unreadable
+from beamcam.readers.ifc.entities import Entity, Kinked, Model, Unreadable
 from beamcam.readers.ifc.exact import Circle, circles_in
+from beamcam.readers.ifc.explained import KERNEL_SLACK, difference, measured, plain_stocks
 from beamcam.readers.ifc.features import opening, shifted
 from beamcam.readers.ifc.finish import Regions, Shaped, cuts_of, end_planes, from_regions, reach
 from beamcam.readers.ifc.kernel import build_both
@@ -31,11 +32,14 @@ from beamcam.readers.ifc.region import (
 )
 from beamcam.readers.ifc.rolled import Rolled, other_axes, reference, rolled_stock
 from beamcam.readers.ifc.section import Section
-from beamcam.readers.ifc.semantic import LEVEL_IN, cut, in_place
+from beamcam.readers.ifc.semantic import cut, in_place
 from beamcam.readers.ifc.shell import (
     Shell,
     broadest_normal,
+    coordinates,
     extent,
+    heaviest,
+    kinked,
     longest_direction,
     section,
     vec,
@@ -48,8 +52,12 @@ from beamcam.readers.ifc.walls import Wall, walls_of
 PRISMATIC = 0.01  #: share by which a plate's volume may differ from outline times thickness
 ALIKE = 6  #: decimals of a mm, from which on two rings of a hole are one
 SAME_HOLE = 0.02  #: mm between a hole at one level and at the other
+LEVEL_IN = 0.1  #: share of a wall's thickness: nearer to its surface edges may be round
 EDGE = 0.3  #: mm within which a section point lies on a wall's long edge
-EXPLAINED = 0.03  #: share by which the volume may differ from what the walls explain
+EXPLAINED = 0.3  #: share of its volume by which a shell that differs more is no such member
+NEARLY_PLANE = 1 - 1e-8  #: cosine between the facets of one plane
+LEVEL_NOISE = 1e-6  #: slope of an end, from rounding
+FACET_SLACK = 0.02  #: mm, half of what the corners of a mesh may be off
 
 
 def read_kernel(model: Model, element: Entity, source: Source) -> Shaped:
@@ -63,23 +71,84 @@ def read_kernel(model: Model, element: Entity, source: Source) -> Shaped:
     if errors:
         raise Unreadable(f"an error of the geometry kernel ({errors[0][:160]})")
     shell = replace(built.shell, cylinders=exact.cylinders)
-    return replace(read_shell(shell, (), source), fitted=exact.others)
+    found = read_shell(shell, (), source, model.precision, built.volume)
+    return replace(found, fitted=exact.others)
 
 
-def read_shell(shell: Shell, cutters: Sequence[Cutter], source: Source) -> Shaped:
-    """The member of a shell. Raises Unreadable, which says what was found."""
+def read_shell(
+    shell: Shell,
+    cutters: Sequence[Cutter],
+    source: Source,
+    precision: float = 0.0,
+    volume: float | None = None,
+) -> Shaped:
+    """The member of a shell, held against it. Raises Unreadable, which says what was found.
+
+    `volume` is that of the solid in mm3 where the shell only stands for it.
+    """
+    best: Shaped | None = None
+    fault: Unreadable | None = None
+    for found in _readings(shell, cutters, source):
+        if isinstance(found, Unreadable):
+            fault = fault or found
+            continue
+        if cutters:  # which the shell does not show
+            return found
+        try:
+            said = _unexplained(found, shell, source, precision, volume)
+        except Unreadable as reason:
+            fault = fault or reason
+            continue
+        found = replace(found, said=said)
+        if not any(d.severity is Severity.ERROR for d in said):
+            return found
+        best = best or found
+    if best is not None:
+        return best
+    kink = kinked(shell)
+    if kink is not None:
+        raise Kinked(f"a member kinked by {kink:.1f} degrees")
+    raise fault or Unreadable(f"a shell of {shell.count} faces without a constant section")
+
+
+def _readings(
+    shell: Shell, cutters: Sequence[Cutter], source: Source
+) -> Iterator[Shaped | Unreadable]:
+    """The members that a shell may be, the likeliest first; or why it is none along an axis."""
     found = _plate(shell, cutters, source)
     if found is not None:
-        return found
+        yield found
     along = longest_direction(shell)
-    tried = []
     for axis in (along, *other_axes(shell, along)):
         stock = rolled_stock(shell, axis)
         if stock is None:
-            tried.append(axis)
             continue
-        return in_place(_member(shell, cutters, stock, source), stock.frame)
-    raise Unreadable(f"a shell of {shell.count} faces without a constant section")
+        try:
+            made = _member(shell, cutters, stock, source)
+        except Unreadable as reason:
+            yield reason
+        else:
+            yield replace(in_place(made, stock.frame), stocks=stock.stocks)
+
+
+def _unexplained(
+    found: Shaped, shell: Shell, source: Source, precision: float, volume: float | None
+) -> tuple[Diagnostic, ...]:
+    """What of a shell its member does not explain. Raises Unreadable where that is most of it."""
+    body = shell.moved(found.frame.inverse())
+    theirs = volume if volume is not None else measured(body)
+    stocks = found.stocks or plain_stocks(found.section)
+    slack = KERNEL_SLACK if volume is not None else FACET_SLACK
+    off = difference(
+        found, body, stocks, volume=theirs, slack=slack, precision=precision,
+        faceted=volume is None,
+    )  # fmt: skip
+    if abs(off.off) > EXPLAINED * theirs:
+        raise Unreadable(
+            f"a shell of {theirs / 1e3:.1f} cm3 whose section and cuts explain "
+            f"{(theirs - off.off) / 1e3:.1f} cm3"
+        )
+    return off.said(source)
 
 
 def _member(shell: Shell, cutters: Sequence[Cutter], stock: Rolled, source: Source) -> Shaped:
@@ -107,11 +176,12 @@ def _member(shell: Shell, cutters: Sequence[Cutter], stock: Rolled, source: Sour
                 shape = shape.difference(one.slice(wall, c, circles))
             levels.append((c, _full_width(cleaned(shape), wall, c, stock.outline)))
         regions[wall] = (levels[0], levels[1])
-    found = from_regions(stock.section, regions, holes, circles, source, stock.x1 - stock.x0)
+    span = None if taken else (stock.x0, stock.x1)
+    gross = stock.x1 - stock.x0
+    found = from_regions(stock.section, regions, holes, circles, source, gross, span=span)
     if not taken:
         # The levels lie inside the walls; only the shell itself knows how far the tips reach.
-        found = _reached(found, stock, regions)
-        _explained(found, local)
+        found = _reached(found, stock)
     return found
 
 
@@ -182,30 +252,15 @@ def _full_width(shape: Shape, wall: Wall, c: float, outline: tuple[Point, ...]) 
     return transform(shape, widened)
 
 
-def _reached(found: Shaped, stock: Rolled, regions: Regions) -> Shaped:
+def _reached(found: Shaped, stock: Rolled) -> Shaped:
     """The member with the length of its shell, its features moved as much."""
-    bounds = [p.bounds for pair in regions.values() for _, s in pair for p in pieces_of(s)]
-    x0 = min(b[0] for b in bounds)
-    shift = x0 - stock.x0
+    shift = found.x0 - stock.x0
     if abs(shift) < 1e-6:
         return replace(found, length=stock.x1 - stock.x0, x0=stock.x0)
     features = tuple(
         shifted(f, shift) if isinstance(f, (Hole, Slot, Contour)) else f for f in found.features
     )
     return replace(found, length=stock.x1 - stock.x0, features=features, x0=stock.x0)
-
-
-def _explained(found: Shaped, shell: Shell) -> None:
-    """Raise Unreadable if the walls are not all that the shell is."""
-    volume = shell.volume
-    if not volume:
-        return
-    off = abs(volume - found.volume) / volume
-    if off > EXPLAINED:
-        raise Unreadable(
-            f"a shell of {volume / 1e3:.1f} cm3 whose section and cuts explain "
-            f"{found.volume / 1e3:.1f} cm3"
-        )
 
 
 def _plate(shell: Shell, cutters: Sequence[Cutter], source: Source) -> Shaped | None:
@@ -255,7 +310,7 @@ def _round(local: Shell, stock: Rolled, source: Source) -> Shaped:
     x0, x1 = reach(stock.section, start, end)
     middle = stock.section.height / 2
     length = end.x(middle, middle) - start.x(middle, middle)
-    found = Shaped(
+    return Shaped(
         stock.section,
         x1 - x0,
         cuts_of(start, end),
@@ -265,21 +320,24 @@ def _round(local: Shell, stock: Rolled, source: Source) -> Shaped:
         (),
         x0,
     )
-    _explained(found, local)
-    return found
 
 
 def _flat_end(local: Shell, side: int) -> End:
     """The plane that most of an end's area lies in."""
     low, high = extent(local, (1.0, 0.0, 0.0))
-    areas, rings = local.areas, local.rings
-    faces = rings.face_of_corner
+    areas, faces = local.areas, local.rings.face_of_corner
     middles = np.bincount(faces, local.points[:, 0]) / np.bincount(faces)
     there = (middles - (low + high) / 2) * side > 0
     there &= np.abs(local.area_normals[:, 0]) >= LEAST_LEAN * areas
-    if not there.any():
+    found = np.flatnonzero(there)
+    ways = local.area_normals[found] * (1 / areas[found])[:, None]
+    way = heaviest(ways, areas[found], NEARLY_PLANE, len(found))
+    if way is None:
         raise Unreadable("a round section without plane ends")
-    broadest = int(np.where(there, areas, 0.0).argmax())
-    p, n = vec(local.firsts[broadest]), vec(local.area_normals[broadest])
+    same = found[np.abs(coordinates(ways, way)) > NEARLY_PLANE]
+    n = vec(local.area_normals[same[areas[same].argmax()]])
     a, b = -n[1] / n[0], -n[2] / n[0]
-    return End(side, a, b, p[0] - a * p[1] - b * p[2])
+    if abs(a) < LEVEL_NOISE and abs(b) < LEVEL_NOISE:
+        a = b = 0.0
+    x, y, z = local.points[np.isin(faces, same)].T
+    return End(side, a, b, float(side * (side * (x - a * y - b * z)).max()))

@@ -20,6 +20,7 @@ from beamcam.readers.ifc.walls import Wall
 SQUARE = 2e-3  #: sine of the angle by which a hole may be off square, a tenth of a degree
 THROUGH = 0.05  #: mm that a hole may fall short of the far surface
 TOUCH = 0.02  #: mm into a wall that still counts as beside it
+WIDEST = 0.9  #: of a round section, that a hole across it may be
 NEAR = 1e-3  #: mm between a hole and an edge that it does not cut open
 
 Span = tuple[float, float]
@@ -44,7 +45,8 @@ def pierce(cutter: Cutter, box: Box3, into: Drilled, source: Source) -> list[Hol
         return None
     place = source if cutter.where is None else replace(source, where=cutter.where)
     if into.section.code in ("RO", "RU"):
-        return _radial(cutter, cutter.shape, into.section, place)
+        inside = box[0][0] > NEAR - into.start.least and box[1][0] < into.end.least - NEAR
+        return _radial(cutter, cutter.shape, into.section, place) if inside else None
     if not into.walls:
         return None  # a special section has no face that a hole could be on
     low, high = box
@@ -67,8 +69,10 @@ def pierce(cutter: Cutter, box: Box3, into: Drilled, source: Source) -> list[Hol
             continue
         along = cutter.frame.z
         lean = abs(along[c]) / size(along)
-        if lean < SQUARE:  # it runs along inside the wall
-            return None
+        if lean < SQUARE:
+            if _within_another(wall, box, into):
+                continue
+            return None  # it runs along inside the wall
         if lean < 1 - SQUARE * SQUARE / 2:
             angle = degrees(atan2(sqrt(1 - lean * lean), lean))
             raise Unreadable(f"a hole at {angle:.2f} degrees to face {wall.face}")
@@ -79,6 +83,19 @@ def pierce(cutter: Cutter, box: Box3, into: Drilled, source: Source) -> list[Hol
             return None
         found.append(_drilled(cutter, cutter.shape, wall, (c0, c1), place))
     return found
+
+
+def _within_another(wall: Wall, box: Box3, into: Drilled) -> bool:
+    """Whether what a hole takes of a wall belongs to another one too, square to it."""
+    section = into.section
+    for other in into.walls:
+        c, whole = (1, section.height) if other.normal == "y" else (2, section.width)
+        low, high = max(box[0][c], 0.0), min(box[1][c], whole)
+        if other.normal != wall.normal and (
+            other.low - THROUGH <= low and high <= other.high + THROUGH
+        ):
+            return True
+    return False
 
 
 def _beyond(xs: Span, qs: Span, into: Drilled, wall: Wall) -> bool | None:
@@ -149,6 +166,8 @@ def _radial(
         return None
     r = section.height / 2
     diameter = shape.diameter * size(cutter.frame.x)
+    if diameter > WIDEST * 2 * r:
+        return None  # a saddle
     along = unit(cutter.frame.z)
     if abs(along[0]) > SQUARE:
         return None

@@ -2,7 +2,7 @@
 
 import signal
 import threading
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from typing import Any
 
@@ -18,6 +18,8 @@ from beamcam.readers.ifc.surfaces import Cylinder, Unnamed
 
 CHORD = 0.0002  #: m between a curve and its facets
 ANGLE = 0.25  #: rad between two facets, 26 on a circle; every vertex lies on the curve
+FINE_CHORD = 0.00002  #: m, of facets that a section is measured by
+FINE_ANGLE = 0.06  #: rad
 FACETED = ("triangulation_element", "TriangulationElement")  #: since ifcopenshell 0.9, and before
 WRITTEN = ("serialized_element", "SerializedElement")
 ROUNDER = 0.9999  #: of a slot's corner radius that the kernel can build; half the side it cannot
@@ -28,6 +30,7 @@ class Built(Struct, frozen=True):
 
     shell: Shell
     log: tuple[str, ...]
+    volume: float = 0.0  #: mm3 of the solid itself, not of its facets
 
 
 class Exact(Struct, frozen=True):
@@ -40,8 +43,18 @@ class Exact(Struct, frozen=True):
 
 def build(model: Model, element: Entity) -> Built:
     """The kernel's solid of an element, openings taken off. Raises Unreadable if it has none."""
-    solid = _solid(model, element)
-    return Built(_facets(solid), _log())
+    return _built(_solid(model, element))
+
+
+def build_stock(model: Model, element: Entity) -> tuple[Built, Shell]:
+    """As `build`, before anything was cut off; and with closer facets. Raises Unreadable."""
+    uncut = {"disable-boolean-result": True, "disable-opening-subtractions": True}
+    fine = {"mesher-linear-deflection": FINE_CHORD, "mesher-angular-deflection": FINE_ANGLE}
+    return _built(_solid(model, element, uncut)), _facets(_solid(model, element, uncut | fine))
+
+
+def _built(solid: Any) -> Built:
+    return Built(_facets(solid), _log(), float(solid.volume) * 1e9)
 
 
 def build_exact(model: Model, element: Entity) -> Exact:
@@ -52,7 +65,7 @@ def build_exact(model: Model, element: Entity) -> Exact:
 def build_both(model: Model, element: Entity) -> tuple[Built, Exact]:
     """As `build` and `build_exact`, of a solid that is built once."""
     solid = _solid(model, element)
-    return Built(_facets(solid), _log()), _surfaces(solid)
+    return _built(solid), _surfaces(solid)
 
 
 def _facets(solid: Any) -> Shell:
@@ -118,8 +131,8 @@ def _made(form: tuple[str, str], solid: Any) -> Any:
         raise Unreadable(f"no solid by the kernel ({fault})") from fault
 
 
-def _solid(model: Model, element: Entity) -> Any:
-    """The kernel's solid of an element. Raises Unreadable."""
+def _solid(model: Model, element: Entity, asked: Mapping[str, Any] | None = None) -> Any:
+    """The kernel's solid of an element, with settings of its own. Raises Unreadable."""
     openings = [r.RelatedOpeningElement for r in getattr(element, "HasOpenings", None) or ()]
     used = [reached(each) for each in (element, *openings)]
     if any(each is None for each in used):
@@ -130,6 +143,8 @@ def _solid(model: Model, element: Entity) -> Any:
     settings.set("mesher-linear-deflection", CHORD)
     settings.set("mesher-angular-deflection", ANGLE)
     settings.set("weld-vertices", True)
+    for name, value in (asked or {}).items():
+        settings.set(name, value)
     file = _file_of(model)
     for each in used:
         _make_slots_buildable(file, each or ())

@@ -14,7 +14,7 @@ from beamcam.readers.ifc.step import Typed
 Value = str | float
 
 _SETS = re.compile(
-    r"AISC|Tekla|Common$|^Qto_|Quantit|Fabrication|PieceIdent|SteelFab", re.IGNORECASE
+    r"AISC|Tekla|Common$|^Qto_|Quantit|Fabrication|PieceIdent|SteelFab|Cutout", re.IGNORECASE
 )
 _MARKS = ("PieceMark", "Piece Mark", "Part Mark", "PartMark", "Part position", "Position number")
 _ASSEMBLY_MARKS = ("Assembly/Cast unit Mark", "Assembly mark", "AssemblyMark", "Assembly Mark")
@@ -27,9 +27,12 @@ _PROFILES = ("Profile", "ProfileName", "Profile name")
 _GRADES = ("Grade", "Material grade", "MaterialGrade")
 LENGTHS = ("Length", "NetLength")
 WEIGHTS = ("NetWeight", "Net weight", "Weight (net)")
+VOLUMES = ("NetVolume", "Net volume", "Volume (net)")
+CUTOUTS = "cutout"  #: in the name of a property set that lists copes and mitres
 _WANTED = frozenset(
-    (*_MARKS, *_ASSEMBLY_MARKS, *_PROFILES, *_GRADES, *LENGTHS, *WEIGHTS, "Reference", "Phase")
-)
+    (*_MARKS, *_ASSEMBLY_MARKS, *_PROFILES, *_GRADES, *LENGTHS, *WEIGHTS, *VOLUMES, "Reference",
+     "Phase")
+)  # fmt: skip
 _GUID_TAG = re.compile(r"^(ID)?[0-9A-Fa-f]{8}-|^ID[0-9a-zA-Z]{6,}|^\d{5,}$")
 _PROFILE = re.compile(r"^[A-Za-z]{1,8}[ _.\-]?\d|^\d[\d./xX*]*[ ]?[A-Za-z]{1,4}")
 
@@ -48,6 +51,10 @@ class Data(Struct, frozen=True):
                     return str(value).strip()
         return ""
 
+    def has(self, word: str) -> str | None:
+        """The name of a property set that has a word in it and that is not empty."""
+        return next((of for of in self.sets if word in of.lower()), None)
+
     def number(self, *names: str) -> tuple[str, float] | None:
         """The first of the properties that is a number above 0, and where it stands."""
         for name in names:
@@ -65,7 +72,7 @@ def data_of(model: Model, element: Entity) -> Data:
         known = model.psets.get(name)
         if known is None:
             known = model.psets[name] = _set_of(model, model.file.entity(name))
-        if known[1]:
+        if known[1] or CUTOUTS in known[0].lower():
             found.setdefault(*known)
     return Data(found)
 
@@ -96,6 +103,8 @@ def _values(model: Model, definition: Entity) -> Iterator[tuple[str, Value]]:
                 yield one.Name, one.LengthValue * model.mm
             elif one.is_a("IfcQuantityWeight"):
                 yield one.Name, one.WeightValue * model.kilograms
+            elif one.is_a("IfcQuantityVolume"):
+                yield one.Name, one.VolumeValue
 
 
 def _wanted(model: Model) -> dict[str, str]:

@@ -12,8 +12,8 @@ from beamcam.errors import Diagnostic, Rule, Severity, Source
 from beamcam.model.part import Part, Profile
 from beamcam.readers.ifc import rules
 from beamcam.readers.ifc.body import Body, Swept, body_of
-from beamcam.readers.ifc.checks import check_data, check_kernel
-from beamcam.readers.ifc.entities import NOT_WELL_FORMED, Entity, Model, Unreadable
+from beamcam.readers.ifc.checks import check_data, check_kernel, check_stock
+from beamcam.readers.ifc.entities import NOT_WELL_FORMED, Entity, Kinked, Model, Unreadable
 from beamcam.readers.ifc.finish import Shaped
 from beamcam.readers.ifc.geometric import read_kernel, read_shell
 from beamcam.readers.ifc.marks import (
@@ -46,7 +46,7 @@ class Ledger(Struct):
     read: int = 0
     refused: int = 0
     unselected: int = 0
-    left_out: Counter[str] = field(default_factory=Counter)
+    left_out: Counter[tuple[str, str]] = field(default_factory=Counter)  #: by kind and class
 
     @property
     def total(self) -> int:
@@ -122,14 +122,14 @@ class Members(Struct):
         if what is None and element.is_a("IfcDiscreteAccessory") and element.Representation is None:
             what = "accessories without geometry"
         if what is not None:
-            self.taken.ledger.left_out[what] += 1
+            self._leave_out(what, element)
             return None
         try:
             body = body_of(self.model, element)
             shaped, profile = self._shape(element, body, source)
         except Unreadable as reason:
             found = self._by_kernel(element, source, reason)
-            if found is None:
+            if found is None or self._denied(found, source, reason):
                 return None
             shaped, profile, body = found, None, None
         if (
@@ -137,12 +137,13 @@ class Members(Struct):
             and shaped.section.code in ("B", "RU")
             and shaped.section.width > SOLID_STEEL
         ):
-            self.taken.ledger.left_out["solid sections without a material"] += 1
+            self._leave_out("solid sections without a material", element)
             return None
         part = self._part(element, shaped, profile, data, (mark, assembly, material), source)
         said = check_data(part, shaped, data, source)
+        said += shaped.said
         if self.options.kernel and body is not None:
-            said += self._kernel_check(element, part, shaped, data)
+            said += self._kernel_check(element, body, part, shaped, profile, data)
         said += tuple(rules.FITTED.at(source, found=kind) for kind in shaped.fitted)
         said += tuple(rules.PIECES.at(source, found=text) for text in shaped.remarks)
         said = tuple(rules.forced(d) if self.options.force else d for d in said)
@@ -156,7 +157,8 @@ class Members(Struct):
     def _shape(self, element: Entity, body: Body, source: Source) -> tuple[Shaped, Entity | None]:
         if isinstance(body.base, Swept):
             return read_swept(self.model, element, body, source), body.base.profile
-        return read_shell(body.base, body.cutters(self.model, IDENTITY), source), None
+        taken = body.cutters(self.model, IDENTITY)
+        return read_shell(body.base, taken, source, self.model.precision), None
 
     def _by_kernel(self, element: Entity, source: Source, reason: Unreadable) -> Shaped | None:
         """The member as the kernel builds it, where its definition is not understood."""
@@ -167,10 +169,13 @@ class Members(Struct):
                     self._refuse(rule, source, kind)
                     return None
         if element.Representation is None:
-            self.taken.ledger.left_out["elements without geometry"] += 1
+            self._leave_out("elements without geometry", element)
             return None
         try:
             return read_kernel(self.model, element, source)
+        except Kinked as kink:
+            self._refuse(rules.KINKED, source, str(kink))
+            return None
         except Unreadable as second:
             text = (
                 str(reason) if str(reason) == str(second) else f"{reason}; by the kernel {second}"
@@ -178,6 +183,18 @@ class Members(Struct):
             rule = rules.SECTION if "section" in str(second) else rules.GEOMETRY
             self._refuse(rule, source, text)
             return None
+
+    def _leave_out(self, what: str, element: Entity) -> None:
+        self.taken.ledger.left_out[what, str(element.is_a())] += 1
+
+    def _denied(self, found: Shaped, source: Source, reason: Unreadable) -> bool:
+        """Refuse a member whose definition is not understood and whose solid is not explained."""
+        denied = [d for d in found.said if d.severity is Severity.ERROR]
+        if denied:
+            text = denied[0].message.removeprefix("found ").split(" than the features")[0]
+            rule = rules.SECTION if "section" in str(reason) else rules.GEOMETRY
+            self._refuse(rule, source, f"{reason}; by the kernel {text} than was read")
+        return bool(denied)
 
     def _refuse(self, rule: Rule, source: Source, found: str) -> None:
         self.taken.said.append(rule.at(source, found=found))
@@ -226,16 +243,32 @@ class Members(Struct):
             features=shaped.features,
             weight=_weight(bare, section.area),
             guid=element[0],
+            section=section.points,
         )
 
     def _kernel_check(
-        self, element: Entity, part: Part, shaped: Shaped, data: Data
+        self,
+        element: Entity,
+        body: Body,
+        part: Part,
+        shaped: Shaped,
+        profile: Entity | None,
+        data: Data,
     ) -> tuple[Diagnostic, ...]:
+        """What the kernel says of a member that something was cut off, and of every section.
+
+        A shell that is taken as it stands was held against its own faces.
+        """
         from beamcam.readers.ifc.quantities import geometry_key
 
-        key = geometry_key(part)
+        key = geometry_key(part), round(shaped.section.area, 1)
         if key not in self.kernel_done:
-            self.kernel_done[key] = check_kernel(self.model, element, part, shaped, data)
+            found: tuple[Diagnostic, ...] = ()
+            if profile is not None:
+                found += check_stock(self.model, element, part, shaped, profile)
+            if body.removed:
+                found += check_kernel(self.model, element, part, shaped, profile, data)
+            self.kernel_done[key] = found
         return tuple(replace(d, source=part.source) for d in self.kernel_done[key])
 
 

@@ -9,7 +9,7 @@ from math import atan2, degrees, hypot, pi, radians, sin
 from msgspec import Struct
 
 from beamcam.geometry.curves import Arc, Curve, Line, Point
-from beamcam.readers.ifc.curves2d import Chain, arc_by_points
+from beamcam.readers.ifc.curves2d import Chain, arc_by_points, points_chain
 
 LEAST_CORNERS = 12  #: of a polygon that stands for a circle; fewer are meant as they are
 LEAST_RUN = 3  #: chords of a polygon that stand for an arc
@@ -225,7 +225,7 @@ def sharpened(chain: Chain) -> Chain:
     points = [p for p in corners if p is not None]
     if len(points) != len(corners):
         return chain
-    return tuple(Line(p, points[(j + 1) % len(points)]) for j, p in enumerate(points))
+    return points_chain(points)
 
 
 def corners_of(curves: Chain) -> tuple[Corner, ...] | None:

@@ -1,12 +1,13 @@
 """Profile definitions of IFC as sections: parameterised ones by their numbers, others by form."""
 
-from math import hypot, pi
+from collections.abc import Sequence
+from math import atan2, degrees, hypot, pi
 from typing import Any
 
 from msgspec import Struct
 from msgspec.structs import replace
 
-from beamcam.geometry.curves import Arc, Point
+from beamcam.geometry.curves import Arc, Line, Point, signed_area
 from beamcam.model.part import ProfileCode
 from beamcam.readers.ifc.classify import classify
 from beamcam.readers.ifc.curves2d import Chain, chain_of, points_chain
@@ -111,8 +112,6 @@ def rounded_box(x: float, y: float, radius: float) -> Chain:
     if r <= 0:
         return points_chain([(-x / 2, -y / 2), (x / 2, -y / 2), (x / 2, y / 2), (-x / 2, y / 2)])
     a, b = x / 2 - r, y / 2 - r
-    from beamcam.geometry.curves import Line
-
     arcs = [
         Arc((a, -b), r, -90.0, 90.0),
         Arc((a, b), r, 0.0, 90.0),
@@ -191,7 +190,7 @@ def _parameterised(model: Model, entity: Entity) -> Section | None:
         return placed(code, (h, b, tf, tw, r), centre, y, z, _area(code, *sizes))
 
     if entity.is_a("IfcAsymmetricIShapeProfileDef"):
-        return _asymmetric(entity, mm, made)
+        return _asymmetric(entity, mm, made, frame)
     if entity.is_a("IfcIShapeProfileDef"):
         return made(
             "I", number("OverallDepth"), number("OverallWidth"), number("FlangeThickness"),
@@ -204,9 +203,10 @@ def _parameterised(model: Model, entity: Entity) -> Section | None:
         )  # fmt: skip
     if entity.is_a("IfcCShapeProfileDef"):
         wall = number("WallThickness")
-        return made(
-            "C", number("Depth"), number("Width"), wall, wall, number("InternalFilletRadius")
-        )
+        radius = number("InternalFilletRadius")
+        found = made("C", number("Depth"), number("Width"), wall, wall, radius)
+        lips = _lips(number("Girth"), wall, radius)
+        return replace(found, area=found.area + lips)
     if entity.is_a("IfcTShapeProfileDef"):
         down = (-ey[0], -ey[1])
         return made(
@@ -240,16 +240,25 @@ def _parameterised(model: Model, entity: Entity) -> Section | None:
     if entity.is_a("IfcZShapeProfileDef"):
         corners = _sharp(model, entity)
         if corners is not None:
-            sizes = [number(n) for n in ("Depth", "FlangeWidth", "FlangeThickness", "WebThickness")]
-            return special(
-                _moved(points_chain(corners), frame),
-                _area("C", sizes[0], sizes[1], sizes[2], sizes[3], 0.0),
-            )
+            radii = [number("FilletRadius") if _reflex(corners, i) else 0.0 for i in range(8)]
+            drawn = _moved(rounded_chain(corners, radii), frame)
+            return special(drawn, abs(signed_area(drawn)))
     return None
 
 
-def _asymmetric(entity: Entity, mm: float, made: Any) -> Section:
-    """An I of two flanges, where these are alike."""
+def _lips(girth: float, wall: float, radius: float) -> float:
+    """What the lips of a cold formed channel add to its sharp area, with all its bends.
+
+    Each of its four bends is round outside too: the inner fillet is in the sharp area already for
+    two of them.
+    """
+    corner = 1 - pi / 4
+    bends = 4 * corner * (radius * radius - (radius + wall) ** 2)
+    return 2 * max(0.0, girth - wall) * wall + bends - 2 * corner * radius * radius
+
+
+def _asymmetric(entity: Entity, mm: float, made: Any, frame: Frame) -> Section:
+    """An I of two flanges; a special section with its outline where they are not alike."""
     names = ("BottomFlangeWidth", "TopFlangeWidth", "BottomFlangeThickness", "TopFlangeThickness")
     if entity.is_a("IfcIShapeProfileDef"):  # IFC2X3: the bottom flange has the inherited names
         bottom, thick = entity.OverallWidth, entity.FlangeThickness
@@ -262,10 +271,66 @@ def _asymmetric(entity: Entity, mm: float, made: Any) -> Section:
     if thick_top is None:
         thick_top = thick
     if abs(bottom - top) * mm > 0.2 or abs(thick - thick_top) * mm > 0.2:
-        raise Unreadable("an I section of two different flanges")
+        half = entity.OverallDepth * mm / 2
+        web = entity.WebThickness * mm
+        upper = entity.TopFlangeFilletRadius
+        rounds = (radius or 0.0) * mm, (radius if upper is None else upper or 0.0) * mm
+        drawn = _two_flanges(
+            half, web, (bottom * mm, thick * mm), (top * mm, thick_top * mm), rounds
+        )
+        moved = _moved(drawn, frame)
+        return special(moved, abs(signed_area(moved)))
     sizes = (entity.OverallDepth, bottom, thick, entity.WebThickness, radius or 0.0)
     found: Section = made("I", *(v * mm for v in sizes))
     return found
+
+
+def _two_flanges(
+    half: float,
+    web: float,
+    bottom: tuple[float, float],
+    top: tuple[float, float],
+    radii: tuple[float, float],
+) -> Chain:
+    """The outline of an I about its middle; flanges by width and thickness, lower fillet first."""
+    w = web / 2
+    (b0, t0), (b1, t1) = (bottom[0] / 2, bottom[1]), (top[0] / 2, top[1])
+    right = [(b0, -half), (b0, t0 - half), (w, t0 - half), (w, half - t1), (b1, half - t1),
+             (b1, half)]  # fmt: skip
+    corners = right + [(-x, y) for x, y in reversed(right)]
+    r0, r1 = radii
+    rounds = [0.0, 0.0, r0, r1, 0.0, 0.0]
+    return rounded_chain(corners, rounds + rounds[::-1])
+
+
+def _reflex(corners: Sequence[Point], i: int) -> bool:
+    """Whether a corner of a polygon that runs counter-clockwise points inwards."""
+    (ax, ay), (bx, by), (cx, cy) = corners[i - 1], corners[i], corners[(i + 1) % len(corners)]
+    return (bx - ax) * (cy - by) - (by - ay) * (cx - bx) < 0
+
+
+def rounded_chain(corners: Sequence[Point], radii: Sequence[float]) -> Chain:
+    """A polygon of right angles with each corner rounded by its radius, or sharp where it is 0."""
+    n = len(corners)
+    out: list[Any] = []
+    ends: list[tuple[Point, Point]] = []
+    for i, (p, r) in enumerate(zip(corners, radii, strict=True)):
+        before, after = corners[i - 1], corners[(i + 1) % n]
+        u, v = (_towards(p, before), _towards(p, after))
+        ends.append(((p[0] + u[0] * r, p[1] + u[1] * r), (p[0] + v[0] * r, p[1] + v[1] * r)))
+    for i, ((enter, leave), r) in enumerate(zip(ends, radii, strict=True)):
+        if r > 0:
+            p = corners[i]
+            centre = (enter[0] + leave[0] - p[0], enter[1] + leave[1] - p[1])
+            start = degrees(atan2(enter[1] - centre[1], enter[0] - centre[0]))
+            out.append(Arc(centre, r, start, -90.0 if _reflex(corners, i) else 90.0))
+        out.append(Line(leave, ends[(i + 1) % n][0]))
+    return tuple(out)
+
+
+def _towards(a: Point, b: Point) -> Point:
+    by = hypot(b[0] - a[0], b[1] - a[1])
+    return (b[0] - a[0]) / by, (b[1] - a[1]) / by
 
 
 def _area(code: ProfileCode, h: float, b: float, tf: float, tw: float, r: float) -> float:

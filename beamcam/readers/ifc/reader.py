@@ -1,6 +1,7 @@
 """From a model's bytes to parts: candidates, shares of members, bolts, ledger."""
 
-from collections.abc import Iterator
+from collections import Counter
+from collections.abc import Iterator, Set
 
 from beamcam.errors import Diagnostic, Source
 from beamcam.readers.ifc import rules
@@ -14,6 +15,19 @@ from beamcam.readers.reading import Reading
 
 CLASSES = ("IfcBeam", "IfcColumn", "IfcMember", "IfcPlate", "IfcDiscreteAccessory")
 PROXY = "IfcBuildingElementProxy"
+#: Classes of elements that are counted and not read.
+OTHERS = (
+    PROXY, "IfcSlab", "IfcSlabStandardCase", "IfcWall", "IfcWallStandardCase", "IfcFooting",
+    "IfcPile", "IfcRailing", "IfcStair", "IfcStairFlight", "IfcRamp", "IfcRampFlight", "IfcRoof",
+    "IfcCovering", "IfcCurtainWall", "IfcDoor", "IfcWindow", "IfcChimney", "IfcShadingDevice",
+    "IfcMechanicalFastener", "IfcFastener", "IfcReinforcingBar", "IfcReinforcingMesh", "IfcTendon",
+    "IfcTendonAnchor", "IfcBuildingElementPart", "IfcBearing", "IfcDeepFoundation", "IfcCourse",
+    "IfcKerb", "IfcPavement", "IfcRail", "IfcTrackElement", "IfcMooringDevice",
+    "IfcNavigationElement", "IfcEarthworksElement", "IfcFurnishingElement", "IfcFurniture",
+    "IfcTransportElement", "IfcFlowSegment", "IfcFlowFitting", "IfcFlowTerminal", "IfcPipeSegment",
+    "IfcPipeFitting", "IfcDuctSegment", "IfcDuctFitting", "IfcDistributionElement",
+    "IfcCivilElement", "IfcGeographicElement", "IfcVirtualElement",
+)  # fmt: skip
 
 
 def read_model(
@@ -56,7 +70,8 @@ def _read(
         askew = len(shapes) - len(parts)
         taken.ledger.read -= askew
         taken.ledger.refused += askew
-    said = [*taken.said, *_account(taken, len(elements), selection, name)]
+    others = _others(model, {element.is_a() for element in elements})
+    said = [*taken.said, *_account(taken, len(elements), selection, name, others)]
     return Reading("ifc", tuple(parts), tuple(said))
 
 
@@ -74,7 +89,21 @@ def _elements(model: Model, selection: Selection) -> Iterator[Entity]:
                 yield element
 
 
-def _account(taken: Taken, total: int, chosen: Selection, name: str) -> Iterator[Diagnostic]:
+def _others(model: Model, read: Set[str]) -> Counter[str]:
+    """How many elements there are of classes that are not read."""
+    there = model.file.counts(name.upper() for name in OTHERS if name not in read)
+    return Counter({name: there[name.upper()] for name in OTHERS if there.get(name.upper())})
+
+
+def _told(counts: Counter[str]) -> str:
+    """IfcBeam 3, IfcColumn 1"""
+    rows = sorted(counts.items(), key=lambda row: (-row[1], row[0]))
+    return ", ".join(f"{kind} {count}" for kind, count in rows)
+
+
+def _account(
+    taken: Taken, total: int, chosen: Selection, name: str, others: Counter[str]
+) -> Iterator[Diagnostic]:
     """What was selected and not found, what was left out, and the ledger, which has to balance."""
     source, ledger = Source(name), taken.ledger
     classes = taken.seen.get("class", set())
@@ -89,8 +118,13 @@ def _account(taken: Taken, total: int, chosen: Selection, name: str) -> Iterator
         for value in sorted(wanted - there):
             some = ", ".join(sorted(v for v in there if v)[:5]) or "none"
             yield rules.NOT_FOUND.at(source, kind=kind, found=value, expected=some)
-    for what, count in sorted(ledger.left_out.items()):
-        yield rules.LEFT_OUT.at(source, found=count, what=what)
+    kinds: dict[str, Counter[str]] = {}
+    for (what, kind), count in sorted(ledger.left_out.items()):
+        kinds.setdefault(what, Counter())[kind] += count
+    for what, counts in sorted(kinds.items()):
+        yield rules.LEFT_OUT.at(source, found=counts.total(), what=what, classes=_told(counts))
+    if others:
+        yield rules.OTHER_CLASSES.at(source, found=others.total(), classes=_told(others))
     if ledger.total != total:
         raise AssertionError("the ledger of the model does not balance")
     if not ledger.read and not ledger.refused and not ledger.unselected:

@@ -1,6 +1,7 @@
 """A model's entities: their attributes by name or place, and the relations between them."""
 
 from collections import defaultdict
+from collections.abc import Iterable
 from typing import Any
 
 import numpy as np
@@ -246,6 +247,11 @@ class File:
         for entity, values in zip(self._standing(indices), found, strict=True):
             entity.values = values
         return True
+
+    def counts(self, names: Iterable[str]) -> dict[str, int]:
+        """How many records there are of classes, which are in capitals."""
+        written = {kind.upper() for kind in self._records.kinds.values()}
+        return {name: len(self._records.of(name)) for name in names if name in written}
 
     def by_type(self, name: str) -> list[Entity]:
         """The entities of a class and of its subtypes, in the order of the file."""

@@ -16,7 +16,7 @@ from beamcam.readers.ifc.outline import joined, with_arcs
 SAGITTA = 5e-4  #: mm between an arc and its polygon
 ON_CIRCLE = 2e-3
 ELLIPSE_POINTS = 180  #: on a stretch of an ellipse, which only a skew cut leaves
-FAR = 1e7  #: mm; beyond any member
+FAR = 1e10  #: mm; beyond where a plane that is tilted by rounding alone crosses a wall's plane
 TINY_AREA = 0.01  #: mm2 of a scrap that cutting leaves
 
 Shape = Any  #: a shapely polygon or a collection of them

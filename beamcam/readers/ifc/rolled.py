@@ -1,5 +1,7 @@
 """The rolled stock that a shell was cut from: the section that is constant along an axis."""
 
+from typing import Any
+
 import numpy as np
 from msgspec import Struct
 from msgspec.structs import replace
@@ -9,8 +11,8 @@ from beamcam.readers.ifc.classify import classify
 from beamcam.readers.ifc.curves2d import Chain
 from beamcam.readers.ifc.exact import circles_in
 from beamcam.readers.ifc.outline import sharpened
-from beamcam.readers.ifc.region import Circles, pieces_of, points_of
-from beamcam.readers.ifc.section import Section
+from beamcam.readers.ifc.region import Circles, pieces_of, points_of, polygon_of
+from beamcam.readers.ifc.section import Section, Stocks
 from beamcam.readers.ifc.shell import Shell, broadest_normal, coordinates, extent, segments, vec
 from beamcam.readers.ifc.slices import Segments, arcs_of, region_within
 from beamcam.readers.ifc.space import Frame, Vec, across, add, cross, dot, scale, unit
@@ -27,6 +29,7 @@ class Rolled(Struct, frozen=True):
     x0: float
     x1: float
     outline: tuple[Point, ...]  #: (Y, Z) of the section's border
+    stocks: Stocks
 
 
 def other_axes(shell: Shell, along: Vec) -> list[Vec]:
@@ -39,10 +42,12 @@ def other_axes(shell: Shell, along: Vec) -> list[Vec]:
 
 def rolled_stock(shell: Shell, axis: Vec) -> Rolled | None:
     """The section of a shell along an axis; None if no station shows a rolled form."""
+    from shapely import transform
+
     u = reference(shell, axis)
     v = cross(axis, u)
     low, high = extent(shell, axis)
-    best: tuple[float, Section, Chain] | None = None
+    best: tuple[float, Section, Chain, Any, Any] | None = None
     seen: list[Segments] = []
     for share in STATIONS:
         at = low + share * (high - low)
@@ -53,12 +58,14 @@ def rolled_stock(shell: Shell, axis: Vec) -> Rolled | None:
         pieces = pieces_of(region_within(lines))
         if len(pieces) != 1:
             continue
-        outer, inner = arcs_of(pieces[0], circles_in(shell.cylinders, axis, u, v))
+        circles = circles_in(shell.cylinders, axis, u, v)
+        outer, inner = arcs_of(pieces[0], circles)
         found = _told(outer, inner) if outer else None
         if found is None or found.code == "SO" or (found.code == "B" and found.width > 200):
             continue
         if best is None or found.area > best[0] * 1.0005:
-            best = (found.area, found, outer)
+            exact = polygon_of(outer, inner, Circles()) if circles else pieces[0]
+            best = (found.area, found, outer, exact, pieces[0])
     if best is None:
         return None
     found = best[1]
@@ -73,7 +80,14 @@ def rolled_stock(shell: Shell, axis: Vec) -> Rolled | None:
         ((p - ox) * sy[0] + (q - oy) * sy[1], (p - ox) * sz[0] + (q - oy) * sz[1])
         for p, q in points_of(best[2], Circles())
     )
-    return Rolled(found, frame, x0, x1, border)
+
+    def turned(points: Any) -> Any:
+        off = points - np.array(found.origin)
+        return np.column_stack((off @ np.array(found.z), off @ np.array(found.y)))
+
+    exact, faceted = (transform(shape, turned) for shape in best[3:])
+    stocks = Stocks(exact, faceted, float(exact.area))
+    return Rolled(found, frame, x0, x1, border, stocks)
 
 
 def _same(lines: Segments, others: Segments) -> bool:

@@ -40,8 +40,16 @@ LEDGER = Rule(
 LEFT_OUT = Rule(
     "ifc-left-out",
     _N,
-    "found {found} members of {what}; left out, they are no steel",
-    "Concrete and timber share the classes of steel and are told by their material.",
+    "found {found} members of {what} ({classes}); expected steel, they are left out",
+    "Concrete and timber share the classes of steel and are told by their material. A solid "
+    "section thicker than 160 mm without a material could be any of them.",
+)
+OTHER_CLASSES = Rule(
+    "ifc-other-classes",
+    _N,
+    "found {found} elements of other classes ({classes}); expected beams, columns, members, plates "
+    "and accessories, nothing else is read",
+    "Slabs, walls, fasteners and the like are no steel members. Proxies are read by --class.",
 )
 CURVED = Rule(
     "ifc-curved",
@@ -67,6 +75,12 @@ SECTION = Rule(
     "found {found}; expected a rolled section, a tube or a plate",
     "A casting, a welded group or a coarse mesh has no section that a bar of stock could have.",
 )
+OUTLINE = Rule(
+    "ifc-outline",
+    _E,
+    "found a section of {found} cm2 by the geometry kernel; expected {expected} cm2 by its outline",
+    "A special section is its outline, and two ways of reading it disagree.",
+)
 PROFILE_NAME = Rule(
     "ifc-profile-name",
     _W,
@@ -85,6 +99,24 @@ WEIGHT = Rule(
     "found a net weight of {found} kg in {where}; expected {expected} kg by the volume",
     "The weight differs by more than what roundings explain. --force takes the geometry.",
 )
+WEIGHT_NEAR = Rule(
+    "ifc-weight-near",
+    _W,
+    "found a net weight of {found} kg in {where}; expected {expected} kg by the volume",
+    "The weight differs by more than 3 %, as tables of sections and geometry may at most.",
+)
+NET_VOLUME = Rule(
+    "ifc-net-volume",
+    _W,
+    "found a net volume of {found} cm3 in {where}; expected {expected} cm3 as modelled",
+    "The model's data and its geometry contradict each other by more than 1 %.",
+)
+CUTOUT = Rule(
+    "ifc-cutout",
+    _W,
+    "found cut-outs in {where}; expected a contour or a leaning end, and there is none",
+    "The exporter lists copes and mitres beside the solid, and the solid has none.",
+)
 KERNEL = Rule(
     "ifc-kernel",
     _E,
@@ -100,7 +132,7 @@ KERNEL_LOG = Rule(
 KERNEL_DENIED = Rule(
     "ifc-kernel-denied",
     _W,
-    "found {found} by the geometry kernel; kept {expected}, which {witness} confirms",
+    "found {found} by the geometry kernel; expected what was read, which {witness} confirms",
     "The kernel fails on some solids without saying so; the file's own data decides.",
 )
 FITTED = Rule(
@@ -108,6 +140,48 @@ FITTED = Rule(
     _W,
     "found {found} among the faces of the kernel's solid; expected planes, cylinders and cones",
     "Arcs near such a face were fitted to its facets. Compare the outline with the model.",
+)
+UNEXPLAINED = Rule(
+    "ifc-unexplained",
+    _E,
+    "found {found} than the features that were read leave; expected the body of the model",
+    "Section, end cuts, holes and contours do not add up to the body. --force takes them.",
+)
+SECTION_AREA = Rule(
+    "ifc-section-area",
+    _W,
+    "found a section of {found} cm2 in the model; expected {expected} cm2 by its measures",
+    "A part holds height, width, thicknesses and a radius: no slopes of flanges, no edge radii.",
+)
+KINKED = Rule(
+    "ifc-kinked",
+    _E,
+    "found {found}; expected a straight one",
+    "Two pieces that are cut and welded, or a bar that is bent. Model each piece by itself.",
+)
+ROOT_FILLET = Rule(
+    "ifc-root-fillet",
+    _W,
+    "found {found} in the model; a contour on a flange or web cannot say how the fillet is cut",
+    "The fillet between web and flange is cut otherwise in the model than the walls beside it.",
+)
+LEANING = Rule(
+    "ifc-leaning-edge",
+    _W,
+    "found {found} in the model; a cut square to the face leaves that steel standing",
+    "The edge does not go square through its wall, as where a tube is saddled. Grind it off.",
+)
+VOLUME = Rule(
+    "ifc-volume",
+    _W,
+    "found a volume of {found} cm3 in the model; expected {expected} cm3 by what was read",
+    "The difference is spread too thin for a place to be named.",
+)
+VOLUME_OFF = replace(
+    VOLUME,
+    severity=_E,
+    code="ifc-volume-off",
+    reason="The difference is above 0.5 %. --force takes the member as read.",
 )
 PIECES = Rule(
     "ifc-pieces",
@@ -120,6 +194,13 @@ BOLT_HOLES = Rule(
     _W,
     "found no holes but {found} bolts through the member; made {made} holes of {sizes}",
     "The exporter leaves the holes to the bolts. Their diameter is the bolt's with clearance.",
+)
+BOLT_AIR = Rule(
+    "ifc-bolt-air",
+    _W,
+    "found {found} bolts whose holes leave the steel of face {face} ({places}); expected them "
+    "within the outline and clear of openings, no hole is made for them",
+    "The bolt goes through a slot or a notch that is there already, or beside the part.",
 )
 BOLT_SHANK = Rule(
     "ifc-bolt-shank",
@@ -142,9 +223,10 @@ BOLT_SKEW = Rule(
 )
 
 RULES = (
-    SYNTAX, SCHEMA, NO_MEMBERS, NOT_FOUND, LEDGER, LEFT_OUT, CURVED, TAPERED, GEOMETRY, SECTION,
-    PROFILE_NAME, LENGTH, WEIGHT, KERNEL, KERNEL_LOG, KERNEL_DENIED, FITTED, PIECES, BOLT_HOLES,
-    BOLT_SHANK, BOLTS, BOLT_SKEW,
+    SYNTAX, SCHEMA, NO_MEMBERS, NOT_FOUND, LEDGER, LEFT_OUT, OTHER_CLASSES, CURVED, TAPERED,
+    GEOMETRY, SECTION, OUTLINE, PROFILE_NAME, LENGTH, WEIGHT, WEIGHT_NEAR, NET_VOLUME, CUTOUT,
+    KERNEL, KERNEL_LOG, KERNEL_DENIED, FITTED, UNEXPLAINED, SECTION_AREA, KINKED, ROOT_FILLET,
+    LEANING, VOLUME, VOLUME_OFF, PIECES, BOLT_HOLES, BOLT_AIR, BOLT_SHANK, BOLTS, BOLT_SKEW,
 )  # fmt: skip
 
 

@@ -11,11 +11,13 @@ which way Y (height) and Z (across) run:
     +---Z     +---Z      +---Z      +---Z
 """
 
+from typing import Any
+
 from msgspec import Struct
 from msgspec.structs import replace
 
-from beamcam.geometry.curves import Point, signed_area
-from beamcam.model.part import Profile, ProfileCode
+from beamcam.geometry.curves import Arc, Point, signed_area
+from beamcam.model.part import Profile, ProfileCode, SectionPoint
 from beamcam.readers.ifc.curves2d import Chain
 
 SQUARE = 0.02  #: sine of the angle by which a side of a section may be off square; more is a slope
@@ -50,6 +52,20 @@ class Section(Struct, frozen=True, cache_hash=True):
             self.web_thickness,
             self.radius,
         )
+
+    @property
+    def points(self) -> tuple[SectionPoint, ...]:
+        """The corners of a special section's outline, from its zero point (PR)."""
+        found = []
+        (ox, oy), (yx, yy), (zx, zy) = self.origin, self.y, self.z
+        turned = yx * zy - yy * zx  # Y x Z as drawn; the arcs' sense is that of (Y, Z)
+        for curve in self.outline:
+            x, y = curve.start[0] - ox, curve.start[1] - oy
+            radius = 0.0
+            if isinstance(curve, Arc):
+                radius = curve.radius if (curve.sweep_deg > 0) == (turned > 0) else -curve.radius
+            found.append(SectionPoint("+", x * yx + y * yy, x * zx + y * zy, radius))
+        return tuple(found)
 
     def flipped_y(self) -> "Section":
         o, y, h = self.origin, self.y, self.height
@@ -86,6 +102,14 @@ class Section(Struct, frozen=True, cache_hash=True):
         if self.code == "L" and abs(self.height - self.width) < 0.01:
             return self.swapped()
         return self
+
+
+class Stocks(Struct, frozen=True, eq=False):
+    """The section of a stock as regions in (Z, Y)."""
+
+    exact: Any  #: as exact as it is known
+    faceted: Any  #: with the facets of the body
+    area: float  #: mm2, of the section that `exact` stands for
 
 
 def placed(

@@ -38,7 +38,7 @@ from beamcam.readers.ifc.trimming import end_plane
 from beamcam.readers.ifc.walls import Wall, corner_points, walls_of
 
 LEAST_LENGTH = 0.1  #: mm that the ends have to leave
-LEVEL_IN = 0.1  #: share of a wall's thickness that its two levels lie inside it
+LEVEL_IN = 0.001  #: share of a wall's thickness that its two levels lie inside it
 
 
 def read_swept(model: Model, element: Entity, body: Body, source: Source) -> Shaped:

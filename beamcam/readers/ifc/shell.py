@@ -20,6 +20,10 @@ from beamcam.readers.ifc.walls import Wall
 
 ALONG = (1.0, 0.0, 0.0)  #: a member
 MOST_WAYS = 400  #: directions of edges that are told apart
+LEAST_EDGES = 8  #: along a straight piece, each counted from both faces that meet in it
+LEAST_KINK_DEG = 1.0  #: less is how the facets of a round lie
+MOST_KINK_DEG = 75.0  #: more is a corner of the section
+LEAST_KINK = 0.25  #: of the edges' length of the longer piece
 LEAST_AREA = 1e-9  #: mm2 of a face
 LEAST_EDGE = 1e-6  #: mm of an edge that has a direction
 
@@ -232,17 +236,59 @@ def longest_direction(shell: Shell) -> Vec:
     real = length >= LEAST_EDGE
     length = length[real]
     ways = edges[real] * (1 / length)[:, None]
-    return _heaviest(ways, length, 1 - 1e-7, MOST_WAYS) or ALONG
+    return heaviest(ways, length, 1 - 1e-7, MOST_WAYS) or ALONG
+
+
+def kinked(shell: Shell) -> float | None:
+    """The degrees by which a member bends once, from most of its edges to the rest; None if none.
+
+    Edges between two faces of one plane, as in a mesh of triangles, do not count.
+    """
+    before = shell.rings.before
+    edges = shell.points - shell.points[before]
+    edges = edges[_creased(shell, before)]
+    length = lengths(edges)
+    long = length > max(LEAST_EDGE, float(length.max(initial=0.0)) / 10)
+    if not long.any():
+        return None
+    ways, length = edges[long] * (1 / length[long])[:, None], length[long]
+    first = heaviest(ways, length, 1 - 1e-7, MOST_WAYS)
+    if first is None:
+        return None
+    rest = np.abs(coordinates(ways, first)) < 1 - 1e-5
+    second = heaviest(ways[rest], length[rest], 1 - 1e-7, MOST_WAYS)
+    if second is None:
+        return None
+    along = [np.abs(coordinates(ways, w)) > 1 - 1e-7 for w in (first, second)]
+    if min(int(np.count_nonzero(one)) for one in along) < LEAST_EDGES:
+        return None
+    shares = [float(length[one].sum()) for one in along]
+    angle = float(np.degrees(np.arccos(min(1.0, abs(float(np.dot(first, second)))))))
+    bent = LEAST_KINK_DEG <= angle <= MOST_KINK_DEG
+    return angle if bent and shares[1] >= LEAST_KINK * shares[0] else None
+
+
+def _creased(shell: Shell, before: Places) -> NDArray[np.bool_]:
+    """Whether at each edge, before its corner, two faces meet that are not in one plane."""
+    _, corner = np.unique(shell.points.round(3), axis=0, return_inverse=True)
+    ends = np.sort(np.column_stack((corner.ravel()[before], corner.ravel())), axis=1)
+    _, edge, count = np.unique(ends, axis=0, return_inverse=True, return_counts=True)
+    total = np.zeros((len(count), 3))
+    normals = shell.area_normals / shell.areas[:, None]
+    np.add.at(total, edge.ravel(), normals[shell.rings.face_of_corner])
+    flat = (count == 2) & (lengths(total) > 2 - 1e-6)
+    creased: NDArray[np.bool_] = ~flat[edge.ravel()]
+    return creased
 
 
 def broadest_normal(shell: Shell) -> Vec:
     """The normal of the planes that hold most of the shell's area."""
     areas = shell.areas
     ways = shell.area_normals * (1 / areas)[:, None]
-    return _heaviest(ways, areas, 1 - 1e-6, len(ways)) or ALONG
+    return heaviest(ways, areas, 1 - 1e-6, len(ways)) or ALONG
 
 
-def _heaviest(ways: Points, weights: Numbers, near: float, most: int) -> Vec | None:
+def heaviest(ways: Points, weights: Numbers, near: float, most: int) -> Vec | None:
     """The unit vector about which most of the weight lies, either way; None if there are none.
 
     Vectors whose cosine is above `near` go with the first of them that stands alone. Of such

@@ -8,6 +8,7 @@ from msgspec.structs import replace
 
 from beamcam.errors import Source
 from beamcam.readers.ifc import Options, checks, kernel, read
+from beamcam.readers.ifc.explained import Difference
 from beamcam.readers.ifc.kernel import FACETED, ROUNDER, Built, build, build_both, build_exact
 from beamcam.readers.ifc.marks import Data
 from tests.unit.readers.ifc.models import Small, opened
@@ -52,8 +53,8 @@ def losing(monkeypatch: pytest.MonkeyPatch) -> None:
 @pytest.mark.usefixtures("losing")
 def test_a_hole_that_the_kernel_loses_refuses_the_member() -> None:
     found = read(drilled().data, "m.ifc", options=CHECKED)
-    (said,) = [d for d in found.diagnostics if d.code == "ifc-kernel"]
-    assert "found 0 holes in face v" in said.message
+    (said,) = [d for d in found.diagnostics if d.code == "ifc-unexplained"]
+    assert "cm3 more on face v at x 489.0 to 511.0" in said.message
     assert found.parts == ()
     forced = read(drilled().data, "m.ifc", options=replace(CHECKED, force=True))
     assert len(forced.parts) == 1
@@ -146,6 +147,15 @@ def test_a_kernel_without_a_solid_is_no_witness(monkeypatch: pytest.MonkeyPatch)
     assert [d.code for d in found.diagnostics if d.severity.value == "error"] == ["ifc-kernel"]
 
 
+def test_a_volume_that_is_off_by_more_than_half_a_percent_refuses_the_member() -> None:
+    source = Source("m.ifc")
+    (near,) = Difference(off=40.0, volume=1e5).said(source)
+    (far,) = Difference(off=-600.0, volume=1e5).said(source)
+    assert (near.code, near.severity.value) == ("ifc-volume", "warning")
+    assert (far.code, far.severity.value) == ("ifc-volume-off", "error")
+    assert "found a volume of 100.00 cm3 in the model; expected 100.60 cm3" in far.message
+
+
 def test_rounded_lengths_and_gross_weights_are_no_contradiction() -> None:
     data = drilled(Length="IFCLENGTHMEASURE(2000.4)", NetWeight="IFCMASSMEASURE(84.5)").data
     assert len(read(data, "m.ifc").parts) == 1
@@ -160,6 +170,7 @@ def test_an_empty_data_says_nothing() -> None:
 
 INTERRUPTED = """
 import builtins, os, signal
+from beamcam.readers.ifc.explained import Difference
 from beamcam.readers.ifc.kernel import _kernel
 
 real = builtins.__import__

@@ -360,11 +360,14 @@ def test_a_tee_cut_from_a_beam_is_a_tee() -> None:
     assert part.length == pytest.approx(2000.0)
 
 
-def test_a_long_notch_stays_a_contour() -> None:
+def test_a_flange_that_is_planed_thinner_is_refused() -> None:
+    """A part has flanges of one thickness; five millimetres off the whole length are told."""
     m = Small()
-    part = only_with(m, m.half((0, 0, 145), (0, 0, 1)))
-    assert part.profile.code == "I"
-    assert corners(contours(part)["v", "outer"]) == {(0, 0), (2000, 0), (2000, 295), (0, 295)}
+    m.element(m.minus(m.extruded(m.ipe300(), 2000.0), m.half((0, 0, 145), (0, 0, 1))))
+    found = read(m.data, "m.ifc", options=Options(kernel=True))
+    assert found.parts == ()
+    (said,) = [d for d in found.diagnostics if d.code == "ifc-unexplained"]
+    assert "cm3 less on face o at x 0.0 to 2000.0" in said.message
 
 
 def test_a_union_of_rolled_sections_is_read_by_the_kernel() -> None:

@@ -1,0 +1,120 @@
+"""Whatever is cut off a member: it comes out with the kernel's volume, or something is said.
+
+The part that was read is built again by the geometry kernel from its own numbers and measured
+beside the member that went in; ifc_cuts.py says how. `python -m tests.property.test_ifc_cuts 200`
+does so with many more.
+"""
+
+import sys
+from collections import Counter
+from random import Random
+
+import pytest
+
+from beamcam.errors import Severity
+from beamcam.readers.ifc import Options, read
+from beamcam.readers.reading import Reading
+from tests.property.ifc_cuts import (
+    FAMILIES,
+    Bar,
+    Box,
+    Cuts,
+    Cutter,
+    kernel_volume,
+    meshed,
+    model_of,
+    remade,
+    same,
+    shape_of,
+    volumes,
+)
+
+SEEDS = range(5)
+MESHED = ("copes", "mitred", "windows", "drilled")
+CHECKED = Options(kernel=True)
+
+
+def outcome(bar: Bar, data: bytes, reading: Reading) -> str:
+    """What became of a member: read, told with a word, refused; or silently another one."""
+    said = sorted({d.code for d in reading.diagnostics if d.severity is not Severity.NOTE})
+    if not reading.parts:
+        assert said, "a member is neither read nor refused"
+        return "refused " + ",".join(said)
+    if said:
+        return "told " + ",".join(said)
+    (part,) = reading.parts
+    made, body = remade(part, shape_of(part, bar))
+    made.small.element(body)
+    pair = volumes(data, made.small.data)
+    if pair is None:
+        return "read"
+    return "read" if same(*pair) else f"SILENTLY {pair[1] - pair[0]:+.3f} of {pair[0]:.2f} cm3"
+
+
+def met(family: str, seed: int, mesh: bool = False) -> str:
+    bar, cutters = FAMILIES[family](Random(f"{family}{seed}"))
+    data = model_of(bar, cutters)
+    if not kernel_volume(data):
+        return "no solid"
+    return outcome(bar, data, read(meshed(data) if mesh else data, "m.ifc", options=CHECKED))
+
+
+@pytest.mark.parametrize("family", FAMILIES)
+def test_no_member_comes_out_otherwise_in_silence(family: str) -> None:
+    found = {seed: met(family, seed) for seed in SEEDS}
+    assert not [row for row in found.items() if "SILENTLY" in row[1]]
+
+
+@pytest.mark.parametrize("family", MESHED)
+def test_nor_does_its_mesh(family: str) -> None:
+    found = {seed: met(family, seed, mesh=True) for seed in SEEDS}
+    assert not [row for row in found.items() if "SILENTLY" in row[1]]
+
+
+def ends(code: str, sizes: tuple[float, float, float, float, float]) -> list[list[Cutter]]:
+    """Copes of a beam's end: above, below and both, as long as deep, short and long."""
+    h, b, tf = sizes[:3]
+    out: list[list[Cutter]] = []
+    for long in (10.0, 0.5 * h, 1.5 * h):
+        for deep in (tf + 5.0, 0.3 * h, 0.45 * h):
+            top = Box((-20.0, h - deep, -20.0), (long, h + 20.0, b + 20.0))
+            bottom = Box((-20.0, -20.0, -20.0), (long, deep, b + 20.0))
+            out.append(([top], [bottom], [top, bottom])[len(out) % 4 % 3])
+    return out
+
+
+@pytest.mark.parametrize("code", ["I", "U", "M"])
+def test_copes_of_every_proportion_are_read_without_a_word(code: str) -> None:
+    sizes = {
+        "I": (300.0, 150.0, 10.7, 7.1, 15.0),
+        "U": (200.0, 80.0, 11.0, 7.0, 12.0),
+        "M": (200.0, 100.0, 8.0, 8.0, 0.0),
+    }[code]
+    bar = Bar(code, 1800.0, sizes)
+    model = Cuts()
+    for cutters in ends(code, sizes):
+        model.small.element(model.body(bar, cutters))
+    reading = read(model.small.data, "m.ifc", options=CHECKED)
+    assert [d for d in reading.diagnostics if d.severity is not Severity.NOTE] == []
+    for cutters, part in zip(ends(code, sizes), reading.parts, strict=True):
+        made, body = remade(part, bar)
+        made.small.element(body)
+        pair = volumes(model_of(bar, cutters), made.small.data)
+        assert pair is not None
+        assert same(*pair), cutters
+
+
+def test_a_part_that_is_not_the_member_would_be_seen() -> None:
+    """The comparison itself: another member's part has another volume."""
+    bar, cutters = FAMILIES["copes"](Random("copes1"))
+    data = model_of(bar, cutters)
+    plain = read(model_of(bar, ()), "m.ifc")
+    assert "SILENTLY" in outcome(bar, data, plain)
+
+
+if __name__ == "__main__":
+    for name in FAMILIES:
+        for mesh in (False, True):
+            rows = {s: met(name, s, mesh) for s in range(int(sys.argv[1]))}
+            print(name, "meshes" if mesh else "solids", dict(Counter(rows.values()).most_common()))
+            print(*(f"    {s}: {row}\n" for s, row in rows.items() if "SILENTLY" in row), sep="")
