@@ -6,7 +6,8 @@
 Which planner, motion step, emitter and read-back belong together stands in `posts`.
 """
 
-from collections.abc import Callable, Collection, Generator, Iterable, Sequence
+from collections import Counter
+from collections.abc import Callable, Collection, Generator, Iterable, Iterator, Sequence
 from typing import Literal
 
 from msgspec import Struct
@@ -19,6 +20,7 @@ from beamcam.errors import (
     PlanError,
     ReadError,
     Severity,
+    Source,
     VerifyError,
     errors_in,
 )
@@ -27,10 +29,12 @@ from beamcam.model.part import Part
 from beamcam.model.plan import Plan, SheetPlan
 from beamcam.model.work_time import WorkTime
 from beamcam.planning import Order
-from beamcam.planning.left_out import LEFT_OUT, told
+from beamcam.planning.left_out import LEFT_OUT, left_out_sources, told
 from beamcam.posts import Job, Wanted, Written, carries_head, head_lines, post_of
 from beamcam.readers.content import content, shown_name
 from beamcam.readers.reading import Reading
+from beamcam.verify.left_out import LEDGER
+from beamcam.verify.left_out import LEFT_OUT as MISSING
 
 Stage = Callable[[str], None]  #: is told what has been done
 
@@ -210,11 +214,30 @@ def posting(
     yield "printed the program"
     said: tuple[Diagnostic, ...] = ()
     if verified:
-        said = (*kind.verify(written, _wanted(asked)), *_head_faults(asked, written))
+        found = kind.verify(written, _wanted(asked))
+        said = (*_other_than_planned(plan, found), *_head_faults(asked, written))
         yield "read the program back"
         if errors_in(said):
             raise RefusedProgram(said, written)
     return Posted(written, plan, (*remarks, *said), program)
+
+
+def _other_than_planned(
+    plan: Plan | SheetPlan, found: Iterable[Diagnostic]
+) -> Iterator[Diagnostic]:
+    """What the read-back found; what is left out only where the plan says otherwise.
+
+    The features that it found missing, and that may be, are those that the plan left out by name.
+    """
+    missing: Counter[Source] = Counter()
+    for said in found:
+        if said.code == MISSING.code:
+            missing[said.source] += 1
+        else:
+            yield said
+    planned = Counter(left_out_sources(plan))
+    for source in (missing - planned) + (planned - missing):
+        yield LEDGER.at(source, found=missing[source], expected=planned[source])
 
 
 def _head_faults(job: Job, written: Written) -> Iterable[Diagnostic]:

@@ -109,8 +109,11 @@ def test_verify_believes_the_head_unless_told_otherwise(tmp_path: Path) -> None:
     program = tmp_path / "a.gcode"
     assert call("post", SLOT, "-o", program, "--allow-skips", "slot").exit_code == 0
     against = ("verify", program, "--against", SLOT)
-    assert call(*against).exit_code == 0
-    assert call(*against, "--allow-skips", "slot").exit_code == 0
+    for words in ((), ("--allow-skips", "slot")):
+        done = call(*against, *words)
+        assert done.exit_code == 0
+        assert done.stderr.count("verify-left-out: found nothing that makes the slot 62 x 22") == 1
+        assert call(*against, *words, "--exit-left-out", 3).exit_code == 3
     for doubt in (("--strict",), ("--allow-skips", "none"), ("--allow-skips", "cope")):
         assert call(*against, *doubt).exit_code == 1, doubt
     program.write_text(without_head(program.read_text()))

@@ -1,7 +1,9 @@
 """What a program does not make is told, in every command that writes one."""
 
 import json
+from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import pytest
 from click.testing import CliRunner, Result
@@ -11,10 +13,13 @@ from beamcam import pipeline
 from beamcam.cli import main
 from beamcam.errors import Diagnostic, Severity, Source
 from beamcam.machine import load
+from beamcam.model.description import description
 from beamcam.model.part import Camber, Contour, EndPlane, Feature, TextMark
-from beamcam.planning.left_out import LEFT_OUT, NOT_CUT, description
+from beamcam.model.plan import Outcome
+from beamcam.pipeline import RefusedProgram, parts_of, post, read_file
+from beamcam.planning.left_out import LEFT_OUT, NOT_CUT
 from beamcam.planning.map_keys import IDLE, UNMATCHED
-from beamcam.posts import post_of
+from beamcam.posts import Job, post_of
 from tests.conftest import SAMPLES
 from tests.runs import batch, counts, report
 from tests.unit.sheets.parts import S
@@ -150,3 +155,30 @@ def test_a_refused_program_is_kept_beside_its_output(
 )
 def test_a_feature_in_words(feature: Feature, words: str) -> None:
     assert description(feature) == words
+
+
+def lying(change: Callable[[Outcome], Outcome]) -> Any:
+    """`post_of` of a machine whose planner says otherwise what became of each feature."""
+    row = post_of(load("beamline"))
+
+    def plan(job: Job) -> Any:
+        made = row.plan(job)
+        return replace(made, outcomes=tuple(map(change, made.outcomes)))
+
+    return lambda machine: replace(row, plan=plan)
+
+
+@pytest.mark.parametrize(
+    ("sample", "change"),
+    [
+        (SLOT, lambda o: replace(o, how="made", by="mill") if o.how == "skipped" else o),
+        (SAMPLES / "dstv/channel.nc1", lambda o: replace(o, how="skipped", by="plan-slot")),
+    ],
+)
+def test_a_plan_that_says_otherwise_what_is_left_out_is_refused(
+    sample: Path, change: Callable[[Outcome], Outcome], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    parts, _ = parts_of([read_file(str(sample))])
+    monkeypatch.setattr(pipeline, "post_of", lying(change))
+    with pytest.raises(RefusedProgram, match="verify-ledger"):
+        post(parts, load("beamline"), skips=("slot",))

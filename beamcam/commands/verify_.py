@@ -17,6 +17,7 @@ from beamcam.posts import Wanted
 from beamcam.readers.content import shown_name
 from beamcam.report.run import as_message
 from beamcam.verify.head import Head, head_of, head_remarks
+from beamcam.verify.left_out import LEFT_OUT
 
 
 @click.command("verify")
@@ -26,10 +27,12 @@ from beamcam.verify.head import Head, head_of, head_remarks
 @options.machine
 @options.config
 @looking_options
+@options.exit_left_out
 def command(
     program: str,
     against: bool,
     parts: tuple[str, ...],
+    exit_left_out: int | None,
     as_json: bool,
     voice: Voice,
     **asked: Any,
@@ -81,6 +84,8 @@ def command(
         voice.say((*said, *found))
     if errors_in(found):
         raise SystemExit(REFUSED)
+    if exit_left_out is not None and any(d.code == LEFT_OUT.code for d in found):
+        raise SystemExit(exit_left_out)
 
 
 def _allowed(config: Config, head: Head | None) -> tuple[str, ...]:

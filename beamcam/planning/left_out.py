@@ -10,7 +10,8 @@ from collections.abc import Iterator
 
 from beamcam.errors import Diagnostic, Rule, Severity, Source
 from beamcam.model.colour import colour_name
-from beamcam.model.part import Bend, Camber, Contour, EndPlane, Feature, Hole, Slot, TextMark
+from beamcam.model.description import description
+from beamcam.model.part import Contour
 from beamcam.model.plan import Outcome, Plan, SheetPlan
 
 LEFT_OUT = Rule(
@@ -38,6 +39,14 @@ def told(plan: Plan | SheetPlan) -> Iterator[Diagnostic]:
     yield from dict.fromkeys(_left_out(plan, outcome) for outcome in skipped)
     if isinstance(plan, SheetPlan):
         yield from _not_cut(plan)
+
+
+def left_out_sources(plan: Plan | SheetPlan) -> Iterator[Source]:
+    """Where each feature stands that was left out because `--allow-skips` names its kind."""
+    for outcome in plan.outcomes:
+        if outcome.how == "skipped" and outcome.by not in MAPPED_AWAY:
+            piece, index = outcome.feature
+            yield plan.pieces[piece].part.features[index].source
 
 
 def _left_out(plan: Plan | SheetPlan, outcome: Outcome) -> Diagnostic:
@@ -68,30 +77,3 @@ def _not_cut(plan: SheetPlan) -> Iterator[Diagnostic]:
 def _named(layer: str | None, colour: str | None) -> str:
     words = [] if colour is None else [f"of colour {colour_name(colour)}"]
     return " ".join([*words, *([] if layer is None else [f"on layer {layer!r}"])])
-
-
-def description(feature: Feature) -> str:
-    """A feature in words: what it is, its size and its place on its face."""
-    match feature:
-        case Hole():
-            kind = "hole" if feature.kind == "through" else feature.kind
-            return f"{kind} {feature.diameter:g} {_at(feature)}"
-        case Slot():
-            size = f"{feature.length + feature.diameter:g} x {feature.height + feature.diameter:g}"
-            return f"slot {size} {_at(feature)}"
-        case Contour():
-            cut = feature.process == "cut"
-            what = f"{feature.kind} contour" if cut else f"line to {feature.process}"
-            return f"{what} of {len(feature.curves)} curve(s) on face {feature.face}"
-        case TextMark():
-            return f"text {feature.text!r} {_at(feature)}"
-        case Bend():
-            return f"bend of {feature.angle:g} degrees"
-        case EndPlane():
-            return "end plane"
-        case Camber():
-            return f"camber {_at(feature)}"
-
-
-def _at(feature: Hole | Slot | TextMark | Camber) -> str:
-    return f"on face {feature.face} at x {feature.x:g}, y {feature.y:g}"

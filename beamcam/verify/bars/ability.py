@@ -64,7 +64,7 @@ def may_be_missing(
         left |= {*_off_axis(part, targets, shop, spindles, stations)}
     if "stroke" in names:
         left |= {*_off_stroke(part, targets, shop, spindles, stations)}
-    left |= {*_repeats(left, part, shop)}
+    left |= {*repeats(left, part, shop)}
     if "countersink" in names:
         left |= {*_sinks(left, part, shop)}
     return frozenset(left)
@@ -75,7 +75,7 @@ def _stations(part: Part, machine: Machine) -> Mapping[str, Station]:
     return {s.face: choices[s.number].stations[0] for s in machine.spindles}
 
 
-def _repeats(left: Collection[int], part: Part, shop: Shop) -> Iterator[int]:
+def repeats(left: Collection[int], part: Part, shop: Shop) -> Iterator[int]:
     """The holes that are the same as one that is left out, written again."""
     works = {face for face in shop.faces if shop.works_on(face, part)}
     for f in left:

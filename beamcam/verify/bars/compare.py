@@ -12,7 +12,7 @@ from beamcam.errors import Diagnostic, Source
 from beamcam.machine.machine import Machine
 from beamcam.model.part import Part, Profile
 from beamcam.verify import rules
-from beamcam.verify.bars.ability import may_be_missing
+from beamcam.verify.bars.ability import may_be_missing, repeats
 from beamcam.verify.bars.cut_faults import CutFaults
 from beamcam.verify.bars.holes import NEAR, HoleCheck, Want
 from beamcam.verify.bars.layout import Candidate, Laid, lay_out, wedge_cuts
@@ -30,6 +30,7 @@ from beamcam.verify.bars.targets import (
     Target,
     targets_of,
 )
+from beamcam.verify.left_out import left_out
 
 
 class Asked(Struct, frozen=True):
@@ -66,6 +67,7 @@ class Comparison:
         wants: list[Want] = []
         led: list[Led] = []
         optional: dict[tuple[int, int], None] = {}  #: part and feature that may be missing
+        missing: set[tuple[int, int]] = set()  #: those that are
         for p, one in enumerate(laid):
             targets = self._targets_of(one.part, one.ends)
             spare = may_be_missing(one.part, targets, self.shop, self.asked.skips)
@@ -74,7 +76,9 @@ class Comparison:
             gone: set[int] = set()  #: slots that are left out, with the holes at their ends
             for target in targets:
                 if isinstance(target, Lack):
-                    if target.feature not in spare:
+                    if target.feature in spare:
+                        missing.add((p, target.feature))
+                    else:
                         self.said.append(_lack(target, one.part))
                 elif isinstance(target, Round):
                     if not (target.optional and target.feature in gone):
@@ -83,10 +87,15 @@ class Comparison:
                     self.made.trails, target, from_x, self.shop
                 ):
                     gone.add(target.feature)
+                    missing.add((p, target.feature))
                 else:
                     led.append(Led(p, target, from_x))
-        left = self._missed(self.holes.take(wants), optional)
+        unmade = self.holes.take(wants)
+        left = self._missed(unmade, optional)
         self.said += self.holes.complain(left, parts)
+        needed = {(w.part, w.target.feature) for w in left}
+        missing |= {(w.part, w.target.feature) for w in unmade if not w.target.optional} - needed
+        self.said += self._left_out(parts, missing)
         if self.made.trails or led:
             self.said += check_paths(
                 self.made.trails, led, parts, self.shop, self.profile, self.name
@@ -161,6 +170,14 @@ class Comparison:
         return [
             w for w in left if (key := (w.part, w.target.feature)) not in optional or key in made
         ]
+
+    def _left_out(
+        self, parts: Sequence[Part], missing: Collection[tuple[int, int]]
+    ) -> Iterator[Diagnostic]:
+        """What is told of features that may be missing and are, written twice or once."""
+        for p in sorted({p for p, _ in missing}):
+            features = {f for q, f in missing if q == p}
+            yield from left_out(parts[p], {*features, *repeats(features, parts[p], self.shop)})
 
     def _after_its_cut(self, laid: Sequence[Laid]) -> Iterator[Diagnostic]:
         """Holes of a part that has been parted before."""

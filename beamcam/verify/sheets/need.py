@@ -14,6 +14,7 @@ from beamcam.machine.machine import Torch, TorchProcess, TorchRow
 from beamcam.model.colour import process_of
 from beamcam.model.drawing import extent
 from beamcam.model.part import Contour, Feature, Hole, Part, Process, Slot, TextMark
+from beamcam.verify.left_out import left_out
 from beamcam.verify.sheets import rules
 
 if TYPE_CHECKING:
@@ -65,8 +66,11 @@ def need_of(part: Part, torch: Torch, skips: Collection[str]) -> Need:
         lack = lack_of(feature, torch)
         if lack is not None and lack not in skips:
             _not_made(need, part, feature, lack)
-        if lack is not None and (lack != "bevel" or lack not in skips):
-            continue  # a bevel that may be missing leaves a contour that is cut square
+            continue
+        # A bevel that may be missing leaves a contour that is cut square.
+        if lack is not None and lack != "bevel":
+            need.said += left_out(part, (index,))
+            continue
         if isinstance(feature, Contour):
             look = feature.layer, feature.colour
             if look == (None, None):

@@ -253,7 +253,8 @@ def test_a_feature_that_nothing_makes() -> None:
     bent = plate(Bend((0, 0), (9, 0), 90.0, 3.0, S))
     (said,) = verify_sheet(text, (bent,), machine)
     assert (said.code, said.source) == ("verify-sheet-not-made", S)
-    assert not verify_sheet(text, (bent,), machine, ("other",))
+    (left,) = verify_sheet(text, (bent,), machine, ("other",))
+    assert (left.code, left.source) == ("verify-left-out", S)
 
 
 def test_every_rule_has_a_case() -> None:

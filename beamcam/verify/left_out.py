@@ -1,0 +1,30 @@
+"""What a program leaves out as the user allowed: told feature by feature, never in silence."""
+
+from collections.abc import Iterable, Iterator
+
+from beamcam.errors import Diagnostic, Rule, Severity
+from beamcam.model.description import description
+from beamcam.model.part import Part
+
+LEFT_OUT = Rule(
+    "verify-left-out",
+    Severity.WARNING,
+    "found nothing that makes the {what} of {mark}; it may be left out, and is not made",
+    "The machine cannot make it and its kind is allowed to be missing, by `--allow-skips` or the "
+    "head of the program. It has to be made by hand or on another machine.",
+)
+LEDGER = Rule(
+    "verify-ledger",
+    Severity.ERROR,
+    "found {found} feature(s) missing from the program; expected {expected}, as planned",
+    "What is missing from a program has to be what the plan left out by name, and nothing else. It "
+    "is a fault of beamcam; send in the part.",
+)
+RULES = (LEFT_OUT, LEDGER)
+
+
+def left_out(part: Part, features: Iterable[int]) -> Iterator[Diagnostic]:
+    """A warning for each of the features of a part, by their indices, that a program leaves out."""
+    for index in sorted(features):
+        feature = part.features[index]
+        yield LEFT_OUT.at(feature.source, what=description(feature), mark=part.mark)
