@@ -286,7 +286,6 @@ class Times(Keys, frozen=True):
     spindle_change_s: NotNegative = 0.0  #: another spindle
     reload_s: NotNegative = 0.0  #: another tool into a station, by hand
     saw_s: NotNegative = 0.0  #: to clamp, start and stop the saw, each cut
-    together: bool = False  #: whether spindles work at once where X is the same
 
 
 class ControlledAxis(Keys, frozen=True):

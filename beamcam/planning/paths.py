@@ -13,16 +13,13 @@ machine last (and drilled before, where a slot's ends are drilled), and comes ba
 """
 
 from collections.abc import Iterable, Iterator, Sequence
-from itertools import pairwise
-from math import acos, ceil, cos, hypot, pi, radians, sin
+from math import acos, ceil, cos, hypot, pi, sin
 
 from beamcam.geometry.curves import Curve, Line, Point
 from beamcam.geometry.plane import unit_vector
 
 STEP = 0.6  #: of a mill's diameter between the paths that clear a blind pocket
 LEAST_RADIUS = 1e-6
-CORNER_DEG = 30.0
-CORNER_COS = cos(radians(CORNER_DEG))
 
 
 def pocket_path(
@@ -132,22 +129,3 @@ def _off_chord(point: Point, a: Point, b: Point) -> float:
     if length <= LEAST_RADIUS:
         return _distance(point, a)
     return abs((b[0] - a[0]) * (point[1] - a[1]) - (b[1] - a[1]) * (point[0] - a[0])) / length
-
-
-def straight_runs(points: Sequence[Point]) -> list[float]:
-    """Lengths of the runs of a polyline between corners, where the tool stops.
-
-    Chords of a curve turn by less than `CORNER_DEG` from one to the next.
-    """
-    runs: list[float] = []
-    before: Point | None = None
-    for (ax, ay), (bx, by) in pairwise(points):
-        length = hypot(bx - ax, by - ay)
-        if length == 0.0:
-            continue
-        way = (bx - ax) / length, (by - ay) / length
-        if before is None or before[0] * way[0] + before[1] * way[1] < CORNER_COS:
-            runs.append(0.0)
-        runs[-1] += length
-        before = way
-    return runs

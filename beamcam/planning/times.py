@@ -1,51 +1,61 @@
-"""How long the work takes, from the speeds of the machine's file.
+"""How long the work takes, from the words and the speeds of the machine's file.
 
-Each operation waits for the slower of the bar (X) and the spindle's place across, then for its
-spindle and tool, then strokes: rapid to near the surface, feed to the bottom, rapid back. A cut
-waits for the saw to turn, feeds through the section and goes back. Every move is run up and braked
-by the axis that makes it, with its acceleration and, where the file gives it, its jerk.
+Each operation is gone through block by block as its words will be written, on the model of the
+cell by which a finished program is simulated, so that both give the same times:
+
+    M40 K2 L22           choose: another spindle, another tool
+    G00 X1098.56 Y20     the slowest of the axes that move
+    M03, G01 .. F, M05   the spindle runs up, the stroke at its feed, the spindle stops
 
 Where the operator goes meanwhile is not in it.
 """
 
-from collections.abc import Sequence
-from math import cos, inf, radians
+import re
+from collections.abc import Mapping, Sequence
+from functools import partial
+from math import hypot, isnan, nan
 
 from msgspec import Struct
 
-from beamcam.geometry.moves import move_seconds
 from beamcam.machine.cutting import speed_and_feed
-from beamcam.machine.machine import Machine, Times, Tool
+from beamcam.machine.machine import Axis, Machine
+from beamcam.model.cell_motion import CellMotion
 from beamcam.model.part import Profile
 from beamcam.model.plan import Operation, PathOp, Plan, SawOp, SpindleOp
-from beamcam.model.stroke import Strokes
+from beamcam.model.stroke import Stroke, Strokes
 from beamcam.model.work_time import WorkTime
 from beamcam.planning.magazine import tool_loads
-from beamcam.planning.paths import straight_runs
 
-SECONDS_PER_MINUTE = 60.0
-UNKNOWN_MM_S2 = 1000.0  #: of an axis that the machine's file does not have
+_COMMAND = re.compile(r"\s*([GM])0*(\d+)")
+_WORD = re.compile(r"\b([A-Z])(?:\{(\w+)\}|(-?\d+(?:\.\d*)?))")
+_NUMBERS = ("G", "M", "N")
+_RUNS = {3: True, 4: True, 5: False}  #: M words of the controller that start and stop a spindle
 
 
-class AxisSpeed(Struct, frozen=True):
-    """How fast an axis moves, mm/s, mm/s2 and mm/s3."""
+class Block(Struct, frozen=True):
+    """A line of a template."""
 
-    speed_mm_s: float
-    acceleration_mm_s2: float
-    jerk_mm_s3: float = inf
+    command: str  #: "G", "M" or "" where there is none
+    number: int
+    names: Mapping[str, str]  #: letter, and what stands in its braces
+    fixed: Mapping[str, float]  #: letter and number
 
-    def seconds(self, distance: float, greatest_mm_s: float = inf) -> float:
-        """Time from rest to rest over a distance, at most at a speed."""
-        speed = min(self.speed_mm_s, greatest_mm_s)
-        return move_seconds(distance, speed, self.acceleration_mm_s2, self.jerk_mm_s3)
 
-    def with_other(self, other: "AxisSpeed") -> "AxisSpeed":
-        """What two axes can do together, whichever way the path runs."""
-        return AxisSpeed(
-            min(self.speed_mm_s, other.speed_mm_s),
-            min(self.acceleration_mm_s2, other.acceleration_mm_s2),
-            min(self.jerk_mm_s3, other.jerk_mm_s3),
+def blocks_of(template: Sequence[str]) -> tuple[Block, ...]:
+    """The lines of a template, taken apart."""
+    found = []
+    for line in template:
+        match = _COMMAND.match(line)
+        words = [w for w in _WORD.findall(line) if w[1] or w[0] not in _NUMBERS]
+        found.append(
+            Block(
+                match[1] if match else "",
+                int(match[2]) if match else -1,
+                {letter: name for letter, name, _ in words if name},
+                {letter: float(number) for letter, name, number in words if not name},
+            )
         )
+    return tuple(found)
 
 
 def work_time(plan: Plan, machine: Machine) -> WorkTime:
@@ -70,77 +80,83 @@ class _Clock:
     def __init__(self, profile: Profile, grades: Sequence[str], machine: Machine) -> None:
         if machine.saw is None or machine.drill is None:
             raise TypeError(f"{machine.name} has no saw and drill")
-        self._saw, self._drill = machine.saw, machine.drill
-        self._times: Times = machine.times
-        self._profile, self._grades = profile, grades
+        self._machine, self._saw, self._drill = machine, machine.saw, machine.drill
+        # What a program does not say of the section its simulation does not know either.
+        says_width = any("{width}" in line for line in machine.words.header)
+        self._cell = CellMotion(machine, profile.width if says_width else profile.height)
+        self._grades = grades
         self._strokes = Strokes(profile, machine)
-        rapid = machine.drill.greatest_feed_mm_min / SECONDS_PER_MINUTE
-        self._rapid = AxisSpeed(rapid, UNKNOWN_MM_S2)
-        self._axes: dict[tuple[str, int | None], AxisSpeed] = {
-            (a.moves, a.spindle): AxisSpeed(a.speed, a.acceleration, a.jerk or inf)
-            for a in machine.axes
-        }
-        self._x = 0.0
-        self._angle = machine.saw.square
-        self._tilt = 0.0
-        self._spindle: int | None = None
-        self._tools: dict[str, Tool] = {}
-        self._across: dict[str, float] = {}
-        self._last_s = 0.0
-
-    def _axis(self, moves: str, spindle: int | None = None) -> AxisSpeed:
-        return self._axes.get((moves, spindle), self._rapid)
+        self._words: dict[str, tuple[Block, ...]] = {}
+        self._place = {"X": nan, "Y": nan, "Z": nan}
+        self._rapid, self._feed_mm_min = True, 0.0
 
     def seconds(self, op: Operation) -> float:
-        travel = self._axis("X").seconds(op.x - self._x)
+        """Time of the next operation."""
         if isinstance(op, SawOp):
-            seconds = self._saw_seconds(op, travel)
-        else:
-            other_spindle = op.spindle != self._spindle
-            seconds = self._spindle_seconds(op, travel)
-            if self._times.together and other_spindle and op.x == self._x:
-                # It runs while the operation before it does, so only what is longer counts.
-                seconds, self._last_s = max(0.0, seconds - self._last_s), max(seconds, self._last_s)
-            else:
-                self._last_s = seconds
-        self._x = op.path[-1][0] if isinstance(op, PathOp) else op.x
-        return seconds
-
-    def _saw_seconds(self, op: SawOp, travel: float) -> float:
-        turning = self._axis("angle").seconds(op.angle - self._angle)
-        turning += self._axis("angle").seconds(op.tilt - self._tilt)
-        self._angle, self._tilt, self._last_s = op.angle, op.tilt, 0.0
-        stroke = self._profile.width / cos(radians(op.tilt)) + 2 * self._drill.clearance
-        blade = self._axis("saw")
-        down = blade.seconds(stroke, self._saw.feed_mm_min / SECONDS_PER_MINUTE)
-        return max(travel, turning) + self._times.saw_s + down + blade.seconds(stroke)
-
-    def _spindle_seconds(self, op: SpindleOp, travel: float) -> float:
-        first = self._strokes.spindle(op)
-        across, along = self._strokes.axes(op)
-        stroke = self._strokes(op, op.y)
-        aside = stroke.across - self._across.get(first.face, 0.0)
-        waiting = max(travel, self._axis(across, first.number).seconds(aside))
-        if any(self._tools.get(face, op.tool) != op.tool for face in op.faces):
-            waiting += self._times.tool_change_s
-        if self._spindle is not None and op.spindle != self._spindle:
-            waiting += self._times.spindle_change_s
-        self._spindle = op.spindle
-        for face in op.faces:
-            self._tools[face] = op.tool
-            self._across[face] = stroke.across
+            values = {
+                "x": op.x, "angle": op.angle, "tilt": op.tilt, "feed": self._saw.feed_mm_min,
+            }  # fmt: skip
+            return self._run("saw", values)
+        kind = op.tool.kind
         _, feed_mm_min = speed_and_feed(op.tool, self._drill, self._grades[op.features[0][0]])
-        feed = feed_mm_min / SECONDS_PER_MINUTE
-        stroking = self._axis(along, first.number)
-        fed = stroking.seconds(stroke.bottom - stroke.near, feed)
-        if op.tool.kind == "tap":
-            fed *= 2
-        if isinstance(op, PathOp):
-            table = self._axis("X").with_other(self._axis(across, first.number))
-            fed += sum(table.seconds(run, feed) for run in straight_runs(op.path))
-            self._across[first.face] = self._strokes(op, op.path[-1][1]).across
-        back = stroke.near if op.tool.kind == "tap" else stroke.bottom
-        moves = stroking.seconds(stroke.near - stroke.start)
-        moves += stroking.seconds(back - stroke.start)
-        turning = 0.0 if op.tool.kind in ("punch", "scribe") else self._times.spindle_s
-        return waiting + turning + moves + fed
+        values = {"spindle": op.spindle, "diameter": op.tool.diameter, "feed": feed_mm_min}
+        if not isinstance(op, PathOp):
+            return self._run(kind, values | self._places(op, op.x, op.y), kind)
+        total = 0.0
+        for index, (x, y) in enumerate(op.path):
+            values |= self._places(op, x, y)
+            total += self._run(f"{kind}_to" if index else kind, values, kind)
+        return total + self._run(f"{kind}_end", values, kind)
+
+    def _places(self, op: SpindleOp, x: float, y: float) -> dict[str, float]:
+        """What the places of a stroke are called in templates."""
+        stroke = self._strokes(op, y)
+        at = partial(_yz, self._strokes.axes(op), stroke)
+        return {
+            "x": x,
+            **dict(zip(("y", "z"), at(stroke.start), strict=True)),
+            **dict(zip(("near_y", "near_z"), at(stroke.near), strict=True)),
+            **dict(zip(("bottom_y", "bottom_z"), at(stroke.bottom), strict=True)),
+        }
+
+    def _run(self, name: str, values: Mapping[str, float], kind: str = "") -> float:
+        """Time of the blocks of a template."""
+        blocks = self._words.get(name)
+        if blocks is None:
+            blocks = self._words[name] = blocks_of(getattr(self._machine.words, name))
+        return sum(self._block(block, values, kind) for block in blocks)
+
+    def _block(self, block: Block, values: Mapping[str, float], kind: str) -> float:
+        said = {name: values[name] for name in block.names.values() if name in values}
+        if block.command == "M":
+            return self._switch(block, said, kind)
+        if block.command == "G":
+            if block.number not in (0, 1):
+                return 0.0
+            self._rapid = block.number == 0
+        if "feed" in said:
+            self._feed_mm_min = said["feed"]
+        words = dict(block.fixed) | {
+            letter: values[name] for letter, name in block.names.items() if name in values
+        }
+        to = {letter: words[letter] for letter in "XYZ" if letter in words}
+        gone = [to[letter] - self._place[letter] for letter in to]
+        way = hypot(*(d for d in gone if not isnan(d)))
+        self._place |= to
+        return self._cell.move(to, way, None if self._rapid else self._feed_mm_min).duration_s
+
+    def _switch(self, block: Block, said: Mapping[str, float], kind: str) -> float:
+        if "angle" in said:
+            legs = self._cell.cut(said["angle"], said.get("tilt", 0.0), said.get("feed"))
+            return sum(leg.duration_s for leg, _ in legs)
+        if "spindle" in said:
+            return self._cell.choose(int(said["spindle"]), kind, said.get("diameter", 0.0))
+        if block.number in _RUNS:
+            return self._cell.switch(_RUNS[block.number])
+        return 0.0
+
+
+def _yz(axes: tuple[Axis, Axis], stroke: Stroke, along: float) -> tuple[float, float]:
+    """Y and Z of a spindle across the bar and along its stroke."""
+    at = {axes[0]: stroke.across, axes[1]: along}
+    return at["Y"], at["Z"]

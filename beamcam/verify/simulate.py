@@ -1,30 +1,21 @@
 """The axes of a cell over time, from the program that was read back and the machine's speeds.
 
-Each move is a stretch along which all its axes start and stop together:
-
-    share of the way     _____           1  its speed v, acceleration a and jerk j, per second, are
-                     ___/                   the least that its axes, and a feed its F, allow:
-                ____/                       v = min(v_i / |d_i|), a = min(a_i / |d_i|) and so on,
-               /    t ->                    with a jerk only where an axis has one
-
-Spindles and the saw take the times of the machine file. Lengths are mm, angles degrees.
+How long each move takes stands in `model.cell_motion`. Lengths are mm, angles degrees.
 """
 
 from collections.abc import Iterator, Sequence
-from math import cos, hypot, inf, isnan, radians
+from math import hypot, isnan, radians
 
 from msgspec import Struct
 from msgspec.structs import replace
 
 from beamcam.controllers.events import Move, Pause, Switch, Turn
 from beamcam.errors import MachineError, Source
+from beamcam.geometry.ramps import Ramp
 from beamcam.machine import rules as machine_rules
 from beamcam.machine.machine import Machine
+from beamcam.model.cell_motion import CellMotion, Leg, Positions
 from beamcam.verify import Run
-from beamcam.verify.bars.stations import Choice
-from beamcam.verify.ramps import STANDING, Ramp, ramp
-
-Positions = tuple[float, ...]
 
 
 class State(Struct, frozen=True):
@@ -119,129 +110,77 @@ def _cells(row: Row) -> Iterator[str]:
 
 
 class _Simulation:
-    """The clock, the axes and the switches while a program runs."""
+    """The clock and the switches while a program runs."""
 
     def __init__(self, run: Run, machine: Machine) -> None:
-        self.events, self.choices, self.dialect = run.events, run.choices, run.dialect
-        self.machine = machine
+        self.events, self.dialect = run.events, run.dialect
+        section = dict(run.made.section)
+        self.cell = CellMotion(machine, section.get("width", section.get("height", 0.0)))
+        self.per_minute = 60.0 if machine.format.feed_unit == "mm/s" else 1.0
+        self.reload_s = machine.times.reload_s
         self.clock_s = 0.0
-        self.positions: Positions = tuple(a.park for a in machine.axes)
         self.state = State()
-        self.choice: Choice | None = None
-        self.index: dict[tuple[int | None, str], int] = {
-            (a.spindle, a.moves): i for i, a in enumerate(machine.axes)
-        }
-        self.height = dict(run.made.section).get("height", 0.0)
 
     def run(self) -> Iterator[Stretch]:
         for event in self.events:
             match event:
                 case Move():
-                    yield self._move(event, hypot(*self._deltas(event)))
+                    deltas = (b - a for a, b in zip(event.start, event.end, strict=True))
+                    way = hypot(*(d for d in deltas if not isnan(d)))
+                    yield self._move(event, way, None if event.rapid else event.feed_mm_min)
                 case Turn():
                     radius = hypot(
                         event.start[0] - event.centre[0], event.start[1] - event.centre[1]
                     )
-                    yield self._move(event, radius * abs(radians(event.sweep_deg)))
+                    way = radius * abs(radians(event.sweep_deg))
+                    yield self._move(event, way, event.feed_mm_min)
                 case Pause():
-                    yield self._stretch(event.line, self.positions, event.seconds)
+                    yield self._stand(event.line, event.seconds)
                 case Switch():
                     yield from self._switch(event)
 
-    @staticmethod
-    def _deltas(event: Move) -> list[float]:
-        return [b - a for a, b in zip(event.start, event.end, strict=True) if not isnan(b - a)]
+    def _move(self, event: Move | Turn, way: float, feed_mm_min: float | None) -> Stretch:
+        to = {k: v for k, v in zip("XYZ", event.end, strict=True) if not isnan(v)}
+        return self._stretch(event.line, self.cell.move(to, way, feed_mm_min))
 
-    def _move(self, event: Move | Turn, way: float) -> Stretch:
-        end = list(self.positions)
-        for letter, value in zip("XYZ", event.end, strict=True):
-            if isnan(value):
-                continue
-            for index in self._axes(letter):
-                end[index] = value
-        rapid = type(event) is Move and event.rapid
-        feed_mm_s = event.feed_mm_min / 60
-        cap = inf if rapid or way == 0 or feed_mm_s <= 0 else feed_mm_s / way
-        return self._travel(event.line, tuple(end), cap)
+    def _stand(self, line: int, seconds: float) -> Stretch:
+        here = self.cell.positions
+        return self._stretch(line, Leg(seconds, here, here))
 
-    def _axes(self, letter: str) -> Iterator[int]:
-        """The axes that a letter moves now: X its own, Y and Z those of the chosen spindles."""
-        if (None, letter) in self.index:
-            yield self.index[None, letter]
-        elif self.choice is not None:
-            for station in self.choice.stations:
-                if (station.number, letter) in self.index:
-                    yield self.index[station.number, letter]
-
-    def _travel(self, line: int, end: Positions, cap: float = inf) -> Stretch:
-        """A stretch from here to `end`, at most at `cap` shares of the way per second."""
-        speed, acceleration, jerk = cap, inf, inf
-        for axis, a, b in zip(self.machine.axes, self.positions, end, strict=True):
-            if a != b:
-                speed = min(speed, axis.speed / abs(b - a))
-                acceleration = min(acceleration, axis.acceleration / abs(b - a))
-                if axis.jerk is not None:
-                    jerk = min(jerk, axis.jerk / abs(b - a))
-        along = STANDING if acceleration == inf else ramp(speed, acceleration, jerk)
-        return self._stretch(line, end, along.duration_s, along)
-
-    def _stretch(
-        self, line: int, end: Positions, takes_s: float, along: Ramp = STANDING
-    ) -> Stretch:
-        done = Stretch(line, self.clock_s, takes_s, self.positions, end, along, self.state)
-        self.clock_s += takes_s
-        self.positions = end
+    def _stretch(self, line: int, leg: Leg) -> Stretch:
+        done = Stretch(
+            line, self.clock_s, leg.duration_s, leg.start, leg.end, leg.along, self.state
+        )
+        self.clock_s += leg.duration_s
         return done
 
     def _switch(self, event: Switch) -> Iterator[Stretch]:
         word = self.dialect.m_words.get(event.number)
         role = word.role if word else "other"
-        times = self.machine.times
         takes_s = 0.0
-        if word is not None and role == "choose":
+        said = {}
+        if word is not None:
             said = {field: event.words[at] for at, field in word.fields if at in event.words}
+        if word is not None and role == "choose":
             number, diameter = int(said.get("spindle", 0)), said.get("diameter", 0.0)
-            if number != self.state.spindle:
-                takes_s += times.spindle_change_s
-            if diameter != self.state.diameter:
-                takes_s += times.tool_change_s
-            self.choice = self.choices.get(number)
+            kind = word.cycle.kind if word.cycle else "drill"
+            takes_s = self.cell.choose(number, kind, diameter)
             self.state = replace(self.state, spindle=number, diameter=diameter)
         elif role == "on":
-            takes_s = times.spindle_s / 2
+            takes_s = self.cell.switch(True)
             self.state = replace(self.state, turning=1 if event.number == 3 else -1)
         elif role == "off":
-            takes_s = times.spindle_s / 2
+            takes_s = self.cell.switch(False)
             self.state = replace(self.state, turning=0)
         elif role == "change":
-            takes_s = times.reload_s
+            takes_s = self.reload_s
         elif role in ("coolant-on", "coolant-off"):
             self.state = replace(self.state, coolant=role == "coolant-on")
-        elif word is not None and role == "saw":
-            said = {field: event.words[at] for at, field in word.fields if at in event.words}
-            yield from self._saw(event.line, said.get("angle", 0.0))
+        elif role == "saw":
+            feed = said["feed"] * self.per_minute if "feed" in said else None
+            legs = self.cell.cut(said.get("angle", 0.0), said.get("tilt", 0.0), feed)
+            for leg, sawing in legs:
+                self.state = replace(self.state, sawing=sawing)
+                yield self._stretch(event.line, leg)
             return
-        yield self._stretch(event.line, self.positions, takes_s)
-
-    def _saw(self, line: int, angle: float) -> Iterator[Stretch]:
-        """Turn the saw, cut down through the section at the saw's feed, and back up."""
-        saw = self.machine.saw
-        turn, down = self.index.get((None, "angle")), self.index.get((None, "saw"))
-        turned = list(self.positions)
-        if turn is not None:
-            turned[turn] = angle
-        yield self._travel(line, tuple(turned))
-        self.state = replace(self.state, sawing=True)
-        yield self._stretch(line, self.positions, self.machine.times.saw_s)
-        if down is not None and saw is not None:
-            square_off = radians(angle - saw.square)
-            depth = self.height / cos(square_off)
-            through = list(self.positions)
-            through[down] = depth
-            cap = inf if depth == 0 else saw.feed_mm_min / 60 / depth
-            park = self.positions
-            yield self._travel(line, tuple(through), cap)
-            self.state = replace(self.state, sawing=False)
-            yield self._travel(line, park)
-        else:
-            self.state = replace(self.state, sawing=False)
+        yield self._stand(event.line, takes_s)

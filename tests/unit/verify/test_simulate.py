@@ -10,8 +10,8 @@ from hypothesis import strategies as st
 from msgspec.structs import replace
 
 from beamcam.errors import MachineError
+from beamcam.geometry.ramps import ramp
 from beamcam.verify import run
-from beamcam.verify.ramps import ramp
 from beamcam.verify.simulate import Stretch, rows, stretches, trace
 from tests.unit.verify.programs import ANNEX, BEAM, PART, PROGRAM
 
@@ -59,7 +59,9 @@ def test_what_is_switched_on(course: tuple[Stretch, ...]) -> None:
     assert drilling.coolant
     sawing = [p for p in course if p.line == 6]
     assert [p.state.sawing for p in sawing] == [False, True, True, False]
-    assert max(p.end[AXES["saw vertical"]] for p in sawing) == 200
+    assert (
+        max(p.end[AXES["saw vertical"]] for p in sawing) == 110
+    )  # its width, and clearance on both sides
     assert course[-1].state.turning == 0
 
 

@@ -1,0 +1,152 @@
+"""How long the axes and switches of a saw and drilling line take: one model for all times.
+
+Each move is a stretch along which all its axes start and stop together:
+
+    share of the way     _____           1  its speed v, acceleration a and jerk j, per second, are
+                     ___/                   the least that its axes, and a feed its F, allow:
+                ____/                       v = min(v_i / |d_i|), a = min(a_i / |d_i|) and so on,
+               /    t ->                    with a jerk only where an axis has one
+
+Spindles and the saw take the times of the machine file. Each spindle keeps the tool that it had,
+so that choosing it again costs no change. Lengths are mm, angles degrees.
+"""
+
+from collections.abc import Iterator, Mapping
+from math import cos, inf, radians
+from typing import cast
+
+from msgspec import Struct
+
+from beamcam.geometry.ramps import STANDING, Ramp, ramp
+from beamcam.machine.cutting import speed_and_feed
+from beamcam.machine.machine import Machine, Tool, ToolKind
+
+Positions = tuple[float, ...]  #: in the order of the machine's axes
+SECONDS_PER_MINUTE = 60.0
+
+
+class Leg(Struct, frozen=True):
+    """What the axes do in a stretch of time."""
+
+    duration_s: float
+    start: Positions
+    end: Positions
+    along: Ramp = STANDING  #: the way from start to end
+
+
+class CellMotion:
+    """The axes, spindles and saw of a machine while work goes by."""
+
+    def __init__(self, machine: Machine, section: float) -> None:
+        """`section` is how deep the saw cuts when it is not tilted: the width of the section."""
+        self.machine, self._section = machine, section
+        self.positions: Positions = tuple(axis.park for axis in machine.axes)
+        self.spindle = 0  #: what the program calls it; 0 before one is chosen
+        self._chosen: tuple[int, ...] = ()
+        self._tool: tuple[ToolKind, float] = ("drill", 0.0)
+        self._held: dict[int, tuple[ToolKind, float]] = {}
+        self._turning = False
+        self._tilt = 0.0
+        self._index: dict[tuple[int | None, str], int] = {
+            (a.spindle, a.moves): i for i, a in enumerate(machine.axes)
+        }
+        numbers: dict[str, int] = {s.face: s.number for s in machine.spindles}
+        self._spindles: dict[int, tuple[int, ...]] = {n: (n,) for n in numbers.values()}
+        for pair in machine.pairs:
+            self._spindles[pair.number] = tuple(numbers[face] for face in pair.faces)
+        self._strokes = {s.number: s.stroke.axis for s in machine.spindles}
+
+    def move(self, to: Mapping[str, float], way: float, feed_mm_min: float | None) -> Leg:
+        """A move of the axes that the letters of `to` move now; None is rapid, 0 no feed given.
+
+        `way` is the length that the feed counts along. Without a feed a stroke into the steel runs
+        at that of the tool's data for any steel, and other moves as fast as they can.
+        """
+        end = list(self.positions)
+        for letter, value in to.items():
+            for index in self._axes(letter):
+                end[index] = value
+        if feed_mm_min == 0.0:
+            feed_mm_min = self._own_feed(end)
+        slow = feed_mm_min is not None and way > 0.0
+        return self._travel(end, feed_mm_min / SECONDS_PER_MINUTE / way if slow else inf)  # type: ignore[operator]
+
+    def _own_feed(self, end: list[float]) -> float | None:
+        """Feed of a stroke that the program gives none; None where it is no stroke."""
+        drill = self.machine.drill
+        if drill is None or not self._turning or not self._chosen:
+            return None
+        index = self._index.get((self._chosen[0], self._strokes[self._chosen[0]]))
+        if index is None or end[index] <= self.positions[index]:
+            return None
+        kind, diameter = self._tool
+        return speed_and_feed(Tool(kind, diameter), drill, "")[1]
+
+    def choose(self, number: int, kind: str, diameter: float) -> float:
+        """Seconds to choose a spindle, or a pair of them, and its tool."""
+        times = self.machine.times
+        tool = cast("ToolKind", kind), round(diameter, 3)
+        seconds = times.spindle_change_s if number != self.spindle else 0.0
+        self.spindle, self._tool = number, tool
+        self._chosen = self._spindles.get(number, ())
+        if any(self._held.get(spindle) != tool for spindle in self._chosen):
+            seconds += times.tool_change_s
+        self._held.update(dict.fromkeys(self._chosen, tool))
+        return seconds
+
+    def switch(self, turning: bool) -> float:
+        """Seconds to start or stop the spindle."""
+        self._turning = turning
+        return self.machine.times.spindle_s / 2
+
+    def cut(
+        self, angle: float, tilt: float, feed_mm_min: float | None
+    ) -> Iterator[tuple[Leg, bool]]:
+        """The legs of a cut, each with whether the saw is in work: turn, start, down and up."""
+        saw, drill = self.machine.saw, self.machine.drill
+        turn, stroke = self._index.get((None, "angle")), self._index.get((None, "saw"))
+        turned = list(self.positions)
+        if turn is not None:
+            turned[turn] = angle
+            yield self._travel(turned), False
+            axis = self.machine.axes[turn]
+            off = abs(tilt - self._tilt)
+            if off:
+                tilting = ramp(axis.speed / off, axis.acceleration / off, (axis.jerk or inf) / off)
+                yield self._stand(tilting.duration_s), False
+            self._tilt = tilt
+        yield self._stand(self.machine.times.saw_s), True
+        if stroke is None or saw is None:
+            return
+        depth = self._section / cos(radians(tilt)) + 2 * (drill.clearance if drill else 0.0)
+        up, down = self.positions, list(self.positions)
+        down[stroke] = depth
+        feed = feed_mm_min or saw.feed_mm_min
+        yield self._travel(down, feed / SECONDS_PER_MINUTE / depth), True
+        yield self._travel(list(up)), False
+
+    def _axes(self, letter: str) -> Iterator[int]:
+        """The axes that a letter moves now: X its own, Y and Z those of the chosen spindles."""
+        if (None, letter) in self._index:
+            yield self._index[None, letter]
+            return
+        for number in self._chosen:
+            if (number, letter) in self._index:
+                yield self._index[number, letter]
+
+    def _stand(self, seconds: float) -> Leg:
+        return Leg(seconds, self.positions, self.positions)
+
+    def _travel(self, end: list[float], speed: float = inf) -> Leg:
+        """The leg from here to `end`, at most at `speed` shares of the way per second."""
+        acceleration, jerk = inf, inf
+        for axis, a, b in zip(self.machine.axes, self.positions, end, strict=True):
+            if a != b:
+                speed = min(speed, axis.speed / abs(b - a))
+                acceleration = min(acceleration, axis.acceleration / abs(b - a))
+                if axis.jerk is not None:
+                    jerk = min(jerk, axis.jerk / abs(b - a))
+        along = STANDING if acceleration == inf else ramp(speed, acceleration, jerk)
+        leg = Leg(along.duration_s, self.positions, tuple(end), along)
+        self.positions = leg.end
+        return leg
