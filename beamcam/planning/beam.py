@@ -112,7 +112,7 @@ def plan_bar(
     refusals = [*refuse_bar(operations, pieces, machine)]
     if refusals:
         raise PlanError(refusals)
-    ordered = sort_along_x(operations, machine.format.resolution, layout.order)
+    ordered = sort_along_x(operations, machine.format.resolution, layout.order, machine.times)
     by_hand, said = reloads(ordered, machine, parts[0].source)
     if errors_in(said):
         raise PlanError(said)

@@ -98,7 +98,7 @@ def _seconds(part: Part, work: Work, machine: Machine) -> float:
     operations: list[Operation] = [
         *cuts_of(pieces, [work.ends], saw), *spindle_operations(pieces, [work], drill)
     ]  # fmt: skip
-    ordered = sort_along_x(operations, machine.format.resolution, layout.order)
+    ordered = sort_along_x(operations, machine.format.resolution, layout.order, machine.times)
     return time_of(ordered, part.profile, (part.grade,), machine).total_s
 
 

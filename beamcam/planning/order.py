@@ -1,4 +1,4 @@
-"""The order of work: along machine X, with as few changes of spindle and tool as there can be.
+"""The order of work: along machine X, with the least time for changes of spindle and tool.
 
 Machine X says how far the bar has come: bar x of the work plus the station's place. It is not
 the order of part x.
@@ -22,18 +22,25 @@ So in both layouts the order is X, and freedom is left only among operations at 
     X 1200   web d22, both flanges d14        X 1500   both flanges d14, web d14
              \\________ 1 change ________/               \\____ no change, 1 change
 
-At each X every setup (spindle and tool) is worked off in one go, which takes one change less than
-there are setups, whatever their order; so only the first and the last one matter. The last ones
-are chosen over the whole bar: a shortest path over the last setup of each X, where a step costs
-one less if the setup that is still in the machine may come first. May, because a tap has to wait
-for its drill: the first setup waits for none at that X, and none waits for the last.
+At each X every setup (spindle and tool) is worked off in one go. What a change costs follows from
+the machine's `[times]`: another spindle is chosen within half a second, another tool takes eight.
+Each spindle keeps its tool meanwhile, so what a setup costs depends on what every spindle holds:
+
+    web d22 -> flanges d14 -> web d22         two changes of spindle, the tools are there
+    web d22 -> web d18     -> web d22         two changes of tool
+
+The order is the cheapest path over all X, found exactly (R. Bellman, Dynamic programming, 1957): a
+state is what is done at this X, which spindle is chosen and what each one holds. A tap has to wait
+for its drill, a sink for its hole.
 """
 
 from collections.abc import Iterable, Sequence
 from itertools import chain, pairwise
-from operator import attrgetter
-from typing import Literal
+from operator import attrgetter, itemgetter
+from typing import Literal, NamedTuple
 
+from beamcam.machine.machine import Times
+from beamcam.model.part import Face
 from beamcam.model.plan import Operation, PathOp, SawOp, SpindleOp
 
 #: What has to be done before what, where it is one place on one face.
@@ -42,8 +49,10 @@ SAME_PLACE = 0.5  #: mm across; holes are not nearer to each other than this
 
 Setup = tuple[int, int, float, float, float, str]
 #: stage and spindle, diameter, point, pitch and hand of the tool
-Station = tuple[list[Setup], list[Setup], list[Setup]]
-#: all setups of one X, those that may come first and those that may come last
+Held = tuple[tuple[Face, Setup], ...]  #: the tool that the spindle of each face holds
+ALIKE = Times(tool_change_s=1.0, spindle_change_s=1.0)
+MOST_STATES = 48  #: that are followed from one X to the next; the cheapest
+MOST_SETUPS = 8  #: of one X whose orders are all looked at; more are worked off as they are sorted
 CUT_RANK = {("mitre", "end"): 0, ("common", "end"): 0, ("parting", "end"): 1, ("trim", "start"): 2,
             ("mitre", "start"): 2}  # fmt: skip
 
@@ -52,8 +61,11 @@ def sort_along_x(
     operations: Iterable[Operation],
     resolution: float,
     layout: Literal["saw-drill", "drill-saw"] = "saw-drill",
+    times: Times | None = None,
 ) -> tuple[Operation, ...]:
-    """The operations in order of X, with the fewest changes of spindle and tool.
+    """The operations in order of X, with the least time for changes of spindle and tool.
+
+    Without `times` a tool and a spindle take the same, and of equal times the fewest changes count.
 
     X that the output cannot tell apart (`resolution`) count as one. There the cuts come before
     the spindles if the bar reaches the saw first, else after them.
@@ -72,7 +84,7 @@ def sort_along_x(
         else:
             strokes[place] = [op]  # type: ignore[list-item]
     places = sorted(strokes)
-    worked = dict(zip(places, _work_off([strokes[p] for p in places]), strict=True))
+    worked = dict(zip(places, _work_off([strokes[p] for p in places], times or ALIKE), strict=True))
     if not cuts:
         return tuple(chain.from_iterable(worked.values()))
     result: list[Operation] = []
@@ -128,40 +140,24 @@ def _cut_rank(op: SawOp) -> tuple[int, int, float, float]:
     return CUT_RANK[op.purpose, op.at], op.pieces[0], op.x, op.angle
 
 
-def _work_off(stations: Sequence[list[SpindleOp]]) -> list[list[SpindleOp]]:
+def _work_off(stations: Sequence[list[SpindleOp]], times: Times) -> list[list[SpindleOp]]:
     """The operations of each X in the best order."""
     if all(map(_is_one_setup, stations)):
         return [sorted(ops, key=_place) if len(ops) > 1 else ops for ops in stations]
-    setups: dict[tuple[int, int], Setup] = {}  # by spindle and the tool's object
-    by_setup: list[dict[Setup, list[SpindleOp]]] = []
-    for ops in stations:
-        groups: dict[Setup, list[SpindleOp]] = {}
-        for op in ops:
-            key = op.spindle, id(op.tool)
-            setup = setups.get(key)
-            if setup is None:
-                setup = setups[key] = setup_of(op)
-            if setup in groups:
-                groups[setup].append(op)
-            else:
-                groups[setup] = [op]
-        by_setup.append(groups)
-    choices = [_freedom(groups) for groups in by_setup]
-    result, current = [], None
-    for groups, choice, last in zip(by_setup, choices, _choose_lasts(choices), strict=True):
-        if len(groups) == 1:
-            worked = groups[last]
-            result.append(sorted(worked, key=_place) if len(worked) > 1 else worked)
-        else:
-            result.append(
-                [
-                    op
-                    for setup in _arrange(choice, current, last)
-                    for op in sorted(groups[setup], key=_place)
-                ]
-            )
-        current = last
-    return result
+    groups = [_by_setup(ops) for ops in stations]
+    worked: list[list[SpindleOp]] = []
+    setups = iter(_cheapest(groups, times))
+    for group in groups:
+        worked.append([op for _ in group for op in sorted(group[next(setups)], key=_place)])
+    return worked
+
+
+def _by_setup(ops: Sequence[SpindleOp]) -> dict[Setup, list[SpindleOp]]:
+    """The operations of one X by their setup, the setups sorted."""
+    found: dict[Setup, list[SpindleOp]] = {}
+    for op in ops:
+        found.setdefault(setup_of(op), []).append(op)
+    return dict(sorted(found.items())) if len(found) > 1 else found
 
 
 def _is_one_setup(ops: Sequence[SpindleOp]) -> bool:
@@ -175,57 +171,75 @@ def _is_one_setup(ops: Sequence[SpindleOp]) -> bool:
 _place = attrgetter("x", "y", "features")
 
 
-def _freedom(groups: dict[Setup, list[SpindleOp]]) -> Station:
-    """The setups of one X, those that wait for none of them, and those that none waits for."""
-    setups = sorted(groups) if len(groups) > 1 else list(groups)
+class _Path(NamedTuple):
+    """A way through the setups so far."""
+
+    seconds: float
+    changes: int
+    done: int  #: of the setups at this X, a bit each
+    spindle: int
+    held: Held
+    last: Setup | None
+    before: "_Path | None"
+
+
+def _cheapest(groups: Sequence[dict[Setup, list[SpindleOp]]], times: Times) -> list[Setup]:
+    """The setups of all X, one X after another, in the order that takes least for changes."""
+    paths = [_Path(0.0, 0, 0, 0, (), None, None)]
+    for group in groups:
+        setups = list(group)
+        waiting = _prerequisites(group)
+        if len(setups) > MOST_SETUPS:
+            waiting = [(1 << i) - 1 for i in range(len(setups))]  # as they are sorted
+        for _ in setups:
+            found: dict[tuple[int, int, Held], _Path] = {}
+            for path in paths:
+                for i, setup in enumerate(setups):
+                    if path.done >> i & 1 or waiting[i] & ~path.done:
+                        continue
+                    after = _step(path, i, setup, group[setup][0].faces, times)
+                    key = after.done, after.spindle, after.held
+                    known = found.get(key)
+                    if known is None or after[:2] < known[:2]:
+                        found[key] = after
+            paths = list(found.values())
+        paths = [path._replace(done=0) for path in sorted(paths, key=_cost)[:MOST_STATES]]
+    order: list[Setup] = []
+    at: _Path | None = min(paths, key=_cost)
+    while at is not None and at.last is not None:
+        order.append(at.last)
+        at = at.before
+    return order[::-1]
+
+
+_cost = itemgetter(0, 1)
+
+
+def _step(path: _Path, i: int, setup: Setup, faces: tuple[Face, ...], times: Times) -> _Path:
+    """The path with one more setup."""
+    seconds, changes, held = path.seconds, path.changes, path.held
+    spindle, tool = setup[1], (setup[0], 0, *setup[2:])
+    if setup != path.last and path.last is not None:
+        changes += 1
+    if spindle != path.spindle:
+        seconds += times.spindle_change_s
+    holding = dict(held)
+    if any(holding.get(face) != tool for face in faces):
+        seconds += times.tool_change_s
+        held = tuple(sorted({**holding, **dict.fromkeys(faces, tool)}.items()))
+    return _Path(seconds, changes, path.done | 1 << i, spindle, held, setup, path)
+
+
+def _prerequisites(group: dict[Setup, list[SpindleOp]]) -> list[int]:
+    """For each setup of one X those that have to be done before it, a bit each."""
+    setups = list(group)
     if setups[0][0] == setups[-1][0]:  # one stage: nothing waits
-        return setups, setups, setups
-    waiting = {
-        (a, b)
+        return [0] * len(setups)
+    return [
+        sum(
+            1 << j
+            for j, b in enumerate(setups)
+            if b[0] < a[0] and any(waits_for(p, q) for p in group[a] for q in group[b])
+        )
         for a in setups
-        for b in setups
-        if b[0] < a[0] and any(waits_for(p, q) for p in groups[a] for q in groups[b])
-    }
-    first = [s for s in setups if all(a != s for a, _ in waiting)]
-    last = [s for s in setups if all(b != s for _, b in waiting)]
-    return setups, first, last
-
-
-def _arrange(station: Station, current: Setup | None, last: Setup) -> list[Setup]:
-    """The setups of one X: `current` first if it may be, `last` at the end, by stages between."""
-    setups, firsts, _ = station
-    first = [s for s in firsts if s == current and s != last]
-    return first + [s for s in setups if s != last and s not in first] + [last]
-
-
-def _choose_lasts(stations: Sequence[Station]) -> list[Setup]:
-    """The setup to end each X with, so that the sum of changes is least."""
-    if not stations:
-        return []
-    costs: dict[Setup | None, int] = {None: 0}
-    steps: list[dict[Setup, Setup | None]] = []
-    for setups, firsts, lasts in stations:
-        count = len(setups)
-        # Arriving with a setup that may be first saves a change, unless it has to be the last
-        # too; one that cannot be used costs the same whichever it is, so the cheapest counts.
-        cheapest = min(costs, key=lambda s: (costs[s], s or ()))
-        reached: dict[Setup | None, int] = {}
-        step: dict[Setup, Setup | None] = {}
-        for last in lasts:
-            best, origin = costs[cheapest] + count, cheapest
-            for current in firsts if count > 1 else setups:
-                if (current != last or count == 1) and current in costs:
-                    cost = costs[current] + count - 1
-                    if cost < best:
-                        best, origin = cost, current
-            reached[last], step[last] = best, origin
-        costs = reached
-        steps.append(step)
-    at: Setup | None = min(costs, key=lambda s: (costs[s], s or ()))
-    path: list[Setup] = []
-    for step in reversed(steps):
-        if at is None:
-            raise AssertionError("the path over the stations is broken")
-        path.append(at)
-        at = step[at]
-    return path[::-1]
+    ]
