@@ -25,6 +25,7 @@ from beamcam.planning.operations import rules as finished_rules
 from beamcam.planning.operations.hole import FinishedPart, judge_point
 from beamcam.planning.operations.hole_pairs import judge_pairs, named
 from beamcam.planning.operations.saw_cut import judge_ends
+from beamcam.planning.operations.slot_pairs import Shape, judge_slots
 from beamcam.planning.paths import pocket_path
 from beamcam.planning.refuse import (
     face_at_work,
@@ -69,6 +70,12 @@ def work_on(part: Part, machine: Machine, saw: Saw, rack: Rack, skips: Collectio
     holes = bench.sort_features(ends)
     kept, dropped = drop_duplicates(holes, rack.drill.duplicate_tolerance)
     bench.tell(judge_pairs(kept, rack.drill))
+    if bench.slots:
+        shapes: list[Shape] = [
+            *bench.slots,
+            *((f, hole) for _, f, hole in kept if hole.kind != "mark"),
+        ]
+        bench.tell(judge_slots(shapes, rack.drill))
     bench.refused |= refuse_too_near(kept, machine)
     bench.add_holes(kept)
     bench.drop_jobs()
@@ -109,6 +116,7 @@ class _Bench:
         self.told: list[tuple[int, Diagnostic]] = []  #: remarks about features
         self.jobs: list[Job] = []
         self.refused: dict[int, Diagnostic] = {}
+        self.slots: list[tuple[int, Slot]] = []  #: on the face that they are made from
         self.sawn: list[int] = []  #: contours that the cuts at the ends make
         self._reached = reach_of(part.profile, machine)
         self._behind: set[int] = set()  #: features that are made from the other side
@@ -190,6 +198,7 @@ class _Bench:
             if not self._refuse(f, said) and self._is_in_part(f, replace(feature, face=face)):
                 if face != feature.face:
                     self._tell_of_face(f, feature, f"a slot of width {feature.diameter:g}", face)
+                self.slots.append((f, replace(feature, face=face)))
                 self.jobs += slot_jobs(f, feature, face, self._reached[face].spindle, self.rack)
         else:
             said = refuse_other(feature, self.part, ends, self.rack, self._reached)
@@ -199,7 +208,11 @@ class _Bench:
                 self.sawn.append(f)
             elif isinstance(feature, Contour):
                 spindle = self._reached[feature.face].spindle
-                self.jobs.append(scribe_job(f, feature, spindle, self.rack))
+                job = scribe_job(f, feature, spindle, self.rack)
+                self.jobs.append(job)
+                beyond = self.finished.judge_line(feature, job.path)
+                if beyond is not None:
+                    self.told.append((f, beyond))
 
     def add_holes(self, holes: Group) -> None:
         """The jobs of all holes, each once and in order along the part."""

@@ -9,15 +9,19 @@ from collections.abc import Iterator
 from math import cos, pi, radians, sin, tan
 
 import pytest
+import shapely
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from msgspec.structs import replace
+from shapely.affinity import rotate, translate
+from shapely.geometry.base import BaseGeometry
 
 from beamcam.errors import PlanError
 from beamcam.machine import load
 from beamcam.model.part import EndCuts, Hole, Part, Profile, Slot
 from beamcam.model.plan import Plan
 from beamcam.planning import plan_bar
+from beamcam.planning.operations.slot_pairs import core_distance
 from tests.unit.planning.shop import SOURCE
 
 BEAM = Profile("I", "IPE300", 300.0, 150.0, 10.7, 7.1, 15.0)
@@ -203,6 +207,30 @@ def test_a_slot_is_held_against_the_part_by_its_corners(angle: float) -> None:
     assert codes(reach + 4, 150) == set()
     assert "plan-off-part" in codes(reach - 1, 150)
     assert codes(700, 75, "o")  # across the web, or into it
+
+
+def slots() -> st.SearchStrategy[Slot]:
+    return st.builds(
+        lambda x, y, d, b, h, angle: Slot("v", 700 + x, 150 + y, d, b, h, angle, SOURCE),
+        st.floats(-60, 60), st.floats(-60, 60), st.sampled_from((18.0, 22.0)),
+        st.sampled_from((10.0, 40.0)), st.sampled_from((0.0, 0.0, 30.0)), st.floats(-90, 90),
+    )  # fmt: skip
+
+
+@settings(deadline=None, max_examples=150)
+@given(slots(), st.one_of(slots(), st.builds(lambda x, y: Hole("v", 700 + x, 150 + y, 18.0, SOURCE),
+                                             st.floats(-60, 60), st.floats(-60, 60))))  # fmt: skip
+def test_the_distance_of_slots_is_that_of_their_outlines(one: Slot, other: Slot | Hole) -> None:
+    def core(shape: Slot | Hole) -> BaseGeometry:
+        if isinstance(shape, Hole):
+            return shapely.Point(shape.x, shape.y)
+        b, h = shape.length / 2, shape.height / 2
+        box = shapely.Polygon([(-b, -h), (b, -h), (b, h), (-b, h)]) if h else (
+            shapely.LineString([(-b, 0), (b, 0)])
+        )  # fmt: skip
+        return translate(rotate(box, shape.angle, (0, 0)), shape.x, shape.y)
+
+    assert core_distance(one, other) == pytest.approx(core(one).distance(core(other)), abs=1e-6)
 
 
 @settings(deadline=None, max_examples=200)

@@ -14,15 +14,16 @@ Across it a wall ends at a free edge or at another wall, which may have a root f
 Most holes are far from all of that, so `is_plain` answers for them, and `judge` for the others.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from math import hypot, inf, radians, tan
 
 from msgspec import Struct
 
 from beamcam.caches import BoundedCache, PerObject
 from beamcam.errors import Diagnostic
+from beamcam.geometry.plane import Point
 from beamcam.machine.machine import Drill, Machine, Tool
-from beamcam.model.part import Face, Hole, Part, Profile, Slot
+from beamcam.model.part import Contour, Face, Hole, Part, Profile, Slot
 from beamcam.model.section import Wall, free_edges, walls_beside
 from beamcam.planning.bar import Ends
 from beamcam.planning.ends import End, web_borders
@@ -138,6 +139,19 @@ class FinishedPart:
             yield rules.BLIND_DEPTH.at(
                 shape.source, found=f"{shape.depth:g}", expected=f"{thickness:g}", **where
             )
+
+    def judge_line(self, line: Contour, points: Sequence[Point]) -> Diagnostic | None:
+        """A warning where a line to mark goes beyond the finished part."""
+        along, width = self.along(line.face), self.across(line.face).width
+        clear = [along.clear(x, y, 0.0) for x, y in points]
+        left, place = min(
+            (min(start for start, _ in clear), "the start of the part"),
+            (min(end for _, end in clear), "the end of the part"),
+            (min(min(y, width - y) for _, y in points), f"the edge of face {line.face}"),
+        )
+        if left >= -TOLERANCE:
+            return None
+        return rules.LINE_BEYOND.at(line.source, face=line.face, out=f"{-left:.3g}", where=place)
 
     def _deeper(self, face: Face) -> float:
         """How much deeper than its wall a through hole is drilled; a fixed stroke passes all."""

@@ -96,6 +96,13 @@ BLIND_POINT = Rule(
     "through the wall of {expected} mm",
     "The depth counts to the full diameter, and the drill's point goes beyond it.",
 )
+LINE_BEYOND = Rule(
+    "plan-line-beyond",
+    _W,
+    "found a line to mark on face {face} that goes {out} mm beyond {where}; "
+    "expected it on the finished part",
+    "What is scribed beyond the part is scribed on waste, or in the air.",
+)
 FROM_BEHIND = Rule(
     "plan-from-behind",
     _N,
@@ -113,5 +120,5 @@ ANGLE_FACE = Rule(
 
 FINISHED_PART = (
     SECTION_SHAPE, CUTS_CROSS, CUTS_TOUCH, SAW_REACH, BAR_LEFT, OFF_PART, NEAR_EDGE, OVERLAP, WALL,
-    FILLET, NEAR_FILLET, BLIND_DEPTH, BLIND_POINT, FROM_BEHIND, ANGLE_FACE,
+    FILLET, NEAR_FILLET, BLIND_DEPTH, BLIND_POINT, LINE_BEYOND, FROM_BEHIND, ANGLE_FACE,
 )  # fmt: skip

@@ -200,6 +200,13 @@ CASES: tuple[Case, ...] = (
     ("plan-blind-point", "beamline", (part(hole(500, kind="blind", depth=4.0)),), {},
      "found a hole of diameter 18 of depth 4 at x 500, y 150 on face v; "
      "its point comes 2.31 mm through the wall of 7.1 mm"),
+    ("plan-line-beyond", "beamline-pusher", (part(LINE, cuts=EndCuts(45.0)),), {},
+     "found a line to mark on face v that goes 106 mm beyond the start of the part; "
+     "expected it on the finished part"),
+    ("plan-near-edge", "beamline-pusher",
+     (part(hole(500), Slot("v", 520, 150, 18, 10, 0, 0, SOURCE)),), {},
+     "found a slot of width 18 at x 520, y 150 on face v, 0 mm from a hole of diameter 18 of "
+     "p.nc1:7; expected at least 3 mm"),
     ("plan-from-behind", "beamline", (part(hole(500, face="h")),), {},
      "found a hole of diameter 18 at x 500, y 150 on face h; it is made from face v"),
     ("plan-angle-face", "beamline", (part(hole(500, 50, face="o"), profile=ANGLE),), {},
