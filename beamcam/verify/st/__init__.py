@@ -1,33 +1,16 @@
-"""Trigger programs of SIMOTION read back: their fixed part compared, the job in it followed.
+"""Trigger programs of SIMOTION verified: what their operations do, compared with the part.
 
-Written from the controller's documentation and the machine file; nothing is shared with planning,
-motion or the emitters.
-
-    text -> fixed part, byte by byte (frame) -> operations (job) -> strokes (work) -> compared
-    machine -> fixed part, checked and run with simulated axes, once (trial)
+text -> operations (controllers/simotion) -> strokes (work) -> compared with the contours
 """
 
 from collections.abc import Collection, Sequence
 
+from beamcam.controllers.simotion import read_program
+from beamcam.controllers.simotion.trial import trial
 from beamcam.errors import Diagnostic, errors_in
 from beamcam.machine.machine import Machine
 from beamcam.model.part import Part
-from beamcam.verify.st.frame import Unreadable, job_of
-from beamcam.verify.st.job import JobRead, read_job
-from beamcam.verify.st.trial import trial
 from beamcam.verify.st.work import Work
-
-__all__ = ["read_program", "verify_triggers"]
-
-
-def read_program(
-    text: str, machine: Machine, name: str = "program"
-) -> tuple[JobRead | None, list[Diagnostic]]:
-    """The job of a program; None and what is wrong where it cannot be read."""
-    try:
-        return read_job(job_of(text, machine, name), machine, name), []
-    except Unreadable as unreadable:
-        return None, [unreadable.diagnostic]
 
 
 def verify_triggers(

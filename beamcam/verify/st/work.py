@@ -6,23 +6,23 @@ follows the lines and arcs of its operations; see `trial` for the proof.
 
 from collections.abc import Sequence
 from itertools import pairwise
-from math import atan2, cos, dist, hypot, inf, pi, sin
+from math import dist, inf
 from typing import cast
 
 from msgspec import Struct, field
 
+from beamcam.controllers.simotion import rules
+from beamcam.controllers.simotion.circles import circle_points
+from beamcam.controllers.simotion.job import JobRead, Operation
 from beamcam.errors import Diagnostic, Rule, Source
 from beamcam.machine.machine import Machine, TorchProcess, TorchRow
 from beamcam.machine.runtime import PROCESSES
-from beamcam.verify.st import rules
-from beamcam.verify.st.job import JobRead, Operation
 
 Place = tuple[float, float]
 
 LINE, ARC = 0, 7
 SHOWN = 5  #: messages of a kind
 SLACK = 1e-6
-CIRCLE_STEPS = 256  #: chords of half a circle
 LONGEST_ARC = 1.1  #: times its two chords; the runtime allows for no more time
 SLOWEST = 0.9  #: of the speed that the machine's table has, or that the cycle time allows
 
@@ -175,29 +175,3 @@ class Work:
         if expected:
             self.say(rules.SPEED, op.line, found=f"{op.speed:g}", what=self.what, expected=expected)
         self.run, self.shortest = [], inf
-
-
-def circle_points(start: Place, middle: Place, end: Place) -> list[Place]:
-    """Points of the arc from start over middle to end; nothing if they lie in a line.
-
-    The centre is where the perpendicular bisectors of both chords meet.
-    """
-    ax, ay = middle[0] - start[0], middle[1] - start[1]
-    bx, by = end[0] - start[0], end[1] - start[1]
-    det = 2 * (ax * by - ay * bx)
-    if abs(det) < 1e-9:
-        return []
-    a2, b2 = ax * ax + ay * ay, bx * bx + by * by
-    cx, cy = (by * a2 - ay * b2) / det, (ax * b2 - bx * a2) / det
-    radius = hypot(cx, cy)
-    centre = (start[0] + cx, start[1] + cy)
-    first = atan2(-cy, -cx)
-    last = atan2(end[1] - centre[1], end[0] - centre[0])
-    sweep = (last - first) % (2 * pi) if det > 0 else -((first - last) % (2 * pi))
-    count = max(2, round(CIRCLE_STEPS * abs(sweep) / pi))
-    inner = [
-        (centre[0] + radius * cos(first + sweep * k / count),
-         centre[1] + radius * sin(first + sweep * k / count))
-        for k in range(1, count)
-    ]  # fmt: skip
-    return [start, *inner, end]

@@ -9,15 +9,15 @@ from typing import Any
 
 from msgspec.structs import replace
 
+from beamcam.controllers.simotion.axes import Axis
+from beamcam.controllers.simotion.cell import Cell
+from beamcam.controllers.simotion.checker import check
+from beamcam.controllers.simotion.parser import parse
+from beamcam.controllers.simotion.syntax import Unit
+from beamcam.controllers.simotion.trial import project_objects
 from beamcam.emitters import simotion
 from beamcam.machine.machine import Machine
 from beamcam.model.triggers import Round, Switch, Travel, TriggerTable
-from beamcam.verify.st.axes import Axis
-from beamcam.verify.st.cell import Cell
-from beamcam.verify.st.checker import check
-from beamcam.verify.st.parser import parse
-from beamcam.verify.st.syntax import Unit
-from beamcam.verify.st.trial import project_objects
 
 from .shop import table_machine
 

@@ -5,19 +5,19 @@ import re
 import pytest
 from msgspec.structs import replace
 
+from beamcam.controllers.simotion import rules as st_rules
+from beamcam.controllers.simotion.cell import Cell
+from beamcam.controllers.simotion.checker import check
+from beamcam.controllers.simotion.interpreter import Fault
+from beamcam.controllers.simotion.parser import parse
+from beamcam.controllers.simotion.trial import project_objects
 from beamcam.emitters import step_table as forms
 from beamcam.errors import Diagnostic
 from beamcam.machine import load
 from beamcam.machine.faults import table_faults
 from beamcam.machine.machine import Machine
 from beamcam.motion.steps import step_table
-from beamcam.verify.st import rules as st_rules
 from beamcam.verify.st import verify_triggers
-from beamcam.verify.st.cell import Cell
-from beamcam.verify.st.checker import check
-from beamcam.verify.st.interpreter import Fault
-from beamcam.verify.st.parser import parse
-from beamcam.verify.st.trial import project_objects
 from beamcam.verify.steps import rules as steps_rules
 from beamcam.verify.steps import verify_table
 

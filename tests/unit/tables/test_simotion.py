@@ -12,6 +12,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from msgspec.structs import replace
 
+from beamcam.controllers.simotion import read_program
+from beamcam.controllers.simotion.trial import trial
 from beamcam.emitters import simotion, simotion_units
 from beamcam.geometry.curves import Line
 from beamcam.machine.faults import table_faults
@@ -20,8 +22,7 @@ from beamcam.machine.runtime import runtime_of
 from beamcam.model.triggers import Switch
 from beamcam.motion.triggers import trigger_table
 from beamcam.planning.sheet import plan_sheet
-from beamcam.verify.st import read_program, verify_triggers
-from beamcam.verify.st.trial import trial
+from beamcam.verify.st import verify_triggers
 from beamcam.verify.st.work import Work
 from tests.unit.sheets.parts import circle, contour, drawing
 

@@ -11,11 +11,11 @@ from typing import Any, NoReturn
 
 from msgspec import Struct
 
+from beamcam.controllers.simotion import rules
+from beamcam.controllers.simotion.frame import UNIT, JobText, Line, Unreadable
 from beamcam.errors import Rule, Source
 from beamcam.machine.machine import Machine
 from beamcam.machine.runtime import PROCESSES
-from beamcam.verify.st import rules
-from beamcam.verify.st.frame import UNIT, JobText, Line, Unreadable
 
 _REAL = r"LREAL#(-?\d+\.\d+)"
 _KIND = r"USINT#(\d+)"

@@ -2,11 +2,11 @@
 
 from collections.abc import Mapping, Sequence
 
+from beamcam.controllers.simotion import library, rules, syntax
+from beamcam.controllers.simotion.expressions import KEYWORDS
+from beamcam.controllers.simotion.names import UNKNOWN, Names, near, text_of
+from beamcam.controllers.simotion.types import Types
 from beamcam.errors import Diagnostic
-from beamcam.verify.st import library, rules, syntax
-from beamcam.verify.st.expressions import KEYWORDS
-from beamcam.verify.st.names import UNKNOWN, Names, near, text_of
-from beamcam.verify.st.types import Types
 
 GREATEST_NAME = 32
 

@@ -7,14 +7,14 @@ the machine's back-off ends, and the high switches lie `overrun` behind it.
 from collections.abc import Sequence
 from typing import Any
 
+from beamcam.controllers.simotion import rules
+from beamcam.controllers.simotion.axes import Axis, Path
+from beamcam.controllers.simotion.circles import circle_points
+from beamcam.controllers.simotion.interpreter import Interpreter
+from beamcam.controllers.simotion.syntax import Unit
 from beamcam.errors import Diagnostic, Rule, Source
 from beamcam.machine.machine import Machine
 from beamcam.machine.runtime import PROCESSES, is_address
-from beamcam.verify.st import rules
-from beamcam.verify.st.axes import Axis, Path
-from beamcam.verify.st.interpreter import Interpreter
-from beamcam.verify.st.syntax import Unit
-from beamcam.verify.st.work import circle_points
 
 Place = tuple[float, float]
 

@@ -2,9 +2,9 @@
 
 import re
 
-from beamcam.verify.st import library, syntax
-from beamcam.verify.st.lexer import Token
-from beamcam.verify.st.syntax import Expression
+from beamcam.controllers.simotion import library, syntax
+from beamcam.controllers.simotion.lexer import Token
+from beamcam.controllers.simotion.syntax import Expression
 
 _WORDS = """
     ACTION AND ARRAY AT BEGIN BY CASE CONFIGURATION CONSTANT DATE DO DT ELSE ELSIF END_ACTION

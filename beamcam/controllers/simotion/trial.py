@@ -8,16 +8,16 @@ from math import hypot
 from typing import TYPE_CHECKING
 
 from beamcam.caches import PerObject
+from beamcam.controllers.simotion import library, rules
+from beamcam.controllers.simotion.checker import check
+from beamcam.controllers.simotion.parser import parse
+from beamcam.controllers.simotion.syntax import Unit
 from beamcam.errors import Diagnostic, Source, errors_in
 from beamcam.machine.machine import Machine
 from beamcam.machine.runtime import PROCESSES, STYLES, is_address, library_runtime
-from beamcam.verify.st import library, rules
-from beamcam.verify.st.checker import check
-from beamcam.verify.st.parser import parse
-from beamcam.verify.st.syntax import Unit
 
 if TYPE_CHECKING:
-    from beamcam.verify.st.cell import Cell
+    from beamcam.controllers.simotion.cell import Cell
 
 AT = (1.0, 2.0)  #: where each line of the trial begins
 SIZE = (3.0, 1.5)  #: of it
@@ -92,8 +92,8 @@ def _program(machine: Machine, style: str) -> str:
 
 def _run(units: list[Unit], machine: Machine, name: str) -> list[Diagnostic]:
     """What happens in a run from the start button to the end."""
-    from beamcam.verify.st.cell import Cell
-    from beamcam.verify.st.interpreter import Fault
+    from beamcam.controllers.simotion.cell import Cell
+    from beamcam.controllers.simotion.interpreter import Fault
 
     assert machine.triggers is not None
     cell = Cell(units, machine, name)

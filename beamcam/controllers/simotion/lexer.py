@@ -4,8 +4,8 @@ import re
 from collections.abc import Iterator
 from typing import NamedTuple
 
+from beamcam.controllers.simotion import rules
 from beamcam.errors import Diagnostic, Source
-from beamcam.verify.st import rules
 
 
 class Token(NamedTuple):

@@ -2,8 +2,8 @@
 
 from collections.abc import Collection, Mapping, Sequence
 
+from beamcam.controllers.simotion import library, rules, syntax
 from beamcam.errors import Diagnostic, Rule, Source
-from beamcam.verify.st import library, rules, syntax
 
 UNKNOWN = "?"  #: the type of what has been complained about already
 

@@ -9,8 +9,8 @@ from collections.abc import Callable, Sequence
 from math import sqrt
 from typing import Any, Protocol
 
+from beamcam.controllers.simotion import rules, syntax
 from beamcam.errors import Diagnostic, Source
-from beamcam.verify.st import rules, syntax
 
 Values = dict[str, Any]
 Get = Callable[[Values], Any]

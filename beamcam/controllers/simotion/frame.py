@@ -8,10 +8,10 @@ import re
 
 from msgspec import Struct
 
+from beamcam.controllers.simotion import rules
 from beamcam.errors import Diagnostic, Source
 from beamcam.machine.machine import Machine
 from beamcam.machine.runtime import STYLES, runtime_of
-from beamcam.verify.st import rules
 
 UNIT = re.compile(r"\(\* ===== UNIT (\w+) ===== \*\)")
 _REMARK = re.compile(r"\(\* (?:(?!\*\)|\(\*).)+ \*\)")

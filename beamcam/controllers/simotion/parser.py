@@ -8,11 +8,11 @@ from __future__ import annotations
 
 from typing import Literal, cast
 
+from beamcam.controllers.simotion import rules, syntax
+from beamcam.controllers.simotion.expressions import KEYWORDS, Expressions, Stop
+from beamcam.controllers.simotion.lexer import tokens
+from beamcam.controllers.simotion.syntax import Expression, Section, Statement
 from beamcam.errors import Diagnostic, Source
-from beamcam.verify.st import rules, syntax
-from beamcam.verify.st.expressions import KEYWORDS, Expressions, Stop
-from beamcam.verify.st.lexer import tokens
-from beamcam.verify.st.syntax import Expression, Section, Statement
 
 _SECTIONS: dict[str, Section] = {
     "VAR_INPUT": "input", "VAR_OUTPUT": "output", "VAR_IN_OUT": "inout", "VAR": "local",

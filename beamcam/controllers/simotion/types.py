@@ -2,8 +2,8 @@
 
 from collections.abc import Sequence
 
-from beamcam.verify.st import library, rules, syntax
-from beamcam.verify.st.names import UNKNOWN, Names, near, text_of
+from beamcam.controllers.simotion import library, rules, syntax
+from beamcam.controllers.simotion.names import UNKNOWN, Names, near, text_of
 
 _NUMERIC = (*library.NUMBERS, "integer", "real")
 _WITH_A_POINT = ("REAL", "LREAL", "real")

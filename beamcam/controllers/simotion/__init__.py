@@ -1,0 +1,21 @@
+"""Trigger programs of SIMOTION: their fixed part compared, the job in them read.
+
+text -> fixed part, byte by byte (frame) -> operations (job)
+machine -> fixed part, parsed, checked and run with simulated axes, once (trial)
+Structured Text: lexer -> parser (syntax) -> names, types, bounds (checker) -> interpreter
+"""
+
+from beamcam.controllers.simotion.frame import Unreadable, job_of
+from beamcam.controllers.simotion.job import JobRead, read_job
+from beamcam.errors import Diagnostic
+from beamcam.machine.machine import Machine
+
+
+def read_program(
+    text: str, machine: Machine, name: str = "program"
+) -> tuple[JobRead | None, list[Diagnostic]]:
+    """The job of a program; None and what is wrong where it cannot be read."""
+    try:
+        return read_job(job_of(text, machine, name), machine, name), []
+    except Unreadable as unreadable:
+        return None, [unreadable.diagnostic]

@@ -1,0 +1,89 @@
+"""The runtime with one line changed: the laws of test_faults.py are broken by each."""
+
+import pytest
+
+from beamcam.controllers.simotion.syntax import Unit
+from beamcam.emitters import simotion
+
+from . import test_faults as laws
+from .plant import small_job, small_machine, units_of
+
+LAWS = (
+    laws.test_a_run_without_faults_ends_at_home,
+    laws.test_a_low_switch_that_closes_in_work_is_a_fault,
+    laws.test_an_operation_that_does_not_arrive_is_a_fault,
+    laws.test_homing_that_takes_too_long_is_a_fault,
+    laws.test_a_low_switch_that_sticks_is_a_fault_of_homing,
+    laws.test_homing_leaves_a_high_switch_but_does_not_meet_it_again,
+    laws.test_an_axis_that_runs_from_its_switch_is_a_fault,
+    laws.test_a_command_that_is_refused_is_a_fault,
+    laws.test_a_stop_that_is_refused_is_repeated,
+    laws.test_a_button_that_is_held_at_power_up_starts_nothing,
+    laws.test_after_the_end_a_new_press_makes_the_part_again,
+    laws.test_a_start_button_does_nothing_in_work_or_in_a_fault,
+    laws.test_a_fault_stays_until_the_axis_reports_no_error,
+    laws.test_an_axis_that_reports_an_error_before_the_start_is_told,
+    laws.test_an_acknowledge_button_that_is_held_acknowledges_nothing,
+    laws.test_an_axis_that_drops_out_in_mid_cut,
+)
+ARGUMENTS = {
+    laws.test_a_run_without_faults_ends_at_home: ("chain", False, True),
+    laws.test_a_low_switch_that_closes_in_work_is_a_fault: (0,),
+    laws.test_an_operation_that_does_not_arrive_is_a_fault: ("chain", False, 0),
+    laws.test_homing_that_takes_too_long_is_a_fault: (0,),
+}
+
+NEVER = "FALSE"
+MUTANTS = [
+    # What stands in the runtime, which word of it is changed, and into what.
+    ("IF limitXLow OR limitXHigh OR limitYLow", "limitXLow OR limitXHigh OR limitYLow", NEVER),
+    ("ELSIF NOT (watchX.fit AND watchY.fit) THEN", "AND", "OR"),
+    ("ELSIF elapsed > allowed THEN", "elapsed > allowed", NEVER),
+    ("IF elapsed > MAX_HOMING_S THEN", "elapsed > MAX_HOMING_S", NEVER),
+    ("startPressed := startButton AND NOT startBefore", " AND NOT startBefore", ""),
+    ("startBefore : BOOL := TRUE", "TRUE", "FALSE"),
+    ("startButton AND NOT startBefore", "NOT startBefore", "startBefore"),
+    ("acknowledgeButton AND NOT acknowledgeBefore", " AND NOT acknowledgeBefore", ""),
+    ("IF commandFault THEN\n            fault := INT#5;", "commandFault", NEVER),
+    ("stopAll(first := TRUE);", "TRUE", "FALSE"),
+    ("stoppedX := answer = DINT#0;", "answer = DINT#0", "TRUE"),
+    ("IF acknowledged AND NOT watchX.faulty", " AND NOT watchX.faulty", ""),
+    ("IF watchX.faulty OR watchY.faulty THEN", "watchX.faulty OR watchY.faulty", NEVER),
+    ("IF (workState <> INT#2) OR commandFault", "(workState <> INT#2) OR commandFault", NEVER),
+    ("ELSIF NOT leavesHigh OR (phase > INT#2) THEN", "NOT leavesHigh OR (phase > INT#2)", NEVER),
+    ("leavesHigh := limitHigh;", "limitHigh", "FALSE"),
+    ("IF limitLow THEN\n                    fault := INT#1;", "limitLow", NEVER),
+    ("ELSIF axis.basicMotion.position > startedAt", "> startedAt", "> LREAL#1000.0 + startedAt"),
+    ("0, 3: (*", "0, 3", "0"),
+    ("operation := DINT#0;\n                    operationWaits", "DINT#0", "operation"),
+    ("triggerActive[k] := FALSE;", "FALSE", "triggerActive[k]"),
+    ("phase := INT#0;\n            homed := FALSE;", "INT#0", "phase"),
+    ("shareX,\n                positiveAccelType", "shareX", "shareY"),
+    ("fit := (axis.control = ACTIVE) AND NOT faulty;", "(axis.control = ACTIVE) AND ", ""),
+    ("targetX)\n                                    <= IN_POSITION)", "IN_POSITION", "LREAL#100.0"),
+    ("ELSIF NOT begins THEN", "NOT begins", "TRUE"),
+    ("workFault := workState = INT#4;", "INT#4", "INT#5"),
+    ("faultNumber := INT#0;\n                    workState := INT#0;", "INT#0", "faultNumber"),
+]  # fmt: skip
+
+
+def changed(where: str, find: str, put: str) -> tuple[Unit, ...]:
+    machine = small_machine()
+    text = simotion.emit(small_job(), machine, "chain")
+    mutant = text.replace(where, where.replace(find, put, 1), 1)
+    assert mutant != text
+    return units_of(mutant, machine)
+
+
+@pytest.mark.parametrize(("where", "find", "put"), MUTANTS)
+def test_a_changed_runtime_breaks_a_law(
+    where: str, find: str, put: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    units = changed(where, find, put)
+    monkeypatch.setattr(laws, "loaded", lambda *_: units)
+    for law in LAWS:
+        try:
+            law(*ARGUMENTS.get(law, ()))  # type: ignore[operator]
+        except AssertionError:
+            return
+    pytest.fail("no law is broken")
