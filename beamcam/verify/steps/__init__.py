@@ -12,14 +12,14 @@ from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
 from math import sqrt
 from typing import Any
 
+from beamcam.controllers.step_table.header import header_rows
+from beamcam.controllers.step_table.rows import Rows, Stream, TableFault, binary_rows, text_rows
 from beamcam.errors import Diagnostic, errors_in
 from beamcam.machine.machine import Machine
 from beamcam.machine.tables import Stepper
 from beamcam.model.part import Part
 from beamcam.verify.steps.follow import Followed
-from beamcam.verify.steps.header import header_rows
 from beamcam.verify.steps.outline import Outline
-from beamcam.verify.steps.rows import Rows, Stream, TableFault, binary_rows, text_rows
 from beamcam.verify.steps.velocities import ROUND, Velocities, stretches
 
 __all__ = ["FORMS", "verify_table"]

@@ -6,13 +6,14 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
+from beamcam.controllers.step_table import rules as row_rules
+from beamcam.controllers.step_table.rows import Ints, Rows
 from beamcam.errors import Diagnostic, Source
 from beamcam.machine.machine import Machine
 from beamcam.machine.tables import Stepper
 from beamcam.verify.steps import rules
 from beamcam.verify.steps.outline import Outline, Seen, Times
 from beamcam.verify.steps.pace import Pace, Swerve
-from beamcam.verify.steps.rows import Ints, Rows
 
 Floats = NDArray[np.float64]
 
@@ -156,7 +157,7 @@ class Followed:
         """What can be said at the end only."""
         end = Source(self.name)
         if not self.begun:
-            self.say([rules.ROW.at(end, found="no rows", expected="a row at least")])
+            self.say([row_rules.ROW.at(end, found="no rows", expected="a row at least")])
         if self.laser:
             self._end_stroke()
             self.say([rules.LASER.at(end, found="the laser on at the end", expected="it off")])

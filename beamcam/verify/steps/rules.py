@@ -1,21 +1,9 @@
-"""What can be wrong with a table of steps or of velocities."""
+"""What can be wrong with what a table of steps or of velocities makes."""
 
 from beamcam.errors import Rule, Severity
 
 _E = Severity.ERROR
 
-ROW = Rule(
-    "steps-row",
-    _E,
-    "found {found}; expected {expected}",
-    "The micro-controller would stop there, or read something else.",
-)
-HEAD = Rule(
-    "steps-head",
-    _E,
-    "found {found} in the head of the table; expected {expected}",
-    "The table is for motors or lead screws that this machine does not have.",
-)
 WORD = Rule(
     "steps-word",
     _E,
@@ -72,5 +60,5 @@ COUNT = Rule(
 )
 
 RULES = (
-    ROW, HEAD, WORD, TIME, FREQUENCY, ACCELERATION, LASER, PLACE, SPEED, VELOCITY, COUNT,
+    WORD, TIME, FREQUENCY, ACCELERATION, LASER, PLACE, SPEED, VELOCITY, COUNT,
 )  # fmt: skip

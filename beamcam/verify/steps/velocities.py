@@ -12,11 +12,12 @@ from typing import NamedTuple
 import numpy as np
 import shapely
 
+from beamcam.controllers.step_table import rules as row_rules
+from beamcam.controllers.step_table.rows import Stream, shown
 from beamcam.errors import Diagnostic, Rule, Source
 from beamcam.machine.machine import Machine
 from beamcam.verify.steps import rules
 from beamcam.verify.steps.outline import BELOW_GREATEST, SPEED_SLACK, Outline, Seen
-from beamcam.verify.steps.rows import Stream, shown
 
 COLUMNS = b"x,y,velocity_x,velocity_y,laser,steps_x,steps_y,hz_x,hz_y"
 #: Half of the last decimal of lengths and velocities, and of frequencies.
@@ -57,7 +58,7 @@ def stretches(stream: Stream, step: float) -> Iterator[Stretch]:
             said = _FIRST_LINE.fullmatch(line)
             if said is None or float(said[1]) != step:
                 expected = f"# beamcam/velocities/1 job JOB step {step:g} mm"
-                raise stream.fault(shown(line), expected, stream.line - 1, rules.HEAD)
+                raise stream.fault(shown(line), expected, stream.line - 1, row_rules.HEAD)
     here = (0.0, 0.0)
     while first := stream.take(1):
         stream.give_back(first)
@@ -195,7 +196,7 @@ class Velocities:
         """What can be said at the end only."""
         self._end_stroke()
         if not self.rows:
-            self.say(rules.ROW, None, found="no rows", expected="a row at least")
+            self.say(row_rules.ROW, None, found="no rows", expected="a row at least")
         if self.here != (0.0, 0.0):
             x, y = (f"{v:g}" for v in self.here)
             self.say(rules.PLACE, None, x=x, y=y, expected="it in the corner at the end")

@@ -3,6 +3,7 @@
 import numpy as np
 import shapely
 
+from beamcam.controllers.step_table.rows import Stream, binary_rows
 from beamcam.emitters import step_table as forms
 from beamcam.geometry.curves import Line
 from beamcam.machine import load
@@ -12,7 +13,6 @@ from beamcam.verify.sheets import events_of
 from beamcam.verify.sheets.events import Leg
 from beamcam.verify.steps.follow import Followed
 from beamcam.verify.steps.outline import Floats, Outline
-from beamcam.verify.steps.rows import Stream, binary_rows
 
 from .plant import DONE, Plant, units_of
 from .shop import part, plan, program, table_machine

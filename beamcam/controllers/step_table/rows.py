@@ -15,9 +15,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from beamcam.controllers.step_table import rules
 from beamcam.errors import Diagnostic, Rule, Source
 from beamcam.machine.tables import Stepper
-from beamcam.verify.steps import rules
 
 Ints = NDArray[np.int64]
 

@@ -5,9 +5,9 @@ from collections.abc import Iterator
 import numpy as np
 from numpy.typing import NDArray
 
+from beamcam.controllers.step_table import rules
+from beamcam.controllers.step_table.rows import BLOCK_ROWS, Rows, Stream, shown, unpacked
 from beamcam.machine.tables import Stepper
-from beamcam.verify.steps import rules
-from beamcam.verify.steps.rows import BLOCK_ROWS, Rows, Stream, shown, unpacked
 
 ROW = b"0x%08xu,\n"
 ROW_BYTES = len(ROW % 0)
