@@ -14,7 +14,7 @@ from beamcam.model.part import Part, Profile
 from beamcam.verify import rules
 from beamcam.verify.bars.ability import may_be_missing, repeats
 from beamcam.verify.bars.cut_faults import CutFaults
-from beamcam.verify.bars.holes import NEAR, HoleCheck, Want
+from beamcam.verify.bars.holes import HoleCheck, Want
 from beamcam.verify.bars.layout import Candidate, Laid, lay_out, wedge_cuts
 from beamcam.verify.bars.made import Made
 from beamcam.verify.bars.part_ends import End, ends_of
@@ -23,9 +23,7 @@ from beamcam.verify.bars.pockets import Led, check_paths, is_led
 from beamcam.verify.bars.shop import Shop
 from beamcam.verify.bars.stations import Choice
 from beamcam.verify.bars.targets import (
-    Course,
     Lack,
-    Pocket,
     Round,
     Target,
     targets_of,
@@ -148,16 +146,27 @@ class Comparison:
             for i, (part, start) in enumerate(zip(parts, faults.starts, strict=True))
         ]
 
-    def _faults(self, candidate: Candidate, start: float) -> int:
-        """How many features of a part are not there if it starts at a bar x."""
+    def _faults(self, candidate: Candidate, start: float) -> tuple[int, int]:
+        """How many features of a part are not there if it starts at a bar x.
+
+        Of two ways with as many the one is meant in which more is made.
+        """
         from_x = self.shop.drill.x + start
-        targets = self._targets_of(candidate.part, candidate.ends)
-        wants = [Want(0, t, from_x + t.x) for t in targets if isinstance(t, Round)]
-        lacks = sum(isinstance(t, Lack) for t in targets)
-        starts = [x for trail in self.made.trails for x, _ in trail.points[:1]]
-        paths = [t for t in targets if not isinstance(t, Round | Lack)]
-        far = sum(all(abs(x - from_x - _x_of(t)) > NEAR for x in starts) for t in paths)
-        return self.holes.unmade(wants) + lacks + far
+        part, shop = candidate.part, self.shop
+        targets = self._targets_of(part, candidate.ends)
+        spare = may_be_missing(part, targets, shop, self.asked.skips)
+        missing = [
+            t.feature
+            for t in targets
+            if isinstance(t, Lack)
+            or (
+                not self.holes.is_made(Want(0, t, from_x + t.x))
+                if isinstance(t, Round)
+                else not is_led(self.made.trails, t, from_x, shop)
+            )
+            if not (isinstance(t, Round) and t.optional)
+        ]
+        return sum(f not in spare for f in missing), len(missing)
 
     def _missed(self, left: Sequence[Want], optional: Collection[tuple[int, int]]) -> list[Want]:
         """Of the holes that nothing makes those that have to be there.
@@ -191,11 +200,6 @@ class Comparison:
             if cut and place[line] > place[cut]:
                 x = self.holes.bores[i].x
                 yield rules.CUT_OFF.at(Source(self.name, line), found=f"{x:g}", cut=cut)
-
-
-def _x_of(target: Pocket | Course) -> float:
-    """Where a pocket or line is along its part."""
-    return target.x if isinstance(target, Pocket) else target.curves[0].start[0]
 
 
 def _section(made: Made, profile: Profile, machine: Machine, name: str) -> Iterator[Diagnostic]:

@@ -69,9 +69,9 @@ class HoleCheck:
                 self.made[best] = want
         return left
 
-    def unmade(self, wants: Iterable[Want]) -> int:
-        """How many holes nothing makes rightly."""
-        return sum(self._right(want) is None for want in wants if not want.target.optional)
+    def is_made(self, want: Want) -> bool:
+        """Whether something makes a hole rightly."""
+        return self._right(want) is not None
 
     def _right(self, want: Want) -> int | None:
         """The bore that makes a hole rightly, of those not taken: the nearest in size."""

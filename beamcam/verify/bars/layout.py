@@ -32,8 +32,8 @@ class Laid(NamedTuple):
     piece: Piece | None  #: None where its ends are not as they should be
 
 
-#: How many faults a part would have that starts at a bar x.
-Faults = Callable[[Candidate, float], int]
+#: How unlike a part is to what is there if it starts at a bar x.
+Faults = Callable[[Candidate, float], tuple[int, int]]
 
 
 def lay_out(

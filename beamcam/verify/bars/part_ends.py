@@ -8,7 +8,6 @@ in y and of the flange in z (across, from the h side):
 and touch x = 0 and x = length at their furthest points.
 """
 
-from collections.abc import Sequence
 from math import atan, atan2, cos, degrees, hypot, radians, tan
 from typing import NamedTuple
 
@@ -112,7 +111,7 @@ def _corners(profile: Profile) -> tuple[Point, ...]:
 
 
 def _drawn(part: Part, face: Face) -> tuple[float, float]:
-    """Angles of start and end as an outline has them; 0 where one is no straight line."""
+    """Angles of start and end as an outline has them; 0 where either is no straight line."""
     outlines = [
         f for f in part.features
         if isinstance(f, Contour) and f.face == face and f.kind == "outer"
@@ -129,19 +128,19 @@ def _drawn(part: Part, face: Face) -> tuple[float, float]:
     within = [
         p for p in points if low + OUTLINE_TOLERANCE < p[1] < high - OUTLINE_TOLERANCE
     ]  # fmt: skip
-    return (
-        _slope(min(bottom), min(top), low, high, [p for p in within if p[0] < part.length / 2]),
-        _slope(max(bottom), max(top), low, high, [p for p in within if p[0] > part.length / 2]),
+    ends = (
+        (min(bottom), min(top), [p for p in within if p[0] < part.length / 2]),
+        (max(bottom), max(top), [p for p in within if p[0] > part.length / 2]),
     )
-
-
-def _slope(bottom: float, top: float, low: float, high: float, within: Sequence[Point]) -> float:
-    """The angle of an end through two points; 0 if another point of it is not on the line."""
-    for x, y in within:
-        if abs(x - bottom - (top - bottom) * (y - low) / (high - low)) > OUTLINE_TOLERANCE:
-            return 0.0
-    angle = degrees(atan2(bottom - top, high - low))
-    return angle if abs(angle) > ANGLE_TOLERANCE_DEG else 0.0
+    for x_low, x_high, between in ends:
+        for x, y in between:
+            if abs(x - x_low - (x_high - x_low) * (y - low) / (high - low)) > OUTLINE_TOLERANCE:
+                return 0.0, 0.0  # what is not sawn says nothing of the saw
+    start, end = (degrees(atan2(a - b, high - low)) for a, b, _ in ends)
+    return (
+        start if abs(start) > ANGLE_TOLERANCE_DEG else 0.0,
+        end if abs(end) > ANGLE_TOLERANCE_DEG else 0.0,
+    )
 
 
 def off_outline(contour: Contour, part: Part, ends: tuple[End, End]) -> Point | None:

@@ -1,7 +1,7 @@
 """The paths that a program leads tools along, against the slots and lines of the parts."""
 
 from collections.abc import Iterator, Sequence
-from math import cos, inf, radians, sin
+from math import cos, radians, sin
 from typing import NamedTuple
 
 from beamcam.errors import Diagnostic, Source
@@ -32,7 +32,7 @@ def check_paths(
     left = list(trails)
     for want in wanted:
         target, mark = want.target, parts[want.part].mark
-        trail = _meant(left, want)
+        trail = _meant(left, want, allowed)
         if trail is None:
             source = target.source.source
             yield rules.NOT_MADE.at(source, found=f"the {target.what}", mark=mark)
@@ -55,7 +55,7 @@ def check_paths(
 def is_led(trails: Sequence[Trail], target: Pocket | Course, from_x: float, shop: Shop) -> bool:
     """Whether a path is there that makes a pocket or line."""
     want = Led(0, target, from_x)
-    trail = _meant(trails, want)
+    trail = _meant(trails, want, _allowed(shop))
     return trail is not None and _off(trail, want) <= _allowed(shop)
 
 
@@ -72,17 +72,24 @@ def _off(trail: Trail, want: Led) -> float:
     return line_error(want.target.curves, points)
 
 
-def _meant(trails: Sequence[Trail], want: Led) -> Trail | None:
-    """The path that a pocket or line is made by: the nearest, about one middle the one of its
-    size."""
+def _meant(trails: Sequence[Trail], want: Led, allowed: float) -> Trail | None:
+    """The path that makes a pocket or line, or else the one that may have been meant for it.
+
+    The nearest come first, of those about one middle the one of its size.
+    """
     kind = "mill" if isinstance(want.target, Pocket) else "scribe"
     near = [
-        (*_apart(trail, want.target, want.from_x), trail.line, trail)
+        (apart, unlike, trail.line, trail)
         for trail in trails
         if trail.kind == kind and trail.face == want.target.face
+        for apart, unlike in [_apart(trail, want.target, want.from_x)]
+        if apart <= NEAR
     ]
-    found = min(near, key=lambda n: (n[0] + n[1], n[2]), default=(inf, inf, 0, None))
-    return found[3] if found[0] <= NEAR else None
+    near.sort(key=lambda n: (n[0] + n[1], n[2]))
+    if len(near) > 1:
+        right = (n[3] for n in near if _off(n[3], want) <= allowed)
+        return next(right, near[0][3])
+    return near[0][3] if near else None
 
 
 def _apart(trail: Trail, target: Pocket | Course, from_x: float) -> tuple[float, float]:
