@@ -4,9 +4,10 @@ Every emitted program of the samples is broken in one place, many times over: bl
 doubled and swapped, signs flipped, digits changed, words exchanged, spindles, tools, diameters
 and angles replaced. `outcome` tells, in a way that shares nothing with the read-back, whether what
 the machine makes is another thing now. All such mutants have to be caught, and programs that only
-look different (renumbered, respaced, commented, leading zeros) have to raise nothing.
+look different (renumbered, respaced, commented, leading zeros) have to raise nothing. Programs that
+make the part but break a tool (`faults`), and plans that lie (`liars`), have to be refused too.
 
-    python benchmarks/mutation.py [--mutants 2000] [--seed 1]
+    python benchmarks/mutation.py [--mutants 2500] [--seed 1]
 """
 
 import random
@@ -21,21 +22,34 @@ from msgspec import Struct
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
 
-from beamcam.errors import Diagnostic, Severity
+from beamcam.errors import Diagnostic, Severity, Source
 from beamcam.machine import Machine, load
-from beamcam.model.part import Part
+from beamcam.model.part import Hole, Part, Profile
 from beamcam.pipeline import parts_of, post, read_file
 from beamcam.planning import SKIP_NAMES
 from beamcam.verify import verify
 from beamcam.verify.left_out import LEFT_OUT
+from benchmarks.faults import FAULTS
+from benchmarks.liars import told
 from benchmarks.mutants import FACES, MUTATIONS, REWRITES
 from benchmarks.script import arguments, at_least, start
 
 ROOT = Path(__file__).resolve().parent.parent
+FAULTS_EACH = 4  #: of each kind in every program
 MACHINES = ("beamline", "beamline-annex", "beamline-pusher")
 BARS = (
     ("beam",), ("channel",), ("strut",), ("tie",), ("beam", "beam"), ("strut", "strut"),
     ("tie", "tie", "tie"), ("channel", "channel"),
+)  # fmt: skip
+
+
+_SOURCE = Source("many.nc1", 1)
+#: Seven drills for five stations.
+MANY_TOOLS = Part(
+    "MANY", Profile("I", "IPE300", 300.0, 150.0, 10.7, 7.1, 15.0), 2500.0, _SOURCE,
+    features=tuple(
+        Hole("v", 300.0 + 150.0 * i, 150.0, 10.0 + 2 * i, _SOURCE) for i in range(7)
+    ),
 )  # fmt: skip
 
 
@@ -46,22 +60,10 @@ class Case(Struct, frozen=True):
     text: str
     parts: tuple[Part, ...]
     machine: Machine
-
-    def outcome(self, text: str) -> "Outcome":
-        """What a program makes, without the cut that takes the wedge of the last part off.
-
-        The part is free without it; it squares what is left of the bar, if anything is.
-        """
-        made = outcome(text)
-        if self.parts[-1].cuts.web_end:
-            square = self.machine.saw.square if self.machine.saw else 0.0
-            last = max((i for i, d in enumerate(made) if d[0] == "cut"), default=-1)
-            if last >= 0 and made[last][3] == square:
-                del made[last]
-        return made
+    bar: float  #: its length
 
     def said(self, text: str) -> tuple[Diagnostic, ...]:
-        found = verify(text, self.parts, self.machine, SKIP_NAMES)
+        found = verify(text, self.parts, self.machine, SKIP_NAMES, bar=self.bar)
         return tuple(d for d in found if d.code != LEFT_OUT.code)
 
     def caught(self, text: str) -> bool:
@@ -69,14 +71,17 @@ class Case(Struct, frozen=True):
 
 
 def cases(machines: Sequence[str] = MACHINES) -> Iterator[Case]:
-    """The programs of all samples."""
+    """The programs of all samples, and one that stops for a tool by hand."""
     for name in machines:
         machine = load(name)
+        if machine.words.change:
+            posted = post([MANY_TOOLS], machine, bar=6000.0)
+            yield Case(f"{name} many tools", posted.text, (MANY_TOOLS,), machine, 6000.0)
         for bar in BARS:
             parts, _ = parts_of(read_file(str(ROOT / f"samples/dstv/{s}.nc1")) for s in bar)
             length = max(6000.0, 500 + sum(p.length + 20 for p in parts))
             posted = post(parts, machine, bar=length, skips=SKIP_NAMES)
-            yield Case(f"{name} {'+'.join(bar)}", posted.text, parts, machine)
+            yield Case(f"{name} {'+'.join(bar)}", posted.text, parts, machine, length)
 
 
 # What a program makes, told in the simplest way
@@ -151,6 +156,38 @@ def _same(old: tuple[object, ...], new: tuple[object, ...], part: Part, step: fl
     return old[across] == new[across] and through - step <= now <= was
 
 
+class FaultScore(Struct):
+    """What became of programs with a fault of the process; `alone` without parts at hand."""
+
+    made: Counter[str]
+    caught: Counter[str]
+    alone: Counter[str]
+    missed: list[tuple[str, str]]  #: case and fault
+
+
+def faults(each: int, seed: int, programs: Sequence[Case] | None = None) -> FaultScore:
+    """Every fault of the process, `each` times in every program that it is possible in."""
+    rng = random.Random(seed)
+    result = FaultScore(Counter(), Counter(), Counter(), [])
+    for case in programs if programs is not None else cases():
+        lines = case.text.split("\n")
+        for fault in FAULTS:
+            for _ in range(each):
+                found = fault(list(lines), rng)
+                if found is None:
+                    continue
+                text = "\n".join(found)
+                name = fault.__name__
+                caught = any(d.severity is Severity.ERROR for d in case.said(text))
+                result.made[name] += 1
+                result.caught[name] += caught
+                alone = verify(text, (), case.machine)
+                result.alone[name] += any(d.severity is Severity.ERROR for d in alone)
+                if not caught:
+                    result.missed.append((case.name, name))
+    return result
+
+
 class Score(Struct):
     """What became of the mutants."""
 
@@ -168,7 +205,7 @@ def score(mutants: int, seed: int, programs: Sequence[Case] | None = None) -> Sc
     rng = random.Random(seed)
     programs = programs if programs is not None else list(cases())
     result = Score(Counter(), Counter(), 0, 0, [], 0, [])
-    originals = [(c, c.text.split("\n"), c.outcome(c.text)) for c in programs]
+    originals = [(c, c.text.split("\n"), outcome(c.text)) for c in programs]
     seen: set[tuple[str, str]] = set()
     turns = 0
     while sum(result.made.values()) < mutants and turns < 20 * mutants:
@@ -181,7 +218,7 @@ def score(mutants: int, seed: int, programs: Sequence[Case] | None = None) -> Sc
             continue
         seen.add((case.name, text))
         caught = case.caught(text)
-        if not changed(before, case.outcome(text), case.parts[0], case.machine.format.resolution):
+        if not changed(before, outcome(text), case.parts[0], case.machine.format.resolution):
             result.harmless += 1
             result.said_of_harmless += caught
             continue
@@ -200,7 +237,7 @@ def score(mutants: int, seed: int, programs: Sequence[Case] | None = None) -> Sc
 
 def main() -> None:
     parser = arguments(__doc__)
-    parser.add_argument("--mutants", type=at_least(1), default=2000, help="default 2000")
+    parser.add_argument("--mutants", type=at_least(1), default=2500, help="default 2500")
     parser.add_argument("--seed", type=int, default=1, help="default 1")
     asked = parser.parse_args()
     result = score(asked.mutants, asked.seed)
@@ -213,6 +250,14 @@ def main() -> None:
         f"{result.said_of_harmless} of them break a rule and are refused for that"
     )
     print(f"{result.rewrites} rewrites of unchanged meaning, {len(result.false_alarms)} alarms")
+    broken = faults(FAULTS_EACH, asked.seed)
+    for name in sorted(broken.made):
+        of = f"{broken.caught[name]:5} of {broken.made[name]:5} caught"
+        print(f"{name:22} {of}, {broken.alone[name]:5} without the parts")
+    lied = told(MACHINES)
+    print(f"{sum(lied.caught.values())} of {sum(lied.made.values())} lies of the planner caught")
+    for missed in (*broken.missed[:5], *lied.missed[:5]):
+        print("missed:", *missed)
     for name, mutation, text in result.missed[:5]:
         print(f"\nmissed: {name}, {mutation}")
         original = next(c.text for c in cases() if c.name == name).split("\n")

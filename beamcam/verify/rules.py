@@ -85,12 +85,18 @@ SPEED = Rule(
     "found a speed of {found} rpm for {what}; expected {least} to {greatest} rpm",
     "The speed is beyond the spindle's limits, or more than 1.2 times what the cutting data give.",
 )
+SPINDLE_IDLE = Rule(
+    "verify-spindle-idle",
+    _E,
+    "found {what} started and stopped without a stroke; expected a feed into the material between",
+    "A rapid in place of the feed goes into the steel, and a missing stroke leaves out a hole.",
+)
 TOOL_CHANGE = Rule(
     "verify-tool-change",
     _E,
-    "found {what} chosen on spindle {spindle}; expected a stop before that puts it into one of the "
-    "{stations} stations",
-    "The stations hold the tools that the program needs first; another one comes in by hand only.",
+    "found {found} on spindle {spindle}; expected {expected}",
+    "The stations hold the tools that the program needs first; another one comes in by hand only, "
+    "where the program stops for it.",
 )
 UNSEEN = Rule(
     "verify-unseen",
@@ -221,7 +227,8 @@ MODBUS = Rule(
 
 RULES = (
     *CONTROLLER_RULES, NO_END, LIMIT, STOP_BACK, CUT_OFF, NO_SPINDLE, SPINDLE_OFF, SPINDLE_ON,
-    SPINDLE_STOPPED, SPEED, COOLANT, RAPID, CLEARANCE, UNSEEN, SIDEWAYS, TOOL_CHANGE, NO_FEED, FEED,
+    SPINDLE_STOPPED, SPINDLE_IDLE,
+    SPEED, COOLANT, RAPID, CLEARANCE, UNSEEN, SIDEWAYS, TOOL_CHANGE, NO_FEED, FEED,
     FEED_LIMIT, SECTION, CUT_MISSING, CUT_PLACE, CUT_ANGLE, CUT_EXTRA, OUTLINE, HOLE_MISSING,
     HOLE_PLACE, HOLE_EXTRA, DEPTH, TOOL, TURN, PATH, PATH_EXTRA, NOT_MADE, MODBUS,
 )  # fmt: skip

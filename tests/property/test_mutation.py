@@ -6,8 +6,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from benchmarks.faults import FAULTS, NEED_PARTS
+from benchmarks.liars import told
 from benchmarks.mutants import MUTATIONS, REWRITES, Mutate, wrong_spindle
-from benchmarks.mutation import Case, Score, cases, changed, outcome, score
+from benchmarks.mutation import MACHINES, Case, Score, cases, changed, faults, outcome, score
 
 MUTANTS = 2000
 
@@ -39,6 +41,22 @@ def test_every_kind_of_mutation_took_part(result: Score) -> None:
 def test_unchanged_meaning_raises_nothing(result: Score, programs: list[Case]) -> None:
     assert result.rewrites == len(REWRITES) * len(programs)
     assert result.false_alarms == []
+
+
+def test_what_breaks_a_tool_is_refused_with_and_without_parts(programs: list[Case]) -> None:
+    result = faults(1, 5, programs)
+    assert set(result.made) == {fault.__name__ for fault in FAULTS}
+    assert result.missed == []
+    for name, count in result.made.items():
+        assert name in NEED_PARTS or result.alone[name] == count, name
+
+
+def test_whatever_the_planner_says_of_a_plan_that_lies_it_is_refused() -> None:
+    lies = told(MACHINES, every=7)
+    assert lies.missed == []
+    assert sum(lies.made.values()) > 500
+    kinds = {lie.split(" ")[0] for lie in lies.made}
+    assert kinds == {"cut", "drill", "tap", "countersink", "punch", "mill", "scribe", "piece"}
 
 
 def test_rewrites_do_change_the_text(programs: list[Case]) -> None:

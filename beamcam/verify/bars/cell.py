@@ -235,6 +235,7 @@ class Cell(CellState):
         depth: float,
     ) -> None:  # fmt: skip
         self._ready(move, station)
+        self.idle = False
         if self.cycle.feeds and not move.own_feed and move.feed_mm_min > 0:
             self.say(rules.NO_FEED, move.line, found="stroke of " + self.tool)
         self.describe_first(move.line)

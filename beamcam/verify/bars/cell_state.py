@@ -19,7 +19,7 @@ from beamcam.machine.machine import Machine
 from beamcam.verify import rules
 from beamcam.verify.bars.cutting_data import LEAST, CuttingData
 from beamcam.verify.bars.made import Bore, Cut, Trail
-from beamcam.verify.bars.magazine import Changed, Chosen, missing_changes
+from beamcam.verify.bars.magazine import Changed, Chosen, wrong_changes
 from beamcam.verify.bars.stations import Choice, Station, limits_of
 
 EPSILON = 1e-6
@@ -47,6 +47,7 @@ class CellState:
         self.pitch = 0.0
         self.turning = 0  #: the M word that started the spindle
         self.speed_rpm = 0.0  #: that it was started with; 0 where the program does not say
+        self.idle = False  #: whether the spindle turns and has not been fed
         self.cooling = False
         self.x = self.furthest = self.feed_mm_min = nan
         self.at: dict[int, tuple[float, float]] = {}  #: across and stroke of each spindle
@@ -146,6 +147,8 @@ class CellState:
             and self.in_steel()
         ):
             self.say(rules.TURN, switch.line, found=switch.number, expected=self.cycle.turns)
+        if not self.turning:
+            self.idle = self.choice is not None
         self.turning = switch.number
         self.speed_rpm = speed = values.get("speed", 0.0)
         drill = self.machine.drill
@@ -171,7 +174,9 @@ class CellState:
                 rules.SPINDLE_STOPPED, line, face=station.face, axis=AXES[station.stroke],
                 at=f"{self.at[station.number][1]:g}",
             )  # fmt: skip
-        self.turning = 0
+        if self.turning and self.idle:
+            self.say(rules.SPINDLE_IDLE, line, what=self.tool)
+        self.turning, self.idle = 0, False
 
     def _choose(self, switch: Switch, values: dict[str, float], cycle: Cycle) -> None:
         self.at_rest(switch.line, "the choice of a spindle")
@@ -194,17 +199,27 @@ class CellState:
         self.tools.append(Changed(switch.line, None if spindle is None else int(spindle), size))
 
     def _check_magazines(self) -> None:
-        """Say which tools are chosen though no station can hold them by then."""
-        tools = {one.tool for one in self.tools if isinstance(one, Chosen)}
+        """Say which tools are chosen though no station can hold them by then, and idle stops."""
+        if not self.dialect.changes:
+            return
         spindles = self.machine.spindles
-        if not self.dialect.changes or len(tools) <= min(s.stations for s in spindles):
+        tools = {one.tool for one in self.tools if isinstance(one, Chosen)}
+        stops = any(isinstance(one, Changed) for one in self.tools)
+        if not stops and len(tools) <= min(s.stations for s in spindles):
             return
         for spindle in spindles:
-            for chosen in missing_changes(self.tools, spindle.number, spindle.stations):
-                kind, diameter = chosen.tool
+            for one in wrong_changes(self.tools, spindle.number, spindle.stations):
+                if isinstance(one, Chosen):
+                    kind, diameter = one.tool
+                    found = f"a {kind} {diameter:g} chosen"
+                    stations = f"one of the {spindle.stations} stations"
+                    expected = f"a stop before that puts it into {stations}"
+                else:
+                    found = f"a stop for a tool of {one.diameter or 0.0:g}"
+                    expected = "a stroke behind it with such a tool that was not there before"
                 self.say(
-                    rules.TOOL_CHANGE, chosen.line, what=f"a {kind} {diameter:g}",
-                    spindle=spindle.number, stations=spindle.stations,
+                    rules.TOOL_CHANGE, one.line, found=found, spindle=spindle.number,
+                    expected=expected,
                 )  # fmt: skip
 
     def _saw(self, switch: Switch, values: dict[str, float]) -> None:

@@ -27,10 +27,10 @@ class Changed(NamedTuple):
     diameter: float | None
 
 
-def missing_changes(
+def wrong_changes(
     course: Sequence[Chosen | Changed], spindle: int, stations: int
-) -> Iterator[Chosen]:
-    """The choices of tools that cannot be in a spindle's stations by then."""
+) -> Iterator[Chosen | Changed]:
+    """The choices of tools that cannot be in a spindle's stations by then, and idle stops."""
     own = [one for one in course if one.spindle in (spindle, None)]
     loaded: set[Tool] = set()
     started = False  #: whether all stations have had their first tool
@@ -45,11 +45,13 @@ def missing_changes(
             loaded.add(one.tool)
             continue
         new = _meant(one, own[at:], loaded)
-        if new is not None:
-            if len(loaded) >= stations:
-                started = True
-            _make_room(loaded, own[at:], stations)
-            loaded.add(new)
+        if new is None:
+            if one.spindle is not None:
+                yield one
+            continue
+        started = started or len(loaded) >= stations
+        _make_room(loaded, own[at:], stations)
+        loaded.add(new)
 
 
 def _meant(change: Changed, rest: Sequence[Chosen | Changed], loaded: set[Tool]) -> Tool | None:

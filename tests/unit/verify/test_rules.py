@@ -119,6 +119,8 @@ BROKEN: list[tuple[str, list[Change], list[str]]] = [
     ("rapid into the web", [("N11 G01", "N11 G00")], [
         "P1.gcode:12: error verify-rapid: found a rapid move to Z 61.409, 14.209 mm into the "
         "material; expected a feed",
+        "P1.gcode:15: error verify-spindle-idle: found a drill 22 started and stopped without a "
+        "stroke; expected a feed into the material between",
         "P1.nc1:30: error verify-hole-missing: found no hole 22 on face v of P1 at x 300, y 80; "
         "expected one at X 1098.56",
     ]),
@@ -280,6 +282,12 @@ def test_a_tool_that_no_station_holds() -> None:
         "error verify-tool-change: found a drill 20 chosen on spindle 2; expected a stop before "
         "that puts it into one of the 5 stations"
     ]
+    stop = next(line for line in text.split("\n") if " M06 " in line)
+    (idle,) = verify(text.replace(stop, f"{stop}\n{stop}"), (made,), BEAM)
+    assert idle.message == (
+        "found a stop for a tool of 20 on spindle 2; expected a stroke behind it with such a tool "
+        "that was not there before"
+    )
 
 
 def test_what_a_program_alone_leaves_open() -> None:
