@@ -3,21 +3,30 @@
 import json
 import tomllib
 from collections.abc import Iterator
+from pathlib import Path
 from typing import Any
 
 import pytest
 from click.testing import CliRunner
 from jsonschema import Draft202012Validator
+from msgspec.structs import replace
 
+from beamcam import readers
 from beamcam.cli import main
 from beamcam.machine import shipped
-from tests.conftest import ROOT
+from beamcam.readers.part_json import read
+from beamcam.writers.part_json import write
+from tests.conftest import ROOT, SAMPLES
 
 MACHINES = ROOT / "beamcam" / "machines"
 
 
 def schema_of_machines() -> Any:
     return json.loads(CliRunner().invoke(main, ["machines", "schema"]).stdout)
+
+
+def schema_of_parts() -> Any:
+    return json.loads(CliRunner().invoke(main, ["convert", "--schema"]).stdout)
 
 
 def faults(schema: Any, value: Any) -> list[str]:
@@ -32,6 +41,54 @@ def test_the_schema_of_machines_is_up_to_date() -> None:
     """Made anew by `beamcam machines schema > docs/machine.schema.json`."""
     stored = (ROOT / "docs" / "machine.schema.json").read_text(encoding="utf-8")
     assert json.loads(stored) == schema_of_machines()
+
+
+def test_the_schema_of_parts_is_up_to_date() -> None:
+    """Made anew by `beamcam convert --schema > docs/part.schema.json`."""
+    stored = (ROOT / "docs" / "part.schema.json").read_text(encoding="utf-8")
+    assert json.loads(stored) == schema_of_parts()
+
+
+@pytest.mark.parametrize("path", sorted((SAMPLES / "json").iterdir()), ids=lambda p: p.name)
+def test_samples_of_parts_are_valid(path: Path) -> None:
+    assert faults(schema_of_parts(), json.loads(path.read_text(encoding="utf-8"))) == []
+
+
+@pytest.mark.parametrize(
+    "path",
+    [*sorted((SAMPLES / "dstv").glob("*.nc1")), *sorted((SAMPLES / "dxf").glob("*.dxf"))],
+    ids=lambda p: p.name,
+)
+def test_what_is_written_is_valid_and_comes_back(path: Path) -> None:
+    schema = schema_of_parts()
+    for part in readers.read(path.read_bytes(), path.name).parts:
+        text = write(part)
+        assert faults(schema, json.loads(text)) == []
+        assert read(text.encode(), "a.json").parts == (replace(part, measures=None),)
+
+
+LINE = {"line": [[0, 0], [1, 1]]}
+
+
+@pytest.mark.parametrize(
+    ("keys", "says"),
+    [
+        ({"lenght": 3}, ": Additional properties are not allowed ('lenght'"),
+        ({"length": 0}, "length: 0 is less than or equal"),
+        ({"schema": "beamcam/part/9"}, "schema: 'beamcam/part/1' was expected"),
+        ({"holes": [{"x": 1, "y": 2}]}, "holes.0: 'diameter' is a required property"),
+        ({"holes": [{"x": 1, "y": 2, "diameter": -1}]}, "holes.0.diameter: -1 is less than"),
+        ({"contours": [{"kind": "all", "curves": [LINE]}]}, "contours.0.kind: 'all' is not one"),
+        ({"contours": [{"kind": "open", "curves": [{}]}]}, "contours.0.curves.0: {} "),
+        ({"contours": [{"kind": "open", "curves": [{**LINE, "polygon": [[0, 0]] * 3}]}]},
+         "contours.0.curves.0: {'line'"),
+    ],
+)  # fmt: skip
+def test_parts_that_are_not_valid(keys: dict[str, Any], says: str) -> None:
+    profile = {"code": "B", "height": 10}
+    value = {"mark": "P", "length": 3, "profile": profile, **keys}
+    assert any(said.startswith(says) for said in faults(schema_of_parts(), value))
+    assert read(json.dumps(value).encode(), "a.json").refused
 
 
 @pytest.mark.parametrize("name", shipped())

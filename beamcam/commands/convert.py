@@ -56,7 +56,7 @@ def target_of(output: str, name: str | None) -> Target:
 
 def is_folder(output: str) -> bool:
     """Whether an output stands for a folder, which gets a file for each part."""
-    return output.endswith("/") or Path(output).is_dir()
+    return output.endswith(("/", os.sep)) or Path(output).is_dir()
 
 
 def file_names(parts: Sequence[Part], suffix: str) -> tuple[list[str], list[Diagnostic]]:
@@ -74,6 +74,16 @@ def file_names(parts: Sequence[Part], suffix: str) -> tuple[list[str], list[Diag
     return names, said
 
 
+def _print_schema(ctx: click.Context, param: click.Parameter, wanted: bool) -> None:
+    if wanted:
+        import json
+
+        from beamcam.model.part_schema import part_schema
+
+        click.echo(json.dumps(part_schema(), indent=1))
+        ctx.exit()
+
+
 @click.command("convert")
 @click.argument("source", metavar="INPUT", type=options.FILE)
 @options.output("File, folder/ for a file a part, or -.")
@@ -83,6 +93,14 @@ def file_names(parts: Sequence[Part], suffix: str) -> tuple[list[str], list[Diag
 @drawing_options
 @options.strict
 @options.json_messages
+@click.option(
+    "--schema",
+    is_flag=True,
+    is_eager=True,
+    expose_value=False,
+    callback=_print_schema,
+    help="Print the JSON schema of a part and exit.",
+)
 @options.voiced
 def command(
     source: str, output: str, to: str | None, as_json: bool, voice: Voice, **asked: Any
@@ -98,6 +116,7 @@ def command(
     beamcam convert M58.json -o M58.nc1
     beamcam convert M58.nc1 -o faces.dxf
     beamcam convert model.ifc -o nc/
+    beamcam convert --schema > part.schema.json
     """
     how = drawing_choice(asked) | member_choice(asked, kernel=True)
     said: tuple[Diagnostic, ...] = ()

@@ -37,12 +37,14 @@ class Fault(ValueError):
         path: Path,
         found: object,
         expected: str,
+        known: tuple[str, ...] = (),
     ) -> None:
         super().__init__(kind, path, found, expected)
         self.kind = kind
         self.path = path  #: keys and indices from the top; of a missing key its own
         self.found = found
         self.expected = expected
+        self.known = known  #: of an unknown key, those that there are
 
 
 def converted(value: object, record: type[Record], hook: Hook | None = None) -> Record:

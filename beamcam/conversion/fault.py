@@ -7,7 +7,7 @@ from reprlib import Repr
 from types import UnionType
 from typing import Annotated, Any, Literal, Union, get_args, get_origin
 
-from msgspec import ValidationError, convert
+from msgspec import Struct, UnsetType, ValidationError, convert
 from msgspec.structs import fields
 
 from beamcam.conversion import Fault, Hook, Path, nearest
@@ -17,8 +17,8 @@ _STEP = re.compile(r"([^.\[\]]+)|\[([^\]]+)\]")
 _KEY = re.compile(r"(Object contains unknown|Object missing required) field `(.*)`", re.DOTALL)
 _BOUND = re.compile(r"Expected `(?:float|int)[^`]*` (>=|>|<=|<) (\S+)")
 _TEXT = re.compile(r"Expected `str[^`]*` of length")
-_LENGTH = re.compile(r"Expected `array` of length (\d+)")
-_KIND = re.compile(r"Expected `(\w+)")
+_LENGTH = re.compile(r"Expected `array` of length (>= )?(\d+)")
+_KIND = re.compile(r"Expected `([^`]+)`")
 
 _BOUNDS = {">": "more than {}", ">=": "{} or more", "<": "less than {}", "<=": "at most {}"}
 _KINDS = {
@@ -49,12 +49,12 @@ def fault_of(message: str, value: Any, hint: Any, hook: Hook | None, above: Path
         return fault or Fault("type", path, value, what)
     field = _KEY.fullmatch(what)
     if field is None:
-        kind: Literal["type", "value"] = "type" if ", got `" in what else "value"
+        kind: Literal["type", "value"] = "type" if ", got " in what else "value"
         return Fault(kind, path, value, _expected(what, hint, value))
     if field[1].endswith("required"):
         return Fault("missing", (*path, field[2]), None, field[2])
-    known = [f.encode_name for f in fields(plain(hint))]
-    return Fault("unknown", (*path, field[2]), field[2], nearest(field[2], known))
+    known = tuple(f.encode_name for f in fields(plain(hint, dict)))
+    return Fault("unknown", (*path, field[2]), field[2], nearest(field[2], known), known)
 
 
 def _fault_of_row(rows: Any, hint: Any, hook: Hook | None, path: Path) -> Fault | None:
@@ -67,23 +67,34 @@ def _fault_of_row(rows: Any, hint: Any, hook: Hook | None, path: Path) -> Fault 
     return None
 
 
-def plain(hint: Any) -> Any:
-    """A type without None beside it and without limits."""
-    while True:
-        origin = get_origin(hint)
-        if origin is Annotated:
-            hint = get_args(hint)[0]
-        elif origin in (Union, UnionType):
-            hint = next(a for a in get_args(hint) if a is not type(None))
-        else:
-            return hint
+def plain(hint: Any, holder: type = object) -> Any:
+    """A type without None beside it and without limits.
+
+    Of several types it is the first one, or the one that a dict or a list becomes: the `holder`.
+    """
+    origin = get_origin(hint)
+    if origin is Annotated:
+        return plain(get_args(hint)[0], holder)
+    if origin in (Union, UnionType):
+        kinds = [plain(a) for a in get_args(hint) if a not in (type(None), UnsetType)]
+        return next((kind for kind in kinds if _holds(kind) is holder), kinds[0])
+    return hint
+
+
+def _holds(kind: Any) -> type | None:
+    """Whether a type is read from a dict or a list; None for a single value."""
+    origin = get_origin(kind)
+    if origin is tuple:
+        return list
+    is_record = isinstance(kind, type) and issubclass(kind, Struct)
+    return dict if is_record or (origin and issubclass(origin, Mapping)) else None
 
 
 def inner_hint(hint: Any, name: str) -> Any:
     """The type of a record's field; without a name, that of a list's or table's values."""
-    hint = plain(hint)
     if name:
-        return next(f.type for f in fields(hint) if f.encode_name == name)
+        return next(f.type for f in fields(plain(hint, dict)) if f.encode_name == name)
+    hint = plain(hint, list)
     return get_args(hint)[1 if issubclass(get_origin(hint), Mapping) else 0]
 
 
@@ -99,12 +110,12 @@ def _expected(what: str, hint: Any, found: object) -> str:
     if _TEXT.match(what):
         return "a text"
     if length := _LENGTH.match(what):
-        return f"a list of {length[1]}"
+        return f"a list of {length[2]}{' or more' if length[1] else ''}"
     kind = _KIND.match(what)
-    if kind and kind[1] == "array":
-        return "a list" + _MANY.get(plain(inner_hint(choices, "")), "")
+    if kind and kind[1].startswith("array"):
+        return "a list" + _MANY.get(plain(inner_hint(hint, "")), "")
     if kind:
-        return _KINDS[kind[1]]
+        return " or ".join(_KINDS[k] for k in kind[1].split(" | ") if k in _KINDS)
     return what  # a hook's own words, in its own words
 
 

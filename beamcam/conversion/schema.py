@@ -22,9 +22,10 @@ def schema_of(record: type, others: dict[type, Schema] | None = None) -> Schema:
     (whole,), defs = json.schema_components((record,), schema_hook=lambda kind: dict(known[kind]))
     for kind in _records(record, {}):
         properties = defs[kind.__name__]["properties"]
+        keys = {field.name: field.encode_name for field in fields(kind)}
         for name, (_, meaning) in documented(kind).items():
             if meaning:
-                properties[name]["description"] = meaning
+                properties[keys[name]]["description"] = meaning
     return {"$schema": DIALECT, **whole, "$defs": defs}
 
 

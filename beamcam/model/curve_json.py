@@ -25,12 +25,16 @@ from beamcam.geometry.curves import (
     arc_through,
 )
 from beamcam.geometry.newton import newton_through
-from beamcam.model.function_json import curves_of_text
-from beamcam.model.json_object import JSON_VALUE, JsonObject, show
-
-CURVE_KINDS = (
-    *("line", "arc", "ellipse", "bezier", "bspline", "newton"),
-    *("polygon", "circle", "tangent_arc", "function"),
+from beamcam.model.function_json import curves_of_function_form
+from beamcam.model.json_object import JSON_KEY_UNKNOWN, Place
+from beamcam.model.part_forms import (
+    ArcForm,
+    BezierForm,
+    CircleForm,
+    CurveForm,
+    EllipseForm,
+    SplineForm,
+    TangentForm,
 )
 
 JSON_CURVE = Rule(
@@ -88,79 +92,60 @@ def _lists(points: tuple[tuple[float, float], ...]) -> list[list[float]]:
     return [list(point) for point in points]
 
 
-def curves_from_json(item: JsonObject) -> tuple[Curve, ...]:
+def curves_of(form: CurveForm, place: Place) -> tuple[Curve, ...]:
     """The curve of one object, or those of a polygon or a function. Raises ReadError."""
-    kind = next((key for key in CURVE_KINDS if key in item), None)
-    if kind is None:
-        expected = "one of " + " ".join(CURVE_KINDS)
-        item.ignore(CURVE_KINDS)
-        item.finish()  # a misspelt key has a better message
-        raise item.fault(JSON_VALUE, "", found="no curve", expected=expected)
-    if kind == "polygon":
-        points = item.points(kind, 3)
-        if points[0] == points[-1]:
-            points = points[:-1]
+    kinds = [kind for kind in form.__struct_fields__ if getattr(form, kind) is not None]
+    if not kinds:
+        raise place.wrong("no curve", "one of " + " ".join(form.__struct_fields__))
+    if len(kinds) > 1:
+        raise place.at(kinds[1]).fault(
+            JSON_KEY_UNKNOWN, key=kinds[1], expected=f"{kinds[0]} alone", nearest=kinds[0]
+        )
+    place = place.at(kinds[0])
+    if form.polygon is not None:
+        points = form.polygon[:-1] if form.polygon[0] == form.polygon[-1] else form.polygon
         return tuple(map(Line, points, (*points[1:], points[0])))
-    if kind == "function":
-        return curves_of_text(item.child(kind))
+    if form.function is not None:
+        return curves_of_function_form(form.function, place)
     try:
-        return (_curve(item, kind),)
+        return (_curve(form, place),)
     except ReadError:
         raise
     except ValueError as error:
-        raise item.fault(JSON_CURVE, kind, kind=kind, found=error) from None
+        raise place.fault(JSON_CURVE, kind=kinds[0], found=error) from None
 
 
-def _curve(item: JsonObject, kind: str) -> Curve:
-    """The curve under the key `kind`. Raises ReadError, or ValueError of the curve's own."""
-    if kind == "line":
-        points = item.points(kind)
-        if len(points) != 2:
-            raise item.fault(JSON_VALUE, kind, found=f"{len(points)} points", expected="2 points")
-        return Line(*points)
-    if kind == "newton":
-        return newton_through(item.points(kind))
-    if kind == "bezier" and isinstance(item.raw(kind), list):
-        return Bezier(item.points(kind))
-    fields = item.child(kind)
-    curve = _curve_of_fields(fields, kind)
-    fields.finish()
-    return curve
+def _curve(form: CurveForm, place: Place) -> Curve:
+    """The curve of a form. Raises ReadError, or ValueError of the curve's own."""
+    match form:
+        case CurveForm(line=tuple(points)):
+            if len(points) != 2:
+                raise place.wrong(f"{len(points)} points", "2 points")
+            return Line(*points)
+        case CurveForm(arc=ArcForm() as arc):
+            return Arc(arc.centre, arc.radius, arc.start, _sweep(arc.sweep, place))
+        case CurveForm(ellipse=EllipseForm() as ellipse):
+            if ellipse.axis == (0.0, 0.0):
+                raise place.at("axis").wrong(ellipse.axis, "an axis of some length")
+            sweep = _sweep(ellipse.sweep, place)
+            return EllipseArc(ellipse.centre, ellipse.axis, ellipse.ratio, ellipse.start, sweep)
+        case CurveForm(bezier=BezierForm() as bezier):
+            return Bezier(bezier.points, bezier.weights)
+        case CurveForm(bezier=tuple(points)):
+            return Bezier(points)
+        case CurveForm(bspline=SplineForm() as spline):
+            return BSpline(spline.degree, spline.control, spline.knots, spline.weights)
+        case CurveForm(newton=tuple(nodes)):
+            return newton_through(nodes)
+        case CurveForm(circle=CircleForm() as circle):
+            return Arc(circle.centre, circle.radius, 0.0, 360.0)
+        case CurveForm(tangent_arc=TangentForm() as tangent):
+            radius = tangent.radius if tangent.side == "left" else -tangent.radius
+            return arc_through(tangent.start, tangent.end, radius)
+    raise AssertionError("a form of one kind")
 
 
-def _curve_of_fields(fields: JsonObject, kind: str) -> Curve:
-    match kind:
-        case "bezier":
-            return Bezier(fields.points("points"), _weights(fields))
-        case "bspline":
-            degree, control = fields.integer("degree"), fields.points("control")
-            return BSpline(degree, control, fields.numbers("knots"), _weights(fields))
-        case "tangent_arc":
-            start, end = fields.point("from"), fields.point("to")
-            radius = fields.positive("radius")
-            left = fields.choice("side", ("left", "right")) == "left"
-            return arc_through(start, end, radius if left else -radius)
-        case "circle":
-            return Arc(fields.point("centre"), fields.positive("radius"), 0.0, 360.0)
-    centre = fields.point("centre")
-    if kind == "arc":
-        radius = fields.positive("radius")
-        return Arc(centre, radius, fields.number("start"), _sweep(fields))
-    axis, ratio = fields.point("axis"), fields.positive("ratio")
-    if axis == (0.0, 0.0):
-        raise fields.fault(JSON_VALUE, "axis", found=show(axis), expected="an axis of some length")
-    if ratio > 1:
-        raise fields.fault(JSON_VALUE, "ratio", found=show(ratio), expected="a number up to 1")
-    return EllipseArc(centre, axis, ratio, fields.number("start", 0.0), _sweep(fields, 360.0))
-
-
-def _sweep(fields: JsonObject, default: float | None = None) -> float:
-    sweep = fields.number("sweep", default)
-    if sweep == 0 or abs(sweep) > 360:
-        expected = "an angle from -360 to 360 that is not 0"
-        raise fields.fault(JSON_VALUE, "sweep", found=show(sweep), expected=expected)
+def _sweep(sweep: float, place: Place) -> float:
+    if sweep == 0:
+        raise place.at("sweep").wrong(sweep, "an angle from -360 to 360 that is not 0")
     return sweep
-
-
-def _weights(fields: JsonObject) -> tuple[float, ...] | None:
-    return None if fields.raw("weights") is None else fields.numbers("weights")

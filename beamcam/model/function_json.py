@@ -8,11 +8,12 @@ A part keeps the curves and not the text, so it is written as polynomials throug
 curves, to the last bit.
 """
 
-from beamcam.errors import Rule, Severity
+from beamcam.errors import ReadError, Rule, Severity
 from beamcam.geometry.approximation import Fit, curves_of_function, curves_of_way
 from beamcam.geometry.curves import Curve
 from beamcam.geometry.expression import FUNCTIONS, compile_expression
-from beamcam.model.json_object import JSON_TYPE, JSON_VALUE, JsonObject, show
+from beamcam.model.json_object import JSON_KEY_MISSING, JSON_KEY_UNKNOWN, Place
+from beamcam.model.part_forms import MAX_NUMBER, FunctionForm
 
 #: Distance in mm that the curves of a function may have from it, where the file does not say.
 FUNCTION_TOLERANCE = 0.001
@@ -25,62 +26,71 @@ JSON_EXPRESSION = Rule(
 )
 
 
-def curves_of_text(fields: JsonObject) -> tuple[Curve, ...]:
+def curves_of_function_form(form: FunctionForm, place: Place) -> tuple[Curve, ...]:
     """The curves of a function. Raises ReadError at the key that is wrong."""
-    tolerance = fields.positive("tolerance") if "tolerance" in fields else FUNCTION_TOLERANCE
-    fields.ignore(("tolerance",))
+    tolerance = FUNCTION_TOLERANCE if form.tolerance is None else form.tolerance
     try:
-        fit = _way(fields, tolerance) if "t" in fields else _graph(fields, tolerance)
+        fit = _graph(form, tolerance, place) if form.t is None else _way(form, tolerance, place)
+    except ReadError:
+        raise
     except ValueError as error:
-        raise fields.fault(
-            JSON_EXPRESSION, "", found=error, expected="a smooth curve from end to end"
+        raise place.fault(
+            JSON_EXPRESSION, found=error, expected="a smooth curve from end to end"
         ) from None
-    fields.finish()
     return fit.curves
 
 
-def _graph(fields: JsonObject, tolerance: float) -> Fit:
-    y = _text(fields, "y", "x")
-    return curves_of_function(y, _end(fields, "from"), _end(fields, "to"), tolerance)
+def _graph(form: FunctionForm, tolerance: float, place: Place) -> Fit:
+    if form.x is not None:
+        raise place.at("t").fault(JSON_KEY_MISSING, key="t", expected="both ends of a way")
+    y = _arithmetic(form.y, "x", place.at("y"))
+    low, high = (_end(end, place.at(key)) for key, end in (("from", form.low), ("to", form.high)))
+    return curves_of_function(y, low, high, tolerance)
 
 
-def _way(fields: JsonObject, tolerance: float) -> Fit:
-    x, y = _text(fields, "x", "t"), _text(fields, "y", "t")
-    ends = fields.items("t")
+def _end(value: float | str | None, place: Place) -> float:
+    if value is None:
+        key = place.path.rpartition(".")[2]
+        raise place.fault(JSON_KEY_MISSING, key=key, expected="an end of the graph")
+    return _number(value, place)
+
+
+def _way(form: FunctionForm, tolerance: float, place: Place) -> Fit:
+    if form.x is None:
+        raise place.at("x").fault(JSON_KEY_MISSING, key="x", expected="x of t")
+    for key, end in (("from", form.low), ("to", form.high)):
+        if end is not None:
+            raise place.at(key).fault(
+                JSON_KEY_UNKNOWN, key=key, expected="x, y, t, tolerance", nearest="t"
+            )
+    x, y = _arithmetic(form.x, "t", place.at("x")), _arithmetic(form.y, "t", place.at("y"))
+    ends = form.t or ()
     if len(ends) != 2:
-        expected = "two ends [from, to]"
-        raise fields.fault(JSON_VALUE, "t", found=f"{len(ends)} values", expected=expected)
-    low, high = (_number(fields, f"t[{k}]", value) for k, value in enumerate(ends))
+        raise place.at("t").wrong(f"{len(ends)} values", "two ends [from, to]")
+    low, high = (_number(end, place.at("t", k)) for k, end in enumerate(ends))
     return curves_of_way(x, y, low, high, tolerance)
 
 
-def _text(fields: JsonObject, key: str, variable: str) -> str:
-    """The expression under a key, which is arithmetic of the variable."""
-    text = fields.text(key)
+def _arithmetic(text: str, variable: str, place: Place) -> str:
+    """An expression, which is arithmetic of the variable."""
     try:
         compile_expression(text, (variable,))
     except ValueError as error:
         functions = " ".join(sorted(FUNCTIONS))
         expected = f"arithmetic of {variable}: numbers, pi, e, + - * / ^, parentheses, {functions}"
-        raise fields.fault(JSON_EXPRESSION, key, found=error, expected=expected) from None
+        raise place.fault(JSON_EXPRESSION, found=error, expected=expected) from None
     return text
 
 
-def _end(fields: JsonObject, key: str) -> float:
-    value = fields.raw(key)
-    return _number(fields, key, value) if key in fields else fields.number(key)
-
-
-def _number(fields: JsonObject, key: str, value: object) -> float:
+def _number(value: float | str, place: Place) -> float:
     """A number, or arithmetic without a variable such as "2 * pi"."""
     if not isinstance(value, str):
-        if isinstance(value, int | float) and not isinstance(value, bool):
-            return fields.as_number(value, key)
-        expected = 'a number, or arithmetic such as "2 * pi"'
-        raise fields.fault(JSON_TYPE, key, found=show(value), expected=expected)
+        return value
     try:
         number = compile_expression(value, ())({})
     except (ArithmeticError, ValueError) as error:
         expected = 'arithmetic of numbers such as "2 * pi"'
-        raise fields.fault(JSON_EXPRESSION, key, found=error, expected=expected) from None
-    return fields.as_number(number, key)
+        raise place.fault(JSON_EXPRESSION, found=error, expected=expected) from None
+    if not abs(number) <= MAX_NUMBER:  # nan is above all
+        raise place.wrong(number, f"a number between -{MAX_NUMBER:g} and {MAX_NUMBER:g}")
+    return number

@@ -1,18 +1,22 @@
 """A part from its JSON form, as written by `part_to_json` or by hand."""
 
-from collections.abc import Callable
-from typing import cast
+from collections.abc import Callable, Iterable, Iterator
+from functools import partial
+from math import inf
+from typing import Any, TypeVar
+
+from msgspec import UnsetType
+from msgspec.structs import asdict
 
 from beamcam.errors import ReadError, Rule, Severity, Source
 from beamcam.geometry.curves import Arc, Curve, signed_area
 from beamcam.model.colour import parse_colour
-from beamcam.model.curve_json import JSON_CURVE, curves_from_json
+from beamcam.model.curve_json import JSON_CURVE, curves_of
 from beamcam.model.function_json import JSON_EXPRESSION
-from beamcam.model.json_object import JSON_OBJECT_RULES, JSON_VALUE, JsonObject, show
+from beamcam.model.json_object import JSON_OBJECT_RULES, Place, record_of, show
 from beamcam.model.part import (
     FACES,
     MIRRORED_FACES,
-    PROFILE_CODES,
     Bend,
     Bevel,
     Camber,
@@ -27,19 +31,27 @@ from beamcam.model.part import (
     Notch,
     Part,
     Plane,
-    Process,
     Profile,
-    ProfileCode,
     SectionPoint,
     Slot,
     TextMark,
 )
-from beamcam.model.part_json import COMPUTED_KEYS, PART_SCHEMA
-from beamcam.plain_text import whole_text
+from beamcam.model.part_forms import (
+    BendForm,
+    CamberForm,
+    ContourForm,
+    EndPlaneForm,
+    Featured,
+    HoleForm,
+    Located,
+    PartForm,
+    SlotForm,
+    TextForm,
+)
+from beamcam.model.part_json import PART_SCHEMA
 
-HOLE_KINDS = ("through", "blind", "thread", "left-thread", "countersink", "mark")
-CONTOUR_KINDS = ("outer", "inner", "open")
-PROCESSES = ("cut", "mark", "engrave", "punch", "powder")
+Form = TypeVar("Form")
+SourceOf = Callable[[Located, Place], Source]
 
 JSON_SCHEMA = Rule(
     "json-schema",
@@ -75,242 +87,139 @@ def part_from_json(value: object, file: str) -> Part:
 
     Raises ReadError with the path of the key, what was found and what was expected.
     """
-    top = JsonObject(value, "", file)
-    if "schema" in top and top.raw("schema") != PART_SCHEMA:
-        raise top.fault(JSON_SCHEMA, "schema", found=show(top.raw("schema")), expected=PART_SCHEMA)
-    source = Source(file)
-    if "source" in top:
-        place = top.child("source")
-        source = _stored(place, file)
-        place.finish()
-    planes = top.children("planes", lambda item: _plane(item, source.file))
-    mark, profile, length = top.text("mark"), _profile(top), top.positive("length")
-    features = _features(top, source.file, tuple(plane.name for plane in planes))
-    part = Part(
-        mark,
-        profile,
-        length,
+    top = Place(file)
+    if isinstance(value, dict) and value.get("schema", PART_SCHEMA) != PART_SCHEMA:
+        raise top.at("schema").fault(JSON_SCHEMA, found=show(value["schema"]), expected=PART_SCHEMA)
+    form = record_of(value, PartForm, top)
+    source = Source(file) if form.source is None else _source(form.source, top.at("source"), file)
+    of_file = partial(_source, file=source.file)
+    planes = tuple(
+        Plane(plane.name, plane.origin, plane.along_x, plane.along_y, of_file(plane, place))
+        for plane, place in _each(form.planes, top.at("planes"))
+    )
+    return Part(
+        form.mark,
+        Profile(**asdict(form.profile)),
+        form.length,
         source,
-        top.integer("quantity", 1),
-        top.number_or_none("saw_length"),
-        top.text("order", ""),
-        top.text("drawing", ""),
-        top.text("phase", ""),
-        top.text("grade", ""),
-        _cuts(top),
-        features,
+        form.quantity,
+        form.saw_length,
+        form.order,
+        form.drawing,
+        form.phase,
+        form.grade,
+        EndCuts(**asdict(form.cuts)),
+        _features(form, top, of_file, tuple(plane.name for plane in planes)),
         planes,
-        top.number("weight", 0.0),
-        top.number("surface", 0.0),
-        _texts(top, "notes"),
-        _tolerance(top),
-        top.children("section", _section_point),
-        tuple(_pair(top, i, item) for i, item in enumerate(top.items("info"))),
-        top.children("comments", lambda c: Comment(c.text("text"), c.text("before"))),
-        top.text_or_none("guid"),
+        form.weight,
+        form.surface,
+        form.notes,
+        form.tolerance,
+        tuple(SectionPoint(**asdict(point)) for point in form.section),
+        form.info,
+        tuple(Comment(**asdict(comment)) for comment in form.comments),
+        form.guid,
     )
-    top.ignore(("schema", *COMPUTED_KEYS))
-    top.finish()
-    return part
 
 
-def _stored(item: JsonObject, file: str) -> Source:
+def _each(forms: Iterable[Form], place: Place) -> Iterator[tuple[Form, Place]]:
+    """The forms of a list, each with its place."""
+    return ((form, place.at(index)) for index, form in enumerate(forms))
+
+
+def _source(form: Located, place: Place, file: str) -> Source:
     """The source that an object keeps; of one written by hand its path."""
-    if "line" not in item:
-        item.ignore(("line", "where", "file"))
-        return Source(item.text("file", file), None, item.path)
-    line = None if item.raw("line") is None else item.integer("line")
-    return Source(item.text("file", file), line, item.text_or_none("where"))
+    if isinstance(form.line, UnsetType):
+        return Source(form.file or file, None, place.path)
+    return Source(form.file or file, form.line, form.where)
 
 
-def _profile(top: JsonObject) -> Profile:
-    fields = top.child("profile")
-    code = cast(ProfileCode, fields.choice("code", PROFILE_CODES))
-    profile = Profile(
-        code,
-        fields.text("name", ""),
-        fields.number("height"),
-        fields.number("width", 0.0),
-        fields.number("flange_thickness", 0.0),
-        fields.number_or_none("web_thickness"),
-        fields.number("radius", 0.0),
-    )
-    fields.finish()
-    return profile
-
-
-def _cuts(top: JsonObject) -> EndCuts:
-    if "cuts" not in top:
-        top.ignore(("cuts",))
-        return EndCuts()
-    fields = top.child("cuts")
-    names = ("web_start", "web_end", "flange_start", "flange_end")
-    cuts = EndCuts(*(fields.number(name, 0.0) for name in names))
-    fields.finish()
-    return cuts
-
-
-def _texts(top: JsonObject, key: str) -> tuple[str, ...]:
-    found = []
-    for i, value in enumerate(top.items(key)):
-        if not isinstance(value, str):
-            raise top.fault(JSON_VALUE, f"{key}[{i}]", found=show(value), expected="a text")
-        found.append(whole_text(value))
-    return tuple(found)
-
-
-def _pair(top: JsonObject, index: int, value: object) -> tuple[str, str]:
-    match value:
-        case [str(word), str(text)]:
-            return whole_text(word), whole_text(text)
-    key = f"info[{index}]"
-    raise top.fault(JSON_VALUE, key, found=show(value), expected="two texts [word, text]")
-
-
-def _tolerance(top: JsonObject) -> tuple[float, float] | None:
-    if top.raw("tolerance") is None:
-        return None
-    least, greatest = top.numbers("tolerance", 2)
-    return least, greatest
-
-
-def _section_point(item: JsonObject) -> SectionPoint:
-    side = item.choice("side", ("+", "-"))
-    return SectionPoint(
-        "+" if side == "+" else "-", item.number("y"), item.number("z"), item.number("radius", 0.0)
-    )
-
-
-def _plane(item: JsonObject, file: str) -> Plane:
-    return Plane(
-        item.text("name"),
-        item.vector("origin"),
-        item.vector("along_x"),
-        item.vector("along_y"),
-        _stored(item, file),
-    )
-
-
-def _features(top: JsonObject, file: str, planes: tuple[str, ...]) -> tuple[Feature, ...]:
+def _features(
+    form: PartForm, top: Place, source: SourceOf, planes: tuple[str, ...]
+) -> tuple[Feature, ...]:
     """All features in the order of their key `feature`; those without it follow as they stand."""
-
-    def numbered(
-        read: Callable[[JsonObject], Feature],
-    ) -> Callable[[JsonObject], tuple[float, Feature]]:
-        def place(item: JsonObject) -> tuple[float, Feature]:
-            where = item.integer("feature") if "feature" in item else float("inf")
-            item.ignore(("feature",))
-            return where, read(item)
-
-        return place
-
-    def face(item: JsonObject) -> str:
-        name = item.text("face", "v")
-        if name not in FACES and name not in planes:
-            raise item.fault(
-                JSON_FACE, "face", found=name, planes=", ".join(planes) or "it has none"
-            )
-        return name
-
-    readers: dict[str, Callable[[JsonObject], Feature]] = {
-        "holes": lambda item: _hole(item, face(item), file),
-        "slots": lambda item: _slot(item, face(item), file),
-        "contours": lambda item: _contour(item, face(item), file),
-        "texts": lambda item: _text_mark(item, face(item), file),
-        "bends": lambda item: _bend(item, file),
-        "end_planes": lambda item: EndPlane(
-            item.vector("point"), item.vector("normal"), _stored(item, file)
-        ),
-        "cambers": lambda item: Camber(
-            face(item), item.number("x"), item.number("y"), _stored(item, file)
-        ),
-    }
-    found = [pair for key, read in readers.items() for pair in top.children(key, numbered(read))]
-    found.sort(key=lambda pair: pair[0])
-    return tuple(feature for _, feature in found)
+    numbered: list[tuple[float, Feature]] = []
+    for key in ("holes", "slots", "contours", "texts", "bends", "end_planes", "cambers"):
+        for one, place in _each(getattr(form, key), top.at(key)):
+            name = getattr(one, "face", "v")
+            if name not in FACES and name not in planes:
+                known = ", ".join(planes) or "it has none"
+                raise place.at("face").fault(JSON_FACE, found=name, planes=known)
+            order = inf if one.feature is None else one.feature
+            numbered.append((order, _feature(one, place, source(one, place))))
+    numbered.sort(key=lambda pair: pair[0])
+    return tuple(feature for _, feature in numbered)
 
 
-def _diameter(item: JsonObject) -> float:
-    value = item.number("diameter")
-    if value < 0:
-        raise item.fault(JSON_VALUE, "diameter", found=show(value), expected="0 or more")
-    return value
+def _feature(form: Featured, place: Place, source: Source) -> Feature:
+    match form:
+        case ContourForm():
+            return _contour(form, place, source)
+        case HoleForm():
+            return Hole(**_fields(form), kind=_kind(form), source=source)
+        case SlotForm():
+            return Slot(**_fields(form), kind=_kind(form), source=source)
+        case TextForm():
+            return TextMark(**_fields(form), source=source)
+        case BendForm():
+            return Bend(**_fields(form), source=source)
+        case EndPlaneForm():
+            return EndPlane(**_fields(form), source=source)
+        case CamberForm():
+            return Camber(**_fields(form), source=source)
+    raise AssertionError(type(form))
 
 
-def _hole(item: JsonObject, face: str, file: str) -> Hole:
-    depth = item.number_or_none("depth")
-    kind = item.choice("kind", HOLE_KINDS, "through" if depth is None else "blind")
-    return Hole(
-        face,
-        item.number("x"),
-        item.number("y"),
-        _diameter(item),
-        _stored(item, file),
-        depth,
-        cast(HoleKind, kind),
-        item.number_or_none("angle"),
-        item.text("edge", ""),
-    )
+#: Keys of a feature's form that are no fields of the feature.
+_NOT_ITS_OWN = {"line", "where", "file", "feature", "kind"}
 
 
-def _slot(item: JsonObject, face: str, file: str) -> Slot:
-    depth = item.number_or_none("depth")
-    kind = item.choice("kind", HOLE_KINDS, "through" if depth is None else "blind")
-    return Slot(
-        face,
-        item.number("x"),
-        item.number("y"),
-        _diameter(item),
-        item.number("length"),
-        item.number("height", 0.0),
-        item.number("angle", 0.0),
-        _stored(item, file),
-        depth,
-        cast(HoleKind, kind),
-        item.text("edge", ""),
-    )
+def _fields(form: Featured) -> dict[str, Any]:
+    return {name: value for name, value in asdict(form).items() if name not in _NOT_ITS_OWN}
 
 
-def _contour(item: JsonObject, face: str, file: str) -> Contour:
-    kind = cast(ContourKind, item.choice("kind", CONTOUR_KINDS))
-    found: list[Curve] = []
-    drawn = True  # by shorthands only, which have no direction of their own
-    for i, value in enumerate(item.items("curves")):
-        curve = JsonObject(value, f"{item.at('curves')}[{i}]", item.file)
-        drawn = drawn and any(key in curve for key in ("polygon", "circle", "function"))
-        found += curves_from_json(curve)
-        curve.finish()
-    if not found:
-        raise item.fault(JSON_VALUE, "curves", found="no curves", expected="one curve or more")
-    curves = tuple(found)
-    if drawn and kind != "open" and _is_closed(curves):
-        curves = _turned_as(curves, kind, face)
-    item.ignore(("length", "bbox"))
+def _kind(form: HoleForm | SlotForm) -> HoleKind:
+    if isinstance(form.kind, UnsetType):
+        return "through" if form.depth is None else "blind"
+    return form.kind
+
+
+def _contour(form: ContourForm, place: Place, source: Source) -> Contour:
+    if not form.curves:
+        raise place.at("curves").wrong("no curves", "one curve or more")
+    found = _each(form.curves, place.at("curves"))
+    curves = tuple(curve for one, below in found for curve in curves_of(one, below))
+    # Shorthands have no direction of their own.
+    drawn = all(one.polygon or one.circle or one.function for one in form.curves)
+    if drawn and form.kind != "open" and _is_closed(curves):
+        curves = _turned_as(curves, form.kind, form.face)
+    for key in ("bevels", "notches"):
+        for row, below in _each(getattr(form, key), place.at(key)):
+            if not 0 <= row.curve < len(curves):
+                raise below.at("curve").fault(JSON_INDEX, found=row.curve, count=len(curves))
     return Contour(
-        face,
-        kind,
+        form.face,
+        form.kind,
         curves,
-        _stored(item, file),
-        cast(Process, item.choice("process", PROCESSES, "cut")),
-        item.boolean("closed", _is_closed(curves)),
-        item.children("bevels", lambda b: _bevel(b, len(curves))),
-        item.children("notches", lambda n: _notch(n, len(curves))),
-        item.text("edge", ""),
-        item.text_or_none("layer"),
-        _colour(item),
+        source,
+        form.process,
+        _is_closed(curves) if isinstance(form.closed, UnsetType) else form.closed,
+        tuple(Bevel(**asdict(bevel)) for bevel in form.bevels),
+        tuple(Notch(**asdict(notch)) for notch in form.notches),
+        form.edge,
+        form.layer,
+        _colour(form.colour, place.at("colour")),
     )
 
 
-def _colour(item: JsonObject) -> str | None:
+def _colour(text: str | None, place: Place) -> str | None:
     """A colour as "#rrggbb"."""
-    text = item.text_or_none("colour")
     if text is None:
         return None
     try:
         return parse_colour(text)
     except ValueError:
-        expected = "#RRGGBB, rgb(r, g, b) or the name of a colour"
-        raise item.fault(JSON_VALUE, "colour", found=show(text), expected=expected) from None
+        raise place.wrong(text, "#RRGGBB, rgb(r, g, b) or the name of a colour") from None
 
 
 def _turned_as(curves: tuple[Curve, ...], kind: ContourKind, face: str) -> tuple[Curve, ...]:
@@ -326,52 +235,6 @@ def _is_closed(curves: tuple[Curve, ...]) -> bool:
     if len(curves) == 1 and isinstance(curves[0], Arc):
         return abs(curves[0].sweep_deg) == 360.0
     return abs(start[0] - end[0]) < 1e-6 and abs(start[1] - end[1]) < 1e-6
-
-
-def _index(item: JsonObject, count: int) -> int:
-    index = item.integer("curve")
-    if not 0 <= index < count:
-        raise item.fault(JSON_INDEX, "curve", found=index, count=count)
-    return index
-
-
-def _bevel(item: JsonObject, count: int) -> Bevel:
-    return Bevel(_index(item, count), item.number("angle"), item.number("land"))
-
-
-def _notch(item: JsonObject, count: int) -> Notch:
-    kind = item.choice("kind", ("t", "w"))
-    return Notch(
-        _index(item, count),
-        "t" if kind == "t" else "w",
-        item.point("corner"),
-        item.number("radius", 0.0),
-    )
-
-
-def _text_mark(item: JsonObject, face: str, file: str) -> TextMark:
-    option = item.choice("option", ("", "r", "z"), "")
-    return TextMark(
-        face,
-        item.number("x"),
-        item.number("y"),
-        item.number("angle", 0.0),
-        item.number("height"),
-        item.text("text"),
-        _stored(item, file),
-        "r" if option == "r" else "z" if option == "z" else "",
-        item.text("edge", ""),
-    )
-
-
-def _bend(item: JsonObject, file: str) -> Bend:
-    return Bend(
-        item.point("start"),
-        item.point("end"),
-        item.number("angle"),
-        item.number_or_none("radius"),
-        _stored(item, file),
-    )
 
 
 __all__ = ["JSON_PART_RULES", "ReadError", "part_from_json"]

@@ -27,16 +27,6 @@ from beamcam.model.part import (
 
 PART_SCHEMA = "beamcam/part/1"
 
-#: Keys whose values follow from others, or from the drawing that a part was read from.
-COMPUTED_KEYS = (
-    "bbox",
-    "path_length",
-    "duplicate_length",
-    "filled_length",
-    "hidden_length",
-    "not_cut",
-)
-
 Json = dict[str, Any]
 
 

@@ -1,11 +1,13 @@
 """The reader of the JSON form of parts: a file of one part, `beamcam/part/1`."""
 
 import json
+import re
 from typing import Any
 
 from beamcam.errors import ReadError, Rule, Severity, Source
 from beamcam.model.part_from_json import JSON_PART_RULES, part_from_json
 from beamcam.model.part_json import PART_SCHEMA
+from beamcam.plain_text import whole_text
 from beamcam.readers.polynomials import checked_polynomials
 from beamcam.readers.reading import Reading
 
@@ -43,6 +45,8 @@ def read(data: bytes, name: str) -> Reading:
         value = json.loads(
             data.decode("utf-8-sig"), object_pairs_hook=_unique, parse_constant=_refuse_constant
         )
+        if _HALF.search(data):
+            value = _whole(value)
     except _KeyTwice as error:
         return Reading("part-json", (), (JSON_KEY_TWICE.at(Source(name), key=str(error)),))
     except json.JSONDecodeError as error:
@@ -58,6 +62,19 @@ def read(data: bytes, name: str) -> Reading:
     except ReadError as error:
         return Reading("part-json", (), error.diagnostics)
     return Reading("part-json", (part,), checked_polynomials(part))
+
+
+#: What half of a character is written as, which no file takes afterwards.
+_HALF = re.compile(rb"\\u[dD][89a-fA-F]")
+
+
+def _whole(value: Any) -> Any:
+    """A value whose texts hold no half of a character."""
+    if isinstance(value, dict):
+        return {whole_text(key): _whole(item) for key, item in value.items()}
+    if isinstance(value, list):
+        return [_whole(item) for item in value]
+    return whole_text(value) if isinstance(value, str) else value
 
 
 def _unique(pairs: list[tuple[str, Any]]) -> dict[str, Any]:

@@ -181,8 +181,8 @@ FLAWED = [
         part_with(holes=[{"face": "W", "x": 1, "y": 2, "diameter": 1}]),
         *("json-face", None, "holes[0].face"),
     ),
-    (part_with(notes=[1]), "json-value", None, "notes[0]"),
-    (part_with(info=[["a"]]), "json-value", None, "info[0]"),
+    (part_with(notes=[1]), "json-type", None, "notes[0]"),
+    (part_with(info=[["a"]]), "json-type", None, "info[0]"),
     (part_with(tolerance=[1]), "json-type", None, "tolerance"),
     (part_with(contours=[{"kind": "open"}]), "json-value", None, "contours[0].curves"),
     (part_with(contours=[{"curves": []}]), "json-key-missing", None, "contours[0].kind"),
@@ -201,7 +201,15 @@ FLAWED_CURVES = [
     ({"line": [[0, 0], [1, 1], [2, 2]]}, "json-value", AT + ".line"),
     ({"line": [[0, 0], [1, "a"]]}, "json-type", AT + ".line[1][1]"),
     ({"line": [[0, 0], [1]]}, "json-type", AT + ".line[1]"),
-    ({"line": [[0, 0], [1, 1]], "arc": {}}, "json-key-unknown", AT + ".arc"),
+    ({"line": [[0, 0], [1, 1]], "newton": [[0, 0], [1, 1]]}, "json-key-unknown", AT + ".newton"),
+    ({"bezier": {"points": [[0, 0], ["a", 1]]}}, "json-type", AT + ".bezier.points[1][0]"),
+    ({"bezier": {"point": [[0, 0], [1, 1]]}}, "json-key-unknown", AT + ".bezier.point"),
+    ({"bezier": [[0, 0], [1, "a"]]}, "json-type", AT + ".bezier[1][1]"),
+    ({"function": {"x": "t", "y": "t", "t": [0, 1], "from": 0}}, "json-key-unknown",
+     AT + ".function.from"),
+    ({"function": {"y": "x", "x": "x", "from": 0, "to": 1}}, "json-key-missing",
+     AT + ".function.t"),
+    ({"function": {"y": "x", "from": 0, "to": "1e99"}}, "json-value", AT + ".function.to"),
     ({"polygon": [[0, 0], [1, 1]]}, "json-value", AT + ".polygon"),
     ({"circle": {"centre": [0, 0], "radius": 0}}, "json-value", AT + ".circle.radius"),
     (
@@ -285,7 +293,8 @@ def test_flawed_bevel():
 
 def test_unknown_key_names_the_nearest():
     (diagnostic,) = read_value(part_with(holes=[{"x": 1, "y": 1, "diamter": 5}])).diagnostics
-    assert diagnostic.code == "json-key-missing"
+    assert diagnostic.code == "json-key-unknown"
+    assert diagnostic.message.endswith("nearest is 'diameter'")
     (diagnostic,) = read_value(
         part_with(holes=[{"x": 1, "y": 1, "diameter": 5, "dept": 3}])
     ).diagnostics
@@ -342,6 +351,15 @@ def test_a_closed_way_runs_as_its_kind_asks():
         assert contour.closed
         assert (signed_area(contour.curves) > 0) == positive
         assert abs(signed_area(contour.curves)) == pytest.approx(36 * pi, rel=1e-4)
+
+
+def test_half_a_character_is_replaced_wherever_it_is():
+    data = json.dumps(part_with(notes=["a\ud800b"], grade="\ud83d\ude00")).encode()
+    (part,) = read(data, "p.json").parts
+    assert part.notes == ("a\ufffdb",)
+    assert part.grade == "\U0001f600"
+    (said,) = read(data.replace(b'"notes"', b'"\\ud800"'), "p.json").diagnostics
+    assert said.code == "json-key-unknown"
 
 
 def test_what_a_function_became_is_kept_to_the_last_bit():

@@ -1,0 +1,265 @@
+"""The JSON form of a part as records: what a file may say, before it is a part.
+
+Their fields are the keys of the file, so that its schema is made of them.
+"""
+
+from typing import Annotated, Any, Literal
+
+from msgspec import UNSET, Meta, UnsetType, field
+
+from beamcam.conversion import Keys
+from beamcam.geometry.plane import MAX_COORDINATE
+from beamcam.model.part import ContourKind, HoleKind, Process, ProfileCode
+
+#: A part reaches from one end of all coordinates to the other at most.
+MAX_NUMBER = 10 * MAX_COORDINATE
+
+Number = Annotated[float, Meta(ge=-MAX_NUMBER, le=MAX_NUMBER)]
+Positive = Annotated[float, Meta(gt=0, le=MAX_NUMBER)]
+NotNegative = Annotated[float, Meta(ge=0, le=MAX_NUMBER)]
+Whole = Annotated[int, Meta(ge=-int(MAX_NUMBER), le=int(MAX_NUMBER))]
+Sweep = Annotated[float, Meta(ge=-360, le=360)]
+Point = tuple[Number, Number]
+Vector = tuple[Number, Number, Number]
+Points = Annotated[tuple[Point, ...], Meta(min_length=2)]
+Polygon = Annotated[tuple[Point, ...], Meta(min_length=3)]
+Numbers = tuple[Number, ...]
+
+
+class Located(Keys, frozen=True, kw_only=True):
+    """Where a thing was read from; one that is written by hand says nothing."""
+
+    line: Whole | UnsetType | None = UNSET  #: of its file
+    where: str | None = None  #: its place in a file without lines, such as a handle
+    file: str | None = None  #: where that is not the part's
+
+
+class Featured(Located, frozen=True, kw_only=True):
+    """A feature of the part."""
+
+    feature: Whole | None = None  #: its place among all; those without follow as they stand
+
+
+class ArcForm(Keys, frozen=True):
+    centre: Point
+    radius: Positive
+    start: Number  #: degrees
+    sweep: Sweep  #: degrees; a negative one runs clockwise
+
+
+class EllipseForm(Keys, frozen=True):
+    centre: Point
+    axis: Point  #: half of the long axis
+    ratio: Annotated[float, Meta(gt=0, le=1)]  #: of the short axis to the long one
+    start: Number = 0.0  #: degrees
+    sweep: Sweep = 360.0
+
+
+class BezierForm(Keys, frozen=True):
+    points: Points
+    weights: Numbers | None = None
+
+
+class SplineForm(Keys, frozen=True):
+    degree: Whole
+    control: Points
+    knots: Numbers
+    weights: Numbers | None = None
+
+
+class CircleForm(Keys, frozen=True):
+    centre: Point
+    radius: Positive
+
+
+class TangentForm(Keys, frozen=True):
+    """The arc of at most 180 degrees through two tangent points."""
+
+    start: Point = field(name="from")
+    end: Point = field(name="to")
+    radius: Positive
+    side: Literal["left", "right"]  #: of the way on which its centre lies
+
+
+class FunctionForm(Keys, frozen=True):
+    """A graph, y of x between two ends, or the way of a point, x and y of t."""
+
+    y: str
+    x: str | None = None
+    t: tuple[Number | str, ...] | None = None  #: both ends of a way, numbers or arithmetic
+    low: Number | str | None = field(default=None, name="from")  #: of a graph
+    high: Number | str | None = field(default=None, name="to")
+    tolerance: Positive | None = None  #: distance of the curves from it, mm
+
+
+class CurveForm(Keys, frozen=True):
+    """A curve: an object of one key."""
+
+    line: tuple[Point, ...] | None = None
+    arc: ArcForm | None = None
+    ellipse: EllipseForm | None = None
+    bezier: Points | BezierForm | None = None
+    bspline: SplineForm | None = None
+    newton: Points | None = None  #: the polynomial through nodes
+    polygon: Polygon | None = None  #: closed, turned as its kind asks for
+    circle: CircleForm | None = None
+    tangent_arc: TangentForm | None = None
+    function: FunctionForm | None = None
+
+
+class ProfileForm(Keys, frozen=True):
+    code: ProfileCode
+    height: Number  #: of the web; width of a plate; outer diameter of a round
+    name: str = ""
+    width: Number = 0.0  #: of the flange
+    flange_thickness: Number = 0.0
+    web_thickness: Number | None = None  #: thickness of a plate
+    radius: Number = 0.0
+
+
+class CutsForm(Keys, frozen=True):
+    """Angles of the end cuts in degrees, with DSTV's signs."""
+
+    web_start: Number = 0.0
+    web_end: Number = 0.0
+    flange_start: Number = 0.0
+    flange_end: Number = 0.0
+
+
+class HoleForm(Featured, frozen=True, kw_only=True):
+    x: Number
+    y: Number
+    diameter: NotNegative
+    face: str = "v"
+    depth: Number | None = None  #: without one it is through
+    kind: HoleKind | UnsetType = UNSET
+    angle: Number | None = None  #: cone of a countersink, degrees
+    edge: str = ""
+
+
+class SlotForm(Featured, frozen=True, kw_only=True):
+    x: Number  #: of the centre
+    y: Number
+    diameter: NotNegative  #: of the corner circles
+    length: Number  #: centre to centre of the corner circles, along `angle`
+    height: Number = 0.0  #: centre to centre, across `angle`
+    angle: Number = 0.0  #: degrees
+    face: str = "v"
+    depth: Number | None = None  #: without one it is through
+    kind: HoleKind | UnsetType = UNSET
+    edge: str = ""
+
+
+class BevelForm(Keys, frozen=True):
+    curve: Whole  #: index into the contour's curves
+    angle: Number  #: degrees
+    land: Number
+
+
+class NotchForm(Keys, frozen=True):
+    curve: Whole  #: index into the contour's curves
+    kind: Literal["t", "w"]  #: tangent radius, or drilled corner
+    corner: Point
+    radius: Number = 0.0
+
+
+class ContourForm(Featured, frozen=True, kw_only=True):
+    kind: ContourKind
+    curves: tuple[CurveForm, ...] = ()
+    face: str = "v"
+    process: Process = "cut"
+    closed: bool | UnsetType = UNSET
+    bevels: tuple[BevelForm, ...] = ()
+    notches: tuple[NotchForm, ...] = ()
+    edge: str = ""
+    layer: str | None = None
+    colour: str | None = None
+    length: Any = None  #: computed, not read
+    bbox: Any = None  #: computed, not read
+
+
+class TextForm(Featured, frozen=True, kw_only=True):
+    x: Number
+    y: Number
+    height: Number
+    text: str
+    face: str = "v"
+    angle: Number = 0.0  #: degrees
+    option: Literal["", "r", "z"] = ""
+    edge: str = ""
+
+
+class BendForm(Featured, frozen=True, kw_only=True):
+    start: Point
+    end: Point
+    angle: Number  #: degrees
+    radius: Number | None = None
+
+
+class EndPlaneForm(Featured, frozen=True, kw_only=True):
+    point: Vector
+    normal: Vector  #: away from the material that stays
+
+
+class CamberForm(Featured, frozen=True, kw_only=True):
+    x: Number
+    y: Number
+    face: str = "v"
+
+
+class PlaneForm(Located, frozen=True, kw_only=True):
+    name: str
+    origin: Vector
+    along_x: Vector  #: the point 100 mm along the plane's x axis
+    along_y: Vector
+
+
+class SectionPointForm(Keys, frozen=True):
+    side: Literal["+", "-"]
+    y: Number
+    z: Number
+    radius: Number = 0.0
+
+
+class CommentForm(Keys, frozen=True):
+    text: str
+    before: str
+
+
+class PartForm(Keys, frozen=True, kw_only=True):
+    """A part in the form `beamcam/part/1`."""
+
+    schema: Any = UNSET
+    mark: str
+    profile: ProfileForm
+    length: Positive
+    quantity: Whole = 1
+    saw_length: Number | None = None
+    order: str = ""
+    drawing: str = ""
+    phase: str = ""
+    grade: str = ""
+    cuts: CutsForm = CutsForm()
+    holes: tuple[HoleForm, ...] = ()
+    slots: tuple[SlotForm, ...] = ()
+    contours: tuple[ContourForm, ...] = ()
+    texts: tuple[TextForm, ...] = ()
+    bends: tuple[BendForm, ...] = ()
+    end_planes: tuple[EndPlaneForm, ...] = ()
+    cambers: tuple[CamberForm, ...] = ()
+    planes: tuple[PlaneForm, ...] = ()
+    weight: Number = 0.0  #: kg/m, of a plate kg/m2
+    surface: Number = 0.0  #: paint, m2/m, of a plate m2/m2
+    notes: tuple[str, ...] = ()
+    tolerance: tuple[Number, Number] | None = None  #: of the length, least and greatest
+    section: tuple[SectionPointForm, ...] = ()
+    info: tuple[tuple[str, str], ...] = ()  #: word and text
+    comments: tuple[CommentForm, ...] = ()
+    guid: str | None = None
+    source: Located | None = None
+    bbox: Any = None  #: computed, not read
+    path_length: Any = None  #: computed, not read
+    duplicate_length: Any = None  #: computed, not read
+    filled_length: Any = None  #: of a drawing, not read
+    hidden_length: Any = None  #: of a drawing, not read
+    not_cut: Any = None  #: of a drawing, not read
