@@ -12,7 +12,7 @@ from typing import Annotated, Literal
 from msgspec import Meta, Struct, field
 
 from beamcam.caches import cached
-from beamcam.conversion import Count, Keys, NotNegative, Positive
+from beamcam.conversion import Count, Keys, NotNegative, Positive, PositiveCount
 from beamcam.geometry.expression import Expression, compile_expression
 from beamcam.machine.tables import Stepper, Triggers
 from beamcam.machine.words import Words
@@ -218,18 +218,18 @@ class Spindle(Keys, frozen=True):
     """A drilling spindle: the face that it reaches, its axes and its stations."""
 
     name: str
-    number: int  #: what the program calls it
+    number: Count  #: what the program calls it
     face: Literal["v", "o", "u", "h"]
     across: Across
     stroke: Stroke
-    stations: int = 1
+    stations: PositiveCount = 1
 
 
 class Pair(Keys, frozen=True):
     """Two spindles that can drill at once."""
 
     name: str
-    number: int
+    number: Count
     faces: tuple[str, str]
 
 

@@ -98,6 +98,7 @@ BAD = [
         "'torch.tabs'; expected 0 or more",
     ),
     ("base = 'table-simotion'\n[triggers]\ngreatest_data = 10", "machine-value", "1024 or more"),
+    (spindle("y", "Z") + "\nstations = 0", "machine-value", "'spindles.0.stations'; expected 1 or"),
     ("controller = 'fanuc'", "machine-value", "expected one of"),
     ("[format]\nnumber_blocks = 1", "machine-value", "expected true or false"),
     ("[format]\nlength_decimals = 1.5", "machine-value", "expected a whole number"),
