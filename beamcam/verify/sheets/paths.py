@@ -29,14 +29,16 @@ def follow(work: Work) -> tuple[list[Traced], list[Diagnostic]]:
         points = np.concatenate((points, work.path.ends))
         way = np.concatenate((way, np.arange(work.path.count)))
     stroke = work.of_way[way]
-    on, off = _nearest(work, points)
+    on, off, corner = _nearest(work, points)
     followed = on[0] <= work.slack[on[1]]
     expected = np.zeros(len(work.strokes))
     if work.half_kerf:
         count = np.bincount(stroke, minlength=len(work.strokes))
         centred = np.bincount(stroke, followed, len(work.strokes)) > count / 2
         expected = np.where(centred, 0.0, work.half_kerf)
-        followed = np.where(centred[stroke], followed, _beside(work, off))
+        followed = np.where(
+            centred[stroke], followed, corner | (off[0] <= work.half_kerf + work.slack[off[1]])
+        )
     bad = np.zeros(work.path.count, dtype=bool)
     bad[way[~followed]] = True
     ends = np.cumsum(np.bincount(work.of_way, minlength=len(work.strokes))).tolist()
@@ -55,28 +57,27 @@ def follow(work: Work) -> tuple[list[Traced], list[Diagnostic]]:
     return traced, said + end_faults(work, traced)
 
 
-def _nearest(work: Work, points: Floats) -> tuple[Near, Near]:
-    """Of each point the nearest curve that the beam stays on, and the nearest that it keeps off."""
+def _nearest(work: Work, points: Floats) -> tuple[Near, Near, Flags]:
+    """Of each point the nearest curve that the beam stays on, and the nearest that it keeps off.
+
+    And whether it goes round a corner of a curve that it keeps off.
+    """
     most = float(work.slack.max(initial=0.0))
     reach = max(MITRE * work.half_kerf + most, 2 * most)
-    pairs = work.need.near(points, reach)
+    need = work.need
+    pairs = need.near(points, reach)
+    corner = np.zeros(len(points), dtype=bool)
     if not work.half_kerf:
-        found = work.need.nearest_of(pairs, len(points))
-        return found, found
-    beside = work.beside[work.need.owner[pairs.element]]
-    on = work.need.nearest_of(pairs.kept(~beside), len(points))
-    return on, work.need.nearest_of(pairs.kept(beside), len(points))
-
-
-def _beside(work: Work, nearest: Near) -> Flags:
-    """Where a path is half a kerf from a contour at most, or goes round a corner of it."""
-    away, who, at = nearest
-    slack, half = work.slack[who], work.half_kerf
-    corner = (away <= MITRE * half + slack) & (
-        (at <= slack) | (work.need.lengths[who] - at <= slack)
-    )
-    found: Flags = (away <= half + slack) | corner
-    return found
+        found = need.nearest_of(pairs, len(points))
+        return found, found, corner
+    beside = work.beside[need.owner[pairs.element]]
+    on = need.nearest_of(pairs.kept(~beside), len(points))
+    pairs = pairs.kept(beside)
+    way = need.owner[pairs.element]
+    at = need.at(pairs.element, pairs.along) - need.begins[way]
+    at_end = np.minimum(at, need.lengths[way] - at) <= work.slack[way]
+    corner[pairs.point[at_end]] = True
+    return on, need.nearest_of(pairs, len(points)), corner
 
 
 def on_contour(work: Work, traced: Sequence[Traced]) -> Flags:

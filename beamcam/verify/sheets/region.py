@@ -81,6 +81,9 @@ def region_of(ways: Ways, features: Counts, gap: float, fine: float) -> Region:
     twins[[k for r in again for k, _ in once[r]]] = True
     apart[[k for r in again | under for k, _ in once[r]]] += gap
     wide[list(again)] = False
+    # A ring that crosses itself by a hair has a loop there, which nothing can follow.
+    crossed = np.flatnonzero(~shapely.is_valid(polygons)).tolist()
+    apart[[k for r in crossed for k, _ in once[r]]] += gap
     once = [ring for ring, is_kept in zip(once, wide.tolist(), strict=True) if is_kept]
     polygons = polygons[wide]
     return Region(polygons, once, closed, twins, apart)
@@ -125,7 +128,7 @@ def _places(ways: Ways | Stretches, which: Counts, group: Counts, gap: float) ->
     """A number for the place of both ends of some ways, (n, 2).
 
     Ends of one group that are the same point are at one place. Where not just two are, places as
-    near as `SAME_POINT`, and then such as near as `gap`, are one.
+    near as `SAME_POINT`, then such as near as `gap`, and then those with any other, are one.
     """
     ends = np.concatenate((ways.starts[which], ways.ends[which]))
     keys = np.column_stack((np.tile(group, 2), ends))
@@ -136,13 +139,18 @@ def _places(ways: Ways | Stretches, which: Counts, group: Counts, gap: float) ->
     first = np.zeros(int(label.max(initial=-1)) + 1, dtype=np.int64)
     first[label] = np.arange(len(ends))
     root = np.arange(len(first))
-    for apart in (SAME_POINT, gap + SAME_POINT):
-        odd = np.flatnonzero(np.bincount(root[label], minlength=len(root)) != 2)
-        odd = odd[root[odd] == odd]
-        points = shapely.points(ends[first[odd]])
-        a, b = shapely.STRtree(points).query(points, "dwithin", distance=apart)
-        alike = (a < b) & (keys[first[odd[a]], 0] == keys[first[odd[b]], 0])
-        for x, y in zip(odd[a[alike]].tolist(), odd[b[alike]].tolist(), strict=True):
+    for apart, alone in ((SAME_POINT, True), (gap + SAME_POINT, True), (gap + SAME_POINT, False)):
+        count = np.bincount(root[label], minlength=len(root))
+        own = np.flatnonzero(root == np.arange(len(root)))
+        odd = own[count[own] != 2]
+        others = odd if alone else own
+        places = shapely.points(ends[first[others]])
+        a, b = shapely.STRtree(places).query(
+            shapely.points(ends[first[odd]]), "dwithin", distance=apart
+        )
+        a, b = odd[a], others[b]
+        alike = (a != b) & (keys[first[a], 0] == keys[first[b], 0])
+        for x, y in zip(a[alike].tolist(), b[alike].tolist(), strict=True):
             low, high = sorted((root[x], root[y]))
             root[root == high] = low
     found: Counts = root[label].reshape(2, -1).T
