@@ -213,12 +213,13 @@ def _drilled(
 
 
 def _slot(place: Place, line: int, x: float, y: float, kind: HoleKind, sizes: Sizes) -> Slot:
-    """The slot whose first corner circle is at x, y."""
+    """The slot whose first corner circle is at x, y; the others may lie on either side of it."""
     diameter, depth, width, height, angle = sizes
     if kind == "through" and depth:
         kind = "blind"
     cx, cy = slot_centre(x, y, width, height, angle)
     source = Source(place.log.file, line)
+    width, height = abs(width), abs(height)
     return Slot(
         place.face, cx, cy, diameter, width, height, angle, source, depth or None, kind, place.edge
     )

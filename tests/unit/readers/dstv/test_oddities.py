@@ -254,6 +254,13 @@ def test_slot_rows(row, centre, size):
     assert (slot.length, slot.height, slot.angle) == size
 
 
+@pytest.mark.parametrize(("b", "h"), [(30.0, -10.0), (-30.0, 0.0), (-30.0, -10.0)])
+def test_a_slot_to_the_other_side_of_its_first_circle(b, h):
+    slot = only_feature("BO", f"  v 100.00s 50.00 20.00 0.00l {b:.2f} {h:.2f} 0.00")
+    assert (slot.x, slot.y) == (100 + b / 2, 50 + h / 2)
+    assert (slot.length, slot.height) == (abs(b), abs(h))
+
+
 def test_face_and_reference_are_inherited_in_a_block():
     part = part_of("BO", "  o 10.00s 20.00 18.00", "  30.00 20.00 18.00", "BO", "  u 1.0 2.0 18.0")
     assert [(f.face, f.edge) for f in part.features] == [("o", "s"), ("o", "s"), ("u", "")]
