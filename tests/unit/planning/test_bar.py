@@ -13,6 +13,7 @@ from beamcam.model.plan import Plan, SawOp
 from beamcam.planning import plan_bar
 from beamcam.planning.bar import saw_angles
 from beamcam.planning.ends import End, corners, ends_of, leaves_stock, web_borders
+from beamcam.planning.stock import from_store
 from tests.unit.planning.shop import ANGLE, BEAM, CHANNEL, SOURCE, TUBE, part, plan
 
 
@@ -143,3 +144,32 @@ def test_a_bevel_that_the_flange_cut_leaves_on_the_web_is_no_weld_preparation() 
     web = outline("v", (0, 0), (x, 0), (x, 200), (0, 200), bevels=(Bevel(1, 30.0, 0.0),))
     tilted = part(web, cuts=EndCuts(flange_end=30.0), profile=CHANNEL)
     assert plan_bar([tilted], load("beamline-pusher")).outcomes[0].by == "saw"
+
+
+def test_what_is_left_of_the_bar_holds_its_last_part() -> None:
+    long, short = part(length=3000.0), part(length=145.0)
+    found = plan(long, short, machine="beamline")
+    last = found.pieces[-1]
+    assert found.bar.length == pytest.approx(last.start + 1200)
+    assert found.bar.rest == pytest.approx(1200 - 145 - 4.04)
+    assert found.bar.total == pytest.approx(found.bar.length)
+    turned_round = plan(short, long, machine="beamline")  # the long one holds itself
+    assert turned_round.bar.rest == 0.0
+    with pytest.raises(PlanError) as caught:
+        plan(long, short, machine="beamline", bar=3900.0)
+    assert [said.code for said in caught.value.diagnostics] == ["plan-bar-left"]
+
+    def made(length: float | None) -> float:
+        return plan(long, short, machine="beamline", bar=length).bar.length
+
+    assert from_store(made, (3900.0, 4500.0, 12000.0), 3000.0) == 4500.0
+
+
+@pytest.mark.parametrize("web_end", [30.0, -30.0])
+def test_nothing_is_squared_behind_a_skew_end_at_the_end_of_the_bar(web_end: float) -> None:
+    skew = part(cuts=EndCuts(web_end=web_end))
+    assert [c[0] for c in cuts(plan(skew, machine="beamline"))] == ["trim", "mitre"]
+    more = plan(skew, machine="beamline", bar=6000.0)
+    assert [c[0] for c in cuts(more)] == ["trim", "mitre", "parting"]
+    # The gripper holds a rest, so there is always one.
+    assert [c[0] for c in cuts(plan(skew, machine="beamline-pusher"))][-1] == "parting"
