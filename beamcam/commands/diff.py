@@ -12,11 +12,12 @@ from beamcam.commands.common import REFUSED, STANDARD, Voice, say_json, say_line
 from beamcam.commands.programs import input_bytes
 from beamcam.commands.settings import machine_for_program, settled
 from beamcam.controllers import rules
-from beamcam.errors import BeamcamError, Diagnostic, VerifyError
+from beamcam.errors import BeamcamError, Diagnostic, Severity, VerifyError, errors_in
 from beamcam.machine import Machine
 from beamcam.machine.defaults import is_of_programs
 from beamcam.model.part import Part
-from beamcam.pipeline import as_error, parts_of
+from beamcam.pipeline import as_error, parts_of, read_back
+from beamcam.posts import Wanted
 from beamcam.readers.content import shown_name
 from beamcam.verify import run
 from beamcam.verify.differ import Difference, diff_parts, diff_programs
@@ -38,7 +39,8 @@ def command(a: str, b: str, as_json: bool, voice: Voice, **asked: Any) -> None:
     """Say what program or part B makes otherwise than A.
 
     Block numbers, comments, spacing, and the order of holes in a part's file count for nothing.
-    Exit status: 0 they mean the same, 1 they differ or one cannot be read.
+    Exit status: 0 they mean the same, 1 they differ, or one cannot be read, or would be refused for
+    what it does: a word that is missing, a retract, a feed, a tool that is not there.
 
     \b
     beamcam diff yesterday.gcode today.gcode --machine beamline-annex
@@ -69,7 +71,7 @@ def command(a: str, b: str, as_json: bool, voice: Voice, **asked: Any) -> None:
     if said:
         voice.say(said)
     voice.end()
-    if found:
+    if found or errors_in(said):
         raise SystemExit(REFUSED)
 
 
@@ -105,12 +107,13 @@ def _diff_programs(
 
     Raises VerifyError where their blocks are not understood.
     """
-    (first_name, first), (_, second) = texts
     if machine.stock == "sheet":
-        found, said = diff_sheets(first, second, machine, first_name)
+        (name, first), (_, second) = texts
+        found, said = diff_sheets(first, second, machine, name)
         if said:
             raise VerifyError(said)
-        return found, ()
+        alone = (read_back(text, Wanted((), machine, name=name)) for name, text in texts)
+        return found, tuple(d for said in alone for d in said if d.severity is not Severity.NOTE)
     runs = [run(text, machine, None, name) for name, text in texts]
     said = tuple(d for done in runs for d in done.diagnostics)
     if any(d.code in NOT_UNDERSTOOD for d in said):

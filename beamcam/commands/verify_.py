@@ -40,7 +40,8 @@ def command(
     """Read PROGRAM back and say what it makes otherwise than its parts.
 
     The PARTs are given in their order on the bar. Without them the program is only checked by
-    itself: syntax, limits, spindles, feeds. Nothing is said of a program that is right.
+    itself: syntax, limits, spindles, feeds, clearances, tools. Nothing is said of a program that
+    is right.
 
     What may be missing is what --allow-skips or the configuration names, and where they do not,
     what the program's head says; under --strict or with --allow-skips none it is not believed.

@@ -25,7 +25,7 @@ from beamcam.model.part import (
     Slot,
     TextMark,
 )  # fmt: skip
-from beamcam.verify.bars.made import Bore, Cut, Made
+from beamcam.verify.bars.made import Bore, Cut, Made, Trail
 
 NEAR = 60.0  #: mm; what lies nearer is taken to have moved, what lies further to be another thing
 
@@ -41,7 +41,8 @@ class Difference(Struct, frozen=True):
 
 
 def diff_programs(a: Made, b: Made, resolution: float) -> tuple[Difference, ...]:
-    """What program B makes otherwise than program A; lengths nearer than `resolution` are one."""
+    """What program B makes otherwise than program A, and how; lengths nearer than `resolution` are
+    one."""
     step = resolution / 2 + 1e-9
     found = [*_section(a, b)]
     found += _lists("cut", a.cuts, b.cuts, _cut_place, _cut_name, lambda x, y: _cut(x, y, step))
@@ -53,6 +54,15 @@ def diff_programs(a: Made, b: Made, resolution: float) -> tuple[Difference, ...]
             _bore_place,
             _bore_name,
             lambda x, y: _bore(x, y, step),
+        )
+    for face in sorted({t.face for t in (*a.trails, *b.trails)}):
+        found += _lists(
+            "feature",
+            [t for t in a.trails if t.face == face],
+            [t for t in b.trails if t.face == face],
+            _trail_place,
+            _trail_name,
+            lambda x, y: _trail(x, y, step),
         )
     if not found and _order(a) != _order(b):
         found.append(Difference("order", "changed", "the same cuts and holes in another order"))
@@ -82,7 +92,7 @@ def _section(a: Made, b: Made) -> Iterator[Difference]:
 
 
 def _order(made: Made) -> list[tuple[object, ...]]:
-    return [op[1:3] if type(op) is Cut else op[1:5] for op in made.order]
+    return [op[1:3] if type(op) is Cut else op[1:4] for op in made.order]
 
 
 def _cut_place(cut: Cut) -> tuple[float, float]:
@@ -95,12 +105,13 @@ def _cut_name(cut: Cut) -> str:
 
 def _cut(a: Cut, b: Cut, step: float) -> list[str]:
     changes = _moved(b.x - a.x, 0.0, step)
-    if abs(a.angle - b.angle) > 1e-9:
-        changes.append(f"angle {a.angle:g} to {b.angle:g}")
+    for name, old, new in (("angle", a.angle, b.angle), ("tilt", a.tilt, b.tilt)):
+        if abs(old - new) > 1e-9:
+            changes.append(f"{name} {old:g} to {new:g}")
     return changes + _feed(a, b)
 
 
-def _feed(a: Cut | Bore, b: Cut | Bore) -> list[str]:
+def _feed(a: Cut | Bore | Trail, b: Cut | Bore | Trail) -> list[str]:
     if abs(a.feed_mm_min - b.feed_mm_min) > 1e-6:
         return [f"feed {a.feed_mm_min:.6g} to {b.feed_mm_min:.6g} mm/min"]
     return []
@@ -111,17 +122,51 @@ def _bore_place(bore: Bore) -> tuple[float, float]:
 
 
 def _bore_name(bore: Bore) -> str:
-    return f"hole {bore.face} at x {bore.x:.1f}"
+    noun = {"drill": "hole", "punch": "punch mark"}.get(bore.kind, bore.kind)
+    return f"{noun} {bore.face} at x {bore.x:.1f}"
 
 
 def _bore(a: Bore, b: Bore, step: float) -> list[str]:
     changes = _moved(b.x - a.x, b.y - a.y, step)
-    if a.diameter != b.diameter:
-        changes.append(f"drill {a.diameter:g} to {b.diameter:g}")
+    if (a.kind, a.diameter) != (b.kind, b.diameter):
+        other = "" if a.kind == b.kind else f"{b.kind} "
+        changes.append(f"{a.kind} {a.diameter:g} to {other}{b.diameter:g}")
     if abs(a.stroke - b.stroke) > step:
         changes.append(f"stroke {a.stroke:g} to {b.stroke:g}")
     if a.spindle != b.spindle:
         changes.append(f"spindle {a.spindle} to {b.spindle}")
+    if a.turning != b.turning:
+        changes.append(f"spindle M{a.turning:02} to M{b.turning:02}")
+    if abs(a.begin - b.begin) > step:
+        changes.append(f"feed from {a.begin:g} to from {b.begin:g}")
+    for name, old, new in (("pitch", a.pitch, b.pitch), ("speed", a.speed_rpm, b.speed_rpm)):
+        if abs(old - new) > 1e-6:
+            changes.append(f"{name} {old:g} to {new:g}")
+    return changes + _feed(a, b)
+
+
+def _trail_place(trail: Trail) -> tuple[float, float]:
+    return trail.points[0]
+
+
+def _trail_name(trail: Trail) -> str:
+    return f"path of a {trail.kind} {trail.face} at x {trail.points[0][0]:.1f}"
+
+
+def _trail(a: Trail, b: Trail, step: float) -> list[str]:
+    (ax, ay), (bx, by) = a.points[0], b.points[0]
+    changes = _moved(bx - ax, by - ay, step)
+    if len(a.points) != len(b.points) or any(
+        abs((p[0] - ax) - (q[0] - bx)) > step or abs((p[1] - ay) - (q[1] - by)) > step
+        for p, q in zip(a.points, b.points, strict=False)
+    ):
+        changes.append("another course")
+    if a.diameter != b.diameter:
+        changes.append(f"{a.kind} {a.diameter:g} to {b.diameter:g}")
+    depths = (a.least_depth, b.least_depth), (a.greatest_depth, b.greatest_depth)
+    for name, (old, new) in zip(("least depth", "greatest depth"), depths, strict=True):
+        if abs(old - new) > step:
+            changes.append(f"{name} {old:g} to {new:g}")
     return changes + _feed(a, b)
 
 

@@ -6,6 +6,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from beamcam.errors import errors_in
+from beamcam.verify import run
+from beamcam.verify.differ import diff_programs
 from benchmarks.faults import FAULTS, NEED_PARTS
 from benchmarks.liars import told
 from benchmarks.mutants import MUTATIONS, REWRITES, Mutate, wrong_spindle
@@ -57,6 +60,21 @@ def test_whatever_the_planner_says_of_a_plan_that_lies_it_is_refused() -> None:
     assert sum(lies.made.values()) > 500
     kinds = {lie.split(" ")[0] for lie in lies.made}
     assert kinds == {"cut", "drill", "tap", "countersink", "punch", "mill", "scribe", "piece"}
+
+
+def test_a_program_that_breaks_a_tool_is_never_the_same(programs: list[Case]) -> None:
+    rng = random.Random(7)
+    for case in programs:
+        step = case.machine.format.resolution
+        good = run(case.text, case.machine)
+        assert errors_in(good.diagnostics) == ()
+        assert diff_programs(good.made, good.made, step) == ()
+        for fault in FAULTS:
+            found = fault(case.text.split("\n"), rng)
+            if found is not None:
+                bad = run("\n".join(found), case.machine)
+                said = errors_in(bad.diagnostics)
+                assert said or diff_programs(good.made, bad.made, step), fault.__name__
 
 
 def test_rewrites_do_change_the_text(programs: list[Case]) -> None:

@@ -198,7 +198,7 @@ class Cell(CellState):
             self.unseen.add(station.face)
         if enters:
             self.fed_from.setdefault(station.number, before)
-            self._stroke(move, station, choice, across, stroke, depth)
+            self._stroke(move, station, choice, across, stroke, depth, before)
 
     def _approach(self, move: Move, station: Station, across: float, stroke: float) -> None:
         """A rapid towards the bar: to its clearance, or into what is drilled already."""
@@ -232,7 +232,7 @@ class Cell(CellState):
 
     def _stroke(
         self, move: Move, station: Station, choice: Choice, across: float, stroke: float,
-        depth: float,
+        depth: float, before: float,
     ) -> None:  # fmt: skip
         self._ready(move, station)
         self.idle = False
@@ -242,7 +242,7 @@ class Cell(CellState):
         bore = Bore(
             move.line, station.face, self.x, station.y(across), self.diameter, depth,
             choice.number, move.feed_mm_min, stroke, self.cycle.kind, self.turning, self.pitch,
-            self.speed_rpm,
+            self.speed_rpm, before,
         )  # fmt: skip
         if self.peck == (self.x, across):  # deeper in the same hole
             for index in range(len(self.order) - self.pecked, len(self.order)):

@@ -32,6 +32,7 @@ class Bore(NamedTuple):
     turning: int = 0  #: the M word that started the spindle; 0 if it stands
     pitch: float = 0.0  #: that was chosen for a tap
     speed_rpm: float = 0.0  #: 0 where the program does not say
+    begin: float = 0.0  #: where its feed began on the stroke axis
 
 
 class Trail(NamedTuple):

@@ -104,6 +104,19 @@ def test_diff_of_programs(job: Path) -> None:
     }  # fmt: skip
 
 
+@pytest.mark.parametrize("gone", [" M03", " M08", " M09", " M05", " M30", "retract"])
+def test_diff_with_a_program_that_would_be_refused(job: Path, tmp_path: Path, gone: str) -> None:
+    lines = job.read_text().split("\n")
+    mark = " G01 " if gone == "retract" else gone
+    at = next(i for i, line in enumerate(lines) if mark in line) + (gone == "retract")
+    bad = tmp_path / "bad.gcode"
+    bad.write_text("\n".join(lines[:at] + lines[at + 1 :]))
+    for first, second in ((job, bad), (bad, job), (bad, bad)):
+        done = cli("diff", first, second)
+        assert done.exit_code == 1, done.output
+        assert "error verify-" in done.stderr
+
+
 def test_diff_of_parts(tmp_path: Path) -> None:
     text = Path(STRUT).read_text("utf-8")
     other = tmp_path / "other.nc1"

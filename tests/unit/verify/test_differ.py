@@ -41,6 +41,8 @@ def test_a_program_is_itself_however_it_is_written() -> None:
     (edit(("K2 L22", "K2 L18"), text=move(2)),
      ["hole v at x 1098.6 moved by 2.0 mm, drill 22 to 18"]),
     (edit(("Z61.409", "Z60")), ["hole v at x 1098.6 stroke 61.409 to 60"]),
+    (edit(("N9 M03 K362", "N9 M03 K400")), ["hole v at x 1098.6 speed 362 to 400"]),
+    (edit(("Z42.2", "Z44")), ["hole v at x 1098.6 feed from 42.2 to from 44"]),
     (edit(("F1.507", "F1.5")), ["hole v at x 1098.6 feed 90.42 to 90 mm/min"]),
     (edit(("M40 K13", "M40 K1")), ["hole o at x 1498.6 spindle 13 to 1",
                                    "hole u at x 1498.6 only in A"]),
