@@ -20,24 +20,18 @@ from msgspec.structs import replace
 from numpy.typing import NDArray
 
 from beamcam.geometry.arrays import ends_of
-from beamcam.geometry.bezier import Bezier
-from beamcam.geometry.curves import Curve, Line, join_boxes
+from beamcam.geometry.curves import Curve, join_boxes
+from beamcam.geometry.joints import SAME_POINT, joined
 from beamcam.geometry.near import near_pairs
 from beamcam.geometry.plane import Point, distance
 
 Floats = NDArray[np.float64]
-
-#: Ends nearer than this are one point; nothing has to be moved to join them.
-SAME_POINT = 1e-9
 
 #: Ends that programs write for one point are as near as this: coordinates of three decimals.
 WRITTEN_SAME = 1e-3
 
 #: A gap as wide as the tolerance is within it, whatever the last digits of its ends.
 SLACK = 1 + 1e-6
-
-#: An end of a line is moved by no more than this share of its length, which turns it.
-MOST_MOVED = 0.1
 
 
 class Chain(Struct, frozen=True):
@@ -90,8 +84,8 @@ def join_curves(
 ) -> Chains:
     """Chains of curves whose ends are no farther apart than `tolerance`, in the order given.
 
-    Curves are turned round where needed. An end within the tolerance is moved onto its
-    neighbour where a curve can be (lines and free curves), else a line bridges the rest.
+    Curves are turned round where needed. An end very near its neighbour is moved onto it where a
+    curve can be (lines and free curves), else a line bridges the gap.
 
     Where three ends or more meet, a chain that begins and ends there is closed, and chains that
     lead to nowhere leave the way on to the others; if more than two are left, all of them stop
@@ -116,9 +110,9 @@ def join_curves(
     chains = [replace(links[k], closed=True) for k in np.flatnonzero(closed).tolist()]
     loose = np.flatnonzero(~closed & ~point)
     near = _meetings(ends[loose].reshape(-1, 2), same)
-    joined = _linked([links[k] for k in loose.tolist()], near)
-    chains += [link for link in joined if link.closed]
-    opened = [link for link in joined if not link.closed]
+    linked = _linked([links[k] for k in loose.tolist()], near)
+    chains += [link for link in linked if link.closed]
+    opened = [link for link in linked if not link.closed]
     whole, junctions = _joined_within(opened, tolerance)
     chains += whole
     chains.sort(key=lambda chain: min(m for m in chain.members if m >= 0))
@@ -300,7 +294,7 @@ def _walk(links: Sequence[Chain], first: int, meetings: _Meetings, used: list[bo
         if e ^ 1 in meetings.apart:
             joints.append(len(parts) - 1)
     if joints:
-        parts, names = _joined(parts, names, joints)
+        parts, names = joined(parts, names, joints)
     return Chain(tuple(parts), ring, tuple(names))
 
 
@@ -312,61 +306,6 @@ def _follow(end: int, partner: Sequence[int]) -> Iterator[int]:
         at = partner[at ^ 1]
         if at == end:
             return
-
-
-def _joined(
-    parts: list[Curve], names: list[int], joints: Sequence[int]
-) -> tuple[list[Curve], list[int]]:
-    """The curves with their ends moved together, and lines where that cannot be.
-
-    `joints` names the curves whose end has to be brought to the start of the following one.
-    """
-    count = len(parts)
-    bridges: dict[int, Line] = {}
-    for k in joints:
-        following = (k + 1) % count
-        a, b = parts[k].end, parts[following].start
-        if distance(a, b) <= SAME_POINT:
-            continue
-        moved_start = _with_start(parts[following], a) if following != k else None
-        moved_end = _with_end(parts[k], b)
-        if moved_end is not None:
-            parts[k] = moved_end
-        elif moved_start is not None:
-            parts[following] = moved_start
-        else:
-            bridges[k] = Line(a, b)
-    curves: list[Curve] = []
-    members: list[int] = []
-    for k, (part, name) in enumerate(zip(parts, names, strict=True)):
-        curves.append(part)
-        members.append(name)
-        if k in bridges:
-            curves.append(bridges[k])
-            members.append(-1)
-    return curves, members
-
-
-def _with_end(curve: Curve, point: Point) -> Curve | None:
-    match curve:
-        case Line():
-            moves = distance(curve.end, point) <= MOST_MOVED * curve.length
-            return replace(curve, end=point) if moves else None
-        case Bezier():
-            return replace(curve, points=(*curve.points[:-1], point))
-        case _:
-            return None
-
-
-def _with_start(curve: Curve, point: Point) -> Curve | None:
-    match curve:
-        case Line():
-            moves = distance(curve.start, point) <= MOST_MOVED * curve.length
-            return replace(curve, start=point) if moves else None
-        case Bezier():
-            return replace(curve, points=(point, *curve.points[1:]))
-        case _:
-            return None
 
 
 def _find_gaps(chains: list[Chain], look: float, tolerance: float) -> tuple[Gap, ...]:

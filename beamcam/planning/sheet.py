@@ -59,14 +59,14 @@ def plan_sheet(parts: Sequence[Part], machine: Machine, skips: Collection[str] =
     refuse_large(curves, part, torch)
     shift = shift_of(curves, torch)
     kerf = material.kerf("cut")
-    joined = join(gathered.wanted, curves, torch, kerf)
+    joined = join(gathered.wanted, curves, torch, kerf, gathered.rings)
     shapes, said = nest(joined.shapes, gathered.wanted, torch.tolerance, kerf)
     if errors := errors_in([*joined.refusals, *said]):
         raise PlanError(errors)
     remarks += [*joined.remarks, *said]
     if not shapes:
         raise PlanError(_nothing(part, gathered, len(joined.small), torch.gap))
-    operations, said = operations_of(shapes, material, torch, shift)
+    operations, said = operations_of(shapes, material, torch, shift, joined.repeats.share)
     remarks += said
     if errors_in(remarks):
         raise PlanError(errors_in(remarks))

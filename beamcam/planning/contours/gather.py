@@ -51,6 +51,7 @@ class Gathered(Struct):
     """All that is asked of a part."""
 
     wanted: list[Wanted] = field(default_factory=list)
+    rings: set[int] = field(default_factory=set)  #: features that are closed by what they say
     skipped: dict[int, str] = field(default_factory=dict)  #: feature: the code it is left out by
     refusals: list[Diagnostic] = field(default_factory=list)
     remarks: list[Diagnostic] = field(default_factory=list)
@@ -83,6 +84,8 @@ def gather(part: Part, torch: Torch, machine: str, skips: Collection[str]) -> Ga
                 found.skipped[index] = IGNORED
             else:
                 source = feature.source
+                if feature.closed:
+                    found.rings.add(index)
                 found.wanted += [Wanted(c, meaning, index, source) for c in feature.curves]
         else:
             hole = cast("Hole | Slot", feature)

@@ -1,7 +1,7 @@
 """Curves to contours: what lies twice taken away, ends joined, what is too small left out."""
 
 from collections import defaultdict
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from itertools import chain as chained
 from math import hypot
 
@@ -38,18 +38,26 @@ class Joined(Struct):
     refusals: list[Diagnostic] = field(default_factory=list)
 
 
-def join(wanted: Sequence[Wanted], curves: CurveTable, torch: Torch, kerf: float) -> Joined:
+def join(
+    wanted: Sequence[Wanted],
+    curves: CurveTable,
+    torch: Torch,
+    kerf: float,
+    rings: Collection[int] = (),
+) -> Joined:
     """The contours that `wanted` makes, each process for itself; `curves` are its curves.
 
     A feature whose curves close stays as it is drawn; all others are joined end to end. What lies
     on others is taken away, and so are contours no larger than the gap that is closed between two
-    ends: there the tool would not move. `kerf` is what is kept off closed cuts.
+    ends: there the tool would not move. `kerf` is what is kept off closed cuts; features that say
+    that they are closed (`rings`) have to be.
     """
     found = Joined()
     may_repeat = bool(overlapping(curves, [w.process for w in wanted]))
     shapes: list[Shape] = []
     loose: dict[TorchProcess, list[Wanted]] = defaultdict(list)
     hulls = curves.hulls
+    points = set(np.flatnonzero((hulls[:, :2] == hulls[:, 2:]).all(axis=1)).tolist())
     for begin, end, closed in _features(wanted, curves.ends):
         first = wanted[begin]
         if not closed or _is_there_and_back(wanted[begin:end]):
@@ -58,7 +66,7 @@ def join(wanted: Sequence[Wanted], curves: CurveTable, torch: Torch, kerf: float
         if _is_small(hulls[begin:end], torch.gap):
             found.small[first.feature] = first.source
         else:
-            ring = tuple([w.curve for w in wanted[begin:end]])
+            ring = tuple([wanted[k].curve for k in range(begin, end) if k not in points])
             shapes.append(Shape(first.process, ring, True, (first.feature,), first.source))
     for process, asked in loose.items():
         once = loose_once(asked, found.repeats) if may_repeat else asked
@@ -68,9 +76,14 @@ def join(wanted: Sequence[Wanted], curves: CurveTable, torch: Torch, kerf: float
             found.small.setdefault(once[k].feature, once[k].source)
         if process == "cut":
             _tell(found, chains, once, torch, kerf)
+    found.refusals += (
+        _not_closed(shape)
+        for shape in shapes
+        if shape.process == "cut" and not shape.closed and any(f in rings for f in shape.features)
+    )
     shapes.sort(key=lambda shape: shape.features[0])
     if may_repeat:
-        kept = contours_once(shapes, kerf, torch.gap, found.repeats)
+        kept = contours_once(shapes, torch.gap, found.repeats, kerf)
         shapes = list(chained.from_iterable(kept))
     found.shapes = shapes
     made = {feature for shape in shapes for feature in shape.features}
@@ -83,6 +96,15 @@ def join(wanted: Sequence[Wanted], curves: CurveTable, torch: Torch, kerf: float
     found.remarks += found.repeats.remarks()
     found.refusals += found.repeats.refusals
     return found
+
+
+def _not_closed(shape: Shape) -> Diagnostic:
+    """The error for a contour that says that it is closed, and is not."""
+    (x0, y0), (x1, y1) = shape.curves[0].start, shape.curves[-1].end
+    return rules.NOT_CLOSED.at(
+        shape.source, x0=f"{x0:.3f}", y0=f"{y0:.3f}", x1=f"{x1:.3f}", y1=f"{y1:.3f}",
+        found=f"{hypot(x1 - x0, y1 - y0):.3f}",
+    )  # fmt: skip
 
 
 def _shapes(process: TorchProcess, once: Sequence[Wanted], chains: Chains) -> Iterator[Shape]:

@@ -1,5 +1,6 @@
 """Contours moved off the part by half a kerf, or left to the controller to move."""
 
+from collections import defaultdict
 from collections.abc import Iterator, Sequence
 
 from msgspec.structs import replace
@@ -107,26 +108,35 @@ def _moved(
 
 
 def common_cuts(
-    paths: Sequence[Shape], kerfs: Sequence[float], torch: Torch
+    paths: Sequence[Shape], kerfs: Sequence[float], torch: Torch, share: bool
 ) -> tuple[list[Shape], list[float], list[Diagnostic]]:
-    """The ways of the torch and their kerfs, with what two parts a kerf apart share cut once.
+    """The ways of the torch and their kerfs, with what two contours share cut once.
 
-    A contour of which nothing would be left is followed all the same.
+    That is an edge of both if no kerf is kept off, else the middle between two that are a kerf
+    apart. A contour of which nothing is left is made by the first one that it lies on.
+    Without a kerf nothing is looked for unless contours `share` edges.
     """
-    if torch.kerf_by != "offset" or not any(kerfs):
+    if torch.kerf_by == "machine" or not (share or any(kerfs)):
         return list(paths), list(kerfs), []
-    which = [k for k, kerf in enumerate(kerfs) if kerf]
     repeats = Repeats()
-    once = contours_once([paths[k] for k in which], 0.0, torch.gap, repeats)
-    rests = {k: rest for k, rest in zip(which, once, strict=True) if rest}
-    shared = repeats.common_length
-    if not shared:
+    once = contours_once(paths, torch.gap, repeats)
+    if not repeats.common:
         return list(paths), list(kerfs), []
-    found = [(k, shape) for k, path in enumerate(paths) for shape in rests.get(k, [path])]
+    found = [(k, shape) for k, rest in enumerate(once) for shape in rest]
+    of_feature = {
+        f: n for n, (_, shape) in reversed(list(enumerate(found))) for f in shape.features
+    }
     first = {k: n for n, (k, _) in reversed(list(enumerate(found)))}
+    more: defaultdict[int, list[int]] = defaultdict(list)
+    for feature, into in repeats.resolved(of_feature).items():
+        more[of_feature[into]].append(feature)
     shapes = [
-        replace(shape, parent=first[shape.parent] if shape.parent >= 0 else -1)
-        for _, shape in found
+        replace(
+            shape,
+            parent=first.get(shape.parent, -1),
+            features=tuple(sorted((*shape.features, *more[n]))),
+        )
+        for n, (_, shape) in enumerate(found)
     ]
     return shapes, [kerfs[k] for k, _ in found], list(repeats.remarks())
 

@@ -35,16 +35,19 @@ SHOWN_OPEN = 10  #: open contours are named one by one up to so many
 
 
 def operations_of(
-    shapes: Sequence[Shape], material: Material, torch: Torch, shift: Point
+    shapes: Sequence[Shape], material: Material, torch: Torch, shift: Point, share: bool
 ) -> tuple[tuple[ContourOp, ...], list[Diagnostic]]:
-    """The work on the shapes, moved by `shift`, and what is to be said; nothing if an error is."""
+    """The work on the shapes, moved by `shift`, and what is to be said; nothing if an error is.
+
+    `share` says that contours share edges, which are cut once.
+    """
     kerfs = [material.kerf(s.process) if s.is_ring else 0.0 for s in shapes]
     ready, said = compensated(shapes, kerfs, torch)
     if errors_in(said):
         return (), said
     said += _open_cuts(shapes)
     fence = moved(shapes, shift) if any(kerfs) else None
-    ready, kerfs, common = common_cuts(moved(ready, shift), kerfs, torch)
+    ready, kerfs, common = common_cuts(moved(ready, shift), kerfs, torch, share)
     said += common
     ways = [(shape, kerfs[k]) for k, shape in _in_order(ready, torch)]
     if torch.kerf_by == "machine":

@@ -39,6 +39,7 @@ class Repeats(Struct):
     common: list[Source] = field(default_factory=list)  #: contours that share an edge
     common_length: float = 0.0
     refusals: list[Diagnostic] = field(default_factory=list)
+    share: bool = False  #: whether contours that stay whole share an edge
 
     def remarks(self) -> Iterator[Diagnostic]:
         """One for all that is not cut again, one for all shared edges."""
@@ -86,21 +87,20 @@ def loose_once(wanted: Sequence[Wanted], found: Repeats) -> list[Wanted]:
 
 
 def contours_once(
-    shapes: Sequence[Shape], kerf: float, gap: float, found: Repeats
+    shapes: Sequence[Shape], gap: float, found: Repeats, kerf: float | None = None
 ) -> list[list[Shape]]:
     """What is left of each contour without stretches that lie on others of the same process.
 
-    Of two that lie on one another the closed one stays, or else the first. Two closed ones that
-    share an edge and are not the same have to be parted by the kerf, if there is one; if there is
-    none the edge is cut once. Rests no longer than `gap` are nothing.
+    Of two that lie on one another the closed one stays, or else the first. Rests no longer than
+    `gap` are nothing. Two closed ones that share an edge and are not the same, and one that lies
+    on itself, stay whole if the `kerf` is given, and are refused if it is not 0.
     """
     curves = [curve for shape in shapes for curve in shape.curves]
     owners = [k for k, shape in enumerate(shapes) for _ in shape.curves]
     covers: defaultdict[int, list[int]] = defaultdict(list)
     for a, b in overlapping(CurveTable(curves), [shapes[k].process for k in owners]):
         first, second = sorted((a, b), key=lambda c: (not shapes[owners[c]].closed, owners[c]))
-        if owners[first] != owners[second]:
-            covers[second].append(first)
+        covers[second].append(first)
     lying = {owners[c] for c in covers}
     kept: list[list[Shape]] = []
     begin = 0
@@ -109,7 +109,7 @@ def contours_once(
         begin += len(shape.curves)
         if k in lying:
             on = [[(curves[o], shapes[owners[o]]) for o in covers.get(c, ())] for c in own]
-            kept.append(_rest(shape, on, kerf if shape.process == "cut" else 0.0, gap, found))
+            kept.append(_rest(shape, on, gap, found, kerf))
         else:
             kept.append([shape])
     return kept
@@ -118,9 +118,9 @@ def contours_once(
 def _rest(
     shape: Shape,
     on: Sequence[Sequence[tuple[Curve, Shape]]],
-    kerf: float,
     gap: float,
     found: Repeats,
+    kerf: float | None,
 ) -> list[Shape]:
     """What is to be cut of a contour of which each curve may lie `on` others."""
     from beamcam.geometry.cleaning import uncovered
@@ -137,10 +137,12 @@ def _rest(
     )  # fmt: skip
     stands_for = on[at][0][1]
     runs = [run for run in _runs(rests, shape.closed) if total_length(run) > gap]
-    is_common = shape.closed and (bool(runs) or not _is_same(shape, on))
-    if is_common and kerf:
-        place = shape.curves[at].point(0.5)
-        found.refusals.append(_shared(shape, stands_for, place, lost, kerf))
+    is_common = shape.closed and (bool(runs) or stands_for is shape or not _is_same(shape, on))
+    if is_common and kerf is not None:
+        if kerf and shape.process == "cut":
+            place = shape.curves[at].point(0.5)
+            found.refusals.append(_shared(shape, stands_for, place, lost, kerf))
+        found.share = True
         return [shape]
     if is_common:
         found.common.append(shape.source)
@@ -167,8 +169,9 @@ def _is_same(shape: Shape, on: Sequence[Sequence[tuple[Curve, Shape]]]) -> bool:
 def _shared(
     shape: Shape, other: Shape, place: tuple[float, float], length: float, kerf: float
 ) -> Diagnostic:
+    name = "itself" if shape is other else entity(other.source)
     return rules.SHARED.at(
-        shape.source, found=f"{length:.3f}", other=entity(other.source), kerf=f"{kerf:g}",
+        shape.source, found=f"{length:.3f}", other=name, kerf=f"{kerf:g}",
         x=f"{place[0]:.3f}", y=f"{place[1]:.3f}",
     )  # fmt: skip
 

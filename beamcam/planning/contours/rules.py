@@ -103,6 +103,13 @@ BRANCHED = Rule(
     "Where contours share curves nothing says on which side of them the part lies: both parts "
     "would come out half a kerf too small.",
 )
+NOT_CLOSED = Rule(
+    "plan-not-closed",
+    _E,
+    "found a contour that is closed by what it says, and goes from x {x0}, y {y0} to x {x1}, "
+    "y {y1}; expected its curves to meet there, not {found} mm apart",
+    "A damaged part: where it should be cut between its curves nothing says.",
+)
 TINY = Rule(
     "plan-tiny",
     _W,
@@ -253,7 +260,7 @@ CHAIN = Rule(
 RULES = (
     CHAIN, SHEETS, NOTHING, UNMAPPED, MAP, OPTION, NO_PROCESS, NO_THICKNESS, THICKNESS,
     OTHER_THICKNESS, OTHER_MATERIAL, ASSUMED,
-    SHEET_SIZE, SHEET_PLACE, JUNCTION, BRANCHED, TINY, SHARED, COMMON, GAP, OPEN_CUT, MORE_OPEN,
-    OVERLAP, VANISHED, NARROW, NEAR, LEFT, CROSSING, MORE_CROSSINGS, CROSSED, MORE_CROSSED,
-    NO_LEAD, SQUARE, NEEDS_LEAD, UNCOMPENSATED, MACHINE_TABS, NO_TABS,
+    SHEET_SIZE, SHEET_PLACE, JUNCTION, BRANCHED, NOT_CLOSED, TINY, SHARED, COMMON, GAP, OPEN_CUT,
+    MORE_OPEN, OVERLAP, VANISHED, NARROW, NEAR, LEFT, CROSSING, MORE_CROSSINGS, CROSSED,
+    MORE_CROSSED, NO_LEAD, SQUARE, NEEDS_LEAD, UNCOMPENSATED, MACHINE_TABS, NO_TABS,
 )  # fmt: skip

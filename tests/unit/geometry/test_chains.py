@@ -141,3 +141,18 @@ def test_ways_that_lead_back_in_two_manners_are_junctions_of_rings():
     result = join_curves([*ring(SQUARE), Line((0, 0), (10, 10))], 0.01)
     assert [j.in_ring for j in result.junctions] == [True, True]
     assert not any(chain.closed for chain in result.chains)
+
+
+def test_lines_that_leave_a_corner_open_are_prolonged_to_it():
+    curves = ring(SQUARE)
+    curves[0] = Line((0.0, 0.0), (9.97, 0.0))
+    curves[1] = Line((10.0, 0.02), (10.0, 10.0))
+    (chain,) = join_curves(curves, 0.05).chains
+    assert chain.closed
+    assert chain.curves == tuple(ring(SQUARE))
+
+
+def test_a_gap_beside_a_line_is_bridged():
+    curves = [Line((0, 0), (10, 0)), Line((10.01, 0.03), (20, 0.03))]
+    (chain,) = join_curves(curves, 0.05).chains
+    assert chain.curves == (curves[0], Line((10, 0), (10.01, 0.03)), curves[1])

@@ -160,6 +160,9 @@ WAISTED = contour(
 CHAMFERED = contour(
     lines((0, 0), (60, 0), (60, 20), (40.2, 20), (40, 20.2), (40, 40), (0, 40)), line=1
 )
+OPEN = contour(lines((0, 0), (50, 0), (50, 50), closed=False))
+#: A line that goes out from a corner and back.
+SPIKED = contour(lines((0, 0), (40, 0), (40, 50), (40, 40), (0, 40)))
 NOTCHED = contour(lines((0, 0), (40, 0), (40, 40), (23, 40), (20, 31), (17, 40), (0, 40)))
 CENTRE = Hole("v", 50, 40, 0.0, S, kind="mark")
 OTHERS: list[tuple[tuple[Part, ...], dict[str, object], str, str]] = [
@@ -191,6 +194,9 @@ OTHERS: list[tuple[tuple[Part, ...], dict[str, object], str, str]] = [
      "plan-crossings", "2 more places"),
     ((drawing(SQUARE, contour(box(50, 10, 20, 20), line=2)),), {},
      "plan-shared-edge", "lies on line 1 for 20.000 mm near x 50.000, y 20.000"),
+    ((drawing(replace(OPEN, closed=True)),), {},
+     "plan-not-closed", "from x 0.000, y 0.000 to x 50.000, y 50.000"),
+    ((drawing(SPIKED),), {}, "plan-shared-edge", "lies on itself for 10.000 mm near x 40.000"),
     ((drawing(*(contour((c,), line=k) for k, c in enumerate((*box(0, 0, 9, 9), DIAGONAL)))),), {},
      "plan-junction-kerf", "3 curves that meet at x 0.000, y 0.000, with line 3, line 4"),
     ((drawing(SPECK),), {}, "plan-sheet-empty", "1 curves no larger than 0.05 mm"),
@@ -246,7 +252,6 @@ def test_a_bar_is_no_sheet() -> None:
         plan_sheet((part,), table())
 
 
-OPEN = contour(lines((0, 0), (50, 0), (50, 50), closed=False))
 REMARKS: list[tuple[Part, dict[str, object], set[str]]] = [
     (drawing(SQUARE, thickness=None), {}, {"plan-thickness-assumed"}),
     (drawing(OPEN), {}, {"plan-open-cut"}),
@@ -257,10 +262,13 @@ REMARKS: list[tuple[Part, dict[str, object], set[str]]] = [
     (drawing(*(contour((Line((20.0, 20.0), end),)) for end in ((0, 0), (40, 0), (20, 50)))), {},
      {"plan-open-cut", "plan-junction"}),
     (drawing(SQUARE, SQUARE), {}, {"plan-overlap"}),
+    (drawing(SPIKED), {"kerf_by": "none"}, {"plan-common-edge"}),
+    (drawing(contour(lines((0, 0), (40, 0), (20, 0), (20, 20), closed=False))), {},
+     {"plan-open-cut", "plan-overlap"}),
     (drawing(NOTCHED), {}, {"plan-left-in-corner"}),
     (drawing(SQUARE, SPECK), {}, {"plan-tiny"}),
     (drawing(SQUARE, contour(box(50, 10, 20, 20))), {"kerf_by": "none"},
-     {"plan-common-edge", "plan-open-cut"}),
+     {"plan-common-edge"}),
     (drawing(*(contour(box(9.0 * k, 9.0 * k, 10, 10)) for k in range(23))), {"kerf_by": "none"},
      {"plan-crossing-on-line", "plan-crossings-on-line"}),
     (drawing(SQUARE, contour(circle(25, 25, 4.0))), {}, {"plan-lead"}),
