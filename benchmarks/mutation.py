@@ -5,7 +5,8 @@ doubled and swapped, signs flipped, digits changed, words exchanged, spindles, t
 and angles replaced. `outcome` tells, in a way that shares nothing with the read-back, whether what
 the machine makes is another thing now. All such mutants have to be caught, and programs that only
 look different (renumbered, respaced, commented, leading zeros) have to raise nothing. Programs that
-make the part but break a tool (`faults`), and plans that lie (`liars`), have to be refused too.
+make the part but break a tool (`faults`), and plans that lie (`liars`, `sheet_liars`), have to be
+refused too.
 
     python benchmarks/mutation.py [--mutants 2500] [--seed 1]
 """
@@ -33,6 +34,7 @@ from benchmarks.faults import FAULTS
 from benchmarks.liars import told
 from benchmarks.mutants import FACES, MUTATIONS, REWRITES
 from benchmarks.script import arguments, at_least, start
+from benchmarks.sheet_liars import told as told_of_sheets
 
 ROOT = Path(__file__).resolve().parent.parent
 FAULTS_EACH = 4  #: of each kind in every program
@@ -256,7 +258,9 @@ def main() -> None:
         print(f"{name:22} {of}, {broken.alone[name]:5} without the parts")
     lied = told(MACHINES)
     print(f"{sum(lied.caught.values())} of {sum(lied.made.values())} lies of the planner caught")
-    for missed in (*broken.missed[:5], *lied.missed[:5]):
+    sheets = told_of_sheets()
+    print(f"{sum(sheets.caught.values())} of {sum(sheets.made.values())} lies about sheets caught")
+    for missed in (*broken.missed[:5], *lied.missed[:5], *sheets.missed[:5]):
         print("missed:", *missed)
     for name, mutation, text in result.missed[:5]:
         print(f"\nmissed: {name}, {mutation}")

@@ -8,6 +8,8 @@ import pytest
 
 from beamcam.pipeline import post
 from beamcam.verify.sheets import verify_sheet
+from benchmarks.sheet_liars import MACHINES as LIARS
+from benchmarks.sheet_liars import told
 
 from .parts import NESTED, table
 
@@ -89,3 +91,14 @@ def leads_of(text: str) -> set[str]:
     cuts = re.findall(r"M0?3(?: S1)?\n(.*?)\n(?:N\d+ )?M0?5$", text, re.M | re.S)
     moves = [[line for line in cut.split("\n") if MOVE.match(line)] for cut in cuts]
     return {line for cut in moves for line in (cut[0], cut[-1])}
+
+
+def test_whatever_the_planner_says_of_a_sheet_that_lies_it_is_refused() -> None:
+    """A few of the lies on each machine; benchmarks/mutation.py tells all of them."""
+    lies = told([m for m in LIARS if m[0] != "laser-stepper"], every=19)
+    assert lies.missed == []
+    assert sum(lies.made.values()) > 60
+    assert {lie.split(" ")[0] for lie in lies.made} == {"cut", "mark"}
+    steps = told([m for m in LIARS if m[0] == "laser-stepper"], every=97)
+    assert steps.missed == []
+    assert steps.made

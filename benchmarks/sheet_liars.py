@@ -1,0 +1,190 @@
+"""A planner of sheets that lies: contours dropped, moved, doubled and altered in the plan.
+
+The parts have every kind of feature that a cutting table makes, and what it leaves out: a layer
+that is mapped away, a line that is drawn twice, lettering. Each operation of their plans is dropped
+under every reason that there is, moved by a millimetre and by twice the tolerance, doubled, cut
+short, and made by another process; the work is put elsewhere and in another order. The program of
+each goes through the pipeline as any other, and all have to be refused.
+"""
+
+from collections import Counter
+from collections.abc import Iterator, Sequence
+from unittest.mock import patch
+
+from msgspec.structs import replace
+
+from beamcam import pipeline
+from beamcam.errors import PlanError, Source, VerifyError
+from beamcam.geometry.curves import Arc, Curve, Line
+from beamcam.machine import load
+from beamcam.machine.overlay import with_torch
+from beamcam.model.drawing import Measures
+from beamcam.model.part import Contour, Hole, Part, Process, Profile, Slot, TextMark
+from beamcam.model.plan import ContourOp, Outcome, Pass, SheetPlan
+from beamcam.planning import SKIP_NAMES
+from beamcam.posts import Job, Written, post_of
+from benchmarks.liars import REASONS, Lies
+
+SOURCE = Source("liar.dxf", 1)
+#: Every machine of sheets, with its options: who keeps the kerf, and how it is led in.
+MACHINES: tuple[tuple[str, dict[str, object]], ...] = (
+    ("plate-linuxcnc", {}),
+    ("plate-linuxcnc", {"kerf_by": "machine", "lead": "line"}),
+    ("plate-linuxcnc", {"tabs": 2}),
+    ("plate-codesys", {}),
+    ("laser-grbl", {"material": "wood"}),
+    ("table-simotion", {}),
+    ("laser-stepper", {"material": "wood"}),
+)
+COLOURS = {"red": "cut", "blue": "mark", "notes": "ignore"}
+Point = tuple[float, float]
+
+
+def lines(*points: Point, closed: bool = True) -> tuple[Curve, ...]:
+    """Lines from point to point, and back to the first."""
+    ends = [*points[1:], points[0]] if closed else points[1:]
+    return tuple(Line(a, b) for a, b in zip(points, ends, strict=False))
+
+
+def contour(
+    curves: tuple[Curve, ...], colour: str, layer: str = "", process: Process = "cut"
+) -> Contour:
+    closed = curves[0].start == curves[-1].end
+    kind = "outer" if closed else "open"
+    return Contour(
+        "v", kind, curves, SOURCE, process, closed, layer=layer or None, colour=colour
+    )  # fmt: skip
+
+
+def drawing() -> Part:
+    """Two parts, one in a hole of the other, lines, what is drawn twice and what is mapped away."""
+    outline = lines((0.0, 0.0), (60.0, 0.0), (60.0, 40.0), (0.0, 40.0))
+    features = (
+        contour(outline, "#ff0000"),
+        contour((Arc((22.0, 20.0), 15.0, 0.0, 360.0),), "#ff0000"),
+        contour(lines((17.0, 16.0), (27.0, 16.0), (27.0, 24.0), (17.0, 24.0)), "#ff0000"),
+        contour(lines((45.0, 8.0), (55.0, 12.0), closed=False), "#ff0000"),
+        contour(lines((45.0, 28.0), (55.0, 32.0), closed=False), "#0000ff"),
+        contour(lines((10.0, 0.0), (30.0, 0.0), closed=False), "#ff0000"),
+        contour(lines((5.0, 5.0), (50.0, 36.0), closed=False), "#00ff00", "notes"),
+    )
+    return _part(features, Measures())
+
+
+def plate() -> Part:
+    """A plate of DSTV: holes, a slot, a centre, a punched line and lettering."""
+    features = (
+        Hole("v", 12.0, 12.0, 8.0, SOURCE),
+        Slot("v", 32.0, 26.0, 8.0, 10.0, 0.0, 0.0, SOURCE),
+        Hole("v", 48.0, 10.0, 0.0, SOURCE, kind="mark"),
+        replace(contour(lines((6.0, 34.0), (20.0, 34.0), closed=False), "", process="punch"),
+                colour=None),
+        TextMark("v", 6.0, 6.0, 0.0, 5.0, "P1", SOURCE),
+    )  # fmt: skip
+    return _part(features, None)
+
+
+def _part(features: Sequence[object], measures: Measures | None) -> Part:
+    profile = Profile("B", "", 40.0, 0.0, 0.0, 3.0)
+    return Part("P1", profile, 60.0, SOURCE, features=tuple(features), measures=measures)  # type: ignore[arg-type]
+
+
+def lies(plan: SheetPlan, tolerance: float) -> Iterator[tuple[str, SheetPlan]]:
+    """Plans that are not true, each with what it is."""
+    for at, op in enumerate(plan.operations):
+        before, after = plan.operations[:at], plan.operations[at + 1 :]
+        kind = op.row.process
+        dropped = replace(plan, operations=(*before, *after))
+        for how, by in (*REASONS, ("skipped", "plan-tiny"), ("duplicate", "plan-overlap")):
+            yield f"{kind} dropped", _excused(dropped, op, how, by)
+        yield f"{kind} doubled", replace(plan, operations=(*before, op, op, *after))
+        for name, other in _altered(op, tolerance):
+            yield f"{kind} {name}", replace(plan, operations=(*before, other, *after))
+    backwards = replace(plan, operations=tuple(reversed(plan.operations)))
+    yield "sheet in another order", backwards
+    away = tuple(_moved(op, 1.0) for op in plan.operations)
+    yield "sheet moved", replace(plan, operations=away)
+
+
+def _excused(plan: SheetPlan, op: ContourOp, how: str, by: str) -> SheetPlan:
+    """The plan that says of an operation's features that they are not there, and why."""
+    outcomes = tuple(
+        Outcome(o.feature, how, by) if o.feature in op.features else o  # type: ignore[arg-type]
+        for o in plan.outcomes
+    )
+    return replace(plan, outcomes=outcomes)
+
+
+def _altered(op: ContourOp, tolerance: float) -> Iterator[tuple[str, ContourOp]]:
+    """An operation made otherwise."""
+    yield "moved", _moved(op, 1.0)
+    yield "moved by twice the tolerance", _moved(op, 2 * tolerance)
+    last = op.passes[-1]
+    if len(last.curves) > 1:
+        short = Pass(last.lead_in, last.curves[:-1], ())
+        yield "cut short", replace(op, passes=(*op.passes[:-1], short))
+
+
+def _moved(op: ContourOp, by: float) -> ContourOp:
+    passes = tuple(
+        Pass(
+            *(
+                tuple(_shifted(c, by) for c in curves)
+                for curves in (p.lead_in, p.curves, p.lead_out)
+            )
+        )
+        for p in op.passes
+    )
+    return replace(op, passes=passes)
+
+
+def _shifted(curve: Curve, by: float) -> Curve:
+    """A curve farther along x and y."""
+    return curve.transformed(((1.0, 0.0, by), (0.0, 1.0, by)))
+
+
+def told(machines: Sequence[tuple[str, dict[str, object]]] = MACHINES, every: int = 1) -> Lies:
+    """Every lie (or each `every`-th) about sheets of all machines, posted through the pipeline."""
+    result = Lies(Counter(), Counter(), [])
+    count = 0
+    for name, values in machines:
+        machine = with_torch(load(name), colours=COLOURS, **values)  # type: ignore[arg-type]
+        assert machine.torch is not None
+        for part in (drawing(), plate()):
+            job = Job((part,), machine, skips=tuple(SKIP_NAMES))
+            plan = post_of(machine).plan(job)
+            assert isinstance(plan, SheetPlan)
+            truth = _text(plan, job)
+            for lie, false in lies(plan, machine.torch.tolerance):
+                count += 1
+                if count % every == 0 and _text(false, job) != truth:
+                    caught = _is_refused(false, job)
+                    result.made[lie] += 1
+                    result.caught[lie] += caught
+                    if not caught:
+                        result.missed.append((_shown(name, values), lie))
+    return result
+
+
+def _shown(name: str, values: dict[str, object]) -> str:
+    return " ".join([name, *(f"{key}={value}" for key, value in values.items())])
+
+
+def _text(plan: SheetPlan, job: Job) -> str | bytes:
+    """What stands in the file of a plan."""
+    row = post_of(job.machine)
+    written: Written = row.emit(row.motion(plan, job.machine, job.name), job)
+    return written if isinstance(written, str) else b"".join(written())
+
+
+def _is_refused(false: SheetPlan, job: Job) -> bool:
+    """Whether the pipeline refuses what a planner makes up for a job."""
+    row = replace(post_of(job.machine), plan=lambda _: false)
+    with patch.object(pipeline, "post_of", lambda _: row):
+        try:
+            pipeline.post(job.parts, job.machine, skips=job.skips)
+        except VerifyError:
+            return True
+        except PlanError as error:
+            raise AssertionError("a lie that the planner refuses") from error
+    return False
