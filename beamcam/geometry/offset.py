@@ -14,6 +14,11 @@ both curves are cut where they meet. A ring that comes out so is right if it doe
 Where a ring crosses itself, as a mitre may make it do where two corners are near one another, all
 its corners are rounded. Where it still crosses itself, or a side or an arc would have to run
 backwards, the chain is moved as a polygon (`flat_offset`).
+
+Shapely moves polygons only: arcs would come out as chords, which a controller runs through in
+jerks. So it is left to the cases that cannot be exact, and nothing is taken from here that crosses
+itself. tests/property/test_offset_laws.py measures the distance of every place of a moved ring and
+compares the covered area with shapely's.
 """
 
 from collections.abc import Sequence

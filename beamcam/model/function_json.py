@@ -13,7 +13,8 @@ from beamcam.geometry.approximation import Fit, curves_of_function, curves_of_wa
 from beamcam.geometry.curves import Curve
 from beamcam.geometry.expression import FUNCTIONS, compile_expression
 from beamcam.model.json_object import JSON_KEY_MISSING, JSON_KEY_UNKNOWN, Place
-from beamcam.model.part_forms import MAX_NUMBER, FunctionForm
+from beamcam.model.part_forms import FunctionForm
+from beamcam.model.quantities import MAX_NUMBER
 
 #: Distance in mm that the curves of a function may have from it, where the file does not say.
 FUNCTION_TOLERANCE = 0.001

@@ -12,9 +12,11 @@ from typing import Literal
 
 from msgspec import Struct, field
 
+from beamcam.conversion import Keys
 from beamcam.errors import Source
 from beamcam.geometry.curves import Curve, Point
 from beamcam.model.drawing import Measures
+from beamcam.model.quantities import Number, Whole
 
 Face = str
 FACES = ("v", "o", "u", "h")
@@ -64,7 +66,7 @@ class Profile(Struct, frozen=True):
         return 0.0
 
 
-class EndCuts(Struct, frozen=True):
+class EndCuts(Keys, frozen=True):
     """Angles of the end cuts in degrees, with DSTV's signs.
 
     At either end `angle = atan2(x(lowest y) - x(highest y), y_high - y_low)`, of the web in the
@@ -72,10 +74,10 @@ class EndCuts(Struct, frozen=True):
     longest, positive at the end when the bottom edge is.
     """
 
-    web_start: float = 0.0
-    web_end: float = 0.0
-    flange_start: float = 0.0
-    flange_end: float = 0.0
+    web_start: Number = 0.0
+    web_end: Number = 0.0
+    flange_start: Number = 0.0
+    flange_end: Number = 0.0
 
 
 class Hole(Struct, frozen=True):
@@ -108,21 +110,21 @@ class Slot(Struct, frozen=True):
     edge: str = ""
 
 
-class Bevel(Struct, frozen=True):
+class Bevel(Keys, frozen=True):
     """A weld preparation on one curve of a contour."""
 
-    curve: int  #: index into the contour's curves
-    angle: float  #: degrees; positive cuts the face that is looked at, negative the far side
-    land: float  #: where the bevel ends, measured from the far side
+    curve: Whole  #: index into the contour's curves
+    angle: Number  #: degrees; positive cuts the face that is looked at, negative the far side
+    land: Number  #: where the bevel ends, measured from the far side
 
 
-class Notch(Struct, frozen=True):
+class Notch(Keys, frozen=True):
     """A theoretical corner that a rounded or drilled corner stands for (notch rows t and w)."""
 
-    curve: int  #: index of the curve that it belongs to
+    curve: Whole  #: index of the curve that it belongs to
     kind: Literal["t", "w"]  #: tangent radius, or drilled corner
     corner: Point
-    radius: float
+    radius: Number = 0.0
 
 
 class Contour(Struct, frozen=True, gc=False):
@@ -195,16 +197,16 @@ class Plane(Struct, frozen=True):
     source: Source
 
 
-class SectionPoint(Struct, frozen=True):
+class SectionPoint(Keys, frozen=True):
     """A corner of a special profile's outline (PR): `+` outside, `-` inside, radius to the next."""
 
     side: Literal["+", "-"]
-    y: float
-    z: float
-    radius: float
+    y: Number
+    z: Number
+    radius: Number = 0.0
 
 
-class Comment(Struct, frozen=True):
+class Comment(Keys, frozen=True):
     """A comment of the file, with the place that it stands before."""
 
     text: str

@@ -8,22 +8,29 @@ from typing import Annotated, Any, Literal
 from msgspec import UNSET, Meta, UnsetType, field
 
 from beamcam.conversion import Keys
-from beamcam.geometry.plane import MAX_COORDINATE
-from beamcam.model.part import ContourKind, HoleKind, Process, ProfileCode
-
-#: A part reaches from one end of all coordinates to the other at most.
-MAX_NUMBER = 10 * MAX_COORDINATE
-
-Number = Annotated[float, Meta(ge=-MAX_NUMBER, le=MAX_NUMBER)]
-Positive = Annotated[float, Meta(gt=0, le=MAX_NUMBER)]
-NotNegative = Annotated[float, Meta(ge=0, le=MAX_NUMBER)]
-Whole = Annotated[int, Meta(ge=-int(MAX_NUMBER), le=int(MAX_NUMBER))]
-Sweep = Annotated[float, Meta(ge=-360, le=360)]
-Point = tuple[Number, Number]
-Vector = tuple[Number, Number, Number]
-Points = Annotated[tuple[Point, ...], Meta(min_length=2)]
-Polygon = Annotated[tuple[Point, ...], Meta(min_length=3)]
-Numbers = tuple[Number, ...]
+from beamcam.model.part import (
+    Bevel,
+    Comment,
+    ContourKind,
+    EndCuts,
+    HoleKind,
+    Notch,
+    Process,
+    ProfileCode,
+    SectionPoint,
+)
+from beamcam.model.quantities import (
+    NotNegative,
+    Number,
+    Numbers,
+    Point,
+    Points,
+    Polygon,
+    Positive,
+    Sweep,
+    Vector,
+    Whole,
+)
 
 
 class Located(Keys, frozen=True, kw_only=True):
@@ -117,15 +124,6 @@ class ProfileForm(Keys, frozen=True):
     radius: Number = 0.0
 
 
-class CutsForm(Keys, frozen=True):
-    """Angles of the end cuts in degrees, with DSTV's signs."""
-
-    web_start: Number = 0.0
-    web_end: Number = 0.0
-    flange_start: Number = 0.0
-    flange_end: Number = 0.0
-
-
 class HoleForm(Featured, frozen=True, kw_only=True):
     x: Number
     y: Number
@@ -150,27 +148,14 @@ class SlotForm(Featured, frozen=True, kw_only=True):
     edge: str = ""
 
 
-class BevelForm(Keys, frozen=True):
-    curve: Whole  #: index into the contour's curves
-    angle: Number  #: degrees
-    land: Number
-
-
-class NotchForm(Keys, frozen=True):
-    curve: Whole  #: index into the contour's curves
-    kind: Literal["t", "w"]  #: tangent radius, or drilled corner
-    corner: Point
-    radius: Number = 0.0
-
-
 class ContourForm(Featured, frozen=True, kw_only=True):
     kind: ContourKind
     curves: tuple[CurveForm, ...] = ()
     face: str = "v"
     process: Process = "cut"
     closed: bool | UnsetType = UNSET
-    bevels: tuple[BevelForm, ...] = ()
-    notches: tuple[NotchForm, ...] = ()
+    bevels: tuple[Bevel, ...] = ()
+    notches: tuple[Notch, ...] = ()
     edge: str = ""
     layer: str | None = None
     colour: str | None = None
@@ -214,18 +199,6 @@ class PlaneForm(Located, frozen=True, kw_only=True):
     along_y: Vector
 
 
-class SectionPointForm(Keys, frozen=True):
-    side: Literal["+", "-"]
-    y: Number
-    z: Number
-    radius: Number = 0.0
-
-
-class CommentForm(Keys, frozen=True):
-    text: str
-    before: str
-
-
 class PartForm(Keys, frozen=True, kw_only=True):
     """A part in the form `beamcam/part/1`."""
 
@@ -239,7 +212,7 @@ class PartForm(Keys, frozen=True, kw_only=True):
     drawing: str = ""
     phase: str = ""
     grade: str = ""
-    cuts: CutsForm = CutsForm()
+    cuts: EndCuts = EndCuts()
     holes: tuple[HoleForm, ...] = ()
     slots: tuple[SlotForm, ...] = ()
     contours: tuple[ContourForm, ...] = ()
@@ -252,9 +225,9 @@ class PartForm(Keys, frozen=True, kw_only=True):
     surface: Number = 0.0  #: paint, m2/m, of a plate m2/m2
     notes: tuple[str, ...] = ()
     tolerance: tuple[Number, Number] | None = None  #: of the length, least and greatest
-    section: tuple[SectionPointForm, ...] = ()
+    section: tuple[SectionPoint, ...] = ()
     info: tuple[tuple[str, str], ...] = ()  #: word and text
-    comments: tuple[CommentForm, ...] = ()
+    comments: tuple[Comment, ...] = ()
     guid: str | None = None
     source: Located | None = None
     bbox: Any = None  #: computed, not read

@@ -4,6 +4,11 @@ A text is a list of tables: locations, curves, surfaces, and the shapes from ver
 where each shape names its parts by numbers that count from the end. Curves of edges are passed
 over, for the surfaces say all that a member is read by. The format is described in OpenCASCADE's
 "BRep Format" (dox/specification/brep_format.md), for versions 1 to 3 of the topology.
+
+ifcopenshell gives facets, or this text; its Python interface has no surfaces, and facets lose the
+radius of a hole. Nothing may be guessed here: a table that is not understood refuses the member.
+That the corners of the kernel's facets lie on these surfaces is the law of
+tests/unit/readers/ifc/test_brep.py.
 """
 
 import re

@@ -8,6 +8,12 @@
 A record ends at a semicolon that is in no string. All of them are found at once, by arrays over
 the characters; the text of a record is cut out when somebody asks for it, which for most nobody
 does.
+
+ifcopenshell reads the same text, but builds an object for every record and passes over faults
+without a line. So the own way takes entities and their attributes from here and never judges
+geometry that only a kernel can: members with other solids are built by ifcopenshell. It may not
+repair: a record that cannot be read is a diagnostic. tests/unit/readers/ifc/test_step.py holds
+both readings equal.
 """
 
 import re
