@@ -28,7 +28,7 @@ def cutting_remarks(
     pieces: Sequence[Piece], operations: Sequence[SpindleOp], machine: Machine
 ) -> Iterator[Diagnostic]:
     """A note for a steel that no row names, a warning for each tool that turns too fast in it."""
-    if machine.drill is None:
+    if machine.drill is None or not _says_speeds(machine):
         return
     used: dict[str, dict[int, Tool]] = {}
     sources: dict[str, Source] = {}
@@ -44,6 +44,12 @@ def cutting_remarks(
             found = known.keep(key, tuple(_remarks(grade, tools.values(), machine, machine.drill)))
         for said in found:
             yield replace(said, source=sources[grade])
+
+
+def _says_speeds(machine: Machine) -> bool:
+    """Whether the cutting data stand in the machine's programs."""
+    words = (getattr(machine.words, kind) for kind in TURNING)
+    return any("{feed}" in line or "{speed}" in line for lines in words for line in lines)
 
 
 def _remarks(

@@ -14,18 +14,22 @@ import re
 from collections.abc import Mapping, Sequence
 from functools import partial
 from math import hypot, isnan, nan
+from typing import Literal, cast
 
 from msgspec import Struct
+from msgspec.structs import replace
 
 from beamcam.machine.cutting import speed_and_feed
-from beamcam.machine.machine import Axis, Machine
-from beamcam.model.cell_motion import CellMotion
+from beamcam.machine.machine import Axis, ControlledAxis, Drill, Machine
+from beamcam.model.cell_motion import SECONDS_PER_MINUTE, CellMotion
 from beamcam.model.part import Profile
 from beamcam.model.plan import Operation, PathOp, Plan, SawOp, SpindleOp
 from beamcam.model.stroke import Stroke, Strokes
 from beamcam.model.work_time import WorkTime
 from beamcam.planning.magazine import tool_loads
 
+Moves = Literal["X", "Y", "Z", "angle", "saw"]
+UNKNOWN_MM_S2 = 1000.0  #: of an axis that the machine's file does not have
 _COMMAND = re.compile(r"\s*([GM])0*(\d+)")
 _WORD = re.compile(r"\b([A-Z])(?:\{(\w+)\}|(-?\d+(?:\.\d*)?))")
 _NUMBERS = ("G", "M", "N")
@@ -74,6 +78,23 @@ def time_of(
     return WorkTime(seconds, reloads * machine.times.reload_s)
 
 
+def with_axes(machine: Machine, drill: Drill) -> Machine:
+    """The machine with usual axes in place of those that its file does not have."""
+    needed: list[tuple[str, int | None]] = [("X", None), ("angle", None), ("saw", None)]
+    for spindle in machine.spindles:
+        needed += [(spindle.across.axis, spindle.number), (spindle.stroke.axis, spindle.number)]
+    known = {(axis.moves, axis.spindle) for axis in machine.axes}
+    missing = [key for key in needed if key not in known]
+    if not missing:
+        return machine
+    rapid = drill.greatest_feed_mm_min / SECONDS_PER_MINUTE
+    usual = tuple(
+        ControlledAxis("", cast("Moves", moves), rapid, UNKNOWN_MM_S2, spindle)
+        for moves, spindle in missing
+    )
+    return replace(machine, axes=(*machine.axes, *usual))
+
+
 class _Clock:
     """The machine as it stands while the operations go by."""
 
@@ -82,6 +103,7 @@ class _Clock:
             raise TypeError(f"{machine.name} has no saw and drill")
         self._machine, self._saw, self._drill = machine, machine.saw, machine.drill
         # What a program does not say of the section its simulation does not know either.
+        machine = with_axes(machine, self._drill)
         says_width = any("{width}" in line for line in machine.words.header)
         self._cell = CellMotion(machine, profile.width if says_width else profile.height)
         self._grades = grades

@@ -42,7 +42,7 @@ BAR_LEFT = Rule(
 OFF_PART = Rule(
     "plan-off-part",
     _E,
-    "found {what} at x {x}, y {y} on face {face}, {out} mm of it beyond {where}; "
+    "found {what} at x {x}, y {y} on face {face} that reaches {out} mm beyond {where}; "
     "expected it wholly within the finished part",
     "A hole that an end cut or an edge cuts open is a slip of the drawing, and the drill would "
     "run off. A hole in the wedge that a mitre takes off is made for nothing.",

@@ -111,3 +111,10 @@ def test_a_tool_by_hand_stops_the_program() -> None:
     assert all(" M40 K2 L" in lines[i + 1] for i in stops)
     plain = replace(machine, words=replace(machine.words, change=("M00",)))
     assert post((seven,), plain).text.count(" M00\n") == 2
+
+
+def test_a_program_without_speeds_says_nothing_of_them() -> None:
+    odd = part(hole(500, diameter=45), grade="1.4301"), part(hole(500), grade="300")
+    for made in odd:
+        codes = [said.code for said in post((made,), load("beamline-annex")).remarks]
+        assert not {"plan-grade", "plan-cutting-speed"} & set(codes)

@@ -168,10 +168,11 @@ CASES: tuple[Case, ...] = (
      "found 875.960 mm of bar from the last part on; expected at least 1200 mm, "
      "give a longer --bar or another order of parts"),
     ("plan-off-part", "beamline", (part(hole(20, 40), cuts=EndCuts(30.0)),), {},
-     "found a hole of diameter 18 at x 20, y 40 on face v, 122 mm of it beyond the start of the "
-     "part; expected it wholly within the finished part"),
+     "found a hole of diameter 18 at x 20, y 40 on face v that reaches 122 mm beyond the start of "
+     "the part; expected it wholly within the finished part"),
     ("plan-off-part", "beamline", (part(hole(500, 5, face="o")),), {},
-     "found a hole of diameter 18 at x 500, y 5 on face o, 4 mm of it beyond the edge of face o; "
+     "found a hole of diameter 18 at x 500, y 5 on face o that reaches 4 mm beyond the edge of "
+     "face o; "
      "expected it wholly within the finished part"),
     ("plan-near-edge", "beamline", (part(hole(10)),), {},
      "found a hole of diameter 18 at x 10, y 150 on face v, 1 mm from the start of the part; "

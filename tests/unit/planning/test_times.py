@@ -163,3 +163,12 @@ def test_a_bar_lies_one_way_for_all_its_parts() -> None:
                  hole(500, 60, face="u"), profile=TUBE)  # fmt: skip
     with pytest.raises(PlanError):
         plan_bar([above, below], machine, turn=True)
+
+
+def test_axes_that_the_file_does_not_have_are_usual_ones() -> None:
+    machine = load("beamline")
+    bare = replace(machine, axes=())
+    found = plan_bar([part(hole(500), hole(900, 40, 18, "o"))], machine)
+    for known, assumed in zip(seconds(found, machine), seconds(found, bare), strict=True):
+        assert assumed == pytest.approx(known, rel=0.5)
+        assert assumed > 0
