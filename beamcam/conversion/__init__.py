@@ -6,6 +6,7 @@ of a table's row, the value that was found, the words that may stand there, the 
 
 from collections.abc import Callable, Iterable
 from math import isfinite
+from threading import Lock
 from typing import Annotated, Any, Literal, TypeVar
 
 from msgspec import Meta, Struct, ValidationError, convert
@@ -25,6 +26,9 @@ class Keys(Struct, frozen=True, forbid_unknown_fields=True):
     """A record whose fields are the keys of a table, and all that it may have."""
 
 
+#: msgspec works out what it knows of a type at its first use, and lets another thread take the half
+#: of it: the process ends with a segmentation fault.
+_ONE_AT_A_TIME = Lock()
 MOST_BITS = 63  #: of a whole number; no machine counts further
 
 
@@ -49,12 +53,13 @@ class Fault(ValueError):
 
 def converted(value: object, record: type[Record], hook: Hook | None = None) -> Record:
     """`value`, as a parser of TOML or JSON gives it, as a record. Raises Fault."""
-    try:
-        result = convert(value, record, dec_hook=hook)
-    except ValidationError as error:
-        from beamcam.conversion.fault import fault_of
+    with _ONE_AT_A_TIME:
+        try:
+            result = convert(value, record, dec_hook=hook)
+        except ValidationError as error:
+            from beamcam.conversion.fault import fault_of
 
-        raise fault_of(str(error), value, record, hook) from None
+            raise fault_of(str(error), value, record, hook) from None
     odd = _odd_number(value)
     if odd is not None:
         raise odd

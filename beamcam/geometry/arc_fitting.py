@@ -33,11 +33,19 @@ def fit_chains(chains: Sequence[Sequence[Curve]], tolerance: float) -> list[tupl
     """
     if not tolerance > 0.0:
         raise ValueError(f"tolerance must be above 0, found {tolerance:g}")
+    chains = [[half for curve in chain for half in _open_halves(curve)] for chain in chains]
     free = [c for chain in chains for c in chain if not isinstance(c, Line | Arc)]
     if not free:
         return [tuple(chain) for chain in chains]  # type: ignore[arg-type]
     fits = iter(_fits(free, tolerance))
     return [_assembled(chain, fits, tolerance) for chain in chains]
+
+
+def _open_halves(curve: Curve) -> tuple[Curve, ...]:
+    """A Bezier curve that ends where it begins in two: it may go out and back on one line."""
+    if isinstance(curve, Bezier) and curve.start == curve.end:
+        return curve.split(0.5)
+    return (curve,)
 
 
 class _Fit(Struct, frozen=True):
