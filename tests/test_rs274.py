@@ -11,7 +11,8 @@ import pytest
 from beamcam.machine import load
 from beamcam.pipeline import post
 from beamcam.verify.sheets import events_of
-from beamcam.verify.sheets.events import Leg
+from beamcam.verify.sheets.compensation import CompensationError, compensated
+from beamcam.verify.sheets.events import Keep, Leg
 from tests.conftest import GOLDEN
 from tests.unit.sheets.parts import NESTED, table
 
@@ -77,11 +78,50 @@ def test_the_interpreter_refuses_what_we_refuse(tmp_path: Path) -> None:
 
 
 def test_compensation_by_the_machine(tmp_path: Path) -> None:
-    """G41.1 and G42.1: the interpreter accepts the leads along which it takes the radius up."""
+    """G41.1 and G42.1: the beam goes where the read-back says, corner by corner."""
+    machine = table(kerf_by="machine", lead="line")
     path = tmp_path / "beside.ngc"
-    path.write_text(post((NESTED,), table(kerf_by="machine", lead="line")).text)
+    path.write_text(post((NESTED,), machine).text)
     assert "G41.1 D1.5" in path.read_text()
-    assert moves_of(path)
+    beam = beam_of(path.read_text())
+    theirs = [values for name, values in moves_of(path) if name != "STRAIGHT_TRAVERSE"]
+    assert len(beam) == len(theirs) > 20
+    for leg, values in zip(beam, theirs, strict=True):
+        assert values[:2] == pytest.approx(leg.end, abs=2e-4)
+
+
+def beam_of(text: str) -> list[Leg]:
+    """The feeds of a program as the read-back has them, those beside a contour compensated."""
+    events, said = events_of(text, load("plate-linuxcnc"))
+    assert not said
+    found: list[Leg] = []
+    side, radius, waiting = "on", 0.0, list[Leg]()
+    for event in events:
+        if isinstance(event, Keep):
+            found += compensated(waiting, side, radius) if side != "on" else waiting  # type: ignore[arg-type]
+            side, radius, waiting = event.side, event.radius, []
+        elif isinstance(event, Leg) and not event.rapid:
+            waiting.append(event)
+    return found + waiting
+
+
+NOT_COMPENSATED = {
+    "an arc no larger than the tool": "G1 X20 Y20\nG3 X20.5 Y20.5 I0 J0.5\nG1 X20.5 Y40\n",
+    "an entry that is too short": "G1 X10.5 Y10\nG1 X10.5 Y30\n",
+    "a notch narrower than the tool": "G1 X20 Y10\nG1 X20 Y30\nG1 X19.5 Y30\nG1 X19.5 Y10\n",
+}
+
+
+@pytest.mark.parametrize("moves", NOT_COMPENSATED.values(), ids=NOT_COMPENSATED.keys())
+def test_what_it_cannot_keep_beside_it_refuses_as_we_do(tmp_path: Path, moves: str) -> None:
+    path = tmp_path / "beside.ngc"
+    path.write_text(
+        f"G21 G17 G90 G91.1 G40 G94\nF900\nG0 X10 Y10\nG41.1 D1.5\n{moves}G40\nG0 X0 Y0\nM2\n"
+    )
+    with pytest.raises(AssertionError):
+        moves_of(path)
+    with pytest.raises(CompensationError):
+        beam_of(path.read_text())
 
 
 def test_bridges(tmp_path: Path) -> None:
