@@ -17,6 +17,7 @@ from beamcam.errors import Rule, Source
 from beamcam.machine.machine import Machine
 from beamcam.machine.runtime import PROCESSES
 
+END = "the end of the program"
 _REAL = r"LREAL#(-?\d+\.\d+)"
 _KIND = r"USINT#(\d+)"
 _USES = re.compile(r"    USES (\w+(?:, \w+)*);")
@@ -72,7 +73,7 @@ class _Lines:
         if self.at < len(self.lines):
             return self.lines[self.at]
         last = self.lines[-1][0] if self.lines else 1
-        return last, "the end of the program"
+        return last, END
 
     @property
     def left(self) -> bool:
@@ -87,7 +88,7 @@ class _Lines:
     def match(self, form: re.Pattern[str], expected: str) -> re.Match[str]:
         found = form.fullmatch(self.here[1]) if self.left else None
         if found is None:
-            self.wrong(rules.SYNTAX, found=self.here[1].strip(), expected=expected)
+            self.wrong(rules.SYNTAX, found=self.here[1].strip() or END, expected=expected)
         self.at += 1
         return found
 
@@ -229,7 +230,8 @@ class _Job:
         self, data: _Lines, unit: str, k: int, low: int, high: int, uses_line: int
     ) -> list[Operation]:
         """The operations of one unit."""
-        other = data.match(UNIT, f"(* ===== UNIT {unit} ===== *)")[1]
+        mark = f"(* ===== UNIT {unit} ===== *)"
+        other = data.match(UNIT, f"{mark}; join the file of that unit behind this one")[1]
         if other != unit:
             data.wrong(rules.NAME, uses_line, found=f"unit {unit}", expected=other)
         data.exact("INTERFACE", "    VAR_GLOBAL CONSTANT")

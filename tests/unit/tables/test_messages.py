@@ -37,6 +37,9 @@ SAID_OF_PROGRAMS = [
     ("table", "USES unit_shield_1", "USES unit_shield_2",
      "{line}: error st-name: found unit unit_shield_2, which is not declared; expected "
      "unit_shield_1"),
+    ("table", r"(?s)\n\(\* ===== UNIT unit_shield_1.*", "\n",
+     "{line}: error st-syntax: found 'the end of the program'; expected (* ===== UNIT "
+     "unit_shield_1 ===== *); join the file of that unit behind this one"),
     ("chain", r"ARRAY \[0\.\.11\] OF BOOL", "ARRAY [0..10] OF BOOL",
      "{line}: error st-bounds: found index 10 of triggerActive; expected 0 to 11"),
     ("table", r"LREAL#25\.0, LREAL#35\.0, ", "LREAL#25.0, ",
