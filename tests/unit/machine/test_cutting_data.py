@@ -14,7 +14,11 @@ from tests.unit.planning.shop import hole, part
 
 LINES = ("beamline", "beamline-pusher")
 #: By rising hardness to cut.
-STEELS = (("S235JR", "S275J0", "S185", "A36"), ("S355J2+N", "S390GP", "A992"), ("S460ML", "S690QL"))
+STEELS = (
+    ("S235JR", "S275J0", "S185", "A36", "RSt37-2", "300"),
+    ("S355J2+N", "S390GP", "A992", "350"),
+    ("S460ML", "S690QL"),
+)
 STAINLESS = ("1.4301", "X5CrNi18-10", "AISI 316L", "304", "316Ti")
 
 
@@ -32,7 +36,7 @@ def table(drill: Drill, grade: str, material: ToolMaterial = "hss") -> list[Cutt
 
 @pytest.mark.parametrize("name", LINES)
 @pytest.mark.parametrize("material", ["hss", "carbide"])
-@pytest.mark.parametrize("grade", [*(g for row in STEELS for g in row), *STAINLESS, "", "Q235"])
+@pytest.mark.parametrize("grade", [*(g for row in STEELS for g in row), *STAINLESS, "", "C45"])
 def test_feed_grows_with_the_diameter_and_speed_stays_in_range(
     name: str, material: ToolMaterial, grade: str
 ) -> None:
@@ -66,7 +70,7 @@ def test_each_grade_has_the_rows_of_its_kind(name: str) -> None:
         assert len(rows) == 1, grades
     assert not any(is_unnamed(drill, g) for row in (*STEELS, STAINLESS) for g in row)
     # Names of steels of other standards are not taken for something that they are not.
-    assert all(is_unnamed(drill, g) for g in ("300", "350", "Q235", "NA", "K"))
+    assert all(is_unnamed(drill, g) for g in ("C45", "42CrMo4", "NA", "K"))
 
 
 def test_patterns_of_a_row() -> None:
@@ -78,9 +82,9 @@ def test_patterns_of_a_row() -> None:
 
 def test_a_steel_that_nobody_names_gets_the_rows_for_any() -> None:
     drill = drill_of("beamline")
-    assert cutting_row(Tool("drill", 20.0), drill, "Q235").grade == "*"
+    assert cutting_row(Tool("drill", 20.0), drill, "C45").grade == "*"
     plain = replace(drill, cutting=(Cutting(50.0, 25.0, 0.2),))
-    assert not is_unnamed(plain, "Q235")  # a machine without rows by grade has nothing to say
+    assert not is_unnamed(plain, "C45")  # a machine without rows by grade has nothing to say
 
 
 @pytest.mark.parametrize("name", LINES)
@@ -114,7 +118,7 @@ def test_a_tool_by_hand_stops_the_program() -> None:
 
 
 def test_a_program_without_speeds_says_nothing_of_them() -> None:
-    odd = part(hole(500, diameter=45), grade="1.4301"), part(hole(500), grade="300")
+    odd = part(hole(500, diameter=45), grade="1.4301"), part(hole(500), grade="C45")
     for made in odd:
         codes = [said.code for said in post((made,), load("beamline-annex")).remarks]
         assert not {"plan-grade", "plan-cutting-speed"} & set(codes)

@@ -217,8 +217,8 @@ CASES: tuple[Case, ...] = (
                                              for i in range(7))),), {},
      "found 7 tools for the 5 stations of spindle web; expected at most 5, as words.change of "
      "wordless is empty"),
-    ("plan-grade", "beamline", (part(hole(500), grade="Q235"),), {},
-     "found steel grade Q235, which no row of drill.cutting in beamline names; "
+    ("plan-grade", "beamline", (part(hole(500), grade="C45"),), {},
+     "found steel grade C45, which no row of drill.cutting in beamline names; "
      "its rows for any grade are used"),
     ("plan-cutting-speed", "beamline", (part(hole(500, diameter=45), grade="1.4301"),), {},
      "found drill 45 in 1.4301, which should turn at 85 rpm; "
