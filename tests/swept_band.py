@@ -261,7 +261,7 @@ class Measured(NamedTuple):
         """
         rest = shapely.get_parts(shapely.difference(self._sheet(), self.band(by)))
         pieces = shapely.get_parts(self.drawn.part().buffer(-self.kerf / 4))
-        middles = shapely.point_on_surface(pieces[~shapely.is_empty(pieces)])
+        middles = shapely.point_on_surface(pieces[shapely.area(pieces) > GAP * GAP])
         sizes = shapely.area(self.drawn.rings)
         rings = STRtree(self.drawn.rings)
         owner = [min(rings.query(m, "within").tolist(), key=lambda k: sizes[k]) for m in middles]

@@ -149,7 +149,7 @@ def test_lines_that_leave_a_corner_open_are_prolonged_to_it():
     curves[1] = Line((10.0, 0.02), (10.0, 10.0))
     (chain,) = join_curves(curves, 0.05).chains
     assert chain.closed
-    assert chain.curves == tuple(ring(SQUARE))
+    assert sorted(c.end for c in chain.curves) == [pytest.approx(p) for p in sorted(SQUARE)]
 
 
 def test_a_gap_beside_a_line_is_bridged():
