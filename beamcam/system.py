@@ -1,7 +1,7 @@
 """What differs between Windows, macOS and Linux, asked in one place."""
 
+import errno
 import os
-import signal
 import sys
 from collections.abc import Callable
 from time import sleep
@@ -48,6 +48,8 @@ def max_workers(wanted: int) -> int:
 
 def stop_signals() -> tuple[int, ...]:
     """The signals, besides Ctrl-C, by which a run is asked to end."""
+    import signal
+
     names = ("SIGTERM", "SIGBREAK")  # Ctrl-Break and the end of a session, of Windows
     return tuple(getattr(signal, name) for name in names if hasattr(signal, name))
 
@@ -63,6 +65,11 @@ def replace_file(part: str, target: str) -> None:
             sleep(REPLACE_WAIT_S)
         else:
             return
+
+
+def is_reader_gone(error: OSError) -> bool:
+    """Whether nobody reads a pipe any more, which Windows calls an invalid argument."""
+    return is_windows() and error.errno == errno.EINVAL
 
 
 def can_sync_all() -> bool:

@@ -1,5 +1,6 @@
 """What differs from system to system: each other way is taken here, by patching what is asked."""
 
+import errno
 import io
 import json
 import multiprocessing
@@ -19,7 +20,7 @@ from beamcam import readers, system
 from beamcam.batch import find, processes
 from beamcam.batch.names import check_template
 from beamcam.cli import main
-from beamcam.commands.common import Voice, write
+from beamcam.commands.common import Voice, stop_without_output, write
 from beamcam.commands.running import ended_by_term
 from beamcam.config.load import load as load_config
 from beamcam.files import FilesRead, write_whole
@@ -252,6 +253,41 @@ def test_a_program_keeps_its_line_ends_on_standard_output(monkeypatch: pytest.Mo
     write("-", "G0 X1\n(Ж)\n", Voice(), FilesRead(()))
     sys.stdout.flush()
     assert raw.getvalue() == "G0 X1\n(Ж)\n".encode()
+
+
+#: Input, suffix of the program, and whether its rows are found by their place in the file.
+PROGRAMS = [
+    ("dstv/channel.nc1", ".gcode", False), ("dxf/plate.dxf", ".ngc", False),
+    ("json/shield-small.json", ".st", False), ("json/shield-small.json", ".csv", False),
+    ("json/shield-small.json", ".steps", True), ("json/shield-small.json", ".h", True),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("source", "suffix", "by_place"), PROGRAMS)
+def test_a_program_with_the_line_ends_of_windows(
+    tmp_path: Path, source: str, suffix: str, by_place: bool
+) -> None:
+    program, thickness = tmp_path / f"a{suffix}", ("--thickness", "3") * (".dxf" in source)
+
+    def call(*words: object) -> int:
+        return CliRunner().invoke(main, [*map(str, words), *thickness]).exit_code
+
+    assert call("post", SAMPLES / source, "-o", program) == 0
+    program.write_bytes(program.read_bytes().replace(b"\n", b"\r\n"))
+    assert call("verify", program, "--against", SAMPLES / source) == (1 if by_place else 0)
+
+
+def test_a_reader_that_has_gone_is_no_fault(
+    windows: None, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(os, "dup2", lambda *_: None)
+    with pytest.raises(SystemExit) as end:
+        stop_without_output(OSError(errno.EINVAL, "Invalid argument"))
+    assert end.value.code == 1
+    assert capsys.readouterr().err == ""
+    with pytest.raises(SystemExit):
+        stop_without_output(OSError(errno.ENOSPC, "No space left on device"))
+    assert "error write-file" in capsys.readouterr().err
 
 
 def test_a_stream_that_is_not_unicode(tmp_path: Path) -> None:

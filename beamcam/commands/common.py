@@ -13,7 +13,7 @@ from beamcam.commands.rules import ACCOUNT, CANNOT_WRITE, OVER_INPUT
 from beamcam.errors import Diagnostic, Severity, Source, first_of_each_kind
 from beamcam.files import REFUSED_SUFFIX, FilesRead, write_whole
 from beamcam.plain_text import json_text, terminal_text
-from beamcam.system import is_unicode
+from beamcam.system import is_reader_gone, is_unicode
 
 if TYPE_CHECKING:
     from beamcam.readers.reading import Reading
@@ -199,4 +199,6 @@ def stop_without_output(error: OSError) -> NoReturn:
     # What is left in its buffer would be tried again at the end of the process.
     with suppress(OSError, ValueError):
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+    if is_reader_gone(error):
+        raise SystemExit(REFUSED)  # who has had enough, as of a broken pipe
     Voice().stop([cannot_write("stdout", error)])

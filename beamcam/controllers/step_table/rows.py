@@ -84,7 +84,7 @@ class Stream:
         self._rest, self._at = data + self._rest[self._at :], 0
 
     def take_line(self, expected: str) -> bytes:
-        """The next line without its end."""
+        """The next line without its end, of either kind."""
         size = 256
         while True:
             there = self._fill(size)
@@ -98,7 +98,7 @@ class Stream:
         line = self._rest[self._at : end]
         self._at = end + 1
         self.line += 1
-        return line
+        return line.removesuffix(b"\r")
 
 
 def shown(data: bytes) -> str:
