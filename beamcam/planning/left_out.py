@@ -13,6 +13,7 @@ from beamcam.model.colour import colour_name
 from beamcam.model.description import description
 from beamcam.model.part import Contour
 from beamcam.model.plan import Outcome, Plan, SheetPlan
+from beamcam.planning.rules import SKIP_NAMES
 
 LEFT_OUT = Rule(
     "plan-left-out",
@@ -34,7 +35,7 @@ MAPPED_AWAY = {"map-ignore": "ignored", "mark": "marked", "engrave": "engraved"}
 
 def told(plan: Plan | SheetPlan) -> Iterator[Diagnostic]:
     """A warning for each feature that was left out, and a note for each look that is not cut."""
-    skipped = [o for o in plan.outcomes if o.how == "skipped" and o.by not in MAPPED_AWAY]
+    skipped = [outcome for outcome in plan.outcomes if _is_by_name(outcome)]
     # A part that lies on the bar several times is told of once.
     yield from dict.fromkeys(_left_out(plan, outcome) for outcome in skipped)
     if isinstance(plan, SheetPlan):
@@ -44,9 +45,17 @@ def told(plan: Plan | SheetPlan) -> Iterator[Diagnostic]:
 def left_out_sources(plan: Plan | SheetPlan) -> Iterator[Source]:
     """Where each feature stands that was left out because `--allow-skips` names its kind."""
     for outcome in plan.outcomes:
-        if outcome.how == "skipped" and outcome.by not in MAPPED_AWAY:
+        if _is_by_name(outcome):
             piece, index = outcome.feature
             yield plan.pieces[piece].part.features[index].source
+
+
+def _is_by_name(outcome: Outcome) -> bool:
+    """Whether a feature was left out because `--allow-skips` names its kind.
+
+    What is mapped away, or too small to be cut, nobody has to name; it is told otherwise.
+    """
+    return outcome.how == "skipped" and outcome.by.removeprefix("plan-") in SKIP_NAMES
 
 
 def _left_out(plan: Plan | SheetPlan, outcome: Outcome) -> Diagnostic:

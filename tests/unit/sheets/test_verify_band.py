@@ -206,3 +206,12 @@ def test_paths_follow_one_another() -> None:
     beam = compensated(cut[:first], "left", 0.6)
     assert all(a.end == b.start for a, b in pairwise(beam))
     assert len(beam) >= first
+
+
+def test_what_is_too_small_to_be_cut_is_posted() -> None:
+    """A line no longer than the gap is told, and neither cut nor asked for."""
+    dot = contour(lines((30, 20), (30.01, 20), closed=False))
+    posted = post((drawing(contour(box(0, 0, 60, 40)), dot, thickness=3.0),), MACHINE)
+    assert "plan-tiny" in {said.code for said in posted.remarks}
+    assert "plan-left-out" not in {said.code for said in posted.remarks}
+    assert len(strokes(posted.text)) == 1
