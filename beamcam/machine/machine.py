@@ -6,14 +6,16 @@ so that where a station measures from is a line of the machine file and not of t
 
 from collections.abc import Mapping
 from fractions import Fraction
-from math import radians, tan
+from math import isfinite, radians, tan
 from typing import Annotated, Literal
 
 from msgspec import Meta, Struct, field
 
 from beamcam.caches import cached
 from beamcam.conversion import Count, Keys, NotNegative, Positive, PositiveCount
+from beamcam.errors import MachineError, Source
 from beamcam.geometry.expression import Expression, compile_expression
+from beamcam.machine import rules
 from beamcam.machine.tables import Stepper, Triggers
 from beamcam.machine.words import Words
 
@@ -45,7 +47,23 @@ class Formula(str):
         _compiled(self)
 
     def __call__(self, values: Mapping[str, float]) -> float:
-        return _compiled(self)(values)
+        """The number for a section and a hole. Raises MachineError where there is none."""
+        try:
+            number = _compiled(self)(values)
+        except (ArithmeticError, ValueError) as error:
+            raise _without_value(self, values, str(error)) from None
+        if not isfinite(number):
+            raise _without_value(self, values, "not finite")
+        return number
+
+
+def _without_value(formula: Formula, values: Mapping[str, float], why: str) -> MachineError:
+    given = ", ".join(f"{name} {value:g}" for name, value in sorted(values.items()))
+    expected = f"arithmetic that has a value for {given} ({why})"
+    said = rules.WRONG_VALUE.at(
+        Source("machine"), key="spindles", found=repr(str(formula)), expected=expected
+    )
+    return MachineError(said)
 
 
 def as_formula(kind: type, value: object) -> Formula:

@@ -10,7 +10,7 @@ from beamcam.conversion import Fault, converted
 from beamcam.errors import MachineError
 from beamcam.machine import load, settings, shipped
 from beamcam.machine.load import _files, merged
-from beamcam.machine.machine import MachineFile, as_formula
+from beamcam.machine.machine import Formula, MachineFile, as_formula
 from beamcam.machine.rules import RULES
 from beamcam.model.plan import DrillOp
 from beamcam.planning import plan_bar
@@ -242,3 +242,18 @@ def test_spindles_of_their_own_strokes_are_no_pair_but_two(tmp_path: Path) -> No
     made = part(hole(500, 50, 14, "o"), hole(500, 50, 14, "u"))
     operations = plan_bar((made,), load(str(path))).operations
     assert sorted(op.spindle for op in operations if isinstance(op, DrillOp)) == [1, 3]
+
+
+@pytest.mark.parametrize(
+    ("text", "why"),
+    [("1 / (height - height)", "division by zero"), ("1e308 * 1e308", "not finite")],
+)
+def test_a_formula_without_a_value_is_a_fault_of_the_machine(text: str, why: str) -> None:
+    formula = as_formula(Formula, text)
+    with pytest.raises(MachineError, match="machine-value") as caught:
+        formula({"height": 200.0, "y": 1.5})
+    (said,) = caught.value.diagnostics
+    assert said.message == (
+        f"found '{text}' for 'spindles'; expected arithmetic that has a value for height 200, "
+        f"y 1.5 ({'float ' if 'zero' in why else ''}{why})"
+    )
