@@ -31,9 +31,11 @@ def whole(ways: Ways, fine: float) -> Stretches:
 
 
 def trim(found: Stretches, ways: Ways, loose: Sequence[int], rank: Counts, same: float) -> None:
-    """Cuts what lies on a curve of lower rank off the ends of loose ways.
+    """Cuts what lies on a way of lower rank off the ends of loose lines and arcs.
 
-    W overlaps V where an end of W lies on V, an end of V on W, and the middle between both on V.
+    A line only lies on a line and an arc on an arc: where one runs into the other on a tangent,
+    they are near each other and no two of the same. W overlaps V where an end of W lies on V, an
+    end of V on W, and the middle between both on V.
     """
     if not loose:
         return
@@ -46,7 +48,9 @@ def trim(found: Stretches, ways: Ways, loose: Sequence[int], rank: Counts, same:
         np.hypot(*(ways.starts[other] - places[pairs.point]).T),
         np.hypot(*(ways.ends[other] - places[pairs.point]).T),
     )
-    asked = np.flatnonzero((rank[other] < rank[own]) & (at_end > same))
+    kind = ways.kinds
+    alike = (kind[own] == kind[other]) & (kind[own] < 2)
+    asked = np.flatnonzero(alike & (rank[other] < rank[own]) & (at_end > same))
     spans: dict[int, list[float]] = {}
     for k in asked.tolist():
         w, v = int(own[k]), int(other[k])

@@ -79,6 +79,7 @@ def region_of(ways: Ways, features: Counts, gap: float, fine: float) -> Region:
     closed[[k for ring, is_wide in zip(once, wide, strict=True) if is_wide for k, _ in ring]] = True
     closed |= twins & _on(ways, closed, SAME_PLACE)
     twins[[k for r in again for k, _ in once[r]]] = True
+    apart = np.maximum(apart, np.where(closed, 0.0, _loose_ends(ways, gap)))
     apart[[k for r in again | under for k, _ in once[r]]] += gap
     wide[list(again)] = False
     # A ring that crosses itself by a hair has a loop there, which nothing can follow.
@@ -168,6 +169,16 @@ def _on(ways: Ways, which: Flags, same: float) -> Flags:
     """Ways that lie on some of them."""
     rank = np.where(which, 0, 1)
     return _lie_on(ways, np.arange(ways.count), rank, same)
+
+
+def _loose_ends(ways: Ways, gap: float) -> Floats:
+    """How far the ends of each way are from other ends that they may be joined to, at most."""
+    found = np.zeros(ways.count)
+    ends = np.concatenate((ways.starts, ways.ends))
+    places = shapely.points(ends)
+    a, b = shapely.STRtree(places).query(places, "dwithin", distance=gap + SAME_POINT)
+    np.maximum.at(found, a % max(ways.count, 1), np.hypot(*(ends[a] - ends[b]).T))
+    return found
 
 
 def _same_rings(polygons: NDArray[np.object_], gap: float) -> tuple[set[int], set[int]]:

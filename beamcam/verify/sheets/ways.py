@@ -116,6 +116,13 @@ class Ways:
         self.ends: Floats = elements.end[self._behind - 1]
         self._grids: list[Grid] = []
 
+    @property
+    def kinds(self) -> Counts:
+        """0 for each way that is a line, 1 for an arc, 2 for any other."""
+        found: Counts = self.elements.is_arc[self._first].astype(np.int64)
+        found[self.rest] = 2
+        return found
+
     def near(self, points: Floats, reach: float) -> Pairs:
         """All pairs of a point (n, 2) and an element no farther than `reach` from it."""
         for grid in self._grids:
