@@ -14,7 +14,7 @@ from msgspec import Struct
 from beamcam.geometry.curves import Bezier, Curve, Line
 from beamcam.geometry.expression import compile_expression
 from beamcam.geometry.newton import NewtonCurve
-from beamcam.geometry.plane import Point
+from beamcam.geometry.plane import MAX_COORDINATE, Point
 
 #: Nodes of each polynomial.
 NODES = 4
@@ -73,6 +73,8 @@ def _value_of(text: str, name: str) -> Callable[[float], float]:
             raise ValueError(f"{text!r} has no value at {name} = {at:g}: {error}") from error
         if not isfinite(found):
             raise ValueError(f"{text!r} has no value at {name} = {at:g}: {found}")
+        if abs(found) > MAX_COORDINATE:
+            raise ValueError(f"{text!r} is {found:g} at {name} = {at:g}, beyond every part")
         return found
 
     return value

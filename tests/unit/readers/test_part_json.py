@@ -260,6 +260,8 @@ FLAWED_CURVES = [
     ({"function": {"x": "t", "y": "t", "t": [0]}}, "json-value", AT + ".function.t"),
     ({"function": {"x": "t", "y": "t", "t": [0, None]}}, "json-type", AT + ".function.t[1]"),
     ({"function": {"x": "1", "y": "2", "t": [0, 1]}}, "json-expression", AT + ".function"),
+    ({"function": {"x": "(t - 1e308) * t", "y": "t", "t": [0, 1]}}, "json-expression",
+     AT + ".function"),
 ]  # fmt: skip
 
 
