@@ -21,7 +21,9 @@ Status = Literal["posted", "unchanged", "refused", "failed"]
 STATUSES: tuple[Status, ...] = ("posted", "unchanged", "refused", "failed")
 
 
-MAP_IGNORE = "map-ignore"  #: how the ledger calls what the map of colours and layers ignores
+#: How the ledger calls what is missing though nobody allowed it by name: what the map of colours
+#: and layers ignores, and what is too small to be cut.
+NOT_BY_NAME = ("map-ignore", "plan-tiny")
 
 
 class Message(TypedDict):
@@ -90,7 +92,7 @@ class Counts(Struct):
         setattr(self, row["status"], getattr(self, row["status"]) + 1)
         for part in row["parts"]:
             self.left_out += sum(
-                count for code, count in part["skipped_by"].items() if code != MAP_IGNORE
+                count for code, count in part["skipped_by"].items() if code not in NOT_BY_NAME
             )
             self.mapped.update(part["mapped"])
 

@@ -12,6 +12,7 @@ from beamcam.geometry.curves import Line, signed_area
 from beamcam.machine import load
 from beamcam.model.part import Bend, Bevel, Contour, Feature, Hole, Part, Profile, Slot, TextMark
 from beamcam.model.plan import SheetPlan
+from beamcam.pipeline import post
 from beamcam.planning.contours import rules
 from beamcam.planning.contours.order import order, travel
 from beamcam.planning.contours.shape import Shape
@@ -279,6 +280,28 @@ REMARKS: list[tuple[Part, dict[str, object], set[str]]] = [
 def test_remarks(part: Part, values: dict[str, object], expected: set[str]) -> None:
     plan = plan_sheet((part,), table(**values))
     assert set(codes(plan)) == expected
+
+
+def test_what_is_too_small_is_told_once_and_the_rest_posts() -> None:
+    posted = post((drawing(SQUARE, SPECK),), table())
+    assert [said.code for said in posted.remarks] == ["plan-tiny"]
+    assert [o.how for o in posted.plan.outcomes] == ["made", "skipped"]
+
+
+def test_parts_a_kerf_apart_share_a_cut() -> None:
+    row = [contour(box(51.5 * k, 0, 50, 40), line=k) for k in range(3)]
+    posted = post((drawing(*row),), table())
+    assert "plan-common-edge" in {said.code for said in posted.remarks}
+    assert [op.closed for op in posted.plan.operations].count(True) == 1
+
+
+def test_a_square_between_others_is_made_by_their_cuts() -> None:
+    around = [box(10, 0, 10, 10), box(0, 10, 10, 10), box(20, 10, 10, 10), box(10, 20, 10, 10)]
+    sheet = [contour(curves, line=k) for k, curves in enumerate([*around, box(10, 10, 10, 10)])]
+    plan = plan_sheet((drawing(*sheet),), table(kerf_by="none", lead="none"))
+    assert [o.how for o in plan.outcomes] == ["made"] * 5
+    length = sum(c.length for op in plan.operations for one in op.passes for c in one.curves)
+    assert length == pytest.approx(160)
 
 
 #: What the command line says, and what only machines without words for a contour can say.
