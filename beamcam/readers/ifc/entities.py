@@ -39,6 +39,10 @@ class Unreadable(Exception):
     """Something in a member's geometry that the reader does not take; the text says what."""
 
 
+class NoSection(Unreadable):
+    """A profile that is no section, which its solid would not be either."""
+
+
 class Kinked(Unreadable):
     """A member of two straight pieces."""
 

@@ -1,15 +1,13 @@
 """From walls and what is left of them to a part's features: both routes end here."""
 
 from collections.abc import Iterator, Sequence
-from math import atan2, degrees, hypot, pi
+from math import hypot, pi
 
 from msgspec import Struct
 
 from beamcam.caches import cached
 from beamcam.errors import Diagnostic, Source
-from beamcam.geometry.curves import Line
 from beamcam.model.part import (
-    Bevel,
     Contour,
     EndCuts,
     EndPlane,
@@ -17,7 +15,7 @@ from beamcam.model.part import (
     Hole,
     Slot,
 )
-from beamcam.readers.ifc.curves2d import Chain
+from beamcam.readers.ifc.bevels import bevels_of
 from beamcam.readers.ifc.ends import End, Level, fitted_end, reaches
 from beamcam.readers.ifc.entities import Unreadable
 from beamcam.readers.ifc.features import contour, opening, shifted, sorted_features
@@ -28,6 +26,7 @@ from beamcam.readers.ifc.walls import Wall, corner_points, walls_of
 
 SQUARE_DEG = 0.005  #: an end that is less off square is square
 COMPOUND_DEG = 0.05  #: web and flange angle above which an end needs a plane of its own
+MOST_BEVELS = 12  #: on a face; more are a wall that varies along a mesh
 REACHED = 0.01  #: mm by which an end's plane may miss the end of the member
 LEVEL_REACH = 0.002  #: share of a wall's thickness that its outer levels lie inside it, at most
 UNEXPLAINED = 0.05  #: mm, the width of what no end plane explains
@@ -50,7 +49,8 @@ class Shaped(Struct, frozen=True):
     said: tuple[Diagnostic, ...] = ()  #: of what no feature explains, where a body was compared
 
 
-Regions = dict[Wall, tuple[tuple[float, Shape], tuple[float, Shape]]]
+Levels = tuple[tuple[float, Shape], ...]  #: of a wall, from its lowest c to its highest
+Regions = dict[Wall, Levels]
 
 
 def cuts_of(start: End, end: End) -> EndCuts:
@@ -98,18 +98,19 @@ def from_regions(
     does not reach the end of the member: a shoulder of copes is no end. `span` is the member's
     least and greatest x where they are known. Raises Unreadable if nothing is left.
     """
-    levels: list[Level] = [(w, c, s) for w, pair in regions.items() for c, s in pair]
+    every: list[Level] = [(w, c, s) for w, row in regions.items() for c, s in row]
+    levels: list[Level] = [(w, *row[i]) for w, row in regions.items() for i in (0, -1)]
     if not any(pieces_of(s) for _, _, s in levels):
         raise Unreadable("cuts that leave nothing")
     start, end = fitted_end(-1, levels), fitted_end(1, levels)
     if start is None or end is None:
         raise Unreadable("ends that no plane describes")
-    x0, x1 = span or _extents(levels, section, (sole[0] or start, sole[1] or end))
-    start, end = _reaching(start, levels, section, x0), _reaching(end, levels, section, x1)
+    x0, x1 = span or _extents(every, section, (sole[0] or start, sole[1] or end))
+    start, end = _reaching(start, every, section, x0), _reaching(end, every, section, x1)
     found: list[Hole | Slot | Contour] = list(holes)
     remarks: list[str] = []
-    for wall, pair in regions.items():
-        found += _wall_features(section, wall, pair, (start, end), circles, source, remarks)
+    for wall, row in regions.items():
+        found += _wall_features(section, wall, row, (start, end), circles, source, remarks)
     moved = tuple(shifted(f, -x0) for f in found)
     planes = end_planes(start, end, x0, source)
     volume = _volume(section, regions, holes)
@@ -152,12 +153,13 @@ def _reaching(end: End, levels: Sequence[Level], section: Section, x: float) -> 
 def _wall_features(
     section: Section,
     wall: Wall,
-    pair: tuple[tuple[float, Shape], tuple[float, Shape]],
+    row: Levels,
     ends: tuple[End, End],
     circles: Circles,
     source: Source,
     remarks: list[str],
 ) -> Iterator[Hole | Slot | Contour]:
+    pair = (row[0], row[-1])
     (_, low), (_, high) = pair
     differ = low.symmetric_difference(high)
     plain = [_plain(wall, c, ends, shape) for c, shape in pair]
@@ -165,6 +167,10 @@ def _wall_features(
     # Where the two surfaces differ only as the leaning ends make them, the longer one counts.
     skew = not explained and not _alike_through(differ, plain)
     joint = low.union(high) if not low.equals(high) else low
+    for _, between in row[1:-1]:
+        if not joint.covers(between):
+            joint = joint.union(between)
+            skew, explained = True, False
     if float(differ.area) > UNEXPLAINED:
         _refuse_askew(wall, low, high)
     pieces = pieces_of(cleaned(joint))
@@ -178,8 +184,9 @@ def _wall_features(
     for piece in pieces:
         outer, inner = chains_of(piece, circles)
         if needs_outline or len(pieces) > 1:
-            deep = abs(pair[1][0] - pair[0][0])
-            bevels = _bevels(outer, wall, low, high, deep) if skew else ()
+            bevels = bevels_of(outer, wall, row) if skew else ()
+            if len(bevels) > MOST_BEVELS:
+                raise Unreadable(f"a wall whose edges lean everywhere on face {wall.face}")
             yield contour(wall.face, "outer", outer, source, bevels)
         for chain in inner:
             yield opening(wall, chain, source)
@@ -226,31 +233,13 @@ def _alike_through(differ: Shape, plain: Sequence[Shape]) -> bool:
     return bool(differ.difference(expected.buffer(UNEXPLAINED)).buffer(-UNEXPLAINED).is_empty)
 
 
-def _bevels(outer: Chain, wall: Wall, low: Shape, high: Shape, deep: float) -> tuple[Bevel, ...]:
-    """The edges of a contour where the other surface of the wall, `deep` below, stands back."""
-    from shapely import Point
-
-    found = []
-    near, far = (high, low) if wall.outer else (low, high)
-    for i, curve in enumerate(outer):
-        if not isinstance(curve, Line) or curve.length < 1.0:
-            continue
-        middle = Point(curve.point(0.5))
-        back = [float(s.distance(middle)) if not s.is_empty else 0.0 for s in (near, far)]
-        # The levels lie inside the wall; what they differ by is for the depth between them.
-        if max(back) > UNEXPLAINED:
-            angle = degrees(atan2(max(back), deep))
-            found.append(Bevel(i, angle if back[0] > back[1] else -angle, 0.0))
-    return tuple(found)
-
-
 def _volume(section: Section, regions: Regions, holes: Sequence[Hole | Slot]) -> float:
     """Volume of the walls that are left, with the section's fillets in proportion."""
     walls = walls_of(section)
     flat = sum(w.width * w.thickness for w in walls)
     total = 0.0
-    for wall, pair in regions.items():
-        total += wall.thickness * sum(float(s.area) for _, s in pair) / 2
+    for wall, row in regions.items():
+        total += wall.thickness * sum(float(s.area) for _, s in row) / len(row)
     return total * (section.area / flat if flat else 1.0) - hole_volume(section, holes)
 
 

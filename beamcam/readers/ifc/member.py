@@ -13,7 +13,14 @@ from beamcam.model.part import Part, Profile
 from beamcam.readers.ifc import rules
 from beamcam.readers.ifc.body import Body, Swept, body_of
 from beamcam.readers.ifc.checks import check_data, check_kernel, check_stock
-from beamcam.readers.ifc.entities import NOT_WELL_FORMED, Entity, Kinked, Model, Unreadable
+from beamcam.readers.ifc.entities import (
+    NOT_WELL_FORMED,
+    Entity,
+    Kinked,
+    Model,
+    NoSection,
+    Unreadable,
+)
 from beamcam.readers.ifc.finish import Shaped
 from beamcam.readers.ifc.geometric import read_kernel, read_shell
 from beamcam.readers.ifc.marks import (
@@ -170,6 +177,9 @@ class Members(Struct):
                     return None
         if element.Representation is None:
             self._leave_out("elements without geometry", element)
+            return None
+        if isinstance(reason, NoSection):  # the kernel may take minutes to say the same
+            self._refuse(rules.SECTION, source, str(reason))
             return None
         try:
             return read_kernel(self.model, element, source)

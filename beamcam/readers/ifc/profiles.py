@@ -11,7 +11,7 @@ from beamcam.geometry.curves import Arc, Line, Point, signed_area
 from beamcam.model.part import ProfileCode
 from beamcam.readers.ifc.classify import classify
 from beamcam.readers.ifc.curves2d import Chain, chain_of, points_chain
-from beamcam.readers.ifc.entities import Entity, Model, Unreadable
+from beamcam.readers.ifc.entities import Entity, Model, NoSection, Unreadable
 from beamcam.readers.ifc.section import Section, placed, special
 from beamcam.readers.ifc.space import IDENTITY, Frame
 
@@ -50,7 +50,7 @@ def _section(model: Model, entity: Entity) -> Section:
     if found is None:
         found = model.classified[outline] = classify(outline.outer, outline.inner)
     if found is None:
-        raise Unreadable(f"a section that is no rolled form ({entity.is_a()})")
+        raise NoSection(f"a section that is no rolled form ({entity.is_a()})")
     return found
 
 

@@ -4,28 +4,24 @@ It is told by its sections across the part, in (Z, Y). A through hole or an open
 on into the root fillet behind it, as a drill does; a cope of a web takes the fillets with it.
 """
 
-import itertools
 from collections.abc import Callable, Iterator, Sequence
-from math import atan2, ceil, cos, degrees, hypot, inf, pi, radians, sin, sqrt, tan
+from math import cos, hypot, inf, pi, radians, sin, sqrt, tan
 
 import numpy as np
 from msgspec import Struct
 from numpy.typing import NDArray
 
-from beamcam.geometry.curves import Arc, Curve, Point
+from beamcam.geometry.curves import Point
 from beamcam.model.part import Bevel, Contour, Hole, Slot
-from beamcam.readers.ifc.curves2d import Chain
 from beamcam.readers.ifc.ends import End
+from beamcam.readers.ifc.faceted import area_of, outline_of, polygon
 from beamcam.readers.ifc.finish import Shaped
-from beamcam.readers.ifc.region import Circles, Shape, pieces_of, points_of, rectangle
+from beamcam.readers.ifc.region import Shape, pieces_of, rectangle
 from beamcam.readers.ifc.section import Section
 from beamcam.readers.ifc.walls import Wall, corner_points, walls_of
 
 Numbers = NDArray[np.float64]
 
-ON_ARC = 0.02  #: mm that a corner of a mesh may lie off the arc that it stands for
-WIDEST_FACET_RAD = 0.6  #: of a polygon that stands for a circle
-ARC_STEP_RAD = 0.05
 BEYOND = 10.0  #: mm by which what is cut out reaches over the stock
 LEAN_STEPS = 12  #: stretches of a leaning end
 LAYERS = 8  #: of a bevel's wedge
@@ -170,7 +166,7 @@ def rebuilt(shaped: Shaped, stock: Shape, corners: Corners | None = None) -> Reb
             cut = _hole(f, walls, on)
             holes.append((cut, float(cut.shape.area) * (cut.high - cut.low)))
             if corners is None:
-                holes[-1] = (cut, _area(f) * (cut.high - cut.low))
+                holes[-1] = (cut, area_of(f) * (cut.high - cut.low))
             cuts += _behind_hole(cut, section) if f.depth is None else ()
         elif isinstance(f, Contour):
             wall = walls[f.face]
@@ -221,47 +217,6 @@ def planes(shaped: Shaped) -> tuple[End, End]:
         c = shaped.length - max(reach) if side > 0 else -min(reach)
         found.append(End(side, a, b, c))
     return found[0], found[1]
-
-
-def polygon(chain: Chain, corners: Sequence[Point] | None) -> Shape:
-    """The region inside a chain, its arcs made of many chords or of those between `corners`."""
-    from shapely import Polygon
-
-    if corners is None:
-        points = points_of(chain, Circles())
-    else:
-        points = [p for curve in chain for p in _chords(curve, corners)]
-    found = Polygon(points)
-    return found if found.is_valid else found.buffer(0)
-
-
-def _chords(curve: Curve, corners: Sequence[Point]) -> list[Point]:
-    """The start of a curve, and the corners of a mesh on it in their order.
-
-    Where corners are further apart than facets are, as behind a fillet, the arc itself stands.
-    """
-    if not isinstance(curve, Arc):
-        return points_of((curve,), Circles())
-    (cx, cy), r = curve.centre, curve.radius
-    whole = abs(curve.sweep_deg) > 359.0
-    on: dict[float, Point] = {} if whole else {0.0: curve.start, 1.0: curve.end}
-    for x, y in corners:
-        if abs(hypot(x - cx, y - cy) - r) < ON_ARC:
-            turn = degrees(atan2(y - cy, x - cx)) - curve.start_deg
-            share = (turn % 360.0 if curve.sweep_deg > 0 else -(-turn % 360.0)) / curve.sweep_deg
-            if whole or 1e-6 < share < 1 - 1e-6:
-                on[round(share, 6) % (1.0 if whole else 2.0)] = (x, y)
-    shares = sorted(on)
-    if len(shares) < 3 and whole:
-        return points_of((curve,), Circles())
-    out: list[Point] = []
-    for here, there in itertools.pairwise([*shares, shares[0] + 1.0] if whole else shares):
-        out.append(on[here])
-        gap = radians(abs(curve.sweep_deg)) * (there - here)
-        if gap > WIDEST_FACET_RAD:
-            steps = ceil(gap / ARC_STEP_RAD)
-            out += [curve.point((here + (there - here) * i / steps) % 1.0) for i in range(1, steps)]
-    return out
 
 
 def _cut_through(shape: Shape, wall: Wall, section: Section) -> Iterator[Cut]:
@@ -334,38 +289,6 @@ def _hole(
         else:
             high = min(high, low + f.depth)
     return Cut(polygon(outline_of(f), corners[wall.face]), wall, low, high)
-
-
-def outline_of(f: Hole | Slot) -> Chain:
-    """The closed outline of a hole or a slot."""
-    from beamcam.geometry.curves import Line
-
-    r = f.diameter / 2
-    if isinstance(f, Hole):
-        return (Arc((f.x, f.y), r, 0.0, 360.0),)
-    turn = radians(f.angle)
-    ux, uy = cos(turn), sin(turn)
-    a, b = f.length / 2, f.height / 2
-    arcs = [
-        Arc(
-            (f.x + s * a * ux - t * b * uy, f.y + s * a * uy + t * b * ux), r, f.angle + start, 90.0
-        )
-        for s, t, start in ((1, -1, -90.0), (1, 1, 0.0), (-1, 1, 90.0), (-1, -1, 180.0))
-    ]
-    out: list[Curve] = []
-    for i, arc in enumerate(arcs):
-        side = Line(arcs[i - 1].end, arc.start)
-        if side.length > 1e-9:
-            out.append(side)
-        out.append(arc)
-    return tuple(out)
-
-
-def _area(f: Hole | Slot) -> float:
-    area = pi * f.diameter * f.diameter / 4
-    if isinstance(f, Slot):
-        area += f.diameter * (f.length + f.height) + f.length * f.height
-    return area
 
 
 def _bevel(

@@ -20,6 +20,7 @@ from beamcam.readers.ifc.ends import End, of_plane, trim
 from beamcam.readers.ifc.entities import Entity, Model, Unreadable
 from beamcam.readers.ifc.features import shifted, sorted_features
 from beamcam.readers.ifc.finish import (
+    Levels,
     Regions,
     Shaped,
     cuts_of,
@@ -38,6 +39,7 @@ from beamcam.readers.ifc.trimming import end_plane
 from beamcam.readers.ifc.walls import Wall, corner_points, walls_of
 
 LEAST_LENGTH = 0.1  #: mm that the ends have to leave
+BETWEEN = (0.05, 0.1, 0.25, 0.5, 0.75, 0.9, 0.95)  #: shares at which leaning edges are looked at
 LEVEL_IN = 0.001  #: share of a wall's thickness that its two levels lie inside it
 
 
@@ -132,18 +134,23 @@ def cut(stock: Stock, cutters: Sequence[Cutter], source: Source) -> Shaped:
         raise Unreadable(f"cuts other than saw cuts and holes in a section of code {section.code}")
     circles = Circles()
     regions: Regions = {}
+
+    def at(wall: Wall, share: float) -> tuple[float, Shape]:
+        c = wall.low + share * wall.thickness
+        shape = _stock_shape(stock, wall, circles)
+        for one in (*starts, *ends):
+            shape = shape.difference(one.removed(wall, c))
+        for cutter, box in general:
+            if _box_meets(box, wall, c):
+                shape = shape.difference(cutter.slice(wall, c, circles))
+        return c, shape
+
     for wall in walls:
-        levels = []
-        for share in (LEVEL_IN, 1 - LEVEL_IN):
-            c = wall.low + share * wall.thickness
-            shape = _stock_shape(stock, wall, circles)
-            for one in (*starts, *ends):
-                shape = shape.difference(one.removed(wall, c))
-            for cutter, box in general:
-                if _box_meets(box, wall, c):
-                    shape = shape.difference(cutter.slice(wall, c, circles))
-            levels.append((c, shape))
-        regions[wall] = (levels[0], levels[1])
+        row: Levels = (at(wall, LEVEL_IN), at(wall, 1 - LEVEL_IN))
+        # Edges may lean, of a flat bar also from both sides to its middle.
+        if section.code == "B" or not row[0][1].equals(row[1][1]):
+            row = (row[0], *(at(wall, share) for share in BETWEEN), row[1])
+        regions[wall] = row
     sole = start.sole, end.sole
     return from_regions(section, regions, holes, circles, source, gross, sole)
 
