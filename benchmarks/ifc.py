@@ -45,7 +45,7 @@ def measure(path: Path) -> dict[str, float]:
     """Seconds of opening and of reading, the members read, and the memory that took."""
     import ifcopenshell
 
-    from beamcam.commands.common import cores
+    from beamcam.system import cores
     from beamcam.readers.ifc import Options, read
 
     data = path.read_bytes()

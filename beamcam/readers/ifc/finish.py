@@ -28,7 +28,7 @@ SQUARE_DEG = 0.005  #: an end that is less off square is square
 COMPOUND_DEG = 0.05  #: web and flange angle above which an end needs a plane of its own
 MOST_BEVELS = 12  #: on a face; more are a wall that varies along a mesh
 REACHED = 0.01  #: mm by which an end's plane may miss the end of the member
-LEVEL_REACH = 0.002  #: share of a wall's thickness that its outer levels lie inside it, at most
+LEVEL_REACH = 0.08  #: mm that the outer levels of a wall lie inside it, at most
 UNEXPLAINED = 0.05  #: mm, the width of what no end plane explains
 
 
@@ -126,12 +126,9 @@ def _extents(
     bounds = [p.bounds for _, _, s in levels for p in pieces_of(s)]
     found = min(b[0] for b in bounds), max(b[2] for b in bounds)
     corners = corner_points(section)
-    deep = max(w.thickness for w, _, _ in levels)
     x0, x1 = (
         # A level lies a little inside its wall, and a leaning end reaches further at the surface.
-        reached
-        if abs(reached - x) < deep * LEVEL_REACH * (abs(end.a) + abs(end.b)) + REACHED
-        else x
+        reached if abs(reached - x) < LEVEL_REACH * (abs(end.a) + abs(end.b)) + REACHED else x
         for end, x in zip(ends, found, strict=True)
         for reached in (end.side * max(reaches(end, corners)),)
     )
@@ -168,7 +165,7 @@ def _wall_features(
     skew = not explained and not _alike_through(differ, plain)
     joint = low.union(high) if not low.equals(high) else low
     for _, between in row[1:-1]:
-        if not joint.covers(between):
+        if float(between.difference(joint).area) > UNEXPLAINED:
             joint = joint.union(between)
             skew, explained = True, False
     if float(differ.area) > UNEXPLAINED:

@@ -20,6 +20,7 @@ from beamcam.readers.ifc.walls import Wall
 SQUARE = 2e-3  #: sine of the angle by which a hole may be off square, a tenth of a degree
 THROUGH = 0.05  #: mm that a hole may fall short of the far surface
 TOUCH = 0.02  #: mm into a wall that still counts as beside it
+BITE = 0.1  #: share of a wall's thickness that a hole in the wall beside it may touch
 WIDEST = 0.9  #: of a round section, that a hole across it may be
 NEAR = 1e-3  #: mm between a hole and an edge that it does not cut open
 
@@ -70,7 +71,8 @@ def pierce(cutter: Cutter, box: Box3, into: Drilled, source: Source) -> list[Hol
         along = cutter.frame.z
         lean = abs(along[c]) / size(along)
         if lean < SQUARE:
-            if _within_another(wall, box, into):
+            bite = min(c1, wall.high) - max(c0, wall.low)
+            if bite <= BITE * wall.thickness or _within_another(wall, box, into):
                 continue
             return None  # it runs along inside the wall
         if lean < 1 - SQUARE * SQUARE / 2:

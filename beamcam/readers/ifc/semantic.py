@@ -39,8 +39,9 @@ from beamcam.readers.ifc.trimming import end_plane
 from beamcam.readers.ifc.walls import Wall, corner_points, walls_of
 
 LEAST_LENGTH = 0.1  #: mm that the ends have to leave
-BETWEEN = (0.05, 0.1, 0.25, 0.5, 0.75, 0.9, 0.95)  #: shares at which leaning edges are looked at
-LEVEL_IN = 0.001  #: share of a wall's thickness that its two levels lie inside it
+MOST_IN = 0.1  #: share of its thickness that they lie inside a thin wall
+BETWEEN = (0.12, 0.25, 0.4, 0.5, 0.6, 0.75, 0.88)  #: shares at which leaning edges are looked at
+LEVEL_IN = 0.06  #: mm that the outer levels lie inside a wall; a cut may fall short of it by less
 
 
 def read_swept(model: Model, element: Entity, body: Body, source: Source) -> Shaped:
@@ -135,9 +136,12 @@ def cut(stock: Stock, cutters: Sequence[Cutter], source: Source) -> Shaped:
     circles = Circles()
     regions: Regions = {}
 
+    uncut = {wall: _stock_shape(stock, wall, circles) for wall in walls}
+    leaning = bool(general) or any(e.a or e.b for e in (*starts, *ends))
+
     def at(wall: Wall, share: float) -> tuple[float, Shape]:
         c = wall.low + share * wall.thickness
-        shape = _stock_shape(stock, wall, circles)
+        shape = uncut[wall]
         for one in (*starts, *ends):
             shape = shape.difference(one.removed(wall, c))
         for cutter, box in general:
@@ -146,9 +150,10 @@ def cut(stock: Stock, cutters: Sequence[Cutter], source: Source) -> Shaped:
         return c, shape
 
     for wall in walls:
-        row: Levels = (at(wall, LEVEL_IN), at(wall, 1 - LEVEL_IN))
+        edge = min(LEVEL_IN / wall.thickness, MOST_IN)
+        row: Levels = (at(wall, edge), at(wall, 1 - edge))
         # Edges may lean, of a flat bar also from both sides to its middle.
-        if section.code == "B" or not row[0][1].equals(row[1][1]):
+        if leaning and (section.code == "B" or not row[0][1].equals(row[1][1])):
             row = (row[0], *(at(wall, share) for share in BETWEEN), row[1])
         regions[wall] = row
     sole = start.sole, end.sole
