@@ -45,8 +45,8 @@ def measure(path: Path) -> dict[str, float]:
     """Seconds of opening and of reading, the members read, and the memory that took."""
     import ifcopenshell
 
-    from beamcam.system import cores
     from beamcam.readers.ifc import Options, read
+    from beamcam.system import cores
 
     data = path.read_bytes()
     opened, alone, shared = [], [], []
