@@ -5,7 +5,7 @@ others (`g > path`, `:hover`) are named and left out.
 """
 
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 
 from msgspec import Struct, field
 
@@ -41,10 +41,12 @@ Style = Mapping[str, str]
 _OWN = frozenset(OWN)
 _STYLED = _OWN.union(INHERITED, ("style",))  #: attributes that an element is styled by
 
-_COMMENT = re.compile(r"/\*.*?\*/|<!--|-->", re.DOTALL)
-_RULE = re.compile(r"([^{}]*)\{([^{}]*)\}", re.DOTALL)
+# No pattern here looks ahead without end from more than one place: a sheet of many beginnings would
+# take the square of its length.
+_STATEMENT = re.compile(r"@(?:import|charset|namespace)")
+_STATEMENT_END = re.compile(r"[;{]")
+_BRACE = re.compile(r"([{}])")
 _SELECTOR = re.compile(r"(\*|[A-Za-z][\w-]*)?((?:[.#][^\s.#:>+~\[\]*]+)*)\Z")
-_IMPORTANT = re.compile(r"\s*!\s*important\s*\Z", re.IGNORECASE)
 
 
 class CssRule(Struct, frozen=True):
@@ -71,9 +73,7 @@ class StyleSheet(Struct):
 
     def add(self, text: str) -> None:
         """Take in the rules of one element `style`."""
-        text = _COMMENT.sub(" ", text)
-        text = re.sub(r"@(?:import|charset|namespace)[^;{]*;", " ", text)
-        for head, body in _RULE.findall(text):
+        for head, body in _rules(_without_statements(_without_comments(text))):
             if "@" in head:  # @font-face: nothing that a shape could look like
                 continue
             style = tuple(declarations(body))
@@ -112,13 +112,53 @@ class StyleSheet(Struct):
         return sorted(found, key=lambda rule: rule.weight)
 
 
+def _without_comments(text: str) -> str:
+    """A sheet with a blank for each comment; one that does not end stays."""
+    kept: list[str] = []
+    at = 0
+    while (begin := text.find("/*", at)) >= 0 and (end := text.find("*/", begin + 2)) >= 0:
+        kept.append(text[at:begin])
+        at = end + 2
+    kept.append(text[at:])
+    return " ".join(kept).replace("<!--", " ").replace("-->", " ")
+
+
+def _without_statements(text: str) -> str:
+    """A sheet without `@import ...;` and the like."""
+    kept: list[str] = []
+    at = begin = 0
+    while (found := _STATEMENT.search(text, begin)) and (
+        end := _STATEMENT_END.search(text, found.end())
+    ):
+        begin = end.end()
+        if end[0] == ";":
+            kept.append(text[at : found.start()])
+            at = begin
+    kept.append(text[at:])
+    return " ".join(kept)
+
+
+def _rules(text: str) -> Iterator[tuple[str, str]]:
+    """Head and body of each rule; of braces inside one another the innermost."""
+    pieces = _BRACE.split(text)
+    at = 0
+    while at + 3 < len(pieces):
+        if pieces[at + 1] == "{" and pieces[at + 3] == "}":
+            yield pieces[at], pieces[at + 2]
+            at += 2
+        at += 2
+
+
 def declarations(text: str) -> Iterable[tuple[str, str, bool]]:
     """Property, value and importance of "stroke:red; fill: none !important"."""
     for part in text.split(";"):
         name, colon, value = part.partition(":")
         if colon:
-            plain = _IMPORTANT.sub("", value)
-            yield name.strip().lower(), plain.strip(), plain != value
+            plain = value.strip()
+            marked = plain[-9:].lower() == "important" and plain[:-9].rstrip()[-1:] == "!"
+            if marked:
+                plain = plain[:-9].rstrip()[:-1].rstrip()
+            yield name.strip().lower(), plain, marked
 
 
 def style_of(element: Element, above: Style, sheet: StyleSheet) -> Style:

@@ -87,8 +87,10 @@ def _numbers_apart(text: str) -> list[float]:
 def _arc_numbers(text: str) -> list[float]:
     numbers: list[float] = []
     position = 0
-    while position < len(text) and text[position:].strip(_SEPARATORS):
+    while position < len(text):
         found = _ARC.match(text, position)
+        if found is None and not text[position:].strip(_SEPARATORS):
+            break
         if found is None:
             raise PathError(_short("A" + text[position:]), "two radii, a turn, two flags, a point")
         numbers += map(float, found.groups())

@@ -6,7 +6,7 @@ from math import radians, tan
 
 from beamcam.geometry.plane import IDENTITY, MAX_COORDINATE, Matrix, unit_vector
 
-_CALL = re.compile(r"\s*,?\s*(\w+)\s*\(([^()]*)\)\s*")
+_CALL = re.compile(r"[\s,]*(\w+)\s*\(([^()]*)\)\s*")
 
 
 def product(first: Matrix, second: Matrix) -> Matrix:
