@@ -29,6 +29,8 @@ class Keys(Struct, frozen=True, forbid_unknown_fields=True):
 #: msgspec works out what it knows of a type at its first use, and lets another thread take the half
 #: of it: the process ends with a segmentation fault.
 _ONE_AT_A_TIME = Lock()
+#: No length in mm is greater, 10,000 km; squares and sums of such stay numbers.
+MAX_NUMBER = 1e10
 MOST_BITS = 63  #: of a whole number; no machine counts further
 
 
@@ -79,6 +81,9 @@ def _odd_number(value: object) -> Fault | None:
                 waiting.append(((*path, key), item))
             elif isinstance(item, int) and item.bit_length() > MOST_BITS:
                 return Fault("value", (*path, key), item, "a number of at most 18 digits")
+            if isinstance(item, int | float) and abs(item) > MAX_NUMBER:
+                expected = f"a number between -{MAX_NUMBER:g} and {MAX_NUMBER:g}"
+                return Fault("value", (*path, key), item, expected)
     return None
 
 

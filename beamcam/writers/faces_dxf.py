@@ -13,6 +13,7 @@ from __future__ import annotations
 
 import io
 from math import hypot, radians
+from threading import Lock
 from typing import TYPE_CHECKING, Any
 
 from beamcam.geometry.curves import (
@@ -36,6 +37,7 @@ if TYPE_CHECKING:
 FACE_NAMES = {"h": "BEHIND", "o": "TOP", "v": "FRONT", "u": "BOTTOM"}
 GAP = 50.0  #: between the views
 _COLOURS = {"": 7, "HOLES": 1, "MARKS": 3, "TEXT": 5, "LABEL": 8}  #: AutoCAD colour index
+_ONE_AT_A_TIME = Lock()  #: the options of ezdxf are those of the process
 _MARK_ARM = 5.0  #: half of the cross that shows a punch mark
 _LABEL_HEIGHT = 20.0
 
@@ -50,12 +52,13 @@ def write(part: Part) -> str:
     from ezdxf._options import options
 
     # ezdxf stamps the time and random identities, which would differ from run to run
-    stamps = options.write_fixed_meta_data_for_testing
-    options.write_fixed_meta_data_for_testing = True
-    try:
-        return _drawing(part)
-    finally:
-        options.write_fixed_meta_data_for_testing = stamps
+    with _ONE_AT_A_TIME:
+        stamps = options.write_fixed_meta_data_for_testing
+        options.write_fixed_meta_data_for_testing = True
+        try:
+            return _drawing(part)
+        finally:
+            options.write_fixed_meta_data_for_testing = stamps
 
 
 def _drawing(part: Part) -> str:

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 from msgspec.structs import replace
 
-from beamcam.errors import Diagnostic, Rule, Source
+from beamcam.errors import Diagnostic, PlanError, Rule, Source
 from beamcam.geometry.plane import Point
 from beamcam.planning.contours import rules
 from beamcam.planning.contours.gather import Wanted
@@ -26,6 +26,8 @@ TOUCH_SHARE = 0.25
 #: Contours that may cross are looked at with chords so near to them, as a share of the tolerance.
 FINE_SHARE = 0.02
 
+#: Segments that one of a contour meets, itself and its neighbours among them, on an average.
+MAX_MEETINGS = 12
 SHOWN = 20  #: crossings are named one by one up to so many
 
 
@@ -42,6 +44,7 @@ def nest(
     if not closed:
         return list(shapes), []
     rings = outlines([shapes[i].curves for i in closed], tolerance / 4)
+    _refuse_tangles([shapes[i] for i in closed], rings, wanted)
     said = _crossings([shapes[i] for i in closed], rings, wanted, tolerance, kerf)
     return _nested(shapes, closed, rings), said
 
@@ -101,6 +104,34 @@ def _valid(rings: "NDArray[Any]") -> "NDArray[Any]":
     found = rings.copy()
     found[bad] = shapely.make_valid(rings[bad])
     return found
+
+
+def _refuse_tangles(
+    closed: Sequence[Shape], rings: "NDArray[Any]", wanted: Sequence[Wanted]
+) -> None:
+    """Raise PlanError for a contour that meets itself all along, as one of many turns does.
+
+    To take it apart would take minutes; where it crosses itself is known at once.
+    """
+    import numpy as np
+    import shapely
+
+    for k in np.flatnonzero(~shapely.is_valid(rings)).tolist():
+        points = shapely.get_coordinates(rings[k])
+        segments = shapely.linestrings(np.stack((points[:-1], points[1:]), axis=1))
+        meetings = shapely.STRtree(segments).query(segments, predicate="intersects").shape[1]
+        if meetings > MAX_MEETINGS * len(segments):
+            place = _reason_place(rings[k])
+            entities = _Entities(wanted).at(place, closed[k], closed[k])
+            raise PlanError(_told(rules.CROSSING, *entities, place))
+
+
+def _reason_place(ring: Any) -> Point:
+    """The place that shapely names: "Self-intersection[12.5 40]"."""
+    import shapely
+
+    x, _, y = shapely.is_valid_reason(ring).partition("[")[2].rstrip("]").partition(" ")
+    return float(x), float(y)
 
 
 def _crossings(
@@ -164,9 +195,7 @@ def _crosses_itself(shape: Shape, ring: Any, tolerance: float) -> Point | None:
 
     if abs(shapely.make_valid(ring).area - ring.area) <= tolerance / 4 * ring.length:
         return None
-    # "Self-intersection[12.5 40]"
-    x, _, y = shapely.is_valid_reason(ring).partition("[")[2].rstrip("]").partition(" ")
-    return float(x), float(y)
+    return _reason_place(ring)
 
 
 def _crossing(a: Shape, b: Shape, tolerance: float) -> Point | None:
