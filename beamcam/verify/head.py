@@ -16,7 +16,8 @@ from beamcam.errors import Diagnostic, Rule, Severity, Source
 from beamcam.machine.machine import Machine
 
 VERSION = 1  #: newest form that is known
-MOST_CHARACTERS = 65_536  #: of a program, in which its head is looked for
+MOST_BEFORE = 65_536  #: characters of a program before its head
+MOST_CHARACTERS = 1024  #: of the head itself; all kinds that there are take 300
 
 _MADE = re.compile(r"\bBEAMCAM ([0-9]{1,6}) MACHINE (\S+)(?: ([0-9a-f]{8})\b)?")
 _ALLOWED = re.compile(r"\bALLOWED TO BE LEFT OUT: ([a-z-]+(?:, [a-z-]+)*)")
@@ -56,11 +57,11 @@ class Head(Struct, frozen=True):
 
 def head_of(text: str) -> Head | None:
     """The head of a program; None for one that has none, as one written by hand."""
-    text = text[:MOST_CHARACTERS]
-    made = _MADE.search(text)
+    made = _MADE.search(text, 0, MOST_BEFORE)
     if made is None:
         return None
-    kinds = {kind for found in _ALLOWED.finditer(text) for kind in found[1].split(", ")}
+    lines = _ALLOWED.finditer(text, made.end(), made.end() + MOST_CHARACTERS)
+    kinds = {kind for found in lines for kind in found[1].split(", ")}
     return Head(int(made[1]), made[2], made[3] or "", tuple(sorted(kinds)))
 
 
