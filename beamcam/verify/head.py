@@ -19,8 +19,8 @@ VERSION = 1  #: newest form that is known
 MOST_BEFORE = 65_536  #: characters of a program before its head
 MOST_CHARACTERS = 1024  #: of the head itself; all kinds that there are take 300
 
-_MADE = re.compile(r"\bBEAMCAM ([0-9]{1,6}) MACHINE (\S+)(?: ([0-9a-f]{8})\b)?")
-_ALLOWED = re.compile(r"\bALLOWED TO BE LEFT OUT: ([a-z-]+(?:, [a-z-]+)*)")
+_MADE = re.compile(r"BEAMCAM ([0-9]{1,6}) MACHINE (\S+)(?: ([0-9a-f]{8})\b)?")
+_ALLOWED = re.compile(r"ALLOWED TO BE LEFT OUT: ([a-z-]+(?:, [a-z-]+)*)")
 
 
 HEAD = Rule(
