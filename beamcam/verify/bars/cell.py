@@ -90,7 +90,7 @@ class Cell(CellState):
             self.sideways(move.line, f"a move of {letter}", first, at)
             return True
         self.fed_from.clear()
-        gap = first.start_gap - self.machine.format.resolution - EPSILON
+        gap = first.start_gap - self.step
         if move.rapid and (-outer < gap or -was_out < gap):
             self._too_close(move, first, -outer if isnan(was_out) else -max(outer, was_out))
             return True
@@ -177,20 +177,17 @@ class Cell(CellState):
         before: float,
     ) -> None:  # fmt: skip
         """One station's stroke axis on its way into the bar, or out of it."""
-        y = station.y(across)
-        depth, was = station.tip_depth(stroke, y), station.tip_depth(before, y)
         inward = not station.way * (before - stroke) >= 0  # from nowhere counts too
-        if self.cycle.kind == "tap" and was > max(depth, 0.0) + EPSILON:
-            back = _OTHER_WAY.get(self.cycle.turns, 0)
-            if move.rapid or self.turning != back:  # it has to be screwed out as it was in
-                found = 0 if move.rapid else self.turning
-                self.say(rules.TURN, move.line, found=found, expected=back)
+        if self.cycle.kind == "tap" and not inward:
+            self._draw_tap(move, station, across, stroke, before)
+        if not inward:
+            return
         if move.rapid:
-            if inward:
-                self._approach(move, station, across, stroke)
+            self._approach(move, station, across, stroke)
             return
-        if not inward or before != before:
+        if before != before:
             return
+        depth = station.tip_depth(stroke, station.y(across))
         if station.surface_known:
             enters = depth > EPSILON
         else:
@@ -199,6 +196,17 @@ class Cell(CellState):
         if enters:
             self.fed_from.setdefault(station.number, before)
             self._stroke(move, station, choice, across, stroke, depth, before)
+
+    def _draw_tap(
+        self, move: Move, station: Station, across: float, stroke: float, before: float
+    ) -> None:
+        """A tap on its way out, which has to be screwed out as it was in."""
+        y = station.y(across)
+        if station.tip_depth(before, y) > max(station.tip_depth(stroke, y), 0.0) + EPSILON:
+            back = _OTHER_WAY.get(self.cycle.turns, 0)
+            if move.rapid or self.turning != back:
+                found = 0 if move.rapid else self.turning
+                self.say(rules.TURN, move.line, found=found, expected=back)
 
     def _approach(self, move: Move, station: Station, across: float, stroke: float) -> None:
         """A rapid towards the bar: to its clearance, or into what is drilled already."""
@@ -217,7 +225,7 @@ class Cell(CellState):
                 rules.RAPID, move.line, axis=AXES[station.stroke],
                 found=f"{stroke:g}", depth=f"{depth:.3f}",
             )  # fmt: skip
-        elif not drilled and -depth < gap - self.machine.format.resolution - EPSILON:
+        elif not drilled and -depth < gap - self.step:
             self._too_close(move, station, -depth, True)
 
     def _drilled(self, station: Station, across: float) -> float:

@@ -9,9 +9,10 @@
 A spindle's axes stay where they are while another one works, so each keeps its places.
 """
 
+from collections.abc import Callable
 from math import isnan, nan
 
-from beamcam.controllers.dialect import Cycle, Dialect, MWord
+from beamcam.controllers.dialect import Cycle, Dialect, MWord, Role
 from beamcam.controllers.events import Switch
 from beamcam.controllers.rules import WORD
 from beamcam.errors import Diagnostic, Rule, Source
@@ -24,6 +25,8 @@ from beamcam.verify.bars.stations import Choice, Station, limits_of
 
 EPSILON = 1e-6
 AXES = "XYZ"
+Values = dict[str, float]  #: parameters of a word by what they carry
+_NOTHING: Values = {}
 _NO_CYCLE = Cycle("drill", 0, False, False, False)
 
 
@@ -58,6 +61,13 @@ class CellState:
         self.ended = False
         self.stop_limits = limits_of(machine, "X")
         self.never_back = machine.layout is not None and machine.layout.order == "saw-drill"
+        self.does: dict[Role, Callable[[Switch, Values, Cycle | None], None]] = {
+            "on": self._start, "off": self._stop, "coolant-on": self._cool,
+            "coolant-off": self._dry, "choose": self._choose, "change": self._change,
+            "saw": self._saw, "section": self._describe, "other": self._set_pitch,
+            "end": self._end,
+        }  # fmt: skip
+        self.step = machine.format.resolution + EPSILON
         self.per_minute = 60.0 if machine.format.feed_unit == "mm/s" else 1.0
 
     def say(self, rule: Rule, line: int, **values: object) -> None:
@@ -71,32 +81,11 @@ class CellState:
                 expected=f"a word of this machine: {self.dialect.shown()}",
             )  # fmt: skip
             return
-        values = self._values(switch, word) if word.fields or switch.words else {}
-        match word.role:
-            case "on":
-                self._start(switch, values or {})
-            case "off":
-                self._stop(switch.line)
-            case "coolant-on":
-                self.cooling = True
-            case "coolant-off":
-                self.cooling = False
-            case _ if values is None:
-                return
-            case "choose":
-                self._choose(switch, values, word.cycle or _NO_CYCLE)
-            case "change":
-                self._change(switch, values)
-            case "saw":
-                self._saw(switch, values)
-            case "section":
-                self.section.update(values)
-            case "other":
-                self.pitch = values.get("pitch", self.pitch)
-            case "end":
-                self.at_rest(switch.line, "the end of the program")
-                self._check_magazines()
-                self.ended = True
+        values = self._values(switch, word) if word.fields or switch.words else _NOTHING
+        if values is not None:
+            self.does[word.role](switch, values, word.cycle)
+        elif word.role == "on":
+            self.turning = switch.number
 
     def _values(self, switch: Switch, word: MWord) -> dict[str, float] | None:
         """The word's parameters by what they carry; None (and said) where one is missing."""
@@ -136,7 +125,24 @@ class CellState:
                 expected=f"{before:g}, as before",
             )  # fmt: skip
 
-    def _start(self, switch: Switch, values: dict[str, float]) -> None:
+    def _cool(self, switch: Switch, values: Values, cycle: Cycle | None) -> None:
+        self.cooling = True
+
+    def _dry(self, switch: Switch, values: Values, cycle: Cycle | None) -> None:
+        self.cooling = False
+
+    def _describe(self, switch: Switch, values: Values, cycle: Cycle | None) -> None:
+        self.section.update(values)
+
+    def _set_pitch(self, switch: Switch, values: Values, cycle: Cycle | None) -> None:
+        self.pitch = values.get("pitch", self.pitch)
+
+    def _end(self, switch: Switch, values: Values, cycle: Cycle | None) -> None:
+        self.at_rest(switch.line, "the end of the program")
+        self._check_magazines()
+        self.ended = True
+
+    def _start(self, switch: Switch, values: Values, cycle: Cycle | None) -> None:
         """A spindle that starts to turn, or turns the other way."""
         if self.choice is None:
             self.say(rules.NO_SPINDLE, switch.line, found="a spindle that starts")
@@ -167,7 +173,8 @@ class CellState:
         """The tool that is chosen, for messages."""
         return f"a {self.cycle.kind} {self.diameter:g}"
 
-    def _stop(self, line: int) -> None:
+    def _stop(self, switch: Switch, values: Values, cycle: Cycle | None) -> None:
+        line = switch.line
         station = self.in_steel() if self.turning else None
         if station is not None:
             self.say(
@@ -178,21 +185,20 @@ class CellState:
             self.say(rules.SPINDLE_IDLE, line, what=self.tool)
         self.turning, self.idle = 0, False
 
-    def _choose(self, switch: Switch, values: dict[str, float], cycle: Cycle) -> None:
+    def _choose(self, switch: Switch, values: Values, cycle: Cycle | None) -> None:
         self.at_rest(switch.line, "the choice of a spindle")
         number = values["spindle"]
         self.choice = self.choices.get(int(number)) if number == int(number) else None
         self.peck = None
         self.diameter = self.dialect.size(values.get("diameter", 0.0))
-        self.cycle, self.pitch = cycle, values.get("pitch", 0.0)
+        self.cycle, self.pitch = cycle or _NO_CYCLE, values.get("pitch", 0.0)
         if self.choice is None:
             numbers = ", ".join(str(n) for n in self.choices)
             self.say(WORD, switch.line, found=f"spindle {number:g}", expected=f"one of {numbers}")
             return
-        tool = cycle.kind, self.diameter
-        self.tools += [Chosen(switch.line, s.number, tool) for s in self.choice.stations]
+        self.tools.append(Chosen(switch.line, self.choice.number, (self.cycle.kind, self.diameter)))
 
-    def _change(self, switch: Switch, values: dict[str, float]) -> None:
+    def _change(self, switch: Switch, values: Values, cycle: Cycle | None) -> None:
         self.at_rest(switch.line, "a change of tool by hand")
         spindle, diameter = values.get("spindle"), values.get("diameter")
         size = None if diameter is None else self.dialect.size(diameter)
@@ -208,7 +214,7 @@ class CellState:
         if not stops and len(tools) <= min(s.stations for s in spindles):
             return
         for spindle in spindles:
-            for one in wrong_changes(self.tools, spindle.number, spindle.stations):
+            for one in wrong_changes(self._of_spindle(spindle.number), spindle.stations):
                 if isinstance(one, Chosen):
                     kind, diameter = one.tool
                     found = f"a {kind} {diameter:g} chosen"
@@ -222,7 +228,20 @@ class CellState:
                     expected=expected,
                 )  # fmt: skip
 
-    def _saw(self, switch: Switch, values: dict[str, float]) -> None:
+    def _of_spindle(self, number: int) -> list[Chosen | Changed]:
+        """The tools that a spindle is told to take, alone or with another, and its stops."""
+        chosen = {
+            choice.number
+            for choice in self.choices.values()
+            if any(station.number == number for station in choice.stations)
+        }
+        return [
+            one
+            for one in self.tools
+            if (one.spindle in chosen if isinstance(one, Chosen) else one.spindle in (number, None))
+        ]
+
+    def _saw(self, switch: Switch, values: Values, cycle: Cycle | None) -> None:
         self.at_rest(switch.line, "a cut")
         self.describe_first(switch.line)
         angle = values["angle"]

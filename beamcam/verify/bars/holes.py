@@ -84,19 +84,22 @@ class HoleCheck:
         """The bores at a hole's place that are not taken."""
         x, target = want.x, want.target
         kind = target.kind.tool
-        follows = kind != "drill"
-        reach = self.merge + self.x_slack
-        low, high = floor(x - reach), floor(x + reach)
-        pockets = self.pockets
+        x_reach, y_reach = self.x_slack, self.y_slack
+        loose = kind != "drill" or self.paired
+        if loose:
+            x_reach, y_reach = x_reach + self.merge, y_reach + self.merge
+        low, high = floor(x - x_reach), floor(x + x_reach)
         for key in (low,) if low == high else range(low, high + 1):
-            for i in pockets.get((target.face, kind, key), ()):
-                if i in self.made:
-                    continue
+            for i in self.pockets.get((target.face, kind, key), ()):
                 bore = self.bores[i]
-                more = self.merge if follows or i in self.paired else 0.0
+                off_x, off_y = abs(bore.x - x), abs(bore.y - target.y)
+                if i in self.made or off_x > x_reach or off_y > y_reach:
+                    continue
                 if (
-                    abs(bore.x - x) <= self.x_slack + more
-                    and abs(bore.y - target.y) <= self.y_slack + more
+                    not loose
+                    or kind != "drill"
+                    or i in self.paired
+                    or (off_x <= self.x_slack and off_y <= self.y_slack)
                 ):
                     yield i
 

@@ -15,7 +15,7 @@ class Chosen(NamedTuple):
     """A tool that a spindle is told to take."""
 
     line: int
-    spindle: int
+    spindle: int  #: or the number of a pair of them
     tool: Tool
 
 
@@ -27,11 +27,11 @@ class Changed(NamedTuple):
     diameter: float | None
 
 
-def wrong_changes(
-    course: Sequence[Chosen | Changed], spindle: int, stations: int
-) -> Iterator[Chosen | Changed]:
-    """The choices of tools that cannot be in a spindle's stations by then, and idle stops."""
-    own = [one for one in course if one.spindle in (spindle, None)]
+def wrong_changes(own: Sequence[Chosen | Changed], stations: int) -> Iterator[Chosen | Changed]:
+    """The choices of tools that cannot be in a spindle's stations by then, and idle stops.
+
+    `own` are what the spindle is told to take and the stops for it, in their order.
+    """
     loaded: set[Tool] = set()
     started = False  #: whether all stations have had their first tool
     for at, one in enumerate(own):
