@@ -154,7 +154,8 @@ class Cell(CellState):
         if self.turning and self.speed_rpm:
             # Slower turns with the same feed load each cutting edge more.
             most = min(most, run.most_per_turn * self.speed_rpm + 0.1)
-        self.check_feed(move.line, feed, self.tool, run.least_feed, run.own_feed, most)
+        if not run.least_feed <= feed <= most:
+            self.say_feed(move.line, feed, self.tool, run.own_feed, most)
 
     def _move_bar(self, x: float, move: Move, in_work: bool) -> None:
         name, least, greatest = self.stop_limits

@@ -265,17 +265,16 @@ class CellState:
 
     def _saw_feed(self, line: int, feed: float, own: float) -> None:
         """Refuse a feed beyond the saw's own, and warn of one far below it."""
-        self.check_feed(line, feed, "the saw", LEAST * own, own, own + 0.1)
+        if not LEAST * own <= feed <= own + 0.1:
+            self.say_feed(line, feed, "the saw", own, own + 0.1)
 
-    def check_feed(
-        self, line: int, feed: float, what: str, least: float, own: float, most: float
-    ) -> None:
-        """Refuse a feed above `most`, warn of one below `least`; all in mm/min."""
+    def say_feed(self, line: int, feed: float, what: str, own: float, most: float) -> None:
+        """What is wrong with a feed beyond its limits, `own` that of the data; all in mm/min."""
         if feed > most:
             self.say(rules.FEED_LIMIT, line, found=f"{feed:g}", what=what, expected=f"{most:.4g}")
-        elif 0 < feed < least:
+        elif feed > 0:
             self.say(rules.FEED, line, found=f"{feed:g}", what=what, expected=f"{own:.4g}")
-        elif feed <= 0:
+        else:
             self.say(rules.NO_FEED, line, found=f"feed for {what}")
 
     def at_rest(self, line: int, what: str) -> None:
