@@ -14,6 +14,15 @@ from msgspec import Struct
 
 from beamcam.model.part import Face, Profile
 
+_WEB: dict[Face, Face] = {"v": "h", "h": "v"}
+#: The other side of the plate behind a face, by section: a through hole is the same from there.
+OTHER_SIDE: dict[str, dict[Face, Face]] = {
+    **dict.fromkeys(("I", "U", "C", "T", "B"), _WEB),
+    "L": {**_WEB, "o": "u", "u": "o"},
+}
+#: Faces with nothing behind them, or nothing at a known depth: an angle has no upper flange, and a
+#: T's stem stands somewhere amid its flange.
+NO_PLATE: dict[str, tuple[Face, ...]] = {"L": ("o",), "T": ("o", "u")}
 WALLED = ("I", "U", "L", "M", "C", "T")  #: codes of sections that are made of walls
 
 

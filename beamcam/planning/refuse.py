@@ -21,22 +21,12 @@ from beamcam.model.part import (
     Slot,
     TextMark,
 )
-from beamcam.model.section import section_fault
+from beamcam.model.section import NO_PLATE, OTHER_SIDE, section_fault
 from beamcam.planning import rules
 from beamcam.planning.ends import End, leaves_stock
 from beamcam.planning.merging import Group, too_near
 from beamcam.planning.operations.rules import SECTION_SHAPE
 from beamcam.planning.tools import Rack
-
-#: The other side of the plate behind a face, by section: a through hole is the same from there.
-_WEB = {"v": "h", "h": "v"}
-BEHIND = {
-    **dict.fromkeys(("I", "U", "C", "T", "B"), _WEB),
-    "L": {**_WEB, "o": "u", "u": "o"},
-}
-#: Faces that a spindle has nothing or no known depth before it on: an angle has no upper flange,
-#: and a T's stem stands somewhere amid its flange.
-NOT_WORKED = {"L": ("o",), "T": ("o", "u")}
 
 
 def refuse_stock(
@@ -85,7 +75,7 @@ def reach_of(profile: Profile, machine: Machine) -> Mapping[Face, Reach]:
     known = _reaches(machine)
     found = known.get(profile)
     if found is None:
-        out = NOT_WORKED.get(profile.code, ())
+        out = NO_PLATE.get(profile.code, ())
         found = {
             s.face: Reach(s.number, profile.face_width(s.face), *clear_between(profile, s.face))
             for s in machine.spindles
@@ -99,7 +89,7 @@ def face_at_work(face: Face, is_through: bool, profile: Profile, reached: Collec
     """The face that a hole is made from: its own, or for a through hole the plate's other side."""
     if face in reached or not is_through:
         return face
-    behind = BEHIND.get(profile.code, {}).get(face, face)
+    behind = OTHER_SIDE.get(profile.code, {}).get(face, face)
     return behind if behind in reached else face
 
 

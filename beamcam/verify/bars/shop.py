@@ -6,16 +6,9 @@ from math import radians, tan
 
 from beamcam.machine.machine import FLAT_DEG, Drill, Machine, ToolSet
 from beamcam.model.part import Face, Hole, Part
+from beamcam.model.section import NO_PLATE
 
 USUAL_POINT_DEG = 118.0
-
-#: Faces that are the other side of one plate; an angle's only flange has its outside on u.
-OTHER_SIDE = {
-    **{code: {"h": "v"} for code in ("I", "U", "C", "T", "B")},
-    "L": {"h": "v", "o": "u"},
-}
-#: Faces of a section behind which there is no plate of its own.
-NO_PLATE = {"L": ("o",), "T": ("o", "u")}
 
 
 class Shop:

@@ -31,8 +31,9 @@ from beamcam.model.part import (
     Slot,
     TextMark,
 )
+from beamcam.model.section import OTHER_SIDE
 from beamcam.verify.bars.part_ends import ANGLE_TOLERANCE_DEG, End, off_outline
-from beamcam.verify.bars.shop import OTHER_SIDE, Shop
+from beamcam.verify.bars.shop import Shop
 
 PLAIN_KINDS = ("through", "blind")  #: of a hole that a drill alone makes
 THREADS = ("thread", "left-thread")
