@@ -10,11 +10,11 @@ from collections.abc import Collection, Sequence
 
 from msgspec import Struct
 
+from beamcam.caches import BoundedCache, PerObject
 from beamcam.controllers import events_of
 from beamcam.controllers.dialect import Dialect, dialect_of
 from beamcam.controllers.events import Event, Switch
 from beamcam.errors import Diagnostic, Source, VerifyError, errors_in
-from beamcam.machine.known import Kept, OncePerMachine
 from beamcam.machine.machine import Machine
 from beamcam.model.part import Part, Profile
 from beamcam.verify import rules
@@ -30,9 +30,6 @@ from beamcam.verify.bars.turned import standing
 __all__ = [
     "Bore", "Cut", "FeatureRef", "Made", "Run", "Trail", "interpret", "run", "skippable", "verify",
 ]  # fmt: skip
-
-MOST_SECTIONS = 256  #: of which the places of the spindles are kept
-MOST_GRADES = 64  #: of which the cutting data are
 
 
 class Run(Struct, frozen=True):
@@ -55,8 +52,10 @@ class _Known:
         self.machine = machine
         self.dialect = dialect_of(machine)
         self.shop = Shop(machine, machine.drill)
-        self._choices: Kept[Profile | None, dict[int, Choice]] = Kept(MOST_SECTIONS)
-        self._data: Kept[tuple[str, ...] | None, CuttingData] = Kept(MOST_GRADES)
+        self._choices: BoundedCache[Profile | None, dict[int, Choice]]
+        self._choices = BoundedCache("verify.stations")
+        self._data: BoundedCache[tuple[str, ...] | None, CuttingData]
+        self._data = BoundedCache("verify.grades")
 
     def choices(self, profile: Profile | None) -> dict[int, Choice]:
         """What each spindle number chooses on a section."""
@@ -73,7 +72,7 @@ class _Known:
         return self._data.keep(grades, CuttingData(self.machine, self.shop.drill, grades))
 
 
-_known_of = OncePerMachine(_Known)
+_known_of = PerObject("verify.machines", _Known)
 
 
 def run(

@@ -7,10 +7,10 @@ known, every row that fits the tool may be meant.
 """
 
 from fnmatch import fnmatchcase
-from functools import lru_cache
 from math import inf, pi
 from typing import NamedTuple
 
+from beamcam.caches import cached
 from beamcam.machine.machine import Cutting, Drill, Machine
 
 MOST = 1.2  #: times what the data give, beyond which a feed or a speed is refused
@@ -34,7 +34,7 @@ class CuttingData:
 
     def __init__(self, machine: Machine, drill: Drill, grades: tuple[str, ...] | None) -> None:
         self._machine, self._drill, self._grades = machine, drill, grades
-        self.run = lru_cache(1024)(self._run)
+        self.run = cached("verify.runs")(self._run)
 
     def _run(self, kind: str, diameter: float, pitch: float) -> Run | None:
         """How a tool may run; None if the machine says nothing of its kind."""

@@ -1,9 +1,9 @@
 """The tools that a shop has, and between which sizes a tool fits a hole."""
 
 from collections.abc import Iterator
-from functools import lru_cache
 from math import radians, tan
 
+from beamcam.caches import cached
 from beamcam.machine.machine import FLAT_DEG, Drill, Machine, ToolSet
 from beamcam.model.part import Face, Hole, Part
 from beamcam.model.section import NO_PLATE
@@ -20,9 +20,9 @@ class Shop:
         for tools in machine.tools:
             self.kinds[tools.kind] = (*self.kinds.get(tools.kind, ()), tools)
         self.faces: tuple[Face, ...] = tuple(s.face for s in machine.spindles)
-        self.sizes = lru_cache(64)(self._sizes)
-        self.fits = lru_cache(1024)(self._fits)
-        self.tip = lru_cache(1024)(self._tip)
+        self.sizes = cached("verify.sizes")(self._sizes)
+        self.fits = cached("verify.fits")(self._fits)
+        self.tip = cached("verify.tips")(self._tip)
         self.twice = drill.duplicate_tolerance + 1e-9  #: holes nearer than this are one
 
     def of(self, kind: str, face: Face) -> Iterator[ToolSet]:
