@@ -56,12 +56,16 @@ def join(
     may_repeat = bool(overlapping(curves, [w.process for w in wanted]))
     shapes: list[Shape] = []
     loose: dict[TorchProcess, list[Wanted]] = defaultdict(list)
+    gaping: set[int] = set()  #: features that say that they are closed, and have gaps
     hulls = curves.hulls
-    points = set(np.flatnonzero((hulls[:, :2] == hulls[:, 2:]).all(axis=1)).tolist())
+    points = set(np.flatnonzero(np.ptp(hulls.reshape(-1, 2, 2), axis=1).max(axis=1) <= SAME_POINT))
     for begin, end, closed in _features(wanted, curves.ends):
         first = wanted[begin]
-        if not closed or _is_there_and_back(wanted[begin:end]):
+        lines = closed and _is_there_and_back(wanted[begin:end])
+        if lines or not closed:
             loose[first.process] += wanted[begin:end]
+            if not lines and first.feature in rings:
+                gaping.add(first.feature)
             continue
         if _is_small(hulls[begin:end], torch.gap):
             found.small[first.feature] = first.source
@@ -79,7 +83,7 @@ def join(
     found.refusals += (
         _not_closed(shape)
         for shape in shapes
-        if shape.process == "cut" and not shape.closed and any(f in rings for f in shape.features)
+        if shape.process == "cut" and not shape.closed and not gaping.isdisjoint(shape.features)
     )
     shapes.sort(key=lambda shape: shape.features[0])
     if may_repeat:

@@ -267,6 +267,7 @@ REMARKS: list[tuple[Part, dict[str, object], set[str]]] = [
     (drawing(contour(lines((0, 0), (40, 0), (20, 0), (20, 20), closed=False))), {},
      {"plan-open-cut", "plan-overlap"}),
     (drawing(NOTCHED), {}, {"plan-left-in-corner"}),
+    (drawing(contour(lines((0, 0), (40, 0)))), {}, {"plan-open-cut", "plan-overlap"}),
     (drawing(SQUARE, SPECK), {}, {"plan-tiny"}),
     (drawing(SQUARE, contour(box(50, 10, 20, 20))), {"kerf_by": "none"},
      {"plan-common-edge"}),
@@ -286,6 +287,14 @@ def test_what_is_too_small_is_told_once_and_the_rest_posts() -> None:
     posted = post((drawing(SQUARE, SPECK),), table())
     assert [said.code for said in posted.remarks] == ["plan-tiny"]
     assert [o.how for o in posted.plan.outcomes] == ["made", "skipped"]
+
+
+def test_a_side_without_length_is_nothing() -> None:
+    sides = list(box(0.1, 0.1, 50, 40))
+    sides.insert(0, Line((0.1, 0.1), (0.1 + 1e-16, 0.1)))
+    (op,) = plan_sheet((drawing(contour(tuple(sides))),), table(kerf_by="none")).operations
+    assert op.closed
+    assert len(op.passes[0].curves) == 4
 
 
 def test_parts_a_kerf_apart_share_a_cut() -> None:
