@@ -12,6 +12,7 @@ import click
 
 from beamcam import __version__
 from beamcam.collector import collector_seldom
+from beamcam.plain_text import terminal_lines
 from beamcam.system import is_unicode
 
 #: name -> module of beamcam.commands whose `command` it is, and its help in a line
@@ -53,6 +54,14 @@ class Commands(click.Group):
             from beamcam.commands.common import stop_without_output
 
             stop_without_output(error)
+
+    def invoke(self, ctx: click.Context) -> Any:
+        """Run a command; what is told of wrong usage names files, and must not steer a terminal."""
+        try:
+            return super().invoke(ctx)
+        except click.ClickException as error:
+            vars(error)["message"] = terminal_lines(error.message)  # click calls it final
+            raise
 
     def list_commands(self, ctx: click.Context) -> list[str]:
         return list(COMMANDS)

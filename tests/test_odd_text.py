@@ -105,3 +105,14 @@ def test_nothing_of_a_batch_steers_the_terminal(tmp_path: Path) -> None:
             text += Path(path).read_text(encoding="utf-8")
         for line in text.split("\n"):
             assert line.isprintable(), line
+
+
+@pytest.mark.parametrize("words", [["check"], ["batch", "-o", "x", "--name"], ["post", "-o", "x"]])
+def test_wrong_usage_is_told_in_plain_text(tmp_path: Path, words: list[str]) -> None:
+    folder = tmp_path / "a\x1b[2J\u202e"
+    folder.mkdir()
+    result = CliRunner().invoke(main, [words[0], *words[1:], str(folder)])
+    assert result.exit_code in (1, 2)
+    assert "\\x1b[2J\\u202e" in result.stderr
+    for line in result.stderr.split("\n"):
+        assert line.isprintable(), line
