@@ -18,15 +18,25 @@ STEPS = (
     ("machine",),
     ("model",),
     ("controllers",),
-    ("readers", "writers", "planning", "motion", "emitters", "verify", "report", "config"),
-    ("asked", "posts"),
+    (
+        "readers",
+        "writers",
+        "planning",
+        "motion",
+        "emitters",
+        "verify",
+        "simulate",
+        "report",
+        "config",
+    ),
+    ("asked", "posts", "diff"),
     ("pipeline",),
     ("batch", "api"),
     ("watch",),
     ("commands",),
     ("cli",),
     ("__main__",),
-)
+)  # fmt: skip
 STEP = {name: step for step, names in enumerate(STEPS) for name in names}
 HEAVY = ("numpy", "ezdxf", "ifcopenshell", "shapely", "svgelements", "hypothesis")
 

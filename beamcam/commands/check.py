@@ -15,14 +15,14 @@ from beamcam.commands.programs import program_text
 from beamcam.commands.settings import machine_for, settled
 from beamcam.commands.tables import outputs, table_style
 from beamcam.config.values import Config, over
+from beamcam.diff.differ import Difference, diff_programs
+from beamcam.diff.statements import diff_sheets
 from beamcam.errors import BeamcamError, Diagnostic, errors_in
 from beamcam.machine import Machine, shipped
 from beamcam.pipeline import parts_of, post, read_file
 from beamcam.planning.stock import from_store
 from beamcam.report.run import as_message
 from beamcam.verify import run
-from beamcam.verify.differ import Difference, diff_programs
-from beamcam.verify.statements import diff_sheets
 
 #: Where others than the header of a machine file say the job's name: behind `%`, as the unit of a
 #: program, in the head of a step table.

@@ -12,6 +12,8 @@ from beamcam.commands.common import REFUSED, STANDARD, Voice, say_json, say_line
 from beamcam.commands.programs import input_bytes
 from beamcam.commands.settings import machine_for_program, settled
 from beamcam.controllers import rules
+from beamcam.diff.differ import Difference, diff_parts, diff_programs
+from beamcam.diff.statements import diff_sheets
 from beamcam.errors import BeamcamError, Diagnostic, Severity, VerifyError, errors_in
 from beamcam.machine import Machine
 from beamcam.machine.defaults import is_of_programs
@@ -20,8 +22,6 @@ from beamcam.pipeline import as_error, parts_of, read_back
 from beamcam.posts import Wanted
 from beamcam.readers.content import shown_name
 from beamcam.verify import run
-from beamcam.verify.differ import Difference, diff_parts, diff_programs
-from beamcam.verify.statements import diff_sheets
 
 #: What a program may not have if its meaning is to be known.
 NOT_UNDERSTOOD = {r.code for r in (rules.SYNTAX, rules.WORD, rules.ARC)}

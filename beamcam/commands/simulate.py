@@ -11,8 +11,8 @@ from beamcam.commands.programs import program_text
 from beamcam.commands.settings import files_read, machine_for_program, settled
 from beamcam.errors import BeamcamError, VerifyError, errors_in
 from beamcam.readers.content import shown_name
+from beamcam.simulate.course import rows, stretches, trace
 from beamcam.verify import run
-from beamcam.verify.simulate import rows, stretches, trace
 
 _UNITS_S = {"ms": 0.001, "s": 1.0}
 
@@ -90,10 +90,10 @@ def command(
         done = run(program_text(program), machine, None, shown_name(program))
         if errors_in(done.diagnostics):
             raise VerifyError(done.diagnostics)
-        course = stretches(done, machine)
+        course = stretches(done.events, done.dialect, dict(done.made.section), machine)
         voice.did(f"ran {shown_name(program)} on {machine.name}")
         if modbus is not None:
-            from beamcam.verify.modbus import send
+            from beamcam.simulate.modbus import send
 
             sent = send(rows(course, every), *modbus, pace)
             if not (voice.quiet or as_json):

@@ -218,17 +218,10 @@ NOT_MADE = Rule(
     "Nothing is left out in silence.",
 )
 
-MODBUS = Rule(
-    "verify-modbus",
-    _E,
-    "found {found}; expected a Modbus TCP server that takes the registers",
-    "The trace could not be sent; the server may be down, or its register map too small.",
-)
-
 RULES = (
     *CONTROLLER_RULES, NO_END, LIMIT, STOP_BACK, CUT_OFF, NO_SPINDLE, SPINDLE_OFF, SPINDLE_ON,
     SPINDLE_STOPPED, SPINDLE_IDLE,
     SPEED, COOLANT, RAPID, CLEARANCE, UNSEEN, SIDEWAYS, TOOL_CHANGE, NO_FEED, FEED,
     FEED_LIMIT, SECTION, CUT_MISSING, CUT_PLACE, CUT_ANGLE, CUT_EXTRA, OUTLINE, HOLE_MISSING,
-    HOLE_PLACE, HOLE_EXTRA, DEPTH, TOOL, TURN, PATH, PATH_EXTRA, NOT_MADE, MODBUS,
+    HOLE_PLACE, HOLE_EXTRA, DEPTH, TOOL, TURN, PATH, PATH_EXTRA, NOT_MADE,
 )  # fmt: skip

@@ -6,9 +6,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from beamcam.diff.differ import diff_programs
 from beamcam.errors import errors_in
 from beamcam.verify import run
-from beamcam.verify.differ import diff_programs
 from benchmarks.faults import FAULTS, NEED_PARTS
 from benchmarks.liars import told
 from benchmarks.mutants import MUTATIONS, REWRITES, Mutate, wrong_spindle

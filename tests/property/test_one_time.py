@@ -13,10 +13,9 @@ from beamcam.machine.machine import Machine
 from beamcam.model.part import Part
 from beamcam.pipeline import Posted, parts_of, post, read_file
 from beamcam.planning import SKIP_NAMES
-from beamcam.verify import run
-from beamcam.verify.simulate import stretches
 from tests.property.test_plan_parts import random_part
 from tests.unit.planning.shop import hole, part
+from tests.unit.simulate.programs import course_of
 
 MACHINES = ("beamline", "beamline-annex", "beamline-pusher")
 SAMPLES = Path(__file__).parents[2] / "samples" / "dstv"
@@ -24,7 +23,7 @@ BARS = (("strut",), ("beam",), ("channel", "tie", "channel"))
 
 
 def simulated_s(posted: Posted, machine: Machine) -> float:
-    course = stretches(run(posted.text, machine), machine)
+    course = course_of(posted.text, machine)
     return course[-1].begin_s + course[-1].duration_s
 
 

@@ -6,12 +6,12 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from msgspec.structs import replace
 
+from beamcam.diff.differ import diff_programs
 from beamcam.errors import PlanError, Source, errors_in
 from beamcam.machine import load
 from beamcam.model.part import EndCuts, Hole, Part, Profile, Slot
 from beamcam.pipeline import post
 from beamcam.verify import run, verify
-from beamcam.verify.differ import diff_programs
 
 PROFILES = (
     Profile("I", "IPE300", 300.0, 150.0, 10.7, 7.1, 15.0),

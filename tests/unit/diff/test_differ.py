@@ -3,11 +3,11 @@
 import pytest
 from msgspec.structs import replace
 
+from beamcam.diff.differ import diff_parts, diff_programs
 from beamcam.errors import Source
 from beamcam.geometry.curves import Line
 from beamcam.model.part import Contour, Part, Slot, TextMark
 from beamcam.verify import run
-from beamcam.verify.differ import diff_parts, diff_programs
 from tests.unit.verify.programs import BEAM, PART, PROGRAM, edit, hole
 
 

@@ -11,8 +11,8 @@ from msgspec.structs import replace
 
 from beamcam.errors import MachineError
 from beamcam.geometry.ramps import ramp
-from beamcam.verify import run
-from beamcam.verify.simulate import Stretch, rows, stretches, trace
+from beamcam.simulate.course import Stretch, rows, trace
+from tests.unit.simulate.programs import course_of
 from tests.unit.verify.programs import ANNEX, BEAM, PART, PROGRAM
 
 AXES = {a.name: i for i, a in enumerate(BEAM.axes)}
@@ -20,7 +20,7 @@ AXES = {a.name: i for i, a in enumerate(BEAM.axes)}
 
 @pytest.fixture(scope="module")
 def course() -> tuple[Stretch, ...]:
-    return stretches(run(PROGRAM, BEAM, PART.profile), BEAM)
+    return course_of(PROGRAM, BEAM, PART.profile)
 
 
 def test_the_axes_stand_in_the_order_of_the_registers() -> None:
@@ -132,7 +132,7 @@ def test_how_long_a_way_takes(limits_of: tuple[float, float, float], takes: floa
 def test_an_axis_with_a_jerk_takes_longer(course: tuple[Stretch, ...]) -> None:
     axes = tuple(replace(axis, jerk=2 * axis.acceleration) for axis in BEAM.axes)
     gentle = replace(BEAM, axes=axes)
-    slow = stretches(run(PROGRAM, gentle, PART.profile), gentle)
+    slow = course_of(PROGRAM, gentle, PART.profile)
     assert [part.end for part in slow] == [part.end for part in course]
     assert all(a.duration_s >= b.duration_s for a, b in zip(slow, course, strict=True))
     moved = next(k for k, part in enumerate(course) if part.ramp.speed > 0.0)
@@ -159,6 +159,6 @@ def test_a_machine_without_axes() -> None:
 
     bare = replace(ANNEX, axes=())
     with pytest.raises(MachineError, match="machine-missing: found no key 'axes'"):
-        stretches(run(PROGRAM, bare), bare)
+        course_of(PROGRAM, bare)
     with pytest.raises(ValueError, match="more than 0"):
-        list(rows(stretches(run(PROGRAM, BEAM), BEAM), 0.0))
+        list(rows(course_of(PROGRAM, BEAM), 0.0))

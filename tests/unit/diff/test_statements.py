@@ -6,8 +6,8 @@ import pytest
 from click.testing import CliRunner, Result
 
 from beamcam.cli import main
+from beamcam.diff.statements import diff_sheets
 from beamcam.machine import load
-from beamcam.verify.statements import diff_sheets
 from tests.conftest import GOLDEN, ROOT, SAMPLES
 
 PLATE = GOLDEN / "plate-linuxcnc" / "gusset.ngc"

@@ -11,9 +11,9 @@ from click.testing import CliRunner
 
 from beamcam.cli import main
 from beamcam.errors import VerifyError
-from beamcam.verify import run
-from beamcam.verify.modbus import registers, send
-from beamcam.verify.simulate import Row, State, rows, stretches
+from beamcam.simulate.course import Row, State, rows
+from beamcam.simulate.modbus import registers, send
+from tests.unit.simulate.programs import course_of
 from tests.unit.verify.programs import BEAM, PART, PROGRAM
 
 pymodbus = pytest.importorskip("pymodbus", reason="the extra beamcam[modbus] is not installed")
@@ -81,7 +81,7 @@ def read_back(port: int) -> list[int]:
 
 
 def course() -> list[Row]:
-    return list(rows(stretches(run(PROGRAM, BEAM, PART.profile), BEAM)))
+    return list(rows(course_of(PROGRAM, BEAM, PART.profile)))
 
 
 def test_the_registers_of_a_row() -> None:

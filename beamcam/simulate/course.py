@@ -3,19 +3,19 @@
 How long each move takes stands in `model.cell_motion`. Lengths are mm, angles degrees.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from math import hypot, isnan, radians
 
 from msgspec import Struct
 from msgspec.structs import replace
 
-from beamcam.controllers.events import Move, Pause, Switch, Turn
+from beamcam.controllers.dialect import Dialect
+from beamcam.controllers.events import Event, Move, Pause, Switch, Turn
 from beamcam.errors import MachineError, Source
 from beamcam.geometry.ramps import Ramp
 from beamcam.machine import rules as machine_rules
 from beamcam.machine.machine import Machine
 from beamcam.model.cell_motion import CellMotion, Leg, Positions
-from beamcam.verify import Run
 
 
 class State(Struct, frozen=True):
@@ -54,11 +54,17 @@ class Stretch(Struct, frozen=True):
         return tuple(a + share * (b - a) for a, b in zip(self.start, self.end, strict=True))
 
 
-def stretches(run: Run, machine: Machine) -> tuple[Stretch, ...]:
-    """The stretches of a program, one after another. Raises MachineError without `[[axes]]`."""
+def stretches(
+    events: Sequence[Event], dialect: Dialect, section: Mapping[str, float], machine: Machine
+) -> tuple[Stretch, ...]:
+    """The stretches of a program, one after another.
+
+    `section` is what the program says about the bar, by field name. Raises MachineError without
+    `[[axes]]`.
+    """
     if not machine.axes:
         raise MachineError(machine_rules.MISSING_KEY.at(Source(machine.name), expected="axes"))
-    return tuple(_Simulation(run, machine).run())
+    return tuple(_Simulation(events, dialect, section, machine).run())
 
 
 def rows(course: Sequence[Stretch], every_s: float | None = None) -> Iterator[Row]:
@@ -112,9 +118,14 @@ def _cells(row: Row) -> Iterator[str]:
 class _Simulation:
     """The clock and the switches while a program runs."""
 
-    def __init__(self, run: Run, machine: Machine) -> None:
-        self.events, self.dialect = run.events, run.dialect
-        section = dict(run.made.section)
+    def __init__(
+        self,
+        events: Sequence[Event],
+        dialect: Dialect,
+        section: Mapping[str, float],
+        machine: Machine,
+    ) -> None:
+        self.events, self.dialect = events, dialect
         self.cell = CellMotion(machine, section.get("width", section.get("height", 0.0)))
         self.per_minute = 60.0 if machine.format.feed_unit == "mm/s" else 1.0
         self.reload_s = machine.times.reload_s

@@ -16,8 +16,8 @@ from collections.abc import Callable, Iterable
 from typing import Any
 
 from beamcam.errors import Source, VerifyError
-from beamcam.verify import rules
-from beamcam.verify.simulate import Row
+from beamcam.simulate import rules
+from beamcam.simulate.course import Row
 
 
 def registers(row: Row) -> list[int]:
