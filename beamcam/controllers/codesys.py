@@ -99,7 +99,7 @@ def run(
                 in_a_row, too_many = 0, False
             if travel < 2:
                 events.append(Move(line, travel == 0, start, end, feed, "F" in words))
-                stray = words.keys() - _STRAIGHT_WORDS
+                allowed = _STRAIGHT_WORDS
             else:
                 turn = _turn((line, "G", travel, words), start, end, absolute_centre, form)
                 if isinstance(turn, Turn):
@@ -113,12 +113,12 @@ def run(
                             expected="one that start, end and centre agree on",
                         )
                     )
-                stray = words.keys() - _ARC_WORDS
-            if stray:
+                allowed = _ARC_WORDS
+            if not words.keys() <= allowed:
                 said.append(
                     rules.WORD.at(
                         Source(name, line),
-                        found=f"{min(stray)} behind G{travel:02}",
+                        found=f"{min(words.keys() - allowed)} behind G{travel:02}",
                         expected="no such word there",
                     )
                 )

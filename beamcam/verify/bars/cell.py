@@ -43,35 +43,37 @@ class Cell(CellState):
         return made_in_order(tuple(self.section.items()), self.order)
 
     def _move(self, move: Move) -> None:
-        x = move.end[0]
+        line, rapid, start, end, feed_mm_min, _ = move
+        x = end[0]
         moved = x != self.x and not isnan(x)
         if moved:
             self._move_bar(x, move, self.cycle.along and self._in_work(move))
-        self.feed_mm_min = move.feed_mm_min
-        if not move.rapid and self.dialect.feeds and move.feed_mm_min <= 0:
-            self.say(rules.NO_FEED, move.line, found="move")
+        self.feed_mm_min = feed_mm_min
+        if not rapid and feed_mm_min <= 0 and self.dialect.feeds:
+            self.say(rules.NO_FEED, line, found="move")
         choice = self.choice
         if choice is None:
-            if move.end[1:] != move.start[1:]:
-                self.say(rules.NO_SPINDLE, move.line, found="a move of Y or Z")
+            if end[1:] != start[1:]:
+                self.say(rules.NO_SPINDLE, line, found="a move of Y or Z")
             return
-        first = choice.stations[0]
-        across, stroke = move.end[first.across], move.end[first.stroke]
+        stations = choice.stations
+        first = stations[0]
+        across, stroke = place = end[first.across], end[first.stroke]
         if isnan(stroke) or isnan(across):
             return
         before = self.at.get(first.number, _NOWHERE)
-        if not moved and before == (across, stroke):
+        if not moved and before == place:
             return
-        for station in choice.stations:
-            self.at[station.number] = (across, stroke)
+        for station in stations:
+            self.at[station.number] = place
             for index, axis, least, greatest in station.limits:
-                if not least <= move.end[index] <= greatest:
-                    self.beyond(move.line, axis, move.end[index], least, greatest)
+                if not least <= end[index] <= greatest:
+                    self.beyond(line, axis, end[index], least, greatest)
         # The controller starts from its own last place, whichever spindle that was for.
-        aside = moved or across != before[0] or across != move.start[first.across]
+        aside = moved or across != before[0] or across != start[first.across]
         if aside and self._aside(move, first, across, stroke, before, moved):
             return
-        for station in choice.stations:
+        for station in stations:
             self._enter(move, station, choice, across, stroke, before[1])
 
     def _aside(
