@@ -37,10 +37,9 @@ def in_corners(work: Work, traced: Sequence[Traced], missing: Counts, samples: S
     is_missing = np.zeros(len(owner), dtype=bool)
     is_missing[missing] = True
     good = np.zeros(len(owner), dtype=bool)
-    beam = _Beam(work, traced)
-    for stretch in _stretches(work, owner, is_missing):
-        if left[stretch[1:-1]].all() and beam.is_corner(stretch, samples):
-            good[stretch[1:-1]] = True
+    stretches = [s for s in _stretches(work, owner, is_missing) if left[s[1:-1]].all()]
+    for stretch in _Beam(work, traced).corners(stretches, samples):
+        good[stretch[1:-1]] = True
     # A curve that lies on another is where that one is.
     found[:] = good[missing] | (left[missing] & work.region.twins[owner[missing]])
     return found
@@ -93,38 +92,48 @@ class _Beam:
         self._work = work
         self._keeps_off = np.array([t.half_kerf > 0.0 for t in traced])
 
-    def is_corner(self, stretch: Counts, samples: Samples) -> bool:
-        """Whether a stretch, its first and last sample touched by the beam, is a corner."""
+    def corners(self, stretches: Sequence[Counts], samples: Samples) -> Iterator[Counts]:
+        """Those of some stretches, each with the samples that have a path before and behind it."""
+        if not stretches:
+            return
+        work = self._work
+        firsts, first_middles = self._touched(stretches, samples, 0, 1)
+        lasts, last_middles = self._touched(stretches, samples, -1, -2)
+        apart = np.hypot(*(last_middles - first_middles).T)
+        middles = (first_middles + last_middles) / 2
+        element, share, _ = samples
+        for k in np.flatnonzero(apart <= work.half_kerf / 4 + 4 * work.tolerance).tolist():
+            inner = stretches[k][1:-1]
+            points = work.need.elements.places(element[inner], share[inner])
+            if self._narrows(points, firsts[k], lasts[k], middles[k]):
+                yield stretches[k]
+
+    def _touched(
+        self, stretches: Sequence[Counts], samples: Samples, have: int, lack: int
+    ) -> tuple[Floats, Floats]:
+        """The end of each stretch, and where the middle of the beam is that touches it.
+
+        It is looked for along the contour between a sample that has a path and one that has none:
+        they are half a beam apart or less, with one end of a curve between them at most.
+        """
         element, share, owner = samples
         work = self._work
-        points = work.need.elements.places(element[stretch], share[stretch])
-        reach = work.half_kerf + work.slack[owner[stretch]]
-        ends, middles = [], []
-        for have, lack in ((0, 1), (-1, -2)):
-            # Along the contour: both samples are half a beam apart or less, with one end of a curve
-            # between them at most.
-            a, b = points[have], points[lack]
-            if owner[stretch[have]] != owner[stretch[lack]]:
-                way = owner[stretch[lack]]
-                between = min(
-                    (work.need.starts[way], work.need.ends[way]),
-                    key=lambda end: float(np.hypot(*(end - a)) + np.hypot(*(end - b))),
-                )
-                if self._nearest(between)[0] <= reach[lack]:
-                    a = between
-                else:
-                    b = between
-            for _ in range(HALVINGS):
-                middle = (a + b) / 2
-                if self._nearest(middle)[0] <= reach[have]:
-                    a = middle
-                else:
-                    b = middle
-            ends.append(a)
-            middles.append(self._nearest(a)[1])
-        if np.hypot(*(middles[1] - middles[0])) > work.half_kerf / 4 + 4 * work.tolerance:
-            return False
-        return self._narrows(points[1:-1], ends[0], ends[1], (middles[0] + middles[1]) / 2)
+        near = np.array([stretch[have] for stretch in stretches])
+        far = np.array([stretch[lack] for stretch in stretches])
+        places = work.need.elements.places
+        a, b = places(element[near], share[near]), places(element[far], share[far])
+        way = owner[far]
+        starts, ends = work.need.starts[way], work.need.ends[way]
+        to_start = np.hypot(*(starts - a).T) + np.hypot(*(starts - b).T)
+        to_end = np.hypot(*(ends - a).T) + np.hypot(*(ends - b).T)
+        between = np.where((to_start <= to_end)[:, None], starts, ends)
+        between = np.where((owner[near] == way)[:, None], (a + b) / 2, between)
+        reach = work.half_kerf + work.slack[way]
+        for _ in range(HALVINGS):
+            on = (self._nearest(between)[0] <= reach)[:, None]
+            a, b = np.where(on, between, a), np.where(on, b, between)
+            between = (a + b) / 2
+        return a, self._nearest(a)[1]
 
     def _narrows(self, points: Floats, first: Floats, last: Floats, middle: Floats) -> bool:
         """Whether a stretch is shallow, or narrower half way down than at its mouth."""
@@ -138,11 +147,9 @@ class _Beam:
         mouth = float(np.hypot(*(last - first)))
         return bool(np.hypot(*(other - one)) <= NARROWS * mouth)
 
-    def _nearest(self, point: Floats) -> tuple[float, Floats]:
-        """How far the path is from a point, and its place that is nearest."""
+    def _nearest(self, points: Floats) -> tuple[Floats, Floats]:
+        """How far the path is from each point, and its place that is nearest."""
         work = self._work
-        asked = point.reshape(1, 2)
-        pairs = work.path.near(asked, 2 * work.half_kerf + 2 * float(work.slack.max()))
+        pairs = work.path.near(points, 2 * work.half_kerf + 2 * float(work.slack.max()))
         pairs = pairs.kept(self._keeps_off[work.of_way[work.path.owner[pairs.element]]])
-        away, feet = work.path.feet(pairs, 1)
-        return float(away[0]), feet[0]
+        return work.path.feet(pairs, len(points))
