@@ -368,10 +368,11 @@ def main() -> None:
     numbers = range(asked.inputs) if asked.only is None else range(asked.only, asked.only + 1)
     found: list[Outcome] = []
     keep = _keeper(asked.keep, asked.seed, asked.formats)
-    for outcome in outcomes(numbers, asked.seed, asked.jobs, asked.formats):
-        found.append(outcome)
-        if outcome.how in FAULTS or asked.only is not None:
-            keep(outcome.index)
+    with suppress(KeyboardInterrupt):  # the table then counts what was done
+        for outcome in outcomes(numbers, asked.seed, asked.jobs, asked.formats):
+            found.append(outcome)
+            if outcome.how in FAULTS or asked.only is not None:
+                keep(outcome.index)
     print("\n".join((*table(found, asked.formats), *faults(found))))
     if any(outcome.how in FAULTS for outcome in found):
         sys.exit(1)

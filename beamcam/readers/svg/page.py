@@ -6,7 +6,7 @@ from math import inf, isfinite
 from msgspec import Struct
 
 from beamcam.errors import Diagnostic, ReadError, Source
-from beamcam.geometry.plane import Matrix
+from beamcam.geometry.plane import MAX_COORDINATE, Matrix
 from beamcam.readers.drawing import MM_PER_UNIT, split_length
 from beamcam.readers.drawing.rules import UNITS_OPTION, WIDTH_OPTION
 from beamcam.readers.svg import rules
@@ -181,6 +181,9 @@ class _Finder:
         if len(lengths) == 1:
             by = [by[0] if self.width is not None else by[1]]
         ratios = [length / side for length, (_, side) in zip(lengths, by, strict=True)]
+        if not all(1.0 / MAX_COORDINATE <= ratio <= MAX_COORDINATE for ratio in ratios):
+            expected = f"between {1.0 / MAX_COORDINATE:g} and {MAX_COORDINATE:g} mm"
+            raise self._refuse(f"a unit of {min(ratios):g} mm", expected)
         if len(ratios) == 2 and not self._stretched:
             slack = SCALE_SLACK
             if all(side == round(side) for _, side in by):
