@@ -6,12 +6,12 @@ import numpy as np
 from msgspec import Struct
 from msgspec.structs import replace
 
-from beamcam.geometry.curves import Line, Point, signed_area
+from beamcam.geometry.curves import Point
 from beamcam.readers.ifc.classify import classify
 from beamcam.readers.ifc.curves2d import Chain
 from beamcam.readers.ifc.exact import circles_in
 from beamcam.readers.ifc.outline import sharpened
-from beamcam.readers.ifc.region import Circles, pieces_of, points_of, polygon_of
+from beamcam.readers.ifc.region import Circles, chain_of_ring, pieces_of, points_of, polygon_of
 from beamcam.readers.ifc.section import Section, Stocks
 from beamcam.readers.ifc.shell import Shell, broadest_normal, coordinates, extent, segments, vec
 from beamcam.readers.ifc.slices import Segments, arcs_of, region_within
@@ -60,7 +60,7 @@ def rolled_stock(shell: Shell, axis: Vec) -> Rolled | None:
             continue
         circles = circles_in(shell.cylinders, axis, u, v)
         outer, inner = arcs_of(pieces[0], circles)
-        found = _told(outer, inner) if outer else None
+        found = _told(outer, inner, pieces[0]) if outer else None
         if found is None or found.code == "SO" or (found.code == "B" and found.width > 200):
             continue
         if best is None or found.area > best[0] * 1.0005:
@@ -95,16 +95,19 @@ def _same(lines: Segments, others: Segments) -> bool:
     return lines.shape == others.shape and bool((np.abs(lines - others) < SAME).all())
 
 
-def _told(outer: Chain, inner: tuple[Chain, ...]) -> Section | None:
-    """The section of an outline; of a mesh's rough roundings by its corners alone."""
+def _told(outer: Chain, inner: tuple[Chain, ...], piece: Any) -> Section | None:
+    """The section of an outline; of a mesh's rough roundings by the corners of `piece` alone.
+
+    Some roundings of a mesh may lie on circles, and others not.
+    """
     found = classify(outer, inner)
     if found is not None and found.code != "SO":
         return found
-    if not all(isinstance(c, Line) for c in outer):
-        return found
-    area = abs(signed_area(outer)) - sum(abs(signed_area(c)) for c in inner)
-    again = classify(sharpened(outer), tuple(sharpened(c) for c in inner))
-    return found if again is None else replace(again, area=area)
+    drawn = tuple(
+        sharpened(chain_of_ring(r, Circles())) for r in (piece.exterior, *piece.interiors)
+    )
+    again = classify(drawn[0], drawn[1:]) if drawn[0] else None
+    return found if again is None else replace(again, area=float(piece.area))
 
 
 def reference(shell: Shell, axis: Vec) -> Vec:
