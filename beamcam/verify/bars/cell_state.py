@@ -288,14 +288,6 @@ class CellState:
                 if self.is_in(station):
                     self.sideways(line, what, station, self.at[station.number][1])
 
-    @property
-    def is_at_rest(self) -> bool:
-        """Whether nothing turns or flows and every tool is drawn back, with more to come."""
-        tools = (s for choice in self.choices.values() for s in choice.stations)
-        return not (self.turning or self.cooling or self.ended) and not any(
-            self.is_in(station) for station in tools
-        )
-
     def is_in(self, station: Station) -> bool:
         """Whether a station's tool is where material may be beside it."""
         across, stroke = self.at.get(station.number, (nan, nan))

@@ -32,7 +32,6 @@ class CutFaults:
         self.tolerance = machine.format.resolution + 1e-6
         self.angle_tolerance = 0.5 * 10.0**-machine.format.angle_decimals + 1e-6
         self.starts: list[float] = []
-        self.last_cut: list[int | None] = []  #: line of the cut that parts each part
         self.said: list[Diagnostic] = []
 
     def place(self, parts: Sequence[Part], ends: Sequence[tuple[End, End]]) -> None:
@@ -69,7 +68,6 @@ class CutFaults:
         end = start + part.length
         if last.square:
             cut = self._take(last, end + saw.kerf / 2, part)
-            self.last_cut.append(cut.line if cut else None)
             return (cut.x - saw.x if cut else end + saw.kerf / 2) + saw.kerf / 2, False
         cut = self._take(last, start + last.blade(saw, height), part)
         square = End(1, 0.0, 0.0, part.length)
@@ -88,13 +86,11 @@ class CutFaults:
             and following is not None
             and self._common(last, following)
         ):
-            self.last_cut.append(cut.line)
             return cut.x - saw.x - following.blade(saw, height), True
         if at is None and following is None and cut is not None:
-            self.last_cut.append(cut.line)  # the bar ends with the part, and its wedge falls off
+            # The bar ends with the part, and its wedge falls off.
             return cut.x - saw.x + saw.kerf / 2, False
         parting = self._take(square, behind[0] if at is None else at, part)
-        self.last_cut.append(parting.line if parting else None)
         return (parting.x - saw.x if parting else behind[0]) + saw.kerf / 2, False
 
     def _common(self, end: End, start: End) -> bool:
