@@ -8,11 +8,11 @@ from pathlib import Path
 
 import pytest
 
+from beamcam.controllers.gcode import events_of
+from beamcam.controllers.gcode.events import Keep, Leg
 from beamcam.machine import load
 from beamcam.pipeline import post
-from beamcam.verify.sheets import events_of
 from beamcam.verify.sheets.compensation import CompensationError, compensated
-from beamcam.verify.sheets.events import Keep, Leg
 from tests.conftest import GOLDEN
 from tests.unit.sheets.parts import NESTED, table
 

@@ -8,12 +8,12 @@ line, without comments and spacing.
 import re
 from collections.abc import Iterator
 
+from beamcam.controllers.gcode import events_of
+from beamcam.controllers.gcode.events import Event, Keep, Leg, Pause, Ramp, Switch
 from beamcam.diff.differ import Difference
 from beamcam.errors import Diagnostic, errors_in
 from beamcam.geometry.curves import Arc, EllipseArc
 from beamcam.machine.machine import Machine
-from beamcam.verify.sheets import events_of
-from beamcam.verify.sheets.events import Event, Keep, Leg, Pause, Ramp, Switch
 
 _ST_COMMENT = re.compile(r"\(\*.*?\*\)|//[^\n]*", re.DOTALL)
 

@@ -9,12 +9,12 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from beamcam.controllers.arcs import arc_fault as codesys_fault
+from beamcam.controllers.gcode import codesys, grbl, linuxcnc, rs274
 from beamcam.geometry.curves import Arc, Bezier, EllipseArc
 from beamcam.machine import load
 from beamcam.model.program import ArcFeed, EllipseFeed, Feed, Movement
 from beamcam.motion.arcs import arc_feeds, ellipse_feeds, parabola_feed
 from beamcam.motion.sheet import Pen
-from beamcam.verify.sheets import codesys, grbl, linuxcnc, rs274
 
 COUNT = 100_000
 SMALLEST, LARGEST = 0.05, 5000.0

@@ -7,6 +7,8 @@ import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
+from beamcam.controllers.gcode.events import Leg
+from beamcam.controllers.gcode.moves import moves_of
 from beamcam.geometry.bending import least_radius_of_ellipse, least_radius_of_parabola
 from beamcam.geometry.curves import Arc, Bezier, EllipseArc
 from beamcam.geometry.plane import cross
@@ -14,8 +16,6 @@ from beamcam.machine.path_limits import PathLimits
 from beamcam.model.program import ArcFeed, EllipseFeed, Feed, Pace, ParabolaFeed
 from beamcam.motion.pace import SECONDS_PER_MINUTE, calm_radius, paced, turning_mm_s
 from beamcam.verify.sheets.ability import expected_feeds
-from beamcam.verify.sheets.events import Leg
-from beamcam.verify.sheets.moves import moves_of
 
 coordinates = st.floats(-50, 50).map(lambda v: round(v, 3))
 points = st.tuples(coordinates, coordinates)

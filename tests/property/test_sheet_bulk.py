@@ -11,13 +11,13 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 
 from beamcam.controllers.arcs import arc_fault as codesys_fault
+from beamcam.controllers.gcode import events_of, grbl, linuxcnc
+from beamcam.controllers.gcode.events import Event
+from beamcam.controllers.gcode.moves import sure_arcs
+from beamcam.controllers.gcode.scan import scan
 from beamcam.geometry.curves import Arc, Bezier, BSpline, Curve, Line
 from beamcam.machine import load
-from beamcam.verify.sheets import events_of, grbl, linuxcnc
-from beamcam.verify.sheets.events import Event
 from beamcam.verify.sheets.gaps import widest_gap
-from beamcam.verify.sheets.moves import sure_arcs
-from beamcam.verify.sheets.scan import scan
 from beamcam.verify.sheets.splines import spans_of
 from beamcam.verify.sheets.ways import Ways
 

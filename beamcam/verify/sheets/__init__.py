@@ -3,44 +3,15 @@
 Written from the controllers' documentation and the machine file; nothing is shared with planning,
 motion or the emitters.
 
-    text -> events (rs274 for LinuxCNC and grbl, codesys) -> strokes -> compared with the contours
+    text -> events (controllers/gcode) -> strokes -> compared with the contours
 """
 
 from collections.abc import Collection, Sequence
-from typing import TYPE_CHECKING
 
+from beamcam.controllers.gcode import events_of, run
 from beamcam.errors import Diagnostic, errors_in
 from beamcam.machine.machine import Machine
 from beamcam.model.part import Part
-
-if TYPE_CHECKING:
-    from beamcam.verify.sheets.events import Event
-    from beamcam.verify.sheets.moves import Run
-
-__all__ = ["events_of", "run", "verify_sheet"]
-
-
-def events_of(
-    text: str, machine: Machine, name: str = "program"
-) -> "tuple[list[Event], list[Diagnostic]]":
-    """What a program does, event by event, and what is wrong with its blocks."""
-    done, said = run(text, machine, name)
-    return done.events(), said
-
-
-def run(text: str, machine: Machine, name: str = "program") -> "tuple[Run, list[Diagnostic]]":
-    """What a program does, its moves as arrays, and what is wrong with its blocks."""
-    if machine.controller == "codesys":
-        from beamcam.verify.sheets import codesys
-
-        per_minute = 60.0 if machine.format.feed_unit == "mm/s" else 1.0
-        return codesys.run(text, name, machine.format.resolution, per_minute)
-    from beamcam.verify.sheets import rs274
-    from beamcam.verify.sheets.grbl import GRBL
-    from beamcam.verify.sheets.linuxcnc import LINUXCNC
-
-    dialect = {"linuxcnc": LINUXCNC, "grbl": GRBL}[machine.controller]
-    return rs274.run(text, name, dialect)
 
 
 def verify_sheet(

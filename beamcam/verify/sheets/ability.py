@@ -8,10 +8,10 @@ from math import inf
 
 import numpy as np
 
+from beamcam.controllers.gcode.moves import Floats, Moves
 from beamcam.geometry.curves import Bezier, EllipseArc
 from beamcam.machine.machine import Machine
 from beamcam.machine.path_limits import PathLimits, path_limits
-from beamcam.verify.sheets.moves import Floats, Moves
 
 SECONDS_PER_MINUTE = 60.0
 FLAT = 1e-12

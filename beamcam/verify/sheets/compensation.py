@@ -20,12 +20,12 @@ from math import acos, asin, atan2, cos, degrees, dist, pi, sin, tan
 from msgspec import Struct
 from msgspec.structs import replace
 
+from beamcam.controllers.gcode.events import Leg, Side
+from beamcam.controllers.gcode.moves import moves_of
 from beamcam.errors import Diagnostic, Source
 from beamcam.geometry.curves import Arc
 from beamcam.geometry.plane import Point
 from beamcam.verify.sheets import rules
-from beamcam.verify.sheets.events import Leg, Side
-from beamcam.verify.sheets.moves import moves_of
 from beamcam.verify.sheets.strokes import Stroke, Strokes
 
 STRAIGHT_RAD = 0.05

@@ -9,12 +9,13 @@ from collections.abc import Callable, Iterable
 import numpy as np
 from msgspec import Struct
 
+from beamcam.controllers.gcode.events import Event, Keep, Pause, Ramp, Side, Switch
+from beamcam.controllers.gcode.moves import Counts, Moves, Run
+from beamcam.controllers.gcode.rules import END
 from beamcam.errors import Diagnostic, Rule, Source
 from beamcam.machine.machine import Machine, Torch, TorchProcess, TorchRow
 from beamcam.verify.sheets import rules
 from beamcam.verify.sheets.ability import expected_feeds, told_limits
-from beamcam.verify.sheets.events import Event, Keep, Pause, Ramp, Side, Switch
-from beamcam.verify.sheets.moves import Counts, Moves, Run
 
 ENDS = (2, 30)
 FEED_SLACK = 1e-3
@@ -120,7 +121,7 @@ class _Head:
     def _switch(self, before: int, event: Switch) -> None:
         if event.number in ENDS:
             if self._on:
-                self._wrong(rules.END, event.line, found="the end with the tool on")
+                self._wrong(END, event.line, found="the end with the tool on")
                 self._stop(before)
             return
         said = event.number, event.words
@@ -165,7 +166,7 @@ class _Head:
             self._stop(len(run.moves))
             lines = [event.line for _, event in run.others[-1:]]
             last = max([*lines, *run.moves.line[-1:].tolist()], default=0)
-            self._wrong(rules.END, last, found="the end with the tool on")
+            self._wrong(END, last, found="the end with the tool on")
 
     def check_places(self, moves: Moves, torch: Torch, slack: float) -> None:
         """Says which moves leave the table."""

@@ -7,11 +7,11 @@ from typing import TypeGuard, cast
 
 import numpy as np
 
+from beamcam.controllers.gcode.moves import Moves
 from beamcam.geometry.curves import Arc, Bezier, BSpline, Curve, Line
 from beamcam.geometry.polylines import polylines
 from beamcam.verify.sheets.elements import Counts, Elements, Floats, Pieces, straight_pieces
 from beamcam.verify.sheets.grid import Grid, Pairs
-from beamcam.verify.sheets.moves import Moves
 from beamcam.verify.sheets.spline_arcs import spline_pieces
 
 WIDER = 4.0  #: how much farther is looked where nothing was near

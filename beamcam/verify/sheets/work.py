@@ -6,12 +6,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 from msgspec import Struct
 
+from beamcam.controllers.gcode.moves import Moves
 from beamcam.errors import Diagnostic, Source
 from beamcam.machine.machine import Torch, TorchProcess
 from beamcam.verify.sheets import rules
 from beamcam.verify.sheets.elements import Counts, Flags, Floats
 from beamcam.verify.sheets.gaps import widest_gap
-from beamcam.verify.sheets.moves import Moves
 from beamcam.verify.sheets.need import Need
 from beamcam.verify.sheets.strokes import Stroke, Strokes
 from beamcam.verify.sheets.ways import Ways

@@ -196,7 +196,7 @@ def test_rings_that_touch_in_a_corner() -> None:
 def test_paths_follow_one_another() -> None:
     """The pieces of a stroke lead on where the one before ends, after compensation too."""
     machine = table(kerf=1.2, thickness=3.0, kerf_by="machine", lead="line")
-    from beamcam.verify.sheets import run
+    from beamcam.controllers.gcode import run
     from beamcam.verify.sheets.compensation import compensated
 
     part = drawing(contour(box(0, 0, 60, 40)), contour(circle(20, 20, 12)), thickness=3.0)

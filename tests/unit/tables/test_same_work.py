@@ -3,14 +3,14 @@
 import numpy as np
 import shapely
 
+from beamcam.controllers.gcode import events_of
+from beamcam.controllers.gcode.events import Leg
 from beamcam.controllers.step_table.rows import Stream, binary_rows
 from beamcam.emitters import step_table as forms
 from beamcam.geometry.curves import Line
 from beamcam.machine import load
 from beamcam.motion.steps import step_table
 from beamcam.pipeline import post
-from beamcam.verify.sheets import events_of
-from beamcam.verify.sheets.events import Leg
 from beamcam.verify.steps.follow import Followed
 from beamcam.verify.steps.outline import Floats, Outline
 

@@ -6,8 +6,8 @@ interpreter: the radii may differ by 0.1 %, or by 0.02 sqrt(2) mm; nothing below
 
 from math import dist, sqrt
 
+from beamcam.controllers.gcode.rs274_words import Dialect, Fault
 from beamcam.geometry.plane import Point
-from beamcam.verify.sheets.rs274_words import Dialect, Fault
 
 #: The interpreter takes 0.0283 mm or 0.1 %. Older manuals say 0.005 mm, which the annexed check
 #: of other programs and of grbl uses as well; a program that keeps to it is safe on all of them.

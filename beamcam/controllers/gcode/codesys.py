@@ -17,14 +17,14 @@ from msgspec.structs import replace
 
 from beamcam.controllers.arcs import arc_fault, sweep_of
 from beamcam.controllers.blocks import BRAKING, read_blocks
+from beamcam.controllers.gcode import rules
+from beamcam.controllers.gcode.controller import Controller
+from beamcam.controllers.gcode.events import Keep, Leg, Pause, Ramp, Side, Switch
+from beamcam.controllers.gcode.moves import Run
+from beamcam.controllers.gcode.scan import Scan, scan
 from beamcam.errors import Diagnostic, Source
 from beamcam.geometry.curves import Arc, Bezier, EllipseArc
 from beamcam.geometry.plane import Point, cross
-from beamcam.verify.sheets import rules
-from beamcam.verify.sheets.controller import Controller
-from beamcam.verify.sheets.events import Keep, Leg, Pause, Ramp, Side, Switch
-from beamcam.verify.sheets.moves import Run
-from beamcam.verify.sheets.scan import Scan, scan
 
 NAME = "CODESYS"
 M_WORDS_IN_A_ROW = 64  #: SMC_DEC_OUTQUEUE_RAN_EMPTY

@@ -10,10 +10,10 @@ from typing import cast
 import numpy as np
 from msgspec.structs import replace
 
+from beamcam.controllers.gcode.events import Event, Leg
+from beamcam.controllers.gcode.moves import Moves, Run, arcs_between, joined, moves_of, sure_arcs
+from beamcam.controllers.gcode.scan import Counts, Floats, PlainMoves
 from beamcam.geometry.plane import Point
-from beamcam.verify.sheets.events import Event, Leg
-from beamcam.verify.sheets.moves import Moves, Run, arcs_between, joined, moves_of, sure_arcs
-from beamcam.verify.sheets.scan import Counts, Floats, PlainMoves
 
 #: Start, end, centre, clockwise: what is wrong with an arc, None if nothing is.
 ArcFault = Callable[[Point, Point, Point, bool], str | None]

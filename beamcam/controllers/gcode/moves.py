@@ -6,8 +6,8 @@ import numpy as np
 from msgspec import Struct, field
 from numpy.typing import NDArray
 
+from beamcam.controllers.gcode.events import Event, Leg
 from beamcam.geometry.curves import Arc, Bezier, EllipseArc
-from beamcam.verify.sheets.events import Event, Leg
 
 Floats = NDArray[np.float64]
 Counts = NDArray[np.int64]

@@ -7,12 +7,12 @@ from abc import ABC, abstractmethod
 from bisect import bisect_left
 from math import isnan, nan
 
+from beamcam.controllers.gcode import rules
+from beamcam.controllers.gcode.moves import Run
+from beamcam.controllers.gcode.scan import PlainMoves
+from beamcam.controllers.gcode.track import ArcFault, Track
 from beamcam.errors import Diagnostic, Rule, Source
 from beamcam.geometry.plane import Point
-from beamcam.verify.sheets import rules
-from beamcam.verify.sheets.moves import Run
-from beamcam.verify.sheets.scan import PlainMoves
-from beamcam.verify.sheets.track import ArcFault, Track
 
 
 class Controller(ABC):

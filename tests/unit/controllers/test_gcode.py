@@ -2,9 +2,9 @@
 
 import pytest
 
-from beamcam.verify.sheets import codesys
-from beamcam.verify.sheets.controller import Controller
-from beamcam.verify.sheets.scan import scan
+from beamcam.controllers.gcode import codesys
+from beamcam.controllers.gcode.controller import Controller
+from beamcam.controllers.gcode.scan import scan
 
 HEAD = "G90\nG00 X0 Y0\n"
 FULL = "M08\n" * 64

@@ -8,10 +8,10 @@ from collections.abc import Callable
 
 from msgspec import Struct
 
+from beamcam.controllers.gcode import rules
+from beamcam.controllers.gcode.events import Event, Keep, Pause, Side, Switch
 from beamcam.errors import Rule
 from beamcam.geometry.plane import Point
-from beamcam.verify.sheets import rules
-from beamcam.verify.sheets.events import Event, Keep, Pause, Side, Switch
 
 _NUMBER = r"[+-]?(?:\d+\.?\d*|\.\d+)"
 _WORD = re.compile(rf"([A-Z])({_NUMBER})")

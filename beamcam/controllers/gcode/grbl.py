@@ -7,8 +7,8 @@ full circle. A line holds at most 79 characters.
 
 from math import atan2, dist, pi
 
+from beamcam.controllers.gcode.rs274_words import Dialect, Fault
 from beamcam.geometry.plane import Point
-from beamcam.verify.sheets.rs274_words import Dialect, Fault
 
 ARC_ABSOLUTE = 0.005
 ARC_SHARE = 0.001

@@ -9,15 +9,15 @@ modal. Plain moves are carried out together, everything else block by block.
 
 from math import atan2, degrees, hypot, isnan
 
+from beamcam.controllers.gcode import rules
+from beamcam.controllers.gcode.controller import Controller
+from beamcam.controllers.gcode.events import Event, Leg, Switch
+from beamcam.controllers.gcode.moves import Run
+from beamcam.controllers.gcode.rs274_words import Block, Dialect, read_block
+from beamcam.controllers.gcode.scan import Scan, scan
 from beamcam.errors import Diagnostic, Source
 from beamcam.geometry.curves import Arc
 from beamcam.geometry.plane import Point
-from beamcam.verify.sheets import rules
-from beamcam.verify.sheets.controller import Controller
-from beamcam.verify.sheets.events import Event, Leg, Switch
-from beamcam.verify.sheets.moves import Run
-from beamcam.verify.sheets.rs274_words import Block, Dialect, read_block
-from beamcam.verify.sheets.scan import Scan, scan
 
 #: What the radii at both ends of an arc may always differ by, whatever the radius.
 ARC_ALWAYS = 0.005
