@@ -8,8 +8,8 @@ from pathlib import Path
 
 import pytest
 
+from beamcam.controllers.events import Keep, Leg
 from beamcam.controllers.gcode import events_of
-from beamcam.controllers.gcode.events import Keep, Leg
 from beamcam.machine import load
 from beamcam.pipeline import post
 from beamcam.verify.sheets.compensation import CompensationError, compensated

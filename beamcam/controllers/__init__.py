@@ -12,13 +12,13 @@ from collections.abc import Callable
 from beamcam.controllers import codesys
 from beamcam.controllers.blocks import Block, read_blocks
 from beamcam.controllers.dialect import Dialect
-from beamcam.controllers.events import Event
+from beamcam.controllers.events import BarEvent
 from beamcam.errors import Diagnostic
 from beamcam.machine.machine import Machine, NumberFormat
 
 #: Interpreter of each controller family that moves bars.
 INTERPRETERS: dict[
-    str, Callable[[list[Block], str, NumberFormat], tuple[list[Event], list[Diagnostic]]]
+    str, Callable[[list[Block], str, NumberFormat], tuple[list[BarEvent], list[Diagnostic]]]
 ] = {
     "codesys": codesys.run,
 }
@@ -26,7 +26,7 @@ INTERPRETERS: dict[
 
 def events_of(
     text: str, machine: Machine, dialect: Dialect, name: str = "program"
-) -> tuple[list[Event], list[Diagnostic]]:
+) -> tuple[list[BarEvent], list[Diagnostic]]:
     """What a program does, event by event, and what is wrong with its blocks."""
     blocks, said = read_blocks(text, name, dialect.letters)
     events, more = INTERPRETERS[machine.controller](blocks, name, machine.format)

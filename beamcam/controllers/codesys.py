@@ -10,7 +10,7 @@ from math import isnan, nan
 from beamcam.controllers import rules
 from beamcam.controllers.arcs import arc_fault, radius_centre, radius_fault, sweep_of
 from beamcam.controllers.blocks import BRAKING, Block
-from beamcam.controllers.events import Event, Move, Pause, Place, Switch, Turn
+from beamcam.controllers.events import BarEvent, Move, Pause, Place, Switch, Turn
 from beamcam.errors import Diagnostic, Source
 from beamcam.machine.machine import NumberFormat
 
@@ -22,12 +22,12 @@ _KNOWN = "G00 to G04, G40, G50, G53, G75, G90, G91, G98 or G99"
 
 def run(
     blocks: list[Block], name: str, form: NumberFormat, feed: float = 0.0
-) -> tuple[list[Event], list[Diagnostic]]:
+) -> tuple[list[BarEvent], list[Diagnostic]]:
     """The events of a program, and what its controller would not do as it says.
 
     `feed` in mm/min is what holds before the first F.
     """
-    events: list[Event] = []
+    events: list[BarEvent] = []
     said: list[Diagnostic] = []
     x = y = z = nan
     per_minute = 60.0 if form.feed_unit == "mm/s" else 1.0

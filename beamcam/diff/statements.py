@@ -8,8 +8,8 @@ line, without comments and spacing.
 import re
 from collections.abc import Iterator
 
+from beamcam.controllers.events import Keep, Leg, Pause, Ramp, Switch, TableEvent
 from beamcam.controllers.gcode import events_of
-from beamcam.controllers.gcode.events import Event, Keep, Leg, Pause, Ramp, Switch
 from beamcam.diff.differ import Difference
 from beamcam.errors import Diagnostic, errors_in
 from beamcam.geometry.curves import Arc, EllipseArc
@@ -52,7 +52,7 @@ def statements(text: str, machine: Machine, name: str) -> tuple[list[str], list[
     return list(_sentences(events, machine.format.length_decimals)), said
 
 
-def _sentences(events: list[Event], decimals: int) -> Iterator[str]:
+def _sentences(events: list[TableEvent], decimals: int) -> Iterator[str]:
     for event in events:
         match event:
             case Leg(rapid=rapid, end=(x, y), curve=curve):

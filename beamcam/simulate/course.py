@@ -10,7 +10,7 @@ from msgspec import Struct
 from msgspec.structs import replace
 
 from beamcam.controllers.dialect import Dialect
-from beamcam.controllers.events import Event, Move, Pause, Switch, Turn
+from beamcam.controllers.events import BarEvent, Move, Pause, Switch, Turn
 from beamcam.errors import MachineError, Source
 from beamcam.geometry.ramps import Ramp
 from beamcam.machine import rules as machine_rules
@@ -55,7 +55,7 @@ class Stretch(Struct, frozen=True):
 
 
 def stretches(
-    events: Sequence[Event], dialect: Dialect, section: Mapping[str, float], machine: Machine
+    events: Sequence[BarEvent], dialect: Dialect, section: Mapping[str, float], machine: Machine
 ) -> tuple[Stretch, ...]:
     """The stretches of a program, one after another.
 
@@ -120,7 +120,7 @@ class _Simulation:
 
     def __init__(
         self,
-        events: Sequence[Event],
+        events: Sequence[BarEvent],
         dialect: Dialect,
         section: Mapping[str, float],
         machine: Machine,

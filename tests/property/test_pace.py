@@ -7,7 +7,7 @@ import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
-from beamcam.controllers.gcode.events import Leg
+from beamcam.controllers.events import Leg
 from beamcam.controllers.gcode.moves import moves_of
 from beamcam.geometry.bending import least_radius_of_ellipse, least_radius_of_parabola
 from beamcam.geometry.curves import Arc, Bezier, EllipseArc

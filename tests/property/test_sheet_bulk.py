@@ -11,8 +11,8 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 
 from beamcam.controllers.arcs import arc_fault as codesys_fault
+from beamcam.controllers.events import TableEvent
 from beamcam.controllers.gcode import events_of, grbl, linuxcnc
-from beamcam.controllers.gcode.events import Event
 from beamcam.controllers.gcode.moves import sure_arcs
 from beamcam.controllers.gcode.scan import scan
 from beamcam.geometry.curves import Arc, Bezier, BSpline, Curve, Line
@@ -89,7 +89,7 @@ def walk(machine: str, random: Random) -> str:
     return "\n".join([*lines, random.choice(["M2\nG1 X1 Y1", "M2", "G1 X1 Y1"]), ""])
 
 
-def flat(event: Event) -> list[object]:
+def flat(event: TableEvent) -> list[object]:
     """All numbers and words of an event."""
     found: list[object] = [type(event).__name__]
     for value in event:

@@ -12,13 +12,13 @@ from beamcam.errors import Diagnostic
 from beamcam.machine.machine import Machine
 
 if TYPE_CHECKING:
-    from beamcam.controllers.gcode.events import Event
+    from beamcam.controllers.events import TableEvent
     from beamcam.controllers.gcode.moves import Run
 
 
 def events_of(
     text: str, machine: Machine, name: str = "program"
-) -> "tuple[list[Event], list[Diagnostic]]":
+) -> "tuple[list[TableEvent], list[Diagnostic]]":
     """What a program does, event by event, and what is wrong with its blocks."""
     done, said = run(text, machine, name)
     return done.events(), said

@@ -17,9 +17,9 @@ from msgspec.structs import replace
 
 from beamcam.controllers.arcs import arc_fault, sweep_of
 from beamcam.controllers.blocks import BRAKING, read_blocks
+from beamcam.controllers.events import Keep, Leg, Pause, Ramp, Side, Switch
 from beamcam.controllers.gcode import rules
 from beamcam.controllers.gcode.controller import Controller
-from beamcam.controllers.gcode.events import Keep, Leg, Pause, Ramp, Side, Switch
 from beamcam.controllers.gcode.moves import Run
 from beamcam.controllers.gcode.scan import Scan, scan
 from beamcam.errors import Diagnostic, Source
@@ -82,7 +82,7 @@ class _Reader(Controller):
         if command == "M":
             self._in_a_row(line)
             self._ends += number in (2, 30)
-            self._track.event(Switch(line, number, tuple(sorted(words.items()))))
+            self._track.event(Switch(line, number, words))
         elif command == "G" and number not in _TRAVEL:
             self._setting(line, number, words)
         else:

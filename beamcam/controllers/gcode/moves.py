@@ -6,7 +6,7 @@ import numpy as np
 from msgspec import Struct, field
 from numpy.typing import NDArray
 
-from beamcam.controllers.gcode.events import Event, Leg
+from beamcam.controllers.events import Leg, TableEvent
 from beamcam.geometry.curves import Arc, Bezier, EllipseArc
 
 Floats = NDArray[np.float64]
@@ -61,11 +61,11 @@ class Run(Struct, frozen=True):
     """What a program does: its moves, and its other events between them."""
 
     moves: Moves
-    others: list[tuple[int, Event]]  #: each with the number of moves before it
+    others: list[tuple[int, TableEvent]]  #: each with the number of moves before it
 
-    def events(self) -> list[Event]:
+    def events(self) -> list[TableEvent]:
         """Everything in its order."""
-        found: list[Event] = []
+        found: list[TableEvent] = []
         legs = list(self.moves.legs())
         done = 0
         for before, event in self.others:

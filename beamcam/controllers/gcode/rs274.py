@@ -9,9 +9,9 @@ modal. Plain moves are carried out together, everything else block by block.
 
 from math import atan2, degrees, hypot, isnan
 
+from beamcam.controllers.events import Leg, Switch, TableEvent
 from beamcam.controllers.gcode import rules
 from beamcam.controllers.gcode.controller import Controller
-from beamcam.controllers.gcode.events import Event, Leg, Switch
 from beamcam.controllers.gcode.moves import Run
 from beamcam.controllers.gcode.rs274_words import Block, Dialect, read_block
 from beamcam.controllers.gcode.scan import Scan, scan
@@ -90,7 +90,7 @@ class _Reader(Controller):
             self._travel(line, block.motion, dict(block.values))
         if block.ends:
             self._ends += 1
-            self._track.event(Switch(line, block.ends[0], ()))
+            self._track.event(Switch(line, block.ends[0], {}))
 
     def _travel(self, line: int, said: int | None, values: dict[str, float]) -> None:
         """The move of a block whose words are not all there, or count from the last place."""
@@ -153,7 +153,7 @@ class _Reader(Controller):
         return self._ended(last, 1.0, ARC_ALWAYS, self._dialect.arc_fault)
 
 
-def _on_line(line: int, event: Event) -> Event:
+def _on_line(line: int, event: TableEvent) -> TableEvent:
     """The same event, said on a line; `_replace` takes three times as long."""
     return type(event)(line, *event[1:])
 

@@ -8,8 +8,8 @@ from collections.abc import Callable
 
 from msgspec import Struct
 
+from beamcam.controllers.events import Keep, Pause, Side, Switch, TableEvent
 from beamcam.controllers.gcode import rules
-from beamcam.controllers.gcode.events import Event, Keep, Pause, Side, Switch
 from beamcam.errors import Rule
 from beamcam.geometry.plane import Point
 
@@ -40,7 +40,7 @@ class Block(Struct, frozen=True):
 
     faults: tuple[tuple[Rule, str, str], ...] = ()  #: what is wrong, found, expected
     feed: float | None = None
-    events: tuple[Event, ...] = ()  #: before its move; their lines are 0
+    events: tuple[TableEvent, ...] = ()  #: before its move; their lines are 0
     settings: tuple[str, ...] = ()
     motion: int | None = None
     values: dict[str, float] = {}  #: of the words that are left for the move
@@ -86,7 +86,7 @@ def read_block(text: str, dialect: Dialect) -> Block:
         else:
             values[letter] = value
     feed = values.pop("F", None)
-    events: list[Event] = []
+    events: list[TableEvent] = []
     for number in switches:
         letters = dialect.switches.get(number)
         if number in ENDS:
@@ -94,7 +94,7 @@ def read_block(text: str, dialect: Dialect) -> Block:
         if letters is None:
             wrong(f"M{number}", f"an M word that {dialect.name} knows")
         else:
-            own = tuple(sorted((k, values.pop(k)) for k in letters & values.keys()))
+            own = {k: values.pop(k) for k in letters & values.keys()}
             events.append(Switch(0, number, own))
     settings = [code for code in codes if code not in MOTIONS]
     for code in settings:

@@ -10,7 +10,7 @@ from typing import cast
 import numpy as np
 from msgspec.structs import replace
 
-from beamcam.controllers.gcode.events import Event, Leg
+from beamcam.controllers.events import Leg, TableEvent
 from beamcam.controllers.gcode.moves import Moves, Run, arcs_between, joined, moves_of, sure_arcs
 from beamcam.controllers.gcode.scan import Counts, Floats, PlainMoves
 from beamcam.geometry.plane import Point
@@ -29,7 +29,7 @@ class Track:
         self._feeds: list[float] = []  #: that each begins with
         self._legs: list[Leg] = []
         self._order: list[tuple[int, int]] = []  #: runs as above, legs behind all plain rows
-        self._others: list[tuple[int, Event]] = []
+        self._others: list[tuple[int, TableEvent]] = []
         self._count = 0
         #: The row behind the last run, and place and feed there, if nothing moved since.
         self._behind: tuple[int, Point, float] | None = None
@@ -37,7 +37,7 @@ class Track:
         #: The last row up to each that says a feed; -1 before the first.
         self._fed: Counts = np.maximum.accumulate(np.where(np.isnan(plain.feed), -1, rows))
 
-    def event(self, event: Event) -> None:
+    def event(self, event: TableEvent) -> None:
         """Anything but a move."""
         self._others.append((self._count, event))
 

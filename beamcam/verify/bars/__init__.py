@@ -13,7 +13,7 @@ from msgspec import Struct
 from beamcam.caches import BoundedCache, PerObject
 from beamcam.controllers import events_of
 from beamcam.controllers.dialect import Dialect, dialect_of
-from beamcam.controllers.events import Event, Switch
+from beamcam.controllers.events import BarEvent, Switch
 from beamcam.errors import Diagnostic, Source, VerifyError, errors_in
 from beamcam.machine.machine import Machine
 from beamcam.model.part import Part, Profile
@@ -36,7 +36,7 @@ class Run(Struct, frozen=True):
     """A program that was interpreted."""
 
     made: Made
-    events: tuple[Event, ...]
+    events: tuple[BarEvent, ...]
     diagnostics: tuple[Diagnostic, ...]  #: what is wrong with it by itself
     dialect: Dialect
     choices: dict[int, Choice]
@@ -95,7 +95,7 @@ def run(
     return Run(made, tuple(events), tuple(said), known.dialect, choices, unseen)
 
 
-def _section_of(events: Sequence[Event], dialect: Dialect, machine: Machine) -> Profile:
+def _section_of(events: Sequence[BarEvent], dialect: Dialect, machine: Machine) -> Profile:
     """The section as far as a program says it: what kind it is, and how high and wide."""
     said: dict[str, float] = {}
     for event in events:

@@ -9,7 +9,7 @@ the feed. The state and the M words stand in `cell_state`; here are the moves.
 from collections.abc import Iterable
 from math import isnan, nan
 
-from beamcam.controllers.events import Event, Move, Switch, Turn
+from beamcam.controllers.events import BarEvent, Move, Switch, Turn
 from beamcam.controllers.rules import WORD
 from beamcam.verify import rules
 from beamcam.verify.bars.cell_state import AXES, EPSILON, CellState
@@ -23,7 +23,7 @@ _NOWHERE = (nan, nan)
 class Cell(CellState):
     """The cell while a program runs; `run` gives what came of it."""
 
-    def run(self, events: Iterable[Event], last_line: int) -> Made:
+    def run(self, events: Iterable[BarEvent], last_line: int) -> Made:
         """What the events make."""
         for event in events:
             if self.ended:

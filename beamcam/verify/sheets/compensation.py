@@ -20,7 +20,7 @@ from math import acos, asin, atan2, cos, degrees, dist, pi, sin, tan
 from msgspec import Struct
 from msgspec.structs import replace
 
-from beamcam.controllers.gcode.events import Leg, Side
+from beamcam.controllers.events import Leg, Side
 from beamcam.controllers.gcode.moves import moves_of
 from beamcam.errors import Diagnostic, Source
 from beamcam.geometry.curves import Arc

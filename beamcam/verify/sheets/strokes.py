@@ -9,7 +9,7 @@ from collections.abc import Callable, Iterable
 import numpy as np
 from msgspec import Struct
 
-from beamcam.controllers.gcode.events import Event, Keep, Pause, Ramp, Side, Switch
+from beamcam.controllers.events import Keep, Pause, Ramp, Said, Side, Switch, TableEvent
 from beamcam.controllers.gcode.moves import Counts, Moves, Run
 from beamcam.controllers.gcode.rules import END
 from beamcam.errors import Diagnostic, Rule, Source
@@ -21,9 +21,6 @@ ENDS = (2, 30)
 FEED_SLACK = 1e-3
 LOWERED_SLACK = 5e-3  #: of a feed that follows from a curve whose numbers are rounded
 PAUSE_SLACK_S = 1e-6
-
-
-Said = tuple[int, tuple[tuple[str, float], ...]]  #: number of an M word, and its parameters
 
 
 class Stroke(Struct):
@@ -62,7 +59,7 @@ def strokes_of(
     machine: Machine,
     torch: Torch,
     rows: Iterable[TorchRow],
-    parse: Callable[[str], list[Event]],
+    parse: Callable[[str], list[TableEvent]],
     name: str,
 ) -> tuple[Strokes, list[Diagnostic]]:
     """The strokes of a program whose sheet is worked with `rows`, and what is wrong between them.
@@ -101,7 +98,7 @@ class _Head:
     def _wrong(self, rule: Rule, line: int, **values: str) -> None:
         self.said.append(rule.at(Source(self._name, line), **values))
 
-    def take(self, before: int, event: Event) -> None:
+    def take(self, before: int, event: TableEvent) -> None:
         """Anything but a move, with the number of moves before it."""
         if isinstance(event, Switch):
             self._switch(before, event)
@@ -124,7 +121,7 @@ class _Head:
                 self._wrong(END, event.line, found="the end with the tool on")
                 self._stop(before)
             return
-        said = event.number, event.words
+        said = event.said
         starts = self._starting.get(said)
         if self._on and said in self._words[-1].off:
             self._stop(before)
@@ -140,7 +137,7 @@ class _Head:
                 expected = "the word that stops the tool that is on"
                 self._wrong(rules.TOOL, event.line, found=str(event), expected=expected)
         else:
-            words = " or ".join(str(Switch(0, *one)) for one in self._starting)
+            words = " or ".join(str(Switch(0, n, dict(w))) for n, w in self._starting)
             expected = f"{words} on this sheet, the other tool off"
             self._wrong(rules.TOOL, event.line, found=str(event), expected=expected)
 
@@ -249,10 +246,10 @@ class _Head:
             )  # fmt: skip
 
 
-def _words_of(row: TorchRow, machine: Machine, parse: Callable[[str], list[Event]]) -> _Words:
+def _words_of(row: TorchRow, machine: Machine, parse: Callable[[str], list[TableEvent]]) -> _Words:
     """The words of a row, read from the machine's templates by the controller's own rules."""
 
-    def events(template: tuple[str, ...]) -> list[Event]:
+    def events(template: tuple[str, ...]) -> list[TableEvent]:
         lines = [
             line.format(power=f"{row.power:.6f}", pierce=f"{row.pierce_s:.6f}", feed="1")
             for line in template
@@ -263,7 +260,7 @@ def _words_of(row: TorchRow, machine: Machine, parse: Callable[[str], list[Event
     off = events(getattr(machine.words, f"{row.process}_off"))
     return _Words(
         row,
-        tuple((e.number, e.words) for e in on if isinstance(e, Switch)),
-        tuple((e.number, e.words) for e in off if isinstance(e, Switch)),
+        tuple(e.said for e in on if isinstance(e, Switch)),
+        tuple(e.said for e in off if isinstance(e, Switch)),
         sum(e.seconds for e in on if isinstance(e, Pause)),
     )

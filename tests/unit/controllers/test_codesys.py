@@ -6,13 +6,13 @@ import pytest
 
 from beamcam.controllers.blocks import read_blocks
 from beamcam.controllers.codesys import run
-from beamcam.controllers.events import Event, Move, Pause, Switch, Turn
+from beamcam.controllers.events import BarEvent, Move, Pause, Switch, Turn
 from beamcam.machine.machine import NumberFormat
 
 FORM = NumberFormat(feed_unit="mm/s")
 
 
-def events(text: str) -> list[Event]:
+def events(text: str) -> list[BarEvent]:
     blocks, said = read_blocks(text, "a")
     found, more = run(blocks, "a", FORM)
     assert said + more == []

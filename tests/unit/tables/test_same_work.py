@@ -3,8 +3,8 @@
 import numpy as np
 import shapely
 
+from beamcam.controllers.events import Leg
 from beamcam.controllers.gcode import events_of
-from beamcam.controllers.gcode.events import Leg
 from beamcam.controllers.step_table.rows import Stream, binary_rows
 from beamcam.emitters import step_table as forms
 from beamcam.geometry.curves import Line
