@@ -284,6 +284,9 @@ def _drilled(made: Cuts, bar: Bar, f: Hole | Slot) -> str:
     if f.depth is not None:
         outer = f.face in ("v", "o")
         low, high = (high - f.depth, high) if outer else (low, low + f.depth)
+    # Beyond the section there is air, in which faces do not lie on faces.
+    low = low - 3.0 if low <= 0.0 else low
+    high = high + 3.0 if high >= bar.sizes[normal - 1] else high
     r = f.diameter / 2
     if isinstance(f, Hole):
         at = [f.x, f.y, f.y]
@@ -320,7 +323,23 @@ def gone_of(part: Part, face: str, width: float) -> Any:
     if left:
         stock = shapely_box(-50.0, 0.0, part.length + 50.0, width)
         gone.append(stock.difference(union_all(left)))
-    return union_all(gone)
+    return _over_edges(union_all(gone), width)
+
+
+def _over_edges(gone: Any, width: float) -> Any:
+    """What is gone, a little over the edges of its wall where it is open: no faces coincide."""
+    from shapely import LineString, union_all
+
+    x0, _, x1, _ = gone.bounds
+    over = [gone]
+    for edge, outside in ((0.0, -5.0), (width, width + 5.0)):
+        inside = edge + (1e-4 if edge == 0.0 else -1e-4)
+        line = gone.intersection(LineString([(x0 - 1, inside), (x1 + 1, inside)]))
+        for piece in getattr(line, "geoms", (line,)):
+            if piece.geom_type == "LineString" and piece.length > 1e-3:
+                a, _, b, _ = piece.bounds
+                over.append(shapely_box(a, min(inside, outside), b, max(inside, outside)))
+    return union_all(over)
 
 
 def _steps(curve: Any) -> int:
