@@ -11,8 +11,8 @@ from beamcam.commands.common import Voice, write
 from beamcam.files import FilesRead
 
 if TYPE_CHECKING:
-    from beamcam.motion.profile import Profile
-    from beamcam.motion.profile_report import Unit
+    from beamcam.geometry.velocity_profile import Profile
+    from beamcam.report.velocity_profile import Unit
 
 SUFFIXES = (".csv", ".svg", ".png")
 MOST_ROWS = 1_000_000
@@ -60,7 +60,7 @@ def row_step(duration_s: float, step_s: float | None) -> float:
 
 def unit_of(name: str | None, pulses: int | None, travel: float | None) -> "Unit":
     """The unit that the options speak of. Raises ValueError where they contradict each other."""
-    from beamcam.motion.profile_report import MM_S, RPM, UNITS
+    from beamcam.report.velocity_profile import MM_S, RPM, UNITS
 
     if travel is not None and pulses is None:
         raise ValueError("--travel goes with --pulses, the encoder's pulses a revolution")
@@ -159,7 +159,7 @@ def command(
     beamcam profile --points 0:0,2:300,5:300,6:0 -o job.png
     beamcam profile --distance 500 --velocity 200 --acceleration 800 --greatest-jerk 9000 -o -
     """
-    from beamcam.motion.profile_report import Encoder, profile_png, profile_svg, profile_table
+    from beamcam.report.velocity_profile import Encoder, profile_png, profile_svg, profile_table
 
     suffix = os.path.splitext(output)[1].lower()
     try:

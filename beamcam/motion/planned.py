@@ -4,7 +4,7 @@ import numpy as np
 from msgspec import Struct
 from numpy.typing import ArrayLike, NDArray
 
-from beamcam.motion.profile import Phase
+from beamcam.geometry.velocity_profile import Phase
 from beamcam.motion.reach import peak_rises, ramp_phases
 from beamcam.motion.stretches import Stretch
 

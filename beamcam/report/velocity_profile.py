@@ -9,7 +9,7 @@ import numpy as np
 from msgspec import Struct
 from numpy.typing import NDArray
 
-from beamcam.motion.profile import Profile
+from beamcam.geometry.velocity_profile import Profile
 
 Floats = NDArray[np.float64]
 
