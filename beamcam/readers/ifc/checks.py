@@ -55,10 +55,13 @@ def check_data(part: Part, shaped: Shaped, data: Data, source: Source) -> tuple[
             said.append(rule.at(source, where=where, **texts))
     said += _check_volume(shaped, data, source)
     listed = data.has(CUTOUTS)
-    cut = any(isinstance(f, Contour) for f in part.features) or part.cuts != EndCuts()
-    if listed is not None and not cut:
+    if listed is not None and not _is_cut(part):
         said.append(rules.CUTOUT.at(source, where=listed))
     return tuple(said)
+
+
+def _is_cut(part: Part) -> bool:
+    return any(isinstance(f, Contour) for f in part.features) or part.cuts != EndCuts()
 
 
 def _check_volume(shaped: Shaped, data: Data, source: Source) -> Iterator[Diagnostic]:
