@@ -11,7 +11,8 @@ import pytest
 from tests.conftest import ROOT
 
 BENCHMARKS = ROOT / "benchmarks"
-OTHERS = ("damage", "mutants", "script")  #: are there to be imported
+#: Are there to be imported.
+OTHERS = ("damage", "faults", "liars", "mutants", "script", "sheet_liars")
 SCRIPTS = sorted(path.name for path in BENCHMARKS.glob("*.py") if path.stem not in OTHERS)
 
 

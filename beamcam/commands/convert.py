@@ -11,7 +11,15 @@ from msgspec import Struct
 
 from beamcam.batch.names import Names, cleaned
 from beamcam.commands import options
-from beamcam.commands.common import REFUSED, Voice, cannot_write, over_input, read_all, write
+from beamcam.commands.common import (
+    REFUSED,
+    Voice,
+    cannot_write,
+    over_input,
+    read_all,
+    say_json,
+    write,
+)
 from beamcam.commands.members import member_choice, member_options
 from beamcam.commands.rules import NO_PART, ONE_PART, OUTPUT_FORMAT, RENAMED, WRITTEN
 from beamcam.commands.settings import files_read, settled
@@ -76,11 +84,9 @@ def file_names(parts: Sequence[Part], suffix: str) -> tuple[list[str], list[Diag
 
 def _print_schema(ctx: click.Context, param: click.Parameter, wanted: bool) -> None:
     if wanted:
-        import json
-
         from beamcam.model.part_schema import part_schema
 
-        click.echo(json.dumps(part_schema(), indent=1))
+        say_json(part_schema())
         ctx.exit()
 
 

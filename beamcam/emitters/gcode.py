@@ -46,11 +46,15 @@ def _numbered(blocks: Iterable[str]) -> Iterator[str]:
 def _blocks(program: Program, machine: Machine) -> Iterator[str]:
     """Blocks, and whole cycles and cuts in one."""
     words, form = machine.words, machine.format
+    strokes: dict[SpindleStroke, Values] = {}  #: most strokes are like one before, at another X
     started = False
     for command in program.commands:
         match command:
-            case DrillCycle():
-                yield _cycle(command, words, form)
+            case DrillCycle(stroke=stroke):
+                if stroke not in strokes:
+                    strokes[stroke] = _stroke_values(stroke, form)
+                x = number(command.x, form.length_decimals)
+                yield _filled(getattr(words, stroke.kind), {**strokes[stroke], "x": x})
             case SawStroke() if words.saw:
                 yield _cut(command, words, form)
             case StartBar():
@@ -78,12 +82,6 @@ def _header(job: str, command: StartBar, words: Words, form: NumberFormat) -> st
     return _filled(words.header, values)
 
 
-def _cycle(command: DrillCycle, words: Words, form: NumberFormat) -> str:
-    """The text of a cycle."""
-    x = number(command.x, form.length_decimals)
-    return _filled(getattr(words, command.stroke.kind), _stroke_values(command.stroke, x, form))
-
-
 def _cut(command: SawStroke, words: Words, form: NumberFormat) -> str:
     """The text of a cut."""
     return _filled(words.saw, _cut_values(command, number(command.x, form.length_decimals), form))
@@ -101,7 +99,7 @@ def _change(command: ChangeTool, words: Words) -> str:
 
 
 def _filled(template: Iterable[str], values: Values) -> str:
-    return "\n".join([line.format_map(values) for line in template])
+    return "\n".join(template).format_map(values)
 
 
 def _cut_values(command: SawStroke, x: str, form: NumberFormat) -> Values:
@@ -113,10 +111,9 @@ def _cut_values(command: SawStroke, x: str, form: NumberFormat) -> Values:
     }
 
 
-def _stroke_values(stroke: SpindleStroke, x: str, form: NumberFormat) -> Values:
+def _stroke_values(stroke: SpindleStroke, form: NumberFormat) -> Values:
     return {
         **_place_values(stroke, form),
-        "x": x,
         "spindle": str(stroke.spindle),
         "diameter": number(stroke.diameter, 3),
         "feed": _feed(stroke.feed_mm_min, form),
