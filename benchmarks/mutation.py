@@ -31,6 +31,7 @@ from beamcam.planning import SKIP_NAMES
 from beamcam.verify import verify
 from beamcam.verify.left_out import LEFT_OUT
 from benchmarks.faults import FAULTS
+from benchmarks.heads import counted
 from benchmarks.liars import told
 from benchmarks.mutants import FACES, MUTATIONS, REWRITES
 from benchmarks.script import arguments, at_least, start
@@ -258,6 +259,9 @@ def main() -> None:
         print(f"{name:22} {of}, {broken.alone[name]:5} without the parts")
     lied = told(MACHINES)
     print(f"{sum(lied.caught.values())} of {sum(lied.made.values())} lies of the planner caught")
+    changed_heads, refused_heads = counted()
+    of = sum(changed_heads.values())
+    print(f"{sum(refused_heads.values())} of {of} heads that say otherwise refused")
     sheets = told_of_sheets()
     print(f"{sum(sheets.caught.values())} of {sum(sheets.made.values())} lies about sheets caught")
     for missed in (*broken.missed[:5], *lied.missed[:5], *sheets.missed[:5]):

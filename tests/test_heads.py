@@ -13,6 +13,8 @@ from beamcam.machine import load, shipped
 from beamcam.pipeline import RefusedProgram, parts_of, post, read_file
 from beamcam.posts import FORM, Job, Post, head_lines, post_of
 from beamcam.verify.head import VERSION, Head, head_of
+from benchmarks.heads import CHANGES, counted
+from benchmarks.heads import SAMPLES as SHIPPED
 from tests.conftest import GOLDEN, SAMPLES
 
 SLOT = str(SAMPLES / "bad" / "slot.nc1")
@@ -135,3 +137,8 @@ def test_verify_warns_of_a_machine_that_has_changed_since(tmp_path: Path) -> Non
 
 def test_a_program_written_by_hand_needs_no_head() -> None:
     assert head_of("% 1\nN1 G90\nN2 M30\n") is None
+
+
+def test_every_machine_refuses_every_head_that_says_otherwise() -> None:
+    made, caught = counted()
+    assert made == caught == dict.fromkeys((change.__name__ for change in CHANGES), len(SHIPPED))

@@ -3,7 +3,7 @@
 from beamcam.controllers.rules import RULES as CONTROLLER_RULES
 from beamcam.errors import Rule, Severity
 
-_E, _W = Severity.ERROR, Severity.WARNING
+_E, _W, _N = Severity.ERROR, Severity.WARNING, Severity.NOTE
 
 NO_END = Rule(
     "verify-end",
@@ -104,6 +104,13 @@ UNSEEN = Rule(
     "how far face {found} lies below the flanges is not in the program, so rapids towards it were "
     "not checked; give the parts by --against",
     "The program says height, width and kind of its section, but no thickness.",
+)
+UNKNOWN_STEEL = Rule(
+    "verify-unknown-steel",
+    _N,
+    "which steel the bar is of is not in the program, so feeds and speeds were held against the "
+    "fastest that the machine has for any; give the parts by --against",
+    "Only a part says its grade.",
 )
 NO_FEED = Rule(
     "verify-no-feed",
@@ -221,7 +228,7 @@ NOT_MADE = Rule(
 RULES = (
     *CONTROLLER_RULES, NO_END, LIMIT, STOP_BACK, CUT_OFF, NO_SPINDLE, SPINDLE_OFF, SPINDLE_ON,
     SPINDLE_STOPPED, SPINDLE_IDLE,
-    SPEED, COOLANT, RAPID, CLEARANCE, UNSEEN, SIDEWAYS, TOOL_CHANGE, NO_FEED, FEED,
+    SPEED, COOLANT, RAPID, CLEARANCE, UNSEEN, UNKNOWN_STEEL, SIDEWAYS, TOOL_CHANGE, NO_FEED, FEED,
     FEED_LIMIT, SECTION, CUT_MISSING, CUT_PLACE, CUT_ANGLE, CUT_EXTRA, OUTLINE, HOLE_MISSING,
     HOLE_PLACE, HOLE_EXTRA, DEPTH, TOOL, TURN, PATH, PATH_EXTRA, NOT_MADE,
 )  # fmt: skip

@@ -52,6 +52,8 @@ class _Known:
         self.machine = machine
         self.dialect = dialect_of(machine)
         self.shop = Shop(machine, machine.drill)
+        grades = {row.grade for row in machine.drill.cutting}
+        self.depends_on_grade = self.dialect.feeds and len(grades) > 1
         self._choices: BoundedCache[Profile | None, dict[int, Choice]]
         self._choices = BoundedCache("verify.stations")
         self._data: BoundedCache[tuple[str, ...] | None, CuttingData]
@@ -133,11 +135,12 @@ def verify(
     they may lie in another one and turned, `skips` names the kinds of features that may be left
     out, `bar` is the bar's length. Nothing comes back for a program that makes exactly the parts.
     """
+    known = _known_of(machine)
     if not parts:
         alone = run(text, machine, None, name)
         unseen = (rules.UNSEEN.at(Source(name), found=face) for face in alone.unseen)
-        return (*alone.diagnostics, *unseen)
-    known = _known_of(machine)
+        grade = [rules.UNKNOWN_STEEL.at(Source(name))] if known.depends_on_grade else []
+        return (*alone.diagnostics, *unseen, *grade)
     grades = tuple(dict.fromkeys(part.grade for part in parts))
     profile = parts[0].profile
     done = run(text, machine, profile, name, grades)

@@ -1,0 +1,92 @@
+"""Programs whose heads say otherwise than what was asked for, all to be refused by `post`.
+
+A head is removed, allows kinds that nobody named, allows none of those that were named, or was made
+by another form or for another machine file; on every machine whose programs have a head.
+"""
+
+from collections import Counter
+from collections.abc import Callable, Iterator, Sequence
+from pathlib import Path
+from typing import Any
+from unittest.mock import patch
+
+from msgspec.structs import replace
+
+from beamcam import pipeline
+from beamcam.errors import VerifyError
+from beamcam.machine import Machine, load
+from beamcam.pipeline import parts_of, post, read_file
+from beamcam.posts import Job, post_of
+
+ROOT = Path(__file__).resolve().parent.parent
+SKIPS = ("cope", "slot")
+Change = Callable[[str, Machine], str]
+
+#: A sample that each machine makes, and what it needs to be told.
+SAMPLES = {
+    "beamline": "dstv/channel.nc1", "beamline-annex": "dstv/channel.nc1",
+    "beamline-pusher": "dstv/channel.nc1", "plate-codesys": "dstv/gusset.nc1",
+    "plate-linuxcnc": "dstv/gusset.nc1", "laser-grbl": "json/shield-small.json",
+    "table-simotion": "json/shield-small.json", "laser-stepper": "json/shield-small.json",
+}  # fmt: skip
+
+
+def removed(text: str, machine: Machine) -> str:
+    return "".join(line for line in text.splitlines(True) if " MACHINE " not in line)
+
+
+def allowing_more(text: str, machine: Machine) -> str:
+    return text.replace("OUT: cope", "OUT: bevel, cope")
+
+
+def allowing_none(text: str, machine: Machine) -> str:
+    return "".join(line for line in text.splitlines(True) if "LEFT OUT" not in line)
+
+
+def of_another_form(text: str, machine: Machine) -> str:
+    return text.replace("BEAMCAM 1", "BEAMCAM 2")
+
+
+def for_another_machine(text: str, machine: Machine) -> str:
+    return text.replace(machine.checksum, "00000000")
+
+
+CHANGES: tuple[Change, ...] = (
+    removed, allowing_more, allowing_none, of_another_form, for_another_machine,
+)  # fmt: skip
+
+
+def heads(machines: Sequence[str] = tuple(SAMPLES)) -> Iterator[tuple[str, bool]]:
+    """The name of each change to a head, and whether the program was refused for it."""
+    for name in machines:
+        machine = load(name)
+        parts, _ = parts_of([read_file(str(ROOT / "samples" / SAMPLES[name]))])
+        for change in CHANGES:
+            yield change.__name__, _is_refused(parts, machine, change)
+
+
+def counted(machines: Sequence[str] = tuple(SAMPLES)) -> tuple[Counter[str], Counter[str]]:
+    """How many heads were changed in each way, and how many of the programs were refused."""
+    made, caught = Counter[str](), Counter[str]()
+    for name, refused in heads(machines):
+        made[name] += 1
+        caught[name] += refused
+    return made, caught
+
+
+def _is_refused(parts: Any, machine: Machine, change: Change) -> bool:
+    row = post_of(machine)
+
+    def emit(program: Any, job: Job) -> Any:
+        written = row.emit(program, job)
+        if isinstance(written, str):
+            return change(written, machine)
+        text = change(b"".join(written()).decode("latin-1"), machine)
+        return lambda: (text.encode("latin-1"),)
+
+    with patch.object(pipeline, "post_of", lambda _: replace(row, emit=emit)):
+        try:
+            post(parts, machine, skips=SKIPS)
+        except VerifyError as refused:
+            return any(said.code == "verify-head" for said in refused.diagnostics)
+    return False
