@@ -135,11 +135,8 @@ class CurveTable:
         return [self.curves[k] for k in np.flatnonzero(out.any(axis=1)).tolist()]
 
     def _some_box(self) -> Floats:
-        """A box (4,) that the one around all curves holds: around the ends of lines and arcs."""
-        ends = np.concatenate((self.lines, arc_ends(self.arcs)))
-        if not len(ends):
-            ends = self.ends
-        ends = _sorted_ends(ends)
+        """A box (4,) that the one around all curves holds: around their ends."""
+        ends = _sorted_ends(self.ends)
         return np.concatenate((ends[:, :2].min(axis=0), ends[:, 2:].max(axis=0)))
 
 

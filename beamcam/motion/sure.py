@@ -50,13 +50,13 @@ def sure_moves(chains: Sequence[Sequence[Curve]], numbers: Numbers) -> Iterator[
     moving = sure.all(axis=1) & (start != end).any(axis=1)
     moves: list[Feed | ArcFeed | None] = [None] * len(table.curves)
     lines = lines[moving[lines]]
-    for k, x, y in zip(lines.tolist(), *end[lines].T.tolist(), strict=True):
-        moves[k] = Feed(x, y)
+    for k, feed in zip(lines.tolist(), map(Feed, *end[lines].T.tolist()), strict=True):
+        moves[k] = feed
     found, offset = _sure_arcs(table.arcs, start[arcs], end[arcs], moving[arcs], numbers)
     arcs, clockwise = arcs[found], table.arcs[found, 4] < 0
     columns = (*end[arcs].T.tolist(), *offset[found].T.tolist(), clockwise.tolist())
-    for k, *move in zip(arcs.tolist(), *columns, strict=True):
-        moves[k] = ArcFeed(*move)
+    for k, arc in zip(arcs.tolist(), map(ArcFeed, *columns), strict=True):
+        moves[k] = arc
     for chain, last in zip(chains, lasts.tolist(), strict=True):
         yield moves[last - len(chain) : last]
 

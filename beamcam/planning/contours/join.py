@@ -10,7 +10,7 @@ from msgspec import Struct, field
 from numpy.typing import NDArray
 
 from beamcam.errors import Diagnostic, Source
-from beamcam.geometry.arrays import CurveTable
+from beamcam.geometry.arrays import CurveTable, ends_of
 from beamcam.geometry.chains import Chains, join_curves
 from beamcam.geometry.curves import Line
 from beamcam.machine.machine import Torch, TorchProcess
@@ -55,7 +55,7 @@ def join(
     found = Joined()
     may_repeat = bool(overlapping(curves, [w.process for w in wanted]))
     shapes: list[Shape] = []
-    loose: dict[TorchProcess, list[Wanted]] = defaultdict(list)
+    loose: dict[TorchProcess, list[int]] = defaultdict(list)
     gaping: set[int] = set()  #: features that say that they are closed, and have gaps
     hulls = curves.hulls
     points = set(np.flatnonzero(np.ptp(hulls.reshape(-1, 2, 2), axis=1).max(axis=1) <= SAME_POINT))
@@ -63,7 +63,7 @@ def join(
         first = wanted[begin]
         lines = closed and _is_there_and_back(wanted[begin:end])
         if lines or not closed:
-            loose[first.process] += wanted[begin:end]
+            loose[first.process] += range(begin, end)
             if not lines and first.feature in rings:
                 gaping.add(first.feature)
             continue
@@ -72,9 +72,12 @@ def join(
         else:
             ring = tuple([wanted[k].curve for k in range(begin, end) if k not in points])
             shapes.append(Shape(first.process, ring, True, (first.feature,), first.source))
-    for process, asked in loose.items():
-        once = loose_once(asked, found.repeats) if may_repeat else asked
-        chains = join_curves([w.curve for w in once], torch.gap)
+    for process, numbers in loose.items():
+        once, ends = [wanted[k] for k in numbers], curves.ends[numbers]
+        if may_repeat:
+            once = loose_once(once, found.repeats)
+            ends = ends_of([w.curve for w in once])
+        chains = join_curves([w.curve for w in once], torch.gap, ends=ends)
         shapes += _shapes(process, once, chains)
         for k in chains.dropped:
             found.small.setdefault(once[k].feature, once[k].source)

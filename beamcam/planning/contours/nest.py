@@ -44,12 +44,15 @@ def nest(
     if not closed:
         return list(shapes), []
     rings = outlines([shapes[i].curves for i in closed], tolerance / 4)
-    _refuse_tangles([shapes[i] for i in closed], rings, wanted)
-    said = _crossings([shapes[i] for i in closed], rings, wanted, tolerance, kerf)
-    return _nested(shapes, closed, rings), said
+    bad = _invalid(rings)
+    _refuse_tangles([shapes[i] for i in closed], rings, bad, wanted)
+    said = _crossings([shapes[i] for i in closed], rings, bad, wanted, tolerance, kerf)
+    return _nested(shapes, closed, rings, bad), said
 
 
-def _nested(shapes: Sequence[Shape], closed: Sequence[int], rings: "NDArray[Any]") -> list[Shape]:
+def _nested(
+    shapes: Sequence[Shape], closed: Sequence[int], rings: "NDArray[Any]", bad: Sequence[int]
+) -> list[Shape]:
     """The shapes with their places; `rings` are the polygons of those that are `closed`."""
     import numpy as np
     import shapely
@@ -58,7 +61,7 @@ def _nested(shapes: Sequence[Shape], closed: Sequence[int], rings: "NDArray[Any]
     signed = _signed_areas(rings)
     areas = np.abs(signed)
     tree = shapely.STRtree(rings)
-    points = list(shapely.point_on_surface(_valid(rings)))
+    points = list(shapely.point_on_surface(_valid(rings, bad)))
     asked = list(closed)
     own_area = list(areas)
     for i, shape in enumerate(shapes):
@@ -88,18 +91,28 @@ def _signed_areas(rings: "NDArray[Any]") -> "Floats":
     import shapely
 
     points, owner = shapely.get_coordinates(rings, return_index=True)
-    points -= points[np.searchsorted(owner, owner)]
+    counts = np.bincount(owner, minlength=len(rings))
+    points -= points[np.repeat(np.cumsum(counts) - counts, counts)]
     (x0, y0), (x1, y1) = points[:-1].T, points[1:].T
     # From the last corner of a ring to the first of the next one, which is its own 0, 0.
     swept = (x0 * y1 - x1 * y0) / 2
     return np.bincount(owner[:-1], swept, len(rings)).astype(np.float64)
 
 
-def _valid(rings: "NDArray[Any]") -> "NDArray[Any]":
+def _invalid(rings: "NDArray[Any]") -> list[int]:
+    """The numbers of the rings that meet themselves, ascending."""
+    import numpy as np
     import shapely
 
-    bad = ~shapely.is_valid(rings)
-    if not bad.any():
+    found: list[int] = np.flatnonzero(~shapely.is_valid(rings)).tolist()
+    return found
+
+
+def _valid(rings: "NDArray[Any]", bad: Sequence[int]) -> "NDArray[Any]":
+    """The rings, those that are `bad` taken apart."""
+    import shapely
+
+    if not bad:
         return rings
     found = rings.copy()
     found[bad] = shapely.make_valid(rings[bad])
@@ -107,7 +120,7 @@ def _valid(rings: "NDArray[Any]") -> "NDArray[Any]":
 
 
 def _refuse_tangles(
-    closed: Sequence[Shape], rings: "NDArray[Any]", wanted: Sequence[Wanted]
+    closed: Sequence[Shape], rings: "NDArray[Any]", bad: Sequence[int], wanted: Sequence[Wanted]
 ) -> None:
     """Raise PlanError for a contour that meets itself all along, as one of many turns does.
 
@@ -116,7 +129,7 @@ def _refuse_tangles(
     import numpy as np
     import shapely
 
-    for k in np.flatnonzero(~shapely.is_valid(rings)).tolist():
+    for k in bad:
         points = shapely.get_coordinates(rings[k])
         segments = shapely.linestrings(np.stack((points[:-1], points[1:]), axis=1))
         meetings = shapely.STRtree(segments).query(segments, predicate="intersects").shape[1]
@@ -137,6 +150,7 @@ def _reason_place(ring: Any) -> Point:
 def _crossings(
     closed: Sequence[Shape],
     rings: "NDArray[Any]",
+    bad: Sequence[int],
     wanted: Sequence[Wanted],
     tolerance: float,
     kerf: float,
@@ -145,13 +159,12 @@ def _crossings(
 
     Errors where a kerf is to be kept off, as nothing says on which side; else warnings.
     """
-    import numpy as np
     import shapely
 
     entities = _Entities(wanted)
     rule = rules.CROSSING if kerf else rules.CROSSED
     said: list[Diagnostic] = []
-    for k in np.flatnonzero(~shapely.is_valid(rings)).tolist():
+    for k in bad:
         place = _crosses_itself(closed[k], rings[k], tolerance)
         if place is not None:
             said.append(_told(rule, *entities.at(place, closed[k], closed[k]), place))
@@ -207,7 +220,8 @@ def _crossing(a: Shape, b: Shape, tolerance: float) -> Point | None:
     """
     import shapely
 
-    pair = _valid(outlines([a.curves, b.curves], tolerance * FINE_SHARE))
+    pair = outlines([a.curves, b.curves], tolerance * FINE_SHARE)
+    pair = _valid(pair, _invalid(pair))
     touch = tolerance * TOUCH_SHARE
     both = shapely.intersection(*pair)
     thick = [
