@@ -32,7 +32,8 @@ def band_faults(work: Work, traced: Sequence[Traced]) -> list[Diagnostic]:
     for k in np.flatnonzero(keeps_off & work.region.in_part(places))[:SHOWN].tolist():
         x, y = places[k].tolist()
         source = Source(work.name, traced[k].stroke.line)
-        said.append(rules.SIDE.at(source, x=f"{x:.3f}", y=f"{y:.3f}"))
+        contour = work.contour_at(places[k])
+        said.append(rules.SIDE.at(source, x=f"{x:.3f}", y=f"{y:.3f}", contour=contour))
     return said
 
 
@@ -62,8 +63,12 @@ def _bites(work: Work, traced: Sequence[Traced], keeps_off: Flags) -> list[Diagn
         kept = f"{away[k]:.3f}"
         source = Source(work.name, int(work.moves.line[way]))
         rule = rules.BAND if is_ring[way] else rules.LEAD
-        expected = f"{work.half_kerf:g}"
-        said.append(rule.at(source, found=kept, x=f"{x:.3f}", y=f"{y:.3f}", expected=expected))
+        said.append(
+            rule.at(
+                source, found=kept, contour=work.contour(int(closed[b[k]])),
+                x=f"{x:.3f}", y=f"{y:.3f}", expected=f"{work.half_kerf:g}",
+            )
+        )  # fmt: skip
     return said
 
 

@@ -39,7 +39,8 @@ def join_bridged(work: Work, bounds: Bounds, traced: Sequence[Traced]) -> list[D
             if last - first > work.torch.tabs:
                 source = Source(work.name, mine[0].stroke.line)
                 found, most = last - first, work.torch.tabs
-                said.append(rules.TABS.at(source, found=found, expected=most))
+                contour = work.contour_at(work.path.starts[mine[0].first])
+                said.append(rules.TABS.at(source, found=found, contour=contour, expected=most))
             first = last
         first += 1
     return said

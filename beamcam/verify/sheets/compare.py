@@ -11,7 +11,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from beamcam.errors import Diagnostic
-from beamcam.machine.machine import Machine, Torch
+from beamcam.machine.machine import Machine, Torch, TorchProcess
 from beamcam.verify.sheets.contours import cover
 from beamcam.verify.sheets.need import Need
 from beamcam.verify.sheets.order import order_faults
@@ -31,6 +31,7 @@ def compare(
     """Everything in which the strokes differ from what the part needs."""
     said: list[Diagnostic] = []
     traced: list[Traced] = []
+    works: dict[TorchProcess, Work] = {}
     if torch.kerf_by == "machine":
         from beamcam.verify.sheets.compensation import beam_of
 
@@ -40,21 +41,22 @@ def compare(
     processes = dict.fromkeys([*need.curves, *(s.process for s in strokes.each)])
     for process in processes:
         work = work_of(process, strokes, need, machine.format.resolution, torch, shift, name)
+        works[process] = work
         mine, more = _compared(work)
         said += more
         traced += mine
-    return said + order_faults(sorted(traced, key=lambda t: t.stroke.line), name)
+    return said + order_faults(sorted(traced, key=lambda t: t.stroke.line), works, name)
 
 
 def _compared(work: Work) -> tuple[Sequence[Traced], list[Diagnostic]]:
     """What is missing, too much, twice, open, or on the wrong side in one process."""
     if not work.need.count:
-        found = f"nothing to {work.process}"
         line, place = work.strokes[0].line, work.moves.start[0]
-        return [], [work.extra(line, place, "any distance", found)]
+        away, expected = "on no contour", f"nothing to {work.process}"
+        return [], [work.extra(line, place, away, expected)]
     if not work.strokes:
         asked = np.flatnonzero(~work.small)
-        return [], [work.missing(work.need.starts[k]) for k in asked[:1]]
+        return [], [work.missing(k, work.need.starts[k]) for k in asked[:1].tolist()]
     traced, said = follow(work)
     said += cover(work, traced)
     if work.half_kerf:

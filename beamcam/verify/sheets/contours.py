@@ -45,7 +45,7 @@ def cover(work: Work, traced: Sequence[Traced]) -> list[Diagnostic]:
         missing = missing[~in_corners(work, traced, missing, (element, share, owner))]
     missing = missing[~in_bridges(work, traced, points[missing])]
     _, firsts = np.unique(owner[missing], return_index=True)
-    said = [work.missing(points[k]) for k in missing[firsts][:SHOWN]]
+    said = [work.missing(int(owner[k]), points[k]) for k in missing[firsts][:SHOWN]]
     covered = np.flatnonzero(away <= reach)
     places = points
     if work.half_kerf:
@@ -104,7 +104,12 @@ def _twice(
             continue
         x, y = (points[mine[0]] - np.array(work.shift)).tolist()
         worst = int(np.max(passes[mine]))
-        said.append(rules.TWICE.at(Source(work.name), x=f"{x:.3f}", y=f"{y:.3f}", found=worst))
+        said.append(
+            rules.TWICE.at(
+                Source(work.name), contour=work.contour(int(way)),
+                x=f"{x:.3f}", y=f"{y:.3f}", found=worst,
+            )
+        )  # fmt: skip
     return said
 
 

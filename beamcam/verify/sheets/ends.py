@@ -42,7 +42,9 @@ def end_faults(work: Work, traced: Sequence[Traced]) -> list[Diagnostic]:
                 continue
             x, y = place.tolist()
             source = Source(work.name, int(work.moves.line[way]))
-            said.append(rules.OPEN.at(source, what=what, x=f"{x:.3f}", y=f"{y:.3f}"))
+            contour = work.contour_at(place)
+            at = {"x": f"{x:.3f}", "y": f"{y:.3f}"}
+            said.append(rules.OPEN.at(source, what=what, contour=contour, **at))
     return said[:SHOWN]
 
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, cast
 import numpy as np
 from msgspec import Struct, field
 
-from beamcam.errors import Diagnostic
+from beamcam.errors import Diagnostic, Source
 from beamcam.geometry.curves import Arc, Curve, Line, unit_vector
 from beamcam.geometry.plane import Point
 from beamcam.machine.machine import Torch, TorchProcess, TorchRow
@@ -30,12 +30,20 @@ class Need(Struct):
 
     curves: Needs = field(default_factory=dict)
     features: dict[TorchProcess, list[int]] = field(default_factory=dict)  #: of each curve
+    sources: dict[int, Source] = field(default_factory=dict)  #: of the features
     said: list[Diagnostic] = field(default_factory=list)
     drawn: "dict[tuple[TorchProcess, float], Ways]" = field(default_factory=dict)
 
-    def add(self, process: TorchProcess, curves: Sequence[Curve], feature: int) -> None:
+    def add(
+        self, process: TorchProcess, curves: Sequence[Curve], feature: int, source: Source
+    ) -> None:
+        self.sources[feature] = source
         self.curves.setdefault(process, []).extend(curves)
         self.features.setdefault(process, []).extend([feature] * len(curves))
+
+    def source(self, process: TorchProcess, curve: int) -> Source:
+        """Where the input has a curve of a process, which is known by its number."""
+        return self.sources[self.features[process][curve]]
 
     def ways(self, process: TorchProcess, tolerance: float) -> "Ways":
         """The curves of a process as elements, where the part has them; made once."""
@@ -82,16 +90,17 @@ def need_of(part: Part, torch: Torch, skips: Collection[str]) -> Need:
             if process is None:
                 _not_made(need, part, feature, "map")
             elif process != "ignore":
-                need.add(cast("TorchProcess", process), feature.curves, index)
+                need.add(cast("TorchProcess", process), feature.curves, index, feature.source)
         elif isinstance(feature, Hole) and feature.kind == "mark":
-            need.add("mark", _cross(feature, torch.cross), index)
+            need.add("mark", _cross(feature, torch.cross), index, feature.source)
         else:
-            need.add("cut", _ring(cast("Hole | Slot", feature)), index)
+            hole = cast("Hole | Slot", feature)
+            need.add("cut", _ring(hole), index, hole.source)
     if part.measures is None and not outlined:
         width = part.profile.height
         corners = [(0.0, 0.0), (part.length, 0.0), (part.length, width), (0.0, width)]
         ends = zip(corners, [*corners[1:], corners[0]], strict=True)
-        need.add("cut", [Line(a, b) for a, b in ends], OUTLINE)
+        need.add("cut", [Line(a, b) for a, b in ends], OUTLINE, part.source)
     return need
 
 

@@ -1,18 +1,21 @@
 """In which order contours are cut: marks first, and what lies in a contour before it."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
 from beamcam.errors import Diagnostic, Source
+from beamcam.machine.machine import TorchProcess
 from beamcam.verify.sheets import rules
-from beamcam.verify.sheets.work import SHOWN, Traced
+from beamcam.verify.sheets.work import SHOWN, Traced, Work
 
 TOUCHING = 0.01  #: mm by which a contour may leave the one around it
 MOST_AT_ONCE = 1 << 16  #: cuts that are looked at together, some 3 MB
 
 
-def order_faults(traced: Sequence[Traced], name: str) -> list[Diagnostic]:
+def order_faults(
+    traced: Sequence[Traced], works: Mapping[TorchProcess, Work], name: str
+) -> list[Diagnostic]:
     """Marks behind cuts, and what lies in a contour that was cut before, in the program's order."""
     said: list[Diagnostic] = []
     first_cut = next((t for t in traced if t.stroke.process == "cut"), None)
@@ -20,7 +23,8 @@ def order_faults(traced: Sequence[Traced], name: str) -> list[Diagnostic]:
         if first_cut and t.stroke.process != "cut" and t.stroke.line > first_cut.stroke.line:
             said.append(
                 rules.ORDER.at(
-                    Source(name, t.stroke.line), found=f"work to {t.stroke.process}",
+                    Source(name, t.stroke.line),
+                    found=f"work to {t.stroke.process} {_contour(works, t)}",
                     before=f"the cut on line {first_cut.stroke.line}",
                 )
             )  # fmt: skip
@@ -31,11 +35,16 @@ def order_faults(traced: Sequence[Traced], name: str) -> list[Diagnostic]:
         if cuts[a].group != cuts[b].group:
             said.append(
                 rules.ORDER.at(
-                    Source(name, cuts[a].stroke.line), found="an inner contour",
-                    before=f"the one around it on line {cuts[b].stroke.line}",
+                    Source(name, cuts[a].stroke.line), found=_contour(works, cuts[a]),
+                    before=f"{_contour(works, cuts[b])} around it, cut on line "
+                    f"{cuts[b].stroke.line}",
                 )
             )  # fmt: skip
     return said[:SHOWN]
+
+
+def _contour(works: Mapping[TorchProcess, Work], t: Traced) -> str:
+    return f"the contour of {works[t.stroke.process].contour_at(np.array(t.middle))}"
 
 
 def _inside_of_earlier(cuts: Sequence[Traced]) -> list[tuple[int, int]]:

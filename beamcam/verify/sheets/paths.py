@@ -53,7 +53,9 @@ def follow(work: Work) -> tuple[list[Traced], list[Diagnostic]]:
     for k in wrong[firsts][:SHOWN].tolist():
         away, nearest = work.need.nearest_to(points[k])
         kept_off = f"{expected[stroke[k]]:g} mm within {work.slack[nearest]:.4f}"
-        said.append(work.extra(int(work.moves.line[way[k]]), points[k], f"{away:.4f}", kept_off))
+        off_by = f"{away:.4f} mm off the nearest contour to {work.process}, "
+        off_by += f"that of {work.contour(nearest)}"
+        said.append(work.extra(int(work.moves.line[way[k]]), points[k], off_by, kept_off))
     return traced, said + end_faults(work, traced)
 
 

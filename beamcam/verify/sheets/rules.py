@@ -44,33 +44,34 @@ AREA = Rule(
 MISSING = Rule(
     "verify-sheet-missing",
     _E,
-    "found nothing that {process}s the contour at x {x}, y {y}, machine X {machine_x}, "
-    "Y {machine_y}; expected the whole of it",
+    "found nothing that {process}s the contour of {contour} at x {x}, y {y}, machine "
+    "X {machine_x}, Y {machine_y}; expected the whole of it",
     "A contour that is not closed leaves the part in the sheet.",
 )
 EXTRA = Rule(
     "verify-sheet-extra",
     _E,
-    "found a path at X {x}, Y {y} that is {away} mm off every contour to {process}; "
-    "expected {expected}",
+    "found a path at X {x}, Y {y} that is {away}; expected {expected}",
     "It cuts what nobody drew.",
 )
 TWICE = Rule(
     "verify-sheet-twice",
     _E,
-    "found the contour at x {x}, y {y} followed {found} times; expected once",
+    "found the contour of {contour} at x {x}, y {y} followed {found} times; expected once",
     "A contour that is cut twice is wider, rougher, and burns.",
 )
 SIDE = Rule(
     "verify-sheet-side",
     _E,
-    "found the path at X {x}, Y {y} on the side of the part; expected it in the waste",
+    "found the path at X {x}, Y {y} on the part's side of the contour of {contour}; "
+    "expected it in the waste",
     "The part would come out smaller by the kerf.",
 )
 BAND = Rule(
     "verify-sheet-band",
     _E,
-    "found the middle of the beam {found} mm from the part at X {x}, Y {y}; expected {expected}",
+    "found the middle of the beam {found} mm from the contour of {contour} at X {x}, Y {y}; "
+    "expected {expected}",
     "The beam takes half its kerf on each side of its path, and would cut into the part.",
 )
 COMPENSATION = Rule(
@@ -82,19 +83,20 @@ COMPENSATION = Rule(
 OPEN = Rule(
     "verify-sheet-open",
     _E,
-    "found a path that {what} at X {x}, Y {y}, in the middle of a contour; expected it to close",
+    "found a path that {what} at X {x}, Y {y}, in the middle of the contour of {contour}; "
+    "expected it to close",
     "What is between the two ends holds the part.",
 )
 TABS = Rule(
     "verify-sheet-tabs",
     _E,
-    "found {found} bridges in a contour; expected at most {expected}",
+    "found {found} bridges in the contour of {contour}; expected at most {expected}",
     "What was asked to hold the part is what has to be broken off afterwards.",
 )
 LEAD = Rule(
     "verify-sheet-lead",
     _E,
-    "found a lead {found} mm from the part at X {x}, Y {y}; expected {expected}",
+    "found a lead {found} mm from the contour of {contour} at X {x}, Y {y}; expected {expected}",
     "The torch pierces or leaves where the part or its neighbour is.",
 )
 ORDER = Rule(

@@ -73,6 +73,7 @@ class Work(Struct, frozen=True):
     strokes: Sequence[Stroke]
     moves: Moves  #: those of the strokes, one behind the other
     need: Ways
+    asked: Need  #: the curves that `need` is made of, and where the input has them
     path: Ways
     of_way: Counts  #: the stroke of each way of the path
     torch: Torch
@@ -116,20 +117,26 @@ class Work(Struct, frozen=True):
         """How far apart the strokes on both sides of a bridge may be."""
         return self.torch.tab_width + 2 * half_kerf + 2 * self.tolerance
 
+    def contour(self, way: int) -> str:
+        """Where the input has a needed curve."""
+        return str(self.asked.source(self.process, way))
+
+    def contour_at(self, place: Floats) -> str:
+        """Where the input has the needed curve that is nearest to a place."""
+        return self.contour(self.need.nearest_to(place)[1])
+
     def extra(self, line: int, place: Floats, away: str, expected: str) -> Diagnostic:
         """That a path follows nothing."""
         x, y = place.tolist()
-        return rules.EXTRA.at(
-            Source(self.name, line), x=f"{x:.3f}", y=f"{y:.3f}", away=away,
-            process=self.process, expected=expected,
-        )  # fmt: skip
+        source = Source(self.name, line)
+        return rules.EXTRA.at(source, x=f"{x:.3f}", y=f"{y:.3f}", away=away, expected=expected)
 
-    def missing(self, place: Floats) -> Diagnostic:
+    def missing(self, way: int, place: Floats) -> Diagnostic:
         """That nothing follows a contour."""
         x, y = (place - np.array(self.shift)).tolist()
         return rules.MISSING.at(
-            Source(self.name), process=self.process, x=f"{x:.3f}", y=f"{y:.3f}",
-            machine_x=f"{place[0]:.3f}", machine_y=f"{place[1]:.3f}",
+            Source(self.name), process=self.process, contour=self.contour(way),
+            x=f"{x:.3f}", y=f"{y:.3f}", machine_x=f"{place[0]:.3f}", machine_y=f"{place[1]:.3f}",
         )  # fmt: skip
 
 
@@ -167,7 +174,7 @@ def work_of(
         joined = np.zeros(len(curves))
     slack = tolerance + joined + _round(ways)
     return Work(
-        process, mine, moves, ways, Ways.of_moves(moves, fine),
+        process, mine, moves, ways, need, Ways.of_moves(moves, fine),
         np.repeat(np.arange(len(mine)), counts), torch, step, fine, tolerance,
         slack, half_kerf, region, _small(ways, torch.gap), shift, name,
     )  # fmt: skip

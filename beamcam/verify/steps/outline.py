@@ -13,7 +13,7 @@ from beamcam.errors import Diagnostic, Source
 from beamcam.machine.machine import Machine, Torch, TorchProcess
 from beamcam.model.part import Part
 from beamcam.verify.polylines import compare_polylines
-from beamcam.verify.sheets.need import need_of, rows_of, shift_of, thickness_of
+from beamcam.verify.sheets.need import Need, need_of, rows_of, shift_of, thickness_of
 from beamcam.verify.sheets.ways import Ways
 from beamcam.verify.steps import rules
 
@@ -152,9 +152,10 @@ class Outline:
         self.ways: list[tuple[TorchProcess, list[tuple[float, float]]]] = []
         self.tracks: dict[TorchProcess, _Track] = {}
         self.work: dict[TorchProcess, Work] = {}
+        self.need = Need()
         self._stroke: _Stroke | None = None
         if part is not None:
-            need = need_of(part, self.torch, skips)
+            need = self.need = need_of(part, self.torch, skips)
             shift = shift_of(need, self.torch)
             self.work = work_of(part, self.torch)
             fine = self.torch.tolerance / 8
@@ -210,7 +211,9 @@ class Outline:
         elif stroke.away[process] > (most := self.tracks[process].most):
             x, y = (f"{v:.2f}" for v in stroke.worst[process])
             off = f"{stroke.away[process]:.4f}"
-            expected = f"it within {most:.4f} mm of the path, not {off} mm off"
+            nearest = self.tracks[process].ways.nearest_to(np.array(stroke.worst[process]))[1]
+            expected = f"it within {most:.4f} mm of the path, not {off} mm off that of "
+            expected += str(self.need.source(process, nearest))
             self.said.append(rules.PLACE.at(source, x=x, y=y, expected=expected))
         elif process not in self.work:
             found, expected = f"{fastest.mm_s:.2f}", "a sheet that the machine has a speed for"

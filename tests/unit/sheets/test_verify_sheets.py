@@ -206,6 +206,39 @@ def test_mutants(name: str, values: dict[str, object], change: Change, code: str
     assert code in {said.code for said in verify_sheet(change(text), (NESTED,), machine)}
 
 
+#: What is done to a program, and what is said of which contour.
+NAMED: list[tuple[dict[str, object], Change, str]] = [
+    (PLAIN, without(r"^G0 X\S+ Y\S+\nM3(.|\n)*?M5\n"),
+     "cuts the contour of sheet.dxf:5 at x"),
+    (PLAIN, swap("G1 X190 Y30", "G1 X195 Y30"), "nearest contour to mark, that of sheet.dxf:4;"),
+    (PLAIN, swap("G1 X190 Y30", "G1 X185 Y30"), "in the middle of the contour of sheet.dxf:4;"),
+    (PLAIN, twice,
+     "the contour of sheet.dxf:5 at x 154.619, y 61.913 followed 2 times"),
+    ({}, last_first, "the contour of sheet.dxf:5 after the contour of sheet.dxf:1 around it, cut "),
+    ({}, mark_last, "work to mark the contour of sheet.dxf:4 after the cut on line"),
+    ({"kerf_by": "machine", "lead": "line"}, swap("G41.1", "G42.1"),
+     "on the part's side of the contour of sheet.dxf:5; expected it in the waste"),
+    ({"kerf_by": "machine", "lead": "line"}, swap("D1.5", "D0.9"),
+     "0.448 mm from the contour of sheet.dxf:5 at X"),
+    ({"tabs": 2}, more_tabs, "found 3 bridges in the contour of sheet.dxf:1; expected at most 2"),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("values", "change", "text"), NAMED)
+def test_a_message_names_the_contour(values: dict[str, object], change: Change, text: str) -> None:
+    machine = table(**values)
+    program = change(post((NESTED,), machine).text)
+    found = [said.message for said in verify_sheet(program, (NESTED,), machine)]
+    assert any(text in message for message in found), found
+
+
+def test_a_message_names_the_plate_whose_outline_is_missing() -> None:
+    machine, bare = table(), plate()
+    program = post((bare,), machine).text
+    (said,) = verify_sheet(without(r"^M3(.|\n)*M5\n")(program), (bare,), machine)
+    assert "cuts the contour of p.nc1 at" in said.message
+
+
 def shifted_arcs(text: str, name: str) -> str:
     """The first centre moved by 0.4 mm."""
 

@@ -249,6 +249,12 @@ def test_another_part_is_not_this_one() -> None:
     assert "steps-place" in codes(text, "shield-small")
 
 
+def test_a_place_beside_the_path_is_told_with_the_contour_that_is_nearest() -> None:
+    text = forms.emit(table("shield"), LASER)
+    said = verify_text(text, [part("shield-small")])
+    assert any(" mm off that of shield-small.json:contours" in d.message for d in said), said
+
+
 def test_each_row_is_within_half_a_step_of_the_outline() -> None:
     from beamcam.geometry.curves import Line
 
