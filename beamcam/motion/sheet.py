@@ -8,6 +8,7 @@ Where the controller has words for parabolas and ellipses those are kept exact.
 from collections.abc import Iterator, Sequence
 from itertools import chain as chained
 from itertools import groupby
+from typing import cast
 
 from beamcam.geometry.curves import Arc, Curve, EllipseArc, Line, bezier_pieces
 from beamcam.geometry.plane import Point
@@ -140,6 +141,8 @@ class Pen:
 
         Those that are sure are taken as they are, the others found one by one.
         """
+        if None not in sure:  # as of most contours
+            return list(cast("Sequence[Movement]", sure))
         moves: list[Movement] = []
         here = start
         for curve, move in zip(curves, sure, strict=True):

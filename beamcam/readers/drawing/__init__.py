@@ -2,6 +2,7 @@
 
 import re
 from collections.abc import Iterable, Sequence
+from itertools import chain as chained
 from itertools import pairwise
 from math import hypot
 from pathlib import PurePath
@@ -17,7 +18,7 @@ from beamcam.geometry.curves import (
     Line,
     NewtonCurve,
 )
-from beamcam.geometry.plane import MAX_COORDINATE, Point
+from beamcam.geometry.plane import MAX_COORDINATE
 from beamcam.model.drawing import Measures, extent
 from beamcam.model.part import Contour, Part, Profile
 from beamcam.plain_text import whole_text
@@ -77,23 +78,19 @@ def is_in_bounds(curve: Curve) -> bool:
     """Whether all coordinates of a curve are numbers of at most `MAX_COORDINATE`."""
     match curve:
         case Line():
-            values: tuple[float, ...] = (*curve.start, *curve.end)
+            values: Iterable[float] = (*curve.start, *curve.end)
         case Arc():
             values = (*curve.centre, curve.radius, curve.start_deg, curve.sweep_deg)
         case EllipseArc():
             values = (*curve.centre, *curve.axis, curve.ratio, curve.start_deg, curve.sweep_deg)
         case Bezier():
-            return _are_in_bounds(curve.points)
+            values = chained.from_iterable(curve.points)
         case BSpline():
-            return _are_in_bounds(curve.control)
+            values = chained.from_iterable(curve.control)
         case NewtonCurve():
-            return _are_in_bounds(curve.nodes)
+            values = chained.from_iterable(curve.nodes)
     # Of nan the comparison is false.
-    return all(-MAX_COORDINATE <= value <= MAX_COORDINATE for value in values)
-
-
-def _are_in_bounds(points: Iterable[Point]) -> bool:
-    return all(-MAX_COORDINATE <= value <= MAX_COORDINATE for point in points for value in point)
+    return all(map(MAX_COORDINATE.__ge__, map(abs, values)))
 
 
 def lines_through(points: Iterable[tuple[float, float]]) -> tuple[Line, ...]:

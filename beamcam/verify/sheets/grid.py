@@ -133,7 +133,12 @@ def _boxes(elements: Elements, size: float) -> tuple[Floats, Floats, Counts]:
     start = np.concatenate((elements.start[short], places[number < whole]))
     end = np.concatenate((elements.end[short], places[number > 0]))
     owner = np.concatenate((short, np.repeat(long, count)))
+    low, high = np.minimum(start, end), np.maximum(start, end)
     # An arc leaves the box around its ends by its sagitta at most.
-    turn = elements.arcs[owner, 4] / np.concatenate((np.ones(len(short)), np.repeat(count, count)))
-    rise = (elements.arcs[owner, 2] * (1 - np.cos(turn / 2)))[:, None]
-    return np.minimum(start, end) - rise, np.maximum(start, end) + rise, owner
+    bent = np.flatnonzero(elements.is_arc[owner])
+    pieces = np.concatenate((np.ones(len(short)), np.repeat(count, count)))[bent]
+    arcs = elements.arcs[owner[bent]]
+    rise = (arcs[:, 2] * (1 - np.cos(arcs[:, 4] / pieces / 2)))[:, None]
+    low[bent] -= rise
+    high[bent] += rise
+    return low, high, owner
