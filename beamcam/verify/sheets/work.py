@@ -172,7 +172,7 @@ def work_of(
     else:
         tolerance += _loose(ways, torch.gap)
         joined = np.zeros(len(curves))
-    slack = tolerance + joined + _round(ways)
+    slack = tolerance + joined + _round(ways, torch.tolerance)
     return Work(
         process, mine, moves, ways, need, Ways.of_moves(moves, fine),
         np.repeat(np.arange(len(mine)), counts), torch, step, fine, tolerance,
@@ -196,11 +196,12 @@ def _half_kerf(process: TorchProcess, strokes: Sequence[Stroke], torch: Torch) -
     return max((s.row.kerf / 2 for s in strokes), default=0.0)
 
 
-def _round(ways: Ways) -> Floats:
+def _round(ways: Ways, tolerance: float) -> Floats:
     """How far free curves that stand for circles are from them, (count,); 0 for all others.
 
     The circle goes through three places of the curve, and others are no farther from it than a
-    cubic is from its quarter of a circle.
+    cubic is from its quarter of a circle, or from less of it: that falls with the sixth power of
+    the sweep. So a flat S is no circle of a radius of metres, unless within the tolerance.
     """
     found = np.zeros(ways.count)
     which = ways.rest[ways.lengths[ways.rest] > 0.0]
@@ -217,7 +218,11 @@ def _round(ways: Ways) -> Floats:
     cx, cy = x[:, 0] + (wy * uu - uy * ww) / safe, y[:, 0] + (ux * ww - wx * uu) / safe
     radius = np.hypot(x[:, 0] - cx, y[:, 0] - cy)
     off = np.abs(np.hypot(x - cx[:, None], y - cy[:, None]) - radius[:, None]).max(axis=1)
-    found[which] = np.where(bent & (off <= CIRCLE_SHARE * radius), 2 * off, 0.0)
+    quarters = np.minimum(ways.lengths[which] / (np.pi / 2 * np.maximum(radius, FLAT)), 1.0)
+    near = np.minimum(
+        CIRCLE_SHARE * radius, np.maximum(CIRCLE_SHARE * radius * quarters**6, tolerance)
+    )
+    found[which] = np.where(bent & (off <= near), 2 * off, 0.0)
     return found
 
 

@@ -255,6 +255,17 @@ def test_an_arc_that_does_not_fit(name: str) -> None:
     assert "verify-sheet-arc" in {s.code for s in verify_sheet(text, (NESTED,), machine)}
 
 
+def test_a_flat_s_is_no_arc_of_a_large_radius() -> None:
+    """A line in its place is a third of a millimetre off, though a circle of 400 mm is near."""
+    points = ((10.0, 10.0), (9.0, 11.46), (8.75, 12.77), (7.57, 12.93))
+    drawn = drawing(contour((Bezier(points),), "#0000ff"))
+    straight = drawing(contour((Line(points[0], points[-1]),), "#0000ff"))
+    machine = table(place="drawn")
+    assert verify_sheet(post((drawn,), machine).text, (drawn,), machine) == ()
+    said = verify_sheet(post((straight,), machine).text, (drawn,), machine)
+    assert {d.code for d in said} == {"verify-sheet-missing", "verify-sheet-extra"}
+
+
 def test_the_wrong_side_of_the_kerf() -> None:
     """A program whose holes are larger by the kerf and whose plates are smaller."""
     part = drawing(contour(box(0, 0, 100, 60)), contour(circle(50, 30, 20)))
