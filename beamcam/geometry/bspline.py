@@ -46,6 +46,11 @@ class BSpline(Struct, frozen=True, gc=False):
         low, high = self.knots[self.degree], self.knots[len(self.control)]
         if not low < high:
             raise ValueError(f"the knots of a spline span nothing: {low:g} to {high:g}")
+        if any(a == b for a, b in zip(self.knots, self.knots[self.degree + 1 :], strict=False)):
+            raise ValueError(
+                f"a knot of a spline of degree {self.degree} is there {self.degree + 1} times at "
+                "most: of one that is there more often not all control points count"
+            )
         inner = [k for k in self.knots if low < k < high]
         # They do not fall, so that equal ones stand side by side.
         if any(a == b for a, b in zip(inner, inner[self.degree :], strict=False)):
