@@ -78,7 +78,30 @@ def _nested(
         rings_around = around[i]
         parent = closed[min(rings_around, key=lambda b: (areas[b], b))] if rings_around else -1
         found[i] = replace(shapes[i], area=area, depth=len(rings_around), parent=parent)
+    for i, rings_around in around.items():
+        for b in rings_around:
+            _put_inside(found, i, closed[b])
     return found
+
+
+def _put_inside(shapes: list[Shape], inner: int, outer: int) -> None:
+    """Make a contour one of those around another, in the order of their areas.
+
+    Of contours that cross, both around a third, neither lies in the other: the smaller of them
+    counts as inner, so that what lies in both is done before both.
+    """
+
+    def size(k: int) -> tuple[float, int]:
+        return abs(shapes[k].area), k
+
+    while (parent := shapes[inner].parent) != outer:
+        if parent < 0 or size(outer) < size(parent):
+            shapes[inner] = replace(shapes[inner], parent=outer)
+            if parent < 0:
+                return
+            inner, outer = outer, parent
+        else:
+            inner = parent
 
 
 def _signed_areas(rings: "NDArray[Any]") -> "Floats":

@@ -91,11 +91,14 @@ def _twice(
     stroke = work.of_way[near_way[kept]]
     passes = _passes(near.point[kept], at, stroke, 6 * reach, len(points))
     doubtful = np.flatnonzero(passes > 1)
-    # Contours that run beside one another have a path each.
-    beside = need.by_way(need.near(points[doubtful], work.half_kerf + 2 * reach))
+    # Contours that run beside one another have a path each, and one that runs back beside itself
+    # has as many as it comes by.
+    beside = need.near(points[doubtful], work.half_kerf + 2 * reach)
     if work.region is not None:
         beside = beside.kept(~work.region.twins[need.owner[beside.element]])
-    allowed = np.bincount(beside.point, minlength=len(doubtful))
+    at, way = need.at(beside.element, beside.along), need.owner[beside.element]
+    apart = 6 * (work.half_kerf + 2 * reach)
+    allowed = _passes(beside.point, at, way, apart, len(doubtful))
     doubtful = doubtful[passes[doubtful] > allowed]
     said: list[Diagnostic] = []
     for way in np.unique(owner[doubtful])[:SHOWN]:

@@ -16,6 +16,8 @@ from beamcam.verify.sheets.work import SHOWN, Traced, Work
 #: Contours that leave a place in directions as near as this lie on one another there.
 SAME_DIRECTION_DEG = 2.0
 ROUNDING = 1e-9
+#: Tolerances along a path behind which it is elsewhere.
+APART = 8.0
 
 
 def end_faults(work: Work, traced: Sequence[Traced]) -> list[Diagnostic]:
@@ -29,16 +31,19 @@ def end_faults(work: Work, traced: Sequence[Traced]) -> list[Diagnostic]:
         return said
     starts = work.path.starts[[t.first for t in opened]]
     stops = work.path.ends[[t.last - 1 for t in opened]]
+    begin = work.path.begins[[t.first for t in opened]]
+    lasts = [t.last - 1 for t in opened]
+    end = work.path.begins[lasts] + work.path.lengths[lasts]
     branches = _Branches(work.need, work.tolerance, work.torch.gap)
     out_of_starts, out_of_stops = branches.at(starts), branches.at(stops)
     for k, t in enumerate(opened):
-        for what, place, count, others, way in (
-            ("begins", starts[k], out_of_starts[k], stops, t.first),
-            ("ends", stops[k], out_of_stops[k], starts, t.last - 1),
+        for what, place, count, others, way, at in (
+            ("begins", starts[k], out_of_starts[k], stops, t.first, begin[k]),
+            ("ends", stops[k], out_of_stops[k], starts, t.last - 1, end[k]),
         ):
             if count != 2 or is_bridge(work, place, others, t.half_kerf):
                 continue
-            if _on_another(work, place, way) or work.on_kept_off(place.reshape(1, 2))[0]:
+            if _on_another(work, place, way, at) or work.on_kept_off(place.reshape(1, 2))[0]:
                 continue
             x, y = place.tolist()
             source = Source(work.name, int(work.moves.line[way]))
@@ -48,13 +53,16 @@ def end_faults(work: Work, traced: Sequence[Traced]) -> list[Diagnostic]:
     return said[:SHOWN]
 
 
-def _on_another(work: Work, place: Floats, way: int) -> bool:
-    """Whether a place lies on the path of another stroke than that of a way.
+def _on_another(work: Work, place: Floats, way: int, at: float) -> bool:
+    """Whether an end `at` so far along the path lies on another stroke, or elsewhere on its own.
 
-    An edge that two contours share is cut once: what is left of the second ends on the first.
+    An edge that two contours share, or one has twice, is cut once: what is left ends on it.
     """
-    pairs = work.path.near(place.reshape(1, 2), work.tolerance)
-    return bool((work.of_way[work.path.owner[pairs.element]] != work.of_way[way]).any())
+    path = work.path
+    pairs = path.near(place.reshape(1, 2), work.tolerance)
+    is_other = work.of_way[path.owner[pairs.element]] != work.of_way[way]
+    is_apart = np.abs(path.at(pairs.element, pairs.along) - at) > APART * work.tolerance
+    return bool((is_other | is_apart).any())
 
 
 class _Branches:
