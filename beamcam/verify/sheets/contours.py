@@ -19,7 +19,11 @@ from beamcam.verify.sheets.bridges import in_bridges
 from beamcam.verify.sheets.elements import Counts, Flags, Floats
 from beamcam.verify.sheets.grid import Pairs
 from beamcam.verify.sheets.paths import on_contour
+from beamcam.verify.sheets.ways import Ways
 from beamcam.verify.sheets.work import SHOWN, SPACING, Traced, Work
+
+#: Where each of some ways begins and ends, counted along all, and whether it closes.
+Loops = tuple[Floats, Floats, Flags]
 
 LEAST_SPACING = 0.2
 OVER = 6.0  #: how far a stroke may run over its start, by half the kerf
@@ -89,7 +93,7 @@ def _twice(
     kept &= ~_overlap(work, traced, near)
     at = path.at(near.element[kept], near.along[kept])
     stroke = work.of_way[near_way[kept]]
-    passes = _passes(near.point[kept], at, stroke, 6 * reach, len(points))
+    passes = _passes(near.point[kept], at, stroke, _loops(path, traced), 6 * reach, len(points))
     doubtful = np.flatnonzero(passes > 1)
     # Contours that run beside one another have a path each, and one that runs back beside itself
     # has as many as it comes by.
@@ -98,7 +102,8 @@ def _twice(
         beside = beside.kept(~work.region.twins[need.owner[beside.element]])
     at, way = need.at(beside.element, beside.along), need.owner[beside.element]
     apart = 6 * (work.half_kerf + 2 * reach)
-    allowed = _passes(beside.point, at, way, apart, len(doubtful))
+    ways = need.begins, need.begins + need.lengths, np.all(need.starts == need.ends, axis=1)
+    allowed = _passes(beside.point, at, way, ways, apart, len(doubtful))
     doubtful = doubtful[passes[doubtful] > allowed]
     said: list[Diagnostic] = []
     for way in np.unique(owner[doubtful])[:SHOWN]:
@@ -132,15 +137,32 @@ def _overlap(work: Work, traced: Sequence[Traced], near: Pairs) -> Flags:
     return found
 
 
-def _passes(sample: Counts, at: Floats, stroke: Counts, apart: float, count: int) -> Counts:
+def _loops(path: Ways, traced: Sequence[Traced]) -> Loops:
+    firsts, lasts = np.array([(t.first, t.last - 1) for t in traced]).T
+    closed = np.array([t.closed for t in traced])
+    return path.begins[firsts], path.begins[lasts] + path.lengths[lasts], closed
+
+
+def _passes(
+    sample: Counts, at: Floats, stroke: Counts, loops: Loops, apart: float, count: int
+) -> Counts:
     """How many separate ways of the path are near each sample.
 
-    Places on the path that are farther apart along it than `apart` belong to different ways.
+    Places on the path that are farther apart along it than `apart` belong to different ways; the
+    way over the start of a closed stroke counts too.
     """
+    if not len(sample):
+        return np.zeros(count, dtype=np.int64)
     order = np.lexsort((at, stroke, sample))
     sample, at, stroke = sample[order], at[order], stroke[order]
     new = np.ones(len(sample), dtype=bool)
     new[1:] = (sample[1:] != sample[:-1]) | (stroke[1:] != stroke[:-1])
     new[1:] |= at[1:] - at[:-1] > apart
     found: Counts = np.bincount(sample[new], minlength=count)
+    change = np.flatnonzero((sample[1:] != sample[:-1]) | (stroke[1:] != stroke[:-1])) + 1
+    first, last = np.append(0, change), np.append(change, len(sample)) - 1
+    begins, ends, closed = (column[stroke[first]] for column in loops)
+    over = closed & (at[first] - begins + ends - at[last] <= apart)
+    over &= np.add.reduceat(new, first) > 1
+    np.subtract.at(found, sample[first[over]], 1)
     return found

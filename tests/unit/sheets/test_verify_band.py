@@ -215,3 +215,14 @@ def test_what_is_too_small_to_be_cut_is_posted() -> None:
     assert "plan-tiny" in {said.code for said in posted.remarks}
     assert "plan-left-out" not in {said.code for said in posted.remarks}
     assert len(strokes(posted.text)) == 1
+
+
+@pytest.mark.parametrize("diameter", [1.22, 1.26, 1.3, 1.34])
+def test_a_hole_hardly_wider_than_the_kerf_is_cut_once(diameter: float) -> None:
+    """Its path is so small that many samples lie near the place where it closes."""
+    hole = contour(circle(30, 30, diameter))
+    part = drawing(contour(box(0, 0, 80, 60)), hole, thickness=3.0)
+    text = post((part,), MACHINE).text
+    assert not codes(text, part)
+    (first, *_) = re.findall(r"^G0 X\S+ Y\S+\nM3(?:.|\n)*?M5\n", text, re.M)
+    assert "twice" in codes(text.replace(first, first * 2), part)
