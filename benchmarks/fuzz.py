@@ -9,7 +9,8 @@ the system bounds; where it knows no such bounds (Windows) the parent looks at t
     python benchmarks/fuzz.py [--inputs 100000] [--seed 1] [--jobs 2] [--formats dstv,json]
     python benchmarks/fuzz.py --seed 1 --only 4711 --keep FOLDER
 
-The same seed gives the same inputs. --keep writes each input that did not hold into FOLDER.
+The same seed gives the same inputs. --keep writes each input that did not hold into FOLDER, and
+those that the read-back refused.
 """
 
 import multiprocessing
@@ -58,7 +59,7 @@ class Outcome(Struct):
     index: int
     format: str
     how: str  #: one of `HELD` or `FAULTS`
-    place: str = ""  #: where a fault was
+    place: str = ""  #: where a fault was, or the codes with which the read-back refused
     seconds: float = 0.0
     megabytes: float = 0.0
 
@@ -84,18 +85,21 @@ def input_of(index: int, seed: int, files: dict[str, list[bytes]]) -> tuple[str,
     return kind, damaged(chance.choice(files[kind]), chance)
 
 
-def work(kind: str, data: bytes, chance: random.Random) -> str:
-    """Do with an input all that the commands do; one of `HELD`, or any exception."""
+def work(kind: str, data: bytes, chance: random.Random) -> tuple[str, str]:
+    """Do with an input all that the commands do; one of `HELD` and the read-back's codes.
+
+    Raises any exception that is not our own.
+    """
     try:
         if kind == "toml":
             _use_machine(data)
         else:
             _use_parts(f"input{SUFFIXES[kind]}", data, chance)
-    except VerifyError:
-        return "read-back"
+    except VerifyError as error:
+        return "read-back", " ".join(sorted({said.code for said in error.diagnostics}))
     except BeamcamError:
-        return "refused"
-    return "posted"
+        return "refused", ""
+    return "posted", ""
 
 
 def _use_machine(data: bytes) -> None:
@@ -183,7 +187,7 @@ def one(index: int, seed: int, files: dict[str, list[bytes]]) -> Outcome:
     begun = time.process_time()
     try:
         with _bounded_time():
-            outcome.how = work(kind, data, random.Random(f"{seed} {index} machine"))
+            outcome.how, outcome.place = work(kind, data, random.Random(f"{seed} {index} machine"))
     except Hang as hang:
         outcome.how, outcome.place = "hang", _place(hang)
     except MemoryError as error:
@@ -339,10 +343,10 @@ def table(found: list[Outcome], kinds: tuple[str, ...]) -> Iterator[str]:
 
 
 def faults(found: list[Outcome]) -> Iterator[str]:
-    """Each kind of fault once, with its count and the first input that shows it."""
+    """Each kind of fault or of refusal by the read-back once: its count and its first input."""
     first: dict[tuple[str, str, str], list[int]] = {}
     for outcome in found:
-        if outcome.how in FAULTS:
+        if outcome.how in (*FAULTS, "read-back"):
             key = outcome.format, outcome.how, outcome.place
             first.setdefault(key, []).append(outcome.index)
     for (kind, how, place), indices in sorted(first.items(), key=lambda item: -len(item[1])):
@@ -363,7 +367,11 @@ def main() -> None:
     parser.add_argument("--jobs", type=at_least(1), default=2, help="worker processes, default 2")
     parser.add_argument("--formats", type=_kinds, default=FORMATS, help=",".join(FORMATS))
     parser.add_argument("--only", type=at_least(0), help="the number of one input")
-    parser.add_argument("--keep", type=Path, help="folder for inputs that did not hold")
+    parser.add_argument(
+        "--keep",
+        type=Path,
+        help="folder for inputs that did not hold",
+    )
     asked = parser.parse_args()
     numbers = range(asked.inputs) if asked.only is None else range(asked.only, asked.only + 1)
     found: list[Outcome] = []
@@ -371,7 +379,7 @@ def main() -> None:
     with suppress(KeyboardInterrupt):  # the table then counts what was done
         for outcome in outcomes(numbers, asked.seed, asked.jobs, asked.formats):
             found.append(outcome)
-            if outcome.how in FAULTS or asked.only is not None:
+            if outcome.place or asked.only is not None:
                 keep(outcome.index)
     print("\n".join((*table(found, asked.formats), *faults(found))))
     if any(outcome.how in FAULTS for outcome in found):

@@ -73,7 +73,7 @@ def test_a_worker_that_does_not_answer_is_ended(monkeypatch: pytest.MonkeyPatch)
 
 def test_without_bounds_of_the_system(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(fuzz, "signal", SimpleNamespace())
-    monkeypatch.setattr(fuzz, "work", lambda *_: "posted")
+    monkeypatch.setattr(fuzz, "work", lambda *_: ("posted", ""))
     assert fuzz.one(0, 1, FILES).how == "posted"
 
 
@@ -86,7 +86,11 @@ def test_the_table_counts_all() -> None:
     head, *rows = fuzz.table(found, ("dstv", "dxf"))
     assert rows[-1].split() == ["all", "3", "1", "0", "0", "2", "0", "0", "1.0", "120"]
     assert len(head.split()) == 12  # two words each for the last two
-    assert list(fuzz.faults(found)) == ["     2 x dxf crash, first --only 1: KeyError here"]
+    found.append(fuzz.Outcome(2, "json", "read-back", "verify-ledger"))
+    assert list(fuzz.faults(found)) == [
+        "     2 x dxf crash, first --only 1: KeyError here",
+        "     1 x json read-back, first --only 2: verify-ledger",
+    ]
 
 
 def test_a_run_ends_with_its_table(tmp_path: Path) -> None:

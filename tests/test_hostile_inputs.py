@@ -8,7 +8,10 @@ import pytest
 from click.testing import CliRunner
 
 from beamcam.cli import main
+from beamcam.conversion import MAX_NUMBER
 from beamcam.geometry.bezier import MAX_DEGREE
+from beamcam.readers import read
+from beamcam.writers import part_json
 from tests.conftest import SAMPLES
 
 HOSTILE = Path(__file__).parent / "hostile"
@@ -168,3 +171,44 @@ def test_styles_take_no_quadratic_time(style: str, tmp_path: Path) -> None:
         f'd="M0 0 L5 5" transform="{" " * 60_000}"/></svg>'
     )
     call("inspect", path)
+
+
+@pytest.mark.parametrize("digits", [1, 400, 5000])
+def test_numbers_of_any_length(digits: int, tmp_path: Path) -> None:
+    """Python itself refuses to read more than 4,300 digits."""
+    long = "9" * digits
+    for variable in ("$INSUNITS", "$MEASUREMENT"):
+        head = f"0\nSECTION\n2\nHEADER\n9\n{variable}\n70\n{long}\n0\nENDSEC\n0\nEOF\n"
+        (tmp_path / "a.dxf").write_text(head)
+        call("inspect", tmp_path / "a.dxf")
+    (tmp_path / "a.svg").write_text(
+        '<svg xmlns="http://www.w3.org/2000/svg" width="10" height="10" '
+        'xmlns:inkscape="http://www.inkscape.org/namespaces/inkscape" '
+        f'inkscape:version="{long}.{long}"><path d="M0 0h9v9z" stroke="red"/></svg>'
+    )
+    call("inspect", tmp_path / "a.svg")
+
+
+def test_what_is_computed_is_not_read(tmp_path: Path) -> None:
+    """A curve may be longer than the greatest number that a file may give."""
+    nodes = [[1e9, 5], [60, 20], [40, 22], [10, 11]]
+    curves = [{"newton": nodes}, {"line": [[10, 11], [1e9, 5]]}]
+    given = PART | {"contours": [{"kind": "outer", "curves": curves}]}
+    (part,) = read(json.dumps(given).encode(), "a.json").parts
+    written = part_json.write(part)
+    assert json.loads(written)["path_length"] > MAX_NUMBER
+    again = read(written.encode(), "a.json")
+    assert not again.refused, again.diagnostics
+    assert again.parts[0].features[0].curves == part.features[0].curves  # type: ignore[union-attr]
+    huge = json.loads(written) | {"length": 1e11}
+    assert read(json.dumps(huge).encode(), "a.json").refused
+
+
+def test_curves_on_each_other_take_no_quadratic_time(tmp_path: Path) -> None:
+    """Each circle is cut once; the read-back of a step table has one band around all."""
+    circle = {"circle": {"centre": [50, 50], "radius": 10}}
+    contours = [{"kind": "inner", "curves": [circle]}] * 250
+    path = tmp_path / "a.json"
+    path.write_text(json.dumps(PART | {"length": 100, "contours": contours}))
+    said = call("post", path, "--machine", "laser-stepper", "-o", tmp_path / "a.steps")
+    assert (tmp_path / "a.steps").exists(), said

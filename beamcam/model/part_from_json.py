@@ -85,7 +85,7 @@ def part_from_json(value: object, file: str) -> Part:
     top = Place(file)
     if isinstance(value, dict) and value.get("schema", PART_SCHEMA) != PART_SCHEMA:
         raise top.at("schema").fault(JSON_SCHEMA, found=show(value["schema"]), expected=PART_SCHEMA)
-    form = record_of(value, PartForm, top)
+    form = record_of(_without_computed(value), PartForm, top)
     source = Source(file) if form.source is None else _source(form.source, top.at("source"), file)
     of_file = partial(_source, file=source.file)
     planes = tuple(
@@ -115,6 +115,29 @@ def part_from_json(value: object, file: str) -> Part:
         form.comments,
         form.guid,
     )
+
+
+#: Keys that are written for those who read the file: lengths and boxes of what stands beside them.
+_COMPUTED = {
+    "bbox", "path_length", "duplicate_length", "filled_length", "hidden_length", "not_cut",
+}  # fmt: skip
+_COMPUTED_OF_CONTOUR = {"length", "bbox"}
+
+
+def _without_computed(value: object) -> object:
+    """A part without its computed keys: a curve may be longer than a number that is read."""
+    if not isinstance(value, dict):
+        return value
+    kept = {key: item for key, item in value.items() if key not in _COMPUTED}
+    contours = kept.get("contours")
+    if isinstance(contours, list):
+        kept["contours"] = [
+            {key: item for key, item in one.items() if key not in _COMPUTED_OF_CONTOUR}
+            if isinstance(one, dict)
+            else one
+            for one in contours
+        ]
+    return kept
 
 
 def _each(forms: Iterable[Form], place: Place) -> Iterator[tuple[Form, Place]]:

@@ -52,7 +52,10 @@ class Unit(Struct, frozen=True):
 
 
 def header_number(data: bytes, variable: str) -> int | None:
-    """The whole number that the header gives to `variable` (group 70); None if it does not."""
+    """The whole number that the header gives to `variable` (group 70); None if it does not.
+
+    Of a number of more digits than any variable has the first nine.
+    """
     name = re.escape(variable.encode("ascii"))
     if is_binary(data):
         # Group codes are two bytes since R13, and the values of group 70 too.
@@ -60,7 +63,9 @@ def header_number(data: bytes, variable: str) -> int | None:
         return None if found is None else int.from_bytes(found[1], "little", signed=True)
     end = data.find(b"ENDSEC")
     text = data[: end if end >= 0 else len(data)]
-    found = re.search(rb"(?:^|[\r\n])[ \t]*9" + _NL + name + _NL + rb"70" + _NL + rb"(-?\d+)", text)
+    found = re.search(
+        rb"(?:^|[\r\n])[ \t]*9" + _NL + name + _NL + rb"70" + _NL + rb"(-?\d{1,9})", text
+    )
     return None if found is None else int(found[1])
 
 

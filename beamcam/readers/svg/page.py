@@ -261,7 +261,7 @@ def _writer(document: Document) -> tuple[str, int] | None:
         return "CorelDRAW", 96
     if "Adobe Illustrator" in comments:
         return "Adobe Illustrator", 72
-    if found := re.search(r"inkscape:version=(\d+)\.(\d+)", foreign):
+    if found := re.search(r"inkscape:version=(\d{1,9})\.(\d{1,9})", foreign):
         old = (int(found[1]), int(found[2])) < (0, 92)
         return f"Inkscape {found[1]}.{found[2]}", 90 if old else 96
     if "corel.com/coreldraw" in foreign:

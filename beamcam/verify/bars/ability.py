@@ -83,10 +83,10 @@ def repeats(left: Collection[int], part: Part, shop: Shop) -> Iterator[int]:
         if isinstance(first, Hole):
             made = from_behind(first, part, shop, works)
             for g, other in enumerate(part.features):
-                if isinstance(other, Hole) and is_same(
-                    from_behind(other, part, shop, works), made, shop.twice
-                ):
-                    yield g
+                if isinstance(other, Hole):
+                    again = from_behind(other, part, shop, works)
+                    if again.face == made.face and is_same(again, made, shop.twice):
+                        yield g
 
 
 def _sinks(left: Collection[int], part: Part, shop: Shop) -> Iterator[int]:

@@ -122,8 +122,9 @@ class _Track:
 
     def __init__(self, ways: Ways, most: float, fine: float) -> None:
         self.ways, self.most = ways, most
-        lines = [ways.outline(k, k + 1, fine) for k in range(ways.count)]
-        self.band = shapely.MultiLineString(lines).buffer(most, quad_segs=4)
+        lines = [shapely.LineString(ways.outline(k, k + 1, fine)) for k in range(ways.count)]
+        # One by one: the buffer of all at once takes the square of curves that lie on each other.
+        self.band = shapely.union_all(shapely.buffer(lines, most, quad_segs=4))
         shapely.prepare(self.band)
 
 

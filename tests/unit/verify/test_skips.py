@@ -7,7 +7,8 @@ from hypothesis import strategies as st
 from beamcam.errors import PlanError, Source
 from beamcam.machine import load
 from beamcam.machine.machine import Machine
-from beamcam.model.part import Hole, Part, Profile, Slot
+from beamcam.model.part import Face, Hole, Part, Profile, Slot
+from beamcam.pipeline import post
 from beamcam.planning import plan_bar
 from beamcam.verify import skippable
 from tests.unit.planning.shop import BEAM, hole, part
@@ -74,3 +75,15 @@ def test_a_slot_is_where_its_corners_are() -> None:
     machine = load("beamline-pusher")
     assert skippable((part(slot),), machine, ("reach",)) == {(0, 0)}
     assert skippable((part(slot),), machine, ("off-face",)) == frozenset()
+
+
+@pytest.mark.parametrize("face", ["h", "o", "u"])
+def test_a_hole_of_another_wall_is_no_repeat(face: Face) -> None:
+    """The walls of a tube have holes of their own, also those that lie behind each other."""
+    tube = Profile("M", "RHS120*80*5", 120.0, 80.0, 5.0, 5.0, 7.5)
+    behind = Hole(face, 500.0, 60.0, 14.0, Source("p.nc1", 21))
+    made = part(Hole("v", 500.0, 60.0, 14.0, SOURCE), behind, profile=tube)
+    posted = post((made,), load("beamline-pusher"), skips=("face",))
+    left = [said.source for said in posted.remarks if said.code == "plan-left-out"]
+    assert left in ([], [behind.source])
+    assert {g for _, g in skippable((made,), load("beamline-pusher"), ("face",))} <= {1}
