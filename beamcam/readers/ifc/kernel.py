@@ -12,6 +12,7 @@ from msgspec import Struct
 from beamcam.caches import cached
 from beamcam.readers.ifc.brep import BrepError, surfaces_of
 from beamcam.readers.ifc.entities import Entity, Model, Unreadable
+from beamcam.readers.ifc.references import broken_reference
 from beamcam.readers.ifc.shell import Shell, shell
 from beamcam.readers.ifc.space import cross, size, sub
 from beamcam.readers.ifc.surfaces import Cylinder, Unnamed
@@ -146,13 +147,27 @@ def _solid(model: Model, element: Entity, asked: Mapping[str, Any] | None = None
     for name, value in (asked or {}).items():
         settings.set(name, value)
     file = _file_of(model)
+    instances = [_instance(file, each) for each in (element, *openings)]
     for each in used:
         _make_slots_buildable(file, each or ())
     _log()  # what earlier solids left
     try:
-        return geom.create_shape(settings, file.by_id(element.id()), geometry_library="opencascade")
+        return geom.create_shape(settings, instances[0], geometry_library="opencascade")
     except RuntimeError as fault:
         raise Unreadable(f"no solid by the kernel ({fault})") from fault
+
+
+def _instance(file: Any, element: Entity) -> Any:
+    """The kernel's own of an element. Raises Unreadable if it cannot follow its references."""
+    try:
+        instance = file.by_id(element.id())
+    except RuntimeError as fault:
+        raise Unreadable(f"no element by the kernel ({fault})") from fault
+    for root in (instance.Representation, instance.ObjectPlacement):
+        broken = None if root is None else broken_reference(file, root)
+        if broken is not None:
+            raise Unreadable(f"a broken reference ({broken})")
+    return instance
 
 
 def _log() -> tuple[str, ...]:

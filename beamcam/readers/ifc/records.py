@@ -9,7 +9,7 @@ import numpy as np
 from beamcam.readers.ifc.characters import Places
 from beamcam.readers.ifc.columns import Alike
 from beamcam.readers.ifc.schema import Row, rows
-from beamcam.readers.ifc.step import MISSING, records
+from beamcam.readers.ifc.step import MISSING, Malformed, records
 from beamcam.readers.ifc.tuples import KINDS, objects, tuples
 from beamcam.readers.ifc.values import Tokens, Values, text_of
 
@@ -207,7 +207,12 @@ class File:
         if kind not in self._unusual:
             return made
         values = made.values
-        return values if made.is_a("IfcPlacement") else tuple(map(float, values[0]))
+        if made.is_a("IfcPlacement"):
+            return values
+        try:
+            return tuple(map(float, values[0]))
+        except (IndexError, TypeError, ValueError):
+            raise Malformed(f"{made.name} without numbers") from None
 
     def entity(self, name: str) -> Entity:
         """The entity of a name."""

@@ -11,9 +11,11 @@ from msgspec import Struct, field
 
 from beamcam.geometry.curves import Arc, Curve, Line, Point
 from beamcam.readers.ifc.curves2d import Chain
+from beamcam.readers.ifc.entities import Unreadable
 from beamcam.readers.ifc.outline import joined, with_arcs
 
 SAGITTA = 5e-4  #: mm between an arc and its polygon
+MOST_POINTS = 20_000  #: of an arc's polygon; a whole circle of 40 m
 ON_CIRCLE = 2e-3
 ELLIPSE_POINTS = 180  #: on a stretch of an ellipse, which only a skew cut leaves
 FAR = 1e10  #: mm; beyond where a plane that is tilted by rounding alone crosses a wall's plane
@@ -35,7 +37,10 @@ class Circles(Struct):
 
 
 def points_of(chain: Chain, circles: Circles) -> list[Point]:
-    """The vertices of a chain's polygon; its circles are remembered."""
+    """The vertices of a chain's polygon; its circles are remembered.
+
+    Raises Unreadable for an arc that would take more than `MOST_POINTS`.
+    """
     points: list[Point] = []
     for curve in chain:
         if isinstance(curve, Line):
@@ -43,7 +48,10 @@ def points_of(chain: Chain, circles: Circles) -> list[Point]:
         elif isinstance(curve, Arc):
             circles.add(curve.centre, curve.radius)
             step = 2 * acos(max(0.0, 1 - SAGITTA / curve.radius))
-            count = max(2, ceil(radians(abs(curve.sweep_deg)) / step))
+            sweep = radians(abs(curve.sweep_deg))
+            if sweep > MOST_POINTS * step:
+                raise Unreadable(f"an arc of radius {curve.radius:g} mm")
+            count = max(2, ceil(sweep / step))
             points += [curve.point(i / count) for i in range(count)]
         else:
             points += [curve.point(i / ELLIPSE_POINTS) for i in range(ELLIPSE_POINTS)]

@@ -1,0 +1,69 @@
+"""References that are none are told before the kernel meets them: it would end the process."""
+
+import re
+from pathlib import Path
+
+import pytest
+
+from beamcam.geometry.curves import Arc, Line
+from beamcam.readers.ifc import Options, kernel, read
+from beamcam.readers.ifc.entities import Entity, Unreadable
+from beamcam.readers.ifc.kernel import build, reached
+from beamcam.readers.ifc.references import broken_reference
+from beamcam.readers.ifc.region import Circles, points_of
+from tests.conftest import SAMPLES
+from tests.unit.readers.ifc.models import opened
+
+SAMPLE = SAMPLES / "ifc" / "beam_openings.ifc"
+DATA = SAMPLE.read_bytes()
+CHECKED = Options(kernel=True)
+
+
+@pytest.mark.parametrize("path", sorted((SAMPLES / "ifc").glob("*.ifc")), ids=lambda p: p.stem)
+def test_the_samples_have_none(path: Path) -> None:
+    file = kernel._kernel().open(str(path))
+    for product in file.by_type("IfcElement"):
+        if product.Representation is not None:
+            assert broken_reference(file, product.Representation) is None
+
+
+def _solids() -> list[Entity]:
+    """The extrusions and booleans of the first beam."""
+    beam = opened(DATA).file.by_type("IfcBeam")[0]
+    found = reached(beam) or set()
+    return [e for e in found if e.is_a("IfcSweptAreaSolid") or e.is_a("IfcBooleanResult")]
+
+
+@pytest.mark.parametrize("instead", [b"$", b"#999998", b"#-31", b"#1"])
+def test_each_reference_of_a_solid(instead: bytes) -> None:
+    """Gone, to nothing, no reference at all, and to what is no geometry."""
+    for solid in _solids():
+        name = solid.name.encode()
+        line = re.search(rb"(?m)^%s *=.*$" % name, DATA)
+        assert line is not None
+        for reference in re.finditer(rb"(?<=[(,])#\d+", line[0]):
+            begin, end = (line.start() + at for at in reference.span())
+            broken = DATA[:begin] + instead + DATA[end:]
+            beam = opened(broken).file.by_type("IfcBeam")[0]
+            with pytest.raises((Unreadable, LookupError, ValueError)):
+                build(opened(broken), beam)
+            found = read(broken, "broken.ifc", options=CHECKED)
+            assert beam.GlobalId not in {part.guid for part in found.parts}
+
+
+@pytest.mark.parametrize("values", ["$", "", "'a'", "(1.,$,0.)", "(.T.,#1)", "*"])
+def test_points_without_numbers(values: str) -> None:
+    for kind in (b"IFCCARTESIANPOINT", b"IFCDIRECTION"):
+        broken = re.sub(kind + rb"\([^;]*\);", kind + b"(%s);" % values.encode(), DATA)
+        found = read(broken, "broken.ifc")
+        assert found.refused
+        assert found.diagnostics
+
+
+def test_an_arc_of_a_huge_circle() -> None:
+    assert len(points_of((Arc((0.0, 0.0), 10_000.0, 0.0, 360.0),), Circles())) < 20_000
+    wide = Arc((0.0, -1e9), 1e9, 90.0, -1e-6)
+    assert len(points_of((wide, Line(wide.end, wide.start)), Circles())) < 100
+    for radius in (1e6, 1e9, 1e14, 1e300):
+        with pytest.raises(Unreadable, match="radius"):
+            points_of((Arc((0.0, 0.0), radius, 0.0, 360.0),), Circles())
