@@ -12,7 +12,7 @@ from beamcam.errors import BeamcamError, Diagnostic, Source, rule_makers
 from beamcam.machine.machine import Machine
 from beamcam.model.part import Part
 from beamcam.plain_text import terminal_text
-from beamcam.planning import SKIP_NAMES
+from beamcam.planning.rules import SKIP_NAMES
 
 _error, _, _ = rule_makers("ask")
 

@@ -26,9 +26,8 @@ from beamcam.errors import (
 )
 from beamcam.machine.machine import Machine
 from beamcam.model.part import Part
-from beamcam.model.plan import Plan, SheetPlan
+from beamcam.model.plan import Order, Plan, SheetPlan
 from beamcam.model.work_time import WorkTime
-from beamcam.planning import Order
 from beamcam.planning.left_out import LEFT_OUT, left_out_sources, told
 from beamcam.posts import Job, Wanted, Written, carries_head, head_lines, post_of
 from beamcam.readers.content import content, shown_name

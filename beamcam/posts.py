@@ -14,11 +14,10 @@ from beamcam.caches import cached
 from beamcam.errors import Diagnostic, PlanError
 from beamcam.machine.machine import Machine
 from beamcam.model.part import Part
-from beamcam.model.plan import Plan, SheetPlan
+from beamcam.model.plan import Order, Plan, SheetPlan
 from beamcam.model.program import Comment, Program
 from beamcam.model.work_time import WorkTime
 from beamcam.plain_text import one_word
-from beamcam.planning import Order
 
 NOT_READ_BACK = "NOT VERIFIED: THIS PROGRAM WAS NOT READ BACK"
 FORM = 1  #: of a program and its head; a change that a reader has to know of counts it up
@@ -79,8 +78,8 @@ def bar_post() -> Post:
     """Of a saw and drilling line."""
     from beamcam.emitters import gcode
     from beamcam.motion.beam import beam_program
-    from beamcam.planning import plan_bar
-    from beamcam.verify import verify
+    from beamcam.planning.beam import plan_bar
+    from beamcam.verify.bars import verify
 
     def plan(job: Job) -> Plan:
         return plan_bar(job.parts, job.machine, job.bar, job.skips, job.order, job.turn)

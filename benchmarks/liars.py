@@ -19,7 +19,7 @@ from beamcam.geometry.curves import Line
 from beamcam.machine import load
 from beamcam.model.part import Contour, EndCuts, Feature, Hole, Part, Profile, Slot
 from beamcam.model.plan import DrillOp, Operation, Outcome, PathOp, Plan, SawOp
-from beamcam.planning import SKIP_NAMES
+from beamcam.planning.rules import SKIP_NAMES
 from beamcam.posts import Job, post_of
 
 SOURCE = Source("liar.nc1", 1)

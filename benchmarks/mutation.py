@@ -27,8 +27,8 @@ from beamcam.errors import Diagnostic, Severity, Source
 from beamcam.machine import Machine, load
 from beamcam.model.part import Hole, Part, Profile
 from beamcam.pipeline import parts_of, post, read_file
-from beamcam.planning import SKIP_NAMES
-from beamcam.verify import verify
+from beamcam.planning.rules import SKIP_NAMES
+from beamcam.verify.bars import verify
 from beamcam.verify.left_out import LEFT_OUT
 from benchmarks.faults import FAULTS
 from benchmarks.heads import counted

@@ -21,7 +21,7 @@ from beamcam.machine.overlay import with_torch
 from beamcam.model.drawing import Measures
 from beamcam.model.part import Contour, Hole, Part, Process, Profile, Slot, TextMark
 from beamcam.model.plan import ContourOp, Outcome, Pass, SheetPlan
-from beamcam.planning import SKIP_NAMES
+from beamcam.planning.rules import SKIP_NAMES
 from beamcam.posts import Job, Written, post_of
 from benchmarks.liars import REASONS, Lies
 

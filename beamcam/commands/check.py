@@ -22,7 +22,7 @@ from beamcam.machine import Machine, shipped
 from beamcam.pipeline import parts_of, post, read_file
 from beamcam.planning.stock import from_store
 from beamcam.report.run import as_message
-from beamcam.verify import run
+from beamcam.verify.bars import run
 
 #: Where others than the header of a machine file say the job's name: behind `%`, as the unit of a
 #: program, in the head of a step table.

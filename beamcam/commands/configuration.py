@@ -10,7 +10,7 @@ from beamcam.config import rules
 from beamcam.config.load import ConfigError, load
 from beamcam.config.values import Config
 from beamcam.errors import Source
-from beamcam.planning import SKIP_NAMES
+from beamcam.planning.rules import SKIP_NAMES
 
 
 def checked(files: Sequence[str]) -> Config:

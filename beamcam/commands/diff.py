@@ -21,7 +21,7 @@ from beamcam.model.part import Part
 from beamcam.pipeline import as_error, parts_of, read_back
 from beamcam.posts import Wanted
 from beamcam.readers.content import shown_name
-from beamcam.verify import run
+from beamcam.verify.bars import run
 
 #: What a program may not have if its meaning is to be known.
 NOT_UNDERSTOOD = {r.code for r in (rules.SYNTAX, rules.WORD, rules.ARC)}

@@ -16,7 +16,7 @@ from typing import Any
 import click
 
 from beamcam.commands.common import STANDARD, Voice
-from beamcam.planning import SKIP_NAMES
+from beamcam.planning.rules import SKIP_NAMES
 
 Function = Callable[..., Any]
 Decorator = Callable[[Function], Function]

@@ -15,10 +15,10 @@ from beamcam.errors import BeamcamError, Diagnostic, PlanError, errors_in
 from beamcam.files import FilesRead
 from beamcam.machine.machine import Machine
 from beamcam.model.part import Part
-from beamcam.model.plan import Plan, SheetPlan, ToolLoad
+from beamcam.model.plan import Order, Plan, SheetPlan, ToolLoad
 from beamcam.pipeline import as_error
 from beamcam.plain_text import terminal_text
-from beamcam.planning import Order, plan_bar
+from beamcam.planning.beam import plan_bar
 from beamcam.planning.choose import Trial, try_turns
 from beamcam.planning.explain import Explanation, explain
 from beamcam.planning.left_out import told

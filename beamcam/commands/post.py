@@ -10,8 +10,8 @@ from beamcam.commands.parts import part_options, read_parts
 from beamcam.commands.settings import files_read, machine_for, map_remarks, settled
 from beamcam.commands.tables import job_name, outputs, table_style
 from beamcam.errors import BeamcamError, Diagnostic
+from beamcam.model.plan import Order
 from beamcam.pipeline import Posted, RefusedProgram, post, untold
-from beamcam.planning import Order
 from beamcam.planning.stock import from_store
 
 

@@ -12,7 +12,7 @@ from beamcam.commands.settings import files_read, machine_for_program, settled
 from beamcam.errors import BeamcamError, VerifyError, errors_in
 from beamcam.readers.content import shown_name
 from beamcam.simulate.course import rows, stretches, trace
-from beamcam.verify import run
+from beamcam.verify.bars import run
 
 _UNITS_S = {"ms": 0.001, "s": 1.0}
 

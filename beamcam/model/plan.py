@@ -10,6 +10,7 @@ from beamcam.machine.machine import Tool, TorchRow
 from beamcam.model.part import Face, Part, Profile
 
 FeatureRef = tuple[int, int]  #: index of the piece on the bar, index of its feature
+Order = Literal["given", "best"]  #: of parts on a bar: as they were given, or as they nest best
 AS_GIVEN = "as given"  #: how a part lies that was not turned
 
 

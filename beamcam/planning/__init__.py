@@ -1,6 +1,4 @@
-"""Planning: parts and a machine in, a `Plan` out, or every reason why there is none."""
+"""Planning: parts and a machine in, a `Plan` out, or every reason why there is none.
 
-from beamcam.planning.beam import Order, plan_bar
-from beamcam.planning.rules import SKIP_NAMES
-
-__all__ = ["SKIP_NAMES", "Order", "plan_bar"]
+`beam.plan_bar` plans bars, `sheet.plan_sheet` sheets; neither loads what the other needs.
+"""

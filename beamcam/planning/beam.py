@@ -16,6 +16,7 @@ from beamcam.model.plan import (
     AS_GIVEN,
     FeatureRef,
     Operation,
+    Order,
     Outcome,
     Piece,
     Plan,
@@ -32,8 +33,6 @@ from beamcam.planning.refuse import refuse_stock
 from beamcam.planning.tool_choice import spindle_operations
 from beamcam.planning.tools import rack_of
 from beamcam.planning.work import Work, work_on
-
-Order = Literal["given", "best"]
 
 
 def plan_bar(

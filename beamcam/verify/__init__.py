@@ -5,20 +5,3 @@ cannot hide in it. What a text means is told by `controllers`; what the machine 
 whether that is the part, here: `bars` of saw and drill, `sheets`, `st` and `steps` of what follows
 contours.
 """
-
-from beamcam.verify.bars import (
-    Bore,
-    Cut,
-    FeatureRef,
-    Made,
-    Run,
-    Trail,
-    interpret,
-    run,
-    skippable,
-    verify,
-)
-
-__all__ = [
-    "Bore", "Cut", "FeatureRef", "Made", "Run", "Trail", "interpret", "run", "skippable", "verify",
-]  # fmt: skip

@@ -7,8 +7,8 @@ import pytest
 from beamcam.errors import PlanError, ReadError
 from beamcam.machine import load
 from beamcam.pipeline import parts_of, post, read_file
-from beamcam.planning import SKIP_NAMES
-from beamcam.verify import verify
+from beamcam.planning.rules import SKIP_NAMES
+from beamcam.verify.bars import verify
 from beamcam.verify.left_out import LEFT_OUT
 from tests.conftest import CORPUS
 

@@ -20,7 +20,7 @@ from beamcam.errors import PlanError
 from beamcam.machine import load
 from beamcam.model.part import EndCuts, Hole, Part, Profile, Slot
 from beamcam.model.plan import Plan
-from beamcam.planning import plan_bar
+from beamcam.planning.beam import plan_bar
 from beamcam.planning.operations.slot_pairs import core_distance
 from tests.unit.planning.shop import SOURCE
 

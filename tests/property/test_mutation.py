@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 
 from beamcam.diff.differ import diff_programs
 from beamcam.errors import errors_in
-from beamcam.verify import run
+from beamcam.verify.bars import run
 from benchmarks.faults import FAULTS, NEED_PARTS
 from benchmarks.liars import told
 from benchmarks.mutants import MUTATIONS, REWRITES, Mutate, wrong_spindle

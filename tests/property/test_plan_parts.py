@@ -16,7 +16,8 @@ from beamcam.machine import load
 from beamcam.machine.machine import Machine
 from beamcam.model.part import EndCuts, Feature, Hole, Part, Profile, Slot
 from beamcam.model.plan import DrillOp, PathOp, Plan, SawOp
-from beamcam.planning import SKIP_NAMES, plan_bar
+from beamcam.planning.beam import plan_bar
+from beamcam.planning.rules import SKIP_NAMES
 
 BEAM = Profile("I", "IPE300", 300.0, 150.0, 10.7, 7.1, 15.0)
 CHANNEL = Profile("U", "UPN200", 200.0, 75.0, 11.5, 8.5, 11.5)

@@ -28,8 +28,9 @@ from beamcam.model.part import (
     Vector,
 )
 from beamcam.model.plan import DrillOp, PathOp, SawOp
-from beamcam.planning import SKIP_NAMES, plan_bar
+from beamcam.planning.beam import plan_bar
 from beamcam.planning.ends import ends_of
+from beamcam.planning.rules import SKIP_NAMES
 from beamcam.planning.turning import TURNS, Turn, lies, turn_between, turned
 
 SOURCE = Source("a.nc1", 1)

@@ -11,7 +11,7 @@ from beamcam.errors import PlanError, Source, errors_in
 from beamcam.machine import load
 from beamcam.model.part import EndCuts, Hole, Part, Profile, Slot
 from beamcam.pipeline import post
-from beamcam.verify import run, verify
+from beamcam.verify.bars import run, verify
 
 PROFILES = (
     Profile("I", "IPE300", 300.0, 150.0, 10.7, 7.1, 15.0),

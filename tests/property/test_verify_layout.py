@@ -10,7 +10,7 @@ from beamcam.model.part import EndCuts, Hole, Part
 from beamcam.model.plan import AS_GIVEN
 from beamcam.pipeline import post
 from beamcam.planning.turning import turn_between, turns_of
-from beamcam.verify import verify
+from beamcam.verify.bars import verify
 from beamcam.verify.bars.turned import ROTATIONS, rotated, standing
 from tests.strategies import CHANNEL, SOURCE, parts
 

@@ -7,7 +7,7 @@ from beamcam.diff.differ import diff_parts, diff_programs
 from beamcam.errors import Source
 from beamcam.geometry.curves import Line
 from beamcam.model.part import Contour, Part, Slot, TextMark
-from beamcam.verify import run
+from beamcam.verify.bars import run
 from tests.unit.verify.programs import BEAM, PART, PROGRAM, edit, hole
 
 

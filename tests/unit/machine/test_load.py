@@ -13,7 +13,7 @@ from beamcam.machine.load import _files, merged
 from beamcam.machine.machine import Formula, MachineFile, as_formula
 from beamcam.machine.rules import RULES
 from beamcam.model.plan import DrillOp
-from beamcam.planning import plan_bar
+from beamcam.planning.beam import plan_bar
 from tests.unit.planning.shop import hole, part
 
 

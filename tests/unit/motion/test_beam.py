@@ -9,7 +9,7 @@ from beamcam.machine import load
 from beamcam.model.part import EndCuts, Feature, Slot
 from beamcam.model.program import Comment, DrillCycle, PathCycle, SawStroke, StartBar
 from beamcam.motion.beam import beam_program
-from beamcam.planning import plan_bar
+from beamcam.planning.beam import plan_bar
 from tests.unit.planning.shop import CHANNEL, SOURCE, hole, part
 
 

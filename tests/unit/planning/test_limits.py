@@ -11,8 +11,8 @@ from beamcam.machine import load
 from beamcam.machine.machine import ControlledAxis, Machine
 from beamcam.model.part import Contour, EndCuts, Feature, Part, Profile, Slot
 from beamcam.pipeline import post
-from beamcam.planning import plan_bar
-from beamcam.verify import skippable, verify
+from beamcam.planning.beam import plan_bar
+from beamcam.verify.bars import skippable, verify
 from tests.unit.planning.shop import ANGLE, BEAM, SOURCE, TUBE, hole, part, pusher
 
 MACHINES = tuple(map(load, ("beamline-pusher", "beamline-pusher", "beamline", "beamline-annex")))

@@ -12,7 +12,7 @@ from beamcam.machine import Machine, load
 from beamcam.model.part import Part
 from beamcam.model.plan import DrillOp
 from beamcam.pipeline import post
-from beamcam.planning import plan_bar
+from beamcam.planning.beam import plan_bar
 from beamcam.planning.merging import drop_duplicates, merge_pairs, unmerged_because
 from beamcam.planning.refuse import refuse_too_near
 from tests.unit.planning.shop import hole, part, plan

@@ -7,8 +7,8 @@ from beamcam.errors import PlanError
 from beamcam.geometry.curves import Line
 from beamcam.machine import load
 from beamcam.model.part import Bend, Bevel, Contour, EndCuts, Part, Profile, Slot, TextMark
-from beamcam.planning import SKIP_NAMES, plan_bar
-from beamcam.planning.rules import RULES, SKIPPABLE
+from beamcam.planning.beam import plan_bar
+from beamcam.planning.rules import RULES, SKIP_NAMES, SKIPPABLE
 from tests.unit.planning.shop import ANGLE, BEAM, CHANNEL, SOURCE, TUBE, hole, part
 
 Points = tuple[tuple[float, float], ...]

@@ -10,9 +10,9 @@ from beamcam.machine import load
 from beamcam.machine.machine import Formula, Machine
 from beamcam.model.part import Hole, HoleKind, Part, Profile
 from beamcam.pipeline import post
-from beamcam.planning import plan_bar
+from beamcam.planning.beam import plan_bar
 from beamcam.planning.strokes import fixed_faces
-from beamcam.verify import skippable, verify
+from beamcam.verify.bars import skippable, verify
 from tests.unit.planning.shop import BEAM, hole, part, pusher
 
 ANNEX = load("beamline-annex")

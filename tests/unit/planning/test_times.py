@@ -9,7 +9,7 @@ from beamcam.errors import PlanError
 from beamcam.machine import load
 from beamcam.machine.machine import Machine, Times
 from beamcam.model.plan import Plan
-from beamcam.planning import plan_bar
+from beamcam.planning.beam import plan_bar
 from beamcam.planning.choose import try_turns
 from beamcam.planning.explain import explain
 from beamcam.planning.reasons import REASONS

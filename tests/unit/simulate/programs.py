@@ -3,7 +3,7 @@
 from beamcam.machine.machine import Machine
 from beamcam.model.part import Profile
 from beamcam.simulate.course import Stretch, stretches
-from beamcam.verify import run
+from beamcam.verify.bars import run
 
 
 def course_of(text: str, machine: Machine, profile: Profile | None = None) -> tuple[Stretch, ...]:

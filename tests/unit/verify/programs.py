@@ -3,7 +3,7 @@
 from beamcam.errors import Source
 from beamcam.machine import Machine, load
 from beamcam.model.part import EndCuts, Hole, Part, Profile
-from beamcam.verify import verify
+from beamcam.verify.bars import verify
 
 BEAM = load("beamline")
 ANNEX = load("beamline-annex")

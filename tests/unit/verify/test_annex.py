@@ -5,7 +5,7 @@ from itertools import pairwise
 import pytest
 
 from beamcam.machine import load
-from beamcam.verify import interpret
+from beamcam.verify.bars import interpret
 from beamcam.verify.bars.made import Bore, Cut
 from tests.conftest import SHARED
 

@@ -9,7 +9,7 @@ from beamcam.errors import Source
 from beamcam.geometry.curves import Arc, Line
 from beamcam.machine import load
 from beamcam.model.part import Contour, Feature, Hole, Part, Slot
-from beamcam.verify import verify
+from beamcam.verify.bars import verify
 from tests.unit.verify.programs import IPE200
 
 PUSHER = load("beamline-pusher")

@@ -8,7 +8,8 @@ from msgspec.structs import replace
 from beamcam.geometry.curves import Line
 from beamcam.model.part import Contour, Slot, TextMark
 from beamcam.pipeline import post
-from beamcam.verify import rules, verify
+from beamcam.verify import rules
+from beamcam.verify.bars import verify
 from tests.unit.verify.programs import (
     ANNEX,
     BEAM,

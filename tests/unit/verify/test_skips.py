@@ -9,8 +9,8 @@ from beamcam.machine import load
 from beamcam.machine.machine import Machine
 from beamcam.model.part import Face, Hole, Part, Profile, Slot
 from beamcam.pipeline import post
-from beamcam.planning import plan_bar
-from beamcam.verify import skippable
+from beamcam.planning.beam import plan_bar
+from beamcam.verify.bars import skippable
 from tests.unit.planning.shop import BEAM, hole, part
 
 SOURCE = Source("p.nc1", 20)

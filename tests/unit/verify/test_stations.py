@@ -11,7 +11,7 @@ from beamcam.machine import load
 from beamcam.machine.machine import Formula, Machine
 from beamcam.model.part import Hole, Part
 from beamcam.pipeline import post
-from beamcam.verify import verify
+from beamcam.verify.bars import verify
 from beamcam.verify.bars.stations import choices_of
 from tests.unit.planning.shop import BEAM, CHANNEL, hole, part
 
