@@ -34,7 +34,7 @@ _SKIPPED_REPRESENTATIONS = (
 _FLAT_TYPES = ("Curve2D", "Curve3D", "Curve", "BoundingBox", "GeometricCurveSet", "Point")
 
 
-class Swept(Struct, frozen=True):
+class Swept(Struct, frozen=True, gc=False):
     """A profile pushed along a vector; the profile lies in the plane of `frame`."""
 
     profile: Entity
@@ -42,7 +42,7 @@ class Swept(Struct, frozen=True):
     along: Vec
 
 
-class Removed(Struct, frozen=True):
+class Removed(Struct, frozen=True, gc=False):
     """A solid that is taken away; it stands in `frame`, in the element's coordinates."""
 
     item: Entity
@@ -50,7 +50,7 @@ class Removed(Struct, frozen=True):
     where: str | None = None  #: the GlobalId of its opening
 
 
-class Body(Struct, frozen=True):
+class Body(Struct, frozen=True, gc=False):
     """What a member is made of: one swept profile or one shell, and what is taken from it."""
 
     base: Swept | Shell

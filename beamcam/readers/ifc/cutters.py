@@ -33,7 +33,7 @@ class Cutter(Protocol):
     def slice(self, wall: Wall, c: float, circles: Circles) -> Shape: ...
 
 
-class HalfSpace(Struct, frozen=True):
+class HalfSpace(Struct, frozen=True, gc=False):
     """All that lies on one side of a plane."""
 
     point: Vec
@@ -68,7 +68,7 @@ class HalfSpace(Struct, frozen=True):
         return self.point[0] - (n[1] * (y - self.point[1]) + n[2] * (z - self.point[2])) / n[0]
 
 
-class Prism(Struct, frozen=True):
+class Prism(Struct, frozen=True, gc=False):
     """An outline pushed along a vector: frame.o + s x + t y + k z, k from 0 to 1."""
 
     frame: Frame

@@ -26,7 +26,7 @@ SAME_REACH = 1e-4  #: mm by which one plane may be before the sole one
 SAME_PLANE = 0.3  #: mm
 
 
-class End(Struct, frozen=True):
+class End(Struct, frozen=True, gc=False):
     """The plane of an end; `side` is 1 at the end and -1 at the start."""
 
     side: int
@@ -58,7 +58,7 @@ def of_plane(half: HalfSpace) -> End:
     return End(1 if n[0] > 0 else -1, -n[1] / n[0], -n[2] / n[0], half.x_at(0.0, 0.0))
 
 
-class Trim(Struct, frozen=True):
+class Trim(Struct, frozen=True, gc=False):
     """What the planes at one end leave of a stock, along the lines of its section's corners."""
 
     planes: tuple[End, ...]  #: the stock's own square end, and those that cut it
@@ -96,7 +96,7 @@ def reaches(end: End, corners: Sequence[Point]) -> list[float]:
     return [a * y + b * z + c for y, z in corners]
 
 
-class _Edge(Struct, frozen=True):
+class _Edge(Struct, frozen=True, gc=False):
     """A piece of a wall's border that faces an end."""
 
     wall: Wall

@@ -32,7 +32,7 @@ LEVEL_REACH = 0.08  #: mm that the outer levels of a wall lie inside it, at most
 UNEXPLAINED = 0.05  #: mm, the width of what no end plane explains
 
 
-class Shaped(Struct, frozen=True):
+class Shaped(Struct, frozen=True, gc=False):
     """A member as DSTV sees it."""
 
     section: Section

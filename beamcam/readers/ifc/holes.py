@@ -27,7 +27,7 @@ NEAR = 1e-3  #: mm between a hole and an edge that it does not cut open
 Span = tuple[float, float]
 
 
-class Drilled(Struct, frozen=True):
+class Drilled(Struct, frozen=True, gc=False):
     """What holes are made in: the walls of a section between two ends."""
 
     section: Section

@@ -37,7 +37,7 @@ _GUID_TAG = re.compile(r"^(ID)?[0-9A-Fa-f]{8}-|^ID[0-9a-zA-Z]{6,}|^\d{5,}$")
 _PROFILE = re.compile(r"^[A-Za-z]{1,8}[ _.\-]?\d|^\d[\d./xX*]*[ ]?[A-Za-z]{1,4}")
 
 
-class Data(Struct, frozen=True):
+class Data(Struct, frozen=True, gc=False):
     """The property sets of a member that matter here, by set and property."""
 
     sets: dict[str, dict[str, Value]] = field(default_factory=dict)

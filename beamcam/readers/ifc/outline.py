@@ -21,14 +21,14 @@ GENTLE_RAD = 0.55  #: between the chords of a rounding
 SHARP_RAD = 0.3  #: by which a rounding may be off the side it runs into
 
 
-class Round(Struct, frozen=True):
+class Round(Struct, frozen=True, gc=False):
     """A circle."""
 
     centre: Point
     diameter: float
 
 
-class Slotted(Struct, frozen=True):
+class Slotted(Struct, frozen=True, gc=False):
     """A rectangle with round corners, a slot where one side has no straight piece."""
 
     centre: Point

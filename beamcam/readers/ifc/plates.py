@@ -16,7 +16,7 @@ THIN = 0.3  #: of the lesser side, below which an outline of a rolled form is a 
 TIGHTER = 0.98  #: of the area of the box as drawn, for another box to be taken
 
 
-class Plate(Struct, frozen=True):
+class Plate(Struct, frozen=True, gc=False):
     """How a plate lies in its profile's plane, and its outline in its own (x, y)."""
 
     origin: Point

@@ -16,7 +16,7 @@ from beamcam.readers.ifc.section import Section, placed, special
 from beamcam.readers.ifc.space import IDENTITY, Frame
 
 
-class Outline(Struct, frozen=True, cache_hash=True):
+class Outline(Struct, frozen=True, gc=False, cache_hash=True):
     """A region of the profile's plane: its border and its hollows."""
 
     outer: Chain

@@ -5,6 +5,7 @@ from collections.abc import Iterable
 from typing import Any
 
 import numpy as np
+from msgspec import Struct
 
 from beamcam.readers.ifc.characters import Places
 from beamcam.readers.ifc.columns import Alike
@@ -47,24 +48,23 @@ MANY = frozenset(
 )
 
 
-class Entity:
+_NO_ROW = Row("", frozenset(), {})
+
+
+class Entity(Struct, eq=False, gc=False):
     """A record of the file. Its values are read from the text when one is first asked for.
 
     `beam.Tag` is an attribute by its name, `beam.values[7]` the same by its place, which is
     faster; `beam.HasOpenings` are the relations to what is cut out of it.
-    """
 
-    __slots__ = ("file", "index", "row", "values")
+    A model has a hundred thousand, over which the garbage collector would walk again and again. It
+    does not know them: what leads back to itself is parted when the file is closed.
+    """
 
     file: "File"
     index: int  #: of its record
     row: Row  #: what the schema says of it; of an entity that it does not know, its name
-    values: Values
-
-    def __init__(self, file: "File", index: int, row: Row) -> None:
-        self.file = file
-        self.index = index
-        self.row = row
+    values: Values = ()  #: none until they are asked for: deleted, so that `__getattr__` reads them
 
     @property
     def name(self) -> str:
@@ -123,13 +123,11 @@ class Missing(Entity):
     Raises LookupError when it is looked at.
     """
 
-    __slots__ = ("name",)
+    written: str = ""
 
-    name: str
-
-    def __init__(self, file: "File", name: str) -> None:
-        self.file = file
-        self.name = name
+    @property
+    def name(self) -> str:
+        return self.written
 
     def __getattr__(self, name: str) -> Any:
         raise LookupError(f"a reference to {self.name}, which is not in the file")
@@ -164,18 +162,20 @@ class File:
         self._openings: defaultdict[Entity, list[Entity]] | None = None
 
     def close(self) -> None:
-        """Let go of all entities, and they of the file: nothing is left for the collector to find.
-
-        It would have to walk all records of a large model for that.
-        """
+        """Let go of all entities, they of the file and of one another: the collector knows none."""
         self._openings = None
+        for thing in self._things[self._met].tolist():
+            if isinstance(thing, Entity):
+                thing.values = ()  # which may lead back to it
         del self.tokens, self._things
 
     def _referred(self, name: str, number: int) -> Any:
         """What stands for a name among values; a missing entity fails when it is looked at."""
         index = self._records.find(number)
         if index == MISSING:
-            return Missing(self, name)
+            missing = Missing(self, index, _NO_ROW, (), name)
+            del missing.index, missing.row, missing.values
+            return missing
         if not self._met[index]:
             self._things[index] = self._made(index, self._records.kind(index))
             self._met[index] = True
@@ -196,6 +196,8 @@ class File:
                 made = [self._made(index, kind) for index in of.tolist()]
             else:
                 made = [Entity(self, index, row) for index in of.tolist()]
+                for entity in made:
+                    del entity.values
             self._things[of] = objects(made)
             self._met[of] = True
         things: list[Any] = self._things[indices].tolist()
@@ -204,6 +206,7 @@ class File:
     def _made(self, index: int, kind: int) -> Any:
         """What stands for a record that was not met before: an entity, or its numbers."""
         made = Entity(self, index, self._row_of[kind])
+        del made.values
         if kind not in self._unusual:
             return made
         values = made.values

@@ -23,7 +23,7 @@ from beamcam.readers.ifc.curves2d import Chain
 SQUARE = 0.02  #: sine of the angle by which a side of a section may be off square; more is a slope
 
 
-class Section(Struct, frozen=True, cache_hash=True):
+class Section(Struct, frozen=True, gc=False, cache_hash=True):
     """A classified section; lengths in mm, points and directions in the profile's plane."""
 
     code: ProfileCode

@@ -57,7 +57,7 @@ def across(a: Vec) -> Vec:
     return unit(cross(a, axis))
 
 
-class Frame(Struct, frozen=True):
+class Frame(Struct, frozen=True, gc=False):
     """An affine map by its columns; the axes may be scaled, and left-handed after a mirror."""
 
     o: Vec = ORIGIN

@@ -57,7 +57,7 @@ class Malformed(ValueError):
         self.line = line
 
 
-class Typed(Struct, frozen=True):
+class Typed(Struct, frozen=True, gc=False):
     """A value with its type written before it: IFCLENGTHMEASURE(25.4)."""
 
     kind: str  #: in capitals

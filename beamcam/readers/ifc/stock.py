@@ -11,7 +11,7 @@ from beamcam.readers.ifc.section import Section
 from beamcam.readers.ifc.space import Frame, add, cross, dot, size, unit
 
 
-class Stock(Struct, frozen=True):
+class Stock(Struct, frozen=True, gc=False):
     """What a member is cut from, in its own frame: a section between two x."""
 
     section: Section

@@ -11,7 +11,7 @@ from beamcam.readers.ifc.section import Section
 from beamcam.readers.ifc.space import Vec
 
 
-class Wall(Struct, frozen=True):
+class Wall(Struct, frozen=True, gc=False):
     """A plate of a section; x along the member, q across it, c through its thickness."""
 
     face: Face

@@ -1,6 +1,8 @@
 """Records of a class that are read together: as they are read one by one."""
 
+import gc
 from typing import Any
+from weakref import ref
 
 import numpy as np
 import pytest
@@ -162,3 +164,17 @@ def test_a_reference_to_no_record_fails_when_it_is_looked_at() -> None:
     assert missing.name == "#9"
     with pytest.raises(LookupError, match="#9, which is not in the file"):
         missing.row  # noqa: B018
+
+
+def test_a_closed_file_goes_at_once_with_entities_that_lead_back_to_themselves() -> None:
+    file = File("DATA;#1=IFCBOOLEANRESULT(.UNION.,#2,#2);#2=IFCCSGSOLID(#1);ENDSEC;", "IFC4")
+    ring = file.entity("#1")
+    assert ring.FirstOperand.TreeRootExpression is ring
+    gone = ref(file)
+    gc.disable()  # which is to have nothing to do
+    try:
+        file.close()
+        del file, ring
+        assert gone() is None
+    finally:
+        gc.enable()
