@@ -23,6 +23,7 @@ COMMANDS = {
     "plan": ("plan", "Explain the work that makes parts, step by step."),
     "verify": ("verify_", "Read a program back and compare it with its parts."),
     "diff": ("diff", "Compare two programs, or two parts, by what they mean."),
+    "recover": ("recover", "Write the part that a program makes."),
     "check": ("check", "Post a folder of golden programs again and compare."),
     "simulate": ("simulate", "Write where the axes of the cell are when."),
     "profile": ("profile", "Write the velocity profile of an axis, as a table or a picture."),

@@ -30,6 +30,7 @@ CALLS = {
     "convert": "convert {i}.nc1 -o {i}.json",
     "verify": "verify {i}.gcode --against {i}.nc1",
     "diff": "diff {i}.gcode {i}.gcode",
+    "recover": "recover {i}.gcode --profile {i}.nc1 -o {i}.made.nc1",
     "check": "check golden/beamline --samples .",
     "simulate": "simulate {i}.gcode -o {i}.csv",
     "profile": "profile --velocity 100 --time 2 -o {i}.csv",
@@ -37,7 +38,7 @@ CALLS = {
     "watch": "watch . -o out --once --settle 0",
 }
 #: Those whose --json is about messages, on standard error, and those that print their result so.
-JSON_MESSAGES, JSON_RESULT = ("post", "convert", "simulate"), (
+JSON_MESSAGES, JSON_RESULT = ("post", "convert", "simulate", "recover"), (
     "plan", "inspect", "verify", "diff", "check",
 )  # fmt: skip
 

@@ -29,7 +29,7 @@ STEPS = (
         "report",
         "config",
     ),
-    ("asked", "posts", "diff"),
+    ("asked", "posts", "diff", "recovery"),
     ("pipeline",),
     ("batch", "api"),
     ("watch",),

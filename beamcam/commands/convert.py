@@ -137,9 +137,9 @@ def command(
             raise ReadError(NO_PART.at(Source(source)))
         read = files_read(config, (source,))
         if parts and is_folder(output):
-            said = (*said, *_write_folder(read, parts, target, output, voice))
+            said = (*said, *write_folder(read, parts, target, output, voice))
         elif not reading.refused:
-            write(output, _only_text(source, parts, target, output), voice, read)
+            write(output, only_text(source, parts, target, output), voice, read)
     except BeamcamError as error:
         voice.stop((*said, *error.diagnostics))
     voice.say(said)
@@ -147,14 +147,14 @@ def command(
         raise SystemExit(REFUSED)
 
 
-def _only_text(source: str, parts: Sequence[Part], target: Target, output: str) -> str:
+def only_text(source: str, parts: Sequence[Part], target: Target, output: str) -> str:
     """The part of a file in another format. Raises BeamcamError unless there is exactly one."""
     if len(parts) != 1:
         raise ReadError(ONE_PART.at(Source(source), found=len(parts), output=output))
     return target.write(parts[0])
 
 
-def _write_folder(
+def write_folder(
     read: FilesRead, parts: Sequence[Part], target: Target, folder: str, voice: Voice
 ) -> Iterator[Diagnostic]:
     """Write a file for each part that the format can hold; what is said of them, and a count.

@@ -35,6 +35,13 @@ OVER_INPUT = Rule(
     "What a program is made from (parts, configuration, machine file) is never written over, by "
     "whatever name, link or letters the output is called.",
 )
+SECTION = Rule(
+    "recover-no-section",
+    Severity.ERROR,
+    "found {found!r} for the section; expected a part's file, or a name of the catalogue such as "
+    "IPE200, HEB200, UPN200, L100X10 or RHS100X60X5",
+    "The section of a bar is taken from a part's file or from the catalogue of rolled sections.",
+)
 RENAMED = Rule(
     "write-renamed",
     Severity.NOTE,
@@ -57,5 +64,5 @@ ACCOUNT = Rule(
 )
 
 RULES = (
-    OUTPUT_FORMAT, ONE_PART, NO_PART, CANNOT_WRITE, OVER_INPUT, RENAMED, WRITTEN, ACCOUNT,
+    OUTPUT_FORMAT, ONE_PART, NO_PART, CANNOT_WRITE, OVER_INPUT, SECTION, RENAMED, WRITTEN, ACCOUNT,
 )  # fmt: skip

@@ -86,7 +86,7 @@ def ends_of(part: Part, saw: Saw) -> tuple[End, End]:
         if web or flange:
             # x(y, z) runs through the outermost corner, which lies on x = 0 or x = length.
             t, s = tan(radians(web)), tan(radians(flange))
-            leans = [y * t + z * s for y, z in _corners(part.profile)]
+            leans = [y * t + z * s for y, z in corners(part.profile)]
             x_0 += max(leans) if side < 0 else min(leans)
         ends.append(End(side, web, flange, x_0, t, s))
     return ends[0], ends[1]
@@ -100,7 +100,7 @@ def _instead(
     return start, end
 
 
-def _corners(profile: Profile) -> tuple[Point, ...]:
+def corners(profile: Profile) -> tuple[Point, ...]:
     """The outermost places (y, z) of a section that hold material."""
     height, width = profile.height, profile.width
     if profile.code == "L":

@@ -1,0 +1,112 @@
+"""`beamcam recover`: the parts that a program makes."""
+
+import os
+from pathlib import PurePath
+from typing import Any
+
+import click
+
+from beamcam.commands import options
+from beamcam.commands.common import REFUSED, STANDARD, Voice, read_all, write
+from beamcam.commands.convert import TARGETS, is_folder, only_text, target_of, write_folder
+from beamcam.commands.programs import program_text
+from beamcam.commands.rules import SECTION
+from beamcam.commands.settings import files_read, machine_for_program, settled
+from beamcam.commands.sheets import torch_options
+from beamcam.config.values import Config
+from beamcam.errors import BeamcamError, Diagnostic, ReadError, Source, errors_in
+from beamcam.model.catalogue import measures_of
+from beamcam.model.part import Profile
+from beamcam.pipeline import as_error
+from beamcam.readers.content import shown_name
+from beamcam.recovery import Stock, recover, with_marks
+
+READ_BY = ("codesys", "linuxcnc", "grbl")  #: controllers whose programs are understood here
+
+
+@click.command("recover")
+@click.argument("program", type=options.FILE)
+@options.output("File, folder/ for a file a part, or -.")
+@options.machine
+@options.config
+@click.option("--to", type=click.Choice([t.name for t in TARGETS]), help="Format.")
+@click.option(
+    "--profile",
+    metavar="FILE|NAME",
+    help="Section of the bar: that of a part's file, or its name, as IPE200.",
+)
+@torch_options
+@options.strict
+@options.json_messages
+@options.voiced
+def command(
+    program: str,
+    output: str,
+    to: str | None,
+    profile: str | None,
+    as_json: bool,
+    voice: Voice,
+    **asked: Any,
+) -> None:
+    """Write the part that PROGRAM makes as DSTV, JSON or a drawing of its faces.
+
+    Of a bar each piece between two cuts is a part, with its end cuts, holes, slots and marks;
+    alike ones are one file with their number. Of a sheet it is its contours, without leads and
+    kerf. The program is read back against what was found: nothing is written that it does not
+    make exactly.
+
+    \b
+    beamcam recover job.gcode --profile UPN200 -o part.nc1
+    beamcam recover job.gcode --machine beamline-pusher --profile M58.nc1 -o parts/
+    beamcam recover gasket.ngc --machine plate-linuxcnc --thickness 3 -o gasket.json
+    """
+    said: tuple[Diagnostic, ...] = ()
+    try:
+        config = settled(asked, (program,))
+        target = target_of(output, to)
+        machine = machine_for_program(config, program)
+        if machine.controller not in READ_BY:
+            raise click.UsageError(
+                f"found the machine {machine.name}; expected one for bars, or a table that is told "
+                "by G-code: recover reads no triggers and no step tables."
+            )
+        stock, said = _stock(profile, config, voice)
+        name = shown_name(program)
+        found = recover(program_text(program), machine, name, stock)
+        said = (*said, *found.said)
+        if config.strict:
+            said = tuple(map(as_error, said))
+        if errors_in(said):
+            voice.stop(said)
+        voice.did(f"read {name} on {machine.name}: {len(found.parts)} part(s)")
+        named = name if output == STANDARD or is_folder(output) else output
+        parts = with_marks(found.parts, PurePath(named).stem)
+        read = files_read(config, (program, *((profile,) if profile else ())))
+        if is_folder(output):
+            said = (*said, *write_folder(read, parts, target, output, voice))
+        else:
+            write(output, only_text(name, parts, target, output), voice, read)
+    except BeamcamError as error:
+        voice.stop((*said, *error.diagnostics))
+    voice.say(said)
+    if errors_in(said):
+        raise SystemExit(REFUSED)
+
+
+def _stock(
+    profile: str | None, config: Config, voice: Voice
+) -> tuple[Stock, tuple[Diagnostic, ...]]:
+    """The bar's section and steel, of a part's file or by the section's name. Raises ReadError."""
+    if profile is None:
+        return Stock(), ()
+    by_name = measures_of(profile)
+    if by_name is not None and not os.path.exists(profile):
+        code, sizes = by_name
+        return Stock(Profile(code, profile.upper(), *sizes)), ()
+    if not os.path.exists(profile):
+        raise ReadError(SECTION.at(Source(profile), found=profile))
+    (reading,) = read_all((profile,), bool(config.strict), {}, voice)
+    if errors_in(reading.diagnostics) or not reading.parts:
+        raise ReadError(reading.diagnostics or (SECTION.at(Source(profile), found=profile),))
+    part = reading.parts[0]
+    return Stock(part.profile, part.grade), reading.diagnostics

@@ -1,0 +1,54 @@
+"""What can be said of the parts that a program makes."""
+
+from beamcam.errors import Rule, Severity
+
+NO_PIECE = Rule(
+    "recover-no-piece",
+    Severity.ERROR,
+    "found {cuts} saw cut(s) and no piece between two of them; expected the two ends of a part",
+    "A part is what lies between two cuts; a program that parts nothing makes none.",
+)
+FACES = Rule(
+    "recover-faces",
+    Severity.ERROR,
+    "found work on face {found} of a section whose thicknesses are not known; expected --profile "
+    "with a part file or the name of a section",
+    "Where the web lies follows from its thickness, which the program does not say.",
+)
+PROFILE = Rule(
+    "recover-profile",
+    Severity.WARNING,
+    "found a section {code} of {size} mm and no thicknesses; every hole is taken "
+    "as a through hole: give --profile with a part file or the name of a section ({known})",
+    "A program says of the section its kind, height and width, and those of several are alike.",
+)
+CATALOGUE = Rule(
+    "recover-section",
+    Severity.NOTE,
+    "found a section {code} of {size} mm, taken as {name}, the only one of that "
+    "size in the catalogue; --profile names another",
+    "A program says of the section its kind, height and width only.",
+)
+PATH = Rule(
+    "recover-path",
+    Severity.ERROR,
+    "found the path of a {kind} on face {face} at x {x:g}, y {y:g} that is neither a round hole "
+    "nor a slot; expected a feature that a part has",
+    "A part has round holes, and slots with round corners.",
+)
+SHEET = Rule(
+    "recover-thickness",
+    Severity.ERROR,
+    "found no row of the machine for a sheet of {found} mm {material}; expected --thickness that "
+    "a row covers",
+    "What starts the tool, and the kerf, are those of the sheet's thickness.",
+)
+KERF = Rule(
+    "recover-kerf",
+    Severity.ERROR,
+    "found a closed path of {found:.3f} mm2 that has no room for half a kerf of {kerf:g} mm; "
+    "expected a contour around which the beam can go",
+    "The contour lies half a kerf beside the path, on the part's side.",
+)
+
+RULES = (NO_PIECE, FACES, PROFILE, CATALOGUE, PATH, SHEET, KERF)

@@ -1,0 +1,184 @@
+"""The part of a sheet: the paths of its tools without their leads, and without the kerf.
+
+A path that comes back to itself is a contour: an outline where it lies in an even number of others,
+else a hole. Where the program keeps the beam off by itself, the contour lies half a kerf beside the
+path; a controller that keeps off is told the contour.
+"""
+
+from collections.abc import Sequence
+from math import dist
+
+from msgspec import Struct
+from msgspec.structs import replace
+
+from beamcam.controllers.gcode import events_of, run
+from beamcam.errors import Diagnostic, Source, errors_in
+from beamcam.geometry.curves import Line, join_boxes, signed_area
+from beamcam.machine.machine import Machine, Torch, TorchProcess
+from beamcam.model.drawing import Measures
+from beamcam.model.part import Contour, ContourKind, Part, Process, Profile
+from beamcam.recovery import rules
+from beamcam.recovery.found import Recovered
+from beamcam.recovery.rings import Curves, bridge, ring_of, whole
+from beamcam.verify.sheets import verify_sheet
+from beamcam.verify.sheets.need import rows_of
+from beamcam.verify.sheets.strokes import Stroke, Strokes, strokes_of
+
+MARK: Process = "punch"  #: of a marked contour, so that DSTV can hold it (KO)
+LOOK_SHARE = 1 / 8  #: of the tolerance, for polygons that tell what lies in what
+
+
+class _Path(Struct, frozen=True):
+    """The path of one stroke without leads."""
+
+    process: TorchProcess
+    curves: Curves
+    closed: bool
+    kerf: float  #: that the program itself keeps off the contour
+    source: Source
+
+
+def recover_sheet(text: str, machine: Machine, name: str) -> Recovered:
+    """The part of a sheet, its lower left corner at 0, 0 unless the machine leaves it in place."""
+    torch = machine.torch
+    if torch is None:
+        raise TypeError(f"{machine.name} has no torch")
+    thickness = torch.thickness
+    sheet = Part(
+        name.rpartition("/")[2].partition(".")[0] or "part",
+        Profile("B", "", 0.0, 0.0, 0.0, thickness), 0.0, Source(name), grade=torch.material,
+    )  # fmt: skip
+    done, told = run(text, machine, name)
+    rows = rows_of(sheet, torch)
+    if not rows:
+        material = torch.material or "any material"
+        shown = "unknown thickness:" if thickness is None else f"{thickness:g}"
+        told.append(rules.SHEET.at(Source(name), found=shown, material=material))
+    if errors_in(told):
+        return Recovered((), tuple(told))
+    strokes, more = strokes_of(
+        done, machine, torch, rows, lambda blocks: events_of(blocks, machine)[0], name
+    )
+    told += more
+    if errors_in(told):
+        return Recovered((), tuple(told))
+    paths = _paths(strokes, torch, max(torch.gap, 2 * machine.format.resolution), name)
+    contours = _contours(paths, torch, told)
+    part = _placed(sheet, contours, torch)
+    if not errors_in(told):
+        told += [d for d in verify_sheet(text, (part,), machine, name=name) if d not in told]
+    return Recovered((part,), tuple(told))
+
+
+def _paths(strokes: Strokes, torch: Torch, near: float, name: str) -> list[_Path]:
+    """The paths of the strokes; those of a contour with bridges in it are one."""
+    legs = list(strokes.moves.legs())
+    found: list[_Path] = []
+    waiting: list[Curves] = []  #: stretches of a contour that did not close yet
+    for stroke in strokes.each:
+        own = legs[stroke.first : stroke.last]
+        curves: Curves = tuple([leg.curve or Line(leg.start, leg.end) for leg in own])
+        if torch.tabs and stroke.process == "cut" and ring_of(curves, near) is None:
+            reach = torch.tab_width + stroke.row.kerf + near
+            if waiting and dist(waiting[-1][-1].end, curves[0].start) <= reach:
+                waiting.append(curves)
+            else:
+                found += [_path((w,), stroke, torch, near, name) for w in waiting]
+                waiting = [curves]
+            one = _path(waiting, stroke, torch, near, name)
+            if one.closed:
+                found.append(one)
+                waiting = []
+            continue
+        found.append(_path((curves,), stroke, torch, near, name))
+    return found + [_path((w,), strokes.each[-1], torch, near, name) for w in waiting]
+
+
+def _path(
+    stretches: Sequence[Curves], stroke: Stroke, torch: Torch, near: float, name: str
+) -> _Path:
+    """One path without its leads, its stretches joined."""
+    curves = stretches[0]
+    for more in stretches[1:]:
+        curves = (*curves, *bridge(curves[-1], more[0]), *more)
+    ring = ring_of(curves, near)
+    kerf = 0.0
+    if ring is not None:
+        curves = whole(curves[ring[0] : ring[1]], near)
+        kerf = stroke.row.kerf if stroke.process == "cut" and torch.kerf_by == "offset" else 0.0
+    return _Path(stroke.process, curves, ring is not None, kerf, Source(name, stroke.line))
+
+
+def _contours(paths: Sequence[_Path], torch: Torch, told: list[Diagnostic]) -> list[Contour]:
+    """The contours of the paths, in their order."""
+    from beamcam.geometry.offset import Vanished, offset_chains
+
+    inside = _depths(paths, torch.tolerance * LOOK_SHARE)
+    moved = [k for k, path in enumerate(paths) if path.kerf]
+    amounts = [paths[k].kerf / 2 * (1 if inside[k] % 2 else -1) for k in moved]
+    chains = {}
+    for k, offset in zip(
+        moved, offset_chains([paths[k].curves for k in moved], amounts, torch.tolerance / 4),
+        strict=True,
+    ):  # fmt: skip
+        path = paths[k]
+        if isinstance(offset, Vanished):
+            told.append(rules.KERF.at(path.source, found=abs(offset.area), kerf=path.kerf))
+        else:
+            chains[k] = max(
+                zip(offset.areas, offset.chains, strict=True), key=lambda one: abs(one[0])
+            )[1]
+    found = []
+    for k, path in enumerate(paths):
+        curves = chains.get(k, path.curves)
+        kind: ContourKind = "open"
+        if path.closed and path.process == "cut":
+            kind = "inner" if inside[k] % 2 else "outer"
+        if kind == "outer" and signed_area(curves) < 0.0:
+            curves = tuple([c.reversed() for c in reversed(curves)])
+        process = MARK if path.process == "mark" else path.process
+        found.append(Contour("v", kind, curves, path.source, process, path.closed))
+    return found
+
+
+def _depths(paths: Sequence[_Path], tolerance: float) -> list[int]:
+    """In how many closed cuts each path lies."""
+    import shapely
+
+    from beamcam.geometry.polylines import polylines
+
+    rings = [k for k, path in enumerate(paths) if path.closed and path.process == "cut"]
+    depths = [0] * len(paths)
+    if len(rings) < 2:
+        return depths
+    shapes = []
+    for k in rings:
+        points = polylines(paths[k].curves, tolerance).points
+        shapes.append(shapely.Polygon(points).buffer(0.0))
+    tree = shapely.STRtree(shapes)
+    inner, outer = tree.query([s.representative_point() for s in shapes], "within")
+    for a, b in zip(inner.tolist(), outer.tolist(), strict=True):
+        depths[rings[a]] += a != b and shapes[a].area < shapes[b].area
+    return depths
+
+
+def _placed(sheet: Part, contours: Sequence[Contour], torch: Torch) -> Part:
+    """The part with its contours, and the sheet's size."""
+    box = join_boxes([c.bbox for contour in contours for c in contour.curves])
+    if box is None:
+        return replace(sheet, measures=Measures())
+    x, y = (0.0, 0.0) if torch.place == "drawn" else box[:2]
+    shift = (1.0, 0.0, -x), (0.0, 1.0, -y)
+    if x or y:
+        contours = [
+            replace(contour, curves=tuple([c.transformed(shift) for c in contour.curves]))
+            for contour in contours
+        ]
+    height = box[3] - y
+    thickness = sheet.profile.web_thickness or 0.0
+    profile = Profile("B", f"PL{thickness:g}", height, 0.0, 0.0, sheet.profile.web_thickness)
+    outlined = any(c.kind == "outer" for c in contours)
+    return replace(
+        sheet, profile=profile, length=box[2] - x, features=tuple(contours),
+        measures=None if outlined else Measures(),
+    )  # fmt: skip
