@@ -2,8 +2,8 @@
 
     | trim |# part 1 ######/ wedge | part 2 ####|  remnant
 
-A piece that comes to nothing at one of its corners is the wedge behind a skew end; what lies before
-the first cut is trim, what lies behind the last the remnant.
+A piece between a square cut and a skew one that comes to nothing at a corner is the wedge behind a
+skew end; what lies before the first cut is trim, what lies behind the last the remnant.
 """
 
 from collections.abc import Sequence
@@ -20,7 +20,7 @@ from beamcam.verify.bars import run
 from beamcam.verify.bars.compare import Asked, Comparison
 from beamcam.verify.bars.made import Bore, Made, Trail
 from beamcam.verify.bars.part_ends import corners
-from beamcam.verify.bars.pieces import Piece, pieces, planes
+from beamcam.verify.bars.pieces import Piece, Plane, pieces, planes
 from beamcam.verify.bars.shop import Shop
 
 NEAR_NOTHING = 2  #: resolutions; a piece as short as that at a corner is a wedge
@@ -56,13 +56,14 @@ def recover_bars(text: str, machine: Machine, name: str, stock: Stock) -> Recove
 
 
 def _bar_pieces(made: Made, machine: Machine, saw: Saw, profile: Profile) -> list[Piece]:
-    """The pieces between cuts that are no wedges."""
+    """The pieces between cuts that are no wedges: a wedge has a square cut on one side."""
     least = NEAR_NOTHING * machine.format.resolution
     lift = profile.height if saw.pivot == "o" else 0.0
     return [
         piece
         for piece in pieces(planes(made.cuts, saw, profile))
-        if min(
+        if not (_is_square(piece.start) or _is_square(piece.end))
+        or min(
             piece.end.along(y - lift, z) - piece.start.along(y - lift, z)
             for y, z in corners(profile)
         )
@@ -70,6 +71,10 @@ def _bar_pieces(made: Made, machine: Machine, saw: Saw, profile: Profile) -> lis
         - piece.end.half_kerf
         > least
     ]
+
+
+def _is_square(plane: Plane) -> bool:
+    return not plane.web_deg and not plane.flange_deg
 
 
 class _Bar:
