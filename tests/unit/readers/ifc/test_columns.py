@@ -138,8 +138,8 @@ HOLES = "#1=IFCDIRECTION((0.,0.,1.));#3=IFCCIRCLEPROFILEDEF(.AREA.,$,$,9.);"
     [
         ("#8=IFCEXTRUDEDAREASOLID(#3,$,abc,4.);", Malformed),
         ("#8=IFCEXTRUDEDAREASOLID(#3,$,#7,4.);#7=IFCDIRECTION((.A.));", ValueError),
-        ("#8=IFCEXTRUDEDAREASOLID(#3,$,#7,4.);#7=IFCDIRECTION($);", TypeError),
-        ("#8=IFCEXTRUDEDAREASOLID(#3,$,#7,4.);#7=IFCDIRECTION();", LookupError),
+        ("#8=IFCEXTRUDEDAREASOLID(#3,$,#7,4.);#7=IFCDIRECTION($);", Malformed),
+        ("#8=IFCEXTRUDEDAREASOLID(#3,$,#7,4.);#7=IFCDIRECTION();", Malformed),
     ],
 )
 def test_a_record_that_is_no_values_spoils_no_other(faulty: str, fault: type[Exception]) -> None:
