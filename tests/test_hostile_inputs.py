@@ -212,3 +212,11 @@ def test_curves_on_each_other_take_no_quadratic_time(tmp_path: Path) -> None:
     path.write_text(json.dumps(PART | {"length": 100, "contours": contours}))
     said = call("post", path, "--machine", "laser-stepper", "-o", tmp_path / "a.steps")
     assert (tmp_path / "a.steps").exists(), said
+
+
+def test_slots_on_each_other_are_told_apart_by_their_numbers(tmp_path: Path) -> None:
+    slot = {"face": "v", "x": 100, "y": 50, "diameter": 20, "length": 30, "height": 0, "angle": 0}
+    path = tmp_path / "a.json"
+    path.write_text(json.dumps(PART | {"slots": [slot] * 200}))
+    said = call("post", path, "--machine", "plate-linuxcnc", "-o", tmp_path / "a.ngc")
+    assert (tmp_path / "a.ngc").exists(), said

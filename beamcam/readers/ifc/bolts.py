@@ -138,7 +138,11 @@ def drill_bolt_holes(
         if any(isinstance(f, (Hole, Slot)) for f in part.features) or not walls_of(shaped.section):
             parts.append(part)
             continue
-        world = model.placement(element.ObjectPlacement).times(shaped.frame)
+        try:
+            world = model.placement(element.ObjectPlacement).times(shaped.frame)
+        except Unreadable as reason:
+            said.append(rules.GEOMETRY.at(part.source, found=reason))
+            continue
         holes, skew = _through_member(bolts, world, part, shaped, options, name)
         holes, in_air = _in_steel(holes, shaped)
         said += _told_in_air(in_air, part)

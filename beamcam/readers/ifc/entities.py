@@ -103,12 +103,12 @@ class Model(Struct):
         known = self.placements.get(entity)
         if known is not None:
             return known
-        if not entity.is_a("IfcLocalPlacement"):
-            raise Unreadable(f"a placement by {entity.is_a()}")
+        if not _is_placed_locally(entity):
+            raise Unreadable("a placement by something else")
         chain: list[Entity] = []
         while entity is not None and entity not in self.placements:
-            if not entity.is_a("IfcLocalPlacement"):
-                raise Unreadable(f"a placement by {entity.is_a()}")
+            if not _is_placed_locally(entity):
+                raise Unreadable("a placement by something else")
             if entity in chain:
                 raise Unreadable("a placement that is relative to itself")
             chain.append(entity)
@@ -183,3 +183,9 @@ def open_model(file: File, data: bytes) -> Model:
 
 
 __all__ = ["IDENTITY", "ORIGIN", "Entity", "Model", "Unreadable", "open_model", "ratios"]
+
+
+def _is_placed_locally(thing: object) -> bool:
+    """Whether something is an IfcLocalPlacement; a damaged file refers to numbers in its place."""
+    is_a = getattr(thing, "is_a", None)
+    return is_a is not None and is_a("IfcLocalPlacement")
