@@ -63,8 +63,8 @@ def _machine(files: tuple[TomlFile, ...]) -> Machine:
 def _checksum(table: dict[str, Any]) -> str:
     """Eight hex digits that change with any value of a machine's file, or of those it is based on.
 
-    They tell that a machine has changed since, whatever it is called; against a forger they would
-    be of no use.
+    They tell that a machine has changed since, whatever it is called. They are no protection
+    against forgery.
     """
     values = {key: value for key, value in table.items() if key not in ("name", "default_for")}
     return f"{crc32(json.encode(values, order='deterministic')):08x}"

@@ -108,7 +108,7 @@ class Layout(Keys, frozen=True):
     least_bar: NotNegative = 0.0  #: shortest bar that the stop or gripper can hold
     greatest_bar: float | None = None
     front_trim: NotNegative = 0.0  #: bar x at which the first part starts
-    end_trim: NotNegative = 0.0  #: at the bar's end, of no use
+    end_trim: NotNegative = 0.0  #: at the bar's end, scrap
     dead_zone: NotNegative = (
         0.0  #: at the bar's end, held by the gripper, out of the stations' reach
     )

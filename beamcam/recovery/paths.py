@@ -18,7 +18,7 @@ LEAST_CORNERS = 8  #: of a chain of chords that stands for a circle
 
 
 class NotAFeature(NamedTuple):
-    """A path that is none of a part's features, and where it begins."""
+    """A path that makes no feature of a part, and where it begins."""
 
     x: float
     y: float

@@ -20,7 +20,7 @@ class Attribute(Struct, frozen=True):
 
 
 def broken_reference(file: Any, root: Any) -> str | None:
-    """The first reference among what an instance leads to that is none; None if all are.
+    """The first broken reference among all that an instance leads to; None if there is none.
 
     `file` and `root` are the kernel's own. What leads back to itself is not to be asked for.
     """

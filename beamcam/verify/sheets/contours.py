@@ -95,8 +95,8 @@ def _twice(
     stroke = work.of_way[near_way[kept]]
     passes = _passes(near.point[kept], at, stroke, _loops(path, traced), 6 * reach, len(points))
     doubtful = np.flatnonzero(passes > 1)
-    # Contours that run beside one another have a path each, and one that runs back beside itself
-    # has as many as it comes by.
+    # Contours side by side have a path each; one that runs back beside itself has a path for each
+    # of its passes.
     beside = need.near(points[doubtful], work.half_kerf + 2 * reach)
     if work.region is not None:
         beside = beside.kept(~work.region.twins[need.owner[beside.element]])
