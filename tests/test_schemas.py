@@ -104,12 +104,12 @@ def test_shipped_machines_are_valid(name: str) -> None:
         ('base = "x"\n[saw]\nkerf = -3', "saw.kerf: -3 is less than the minimum of 0"),
         (
             'base = "x"\n[drill]\ngreatest_width = 0',
-            "drill.greatest_width: 0 is less than or",
+            "drill.max_width: 0 is less than or",
         ),
         ('base = "x"\n[[pairs]]\nname = "p"\nnumber = 9\nfaces = ["o"]', "pairs.0.faces: ['o'] is"),
         ('base = "x"\n[[spindles]]\nname = "s"', "spindles.0: 'number' is a required property"),
         ('title = "x"', ": 'controller' is a required property"),
-        ('title = "x"\n[saw]\nkerf = 3', "saw: 'least_angle' is a required property"),
+        ('title = "x"\n[saw]\nkerf = 3', "saw: 'min_angle' is a required property"),
     ],
 )
 def test_what_is_not_valid(text: str, says: str) -> None:

@@ -105,7 +105,6 @@ def command(
         same = sum(r.result == "same" for r in results)
         if not voice.quiet:
             say_lines([f"{same} of {len(results)} programs are the same"])
-    voice.end()
     if any(r.result != "same" for r in results):
         raise SystemExit(REFUSED)
 

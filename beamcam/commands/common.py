@@ -32,6 +32,7 @@ class Voice:
     def __init__(self, quiet: bool = False, verbose: bool = False, as_json: bool = False) -> None:
         self.quiet, self.verbose, self.as_json = quiet, verbose, as_json
         self._account: list[Diagnostic] = []  #: what is kept for a JSON list
+        self._remarks: dict[Diagnostic, bool] = {}  #: on the machine; whether they were said
         self._since = perf_counter()
 
     def wants(self, severity: Severity) -> bool:
@@ -40,6 +41,7 @@ class Voice:
 
     def say(self, diagnostics: Iterable[Diagnostic]) -> None:
         """Say messages. As JSON they are one list with what was done, so this is said once."""
+        diagnostics = (*self._new_remarks(), *diagnostics)
         said = [d for d in first_of_each_kind(diagnostics) if self.wants(d.severity)]
         if self.as_json:
             _echo_json([*self._account, *said])
@@ -47,6 +49,17 @@ class Voice:
         else:
             for one in said:
                 say_lines([str(one)], err=True)
+
+    def remark(self, diagnostics: Iterable[Diagnostic]) -> None:
+        """Keep messages to be said with the next ones; what was said once is not said again."""
+        for one in diagnostics:
+            self._remarks.setdefault(one, False)
+
+    def _new_remarks(self) -> Iterator[Diagnostic]:
+        for one, is_said in self._remarks.items():
+            if not is_said:
+                self._remarks[one] = True
+                yield one
 
     def did(self, what: str) -> None:
         """Tell a step that is done, and the time since the one before."""
@@ -61,14 +74,22 @@ class Voice:
             say_lines([text], err=True)
 
     def end(self) -> None:
-        """Say what was kept of the steps done, where nothing else was to be said."""
-        if self._account:
+        """Say what was kept of steps and remarks, where nothing else was to be said."""
+        if self._account or not all(self._remarks.values()):
             self.say(())
 
     def stop(self, diagnostics: Iterable[Diagnostic]) -> NoReturn:
         """Say messages and end with the status of a refused input."""
         self.say(diagnostics)
         raise SystemExit(REFUSED)
+
+
+def remark(diagnostics: Iterable[Diagnostic]) -> None:
+    """Have the voice of the running command say messages once."""
+    context = click.get_current_context(silent=True)
+    voice = context.meta.get(Voice.__name__) if context else None
+    if voice is not None:
+        voice.remark(diagnostics)
 
 
 def say_lines(lines: Iterable[str], err: bool = False) -> None:

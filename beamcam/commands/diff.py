@@ -70,7 +70,6 @@ def command(a: str, b: str, as_json: bool, voice: Voice, **asked: Any) -> None:
     show(found, as_json)
     if said:
         voice.say(said)
-    voice.end()
     if found or errors_in(said):
         raise SystemExit(REFUSED)
 

@@ -85,6 +85,5 @@ def command(
         else:
             show(path, reading, voice)
         refused |= reading.refused
-    voice.end()
     if refused:
         raise SystemExit(REFUSED)

@@ -57,6 +57,7 @@ def show(name: str, as_json: bool) -> None:
         rows = settings(name)
     except BeamcamError as error:
         Voice(as_json=as_json).stop(error.diagnostics)
+    Voice(as_json=as_json).say(load(name).remarks)
     if as_json:
         record = {r.key: {"value": r.value, "source": r.source and str(r.source)} for r in rows}
         say_json(record)

@@ -150,6 +150,10 @@ def voiced(function: Function) -> Function:
         if quiet and verbose:
             raise click.UsageError("--quiet and --verbose exclude each other.")
         voice = Voice(quiet, verbose, values.get("as_json", False))
-        return function(*args, voice=voice, **values)
+        click.get_current_context().meta[Voice.__name__] = voice
+        try:
+            return function(*args, voice=voice, **values)
+        finally:
+            voice.end()
 
     return with_voice

@@ -117,7 +117,6 @@ def _print(
 ) -> None:
     if as_json:
         write(output, json_of(record) + "\n", voice, read)
-        voice.end()
     else:
         write(output, "\n".join(map(terminal_text, lines)) + "\n", voice, read)
         voice.say(said)

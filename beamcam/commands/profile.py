@@ -84,7 +84,7 @@ def wanted_profile(
     jerk: float,
     cruise: float,
     points: tuple[tuple[float, float], ...],
-    greatest_jerk: float | None,
+    max_jerk: float | None,
 ) -> "Profile":
     """The profile that the options ask for. Raises ValueError where they do not fit together."""
     from beamcam.motion import profile as profiles
@@ -97,7 +97,7 @@ def wanted_profile(
                 "give --time with one of --velocity, --acceleration, --distance; or --points; or, "
                 "for the fastest profile, --distance, --velocity and --acceleration"
             )
-        limits = profiles.Limits(velocity, acceleration, greatest_jerk or inf)
+        limits = profiles.Limits(velocity, acceleration, max_jerk or inf)
         return profiles.fastest_profile(distance, limits)
     given = [v for v in (velocity, acceleration, distance) if v is not None]
     if len(given) != 1:
@@ -137,7 +137,7 @@ def command(
     jerk: float,
     cruise: float,
     points: tuple[tuple[float, float], ...],
-    greatest_jerk: float | None,
+    max_jerk: float | None,
     step: float | None,
     unit: str | None,
     pulses: int | None,
@@ -165,9 +165,7 @@ def command(
     try:
         shown = unit_of(unit, pulses, travel)
         way = None if distance is None else distance * shown.seconds
-        profile = wanted_profile(
-            velocity, acceleration, way, time, jerk, cruise, points, greatest_jerk
-        )
+        profile = wanted_profile(velocity, acceleration, way, time, jerk, cruise, points, max_jerk)
         encoder = None if pulses is None else Encoder(pulses, travel)
         data: str | bytes
         if suffix not in ("", *SUFFIXES):

@@ -7,6 +7,7 @@ the defaults; the same for every command
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Any
 
+from beamcam.commands.common import remark
 from beamcam.config.values import COMMAND_LINE, Config, Stock, beside, over
 from beamcam.errors import Diagnostic, PlanError, Source
 from beamcam.files import FilesRead
@@ -146,6 +147,7 @@ def machine_of_stock(
     """
     named = config.machines.get(stock) or config.machine
     machine = load(named or default_machine(stock, output))
+    remark(machine.remarks)
     if config.tolerances:
         from beamcam.config.apply import with_tolerances
 

@@ -80,7 +80,6 @@ def command(
     if as_json:
         records = [as_message(d) for d in (*said, *found) if voice.wants(d.severity)]
         say_json(records)
-        voice.end()
     else:
         voice.say((*said, *found))
     if errors_in(found):

@@ -163,7 +163,7 @@ def _trail(a: Trail, b: Trail, step: float) -> list[str]:
         changes.append("another course")
     if a.diameter != b.diameter:
         changes.append(f"{a.kind} {a.diameter:g} to {b.diameter:g}")
-    depths = (a.least_depth, b.least_depth), (a.greatest_depth, b.greatest_depth)
+    depths = (a.min_depth, b.min_depth), (a.max_depth, b.max_depth)
     for name, (old, new) in zip(("least depth", "greatest depth"), depths, strict=True):
         if abs(old - new) > step:
             changes.append(f"{name} {old:g} to {new:g}")

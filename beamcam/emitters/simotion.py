@@ -43,14 +43,14 @@ def emit(table: TriggerTable, machine: Machine, style: str | None = None) -> str
     if triggers is None:
         raise TypeError(f"{machine.name} has no trigger program")
     count = len(table.operations)
-    if style == "chain" and count > triggers.greatest_chain:
-        raise ChainError(count, triggers.greatest_chain)
+    if style == "chain" and count > triggers.max_chain:
+        raise ChainError(count, triggers.max_chain)
     if style is None:
-        style = "table" if count > triggers.greatest_chain else triggers.style
+        style = "table" if count > triggers.max_chain else triggers.style
     rows = tuple(_rows(table.operations))
     name = unit_name(table.job)
     size = ROUND_BYTES if triggers.path_objects else POINT_BYTES
-    per_unit = max(1, triggers.greatest_data // size)
+    per_unit = max(1, triggers.max_data // size)
     starts = range(0, len(rows), per_unit) if style == "table" else ()
     chunks = [_Chunk(f"{name}_{k}", k, at + 1, rows[at : at + per_unit])
               for k, at in enumerate(starts, 1)]  # fmt: skip

@@ -5,7 +5,7 @@ from zlib import crc32
 
 UNIT_MARK = "(* ===== UNIT {name} ===== *)"
 _MARK = re.compile(r"\(\* ===== UNIT (\w+) ===== \*\)")
-GREATEST_NAME = 24
+MAX_NAME = 24
 
 
 def unit_name(job: str) -> str:
@@ -14,8 +14,8 @@ def unit_name(job: str) -> str:
     What is too long ends in a check sum, so that two jobs that begin alike keep two names.
     """
     plain = re.sub(r"[^A-Za-z0-9]+", "_", job).strip("_")
-    if len(plain) > GREATEST_NAME:
-        plain = f"{plain[: GREATEST_NAME - 9].strip('_')}_{crc32(plain.encode()):08x}"
+    if len(plain) > MAX_NAME:
+        plain = f"{plain[: MAX_NAME - 9].strip('_')}_{crc32(plain.encode()):08x}"
     return f"unit_{plain}" if plain else "unit_job"
 
 

@@ -19,7 +19,7 @@ from beamcam.plain_text import comment_text, one_word
 MAGIC = b"BCSTEPS1"
 HEADER = struct.Struct("<8sIIIIII")  #: magic, own size, step in nm, words 0 to 3
 TIME_SHIFT = 5  #: of a packed row: the bits lie below, the time since the last row above
-GREATEST_WAIT_US = (1 << (32 - TIME_SHIFT)) - 1
+MAX_WAIT_US = (1 << (32 - TIME_SHIFT)) - 1
 BLOCK_ROWS = 1 << 16
 STRETCHES_PER_PIECE = 4096
 
@@ -144,12 +144,12 @@ def _packed(table: StepTable) -> Iterator[NDArray[np.uint32]]:
         waits = np.empty_like(times)
         waits[0] = times[0] - last_us
         np.subtract(times[1:], times[:-1], out=waits[1:])
-        if times[-1] - last_us > GREATEST_WAIT_US < int(waits.max()):
+        if times[-1] - last_us > MAX_WAIT_US < int(waits.max()):
             before = np.append(np.uint8(last_bits), bits[:-1])
-            extra = waits // (GREATEST_WAIT_US + 1)
+            extra = waits // (MAX_WAIT_US + 1)
             where = np.repeat(np.arange(len(waits)), extra)
-            filler = np.full(len(where), GREATEST_WAIT_US)
-            waits = np.insert(waits - extra * GREATEST_WAIT_US, where, filler)
+            filler = np.full(len(where), MAX_WAIT_US)
+            waits = np.insert(waits - extra * MAX_WAIT_US, where, filler)
             bits = np.insert(bits, where, before[where])
         last_us, last_bits = int(times[-1]), int(rows.bits[-1])
         packed = waits.astype("<u4")

@@ -5,7 +5,7 @@ from math import cos, hypot, inf, radians, sin
 from beamcam.geometry.plane import Point, cross
 
 
-def least_radius_of_parabola(start: Point, vertex: Point, end: Point) -> float:
+def min_radius_of_parabola(start: Point, vertex: Point, end: Point) -> float:
     """The least radius of the parabola whose tangent at `vertex` is parallel to its chord.
 
     As a quadratic Bezier curve with the legs p and q its velocity is twice w = p + t (q - p) and
@@ -22,7 +22,7 @@ def least_radius_of_parabola(start: Point, vertex: Point, end: Point) -> float:
     return 2.0 * hypot(px + t * dx, py + t * dy) ** 3 / turn
 
 
-def least_radius_of_ellipse(on_it: Point, angle_deg: float, ratio: float) -> float:
+def min_radius_of_ellipse(on_it: Point, angle_deg: float, ratio: float) -> float:
     """The least radius of an ellipse through a point that counts from its centre: b^2 / a.
 
     `angle_deg` is the direction of its main axis, `ratio` is b / a.

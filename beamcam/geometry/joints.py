@@ -18,7 +18,7 @@ MOST_MOVED = 0.005
 MOST_TURNED = 0.1
 
 #: Lines whose directions differ by less, in radians, do not meet near their ends.
-LEAST_ANGLE = 0.1
+MIN_ANGLE = 0.1
 
 
 def joined(
@@ -67,7 +67,7 @@ def _corner(a: Curve, b: Curve) -> Point | None:
     if min(a.length, b.length) * MOST_TURNED < gap:
         return None
     u, v = a.tangent(0.0), b.tangent(0.0)
-    if abs(cross(u, v)) < LEAST_ANGLE:
+    if abs(cross(u, v)) < MIN_ANGLE:
         return None
     reach = cross((b.start[0] - a.end[0], b.start[1] - a.end[1]), v) / cross(u, v)
     point = (a.end[0] + reach * u[0], a.end[1] + reach * u[1])

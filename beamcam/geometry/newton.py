@@ -281,15 +281,13 @@ def find_oscillation(curve: NewtonCurve) -> Oscillation | None:
     turns = [(t, curve.point(t)) for t in curve.extremes()]
     low_x, low_y, high_x, high_y = box_around(curve.nodes)
     size = max(high_x - low_x, high_y - low_y)
-    overshoot, near = _greatest_overshoot(curve, turns)
+    overshoot, near = _max_overshoot(curve, turns)
     of_nodes = sum(_count_turns([node[i] for node in curve.nodes]) for i in (0, 1))
     least = 1e-9 if len(turns) > of_nodes else CALM_SHARE
     return Oscillation(len(curve.nodes), overshoot, near) if overshoot > least * size else None
 
 
-def _greatest_overshoot(
-    curve: NewtonCurve, turns: Sequence[tuple[float, Point]]
-) -> tuple[float, Point]:
+def _max_overshoot(curve: NewtonCurve, turns: Sequence[tuple[float, Point]]) -> tuple[float, Point]:
     """How far a curve leaves the band between two neighbouring nodes, and where."""
     parameters = curve.parameters
     worst, where = 0.0, curve.start

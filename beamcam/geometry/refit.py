@@ -9,7 +9,7 @@ from beamcam.geometry.curves import Arc, Line
 from beamcam.geometry.plane import Point, cross, distance, dot
 
 #: So many corners, at least, make an arc.
-LEAST_CORNERS = 5
+MIN_CORNERS = 5
 
 #: No chord of an arc turns it by more than this: a square is no circle.
 MOST_SWEEP_DEG = 350.0
@@ -49,7 +49,7 @@ def _turn(points: Sequence[Point], k: int) -> float:
 def _longest_arc(ring: list[Point], at: int, tolerance: float) -> tuple[Arc | None, int]:
     """The arc from corner `at` over the most corners; doubles its reach, then halves the step."""
     best: Arc | None = None
-    reach, step = at, LEAST_CORNERS - 1
+    reach, step = at, MIN_CORNERS - 1
     growing = True
     while step >= 1:
         wished = reach + step

@@ -16,14 +16,14 @@ def speed_and_feed(tool: Tool, drill: Drill, grade: str) -> tuple[float, float]:
     """
     row = cutting_row(tool, drill, grade)
     if tool.kind in ("punch", "scribe"):
-        return 0.0, min(1000 * row.speed_m_min, drill.greatest_feed_mm_min)
+        return 0.0, min(1000 * row.speed_m_min, drill.max_feed_mm_min)
     speed = turns_of(row, tool)
-    speed = min(max(speed, drill.least_speed_rpm), drill.greatest_speed_rpm)
+    speed = min(max(speed, drill.min_speed_rpm), drill.max_speed_rpm)
     if tool.kind == "tap":
         # A tap has to follow its pitch, so a limit of the feed lowers the speed.
-        speed = min(speed, drill.greatest_feed_mm_min / tool.pitch)
+        speed = min(speed, drill.max_feed_mm_min / tool.pitch)
         return speed, speed * tool.pitch
-    return speed, min(speed * row.feed_per_turn, drill.greatest_feed_mm_min)
+    return speed, min(speed * row.feed_per_turn, drill.max_feed_mm_min)
 
 
 def turns_of(row: Cutting, tool: Tool) -> float:

@@ -23,11 +23,11 @@ def tool_faults(machine: Machine) -> Iterator[Fault]:
             yield "drill.x", drill.x, "at least saw.x, since the bar reaches the saw first"
         if layout.order == "drill-saw" and drill.x > saw.x:
             yield "drill.x", drill.x, "at most saw.x, since the bar reaches the drill first"
-    if saw and saw.least_angle > saw.greatest_angle:
-        yield "saw.least_angle", saw.least_angle, "at most saw.greatest_angle"
-    if saw and saw.least_tilt > saw.greatest_tilt:
-        yield "saw.least_tilt", saw.least_tilt, "at most saw.greatest_tilt"
-    if saw and saw.least_tilt != saw.greatest_tilt and not _names(machine.words.saw, "tilt"):
+    if saw and saw.min_angle > saw.max_angle:
+        yield "saw.min_angle", saw.min_angle, "at most saw.max_angle"
+    if saw and saw.min_tilt > saw.max_tilt:
+        yield "saw.min_tilt", saw.min_tilt, "at most saw.max_tilt"
+    if saw and saw.min_tilt != saw.max_tilt and not _names(machine.words.saw, "tilt"):
         yield "words.saw", list(machine.words.saw), "a word with {tilt}, since the blade tilts"
     for index, tools in enumerate(machine.tools):
         yield from _set_faults(f"tools.{index}", tools)

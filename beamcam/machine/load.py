@@ -5,8 +5,7 @@ from pathlib import Path, PurePath
 from typing import Any
 from zlib import crc32
 
-from msgspec import Struct, json
-from msgspec.structs import asdict
+from msgspec import Struct, json, structs
 
 from beamcam.caches import cached
 from beamcam.conversion import Fault, converted, nearest
@@ -14,6 +13,7 @@ from beamcam.errors import Diagnostic, MachineError, Source
 from beamcam.geometry.plane import MAX_COORDINATE
 from beamcam.machine import rules
 from beamcam.machine.faults import pair_faults, spindle_faults, tool_faults, torch_faults
+from beamcam.machine.former_keys import KeyTwice, with_present_keys
 from beamcam.machine.machine import Machine, MachineFile, as_formula
 from beamcam.machine.templates import template_faults
 from beamcam.machine.toml import Place, TomlError, TomlFile, line_of, toml_text
@@ -49,15 +49,33 @@ def files_of(name: str) -> tuple[str, ...]:
 @cached("files.machine")
 def _machine(files: tuple[TomlFile, ...]) -> Machine:
     """The machine that is told by a file and its bases."""
+    remarks = tuple(said for file in files for said in _renamed(file))
     table, places = merged(files)
     place = Place(places)
     try:
         read = converted(table, MachineFile, as_formula)
     except Fault as fault:
         raise MachineError(_said(fault, place)) from None
-    machine = Machine(**asdict(read), checksum=_checksum(table))
+    machine = Machine(**structs.asdict(read), checksum=_checksum(table), remarks=remarks)
     _check(machine, place)
     return machine
+
+
+def _renamed(file: TomlFile) -> Iterator[Diagnostic]:
+    """A warning for each key of a file that has another name today."""
+    for key, present in _present(file)[1]:
+        source = Source(file.shown, line_of(file.text, key))
+        yield rules.FORMER_KEY.at(source, found=key, expected=present)
+
+
+def _present(file: TomlFile) -> tuple[dict[str, Any], list[tuple[str, str]]]:
+    """A file's table as this version names its keys, and its renamed keys. Raises MachineError."""
+    try:
+        return with_present_keys(file.table)
+    except KeyTwice as twice:
+        source = Source(file.shown, line_of(file.text, twice.former))
+        said = rules.KEY_TWICE.at(source, found=twice.former, expected=twice.present)
+        raise MachineError(said) from None
 
 
 def _checksum(table: dict[str, Any]) -> str:
@@ -91,7 +109,7 @@ def settings(name: str) -> tuple[Setting, ...]:
     place = Place(places)
     return tuple(
         Setting(key, value, place.child(key).source if _is_set(table, key) else None)
-        for key, value in _leaves(_machine(files))
+        for key, value in _leaves(structs.replace(_machine(files), remarks=()))
     )
 
 
@@ -161,7 +179,7 @@ def merged(
     table: dict[str, Any] = {}
     places: dict[str, tuple[str, str]] = {}
     for file in reversed(files):
-        own = {"name": file.path.stem, **file.table}
+        own = {"name": file.path.stem, **_present(file)[0]}
         own.pop("base", None)
         if file is not files[0]:
             own.pop("default_for", None)

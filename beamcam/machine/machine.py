@@ -13,7 +13,7 @@ from msgspec import Meta, Struct, field
 
 from beamcam.caches import cached
 from beamcam.conversion import Count, Keys, NotNegative, Positive, PositiveCount
-from beamcam.errors import MachineError, Source
+from beamcam.errors import Diagnostic, MachineError, Source
 from beamcam.geometry.expression import Expression, compile_expression
 from beamcam.machine import rules
 from beamcam.machine.tables import Stepper, Triggers
@@ -105,16 +105,16 @@ class Layout(Keys, frozen=True):
     """How the stations stand along the bar, and what bars they take."""
 
     order: Literal["saw-drill", "drill-saw"]  #: which station the bar reaches first
-    least_bar: NotNegative = 0.0  #: shortest bar that the stop or gripper can hold
-    greatest_bar: float | None = None
+    min_bar: NotNegative = 0.0  #: shortest bar that the stop or gripper can hold
+    max_bar: float | None = None
     front_trim: NotNegative = 0.0  #: bar x at which the first part starts
     end_trim: NotNegative = 0.0  #: at the bar's end, scrap
     dead_zone: NotNegative = (
         0.0  #: at the bar's end, held by the gripper, out of the stations' reach
     )
-    least_part: NotNegative = 0.0  #: shortest part that does not fall between the rollers
+    min_part: NotNegative = 0.0  #: shortest part that does not fall between the rollers
     min_bar_left: NotNegative = 0.0  #: of the bar while its last part is worked; 0: nothing known
-    least_remnant: NotNegative = 1000.0  #: a rest at least as long goes back to the store
+    min_remnant: NotNegative = 1000.0  #: a rest at least as long goes back to the store
     profiles: tuple[str, ...] = ("I", "U", "L", "M", "C", "T")  #: DSTV codes that it takes
 
 
@@ -130,19 +130,19 @@ class Saw(Keys, frozen=True):
     """The saw: where it stands, what it cuts and how its angles are counted."""
 
     kerf: NotNegative
-    least_angle: float  #: of the mitre, in the machine's own counting
-    greatest_angle: float
-    greatest_height: Positive
-    greatest_width: Positive
+    min_angle: float  #: of the mitre, in the machine's own counting
+    max_angle: float
+    max_height: Positive
+    max_width: Positive
     x: float = 0.0  #: machine X of a cut at bar x 0
     kerf_along: Literal["normal", "x"] = "normal"  #: across the blade, or along the bar
     pivot: Literal["o", "u"] = "o"  #: the edge of the web on which X is counted
     square: float = 0.0  #: what a square cut is called: 0 or 90
     angle_sign: Literal[-1, 1] = 1  #: of DSTV's web angle in the machine's counting
     feed_mm_min: Positive = 2500.0
-    least_mitre: float = 0.1  #: an end nearer to square than this is sawn square, in degrees
-    least_tilt: float = 0.0  #: of the blade out of the vertical, for flange angles
-    greatest_tilt: float = 0.0  #: 0 and 0: the blade does not tilt
+    min_mitre: float = 0.1  #: an end nearer to square than this is sawn square, in degrees
+    min_tilt: float = 0.0  #: of the blade out of the vertical, for flange angles
+    max_tilt: float = 0.0  #: 0 and 0: the blade does not tilt
     tilt_sign: Literal[-1, 1] = 1  #: of DSTV's flange angle in the machine's counting
     compound: bool = False  #: whether it may turn and tilt in one cut
     common_cuts: bool = False  #: whether one cut may end a part and start the next
@@ -274,16 +274,16 @@ class Drill(Keys, frozen=True):
     """The drilling station."""
 
     x: float  #: machine X of a hole at bar x 0
-    greatest_height: Positive
-    greatest_width: Positive
+    max_height: Positive
+    max_width: Positive
     fits: tuple[Fit, ...]
     cutting: tuple[Cutting, ...]
     merge_tolerance: NotNegative = 0.1  #: flange holes nearer than this are one operation
     clearance: NotNegative = 5.0  #: between tool and surface where the feed begins
     breakthrough: NotNegative = 2.0  #: of the drill's full diameter beyond the far side
-    least_speed_rpm: Positive = 150.0
-    greatest_speed_rpm: Positive = 2500.0
-    greatest_feed_mm_min: Positive = 20000.0
+    min_speed_rpm: Positive = 150.0
+    max_speed_rpm: Positive = 2500.0
+    max_feed_mm_min: Positive = 20000.0
     twin: NotNegative = 0.02  #: tools that differ by no more are one: 20.64 and 13/16 in
     duplicate_tolerance: NotNegative = 0.01  #: holes of one face nearer than this are one hole
     slots: Literal["mill", "drill-mill"] = "drill-mill"  #: whether its ends are drilled first
@@ -318,8 +318,8 @@ class ControlledAxis(Keys, frozen=True):
     speed: Positive  #: greatest, mm/s or deg/s; rapid moves run at it
     acceleration: Positive  #: mm/s2 or deg/s2
     spindle: int | None = None  #: number of the spindle that it belongs to
-    least: float | None = None  #: None has no limit
-    greatest: float | None = None
+    min: float | None = None  #: None has no limit
+    max: float | None = None
     park: float = 0.0  #: where it stands when a program begins
     jerk: Positive | None = None  #: mm/s3 or deg/s3; None has no limit
 
@@ -363,10 +363,10 @@ class Torch(Keys, frozen=True):
     direction: Literal["drawn", "climb", "conventional"] = "drawn"  #: climb: material at the right
     tabs: Count = 0  #: bridges that hold a part in the sheet
     tab_width: Positive = 1.0
-    least_hole: NotNegative = 0.0  #: smallest diameter that can be cut
+    min_hole: NotNegative = 0.0  #: smallest diameter that can be cut
     cross: NotNegative = 0.0  #: size of the cross that marks a centre; 0 marks none
-    least_radius: Positive = 0.01  #: smallest arc that the controller takes
-    greatest_radius: Positive = 10000.0  #: an arc beyond is written as lines
+    min_radius: Positive = 0.01  #: smallest arc that the controller takes
+    max_radius: Positive = 10000.0  #: an arc beyond is written as lines
     arc_limit: Positive = 0.005  #: radii at both ends of an arc may differ by this
     traverse_mm_min: Positive = 20000.0  #: of the head with its tool off, for times
     acceleration: NotNegative = 0.0  #: along the path, to run up and to brake, mm/s2; 0: not known
@@ -402,3 +402,6 @@ class Machine(MachineFile, frozen=True):
     """A machine: `beamcam machines show NAME` prints every value and where it comes from."""
 
     checksum: str = ""  #: of all that its file says, in the heads of its programs; no key of it
+    remarks: tuple[
+        Diagnostic, ...
+    ] = ()  #: on its files, such as keys of an older version; no key of it

@@ -39,4 +39,20 @@ BASE_LOOP = Rule(
     "A machine file may build on another by `base`, but not on itself.",
 )
 
-RULES = (UNKNOWN_MACHINE, NOT_TOML, UNKNOWN_KEY, MISSING_KEY, WRONG_VALUE, BASE_LOOP)
+FORMER_KEY = Rule(
+    "machine-former-key",
+    Severity.WARNING,
+    "found the key {found!r} of an older version; expected {expected!r}",
+    "The key is read for one more minor version. Rename it in the file; nothing else changes.",
+)
+KEY_TWICE = Rule(
+    "machine-key-twice",
+    Severity.ERROR,
+    "found {found!r}, the older name of {expected!r}, beside it; expected one of them",
+    "Two names of one key could have two values. Remove the older one.",
+)
+
+RULES = (
+    UNKNOWN_MACHINE, NOT_TOML, UNKNOWN_KEY, MISSING_KEY, WRONG_VALUE, BASE_LOOP, FORMER_KEY,
+    KEY_TWICE,
+)  # fmt: skip

@@ -49,8 +49,8 @@ class Triggers(Keys, frozen=True):
     cycles_per_chord: Positive = 3.0
     package: str = ""  #: technology package; CAM for axes, PATH for path objects if absent
     style: Literal["chain", "table"] = "chain"
-    greatest_chain: PositiveCount = 500  #: operations of a chain; a longer path has to be a table
-    greatest_data: UnitBytes = 65536  #: bytes of set-points in one unit
+    max_chain: PositiveCount = 500  #: operations of a chain; a longer path has to be a table
+    max_data: UnitBytes = 65536  #: bytes of set-points in one unit
     path_objects: bool = False  #: whether the controller interpolates lines and circles
     path_object: str = "Path"  #: its name in the project
     names: Mapping[str, str] = field(default_factory=dict)  #: what the package calls otherwise
@@ -73,7 +73,7 @@ class Stepper(Keys, frozen=True):
     steps_per_turn: PositiveCount
     acceleration: Positive  #: mm/s2 of each axis
     jerk: Positive  #: mm/s3 of each axis
-    greatest_hz: Positive  #: step frequency of an axis
+    max_hz: Positive  #: step frequency of an axis
     traverse_mm_s: Positive
     corner: Positive = 0.01  #: how far a circle that is as fast may pass from a corner
     sequence: tuple[str, ...] = ("00", "01", "10", "11")  #: words of forward steps

@@ -9,6 +9,7 @@ from msgspec import Struct
 
 from beamcam.caches import cached
 from beamcam.errors import Source
+from beamcam.machine.former_keys import former_name
 
 #: The longest machine file shipped has 12,000 bytes; reading takes a second for a million.
 MAX_TOML_BYTES = 500_000
@@ -104,9 +105,12 @@ def line_of(text: str, key: str) -> int | None:
     Array tables count: `spindles.1.number` is `number` under the second `[[spindles]]`.
     """
     lines = _lines(text)
-    while key and key not in lines:
+    while key:
+        for name in (key, former_name(key)):
+            if name in lines:
+                return lines[name]
         key = key.rpartition(".")[0]
-    return lines.get(key)
+    return None
 
 
 @cached("files.lines")

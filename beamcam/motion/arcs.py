@@ -16,7 +16,7 @@ from beamcam.geometry.plane import Point, cross
 from beamcam.model.program import ArcFeed, EllipseFeed, Feed, Movement, ParabolaFeed
 
 #: Above this sweep an arc is written as two, so that no controller can take the other way round.
-GREATEST_SWEEP_DEG = 180.0
+MAX_SWEEP_DEG = 180.0
 SWEEP_SLACK_DEG = 1e-9
 
 #: How far the written centre may lie beside the bisector of the written chord, by the radius;
@@ -39,8 +39,8 @@ class Numbers(Struct, frozen=True):
     angle_decimals: int
     tolerance: float  #: left for chords that stand for an arc
     arc_limit: float  #: greatest difference of the radii at both ends
-    least_radius: float
-    greatest_radius: float
+    min_radius: float
+    max_radius: float
 
     @property
     def step(self) -> float:
@@ -59,7 +59,7 @@ def arc_feeds(start: Point, arc: Arc, numbers: Numbers, splits: int = MAX_SPLITS
     Arcs up to half a circle; lines where an arc is too flat to differ from one, or too small or
     too large for the controller. Moves of no length are left out.
     """
-    if abs(arc.sweep_deg) > GREATEST_SWEEP_DEG + SWEEP_SLACK_DEG:
+    if abs(arc.sweep_deg) > MAX_SWEEP_DEG + SWEEP_SLACK_DEG:
         return _halves(start, arc, numbers, splits)
     end = numbers.at(arc.end)
     if end == start:
@@ -67,7 +67,7 @@ def arc_feeds(start: Point, arc: Arc, numbers: Numbers, splits: int = MAX_SPLITS
     sagitta = arc.radius * (1 - cos(radians(arc.sweep_deg) / 2))
     if sagitta < numbers.step / 2:
         return [Feed(*end)]
-    if numbers.least_radius <= arc.radius <= numbers.greatest_radius:
+    if numbers.min_radius <= arc.radius <= numbers.max_radius:
         move = _written_arc(start, end, arc, numbers)
         if move is not None:
             return [move]
@@ -103,7 +103,7 @@ def _written_arc(start: Point, end: Point, arc: Arc, numbers: Numbers) -> ArcFee
     j = round((end[1] - start[1]) / 2 + side * height * ux, d) + 0.0
     centre = (start[0] + i, start[1] + j)
     near, far = hypot(i, j), dist(centre, end)
-    if abs(near - far) > numbers.arc_limit or near < numbers.least_radius:
+    if abs(near - far) > numbers.arc_limit or near < numbers.min_radius:
         return None
     beside = abs(
         (centre[0] - (start[0] + end[0]) / 2) * ux + (centre[1] - (start[1] + end[1]) / 2) * uy

@@ -70,8 +70,8 @@ class Certificate(Struct, frozen=True):
 
     deviation: float  #: no point of curve or path is farther from the other, rounding included
     points: int
-    least_step: float
-    greatest_step: float
+    min_step: float
+    max_step: float
     slowed: tuple[Stretch, ...]
 
 

@@ -10,7 +10,7 @@ smallest arc as fast as it was told. So the feed is lowered where a move asks fo
 from collections.abc import Iterator, Sequence
 from math import cbrt, hypot, sqrt
 
-from beamcam.geometry.bending import least_radius_of_ellipse, least_radius_of_parabola
+from beamcam.geometry.bending import min_radius_of_ellipse, min_radius_of_parabola
 from beamcam.geometry.plane import Point
 from beamcam.machine.path_limits import PathLimits
 from beamcam.model.program import ArcFeed, EllipseFeed, Feed, Movement, Pace, ParabolaFeed
@@ -69,14 +69,14 @@ def feasible_mm_s(here: Point, move: Movement, limits: PathLimits) -> float:
         x = limits.speed_x_mm_s * length / dx if dx else limits.speed_y_mm_s
         y = limits.speed_y_mm_s * length / dy if dy else limits.speed_x_mm_s
         return min(x, y)
-    return turning_mm_s(least_radius(here, move), limits)
+    return turning_mm_s(min_radius(here, move), limits)
 
 
-def least_radius(here: Point, move: ArcFeed | ParabolaFeed | EllipseFeed) -> float:
+def min_radius(here: Point, move: ArcFeed | ParabolaFeed | EllipseFeed) -> float:
     """The least radius of curvature of a curve that starts `here`; of an ellipse, of all of it."""
     if isinstance(move, ArcFeed):
         return hypot(move.i, move.j)
     if isinstance(move, ParabolaFeed):
         vertex = here[0] + move.i, here[1] + move.j
-        return least_radius_of_parabola(here, vertex, (move.x, move.y))
-    return least_radius_of_ellipse((-move.i, -move.j), move.angle, move.ratio)
+        return min_radius_of_parabola(here, vertex, (move.x, move.y))
+    return min_radius_of_ellipse((-move.i, -move.j), move.angle, move.ratio)

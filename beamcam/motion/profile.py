@@ -20,7 +20,7 @@ from beamcam.geometry.moves import ramp_seconds
 from beamcam.geometry.velocity_profile import Phase, Profile
 
 #: A ramp that is rounded by less than this share is not rounded.
-LEAST_SHARE = 1e-12
+MIN_SHARE = 1e-12
 
 
 class Limits(Struct, frozen=True):
@@ -44,7 +44,7 @@ def ramp_pieces(change: float, time_s: float, jerk_percent: float) -> list[Piece
     if time_s == 0.0:
         return []
     share = jerk_percent / 100.0
-    if share < LEAST_SHARE:
+    if share < MIN_SHARE:
         return [(time_s, change / time_s, 0.0)]
     peak = change / (time_s * (1.0 - share / 2))
     rise, stay = share / 2 * time_s, (1.0 - share) * time_s

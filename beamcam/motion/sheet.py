@@ -29,7 +29,7 @@ from beamcam.model.program import (
     Traverse,
 )
 from beamcam.motion.arcs import (
-    GREATEST_SWEEP_DEG,
+    MAX_SWEEP_DEG,
     ROUND_RATIO,
     SWEEP_SLACK_DEG,
     Numbers,
@@ -96,8 +96,8 @@ class Pen:
             form.angle_decimals,
             torch.tolerance * (1 - FIT_SHARE) / 2,
             torch.arc_limit,
-            torch.least_radius,
-            torch.greatest_radius if self._arcs else 0.0,
+            torch.min_radius,
+            torch.max_radius if self._arcs else 0.0,
         )
 
     def prepared(self, chains: Sequence[Sequence[Curve]]) -> list[Sequence[Curve]]:
@@ -185,7 +185,7 @@ def _halved(chain: Sequence[Curve]) -> Sequence[Curve]:
     """A chain whose arcs are half a circle at most, as they are written."""
     if Arc not in map(type, chain):
         return chain
-    most = GREATEST_SWEEP_DEG + SWEEP_SLACK_DEG
+    most = MAX_SWEEP_DEG + SWEEP_SLACK_DEG
     wide = [type(curve) is Arc and abs(curve.sweep_deg) > most for curve in chain]
     if not any(wide):
         return chain

@@ -41,12 +41,12 @@ def events(path: PlannedPath, stepper: Stepper) -> Iterator[tuple[Ints, Ints]]:
     An event is a number: its time, and its move in the last bits, see `MOVES` and `TIME_BIT`.
     """
     clock = _Clock(path, WINDOW_STEPS * stepper.step)
-    least_us = int(MICROSECONDS / stepper.greatest_hz)
-    axes = [_Axis(clock, path.points[:, k], stepper.step, least_us, k * MOVE_BITS) for k in (0, 1)]
+    min_us = int(MICROSECONDS / stepper.max_hz)
+    axes = [_Axis(clock, path.points[:, k], stepper.step, min_us, k * MOVE_BITS) for k in (0, 1)]
     last = len(clock.windows) - 2
     for k in range(last + 1):
         pieces = slice(clock.windows[k], clock.windows[k + 1])
-        until_us = None if k == last else clock.reached_us(pieces.stop) - 2 * least_us
+        until_us = None if k == last else clock.reached_us(pieces.stop) - 2 * min_us
         x, y = (axis.steps(pieces, until_us) for axis in axes)
         yield x, y
 
@@ -124,10 +124,10 @@ class _Clock:
 class _Axis:
     """The steps of one axis."""
 
-    def __init__(self, clock: _Clock, at: Floats, step: float, least_us: int, bit: int) -> None:
+    def __init__(self, clock: _Clock, at: Floats, step: float, min_us: int, bit: int) -> None:
         self.clock, self.at = clock, np.ascontiguousarray(at)
         self.forward, self.back = FORWARD << bit, BACK << bit
-        self.step, self.least_us = step, least_us
+        self.step, self.min_us = step, min_us
         self.held: Ints = np.zeros(0, dtype=np.int64)
         self.count = np.zeros(0)  #: 0, 1, 2 ...
 
@@ -187,7 +187,7 @@ class _Axis:
             turns = turns[turns < len(found) - 1]
             back = (found[turns] ^ found[turns + 1]) & MOVES != 0
             apart_us = (found[turns + 1] >> TIME_BIT) - (found[turns] >> TIME_BIT)
-            pairs = turns[back & (apart_us < self.least_us)]
+            pairs = turns[back & (apart_us < self.min_us)]
             if not len(pairs):
                 return found
             # Of pairs that share a step only the first goes in this round.

@@ -38,18 +38,18 @@ def step_table(plan: SheetPlan, machine: Machine, job: str) -> StepTable:
         stepper.step,
         stepper.sequence,
         lambda: step_rows(found, stepper, planned),
-        lambda: stretches(found, stepper.step, greatest_speed(stepper)),
+        lambda: stretches(found, stepper.step, max_speed(stepper)),
     )
 
 
-def greatest_speed(stepper: Stepper) -> float:
+def max_speed(stepper: Stepper) -> float:
     """Speed of an axis in mm/s at which no two steps come nearer than its frequency allows."""
-    return stepper.step / (1.0 / stepper.greatest_hz + TIMING_S)
+    return stepper.step / (1.0 / stepper.max_hz + TIMING_S)
 
 
 def plan_way(way: Way, stepper: Stepper) -> PlannedPath:
     """The motion along a way, from rest to rest."""
-    axis = Limits(greatest_speed(stepper), stepper.acceleration, stepper.jerk)
+    axis = Limits(max_speed(stepper), stepper.acceleration, stepper.jerk)
     return plan_speeds(way.points, way.speed_mm_s, LookAheadRules((axis, axis), stepper.corner))
 
 
@@ -64,7 +64,7 @@ def step_rows(
     paths = [] if planned is None else planned
     words = _Words(stepper)
     clock_us = 0
-    rest_us = int(2 * MICROSECONDS / stepper.greatest_hz) + 1
+    rest_us = int(2 * MICROSECONDS / stepper.max_hz) + 1
     yield words.row(0, False)
     for k, way in enumerate(job):
         if way.laser:

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from beamcam.geometry.arrays import CurveTable, unit_vectors
 from beamcam.geometry.curves import Arc, Curve, Line
 from beamcam.model.program import ArcFeed, Feed
-from beamcam.motion.arcs import BISECTOR_SHARE, GREATEST_SWEEP_DEG, KEEP_SWEEP_DEG, Numbers
+from beamcam.motion.arcs import BISECTOR_SHARE, KEEP_SWEEP_DEG, MAX_SWEEP_DEG, Numbers
 
 Floats = NDArray[np.float64]
 Flags = NDArray[np.bool_]
@@ -80,8 +80,8 @@ def _sure_arcs(
     from the start of each to its centre."""
     radius, sweep = arcs[:, 2], np.abs(arcs[:, 4])
     sagitta = radius * (1 - np.cos(np.radians(sweep) / 2))
-    sure = asked & (sweep <= GREATEST_SWEEP_DEG)
-    sure &= (numbers.least_radius <= radius) & (radius <= numbers.greatest_radius)
+    sure = asked & (sweep <= MAX_SWEEP_DEG)
+    sure &= (numbers.min_radius <= radius) & (radius <= numbers.max_radius)
     sure &= sagitta > numbers.step / 2 * (1 + SURE)
     chord = np.hypot(*(end - start).T)
     half = np.where(sure, chord / 2, 0.0)
@@ -107,7 +107,7 @@ def _is_same_arc(
     centre = start + offset
     near, far = np.hypot(*offset.T), np.hypot(*(end - centre).T)
     same: Flags = np.abs(near - far) < numbers.arc_limit * (1 - SURE)
-    same &= near > numbers.least_radius * (1 + SURE)
+    same &= near > numbers.min_radius * (1 + SURE)
     beside = np.abs(np.sum((centre - (start + end) / 2) * along, axis=1))
     same &= beside < BISECTOR_SHARE * near * (1 - SURE)
     side = np.where(arcs[:, 4] > 0, 1.0, -1.0)

@@ -74,7 +74,7 @@ def step_time(plan: SheetPlan, machine: Machine) -> WorkTime:
     stepper = machine.stepper
     if stepper is None:
         raise TypeError(f"{machine.name} has no stepping motors")
-    rest_us = int(2 * MICROSECONDS / stepper.greatest_hz) + 1
+    rest_us = int(2 * MICROSECONDS / stepper.max_hz) + 1
     passes: list[float] = []
     microseconds = 0
     for way in ways(plan, machine):

@@ -16,7 +16,7 @@ from beamcam.model.plan import ContourOp, SheetPlan
 from beamcam.model.triggers import Round, Switch, Travel, TriggerOp, TriggerTable
 
 #: Arcs that a path object runs are cut in pieces of at most this, so that no end is its start.
-GREATEST_ROUND_DEG = 120.0
+MAX_ROUND_DEG = 120.0
 HOME: Point = (0.0, 0.0)
 SECONDS_PER_MINUTE = 60.0
 TRUNCATION_SLACK = 1e-6  #: as in `rounding`: 0.29 is a hair less than 0.29 in binary
@@ -90,7 +90,7 @@ class _Way:
                     here = op.x, op.y
 
     def _rounds(self, arc: Arc) -> list[Travel | Round]:
-        count = max(1, ceil(abs(arc.sweep_deg) / GREATEST_ROUND_DEG - 1e-9))
+        count = max(1, ceil(abs(arc.sweep_deg) / MAX_ROUND_DEG - 1e-9))
         found: list[Travel | Round] = []
         for k in range(count):
             middle = self.grid(arc.point((k + 0.5) / count))

@@ -75,17 +75,17 @@ def speed_at(torch: Torch, process: TorchProcess, material: str, thickness: floa
     raise AssertionError("a thickness beyond the rows was let through")
 
 
-def stretches(job: list[Way], step: float, greatest_mm_s: float) -> Iterator[Stretch]:
+def stretches(job: list[Way], step: float, max_mm_s: float) -> Iterator[Stretch]:
     """A row for each stretch; the steps of all rows add up to the way from corner to corner.
 
-    `greatest_mm_s` is what an axis can do; a stretch that asks for more is slower.
+    `max_mm_s` is what an axis can do; a stretch that asks for more is slower.
     """
     count = [0, 0]
     for way in job:
         for (x0, y0), (x1, y1) in pairwise(way.points.tolist()):
             dx, dy = x1 - x0, y1 - y0
             length = hypot(dx, dy)
-            speed = min(way.speed_mm_s, greatest_mm_s * length / max(abs(dx), abs(dy)))
+            speed = min(way.speed_mm_s, max_mm_s * length / max(abs(dx), abs(dy)))
             vx, vy = speed * dx / length, speed * dy / length
             ends = [floor(x1 / step + 0.5), floor(y1 / step + 0.5)]
             yield Stretch(

@@ -45,9 +45,9 @@ def lay_on_bar(
     parts do not fit, or if the bar or a part is shorter or longer than the machine can hold.
     """
     refusals = [
-        rules.PART_SHORT.at(p.source, found=f"{p.length:.3f}", expected=f"{layout.least_part:g}")
+        rules.PART_SHORT.at(p.source, found=f"{p.length:.3f}", expected=f"{layout.min_part:g}")
         for p in parts
-        if p.length < layout.least_part
+        if p.length < layout.min_part
     ]
     if refusals:
         raise PlanError(refusals)
@@ -70,9 +70,9 @@ def lay_on_bar(
     if length is not None and needed > length + 1e-6:
         raise PlanError(rules.BAR_FULL.at(source, found=f"{needed:.3f}", expected=f"{length:.3f}"))
     whole = needed if length is None else length
-    if whole < layout.least_bar:
+    if whole < layout.min_bar:
         raise PlanError(
-            rules.BAR_SHORT.at(source, found=f"{whole:.3f}", expected=f"{layout.least_bar:g}")
+            rules.BAR_SHORT.at(source, found=f"{whole:.3f}", expected=f"{layout.min_bar:g}")
         )
     held = starts[-1] + layout.min_bar_left
     if length is None:
@@ -80,14 +80,14 @@ def lay_on_bar(
     elif held > length + 1e-6:
         expected = f"{layout.min_bar_left:g}"
         raise PlanError(BAR_LEFT.at(source, found=f"{length - starts[-1]:.3f}", expected=expected))
-    if layout.greatest_bar is not None and whole > layout.greatest_bar:
+    if layout.max_bar is not None and whole > layout.max_bar:
         raise PlanError(
-            rules.BAR_LONG.at(source, found=f"{whole:.3f}", expected=f"{layout.greatest_bar:g}")
+            rules.BAR_LONG.at(source, found=f"{whole:.3f}", expected=f"{layout.max_bar:g}")
         )
     rest = max(0.0, whole - used)
     bar = Bar(whole, layout.front_trim, parts_length, kerfs, rest, nested, layout.end_trim)
     remarks: tuple[Diagnostic, ...] = ()
-    if length is not None and rest >= layout.least_remnant:
+    if length is not None and rest >= layout.min_remnant:
         remarks = (rules.REMNANT.at(source, found=f"{rest:.3f}"),)
     return (tuple(starts), bar), remarks
 
@@ -176,15 +176,15 @@ def refuse_cut(end: End, saw: Saw, source: Source) -> Diagnostic | None:
     if end.is_square:
         return None
     angle, tilt = saw_angles(end, saw)
-    if end.web_deg and not saw.least_angle <= angle <= saw.greatest_angle:
+    if end.web_deg and not saw.min_angle <= angle <= saw.max_angle:
         return rules.SAW_ANGLE.at(
-            source, found=f"{angle:g}", end=end.at, least=f"{saw.least_angle:g}",
-            greatest=f"{saw.greatest_angle:g}",
+            source, found=f"{angle:g}", end=end.at, least=f"{saw.min_angle:g}",
+            greatest=f"{saw.max_angle:g}",
         )  # fmt: skip
-    if end.flange_deg and not saw.least_tilt <= tilt <= saw.greatest_tilt:
+    if end.flange_deg and not saw.min_tilt <= tilt <= saw.max_tilt:
         expected = "0, the blade does not tilt"
-        if saw.least_tilt != saw.greatest_tilt:
-            expected = f"a tilt from {saw.least_tilt:g} to {saw.greatest_tilt:g}"
+        if saw.min_tilt != saw.max_tilt:
+            expected = f"a tilt from {saw.min_tilt:g} to {saw.max_tilt:g}"
         return rules.FLANGE_CUT.at(
             source, found=f"{end.flange_deg:g}", end=end.at, expected=expected
         )

@@ -30,7 +30,7 @@ from beamcam.planning.turning import TURNS, Turn, lies, turn_between, turned
 from beamcam.planning.work import Work, work_on
 
 EXACT_ORDER = 9  #: parts whose best order is searched for among all
-LEAST_GAIN_S = 1.0  #: a turn that gains less is not worth the lifting
+MIN_GAIN_S = 1.0  #: a turn that gains less is not worth the lifting
 
 
 class Trial(Struct, frozen=True):
@@ -126,7 +126,7 @@ def _choose(part: Part, trials: Sequence[Trial]) -> Choice | None:
     made = [t for t in trials if t.seconds is not None]
     if not made:
         return None
-    best = min(made, key=lambda t: (round((t.seconds or 0.0) / LEAST_GAIN_S), TURNS.index(t.turn)))
+    best = min(made, key=lambda t: (round((t.seconds or 0.0) / MIN_GAIN_S), TURNS.index(t.turn)))
     given = trials[0]
     if given.turn is not TURNS[0]:
         reason = "as the other parts on the bar have to lie"
@@ -134,7 +134,7 @@ def _choose(part: Part, trials: Sequence[Trial]) -> Choice | None:
         reason = f"as given it cannot be made ({given.because.partition(':')[0]})"
     else:
         gain = given.seconds - (best.seconds or 0.0)
-        if best is given or gain < LEAST_GAIN_S:
+        if best is given or gain < MIN_GAIN_S:
             return Choice(part, AS_GIVEN, ())
         reason = f"{gain:.1f} s less than as given"
         if gain >= SKIP_WEIGHT_S / 2:

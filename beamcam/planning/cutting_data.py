@@ -63,8 +63,8 @@ def _remarks(
         if tool.kind not in TURNING:
             continue
         turns = turns_of(cutting_row(tool, drill, grade), tool)
-        if turns * TOO_FAST < drill.least_speed_rpm:
+        if turns * TOO_FAST < drill.min_speed_rpm:
             yield rules.CUTTING_SPEED.at(
-                source, tool=tool.name, grade=shown, found=f"{drill.least_speed_rpm:g}",
+                source, tool=tool.name, grade=shown, found=f"{drill.min_speed_rpm:g}",
                 expected=f"{turns:.0f}",
             )  # fmt: skip

@@ -51,11 +51,11 @@ class End(Struct, frozen=True):
         return self.x0 - y * tan(radians(self.web_deg)) - z * tan(radians(self.flange_deg))
 
 
-def ends_of(part: Part, least_mitre: float) -> tuple[tuple[End, End], tuple[Diagnostic, ...]]:
+def ends_of(part: Part, min_mitre: float) -> tuple[tuple[End, End], tuple[Diagnostic, ...]]:
     """The start and the end plane of a part, and remarks about them.
 
     Header and contour have to agree; where the header says nothing the contour decides. An angle
-    below `least_mitre` degrees is square. Raises PlanError where the two contradict each other.
+    below `min_mitre` degrees is square. Raises PlanError where the two contradict each other.
     """
     cuts = part.cuts
     header = ((cuts.web_start, cuts.web_end), (cuts.flange_start, cuts.flange_end))
@@ -66,7 +66,7 @@ def ends_of(part: Part, least_mitre: float) -> tuple[tuple[End, End], tuple[Diag
         return (End("start", 0.0, 0.0), End("end", 0.0, part.length)), ()
     remarks: list[Diagnostic] = []
     web, flange = (
-        _agreed(part, name, said, seen, least_mitre, remarks)
+        _agreed(part, name, said, seen, min_mitre, remarks)
         for name, said, seen in zip(("web", "flange"), header, drawn, strict=True)
     )
     leans = [[y * t + z * s for y, z in corners(part.profile)] for t, s in _tangents(web, flange)]
@@ -97,7 +97,7 @@ def _agreed(
     name: str,
     header: tuple[float, float],
     drawn: tuple[float, float] | None,
-    least_mitre: float,
+    min_mitre: float,
     remarks: list[Diagnostic],
 ) -> tuple[float, float]:
     """The angles of both ends on which header and contour agree."""
@@ -105,7 +105,7 @@ def _agreed(
     for at, said, seen in zip(("start", "end"), header, drawn or (None, None), strict=True):
         angle = said
         if seen is not None and abs(seen - said) > ANGLE_TOLERANCE_DEG:
-            if abs(said) >= least_mitre:
+            if abs(said) >= min_mitre:
                 raise PlanError(
                     rules.CUT_DENIED.at(
                         part.source, kind=name, found=f"{said:g}", end=at, expected=f"{seen:.3f}"
@@ -115,7 +115,7 @@ def _agreed(
                 rules.CUT_FROM_CONTOUR.at(part.source, kind=name, found=f"{seen:.3f}", end=at)
             )
             angle = seen
-        found.append(angle if abs(angle) >= least_mitre else 0.0)
+        found.append(angle if abs(angle) >= min_mitre else 0.0)
     return found[0], found[1]
 
 

@@ -1,4 +1,4 @@
-"""What the machine's axes do not come to, by `least` and `greatest` of its `[[axes]]`.
+"""What the machine's axes do not come to, by `min` and `max` of its `[[axes]]`.
 
     across the bar and along a stroke    follow from section, hole and tool: asked of each part
     the saw's rotation                   follows from the end of a part: asked of each part
@@ -64,7 +64,7 @@ def refuse_beyond(
         if not job.path and known.get((how.faces, how.tools, how.depth, job.y), _UNKNOWN) is None:
             continue  # as nearly all are
         # Of a path both sides, since every formula is a straight line in y.
-        for y in _least_and_greatest([y for _, y in job.path]) if job.path else (job.y,):
+        for y in _min_and_greatest([y for _, y in job.path]) if job.path else (job.y,):
             key = how.faces, how.tools, how.depth, y
             beyond = known.get(key, _UNKNOWN)
             if beyond is _UNKNOWN:
@@ -110,7 +110,7 @@ def refuse_bar(
         # The ends of all together first: nearly every bar is within reach.
         xs = [op.x for op in operations]
         xs += [x for op in operations if type(op) is PathOp for x, _ in op.path]
-        if all(_comes_to(x, axis, machine) for x in _least_and_greatest(xs)):
+        if all(_comes_to(x, axis, machine) for x in _min_and_greatest(xs)):
             continue
         for op in operations:
             if not _is_moved_by(axis, op, machine):
@@ -125,7 +125,7 @@ def refuse_bar(
 
 def _xs(op: Operation) -> tuple[float, ...]:
     """X of an operation; of a path the least and the greatest."""
-    return _least_and_greatest([x for x, _ in op.path]) if isinstance(op, PathOp) else (op.x,)
+    return _min_and_greatest([x for x, _ in op.path]) if isinstance(op, PathOp) else (op.x,)
 
 
 def _is_moved_by(axis: ControlledAxis, op: Operation, machine: Machine) -> bool:
@@ -151,9 +151,9 @@ def turning_saw(saw: Saw, machine: Machine) -> Saw:
     for axis in machine.axes:
         if axis.moves == "angle" and axis.spindle is None:
             least, greatest = _limits(axis)
-            if least > saw.least_angle or greatest < saw.greatest_angle:
-                least, greatest = max(least, saw.least_angle), min(greatest, saw.greatest_angle)
-                return replace(saw, least_angle=least, greatest_angle=greatest)
+            if least > saw.min_angle or greatest < saw.max_angle:
+                least, greatest = max(least, saw.min_angle), min(greatest, saw.max_angle)
+                return replace(saw, min_angle=least, max_angle=greatest)
     return saw
 
 
@@ -163,19 +163,15 @@ def _comes_to(place: float, axis: ControlledAxis, machine: Machine) -> bool:
 
 
 def _limits(axis: ControlledAxis) -> tuple[float, float]:
-    least = -inf if axis.least is None else axis.least
-    return least, inf if axis.greatest is None else axis.greatest
+    least = -inf if axis.min is None else axis.min
+    return least, inf if axis.max is None else axis.max
 
 
 def _range(axis: ControlledAxis) -> str:
-    if axis.greatest is None:
-        return f"at least {axis.least:g}"
-    return (
-        f"at most {axis.greatest:g}"
-        if axis.least is None
-        else f"{axis.least:g} to {axis.greatest:g}"
-    )
+    if axis.max is None:
+        return f"at least {axis.min:g}"
+    return f"at most {axis.max:g}" if axis.min is None else f"{axis.min:g} to {axis.max:g}"
 
 
-def _least_and_greatest(values: Sequence[float]) -> tuple[float, float]:
+def _min_and_greatest(values: Sequence[float]) -> tuple[float, float]:
     return min(values), max(values)

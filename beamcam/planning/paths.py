@@ -19,7 +19,7 @@ from beamcam.geometry.curves import Curve, Line, Point
 from beamcam.geometry.plane import unit_vector
 
 STEP = 0.6  #: of a mill's diameter between the paths that clear a blind pocket
-LEAST_RADIUS = 1e-6
+MIN_RADIUS = 1e-6
 
 
 def pocket_path(
@@ -78,7 +78,7 @@ def arc_steps(radius: float, sweep_rad: float, tolerance: float) -> int:
 
     The chord of a step t lies radius * (1 - cos(t / 2)) from the arc (the sagitta).
     """
-    if radius <= LEAST_RADIUS:
+    if radius <= MIN_RADIUS:
         return 1
     step = 2 * acos(max(0.0, 1 - tolerance / radius)) if tolerance < radius else pi / 2
     return max(1, ceil(abs(sweep_rad) / min(step, pi / 2) - 1e-9))
@@ -87,7 +87,7 @@ def arc_steps(radius: float, sweep_rad: float, tolerance: float) -> int:
 def _without_repeats(points: Iterable[Point]) -> Iterator[Point]:
     last: Point | None = None
     for point in points:
-        if last is None or _distance(point, last) > LEAST_RADIUS:
+        if last is None or _distance(point, last) > MIN_RADIUS:
             yield point
             last = point
 
@@ -126,6 +126,6 @@ def _halved(curve: Curve, low: float, high: float, tolerance: float, depth: int)
 
 def _off_chord(point: Point, a: Point, b: Point) -> float:
     length = _distance(a, b)
-    if length <= LEAST_RADIUS:
+    if length <= MIN_RADIUS:
         return _distance(point, a)
     return abs((b[0] - a[0]) * (point[1] - a[1]) - (b[1] - a[1]) * (point[0] - a[0])) / length

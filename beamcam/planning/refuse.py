@@ -47,10 +47,10 @@ def refuse_stock(
         if fault is not None:
             yield SECTION_SHAPE.at(part.source, found=fault, code=mine.code)
         for station, size in (("saw", saw), ("drill", drill)):
-            if mine.height > size.greatest_height or mine.width > size.greatest_width:
+            if mine.height > size.max_height or mine.width > size.max_width:
                 yield rules.SECTION_SIZE.at(
                     part.source, found=f"{mine.height:g} x {mine.width:g}", station=station,
-                    expected=f"{size.greatest_height:g} x {size.greatest_width:g}",
+                    expected=f"{size.max_height:g} x {size.max_width:g}",
                 )  # fmt: skip
 
 

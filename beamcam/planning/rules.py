@@ -92,7 +92,7 @@ REMNANT = Rule(
     "plan-remnant",
     _N,
     "a rest of {found} mm is long enough to go back to the store",
-    "The machine's file says from which length a rest is a remnant (`layout.least_remnant`).",
+    "The machine's file says from which length a rest is a remnant (`layout.min_remnant`).",
 )
 NO_TOOL = Rule(
     "plan-tool",

@@ -87,7 +87,7 @@ def with_axes(machine: Machine, drill: Drill) -> Machine:
     missing = [key for key in needed if key not in known]
     if not missing:
         return machine
-    rapid = drill.greatest_feed_mm_min / SECONDS_PER_MINUTE
+    rapid = drill.max_feed_mm_min / SECONDS_PER_MINUTE
     usual = tuple(
         ControlledAxis("", cast("Moves", moves), rapid, UNKNOWN_MM_S2, spindle)
         for moves, spindle in missing

@@ -56,7 +56,7 @@ class Work(Struct, frozen=True):
 def work_on(part: Part, machine: Machine, saw: Saw, rack: Rack, skips: Collection[str]) -> Work:
     """What `part` needs done as it lies; refusals are in the result, and not raised."""
     try:
-        ends, remarks = ends_of(part, saw.least_mitre)
+        ends, remarks = ends_of(part, saw.min_mitre)
     except PlanError as error:
         return Work(SQUARE, (), {}, (), (), error.diagnostics, ())
     turning = turning_saw(saw, machine)

@@ -8,7 +8,7 @@ from beamcam.model.part import Part
 from beamcam.readers.rules import NODES_LOST, OSCILLATION
 
 #: A polynomial that misses its nodes by more, in mm, is another curve than was asked for.
-GREATEST_NODE_ERROR = 1e-6
+MAX_NODE_ERROR = 1e-6
 
 
 def checked_polynomials(part: Part) -> tuple[Diagnostic, ...]:
@@ -23,12 +23,12 @@ def _said(part: Part) -> Iterator[Diagnostic]:
             if not isinstance(curve, NewtonCurve):
                 continue
             error = node_error(curve)
-            if not error <= GREATEST_NODE_ERROR:
+            if not error <= MAX_NODE_ERROR:
                 yield NODES_LOST.at(
                     contour.source,
                     nodes=len(curve.nodes),
                     found=error,
-                    expected=GREATEST_NODE_ERROR,
+                    expected=MAX_NODE_ERROR,
                 )
             elif (found := find_oscillation(curve)) is not None:
                 yield OSCILLATION.at(contour.source, found=found)

@@ -14,7 +14,7 @@ from beamcam.verify.bars.paths import pocket_error
 from beamcam.verify.bars.shop import Shop
 from beamcam.verify.bars.targets import Pocket
 
-LEAST_CORNERS = 8  #: of a chain of chords that stands for a circle
+MIN_CORNERS = 8  #: of a chain of chords that stands for a circle
 
 
 class NotAFeature(NamedTuple):
@@ -35,8 +35,8 @@ def feature_of(
         return Contour(trail.face, "open", lines, source, "punch", closed)
     thickness = profile.thickness(trail.face)
     slack, decimals = shop.machine.format.resolution, shop.machine.format.length_decimals
-    through = not thickness or trail.greatest_depth >= thickness - slack
-    depth = None if through else plain(trail.greatest_depth, slack, decimals)
+    through = not thickness or trail.max_depth >= thickness - slack
+    depth = None if through else plain(trail.max_depth, slack, decimals)
     allowed = shop.drill.path_tolerance + 2 * slack
     for pocket in _pockets(points, trail, slack, decimals):
         own = pocket._replace(depth=depth)
@@ -63,7 +63,7 @@ def _pockets(
     hull = _hull(points)
     along = max(zip(hull, [*hull[1:], hull[0]], strict=True), key=lambda side: dist(*side))
     raw = degrees(atan2(along[1][1] - along[0][1], along[1][0] - along[0][0]))
-    turns = [0.0] if len(hull) >= LEAST_CORNERS else []
+    turns = [0.0] if len(hull) >= MIN_CORNERS else []
     long = max(dist(*along), slack)
     turns.append(plain((raw + 90.0) % 180.0 - 90.0, degrees(1.5 * slack / long), 3))
     for angle in turns:

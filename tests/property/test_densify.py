@@ -107,8 +107,8 @@ def test_no_step_is_shorter_than_the_cycle_allows(curve, rules):
     certificate = result.certificate
     assert certificate.points == len(result.points)
     if len(lengths):
-        assert certificate.least_step == pytest.approx(lengths.min(), rel=1e-12)
-        assert certificate.greatest_step == pytest.approx(lengths.max(), rel=1e-12)
+        assert certificate.min_step == pytest.approx(lengths.min(), rel=1e-12)
+        assert certificate.max_step == pytest.approx(lengths.max(), rel=1e-12)
     for stretch in certificate.slowed:
         inside = result.speeds_mm_s[stretch.first : stretch.last]
         assert inside == pytest.approx(stretch.speed_mm_s)

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from beamcam.controllers.events import Leg
 from beamcam.controllers.gcode.moves import moves_of
-from beamcam.geometry.bending import least_radius_of_ellipse, least_radius_of_parabola
+from beamcam.geometry.bending import min_radius_of_ellipse, min_radius_of_parabola
 from beamcam.geometry.curves import Arc, Bezier, EllipseArc
 from beamcam.geometry.plane import cross
 from beamcam.machine.path_limits import PathLimits
@@ -91,7 +91,7 @@ def test_the_least_radius_of_a_parabola_is_the_least_of_many(start, vertex, end)
     curve = Bezier((start, control, end))
     legs = [(b[0] - a[0], b[1] - a[1]) for a, b in ((start, control), (control, end))]
     assume(abs(cross(*legs)) > 0.01)
-    radius = least_radius_of_parabola(start, vertex, end)
+    radius = min_radius_of_parabola(start, vertex, end)
     bend = max(abs(curve.curvature(k / 500)) for k in range(501))
     if radius > 0.01:
         assert radius <= 1 / max(bend, 1e-12) * (1 + 1e-6) or radius == inf
@@ -104,7 +104,7 @@ def test_the_least_radius_of_an_ellipse_is_that_of_its_sharp_end(centre, major, 
     axis = (major * cos(radians(turn)), major * sin(radians(turn)))
     curve = EllipseArc(centre, axis, ratio, 0.0, 360.0)
     on_it = tuple(p - c for p, c in zip(curve.point(at / 360), centre, strict=True))
-    radius = least_radius_of_ellipse(on_it, turn, ratio)
+    radius = min_radius_of_ellipse(on_it, turn, ratio)
     assert radius == pytest.approx(1 / abs(curve.curvature(0.0)), rel=1e-6)
 
 

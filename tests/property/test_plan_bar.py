@@ -125,7 +125,7 @@ def test_the_best_order_takes_the_least_bar(bar: tuple[str, list[Part]]) -> None
     machine = load(name)
     assert machine.layout is not None
     assert machine.saw is not None
-    layout = replace(machine.layout, greatest_bar=None, least_bar=0.0)
+    layout = replace(machine.layout, max_bar=None, min_bar=0.0)
     ends = [ends_of(p, 0.1)[0] for p in parts]
 
     def used(order: list[int]) -> float:

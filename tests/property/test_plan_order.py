@@ -157,7 +157,7 @@ def test_the_order_of_the_input_does_not_matter(ops: list[Operation], seed: obje
     assert sort_along_x(shuffled, RESOLUTION) == sort_along_x(ops, RESOLUTION)
 
 
-def least_loads(needs: Sequence[Tool], stations: int) -> int:
+def min_loads(needs: Sequence[Tool], stations: int) -> int:
     """Fewest loads for needs in this order, by trying every tool that could be thrown out."""
     states: dict[frozenset[Tool], int] = {frozenset(): 0}
     for tool in needs:
@@ -186,7 +186,7 @@ def test_the_fewest_tools_are_loaded(sizes: list[int], stations: int) -> None:
         for i, d in enumerate(sizes)
     ]
     loads = tool_loads(ops, machine)
-    assert len(loads) == least_loads([op.tool for op in ops], stations)
+    assert len(loads) == min_loads([op.tool for op in ops], stations)
     assert sum(load.out is None for load in loads) == min(stations, len(set(sizes)))
     held: dict[int, Tool] = {}
     waiting = list(loads)

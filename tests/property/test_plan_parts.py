@@ -278,7 +278,7 @@ def test_several_parts_on_a_bar_keep_the_laws() -> None:
     for number in range(300):
         machine = shop(number)
         assert machine.layout is not None
-        machine = replace(machine, layout=replace(machine.layout, greatest_bar=None))
+        machine = replace(machine, layout=replace(machine.layout, max_bar=None))
         one = [random_part(random, number * 10 + i) for i in range(3)]
         parts = [p for p in one if p.profile == one[0].profile] * random.choice((1, 2))
         order = random.choice(("given", "best"))

@@ -225,7 +225,7 @@ def test_planned_and_undone_the_holes_are_those_of_the_part(code: str, turn: Tur
     assert machine.drill is not None
     assert machine.saw is not None
     # Half of the turns lean the blade the other way.
-    machine = replace(machine, saw=replace(machine.saw, least_tilt=-45.0))
+    machine = replace(machine, saw=replace(machine.saw, min_tilt=-45.0))
     if not lies(part.profile, turn):
         assert any(t.name != turn.name and lies(part.profile, t) for t in TURNS)
         return

@@ -257,7 +257,7 @@ def test_what_splines_are_drawn_with(curves: list[BSpline | Bezier]) -> None:
         element, share, _ = one.samples(one.lengths[0] / 90 + 1e-6)
         places = one.elements.places(element, share)
         back, _ = Ways(_lines_through(fine), 0.01).nearest(places)
-        assert back.max() <= 0.01 + _greatest_sagitta(fine) + 1e-9
+        assert back.max() <= 0.01 + _max_sagitta(fine) + 1e-9
 
 
 def _lines_through(points: NDArray[np.float64]) -> list[Curve]:
@@ -265,7 +265,7 @@ def _lines_through(points: NDArray[np.float64]) -> list[Curve]:
     return [Line(a, b) for a, b in pairwise(rows)]
 
 
-def _greatest_sagitta(points: NDArray[np.float64]) -> float:
+def _max_sagitta(points: NDArray[np.float64]) -> float:
     """How far a curve is from the chords between points of equal steps on it at most.
 
     An eighth of a second difference where it is smooth, half of one where it has a corner.

@@ -12,7 +12,7 @@ from beamcam.geometry.curves import Line
 from beamcam.planning.contours.nearest import nearest_first
 from beamcam.planning.contours.order import order, travel
 from beamcam.planning.contours.shape import Shape
-from beamcam.planning.contours.two_opt import LEAST_GAIN, PASSES, WINDOW, turn_stretches
+from beamcam.planning.contours.two_opt import MIN_GAIN, PASSES, WINDOW, turn_stretches
 
 HERE = (0.0, 0.0)
 
@@ -88,7 +88,7 @@ def turned(tour, starts, ends, parents, here):
         improved = False
         for i in range(count - 1):
             before = here if i == 0 else out(i - 1)
-            best, best_gain = -1, LEAST_GAIN
+            best, best_gain = -1, MIN_GAIN
             for j in range(i + 1, min(count, i + WINDOW)):
                 if any(parents[tour[k][0]] == tour[j][0] for k in range(i, j)):
                     break

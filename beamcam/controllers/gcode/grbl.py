@@ -15,7 +15,7 @@ ARC_SHARE = 0.001
 ARC_NEVER = 0.5
 #: Twenty times the sweep at which grbl goes full circle; a coordinate of 800 in single precision
 #: is off by 3e-5, which turns a radius of 5 by as much.
-LEAST_SWEEP_RAD = 1e-5
+MIN_SWEEP_RAD = 1e-5
 
 
 def arc_fault(start: Point, end: Point, centre: Point, clockwise: bool) -> Fault:
@@ -30,7 +30,7 @@ def arc_fault(start: Point, end: Point, centre: Point, clockwise: bool) -> Fault
         turn = atan2(end[1] - centre[1], end[0] - centre[0])
         turn -= atan2(start[1] - centre[1], start[0] - centre[0])
         sweep = (-turn if clockwise else turn) % (2 * pi)
-        if min(sweep, 2 * pi - sweep) < LEAST_SWEEP_RAD:
+        if min(sweep, 2 * pi - sweep) < MIN_SWEEP_RAD:
             return f"of {sweep:.2g} rad, which may become a full circle"
     return None
 

@@ -14,13 +14,13 @@ from beamcam.geometry.plane import Point
 ARC_ABSOLUTE = 0.005
 ARC_SHARE = 0.001
 ARC_NEVER = 100 * 0.02 * sqrt(2)
-LEAST_RADIUS = 0.00127
+MIN_RADIUS = 0.00127
 
 
 def arc_fault(start: Point, end: Point, centre: Point, clockwise: bool) -> Fault:
     """What the interpreter would say about an arc; None if it takes it."""
     near, far = dist(start, centre), dist(end, centre)
-    if near <= LEAST_RADIUS or far <= LEAST_RADIUS:
+    if near <= MIN_RADIUS or far <= MIN_RADIUS:
         return f"of radius {near:.5f}"
     off = abs(near - far)
     if off > ARC_NEVER or (off > ARC_ABSOLUTE and off > ARC_SHARE * max(near, far)):

@@ -8,7 +8,7 @@ from beamcam.controllers.simotion.names import UNKNOWN, Names, near, text_of
 from beamcam.controllers.simotion.types import Types
 from beamcam.errors import Diagnostic
 
-GREATEST_NAME = 32
+MAX_NAME = 32
 
 
 def check(units: Sequence[syntax.Unit], objects: Mapping[str, str], name: str) -> list[Diagnostic]:
@@ -77,8 +77,8 @@ class _Checker:
                 self.names.say(
                     rules.DECLARED, line, found=variable.name, how=how, expected=expected
                 )
-            if "__" in key or len(key) > GREATEST_NAME:
-                expected = f"at most {GREATEST_NAME} letters without __"
+            if "__" in key or len(key) > MAX_NAME:
+                expected = f"at most {MAX_NAME} letters without __"
                 self.names.say(
                     rules.DECLARED, line, found=variable.name, how="so", expected=expected
                 )

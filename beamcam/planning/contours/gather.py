@@ -194,8 +194,8 @@ def _refuse_hole(hole: Hole, torch: Torch) -> Diagnostic | None:
     expected = None
     if hole.kind != "through" or hole.depth is not None:
         expected = "one through the sheet, a torch makes nothing else"
-    elif hole.diameter < torch.least_hole:
-        expected = f"at least {torch.least_hole:g}"
+    elif hole.diameter < torch.min_hole:
+        expected = f"at least {torch.min_hole:g}"
     if expected is None:
         return None
     kind = "blind" if hole.kind == "through" and hole.depth is not None else hole.kind
@@ -208,8 +208,8 @@ def _refuse_slot(slot: Slot, torch: Torch) -> Diagnostic | None:
     expected = None
     if slot.kind != "through" or slot.depth is not None:
         expected = "one through the sheet, a torch makes nothing else"
-    elif min(slot.length, slot.height) + slot.diameter < torch.least_hole:
-        expected = f"one at least {torch.least_hole:g} wide"
+    elif min(slot.length, slot.height) + slot.diameter < torch.min_hole:
+        expected = f"one at least {torch.min_hole:g} wide"
     if expected is None:
         return None
     size = f"{slot.length + slot.diameter:g} x {slot.height + slot.diameter:g}"

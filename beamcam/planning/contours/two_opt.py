@@ -24,7 +24,7 @@ Lengths = Callable[[Floats, Floats], Floats]  #: of vectors by their x and y
 
 WINDOW = 60  #: longest stretch that is turned round
 PASSES = 6  #: over the whole tour; the third rarely gains one per cent
-LEAST_GAIN = 1e-9
+MIN_GAIN = 1e-9
 MOST_AT_ONCE = 256  #: places that are asked together
 AFTER_A_TURN = 24  #: and at first after a turn, as another one is seldom far
 
@@ -102,13 +102,13 @@ class _Ways:
         are too near one another for that, exact lengths decide.
         """
         quick = self._gains(places, _quick_lengths)
-        for k in np.flatnonzero(quick.max(axis=1) > LEAST_GAIN / 2).tolist():
+        for k in np.flatnonzero(quick.max(axis=1) > MIN_GAIN / 2).tolist():
             place, gains = int(places[k]), quick[k]
-            near_best = np.flatnonzero(gains > gains.max() - LEAST_GAIN / 2)
-            if len(near_best) > 1 or gains.max() < 2 * LEAST_GAIN:
+            near_best = np.flatnonzero(gains > gains.max() - MIN_GAIN / 2)
+            if len(near_best) > 1 or gains.max() < 2 * MIN_GAIN:
                 gains = self._gains(places[k : k + 1], np.hypot)[0]
             best = int(gains.argmax())
-            if gains[best] > LEAST_GAIN:
+            if gains[best] > MIN_GAIN:
                 return place, place + 1 + best
         return None
 

@@ -10,7 +10,7 @@ from beamcam.model.section import section_fault
 from beamcam.readers.dstv import rules
 from beamcam.readers.dstv.tokens import CODES, LARGEST, PLAIN_CODES, Log, number
 
-LEAST_LINES, MOST_LINES = 20, 24
+MIN_LINES, MOST_LINES = 20, 24
 TEXT_LIMIT = 80  # DSTV NC, page 6
 
 #: Data behind the header whose block code is missing: a face and a number, or a number.
@@ -76,7 +76,7 @@ def header_lines(lines: list[str], texts: list[str], start: int) -> HeaderLines:
     if (end := start + MOST_LINES) < len(lines):  # as most files have it: 24 lines and a code
         values = texts[start:end]
         code = texts[end]
-        plain = "\n**" not in "\n".join(values) and 2 not in map(len, values[LEAST_LINES:])
+        plain = "\n**" not in "\n".join(values) and 2 not in map(len, values[MIN_LINES:])
         if plain and len(code) == 2 and _is_code(code, lines, end, indent, MOST_LINES):
             return HeaderLines(values, list(range(start + 1, end + 1)), comments, trailing, end)
     values = []
@@ -89,7 +89,7 @@ def header_lines(lines: list[str], texts: list[str], start: int) -> HeaderLines:
             else:
                 trailing.append((index + 1, text[2:]))
             continue
-        if (count := len(values)) >= LEAST_LINES:
+        if (count := len(values)) >= MIN_LINES:
             if count >= MOST_LINES:
                 if not text:
                     continue
@@ -124,12 +124,12 @@ def _is_code(text: str, lines: list[str], index: int, indent: int, count: int) -
 def read_header(head: HeaderLines, log: Log) -> Header | None:
     """The header's values; None, with errors in the log, if it cannot be read."""
     values, lines = head.values, head.numbers
-    if len(values) < LEAST_LINES:
+    if len(values) < MIN_LINES:
         last = lines[-1] if lines else head.end
         log.add(rules.HEADER_SHORT, last, found="the end of the file", count=len(values))
         return None
-    if not CODES.isdisjoint(values[8:LEAST_LINES]):  # numbers stand here: it ended too early
-        position = next(i for i in range(8, LEAST_LINES) if values[i] in CODES)
+    if not CODES.isdisjoint(values[8:MIN_LINES]):  # numbers stand here: it ended too early
+        position = next(i for i in range(8, MIN_LINES) if values[i] in CODES)
         log.add(rules.HEADER_SHORT, lines[position], found=values[position], count=position)
         return None
     before = len(log.diagnostics)
@@ -171,7 +171,7 @@ def read_header(head: HeaderLines, log: Log) -> Header | None:
         weight,
         surface,
         EndCuts(*cuts),
-        _notes(values[LEAST_LINES:]),
+        _notes(values[MIN_LINES:]),
     )
 
 
@@ -232,7 +232,7 @@ def _lengths(text: str, commas: bool, line: int, log: Log) -> tuple[float | None
 
 def _dimensions(values: list[str], lines: list[int], log: Log) -> list[float] | None:
     """Header lines 10 to 20 as numbers; None if one that matters cannot be read."""
-    texts = values[9:LEAST_LINES]
+    texts = values[9:MIN_LINES]
     try:
         found = [float(text) for text in texts]
         if -LARGEST < sum(found) < LARGEST and min(found[:5]) >= 0 and "_" not in "".join(texts):

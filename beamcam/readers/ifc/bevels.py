@@ -17,9 +17,9 @@ from beamcam.readers.ifc.region import Shape
 from beamcam.readers.ifc.walls import Wall
 
 SET_BACK = 0.05  #: mm by which a level stands back behind the outermost
-LEAST_EDGE = 1.0  #: mm of an edge that can be bevelled
+MIN_EDGE = 1.0  #: mm of an edge that can be bevelled
 STRAIGHT = 0.1  #: mm that a level may be off the plane of a bevel
-LEAST_LAND = 0.02  #: share of the thickness; less is none
+MIN_LAND = 0.02  #: share of the thickness; less is none
 
 Run = list[tuple[float, float]]  #: depth below a surface, and how far the edge stands back there
 
@@ -31,7 +31,7 @@ def bevels_of(outer: Chain, wall: Wall, levels: Sequence[tuple[float, Shape]]) -
     by_depth = sorted(levels, key=lambda level: -level[0] if wall.outer else level[0])
     found: list[Bevel] = []
     for i, curve in enumerate(outer):
-        if not isinstance(curve, Line) or curve.length < LEAST_EDGE:
+        if not isinstance(curve, Line) or curve.length < MIN_EDGE:
             continue
         middle = Point(curve.point(0.5))
         run = [
@@ -60,7 +60,7 @@ def _bevel(curve: int, run: Run, thickness: float, way: float) -> Bevel | None:
         if depth <= deep and abs(expected - found) > STRAIGHT:
             return None
     land = max(0.0, thickness - deep)
-    if land < LEAST_LAND * thickness:
+    if land < MIN_LAND * thickness:
         land = 0.0
     return Bevel(curve, way * degrees(atan(grade)), land)
 

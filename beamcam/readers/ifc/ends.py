@@ -19,8 +19,8 @@ from beamcam.readers.ifc.cutters import HalfSpace
 from beamcam.readers.ifc.region import Shape, half_plane, pieces_of
 from beamcam.readers.ifc.walls import Wall
 
-LEAST_LEAN = 0.17  #: of a normal along the member; a plane nearer to the axis is no end
-LEAST_EDGE = 1.0  #: mm across the member of an edge that counts for an end
+MIN_LEAN = 0.17  #: of a normal along the member; a plane nearer to the axis is no end
+MIN_EDGE = 1.0  #: mm across the member of an edge that counts for an end
 SAME_SLOPE = 2e-4
 SAME_REACH = 1e-4  #: mm by which one plane may be before the sole one
 SAME_PLANE = 0.3  #: mm
@@ -141,7 +141,7 @@ def _facing(side: int, wall: Wall, c: float, shape: Shape) -> list[_Edge]:
                 raw.append((x0, q0, x1, q1))
     for x0, q0, x1, q1 in raw:
         low, high = min(q0, q1), max(q0, q1)
-        if high - low < LEAST_EDGE:
+        if high - low < MIN_EDGE:
             continue
         middle = (low + high) / 2
         x = (x0 + x1) / 2

@@ -16,7 +16,7 @@ from beamcam.errors import Diagnostic, Severity, Source
 from beamcam.geometry.curves import Point
 from beamcam.model.part import Contour, Hole, Slot
 from beamcam.readers.ifc.cutters import Cutter
-from beamcam.readers.ifc.ends import LEAST_LEAN, End
+from beamcam.readers.ifc.ends import MIN_LEAN, End
 from beamcam.readers.ifc.entities import Entity, Kinked, Model, Unreadable
 from beamcam.readers.ifc.exact import Circle, circles_in
 from beamcam.readers.ifc.explained import KERNEL_SLACK, difference, measured, plain_stocks
@@ -328,7 +328,7 @@ def _flat_end(local: Shell, side: int) -> End:
     areas, faces = local.areas, local.rings.face_of_corner
     middles = np.bincount(faces, local.points[:, 0]) / np.bincount(faces)
     there = (middles - (low + high) / 2) * side > 0
-    there &= np.abs(local.area_normals[:, 0]) >= LEAST_LEAN * areas
+    there &= np.abs(local.area_normals[:, 0]) >= MIN_LEAN * areas
     found = np.flatnonzero(there)
     ways = local.area_normals[found] * (1 / areas[found])[:, None]
     way = heaviest(ways, areas[found], NEARLY_PLANE, len(found))

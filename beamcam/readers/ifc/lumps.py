@@ -20,7 +20,7 @@ from beamcam.readers.ifc.walls import Wall, walls_of
 NEAR_EVENTS = 0.05  #: mm between two x that are one
 MOST_STATIONS = 160  #: that are looked at; the longest stretches come first
 SUSPECT = 0.5  #: mm2 of a section; less is rounding
-LEAST_LUMP = 20.0  #: mm3
+MIN_LUMP = 20.0  #: mm3
 TOUCHING = 0.05  #: mm between a piece and a cut that it lies beside
 FACET_WIDTH = 0.05  #: mm by which the edge of a drilled hole may be off at a section
 
@@ -206,4 +206,4 @@ def _joined(found: Sequence[Lump]) -> list[Lump]:
                 break
         else:
             out.append(one)
-    return [lump for lump in out if lump.volume > LEAST_LUMP]
+    return [lump for lump in out if lump.volume > MIN_LUMP]

@@ -11,8 +11,8 @@ from msgspec import Struct
 from beamcam.geometry.curves import Arc, Curve, Line, Point
 from beamcam.readers.ifc.curves2d import Chain, arc_by_points, points_chain
 
-LEAST_CORNERS = 12  #: of a polygon that stands for a circle; fewer are meant as they are
-LEAST_RUN = 3  #: chords of a polygon that stand for an arc
+MIN_CORNERS = 12  #: of a polygon that stands for a circle; fewer are meant as they are
+MIN_RUN = 3  #: chords of a polygon that stand for an arc
 ON_CIRCLE = 0.02  #: mm that a vertex may lie off its circle
 PARALLEL_RAD = 1e-4
 STRAIGHT = 0.002  #: mm that a point may lie off the line between its neighbours
@@ -44,7 +44,7 @@ def with_arcs(chain: Chain) -> Chain:
         return joined(chain)
     lines = joined(chain)
     n = len(lines)
-    if n < LEAST_RUN + 1:
+    if n < MIN_RUN + 1:
         return lines
     whole = _regular(lines)
     if whole is not None:
@@ -57,7 +57,7 @@ def with_arcs(chain: Chain) -> Chain:
     for k, first in enumerate(breaks):
         last = breaks[(k + 1) % len(breaks)]
         run = [lines[(first + j) % n] for j in range((last - first - 1) % n + 1)]
-        arc = _arc_of(run) if len(run) >= LEAST_RUN else None
+        arc = _arc_of(run) if len(run) >= MIN_RUN else None
         out += [arc] if arc is not None else run
     return tuple(out)
 
@@ -112,21 +112,21 @@ def _alike(a: Curve, b: Curve) -> bool:
     """Whether two lines may be neighbouring chords of one circle."""
     angle = abs(turn(a, b))
     return (
-        radians(2) < angle < 2 * pi / LEAST_CORNERS + 0.02
+        radians(2) < angle < 2 * pi / MIN_CORNERS + 0.02
         and abs(a.length - b.length) < 0.02 * a.length + 0.01
     )
 
 
 def _regular(lines: Chain) -> Chain | None:
     """The full circle that all vertices of a polygon lie on."""
-    if len(lines) < LEAST_CORNERS:
+    if len(lines) < MIN_CORNERS:
         return None
     points = [c.start for c in lines]
     n = len(points)
     third = arc_by_points(points[0], points[n // 3], points[2 * n // 3])
     if not isinstance(third, Arc) or not all(_on(third, p) for p in points):
         return None
-    if max(c.length for c in lines) > 2 * third.radius * sin(pi / LEAST_CORNERS) + ON_CIRCLE:
+    if max(c.length for c in lines) > 2 * third.radius * sin(pi / MIN_CORNERS) + ON_CIRCLE:
         return None
     return (
         Arc(third.centre, third.radius, third.start_deg, 360.0 if third.sweep_deg > 0 else -360.0),

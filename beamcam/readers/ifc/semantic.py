@@ -38,7 +38,7 @@ from beamcam.readers.ifc.stock import Stock, stock_of
 from beamcam.readers.ifc.trimming import end_plane
 from beamcam.readers.ifc.walls import Wall, corner_points, walls_of
 
-LEAST_LENGTH = 0.1  #: mm that the ends have to leave
+MIN_LENGTH = 0.1  #: mm that the ends have to leave
 MOST_IN = 0.1  #: share of its thickness that they lie inside a thin wall
 BETWEEN = (0.12, 0.25, 0.4, 0.5, 0.6, 0.75, 0.88)  #: shares at which leaning edges are looked at
 LEVEL_IN = 0.06  #: mm that the outer levels lie inside a wall; a cut may fall short of it by less
@@ -116,7 +116,7 @@ def cut(stock: Stock, cutters: Sequence[Cutter], source: Source) -> Shaped:
             starts.append(of_plane(plane))
     start = trim(End(-1, 0.0, 0.0, stock.x0), starts, corners)
     end = trim(End(1, 0.0, 0.0, stock.x1), ends, corners)
-    if start.most + end.most < LEAST_LENGTH:
+    if start.most + end.most < MIN_LENGTH:
         raise Unreadable("end cuts that leave nothing")
     holes: list[Hole | Slot] = []
     general: list[tuple[Cutter, Box3]] = []

@@ -20,12 +20,12 @@ from beamcam.readers.ifc.walls import Wall
 
 ALONG = (1.0, 0.0, 0.0)  #: a member
 MOST_WAYS = 400  #: directions of edges that are told apart
-LEAST_EDGES = 8  #: along a straight piece, each counted from both faces that meet in it
-LEAST_KINK_DEG = 1.0  #: less is how the facets of a round lie
+MIN_EDGES = 8  #: along a straight piece, each counted from both faces that meet in it
+MIN_KINK_DEG = 1.0  #: less is how the facets of a round lie
 MOST_KINK_DEG = 75.0  #: more is a corner of the section
-LEAST_KINK = 0.25  #: of the edges' length of the longer piece
-LEAST_AREA = 1e-9  #: mm2 of a face
-LEAST_EDGE = 1e-6  #: mm of an edge that has a direction
+MIN_KINK = 0.25  #: of the edges' length of the longer piece
+MIN_AREA = 1e-9  #: mm2 of a face
+MIN_EDGE = 1e-6  #: mm of an edge that has a direction
 
 Points = NDArray[np.float64]  #: (n, 3)
 Numbers = NDArray[np.float64]  #: (n,)
@@ -121,7 +121,7 @@ def shell(
     corners = np.bincount(rings.ring, apart, len(rings.face)).astype(np.intp)
     points, rings = _kept(points[apart], corners, rings.face, corners >= 3)
     normals = area_normals(points, rings)
-    solid = lengths(normals) > LEAST_AREA
+    solid = lengths(normals) > MIN_AREA
     if not solid.all():
         corners = np.bincount(rings.ring, minlength=len(rings.face))
         points, rings = _kept(points, corners, rings.face, solid[rings.face])
@@ -233,7 +233,7 @@ def longest_direction(shell: Shell) -> Vec:
     """The direction that most of the shell's edges run along, by their length."""
     edges = shell.points - shell.points[shell.rings.before]
     length = lengths(edges)
-    real = length >= LEAST_EDGE
+    real = length >= MIN_EDGE
     length = length[real]
     ways = edges[real] * (1 / length)[:, None]
     return heaviest(ways, length, 1 - 1e-7, MOST_WAYS) or ALONG
@@ -248,7 +248,7 @@ def kinked(shell: Shell) -> float | None:
     edges = shell.points - shell.points[before]
     edges = edges[_creased(shell, before)]
     length = lengths(edges)
-    long = length > max(LEAST_EDGE, float(length.max(initial=0.0)) / 10)
+    long = length > max(MIN_EDGE, float(length.max(initial=0.0)) / 10)
     if not long.any():
         return None
     ways, length = edges[long] * (1 / length[long])[:, None], length[long]
@@ -260,12 +260,12 @@ def kinked(shell: Shell) -> float | None:
     if second is None:
         return None
     along = [np.abs(coordinates(ways, w)) > 1 - 1e-7 for w in (first, second)]
-    if min(int(np.count_nonzero(one)) for one in along) < LEAST_EDGES:
+    if min(int(np.count_nonzero(one)) for one in along) < MIN_EDGES:
         return None
     shares = [float(length[one].sum()) for one in along]
     angle = float(np.degrees(np.arccos(min(1.0, abs(float(np.dot(first, second)))))))
-    bent = LEAST_KINK_DEG <= angle <= MOST_KINK_DEG
-    return angle if bent and shares[1] >= LEAST_KINK * shares[0] else None
+    bent = MIN_KINK_DEG <= angle <= MOST_KINK_DEG
+    return angle if bent and shares[1] >= MIN_KINK * shares[0] else None
 
 
 def _creased(shell: Shell, before: Places) -> NDArray[np.bool_]:

@@ -18,8 +18,8 @@ from beamcam.readers.ifc.outline import with_arcs
 from beamcam.readers.ifc.region import Circles, Shape, chain_of_ring, cleaned, pieces_of, polygon_of
 
 GRID = 1e-3  #: mm of the grid that section lines are joined on; cracks are narrower
-LEAST_CELL = 1e-3  #: mm2
-LEAST_STEP = 1e-5  #: mm between two corners of a ring
+MIN_CELL = 1e-3  #: mm2
+MIN_STEP = 1e-5  #: mm between two corners of a ring
 
 Segments = NDArray[np.float64]  #: (n, 2, 2): start and end, each by its two coordinates
 
@@ -49,7 +49,7 @@ def _cells(lines: Segments) -> list[Any]:
     cells, cuts, dangles, rings = polygonize_full([union_all(drawn)])
     if not (cuts.is_empty and dangles.is_empty and rings.is_empty):
         cells = polygonize_full([union_all(drawn, grid_size=GRID)])[0]
-    return [c for c in cells.geoms if c.area > LEAST_CELL]
+    return [c for c in cells.geoms if c.area > MIN_CELL]
 
 
 def _within(segments: Segments, point: Any) -> bool:
@@ -70,7 +70,7 @@ def _has_room(ring: Any) -> bool:
     from shapely import get_coordinates
 
     steps = np.diff(get_coordinates(ring), axis=0)
-    return int(np.count_nonzero(np.hypot(*steps.T) > LEAST_STEP)) >= 3
+    return int(np.count_nonzero(np.hypot(*steps.T) > MIN_STEP)) >= 3
 
 
 def with_circles(shape: Shape, circles: Circles, exact: Sequence[Circle] = ()) -> Shape:

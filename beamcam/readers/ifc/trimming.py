@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from beamcam.geometry.curves import Line, Point
 from beamcam.readers.ifc.curves2d import Chain
 from beamcam.readers.ifc.cutters import Bounded, Cutter, HalfSpace, Prism
-from beamcam.readers.ifc.ends import LEAST_LEAN
+from beamcam.readers.ifc.ends import MIN_LEAN
 from beamcam.readers.ifc.space import add, cross, dot, scale, size, sub, unit
 from beamcam.readers.ifc.stock import Stock
 
@@ -15,15 +15,15 @@ def end_plane(cutter: Cutter, stock: Stock, corners: Sequence[Point]) -> HalfSpa
     if isinstance(cutter, Prism) and cutter.shape is not None:
         return None
     if isinstance(cutter, HalfSpace):
-        return cutter if abs(cutter.normal[0]) > LEAST_LEAN else None
+        return cutter if abs(cutter.normal[0]) > MIN_LEAN else None
     if isinstance(cutter, Bounded) and isinstance(cutter.first, HalfSpace):
         half = cutter.first
-        if abs(half.normal[0]) > LEAST_LEAN and isinstance(cutter.second, Prism):
+        if abs(half.normal[0]) > MIN_LEAN and isinstance(cutter.second, Prism):
             return half if _takes_all(cutter.second, half, stock, corners) else None
         return None
     if isinstance(cutter, Prism):
         for plane in _sides(cutter):
-            if abs(plane.normal[0]) > LEAST_LEAN and _takes_all(cutter, plane, stock, corners):
+            if abs(plane.normal[0]) > MIN_LEAN and _takes_all(cutter, plane, stock, corners):
                 return plane
     return None
 

@@ -132,8 +132,8 @@ class Cell(CellState):
         elif type(last) is Trail and self.peck is not None:
             self.order[-1] = last._replace(
                 points=(*last.points, point),
-                least_depth=min(last.least_depth, depth),
-                greatest_depth=max(last.greatest_depth, depth),
+                min_depth=min(last.min_depth, depth),
+                max_depth=max(last.max_depth, depth),
                 feed_mm_min=max(last.feed_mm_min, move.feed_mm_min),
             )
         self.peck = (self.x, across)
@@ -156,7 +156,7 @@ class Cell(CellState):
         if self.turning and self.speed_rpm:
             # Slower turns with the same feed load each cutting edge more.
             most = min(most, run.most_per_turn * self.speed_rpm + 0.1)
-        if not run.least_feed <= feed <= most:
+        if not run.min_feed <= feed <= most:
             self.say_feed(move.line, feed, self.tool, run.own_feed, most)
 
     def _move_bar(self, x: float, move: Move, in_work: bool) -> None:

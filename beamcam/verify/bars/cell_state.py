@@ -161,11 +161,11 @@ class CellState:
         if "speed" not in values or drill is None:
             return
         run = self.data.run(self.cycle.kind, self.diameter, self.pitch)
-        most = drill.greatest_speed_rpm + 0.6 if run is None else run.most_speed
-        if not drill.least_speed_rpm - 0.6 <= speed <= most:
+        most = drill.max_speed_rpm + 0.6 if run is None else run.most_speed
+        if not drill.min_speed_rpm - 0.6 <= speed <= most:
             self.say(
                 rules.SPEED, switch.line, found=f"{speed:g}", what=self.tool,
-                least=f"{drill.least_speed_rpm:g}", greatest=f"{most:.0f}",
+                least=f"{drill.min_speed_rpm:g}", greatest=f"{most:.0f}",
             )  # fmt: skip
 
     @property
@@ -248,7 +248,7 @@ class CellState:
         saw = self.machine.saw
         name, least, greatest = limits_of(self.machine, "angle")
         if saw is not None:
-            least, greatest = max(least, saw.least_angle), min(greatest, saw.greatest_angle)
+            least, greatest = max(least, saw.min_angle), min(greatest, saw.max_angle)
             if "feed" in values:
                 self._saw_feed(switch.line, values["feed"] * self.per_minute, saw.feed_mm_min)
         if not least <= angle <= greatest:
@@ -257,8 +257,8 @@ class CellState:
             self.say(WORD, switch.line, found="a cut", expected="an X before")
             return
         tilt = values.get("tilt", 0.0)
-        if saw is not None and not saw.least_tilt <= tilt <= saw.greatest_tilt:
-            self.beyond(switch.line, "the blade's tilt", tilt, saw.least_tilt, saw.greatest_tilt)
+        if saw is not None and not saw.min_tilt <= tilt <= saw.max_tilt:
+            self.beyond(switch.line, "the blade's tilt", tilt, saw.min_tilt, saw.max_tilt)
         feed = values["feed"] * self.per_minute if "feed" in values else self.feed_mm_min
         self.order.append(Cut(switch.line, self.x, angle, feed, tilt))
         self.peck = None

@@ -21,7 +21,7 @@ STANDING_TOOLS = ("punch", "scribe")  #: they do not turn; their row's speed is 
 class Run(NamedTuple):
     """How a tool may run."""
 
-    least_feed: float  #: mm/min; below it a warning
+    min_feed: float  #: mm/min; below it a warning
     own_feed: float  #: of the data, the fastest
     most_feed: float
     own_speed: float  #: rpm
@@ -47,9 +47,9 @@ class CuttingData:
         return Run(
             LEAST * min(feeds),
             max(feeds),
-            min(MOST * max(feeds), drill.greatest_feed_mm_min) + 0.1,
+            min(MOST * max(feeds), drill.max_feed_mm_min) + 0.1,
             speed,
-            min(MOST * speed, drill.greatest_speed_rpm) + 0.6,
+            min(MOST * speed, drill.max_speed_rpm) + 0.6,
             MOST * max(per_turn for _, _, per_turn in found),
         )
 
@@ -59,11 +59,11 @@ class CuttingData:
         """Speed in rpm, feed in mm/min and feed per turn of a row."""
         drill = self._drill
         if kind in STANDING_TOOLS:
-            return 0.0, min(1000 * row.speed_m_min, drill.greatest_feed_mm_min), inf
+            return 0.0, min(1000 * row.speed_m_min, drill.max_feed_mm_min), inf
         turns = 1000 * row.speed_m_min / (pi * diameter)
-        turns = max(drill.least_speed_rpm, min(drill.greatest_speed_rpm, turns))
+        turns = max(drill.min_speed_rpm, min(drill.max_speed_rpm, turns))
         per_turn = pitch if kind == "tap" else row.feed_per_turn
-        return turns, min(turns * per_turn, drill.greatest_feed_mm_min), per_turn
+        return turns, min(turns * per_turn, drill.max_feed_mm_min), per_turn
 
     def _rows(self, kind: str, diameter: float) -> list[Cutting]:
         """The rows that may be meant for a tool."""

@@ -43,8 +43,8 @@ class Trail(NamedTuple):
     kind: str  #: of the tool
     points: tuple[tuple[float, float], ...]  #: machine X and y on the face
     diameter: float  #: of the tool
-    least_depth: float  #: of the tool's tip, from the surface of the face
-    greatest_depth: float
+    min_depth: float  #: of the tool's tip, from the surface of the face
+    max_depth: float
     spindle: int
     feed_mm_min: float
 

@@ -64,7 +64,7 @@ class End(NamedTuple):
 
 def ends_of(part: Part, saw: Saw) -> tuple[End, End]:
     """Start and end of a part: by the header's angles, by the outlines where they are 0."""
-    cuts, least = part.cuts, saw.least_mitre
+    cuts, least = part.cuts, saw.min_mitre
     webs, flanges = (cuts.web_start, cuts.web_end), (cuts.flange_start, cuts.flange_end)
     if Contour in map(type, part.features):
         if abs(webs[0]) < least or abs(webs[1]) < least:

@@ -135,6 +135,6 @@ def _tool_and_depth(
     else:
         reach = Reach(shop.drill.mark_depth, shop.drill.mark_depth)
     slack = shop.machine.format.resolution + 1e-6
-    depths = trail.least_depth, trail.greatest_depth
+    depths = trail.min_depth, trail.max_depth
     if depths[0] < reach.least - slack or depths[1] > reach.greatest + slack:
         yield wrong_depth(depths, reach, 0.0, slack, source, described)

@@ -128,8 +128,8 @@ def _surface_known(profile: Profile | None, face: str) -> bool:
 
 
 def _range(axis: ControlledAxis) -> tuple[float, float]:
-    least = -inf if axis.least is None else axis.least
-    return least, inf if axis.greatest is None else axis.greatest
+    least = -inf if axis.min is None else axis.min
+    return least, inf if axis.max is None else axis.max
 
 
 def limits_of(machine: Machine, moves: str) -> tuple[str, float, float]:

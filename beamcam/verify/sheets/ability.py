@@ -28,7 +28,7 @@ def expected_feeds(moves: Moves, asked_mm_min: Floats, limits: PathLimits) -> Fl
     asked = asked_mm_min / SECONDS_PER_MINUTE
     radius = np.where(moves.is_arc, moves.arcs[:, 2], inf)
     for k, curve in moves.curves.items():
-        radius[k] = _least_radius(curve)
+        radius[k] = _min_radius(curve)
     turning = np.minimum(
         np.sqrt(limits.across_mm_s2 * radius), np.cbrt(limits.jerk_mm_s3 * radius**2)
     )
@@ -54,7 +54,7 @@ def _straight_mm_s(moves: Moves, limits: PathLimits) -> Floats:
     return found
 
 
-def _least_radius(curve: Bezier | EllipseArc) -> float:
+def _min_radius(curve: Bezier | EllipseArc) -> float:
     """The least radius of a parabola; of an ellipse that at the ends of its main axis."""
     if isinstance(curve, EllipseArc):
         return curve.major * curve.ratio**2

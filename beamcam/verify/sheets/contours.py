@@ -25,14 +25,14 @@ from beamcam.verify.sheets.work import SHOWN, SPACING, Traced, Work
 #: Where each of some ways begins and ends, counted along all, and whether it closes.
 Loops = tuple[Floats, Floats, Flags]
 
-LEAST_SPACING = 0.2
+MIN_SPACING = 0.2
 OVER = 6.0  #: how far a stroke may run over its start, by half the kerf
 
 
 def cover(work: Work, traced: Sequence[Traced]) -> list[Diagnostic]:
     """What is missing, and what is followed more than once."""
     beside = work.beside
-    dense = min(SPACING, max(work.half_kerf / 2, LEAST_SPACING))
+    dense = min(SPACING, max(work.half_kerf / 2, MIN_SPACING))
     element, share, owner = work.need.samples(np.where(beside, dense, SPACING))
     points = work.need.elements.places(element, share)
     slack = work.slack[owner]

@@ -5,7 +5,7 @@ from msgspec import Struct
 
 from beamcam.verify.sheets.elements import Counts, Elements, Flags, Floats
 
-GREATEST_TURN_RAD = 0.5  #: of a piece of an arc whose cells are looked for
+MAX_TURN_RAD = 0.5  #: of a piece of an arc whose cells are looked for
 MOST_CELLS = 1 << 20  #: along one side, so that the number of a cell and an element fits
 MOST_PAIRS = 1 << 21  #: of points and elements that are measured at once
 
@@ -122,7 +122,7 @@ def _joined(parts: list[Pairs]) -> Pairs:
 
 def _boxes(elements: Elements, size: float) -> tuple[Floats, Floats, Counts]:
     """Boxes around pieces of elements about as long as a cell: least and greatest corner, owner."""
-    turns = np.abs(elements.arcs[:, 4]) / GREATEST_TURN_RAD
+    turns = np.abs(elements.arcs[:, 4]) / MAX_TURN_RAD
     count = np.ceil(np.maximum(elements.length / size, turns)).astype(np.int64)
     short, long = np.flatnonzero(count <= 1), np.flatnonzero(count > 1)
     count = count[long]

@@ -115,11 +115,11 @@ def lack_of(feature: Feature, torch: Torch) -> str | None:
             return None if torch.cross and feature.depth is None else "tool"
         case Hole():
             through = feature.kind == "through" and feature.depth is None
-            return None if through and feature.diameter >= torch.least_hole else "tool"
+            return None if through and feature.diameter >= torch.min_hole else "tool"
         case Slot():
             through = feature.kind == "through" and feature.depth is None
             width = min(feature.length, feature.height) + feature.diameter
-            return None if through and width >= torch.least_hole else "slot"
+            return None if through and width >= torch.min_hole else "slot"
         case TextMark():
             return "mark"
         case _:
@@ -178,13 +178,13 @@ def shift_of(need: Need, torch: Torch) -> tuple[float, float]:
     """Machine coordinates of the part's x 0, y 0, as the machine places a sheet."""
     if torch.place == "drawn":
         return 0.0, 0.0
-    corners = [_least_corner(need, process, torch.tolerance / 8) for process in need.curves]
+    corners = [_min_corner(need, process, torch.tolerance / 8) for process in need.curves]
     if not corners:
         return 0.0, 0.0
     return torch.margin - min(x for x, _ in corners), torch.margin - min(y for _, y in corners)
 
 
-def _least_corner(need: Need, process: TorchProcess, tolerance: float) -> Point:
+def _min_corner(need: Need, process: TorchProcess, tolerance: float) -> Point:
     """The least x and y of the curves of a process.
 
     Lines and arcs say it themselves. Of the others the chords are known, and those that come

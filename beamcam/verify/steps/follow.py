@@ -32,7 +32,7 @@ class _Motor:
         self.place = 0
         self.last_word = forward[0]
         self.last_us = -(10**12)
-        self.least_us = int(1e6 / stepper.greatest_hz)
+        self.min_us = int(1e6 / stepper.max_hz)
 
     def follow(self, rows: Rows, words: Ints, name: str) -> tuple[Ints, list[Diagnostic]]:
         """The places behind each row, and what is wrong with the steps."""
@@ -52,12 +52,12 @@ class _Motor:
         steps = np.flatnonzero(turn)
         if len(steps):
             apart = np.diff(rows.time_us[steps], prepend=self.last_us)
-            if int(apart.min()) < self.least_us:
+            if int(apart.min()) < self.min_us:
                 k = int(np.argmin(apart))
                 said.append(
                     rules.FREQUENCY.at(
                         Source(name, rows.first + int(steps[k])), axis=self.name,
-                        found=int(apart[k]), expected=self.least_us,
+                        found=int(apart[k]), expected=self.min_us,
                     )
                 )  # fmt: skip
             self.last_us = int(rows.time_us[steps[-1]])
@@ -137,7 +137,7 @@ class Followed:
 
     def _end_stroke(self) -> None:
         if self.pace is not None:
-            fastest = Seen(self.pace.greatest_mm_s, self.line)
+            fastest = Seen(self.pace.max_mm_s, self.line)
             self.outline.end(fastest, times=Times(self.pace.waited_s, self.pace.lasted_s))
         self.pace = None
 

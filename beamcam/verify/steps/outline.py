@@ -254,7 +254,7 @@ class Outline:
         stepper = self.machine.stepper
         if stepper is None:
             raise TypeError(f"{self.machine.name} has no stepping motors")
-        speed = min(work.speed_mm_s, stepper.step * stepper.greatest_hz * (1.0 - BELOW_GREATEST))
+        speed = min(work.speed_mm_s, stepper.step * stepper.max_hz * (1.0 - BELOW_GREATEST))
         ramp_s = speed / stepper.acceleration + stepper.acceleration / stepper.jerk
         corners = simple(points, COARSE * stepper.step)
         way = float(np.hypot(*np.diff(corners, axis=0).T).sum())

@@ -57,7 +57,7 @@ class Pace:
 
     def __init__(self, step: float) -> None:
         self.step = step
-        self.greatest_mm_s = 0.0
+        self.max_mm_s = 0.0
         self._begin_us: int | None = None
         self._moved_us = self._last_us = 0  #: the first and the last step
         self._moved = False
@@ -83,7 +83,7 @@ class Pace:
             if len(at) > 1:
                 chords = np.hypot(*np.diff(at, axis=0).T) * self.step
                 sure = float(chords.max()) - sqrt(2.0) * self.step
-                self.greatest_mm_s = max(self.greatest_mm_s, sure / (samples.window_us / 1e6))
+                self.max_mm_s = max(self.max_mm_s, sure / (samples.window_us / 1e6))
 
     @property
     def waited_s(self) -> float:

@@ -140,19 +140,19 @@ class Velocities:
 
     def _frequency(self, row: Stretch) -> None:
         """Frequencies are those of the velocity, and none is above the greatest."""
-        step, greatest_hz = self.stepper.step, self.stepper.greatest_hz
+        step, max_hz = self.stepper.step, self.stepper.max_hz
         for axis, v, hz in zip("XY", row.velocity, row.hz, strict=True):
             found = f"{hz:g} Hz of {axis}"
             if abs(hz - abs(v) / step) > ROUND / step + 2 * ROUND_HZ:
                 expected = f"{abs(v) / step:g} Hz for {v:g} mm/s"
                 self.say(rules.VELOCITY, row.line, found=found, expected=expected)
-            if hz > greatest_hz + ROUND_HZ:
-                expected = f"at most {greatest_hz:g} Hz"
+            if hz > max_hz + ROUND_HZ:
+                expected = f"at most {max_hz:g} Hz"
                 self.say(rules.VELOCITY, row.line, found=found, expected=expected)
 
     def _is_at_limit(self, row: Stretch) -> bool:
         """Whether a motor keeps the stretch from being any faster."""
-        return max(row.hz) >= (1.0 - BELOW_GREATEST) * self.stepper.greatest_hz
+        return max(row.hz) >= (1.0 - BELOW_GREATEST) * self.stepper.max_hz
 
     def _traverse(self, row: Stretch) -> None:
         speed, wanted = hypot(*row.velocity), self.stepper.traverse_mm_s

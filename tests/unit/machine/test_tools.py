@@ -17,8 +17,8 @@ from beamcam.machine.machine import Tool, ToolSet, inch_size
 FAULTS = [
     ("beamline", "[drill]\nx = -1", "'drill.x'; expected at least saw.x"),
     ("beamline-pusher", "[drill]\nx = 2000", "'drill.x'; expected at most saw.x"),
-    ("beamline", "[saw]\nleast_angle = 70", "'saw.least_angle'; expected at most"),
-    ("beamline", "[saw]\nleast_tilt = 1", "'saw.least_tilt'; expected at most"),
+    ("beamline", "[saw]\nleast_angle = 70", "'saw.min_angle'; expected at most"),
+    ("beamline", "[saw]\nleast_tilt = 1", "'saw.min_tilt'; expected at most"),
     ("beamline", "[saw]\ngreatest_tilt = 10", "'words.saw'; expected a word with {tilt}"),
     ("beamline", "[[tools]]\nkind = 'drill'", "'tools.0.diameters'; expected at least one"),
     ("beamline", "[[tools]]\nkind = 'drill'\ninches = ['1/0']", "expected inches such as"),
@@ -110,22 +110,22 @@ def test_a_flat_tool_has_no_tip() -> None:
     kind=st.sampled_from(["drill", "tap", "countersink", "mill"]),
     diameter=st.floats(2, 60),
     grade=st.sampled_from(["", "S355JR", "s235"]),
-    greatest_feed=st.floats(50, 20000),
+    max_feed=st.floats(50, 20000),
 )
 def test_speed_and_feed_stay_within_the_machine(
-    kind: str, diameter: float, grade: str, greatest_feed: float
+    kind: str, diameter: float, grade: str, max_feed: float
 ) -> None:
     drill = load("beamline-pusher").drill
     assert drill is not None
-    drill = replace(drill, greatest_feed_mm_min=greatest_feed)
+    drill = replace(drill, max_feed_mm_min=max_feed)
     tool = Tool(kind, diameter, pitch=1.5)  # type: ignore[arg-type]
     speed, feed = speed_and_feed(tool, drill, grade)
-    assert feed <= drill.greatest_feed_mm_min + 1e-9
-    assert speed <= drill.greatest_speed_rpm
+    assert feed <= drill.max_feed_mm_min + 1e-9
+    assert speed <= drill.max_speed_rpm
     if kind == "tap":
         assert isclose(feed, speed * 1.5)
     else:
-        assert speed >= drill.least_speed_rpm
+        assert speed >= drill.min_speed_rpm
 
 
 def test_speed_and_feed_of_a_row() -> None:

@@ -30,7 +30,7 @@ def test_lines_are_left_alone():
     path = (Line((0, 0), (10, 0)), Line((10, 0), (10, 5)))
     result = densify(path, DensifyRules(0.01))
     assert result.points.tolist() == [[0, 0], [10, 0], [10, 5]]
-    assert result.certificate.greatest_step == 10
+    assert result.certificate.max_step == 10
 
 
 def test_points_are_read_only():
@@ -72,7 +72,7 @@ def test_points_that_rounding_makes_one_are_put_out_once():
     result = densify(path, DensifyRules(0.2, BELT_ENCODER))
     assert len(result.points) == 2
     tiny = densify((Line((0, 0), (0.01, 0)),), DensifyRules(0.2, BELT_ENCODER)).certificate
-    assert (tiny.points, tiny.least_step, tiny.greatest_step) == (1, 0, 0)
+    assert (tiny.points, tiny.min_step, tiny.max_step) == (1, 0, 0)
 
 
 def test_a_gap_between_curves_is_paid_out_of_the_tolerance():

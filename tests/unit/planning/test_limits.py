@@ -28,7 +28,7 @@ def narrowed(machine: Machine, name: str, **limits: float | None) -> Machine:
 
 def unlimited(machine: Machine) -> Machine:
     """The machine with axes that come to any place."""
-    return replace(machine, axes=tuple(replace(a, least=None, greatest=None) for a in machine.axes))
+    return replace(machine, axes=tuple(replace(a, min=None, max=None) for a in machine.axes))
 
 
 def codes(parts: tuple[Part, ...], machine: Machine) -> set[str]:
@@ -40,10 +40,10 @@ def codes(parts: tuple[Part, ...], machine: Machine) -> set[str]:
 
 
 @st.composite
-def features(draw: st.DrawFn, profile: Profile, least_x: float) -> Feature:
+def features(draw: st.DrawFn, profile: Profile, min_x: float) -> Feature:
     face = draw(st.sampled_from("vou"))
     share = draw(st.sampled_from((0.05, 0.1, 0.2, 0.45, 0.5, 0.6, 0.9, 0.95)))
-    x = least_x + draw(st.sampled_from((0.0, 45.0, 480.0)))
+    x = min_x + draw(st.sampled_from((0.0, 45.0, 480.0)))
     y = round(profile.face_width(face) * share, 2)
     kind = draw(st.sampled_from(("hole", "hole", "large", "blind", "thread", "slot", "line")))
     if kind == "slot":
@@ -73,13 +73,13 @@ def machines(draw: st.DrawFn) -> Machine:
     machine = draw(st.sampled_from(MACHINES))
     axes: list[ControlledAxis] = []
     for axis in machine.axes:
-        least, greatest = axis.least, axis.greatest
+        least, greatest = axis.min, axis.max
         if axis.moves in "YZ" and draw(st.booleans()):
             least = draw(st.sampled_from((-100.0, -30.0, -5.0, 0.02, None)))
             greatest = draw(st.sampled_from((25.0, 90.06, 150.0, None)))
         elif axis.moves == "X":
             least, greatest = draw(st.sampled_from(((None, None), (0.0, None), (0.0, 1300.0))))
-        axes.append(replace(axis, least=least, greatest=greatest))
+        axes.append(replace(axis, min=least, max=greatest))
     return replace(machine, axes=tuple(axes))
 
 
@@ -114,16 +114,16 @@ def test_what_is_left_out_for_an_axis_may_be(made: Part, machine: Machine) -> No
 
 
 @pytest.mark.parametrize(("name", "limits", "feature", "text"), [
-    ("left drill horizontal", {"greatest": 14.0}, hole(500, 50, 14, "o"),
+    ("left drill horizontal", {"max": 14.0}, hole(500, 50, 14, "o"),
      "found a hole of diameter 14 on face o that takes the left drill horizontal to 16.906; "
      "expected -20 to 14"),
-    ("left drill horizontal", {"least": None, "greatest": 14.0}, hole(500, 50, 14, "o"),
+    ("left drill horizontal", {"min": None, "max": 14.0}, hole(500, 50, 14, "o"),
      "found a hole of diameter 14 on face o that takes the left drill horizontal to 16.906; "
      "expected at most 14"),
-    ("top drill vertical", {"least": 0.0, "greatest": None}, hole(500),
+    ("top drill vertical", {"min": 0.0, "max": None}, hole(500),
      "found a hole of diameter 18 on face v that takes the top drill vertical to -5.000; "
      "expected at least 0"),
-    ("top drill horizontal", {"least": -60.0}, Slot("v", 500, 200, 18, 30, 0, 90, SOURCE),
+    ("top drill horizontal", {"min": -60.0}, Slot("v", 500, 200, 18, 30, 0, 90, SOURCE),
      "found a slot of width 18 on face v that takes the top drill horizontal to -66.000; "
      "expected -60 to 500"),
 ])  # fmt: skip
@@ -137,7 +137,7 @@ def test_the_axis_is_named(
 
 def test_both_spindles_of_a_pair_have_to_reach() -> None:
     flanges = part(hole(500, 50, 14, "o"), hole(500, 50, 14, "u"))
-    machine = narrowed(pusher(), "right drill vertical", greatest=100.0)
+    machine = narrowed(pusher(), "right drill vertical", max=100.0)
     with pytest.raises(PlanError) as caught:
         plan_bar((flanges,), machine)
     (first, second, *_) = caught.value.diagnostics
@@ -148,14 +148,14 @@ def test_both_spindles_of_a_pair_have_to_reach() -> None:
 def test_a_cut_that_the_bar_cannot_be_brought_to() -> None:
     long = part(length=5000.0)
     with pytest.raises(PlanError) as caught:
-        plan_bar((long,), narrowed(load("beamline"), "stop", greatest=4000.0))
+        plan_bar((long,), narrowed(load("beamline"), "stop", max=4000.0))
     (said,) = caught.value.diagnostics
     assert said.message == ("found a cut of P1 that takes the stop to 5022.020; expected 0 to 4000")
 
 
 def test_an_axis_that_belongs_to_one_spindle_and_moves_along_the_bar() -> None:
     """Only what that spindle does is held against it."""
-    own = ControlledAxis("left drill along", "X", 300.0, 1000.0, spindle=1, greatest=1000.0)
+    own = ControlledAxis("left drill along", "X", 300.0, 1000.0, spindle=1, max=1000.0)
     machine = replace(pusher(), axes=(*pusher().axes, own))
     assert codes((part(hole(2000)),), machine) == set()
     assert codes((part(hole(2000, 50, 14, "o")),), machine) == {"plan-stop"}
@@ -165,13 +165,13 @@ def test_the_saw_turns_as_far_as_its_axis() -> None:
     mitred = part(cuts=EndCuts(web_end=40.0))
     machine = load("beamline")
     assert codes((mitred,), machine) == set()
-    assert codes((mitred,), narrowed(machine, "saw rotation", greatest=30.0)) == {"plan-saw-angle"}
+    assert codes((mitred,), narrowed(machine, "saw rotation", max=30.0)) == {"plan-saw-angle"}
 
 
 def test_another_way_of_lying_helps() -> None:
     """Turned half about its length the hole comes to the other flange and the other edge."""
     made = part(hole(500, 20, 14, "o"))
-    machine = narrowed(load("beamline"), "left drill vertical", greatest=100.0)
+    machine = narrowed(load("beamline"), "left drill vertical", max=100.0)
     with pytest.raises(PlanError) as caught:
         plan_bar((made,), machine)
     assert [d.code for d in caught.value.diagnostics] == ["plan-axis", "plan-turn-helps"]

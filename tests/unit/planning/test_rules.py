@@ -235,7 +235,7 @@ def said(case: Case) -> list[tuple[str, str]]:
         else "beamline-pusher"
     )
     if name == "behind":  # the pusher does not come as far as that
-        axes = tuple(replace(a, least=50.0) if a.moves == "X" else a for a in PUSHER.axes)
+        axes = tuple(replace(a, min=50.0) if a.moves == "X" else a for a in PUSHER.axes)
         machine = replace(PUSHER, axes=axes)
     if name == "wordless":
         machine = replace(machine, name=name, words=replace(machine.words, change=()))

@@ -139,7 +139,7 @@ def test_a_sheet_needs_its_thickness() -> None:
 
 
 def test_a_path_without_room_for_the_kerf_is_refused() -> None:
-    plain = table("plate-linuxcnc", thickness=6.0, kerf_by="none", lead="none", least_hole=0.1)
+    plain = table("plate-linuxcnc", thickness=6.0, kerf_by="none", lead="none", min_hole=0.1)
     text = post((drawing(contour(circle(5, 5, 0.6))),), plain).text
     machine = table("plate-linuxcnc", thickness=6.0)
     assert rules.KERF.code in codes(text, machine)

@@ -48,7 +48,7 @@ def faults(text: str) -> list[int]:
 @pytest.mark.parametrize("path_objects", [False, True])
 @pytest.mark.parametrize("name", NAMES)
 def test_the_grammar_accepts_every_unit(name: str, path_objects: bool, style: str) -> None:
-    machine = table_machine(path_objects=path_objects, greatest_data=1024)
+    machine = table_machine(path_objects=path_objects, max_data=1024)
     for _, unit in simotion_units.units(program(name, style, machine)):
         assert faults(without_frame(unit)) == []
 

@@ -58,7 +58,7 @@ def test_every_sample_makes_its_part(name: str, path_objects: bool, style: str) 
 def test_what_is_read_is_what_an_executor_of_the_text_does(
     name: str, style: str, path_objects: bool
 ) -> None:
-    machine = table_machine(path_objects=path_objects, greatest_data=1024)
+    machine = table_machine(path_objects=path_objects, max_data=1024)
     text = program(name, style, machine)
     job, said = read_program(text, machine)
     assert said == []
@@ -81,7 +81,7 @@ def test_what_is_read_is_what_an_executor_of_the_text_does(
 
 
 def test_set_points_are_split_over_units_by_their_size() -> None:
-    machine = table_machine(greatest_data=1024)
+    machine = table_machine(max_data=1024)
     text = program("rounded-rectangle", "table", machine)
     units = simotion_units.split_units(text)
     count = len(triggers("rounded-rectangle").operations)
@@ -91,7 +91,7 @@ def test_set_points_are_split_over_units_by_their_size() -> None:
 
 
 def test_a_long_path_is_a_table_and_a_chain_of_it_is_refused() -> None:
-    machine = table_machine(greatest_chain=50)
+    machine = table_machine(max_chain=50)
     table = triggers("rounded-rectangle", machine)
     assert "pointX_1" in simotion.emit(table, machine)
     with pytest.raises(simotion.ChainError, match="100 operations; expected at most 50"):
@@ -126,7 +126,7 @@ def test_names_of_units() -> None:
     assert simotion_units.unit_name("***") == "unit_job"
     left, right = (simotion_units.unit_name(f"bracket of the {w} gallery") for w in ("L", "R"))
     assert left != right
-    assert len(left) == len("unit_") + simotion_units.GREATEST_NAME
+    assert len(left) == len("unit_") + simotion_units.MAX_NAME
     assert simotion_units.unit_name(left.removeprefix("unit_")) == left
 
 

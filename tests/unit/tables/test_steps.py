@@ -84,7 +84,7 @@ def test_steps_follow_any_path_within_half_a_step(
     for axis in (0, 1):
         found = np.concatenate([window[axis] for window in windows])
         times, signs = found >> TIME_BIT, signs_of(found, axis)
-        assert (np.diff(times) >= int(1e6 / STEPPER.greatest_hz)).all()
+        assert (np.diff(times) >= int(1e6 / STEPPER.max_hz)).all()
         at = np.floor(path[0][axis] / STEPPER.step + 0.5) + np.cumsum(signs)
         # Between a step and the next the axis stands; both ends of that time are looked at.
         for moment in (times, np.append(times[1:] - 1, planned.duration_s * 1e6)):
@@ -151,7 +151,7 @@ def test_velocities_add_up_and_follow_their_formula() -> None:
     assert all(abs(hypot(s.velocity_x, s.velocity_y) - expected) < 1e-9 for s in cut)
     for s in rows:
         assert s.hz_x == pytest.approx(abs(s.velocity_x) / 2.0 * 200)
-        assert s.hz_x <= STEPPER.greatest_hz
+        assert s.hz_x <= STEPPER.max_hz
     text = b"".join(forms.as_velocities(made)).decode().splitlines()
     assert text[1] == "x,y,velocity_x,velocity_y,laser,steps_x,steps_y,hz_x,hz_y"
     assert len(text) == 2 + len(rows)
@@ -175,7 +175,7 @@ def test_the_forms_hold_the_same_rows() -> None:
 
 
 def test_a_long_wait_is_spread_over_rows_of_the_same_words() -> None:
-    long = forms.GREATEST_WAIT_US * 2 + 7
+    long = forms.MAX_WAIT_US * 2 + 7
     rows = [StepRows(np.array([0, long]), np.array([0, 5], dtype=np.uint8))]
     made = StepTable("a", 0.01, STEPPER.sequence, lambda: iter(rows), lambda: iter(()))
     packed = np.frombuffer(b"".join(forms.as_bytes(made))[32:], dtype="<u4")

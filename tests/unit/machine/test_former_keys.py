@@ -1,0 +1,96 @@
+"""Keys of the version before: read, told with their present name, never two values for one key."""
+
+from pathlib import Path
+
+import pytest
+from click.testing import CliRunner
+
+from beamcam.cli import main
+from beamcam.errors import MachineError
+from beamcam.machine import load, shipped
+from beamcam.machine.former_keys import former_name, with_present_keys
+from beamcam.machine.keys import machine_keys
+
+FORMER = """base = "beamline"
+[layout]
+order = "saw-drill"
+least_bar = 1300
+[drill]
+least_speed_rpm = 160
+[[axes]]
+name = "stop"
+moves = "X"
+speed = 100
+acceleration = 100
+least = 0
+greatest = 13000
+"""
+
+
+def _machine(folder: Path, text: str) -> str:
+    path = folder / "mine.toml"
+    path.write_text(text)
+    return str(path)
+
+
+def test_every_key_that_has_a_former_name_is_read_by_it() -> None:
+    """Renaming there and back ends at the key; no two keys of one table share a former name."""
+    seen: set[str] = set()
+    for key in machine_keys():
+        table, _, name = key.name.rpartition(".")
+        was = former_name(name)
+        assert with_present_keys({was: 1})[0] == {name: 1}
+        assert f"{table}.{was}" not in seen
+        seen.add(f"{table}.{was}")
+
+
+@pytest.mark.parametrize("name", shipped())
+def test_shipped_machines_have_no_former_key(name: str) -> None:
+    assert load(name).remarks == ()
+
+
+def test_former_keys_make_the_same_machine_and_are_told(tmp_path: Path) -> None:
+    machine = load(_machine(tmp_path, FORMER))
+    present = FORMER.replace("least_", "min_").replace("least ", "min ")
+    same = load(_machine(tmp_path, present.replace("greatest", "max")))
+    assert (machine.layout, machine.drill, machine.axes) == (same.layout, same.drill, same.axes)
+    assert (machine.checksum, same.remarks) == (same.checksum, ())
+    assert [(d.code, d.source.line) for d in machine.remarks] == [
+        ("machine-former-key", 4),
+        ("machine-former-key", 6),
+        ("machine-former-key", 12),
+        ("machine-former-key", 13),
+    ]
+    assert "found the key 'layout.least_bar' of an older version; expected 'min_bar'" in str(
+        machine.remarks[0]
+    )
+
+
+def test_a_wrong_value_of_a_former_key_is_told_with_its_line(tmp_path: Path) -> None:
+    with pytest.raises(MachineError) as caught:
+        load(_machine(tmp_path, FORMER.replace("least_bar = 1300", "least_bar = -1")))
+    assert caught.value.diagnostics[0].source.line == 4
+
+
+def test_both_names_of_one_key_are_refused(tmp_path: Path) -> None:
+    with pytest.raises(MachineError) as caught:
+        load(_machine(tmp_path, FORMER.replace("least_bar", "min_bar = 1\nleast_bar")))
+    (said,) = caught.value.diagnostics
+    assert (said.code, said.source.line) == ("machine-key-twice", 5)
+
+
+def test_names_that_the_user_chooses_stay(tmp_path: Path) -> None:
+    machine = load(_machine(tmp_path, 'base = "beamline"\n[sections]\nleast_one = 7\n'))
+    assert machine.sections["least_one"] == 7
+
+
+def test_a_command_says_it_once(tmp_path: Path) -> None:
+    path = _machine(tmp_path, 'base = "beamline"\n[layout]\nleast_bar = 1300\n')
+    part = Path(__file__).parents[3] / "samples" / "dstv" / "M58.nc1"
+    part = part if part.exists() else next((part.parents[1]).rglob("*.nc1"))
+    out = str(tmp_path / "job.gcode")
+    run = CliRunner().invoke(main, ["post", str(part), "--machine", path, "-o", out])
+    assert run.stderr.count("machine-former-key") == 1
+    shown = CliRunner().invoke(main, ["machines", "show", path])
+    assert shown.stderr.count("machine-former-key") == 1
+    assert "layout.min_bar" in shown.stdout
