@@ -36,7 +36,7 @@ from beamcam.model.work_time import WorkTime
 from beamcam.motion.curves_of_moves import curve_of
 from beamcam.motion.lookahead import joint_speeds
 from beamcam.motion.pace import feasible_mm_s
-from beamcam.motion.stretches import join_segments
+from beamcam.motion.stretches import Stretch, join_segments
 
 SECONDS_PER_MINUTE = 60.0
 HOME: Point = (0.0, 0.0)
@@ -121,6 +121,17 @@ def seconds_along(segments: Sequence[Segment], limits: PathLimits | None) -> flo
         return 0.0
     if limits is None:
         return sum(s.length / s.speed_mm_s for s in segments)
+    moving, speeds = speeds_along(segments, limits)
+    return sum(
+        stretch_seconds(s.length, first, last, s.limit, s.acceleration, s.jerk)
+        for s, first, last in zip(moving, speeds, speeds[1:], strict=False)
+    )
+
+
+def speeds_along(
+    segments: Sequence[Segment], limits: PathLimits
+) -> tuple[list[Stretch], list[float]]:
+    """The stretches of segments that follow one another, and the speeds at their joints."""
     count = len(segments)
     junctions = [0.0, *(_junction_mm_s(segments, k, limits) for k in range(1, count)), 0.0]
     stretches = join_segments(
@@ -130,11 +141,7 @@ def seconds_along(segments: Sequence[Segment], limits: PathLimits | None) -> flo
         [s.acceleration_mm_s2 for s in segments],
         [limits.jerk_mm_s3] * count,
     )
-    moving, speeds = joint_speeds(stretches)
-    return sum(
-        stretch_seconds(s.length, first, last, s.limit, s.acceleration, s.jerk)
-        for s, first, last in zip(moving, speeds, speeds[1:], strict=False)
-    )
+    return joint_speeds(stretches)
 
 
 def _junction_mm_s(segments: Sequence[Segment], index: int, limits: PathLimits) -> float:

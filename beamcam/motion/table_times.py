@@ -35,8 +35,7 @@ def _passes(table: TriggerTable, triggers: Triggers) -> Iterator[float]:
     """Seconds of each pass with the way to it, and of the way home."""
     here, seconds = (0.0, 0.0), 0.0
     for op in table.operations:
-        cycles = ceil(_seconds(op, here, triggers) / triggers.cycle_s - CYCLE_SLACK) + 1
-        seconds += cycles * triggers.cycle_s
+        seconds += operation_seconds(op, here, triggers)
         if not isinstance(op, Switch):
             here = op.x, op.y
         elif not op.on:
@@ -54,6 +53,12 @@ def length_through(start: Point, middle: Point, end: Point) -> float:
         return a + b
     radius = a * b * c / (2 * twice_area)
     return 2 * radius * sum(asin(min(1.0, chord / (2 * radius))) for chord in (a, b))
+
+
+def operation_seconds(op: TriggerOp, here: Point, triggers: Triggers) -> float:
+    """How long an operation takes that starts `here`, until the next one begins."""
+    cycles = ceil(_seconds(op, here, triggers) / triggers.cycle_s - CYCLE_SLACK) + 1
+    return cycles * triggers.cycle_s
 
 
 def _seconds(op: TriggerOp, here: Point, triggers: Triggers) -> float:

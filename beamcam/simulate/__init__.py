@@ -1,4 +1,5 @@
-"""The axes of a cell over time, from the events of a program.
+"""The axes of a machine over time, from the events of a program.
 
-events -> course (stretches of time) -> trace as CSV, or registers sent by Modbus
+text -> events (controllers) -> trace (program) -> rows of it, or registers sent by Modbus
+                                bars by way of the stretches of the cell (course)
 """

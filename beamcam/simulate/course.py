@@ -16,16 +16,7 @@ from beamcam.geometry.ramps import Ramp
 from beamcam.machine import rules as machine_rules
 from beamcam.machine.machine import Machine
 from beamcam.model.cell_motion import CellMotion, Leg, Positions
-
-
-class State(Struct, frozen=True):
-    """What is switched on."""
-
-    spindle: int = 0  #: number that the program chose, 0 before
-    diameter: float = 0.0
-    turning: int = 0  #: 1 clockwise, -1 counter-clockwise, 0 standing
-    coolant: bool = False
-    sawing: bool = False
+from beamcam.simulate.state import State
 
 
 class Row(Struct, frozen=True):

@@ -1,0 +1,49 @@
+"""Chords that are passed at planned speeds, as intervals of a trace."""
+
+from collections.abc import Sequence
+
+import numpy as np
+from msgspec import Struct
+
+from beamcam.motion.planned import cut_phases
+from beamcam.motion.stretches import Stretch
+from beamcam.simulate.state import State
+from beamcam.simulate.trace import Counts, Floats, TraceBuilder
+
+MIN_SECONDS = 1e-9  #: what rounding leaves of a phase is none
+
+
+class Chords(Struct, frozen=True):
+    """The chords of a path, each beginning where the one before it ends."""
+
+    begins: Floats  #: (n, 2)
+    ends: Floats  #: (n, 2)
+    lengths: Floats  #: (n,) of the curve above each chord
+    lines: Counts  #: (n,) of the program
+
+
+def add_phases(
+    builder: TraceBuilder, chords: Chords, moving: Sequence[Stretch], joints: Sequence[float],
+    state: State,
+) -> None:  # fmt: skip
+    """Adds the phases of constant jerk of a path, each within one chord.
+
+    `moving` are the stretches of the path by its chords, `joints` the speeds between them.
+    """
+    begins, ends, lengths = chords.begins, chords.ends, chords.lengths
+    points = np.concatenate((begins[:1], ends))
+    along = (ends - begins) / np.where(lengths > 0.0, lengths, 1.0)[:, None]
+    path = cut_phases(points, lengths, along, list(moving), np.array(joints))
+    kept = path.phase_duration_s > MIN_SECONDS
+    chord, lasts = path.phase_segment[kept], path.phase_duration_s[kept]
+    share = np.clip(path.phase_position[kept] / lengths[chord], 0.0, 1.0)
+    is_last = np.append(chord[1:] != chord[:-1], True)
+    until = np.where(is_last, 1.0, np.append(share[1:], 1.0))
+    v, a, j = path.phase_velocity[kept], path.phase_acceleration[kept], path.phase_jerk[kept]
+    way = (until - share) * lengths[chord]
+    scale = np.divide(lasts, way, out=np.zeros_like(way), where=way > 0.0)
+    later = np.maximum(0.0, v + lasts * (a + lasts * j / 2))
+    at = begins[chord] + until[:, None] * (ends - begins)[chord]
+    at[is_last] = ends[chord[is_last]]
+    slopes = np.column_stack((v * scale, later * scale))
+    builder.add(lasts, at, slopes, chords.lines[chord], state)

@@ -1,0 +1,174 @@
+"""The axes of a machine over time, whatever kind of program moves them.
+
+A trace is a chain of intervals between knots. Within an interval all axes go straight from knot to
+knot, in step with each other; how much of the way is done is a cubic of the time, given by its
+slopes at both ends (Hermite). That is exact for each stretch of constant jerk, so that nothing
+has to be sampled:
+
+    share of the way  1 |        _.   slope b     h(u) = a (u^3 - 2u^2 + u) + b (u^3 - u^2)
+                        |     .'                         + 3u^2 - 2u^3,   u = t / duration
+                      0 |__.'         slope a     a = b = 1 is a uniform motion
+"""
+
+from collections.abc import Iterator, Sequence
+from typing import Literal
+
+import numpy as np
+from msgspec import Struct
+from numpy.typing import ArrayLike, NDArray
+
+from beamcam.machine.machine import Machine
+from beamcam.simulate.state import State
+
+Floats = NDArray[np.float64]
+Counts = NDArray[np.int64]
+
+UNIFORM = (1.0, 1.0)
+
+
+class TraceAxis(Struct, frozen=True):
+    """An axis of the machine."""
+
+    name: str
+    unit: Literal["mm", "deg"] = "mm"
+    min_position: float | None = None  #: None has no limit
+    max_position: float | None = None
+
+
+class Trace(Struct, frozen=True):
+    """n intervals between n + 1 knots; each has its block and what is switched on."""
+
+    axes: tuple[TraceAxis, ...]
+    time_s: Floats  #: (n + 1,) of the knots, never falling
+    positions: Floats  #: (n + 1, axes) at the knots
+    slopes: Floats  #: (n, 2) of the share of the way at both ends of an interval
+    line: Counts  #: (n,) of the program, from 1
+    state: Counts  #: (n,) index into `states`
+    states: tuple[State, ...]
+
+    @property
+    def duration_s(self) -> float:
+        """When everything is over."""
+        return float(self.time_s[-1])
+
+    def interval(self, times: ArrayLike) -> Counts:
+        """The intervals at times, the later one where two meet; the last one behind the end."""
+        at = np.searchsorted(self.time_s, np.asarray(times, dtype=np.float64), side="right") - 1
+        return np.clip(at, 0, max(len(self.line) - 1, 0))
+
+    def at(self, times: ArrayLike) -> Floats:
+        """Positions of the axes at times, array (times, axes)."""
+        t = np.asarray(times, dtype=np.float64).reshape(-1)
+        if not len(self.line):
+            return np.repeat(self.positions[:1], len(t), axis=0)
+        k = self.interval(t)
+        lasts = self.time_s[k + 1] - self.time_s[k]
+        u = np.divide(t - self.time_s[k], lasts, out=np.ones_like(t), where=lasts > 0.0)
+        share = share_of(np.clip(u, 0.0, 1.0), self.slopes[k, 0], self.slopes[k, 1])
+        start = self.positions[k]
+        found: Floats = start + share[:, None] * (self.positions[k + 1] - start)
+        return found
+
+
+def share_of(u: Floats, first: Floats, last: Floats) -> Floats:
+    """How much of the way is done at the share `u` of the time, by the slopes at both ends."""
+    return u * (first + u * (3.0 - 2.0 * first - last + u * (first + last - 2.0)))
+
+
+class TraceBuilder:
+    """A trace that grows interval by interval."""
+
+    def __init__(self, axes: Sequence[TraceAxis], start: Sequence[float]) -> None:
+        self._axes = tuple(axes)
+        self._start = np.array([start], dtype=np.float64)
+        self._chunks: list[tuple[Floats, Floats, Floats, Counts, Counts]] = []
+        self._states: dict[State, int] = {}
+
+    @property
+    def here(self) -> Floats:
+        """Where the axes stand."""
+        found: Floats = self._chunks[-1][1][-1] if self._chunks else self._start[0]
+        return found
+
+    def add(
+        self, seconds: ArrayLike, ends: ArrayLike, slopes: ArrayLike, line: ArrayLike, state: State
+    ) -> None:
+        """Intervals one behind the other: their durations, ends, slopes and lines."""
+        lasts = np.asarray(seconds, dtype=np.float64).reshape(-1)
+        count = len(lasts)
+        if not count:
+            return
+        at = np.asarray(ends, dtype=np.float64).reshape(count, len(self._axes))
+        bends = np.broadcast_to(np.asarray(slopes, dtype=np.float64), (count, 2))
+        lines = np.broadcast_to(np.asarray(line, dtype=np.int64), (count,))
+        number = self._states.setdefault(state, len(self._states))
+        self._chunks.append((lasts, at, bends, lines, np.full(count, number, dtype=np.int64)))
+
+    def wait(self, seconds: float, line: int, state: State) -> None:
+        """Nothing moves."""
+        if seconds > 0.0:
+            self.add([seconds], [self.here], UNIFORM, line, state)
+
+    def trace(self) -> Trace:
+        """All of it."""
+        none = np.zeros(0, dtype=np.int64)
+        seconds = np.concatenate([np.zeros(0), *(c[0] for c in self._chunks)])
+        return Trace(
+            self._axes,
+            np.concatenate(([0.0], np.cumsum(seconds))),
+            np.concatenate([self._start, *(c[1] for c in self._chunks)]),
+            np.concatenate([np.zeros((0, 2)), *(c[2] for c in self._chunks)]),
+            np.concatenate([none, *(c[3] for c in self._chunks)]),
+            np.concatenate([none, *(c[4] for c in self._chunks)]),
+            tuple(self._states) or (State(),),
+        )
+
+
+class TraceRow(Struct, frozen=True):
+    """The machine at one moment."""
+
+    time_s: float
+    line: int  #: of the program; 0 before it begins
+    positions: tuple[float, ...]
+    state: State
+
+
+def trace_rows(trace: Trace, every_s: float | None = None) -> Iterator[TraceRow]:
+    """A row for each knot, or one every `every_s` seconds, the last one when all is over.
+
+    Raises ValueError for a step that is not above 0.
+    """
+    if every_s is None:
+        yield TraceRow(0.0, 0, tuple(trace.positions[0].tolist()), State())
+        rows = zip(
+            trace.time_s[1:].tolist(), trace.line.tolist(), trace.positions[1:].tolist(),
+            trace.state.tolist(), strict=True,
+        )  # fmt: skip
+        for time_s, line, at, state in rows:
+            yield TraceRow(time_s, line, tuple(at), trace.states[state])
+        return
+    if every_s <= 0:
+        raise ValueError("every_s has to be more than 0")
+    count = int(np.ceil(trace.duration_s / every_s * (1.0 - 1e-12))) + 1
+    block = 1 << 14
+    for first in range(0, count, block):
+        times = np.arange(first, min(first + block, count)) * every_s
+        k = trace.interval(times)
+        places = trace.at(times).tolist()
+        for time_s, index, at in zip(times.tolist(), k.tolist(), places, strict=True):
+            line = int(trace.line[index]) if len(trace.line) else 0
+            state = trace.states[int(trace.state[index])] if len(trace.line) else State()
+            yield TraceRow(time_s, line, tuple(at), state)
+
+
+def head_axes(machine: Machine) -> tuple[TraceAxis, TraceAxis]:
+    """The two axes of a head over a table, named as the machine's file does."""
+    names: dict[str, str] = {axis.moves: axis.name for axis in machine.axes}
+    if machine.triggers is not None:
+        names = dict(zip("XY", machine.triggers.axes, strict=True))
+    torch = machine.torch
+    length, width = (torch.length, torch.width) if torch else (None, None)
+    return (
+        TraceAxis(names.get("X", "X"), "mm", 0.0, length),
+        TraceAxis(names.get("Y", "Y"), "mm", 0.0, width),
+    )

@@ -1,0 +1,73 @@
+"""The trace of a table that is told by triggers: each operation from rest to rest.
+
+The next operation begins in the cycle behind the one that sees the arrival, as in
+`motion.table_times`, whose times these are.
+"""
+
+from math import inf
+
+import numpy as np
+
+from beamcam.controllers.simotion.circles import circle_points
+from beamcam.controllers.simotion.job import JobRead, Operation
+from beamcam.geometry.moves import move_seconds
+from beamcam.geometry.plane import Point
+from beamcam.machine.machine import Machine
+from beamcam.machine.runtime import PROCESSES
+from beamcam.model.triggers import Round, Switch, Travel, TriggerOp
+from beamcam.motion.stretches import Stretch
+from beamcam.motion.table_times import operation_seconds
+from beamcam.simulate.phases import Chords, add_phases
+from beamcam.simulate.state import State
+from beamcam.simulate.trace import Trace, TraceBuilder, head_axes
+
+ARC = 7  #: kind of an operation along an arc; 0 is a line, odd kinds start a tool, even stop it
+
+
+def trigger_trace(job: JobRead, machine: Machine) -> Trace:
+    """The head over time, from the corner of the work area on; homing is not in it."""
+    triggers = machine.triggers
+    if triggers is None:
+        raise TypeError(f"{machine.name} has no trigger program")
+    builder = TraceBuilder(head_axes(machine), (0.0, 0.0))
+    state = State()
+    here: Point = (0.0, 0.0)
+    for operation in job.operations:
+        op = _operation(operation, job)
+        whole_s = operation_seconds(op, here, triggers)
+        if isinstance(op, Switch):
+            state = State(process=op.process if op.on else "")
+            builder.wait(whole_s, operation.line, state)
+            continue
+        points = np.array(_points(here, op))
+        lengths = np.hypot(*np.diff(points, axis=0).T)
+        way = float(np.sum(lengths))
+        if way > 0.0:
+            lines = np.full(len(lengths), operation.line, dtype=np.int64)
+            chords = Chords(points[:-1], points[1:], lengths, lines)
+            whole = Stretch(op.speed_mm_s, way, 0, len(lengths), triggers.acceleration, inf)
+            add_phases(builder, chords, [whole], (0.0, 0.0), state)
+            moving_s = move_seconds(way, op.speed_mm_s, triggers.acceleration)
+            builder.wait(max(0.0, whole_s - moving_s), operation.line, state)
+        here = op.x, op.y
+    return builder.trace()
+
+
+def _operation(op: Operation, job: JobRead) -> TriggerOp:
+    """An operation as it was read, in the words of the model."""
+    if op.kind == 0:
+        return Travel(op.x, op.y, op.speed)
+    if op.kind >= ARC:
+        middle = op.via or (op.x, op.y)
+        return Round(op.x, op.y, *middle, op.speed)
+    process = PROCESSES[(op.kind - 1) // 2]
+    on = op.kind % 2 == 1
+    return Switch(process, on, job.pierce_s[process] if on else 0.0)  # type: ignore[arg-type]
+
+
+def _points(here: Point, op: Travel | Round) -> list[Point]:
+    if isinstance(op, Round):
+        return circle_points(here, (op.middle_x, op.middle_y), (op.x, op.y)) or [
+            here, (op.x, op.y),
+        ]  # fmt: skip
+    return [here, (op.x, op.y)]
