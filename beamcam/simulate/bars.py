@@ -11,8 +11,7 @@ from beamcam.simulate.trace import UNIFORM, Trace, TraceAxis, TraceBuilder
 def bar_trace(course: Sequence[Stretch], machine: Machine) -> Trace:
     """The axes of a cell over time."""
     axes = [
-        TraceAxis(a.name, "deg" if a.moves == "angle" else "mm", a.least, a.greatest)
-        for a in machine.axes
+        TraceAxis(a.name, "deg" if a.moves == "angle" else "mm", a.min, a.max) for a in machine.axes
     ]
     builder = TraceBuilder(axes, [axis.park for axis in machine.axes])
     for part in course:

@@ -31,8 +31,8 @@ class TraceAxis(Struct, frozen=True):
 
     name: str
     unit: Literal["mm", "deg"] = "mm"
-    min_position: float | None = None  #: None has no limit
-    max_position: float | None = None
+    min: float | None = None  #: None has no limit
+    max: float | None = None
 
 
 class Trace(Struct, frozen=True):
