@@ -15,9 +15,8 @@ from numpy.typing import NDArray
 
 from beamcam.caches import cached
 from beamcam.emitters.numbers import number
+from beamcam.geometry.array_types import Counts, Floats
 
-Floats = NDArray[np.float64]
-Counts = NDArray[np.int64]
 Groups = NDArray[np.void]
 
 GROUP = 10_000  #: of four digits

@@ -11,8 +11,8 @@ from itertools import chain
 
 import numpy as np
 from msgspec.structs import astuple
-from numpy.typing import NDArray
 
+from beamcam.geometry.array_types import Counts, Floats
 from beamcam.geometry.curves import (
     Arc,
     Bezier,
@@ -23,9 +23,6 @@ from beamcam.geometry.curves import (
 )
 from beamcam.geometry.plane import Point
 from beamcam.geometry.splines import spline_ends
-
-Floats = NDArray[np.float64]
-Counts = NDArray[np.int64]
 
 #: How far, relative to the size of all, a curve may lie inside a box and count as touching it.
 TOUCH = 1e-9

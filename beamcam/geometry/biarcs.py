@@ -8,14 +8,10 @@ from dataclasses import dataclass
 from math import radians
 
 import numpy as np
-from numpy.typing import NDArray
 
+from beamcam.geometry.array_types import Counts, Flags, Floats
 from beamcam.geometry.curves import Arc, Line
 from beamcam.geometry.fitting import WIDEST_KNOWN_DEG
-
-Floats = NDArray[np.float64]
-Flags = NDArray[np.bool_]
-Counts = NDArray[np.int64]
 
 SAMPLES = 16
 #: The greatest deviation is looked for at `SAMPLES` places; between them it may be this larger.

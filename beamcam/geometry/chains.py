@@ -17,15 +17,13 @@ from math import hypot
 import numpy as np
 from msgspec import Struct
 from msgspec.structs import replace
-from numpy.typing import NDArray
 
+from beamcam.geometry.array_types import Floats
 from beamcam.geometry.arrays import ends_of
 from beamcam.geometry.curves import Curve, join_boxes
 from beamcam.geometry.joints import SAME_POINT, joined
 from beamcam.geometry.near import near_pairs
 from beamcam.geometry.plane import Point, distance
-
-Floats = NDArray[np.float64]
 
 #: Ends that programs write for one point are as near as this: coordinates of three decimals.
 WRITTEN_SAME = 1e-3

@@ -4,15 +4,12 @@ from collections.abc import Sequence
 from itertools import chain
 
 import numpy as np
-from numpy.typing import NDArray
 
+from beamcam.geometry.array_types import Counts, Floats
 from beamcam.geometry.arrays import by_kind, rows
 from beamcam.geometry.curves import Bezier, BSpline, Curve, NewtonCurve
 from beamcam.geometry.plane import Point
 from beamcam.geometry.splines import spline_cubics
-
-Floats = NDArray[np.float64]
-Counts = NDArray[np.int64]
 
 
 def cubics_of(curves: Sequence[Curve]) -> tuple[Floats, Counts, list[int]]:

@@ -4,12 +4,12 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
+
+from beamcam.geometry.array_types import Floats
 
 if TYPE_CHECKING:
     from beamcam.geometry.bezier import Bezier
 
-Floats = NDArray[np.float64]
 
 #: How far a length may be off, relative; the estimate is the gain of the last halving.
 RELATIVE_ERROR = 1e-10

@@ -1,10 +1,8 @@
 """Pairs of points that are near one another, found by a grid in linear time."""
 
 import numpy as np
-from numpy.typing import NDArray
 
-Floats = NDArray[np.float64]
-Counts = NDArray[np.int64]
+from beamcam.geometry.array_types import Counts, Floats
 
 #: A row of cells in the number of a cell; there are less than half as many rows and columns.
 ROW = 2**31

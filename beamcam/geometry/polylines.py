@@ -9,15 +9,12 @@ from dataclasses import dataclass
 from math import ceil
 
 import numpy as np
-from numpy.typing import NDArray
 
+from beamcam.geometry.array_types import Counts, Floats
 from beamcam.geometry.arrays import CurveTable
 from beamcam.geometry.cubics import cubics_of
 from beamcam.geometry.curves import Arc, BSpline, Curve, Line
 from beamcam.geometry.sampling import points_at
-
-Floats = NDArray[np.float64]
-Counts = NDArray[np.int64]
 
 LARGEST_STEP_RAD = 0.8  #: of an arc, whatever the tolerance
 MOST_STEPS = 4096

@@ -8,16 +8,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from beamcam.geometry.array_types import Counts, Flags, Floats
 from beamcam.geometry.arrays import CurveTable, arc_ends, unit_vectors
 from beamcam.geometry.conics import arc_between
 from beamcam.geometry.corners import between, meeting
 from beamcam.geometry.curves import Arc, Curve, Line
 
-Floats = NDArray[np.float64]
-Flags = NDArray[np.bool_]
-Counts = NDArray[np.int64]
 Ring = tuple[Line | Arc, ...]
 
 #: Corners sharper than this are rounded; their mitre would stand out by more than 2.5 times

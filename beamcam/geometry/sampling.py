@@ -3,11 +3,9 @@
 import itertools
 
 import numpy as np
-from numpy.typing import NDArray
 
+from beamcam.geometry.array_types import Floats
 from beamcam.geometry.curves import Arc, Bezier, BSpline, Curve, EllipseArc, Line, NewtonCurve
-
-Floats = NDArray[np.float64]
 
 
 def points_at(curve: Curve, t: Floats) -> Floats:

@@ -4,12 +4,9 @@ from collections import defaultdict
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
+from beamcam.geometry.array_types import Counts, Floats
 from beamcam.geometry.bspline import BSpline
-
-Floats = NDArray[np.float64]
-Counts = NDArray[np.int64]
 
 
 def spline_cubics(splines: Sequence[BSpline]) -> tuple[Floats, Counts]:

@@ -6,9 +6,9 @@ Time is seconds.
 
 import numpy as np
 from msgspec import Struct
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-Floats = NDArray[np.float64]
+from beamcam.geometry.array_types import Floats
 
 
 class Phase(Struct, frozen=True):

@@ -16,8 +16,8 @@ from math import inf
 
 import numpy as np
 from msgspec import Struct
-from numpy.typing import NDArray
 
+from beamcam.geometry.array_types import Counts, Floats
 from beamcam.geometry.bezier import Bezier
 from beamcam.geometry.curves import Arc, Curve, EllipseArc, Line, bezier_pieces
 from beamcam.geometry.plane import distance
@@ -31,9 +31,6 @@ from beamcam.motion.spans import (
     span_arc,
     step_counts,
 )
-
-Floats = NDArray[np.float64]
-Counts = NDArray[np.int64]
 
 
 class DensifyRules(Struct, frozen=True):

@@ -9,13 +9,10 @@ from math import comb
 
 import numpy as np
 from msgspec import Struct, field
-from numpy.typing import NDArray
 
+from beamcam.geometry.array_types import Counts, Floats
 from beamcam.geometry.plane import Point
 from beamcam.motion.spans import ArcSpan
-
-Floats = NDArray[np.float64]
-Counts = NDArray[np.int64]
 
 
 class Spans(Struct):

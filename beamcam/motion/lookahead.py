@@ -22,12 +22,11 @@ import numpy as np
 from msgspec import Struct
 from numpy.typing import ArrayLike, NDArray
 
+from beamcam.geometry.array_types import Floats
 from beamcam.motion.planned import PlannedPath, cut_phases
 from beamcam.motion.profile import Limits
 from beamcam.motion.reach import reachable_speed
 from beamcam.motion.stretches import Stretch, join_segments
-
-Floats = NDArray[np.float64]
 
 ALONG_SHARE = 0.5
 ACROSS_SHARE = sqrt(0.75)

@@ -2,14 +2,12 @@
 
 import numpy as np
 from msgspec import Struct
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from beamcam.geometry.array_types import Counts, Floats
 from beamcam.geometry.velocity_profile import Phase
 from beamcam.motion.reach import peak_rises, ramp_phases
 from beamcam.motion.stretches import Stretch
-
-Floats = NDArray[np.float64]
-Counts = NDArray[np.int64]
 
 
 class PlannedPath(Struct, frozen=True):

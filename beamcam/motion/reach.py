@@ -10,7 +10,7 @@ from math import cbrt, inf, sqrt
 import numpy as np
 from numpy.typing import NDArray
 
-Floats = NDArray[np.float64]
+from beamcam.geometry.array_types import Floats
 
 #: A reached speed is lowered by this share, so that rounding never leaves a ramp without room.
 REACH_SLACK = 1e-12

@@ -4,9 +4,8 @@ from math import sqrt
 
 import numpy as np
 from msgspec import Struct
-from numpy.typing import NDArray
 
-Floats = NDArray[np.float64]
+from beamcam.geometry.array_types import Floats
 
 #: Coordinates this share of a count below a whole count are that count when truncated: 0.29 is
 #: a hair less than 0.29 in binary and shall not become 0.289.

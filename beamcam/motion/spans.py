@@ -12,11 +12,9 @@ from msgspec import Struct
 from numpy.typing import NDArray
 
 from beamcam.caches import cached
+from beamcam.geometry.array_types import Counts, Floats
 from beamcam.geometry.bezier import Bezier
 from beamcam.geometry.conics import Arc, EllipseArc
-
-Floats = NDArray[np.float64]
-Counts = NDArray[np.int64]
 
 #: No step of an arc turns further, whatever the tolerance.
 MAX_STEP_RAD = pi / 2

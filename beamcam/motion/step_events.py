@@ -16,13 +16,10 @@ All is done by arrays over windows of the way, so that memory does not grow with
 from collections.abc import Iterator
 
 import numpy as np
-from numpy.typing import NDArray
 
+from beamcam.geometry.array_types import Counts, Floats
 from beamcam.machine.tables import Stepper
 from beamcam.motion.planned import PlannedPath
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
 WINDOW_STEPS = 1 << 16  #: of the way that is worked on at once
 MICROSECONDS = 1e6
@@ -35,7 +32,7 @@ TIME_BIT = 2 * MOVE_BITS  #: above them is its time in microseconds
 FORWARD, BACK = 1, 3
 
 
-def events(path: PlannedPath, stepper: Stepper) -> Iterator[tuple[Ints, Ints]]:
+def events(path: PlannedPath, stepper: Stepper) -> Iterator[tuple[Counts, Counts]]:
     """Steps of X and of Y, window by window, in order of time.
 
     An event is a number: its time, and its move in the last bits, see `MOVES` and `TIME_BIT`.
@@ -67,7 +64,7 @@ class _Clock:
         edges[-1] = total
         marks = np.sort(np.concatenate((self.begins, self.starts, edges)))
         self.marks: Floats = marks[np.append(True, marks[1:] > marks[:-1])]
-        self.phase: Ints = np.searchsorted(self.starts, self.marks[:-1], side="right") - 1
+        self.phase: Counts = np.searchsorted(self.starts, self.marks[:-1], side="right") - 1
         self.windows: list[int] = np.searchsorted(self.marks, edges).tolist()
         self.lengths = np.append(self.starts[1:], total) - self.starts
         self.start_us = path.phase_start_s * MICROSECONDS
@@ -93,12 +90,12 @@ class _Clock:
         at = self.steady_us if self.steady[phase[0]] else self.ramp_us
         return int(at(way, phase)[0])
 
-    def steady_us(self, way: Floats, phase: Ints) -> Floats:
+    def steady_us(self, way: Floats, phase: Counts) -> Floats:
         """Times within phases of steady speed."""
         found: Floats = self.start_us[phase] + (way - self.starts[phase]) * self.pace_us[phase]
         return found
 
-    def ramp_us(self, way: Floats, phase: Ints) -> Floats:
+    def ramp_us(self, way: Floats, phase: Counts) -> Floats:
         """Times within phases of changing speed, by Newton's method from the far side."""
         back = self.backwards[phase]
         length, lasts = self.lengths[phase], self.lasts_s[phase]
@@ -128,10 +125,10 @@ class _Axis:
         self.clock, self.at = clock, np.ascontiguousarray(at)
         self.forward, self.back = FORWARD << bit, BACK << bit
         self.step, self.min_us = step, min_us
-        self.held: Ints = np.zeros(0, dtype=np.int64)
+        self.held: Counts = np.zeros(0, dtype=np.int64)
         self.count = np.zeros(0)  #: 0, 1, 2 ...
 
-    def steps(self, pieces: slice, until_us: int | None) -> Ints:
+    def steps(self, pieces: slice, until_us: int | None) -> Counts:
         """The steps of some pieces, and those that were held back before.
 
         Steps behind `until_us` are held back, as their counterparts may come in the next window.
@@ -145,7 +142,7 @@ class _Axis:
         self.held = found[kept:]
         return found[:kept]
 
-    def _passed(self, pieces: slice) -> tuple[Ints, Ints]:
+    def _passed(self, pieces: slice) -> tuple[Counts, Counts]:
         """When middles between places are passed; and the last step before each way back."""
         clock, step = self.clock, self.step
         marks = clock.marks[pieces.start : pieces.stop + 1]
@@ -178,7 +175,7 @@ class _Axis:
         found |= np.repeat(np.where(sign > 0, self.forward, self.back), counts)
         return found, before[1:][sign[1:] != sign[:-1]] - 1
 
-    def _without_turns(self, found: Ints, turns: Ints) -> Ints:
+    def _without_turns(self, found: Counts, turns: Counts) -> Counts:
         """Without pairs of steps forth and back that come too near to each other.
 
         `turns` are all places where the next step may be a step back.

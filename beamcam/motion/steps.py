@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from beamcam.geometry.array_types import Counts
 from beamcam.machine.machine import Machine
 from beamcam.machine.tables import Stepper
 from beamcam.model.plan import SheetPlan
@@ -16,7 +17,7 @@ from beamcam.model.steps import LASER_BIT, StepRows, StepTable
 from beamcam.motion.lookahead import LookAheadRules, plan_speeds
 from beamcam.motion.planned import PlannedPath
 from beamcam.motion.profile import Limits
-from beamcam.motion.step_events import MICROSECONDS, MOVE_BITS, MOVES, TIME_BIT, Ints, events
+from beamcam.motion.step_events import MICROSECONDS, MOVE_BITS, MOVES, TIME_BIT, events
 from beamcam.motion.velocity_table import Way, stretches, ways
 
 #: A step is timed to a microsecond, so that two may come nearer by one than they should.
@@ -101,7 +102,7 @@ class _Words:
         bits = self.table[self.x + 4 * self.y] | (laser << LASER_BIT)
         return StepRows(np.array([time_us]), np.array([bits], dtype=np.uint8))
 
-    def rows(self, x: Ints, y: Ints, clock_us: int, laser: bool) -> StepRows:
+    def rows(self, x: Counts, y: Counts, clock_us: int, laser: bool) -> StepRows:
         """Rows for the steps of both axes; steps of one microsecond share one.
 
         `x` and `y` are events as `step_events` gives them.
@@ -139,7 +140,7 @@ class _Words:
         return bits
 
 
-def _without(values: NDArray[Any], which: Ints) -> NDArray[Any]:
+def _without(values: NDArray[Any], which: Counts) -> NDArray[Any]:
     """`values` without those at `which`. Few of them leave long runs, which are quicker to copy."""
     if len(which) > FEW:
         return np.delete(values, which)

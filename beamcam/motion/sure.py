@@ -9,15 +9,13 @@ its limit; then both give the same move, and whatever is not sure is left to the
 from collections.abc import Iterator, Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
+from beamcam.geometry.array_types import Flags, Floats
 from beamcam.geometry.arrays import CurveTable, unit_vectors
 from beamcam.geometry.curves import Arc, Curve, Line
 from beamcam.model.program import ArcFeed, Feed
 from beamcam.motion.arcs import BISECTOR_SHARE, KEEP_SWEEP_DEG, MAX_SWEEP_DEG, Numbers
 
-Floats = NDArray[np.float64]
-Flags = NDArray[np.bool_]
 SureMoves = Sequence[Feed | ArcFeed | None]
 
 #: What the sums may be off, as a share of the greatest number in them.

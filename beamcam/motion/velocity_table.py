@@ -5,14 +5,12 @@ from itertools import pairwise
 from math import floor, hypot
 
 import numpy as np
-from numpy.typing import NDArray
 
+from beamcam.geometry.array_types import Floats
 from beamcam.machine.machine import Machine, Torch, TorchProcess
 from beamcam.model.plan import SheetPlan
 from beamcam.model.steps import Stretch
 from beamcam.motion.densify import DensifyRules, densify
-
-Floats = NDArray[np.float64]
 
 HOME = (0.0, 0.0)
 SECONDS_PER_MINUTE = 60.0

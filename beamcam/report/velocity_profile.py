@@ -9,9 +9,8 @@ import numpy as np
 from msgspec import Struct
 from numpy.typing import NDArray
 
+from beamcam.geometry.array_types import Floats
 from beamcam.geometry.velocity_profile import Profile
-
-Floats = NDArray[np.float64]
 
 #: Samples of a drawn curve; the phases' ends come on top.
 DRAWN_SAMPLES = 400

@@ -4,14 +4,10 @@ from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
 from msgspec import Struct, field
-from numpy.typing import NDArray
 
 from beamcam.controllers.events import Leg, TableEvent
+from beamcam.geometry.array_types import Counts, Flags, Floats
 from beamcam.geometry.curves import Arc, Bezier, EllipseArc
-
-Floats = NDArray[np.float64]
-Counts = NDArray[np.int64]
-Flags = NDArray[np.bool_]
 
 #: Share of what is allowed to an arc that no controller looks at twice.
 SURE_SHARE = 0.9

@@ -14,9 +14,7 @@ import numpy as np
 from msgspec import Struct
 from numpy.typing import NDArray
 
-Floats = NDArray[np.float64]
-Counts = NDArray[np.int64]
-Flags = NDArray[np.bool_]
+from beamcam.geometry.array_types import Counts, Flags, Floats
 
 LONGEST_NUMBER = 15  #: characters; how far a controller counts is a matter for its interpreter
 

@@ -12,7 +12,8 @@ from msgspec.structs import replace
 
 from beamcam.controllers.events import Leg, TableEvent
 from beamcam.controllers.gcode.moves import Moves, Run, arcs_between, joined, moves_of, sure_arcs
-from beamcam.controllers.gcode.scan import Counts, Floats, PlainMoves
+from beamcam.controllers.gcode.scan import PlainMoves
+from beamcam.geometry.array_types import Counts, Floats
 from beamcam.geometry.plane import Point
 
 #: Start, end, centre, clockwise: what is wrong with an arc, None if nothing is.

@@ -17,9 +17,8 @@ from numpy.typing import NDArray
 
 from beamcam.controllers.step_table import rules
 from beamcam.errors import Diagnostic, Rule, Source
+from beamcam.geometry.array_types import Counts
 from beamcam.machine.tables import Stepper
-
-Ints = NDArray[np.int64]
 
 BLOCK_ROWS = 1 << 16
 COLUMNS = b"time_us,x,y,laser"
@@ -34,10 +33,10 @@ class Rows(NamedTuple):
     """Some rows as they stand in a table."""
 
     first: int  #: line of the first of them
-    time_us: Ints
-    x: Ints  #: words
-    y: Ints
-    laser: Ints
+    time_us: Counts
+    x: Counts  #: words
+    y: Counts
+    laser: Counts
 
 
 class TableFault(Exception):

@@ -7,9 +7,9 @@ from math import hypot
 
 import numpy as np
 from msgspec import Struct, field
-from numpy.typing import NDArray
 
 from beamcam.errors import Diagnostic, Source
+from beamcam.geometry.array_types import Floats
 from beamcam.geometry.arrays import CurveTable, ends_of
 from beamcam.geometry.chains import Chains, join_curves
 from beamcam.geometry.curves import Line
@@ -18,8 +18,6 @@ from beamcam.planning.contours import rules
 from beamcam.planning.contours.gather import Wanted
 from beamcam.planning.contours.repeats import Repeats, contours_once, loose_once, overlapping
 from beamcam.planning.contours.shape import Shape, entity
-
-Floats = NDArray[np.float64]
 
 #: A closed chain whose ends are nearer than this needs no joining.
 SAME_POINT = 1e-9

@@ -21,10 +21,7 @@ from beamcam.planning.contours.outline import outlines, ways
 from beamcam.planning.contours.shape import Shape, entity
 
 if TYPE_CHECKING:
-    import numpy as np
-    from numpy.typing import NDArray
-
-    Floats = NDArray[np.float64]
+    from beamcam.geometry.array_types import Floats
 
 #: What is left in a slot is no deeper than so many kerfs, or the slot is refused; and in a corner
 #: that is sharp, where everybody knows that a round beam leaves something.

@@ -14,10 +14,9 @@ from beamcam.planning.contours.outline import outlines, ways
 from beamcam.planning.contours.shape import Shape, entity
 
 if TYPE_CHECKING:
-    import numpy as np
     from numpy.typing import NDArray
 
-    Floats = NDArray[np.float64]
+    from beamcam.geometry.array_types import Floats
 
 #: Two contours that lie over one another by less than this share of the machine's tolerance
 #: touch: so near are the chords that stand for their curves, and what programs round.

@@ -9,7 +9,7 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-    Floats = NDArray[np.float64]
+    from beamcam.geometry.array_types import Floats
 
 
 def outlines(chains: Sequence[Sequence[Curve]], tolerance: float) -> "NDArray[Any]":

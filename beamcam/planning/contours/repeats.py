@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-    Counts = NDArray[np.int64]
+    from beamcam.geometry.array_types import Counts
 
 #: Curves nearer than this lie on the same place; exports round to 1e-4 and finer.
 SAME_PLACE = 1e-3

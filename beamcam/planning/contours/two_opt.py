@@ -14,12 +14,10 @@ only after something there was turned.
 from collections.abc import Callable
 
 import numpy as np
-from numpy.typing import NDArray
 
+from beamcam.geometry.array_types import Counts, Floats
 from beamcam.geometry.plane import Point
 
-Floats = NDArray[np.float64]
-Counts = NDArray[np.int64]
 Lengths = Callable[[Floats, Floats], Floats]  #: of vectors by their x and y
 
 WINDOW = 60  #: longest stretch that is turned round

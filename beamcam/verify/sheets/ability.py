@@ -8,7 +8,8 @@ from math import inf
 
 import numpy as np
 
-from beamcam.controllers.gcode.moves import Floats, Moves
+from beamcam.controllers.gcode.moves import Moves
+from beamcam.geometry.array_types import Floats
 from beamcam.geometry.curves import Bezier, EllipseArc
 from beamcam.machine.machine import Machine
 from beamcam.machine.path_limits import PathLimits, path_limits

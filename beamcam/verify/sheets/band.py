@@ -16,8 +16,8 @@ import shapely
 from numpy.typing import NDArray
 
 from beamcam.errors import Diagnostic, Source
+from beamcam.geometry.array_types import Counts, Flags, Floats
 from beamcam.verify.sheets import rules
-from beamcam.verify.sheets.elements import Counts, Flags, Floats
 from beamcam.verify.sheets.paths import on_contour
 from beamcam.verify.sheets.work import SHOWN, Traced, Work
 

@@ -5,8 +5,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from beamcam.errors import Diagnostic, Source
+from beamcam.geometry.array_types import Flags, Floats
 from beamcam.verify.sheets import rules
-from beamcam.verify.sheets.elements import Flags, Floats
 from beamcam.verify.sheets.work import Traced, Work
 
 Bounds = Sequence[tuple[int, int]]

@@ -14,9 +14,9 @@ from collections.abc import Sequence
 import numpy as np
 
 from beamcam.errors import Diagnostic, Source
+from beamcam.geometry.array_types import Counts, Flags, Floats
 from beamcam.verify.sheets import rules
 from beamcam.verify.sheets.bridges import in_bridges
-from beamcam.verify.sheets.elements import Counts, Flags, Floats
 from beamcam.verify.sheets.grid import Pairs
 from beamcam.verify.sheets.paths import on_contour
 from beamcam.verify.sheets.ways import Ways

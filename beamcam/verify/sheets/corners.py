@@ -14,7 +14,7 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from beamcam.verify.sheets.elements import Counts, Flags, Floats
+from beamcam.geometry.array_types import Counts, Flags, Floats
 from beamcam.verify.sheets.work import Traced, Work
 
 HALVINGS = 24  #: of the way between a place that has a path and one that has none

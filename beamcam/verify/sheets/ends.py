@@ -6,9 +6,10 @@ from math import hypot
 import numpy as np
 
 from beamcam.errors import Diagnostic, Source
+from beamcam.geometry.array_types import Floats
 from beamcam.verify.sheets import rules
 from beamcam.verify.sheets.bridges import is_bridge
-from beamcam.verify.sheets.elements import Floats, points_as_elements
+from beamcam.verify.sheets.elements import points_as_elements
 from beamcam.verify.sheets.grid import Grid
 from beamcam.verify.sheets.ways import Ways
 from beamcam.verify.sheets.work import SHOWN, Traced, Work

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from beamcam.verify.sheets.elements import Floats
+from beamcam.geometry.array_types import Floats
 
 
 def widest_gap(points: Floats, reach: float) -> float:

@@ -3,7 +3,8 @@
 import numpy as np
 from msgspec import Struct
 
-from beamcam.verify.sheets.elements import Counts, Elements, Flags, Floats
+from beamcam.geometry.array_types import Counts, Flags, Floats
+from beamcam.verify.sheets.elements import Elements
 
 MAX_TURN_RAD = 0.5  #: of a piece of an arc whose cells are looked for
 MOST_CELLS = 1 << 20  #: along one side, so that the number of a cell and an element fits

@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 
-from beamcam.verify.sheets.elements import Flags
+from beamcam.geometry.array_types import Flags
 from beamcam.verify.sheets.work import Work
 
 Bounds = Sequence[tuple[int, int]]

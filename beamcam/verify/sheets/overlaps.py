@@ -7,7 +7,7 @@ import shapely
 from msgspec import Struct
 from shapely.ops import substring
 
-from beamcam.verify.sheets.elements import Counts, Floats
+from beamcam.geometry.array_types import Counts, Floats
 from beamcam.verify.sheets.ways import Ways
 
 

@@ -12,8 +12,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from beamcam.errors import Diagnostic
+from beamcam.geometry.array_types import Counts, Flags, Floats
 from beamcam.verify.sheets.bridges import join_bridged
-from beamcam.verify.sheets.elements import Counts, Flags, Floats
 from beamcam.verify.sheets.ends import end_faults
 from beamcam.verify.sheets.leads import Bounds, rings
 from beamcam.verify.sheets.work import MITRE, SHOWN, SPACING, Traced, Work

@@ -19,7 +19,7 @@ import shapely
 from msgspec import Struct
 from numpy.typing import NDArray
 
-from beamcam.verify.sheets.elements import Counts, Flags, Floats
+from beamcam.geometry.array_types import Counts, Flags, Floats
 from beamcam.verify.sheets.overlaps import Stretches, trim, whole
 from beamcam.verify.sheets.ways import Ways
 

@@ -16,8 +16,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from beamcam.geometry.array_types import Counts, Flags, Floats
 from beamcam.geometry.curves import Bezier, BSpline
-from beamcam.verify.sheets.elements import Counts, Flags, Floats, Pieces, straight_pieces
+from beamcam.verify.sheets.elements import Pieces, straight_pieces
 from beamcam.verify.sheets.splines import Bounds, Spans, all_spans, bounds_of, points_on
 
 MOST_STEPS = 4096  #: of a polynomial

@@ -9,13 +9,9 @@ from collections.abc import Sequence
 import numpy as np
 from msgspec import Struct
 from numpy.lib.stride_tricks import sliding_window_view
-from numpy.typing import NDArray
 
+from beamcam.geometry.array_types import Counts, Flags, Floats
 from beamcam.geometry.curves import Bezier, BSpline
-
-Floats = NDArray[np.float64]
-Counts = NDArray[np.int64]
-Flags = NDArray[np.bool_]
 
 SLOWEST = 1e-3  #: share of the greatest speed that is looked at as the speed of a span
 TINY = 1e-30  #: for a span that is a point

@@ -8,9 +8,10 @@ from typing import TypeGuard, cast
 import numpy as np
 
 from beamcam.controllers.gcode.moves import Moves
+from beamcam.geometry.array_types import Counts, Floats
 from beamcam.geometry.curves import Arc, Bezier, BSpline, Curve, Line
 from beamcam.geometry.polylines import polylines
-from beamcam.verify.sheets.elements import Counts, Elements, Floats, Pieces, straight_pieces
+from beamcam.verify.sheets.elements import Elements, Pieces, straight_pieces
 from beamcam.verify.sheets.grid import Grid, Pairs
 from beamcam.verify.sheets.spline_arcs import spline_pieces
 

@@ -8,9 +8,9 @@ from msgspec import Struct
 
 from beamcam.controllers.gcode.moves import Moves
 from beamcam.errors import Diagnostic, Source
+from beamcam.geometry.array_types import Counts, Flags, Floats
 from beamcam.machine.machine import Torch, TorchProcess
 from beamcam.verify.sheets import rules
-from beamcam.verify.sheets.elements import Counts, Flags, Floats
 from beamcam.verify.sheets.gaps import widest_gap
 from beamcam.verify.sheets.need import Need
 from beamcam.verify.sheets.strokes import Stroke, Strokes

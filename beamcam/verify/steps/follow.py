@@ -4,18 +4,16 @@ from collections.abc import Iterable
 from itertools import pairwise
 
 import numpy as np
-from numpy.typing import NDArray
 
 from beamcam.controllers.step_table import rules as row_rules
-from beamcam.controllers.step_table.rows import Ints, Rows
+from beamcam.controllers.step_table.rows import Rows
 from beamcam.errors import Diagnostic, Source
+from beamcam.geometry.array_types import Counts, Floats
 from beamcam.machine.machine import Machine
 from beamcam.machine.tables import Stepper
 from beamcam.verify.steps import rules
 from beamcam.verify.steps.outline import Outline, Seen, Times
 from beamcam.verify.steps.pace import Pace, Swerve
-
-Floats = NDArray[np.float64]
 
 SHOWN = 5  #: of one kind of fault
 
@@ -34,7 +32,7 @@ class _Motor:
         self.last_us = -(10**12)
         self.min_us = int(1e6 / stepper.max_hz)
 
-    def follow(self, rows: Rows, words: Ints, name: str) -> tuple[Ints, list[Diagnostic]]:
+    def follow(self, rows: Rows, words: Counts, name: str) -> tuple[Counts, list[Diagnostic]]:
         """The places behind each row, and what is wrong with the steps."""
         said = []
         turn = np.diff(self.phase[words], prepend=self.phase[self.last_word]) & 3
@@ -48,7 +46,7 @@ class _Motor:
                 )
             )  # fmt: skip
         moves = np.where(turn == 3, -1, turn) * self.sign
-        places: Ints = self.place + np.cumsum(moves)
+        places: Counts = self.place + np.cumsum(moves)
         steps = np.flatnonzero(turn)
         if len(steps):
             apart = np.diff(rows.time_us[steps], prepend=self.last_us)
@@ -80,7 +78,7 @@ class Followed:
         self.line = 0  #: where it begins
         self.laser = 0
         self.clock_us = 0
-        self.here: Ints = np.zeros(2, dtype=np.int64)
+        self.here: Counts = np.zeros(2, dtype=np.int64)
         self.begun = False
 
     def say(self, found: Iterable[Diagnostic]) -> None:
@@ -113,7 +111,7 @@ class Followed:
         self.swerve.follow(rows.time_us, at_xy)
         self.clock_us, self.here = int(rows.time_us[-1]), at_xy[-1]
 
-    def _strokes(self, rows: Rows, places: Ints) -> None:
+    def _strokes(self, rows: Rows, places: Counts) -> None:
         """Cut the rows where the laser is switched, and show the outline where it is on."""
         changes = np.flatnonzero(np.diff(rows.laser, prepend=self.laser))
         start = np.concatenate((self.here[None], places[:-1]))
@@ -141,7 +139,7 @@ class Followed:
             self.outline.end(fastest, times=Times(self.pace.waited_s, self.pace.lasted_s))
         self.pace = None
 
-    def _area(self, rows: Rows, places: Ints) -> None:
+    def _area(self, rows: Rows, places: Counts) -> None:
         limits = np.array([self.torch.length, self.torch.width]) / self.stepper.step + 1
         outside = ((places < -1) | (places > limits)).any(axis=1)
         if outside.any():
@@ -149,7 +147,7 @@ class Followed:
             expected = f"it between 0, 0 and {self.torch.length:g}, {self.torch.width:g}"
             self._say_place(places[k], expected, rows.first + k)
 
-    def _say_place(self, place: Ints, expected: str, line: int | None = None) -> None:
+    def _say_place(self, place: Counts, expected: str, line: int | None = None) -> None:
         x, y = (f"{v * self.stepper.step:.2f}" for v in place.tolist())
         self.say([rules.PLACE.at(Source(self.name, line), x=x, y=y, expected=expected)])
 

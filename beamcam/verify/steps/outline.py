@@ -7,17 +7,15 @@ from typing import NamedTuple
 import numpy as np
 import shapely
 from msgspec import Struct
-from numpy.typing import NDArray
 
 from beamcam.errors import Diagnostic, Source
+from beamcam.geometry.array_types import Floats
 from beamcam.machine.machine import Machine, Torch, TorchProcess
 from beamcam.model.part import Part
 from beamcam.verify.polylines import compare_polylines
 from beamcam.verify.sheets.need import Need, need_of, rows_of, shift_of, thickness_of
 from beamcam.verify.sheets.ways import Ways
 from beamcam.verify.steps import rules
-
-Floats = NDArray[np.float64]
 
 CORNER = 3.0  #: half kerfs that a path may be off a corner that it goes around
 MOST_MEASURED = 100  #: points of a stroke that are too far off its curves

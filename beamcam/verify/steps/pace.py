@@ -7,12 +7,9 @@ over a while: the longer it is, the finer is what can be told.
 from math import sqrt
 
 import numpy as np
-from numpy.typing import NDArray
 
+from beamcam.geometry.array_types import Counts, Floats
 from beamcam.machine.tables import Stepper
-
-Ints = NDArray[np.int64]
-Floats = NDArray[np.float64]
 
 
 class _Samples:
@@ -24,10 +21,10 @@ class _Samples:
     def __init__(self, window_us: int, first_us: int) -> None:
         self.window_us, self._first_us = window_us, first_us
         self._next = 0  #: the next multiple
-        self._times: Ints = np.zeros(0, dtype=np.int64)  #: of the row before
-        self._places: Ints = np.zeros((0, 2), dtype=np.int64)
+        self._times: Counts = np.zeros(0, dtype=np.int64)  #: of the row before
+        self._places: Counts = np.zeros((0, 2), dtype=np.int64)
 
-    def take(self, time_us: Ints, places: Ints) -> Ints:
+    def take(self, time_us: Counts, places: Counts) -> Counts:
         """The samples (n, 2) up to the last of some rows."""
         times = np.concatenate((self._times, time_us)) - self._first_us
         places = np.concatenate((self._places, places))
@@ -37,12 +34,12 @@ class _Samples:
         if len(index):
             self._next = int(index[-1]) + 1
         self._times, self._places = time_us[-1:], places[-1:]
-        found: Ints = places[np.searchsorted(times, index * self.window_us, side="right") - 1]
+        found: Counts = places[np.searchsorted(times, index * self.window_us, side="right") - 1]
         return found
 
 
-def _once(ascending: Ints) -> Ints:
-    found: Ints = ascending[np.append(True, ascending[1:] != ascending[:-1])]
+def _once(ascending: Counts) -> Counts:
+    found: Counts = ascending[np.append(True, ascending[1:] != ascending[:-1])]
     return found
 
 
@@ -61,11 +58,11 @@ class Pace:
         self._begin_us: int | None = None
         self._moved_us = self._last_us = 0  #: the first and the last step
         self._moved = False
-        self._here: Ints = np.zeros(2, dtype=np.int64)
+        self._here: Counts = np.zeros(2, dtype=np.int64)
         self._samples: list[_Samples] = []
-        self._before: list[Ints] = []
+        self._before: list[Counts] = []
 
-    def follow(self, time_us: Ints, places: Ints) -> None:
+    def follow(self, time_us: Counts, places: Counts) -> None:
         """Take some rows of the stroke."""
         if self._begin_us is None:
             self._begin_us, self._here = int(time_us[0]), places[0]
@@ -110,10 +107,10 @@ class Swerve:
     def __init__(self, stepper: Stepper) -> None:
         self.stepper = stepper
         self._samples = [_Samples(window_us, 0) for window_us in self.WINDOWS_US]
-        self._before: list[Ints] = [np.zeros((0, 2), dtype=np.int64)] * len(self._samples)
+        self._before: list[Counts] = [np.zeros((0, 2), dtype=np.int64)] * len(self._samples)
         self._greatest: Floats = np.zeros((len(self._samples), 2))
 
-    def follow(self, time_us: Ints, places: Ints) -> None:
+    def follow(self, time_us: Counts, places: Counts) -> None:
         """Take some rows."""
         for k, samples in enumerate(self._samples):
             at = np.concatenate((self._before[k], samples.take(time_us, places)))
@@ -122,7 +119,7 @@ class Swerve:
                 second = np.abs(np.diff(at, n=2, axis=0)).max(axis=0)
                 self._greatest[k] = np.maximum(self._greatest[k], second * self.stepper.step)
 
-    def finish(self, clock_us: int, place: Ints) -> None:
+    def finish(self, clock_us: int, place: Counts) -> None:
         """The head stands from now on."""
         self.follow(np.array([clock_us + 3 * max(self.WINDOWS_US)]), place[None])
 

@@ -7,12 +7,13 @@ from beamcam.controllers.events import Leg
 from beamcam.controllers.gcode import events_of
 from beamcam.controllers.step_table.rows import Stream, binary_rows
 from beamcam.emitters import step_table as forms
+from beamcam.geometry.array_types import Floats
 from beamcam.geometry.curves import Line
 from beamcam.machine import load
 from beamcam.motion.steps import step_table
 from beamcam.pipeline import post
 from beamcam.verify.steps.follow import Followed
-from beamcam.verify.steps.outline import Floats, Outline
+from beamcam.verify.steps.outline import Outline
 
 from .plant import DONE, Plant, units_of
 from .shop import part, plan, program, table_machine

@@ -13,12 +13,13 @@ from msgspec.structs import replace
 
 from beamcam.emitters import step_table as forms
 from beamcam.errors import Diagnostic
+from beamcam.geometry.array_types import Counts
 from beamcam.machine import load
 from beamcam.machine.machine import Machine
 from beamcam.model.part import Part
 from beamcam.model.steps import StepRows, StepTable
 from beamcam.motion import step_events, steps
-from beamcam.motion.step_events import BACK, FORWARD, MOVE_BITS, MOVES, TIME_BIT, Ints, events
+from beamcam.motion.step_events import BACK, FORWARD, MOVE_BITS, MOVES, TIME_BIT, events
 from beamcam.motion.velocity_table import Way, speed_at
 from beamcam.verify.steps import verify_table
 
@@ -63,7 +64,7 @@ places = st.floats(0.0, 40.0).map(lambda v: round(v, 3))
 corners = st.lists(st.tuples(places, places), min_size=2, max_size=8)
 
 
-def signs_of(found: Ints, axis: int) -> Ints:
+def signs_of(found: Counts, axis: int) -> Counts:
     """+1 and -1 for the events of an axis, which have no other moves."""
     moves = (found & MOVES) >> (axis * MOVE_BITS)
     assert set(moves.tolist()) <= {FORWARD, BACK}
