@@ -27,7 +27,7 @@ from beamcam.model.plan import Plan, SheetPlan
 from beamcam.pipeline import Posted, as_error, read_file
 from beamcam.pipeline import post as post_bar
 from beamcam.pipeline import read_back as read_program_back
-from beamcam.posts import Job, Wanted, post_of
+from beamcam.posts import Job, Request, post_of
 from beamcam.readers import read as read_bytes
 from beamcam.readers.reading import Reading
 
@@ -112,8 +112,8 @@ def verify(
     check_asked(skips=skips)
     check_text("program", program, bytes)
     check_text("name", name)
-    wanted = Wanted(parts_asked(parts), _machine(machine), tuple(skips), name)
-    return read_program_back(program, wanted)
+    request = Request(parts_asked(parts), _machine(machine), tuple(skips), name)
+    return read_program_back(program, request)
 
 
 def _machine(machine: AnyMachine) -> Machine:

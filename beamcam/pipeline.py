@@ -29,7 +29,7 @@ from beamcam.model.part import Part
 from beamcam.model.plan import Order, Plan, SheetPlan
 from beamcam.model.work_time import WorkTime
 from beamcam.planning.left_out import LEFT_OUT, left_out_sources, told
-from beamcam.posts import Job, Wanted, Written, carries_head, head_lines, post_of
+from beamcam.posts import Job, Request, Written, carries_head, head_lines, post_of
 from beamcam.readers.content import content, shown_name
 from beamcam.readers.reading import Reading
 from beamcam.verify.left_out import LEDGER
@@ -155,13 +155,13 @@ def sound(reading: Reading) -> Reading:
     return replace(reading, parts=parts)
 
 
-def read_back(program: str | bytes, wanted: Wanted) -> tuple[Diagnostic, ...]:
+def read_back(program: str | bytes, request: Request) -> tuple[Diagnostic, ...]:
     """Everything that is wrong with a program for bars, sheets or tables, as its machine reads it.
 
     Raises PlanError where a sheet's own features cannot be told.
     """
     written: Written = program if isinstance(program, str) else lambda: (program,)
-    return post_of(wanted.machine).verify(written, wanted)
+    return post_of(request.machine).verify(written, request)
 
 
 def post(
@@ -213,7 +213,7 @@ def posting(
     yield "printed the program"
     said: tuple[Diagnostic, ...] = ()
     if verified:
-        found = kind.verify(written, _wanted(asked))
+        found = kind.verify(written, _request(asked))
         said = (*_other_than_planned(plan, found), *_head_faults(asked, written))
         yield "read the program back"
         if errors_in(said):
@@ -252,8 +252,8 @@ def _head_faults(job: Job, written: Written) -> Iterable[Diagnostic]:
     return head_faults(head_of(text), job.machine, job.skips, job.name)
 
 
-def _wanted(job: Job) -> Wanted:
+def _request(job: Job) -> Request:
     """What the program of a job has to make."""
-    return Wanted(
+    return Request(
         job.parts, job.machine, job.skips, job.name, job.order, job.turn, job.bar, job.style
     )

@@ -40,7 +40,7 @@ class Job(Struct, frozen=True):
     style: str | None = None  #: "chain" or "table" of triggers; the suffix of a step table
 
 
-class Wanted(Struct, frozen=True):
+class Request(Struct, frozen=True):
     """What was asked for, which a program has to make; nothing in it comes from a plan."""
 
     parts: tuple[Part, ...]  #: as they were given, in the order given
@@ -59,7 +59,7 @@ class Post(Struct, frozen=True):
     plan: Callable[[Job], Plan | SheetPlan]
     motion: Callable[[Any, Machine, str], Any]
     emit: Callable[[Any, Job], Written]
-    verify: Callable[[Written, Wanted], tuple[Diagnostic, ...]]
+    verify: Callable[[Written, Request], tuple[Diagnostic, ...]]
     with_head: Callable[[Any, Sequence[str]], Any]  #: the program with these remarks first
     time: Callable[[Any, Any, Machine], WorkTime]  #: of a plan and its program, where it is asked
 
@@ -84,8 +84,8 @@ def bar_post() -> Post:
     def plan(job: Job) -> Plan:
         return plan_bar(job.parts, job.machine, job.bar, job.skips, job.order, job.turn)
 
-    def read_back(program: Written, wanted: Wanted) -> tuple[Diagnostic, ...]:
-        w = wanted
+    def read_back(program: Written, request: Request) -> tuple[Diagnostic, ...]:
+        w = request
         return verify(_text(program), w.parts, w.machine, w.skips, w.name, w.order, w.turn, w.bar)
 
     def emit(program: Program, job: Job) -> str:
@@ -105,8 +105,8 @@ def sheet_post() -> Post:
     from beamcam.motion.sheet import sheet_program
     from beamcam.verify.sheets import verify_sheet
 
-    def read_back(program: Written, wanted: Wanted) -> tuple[Diagnostic, ...]:
-        w = wanted
+    def read_back(program: Written, request: Request) -> tuple[Diagnostic, ...]:
+        w = request
         return verify_sheet(_text(program), w.parts, w.machine, w.skips, w.name)
 
     def emit(program: Program, job: Job) -> str:
@@ -135,8 +135,8 @@ def trigger_post() -> Post:
             said = CHAIN.at(source, found=error.found, expected=error.expected)
             raise PlanError(said) from error
 
-    def read_back(program: Written, wanted: Wanted) -> tuple[Diagnostic, ...]:
-        w = wanted
+    def read_back(program: Written, request: Request) -> tuple[Diagnostic, ...]:
+        w = request
         return verify_triggers(_text(program), w.parts, w.machine, w.skips, w.name)
 
     def time(plan: SheetPlan, table: Any, machine: Machine) -> WorkTime:
@@ -158,8 +158,8 @@ def step_post() -> Post:
         form = FORMS[job.style or job.machine.suffix]
         return lambda: form(program)
 
-    def read_back(program: Written, wanted: Wanted) -> tuple[Diagnostic, ...]:
-        w = wanted
+    def read_back(program: Written, request: Request) -> tuple[Diagnostic, ...]:
+        w = request
         form = w.style if w.style in READ_BACK else w.machine.suffix
         pieces = (program.encode("utf-8"),) if isinstance(program, str) else program()
         return verify_table(form, pieces, w.parts, w.machine, w.skips, w.name)

@@ -19,7 +19,7 @@ from beamcam.machine import Machine
 from beamcam.machine.defaults import is_of_programs
 from beamcam.model.part import Part
 from beamcam.pipeline import as_error, parts_of, read_back
-from beamcam.posts import Wanted
+from beamcam.posts import Request
 from beamcam.readers.content import shown_name
 from beamcam.verify.bars import run
 
@@ -111,7 +111,7 @@ def _diff_programs(
         found, said = diff_sheets(first, second, machine, name)
         if said:
             raise VerifyError(said)
-        alone = (read_back(text, Wanted((), machine, name=name)) for name, text in texts)
+        alone = (read_back(text, Request((), machine, name=name)) for name, text in texts)
         return found, tuple(d for said in alone for d in said if d.severity is not Severity.NOTE)
     runs = [run(text, machine, None, name) for name, text in texts]
     said = tuple(d for done in runs for d in done.diagnostics)

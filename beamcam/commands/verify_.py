@@ -13,7 +13,7 @@ from beamcam.commands.settings import machine_for, machine_for_program, settled
 from beamcam.config.values import Config
 from beamcam.errors import BeamcamError, Diagnostic, errors_in
 from beamcam.pipeline import read_back
-from beamcam.posts import Wanted
+from beamcam.posts import Request
 from beamcam.readers.content import shown_name
 from beamcam.report.run import as_message
 from beamcam.verify.head import Head, head_of, head_remarks
@@ -72,7 +72,7 @@ def command(
         skips = _allowed(config, head)
         found = (
             *head_remarks(head, machine, name),
-            *read_back(data, Wanted(tuple(wanted), machine, skips, name, style=style)),
+            *read_back(data, Request(tuple(wanted), machine, skips, name, style=style)),
         )
     except BeamcamError as error:
         voice.stop((*said, *error.diagnostics))

@@ -19,7 +19,7 @@ class StepRows(NamedTuple):
     bits: "NDArray[np.uint8]"
 
 
-class Stretch(NamedTuple):
+class VelocityRow(NamedTuple):
     """A stretch on which the velocity is a smooth function: one row of a velocity table."""
 
     x: float  #: end point
@@ -44,5 +44,5 @@ class StepTable(Struct, frozen=True):
     step: float  #: travel of one step, mm
     sequence: tuple[str, ...]  #: words of forward steps
     rows: Callable[[], Iterator[StepRows]]
-    stretches: Callable[[], Iterator[Stretch]]
+    stretches: Callable[[], Iterator[VelocityRow]]
     remarks: tuple[str, ...] = ()  #: for whoever stands at the machine

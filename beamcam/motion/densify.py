@@ -21,8 +21,8 @@ from beamcam.geometry.array_types import Counts, Floats
 from beamcam.geometry.bezier import Bezier
 from beamcam.geometry.curves import Arc, Curve, EllipseArc, Line, bezier_pieces
 from beamcam.geometry.plane import distance
-from beamcam.motion.drawing import Spans, draw
 from beamcam.motion.rounding import EXACT, Rounding
+from beamcam.motion.span_points import Spans, draw
 from beamcam.motion.spans import (
     bend_bounds,
     divided,
@@ -54,7 +54,7 @@ class DensifyRules(Struct, frozen=True):
             )
 
 
-class Stretch(Struct, frozen=True):
+class SlowSection(Struct, frozen=True):
     """Points `first` to `last` are passed at a lower speed than was asked for."""
 
     first: int
@@ -69,7 +69,7 @@ class Certificate(Struct, frozen=True):
     points: int
     min_step: float
     max_step: float
-    slowed: tuple[Stretch, ...]
+    slowed: tuple[SlowSection, ...]
 
 
 class Densified(Struct, frozen=True):
@@ -205,7 +205,7 @@ def _finish(points: Floats, steps: Counts, rules: DensifyRules, deviation: float
         points = points[np.concatenate(([True], kept))]
         lengths, span = lengths[kept], span[kept]
     speeds = np.full(len(lengths), rules.speed_mm_s)
-    slowed: tuple[Stretch, ...] = ()
+    slowed: tuple[SlowSection, ...] = ()
     if rules.cycle_s > 0.0 and len(lengths):
         starts = np.concatenate(([0], np.flatnonzero(np.diff(span)) + 1))
         least = np.minimum.reduceat(lengths, starts)
@@ -232,11 +232,11 @@ def _step_lengths(points: Floats) -> Floats:
     return np.sqrt(squares, out=squares)
 
 
-def _slowed_stretches(speeds: Floats, asked: float) -> tuple[Stretch, ...]:
+def _slowed_stretches(speeds: Floats, asked: float) -> tuple[SlowSection, ...]:
     changes = np.flatnonzero(np.abs(np.diff(speeds)) > 1e-9 * speeds[1:]) + 1
     edges = [0, *changes.tolist(), len(speeds)]
     return tuple(
-        Stretch(a, b, float(speeds[a]))
+        SlowSection(a, b, float(speeds[a]))
         for a, b in itertools.pairwise(edges)
         if speeds[a] < asked * (1 - 1e-12)
     )

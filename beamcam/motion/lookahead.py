@@ -23,10 +23,10 @@ from msgspec import Struct
 from numpy.typing import ArrayLike, NDArray
 
 from beamcam.geometry.array_types import Floats
+from beamcam.motion.jerk_ramps import reachable_speed
 from beamcam.motion.planned import PlannedPath, cut_phases
 from beamcam.motion.profile import Limits
-from beamcam.motion.reach import reachable_speed
-from beamcam.motion.stretches import Stretch, join_segments
+from beamcam.motion.speed_sections import SpeedSection, join_segments
 
 ALONG_SHARE = 0.5
 ACROSS_SHARE = sqrt(0.75)
@@ -116,9 +116,9 @@ def _junction_limits(
     return limit, ~straight & (cosine > CURVE_TURN_COS)
 
 
-def joint_speeds(stretches: list[Stretch]) -> tuple[list[Stretch], list[float]]:
+def joint_speeds(stretches: list[SpeedSection]) -> tuple[list[SpeedSection], list[float]]:
     """The stretches that have a length, and the speeds at their n + 1 joints."""
-    moving: list[Stretch] = []
+    moving: list[SpeedSection] = []
     speeds: list[float] = []
     limit = stretches[0].limit
     for stretch in stretches:

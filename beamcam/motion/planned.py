@@ -6,8 +6,8 @@ from numpy.typing import ArrayLike
 
 from beamcam.geometry.array_types import Counts, Floats
 from beamcam.geometry.velocity_profile import Phase
-from beamcam.motion.reach import peak_rises, ramp_phases
-from beamcam.motion.stretches import Stretch
+from beamcam.motion.jerk_ramps import peak_rises, ramp_phases
+from beamcam.motion.speed_sections import SpeedSection
 
 
 class PlannedPath(Struct, frozen=True):
@@ -53,7 +53,7 @@ class PlannedPath(Struct, frozen=True):
 
 
 def cut_phases(
-    points: Floats, lengths: Floats, along: Floats, moving: list[Stretch], speeds: Floats
+    points: Floats, lengths: Floats, along: Floats, moving: list[SpeedSection], speeds: Floats
 ) -> PlannedPath:
     """Phases of all stretches, cut at the ends of segments."""
     way = np.array([s.length for s in moving])

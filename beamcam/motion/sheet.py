@@ -38,7 +38,7 @@ from beamcam.motion.arcs import (
     is_parabola,
     parabola_feed,
 )
-from beamcam.motion.pace import paced
+from beamcam.motion.feed_limits import paced
 from beamcam.motion.sure import SureMoves, sure_moves
 
 #: What the fitting of arcs may take of the machine's tolerance; rounding takes the rest.

@@ -34,9 +34,9 @@ from beamcam.model.program import (
 )
 from beamcam.model.work_time import WorkTime
 from beamcam.motion.curves_of_moves import curve_of
+from beamcam.motion.feed_limits import feasible_mm_s
 from beamcam.motion.lookahead import joint_speeds
-from beamcam.motion.pace import feasible_mm_s
-from beamcam.motion.stretches import Stretch, join_segments
+from beamcam.motion.speed_sections import SpeedSection, join_segments
 
 SECONDS_PER_MINUTE = 60.0
 HOME: Point = (0.0, 0.0)
@@ -130,7 +130,7 @@ def seconds_along(segments: Sequence[Segment], limits: PathLimits | None) -> flo
 
 def speeds_along(
     segments: Sequence[Segment], limits: PathLimits
-) -> tuple[list[Stretch], list[float]]:
+) -> tuple[list[SpeedSection], list[float]]:
     """The stretches of segments that follow one another, and the speeds at their joints."""
     count = len(segments)
     junctions = [0.0, *(_junction_mm_s(segments, k, limits) for k in range(1, count)), 0.0]

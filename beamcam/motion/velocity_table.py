@@ -9,7 +9,7 @@ import numpy as np
 from beamcam.geometry.array_types import Floats
 from beamcam.machine.machine import Machine, Torch, TorchProcess
 from beamcam.model.plan import SheetPlan
-from beamcam.model.steps import Stretch
+from beamcam.model.steps import VelocityRow
 from beamcam.motion.densify import DensifyRules, densify
 
 HOME = (0.0, 0.0)
@@ -73,7 +73,7 @@ def speed_at(torch: Torch, process: TorchProcess, material: str, thickness: floa
     raise AssertionError("a thickness beyond the rows was let through")
 
 
-def stretches(job: list[Way], step: float, max_mm_s: float) -> Iterator[Stretch]:
+def stretches(job: list[Way], step: float, max_mm_s: float) -> Iterator[VelocityRow]:
     """A row for each stretch; the steps of all rows add up to the way from corner to corner.
 
     `max_mm_s` is what an axis can do; a stretch that asks for more is slower.
@@ -86,7 +86,7 @@ def stretches(job: list[Way], step: float, max_mm_s: float) -> Iterator[Stretch]
             speed = min(way.speed_mm_s, max_mm_s * length / max(abs(dx), abs(dy)))
             vx, vy = speed * dx / length, speed * dy / length
             ends = [floor(x1 / step + 0.5), floor(y1 / step + 0.5)]
-            yield Stretch(
+            yield VelocityRow(
                 x1, y1, vx, vy, way.laser, ends[0] - count[0], ends[1] - count[1],
                 abs(vx) / step, abs(vy) / step,
             )  # fmt: skip

@@ -4,11 +4,11 @@ from collections.abc import Iterator, Sequence
 
 from beamcam.geometry.ramps import Ramp
 from beamcam.machine.machine import Machine
-from beamcam.simulate.course import Stretch
+from beamcam.simulate.course import CourseSection
 from beamcam.simulate.trace import UNIFORM, Trace, TraceAxis, TraceBuilder
 
 
-def bar_trace(course: Sequence[Stretch], machine: Machine) -> Trace:
+def bar_trace(course: Sequence[CourseSection], machine: Machine) -> Trace:
     """The axes of a cell over time."""
     axes = [
         TraceAxis(a.name, "deg" if a.moves == "angle" else "mm", a.min, a.max) for a in machine.axes

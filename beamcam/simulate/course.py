@@ -28,7 +28,7 @@ class Row(Struct, frozen=True):
     state: State
 
 
-class Stretch(Struct, frozen=True):
+class CourseSection(Struct, frozen=True):
     """A stretch of time in which axes move or something is switched."""
 
     line: int
@@ -47,7 +47,7 @@ class Stretch(Struct, frozen=True):
 
 def stretches(
     events: Sequence[BarEvent], dialect: Dialect, section: Mapping[str, float], machine: Machine
-) -> tuple[Stretch, ...]:
+) -> tuple[CourseSection, ...]:
     """The stretches of a program, one after another.
 
     `section` is what the program says about the bar, by field name. Raises MachineError without
@@ -58,7 +58,7 @@ def stretches(
     return tuple(_Simulation(events, dialect, section, machine).run())
 
 
-def rows(course: Sequence[Stretch], every_s: float | None = None) -> Iterator[Row]:
+def rows(course: Sequence[CourseSection], every_s: float | None = None) -> Iterator[Row]:
     """A row for the beginning and the end of every stretch, or one every `every_s` seconds.
 
     Sampled, the last row stands at the first multiple of `every_s` at which all is over.
@@ -84,7 +84,7 @@ def rows(course: Sequence[Stretch], every_s: float | None = None) -> Iterator[Ro
     yield Row(count * every_s, last.line, last.end, last.state)
 
 
-def trace(course: Sequence[Stretch], machine: Machine, every_s: float | None = None) -> str:
+def trace(course: Sequence[CourseSection], machine: Machine, every_s: float | None = None) -> str:
     """The rows as CSV: time, the axes in the order of the controller's registers, tool states."""
     head = ["time_s", *(a.name for a in machine.axes), "spindle", "diameter", "turning",
             "coolant", "sawing", "line"]  # fmt: skip
@@ -123,7 +123,7 @@ class _Simulation:
         self.clock_s = 0.0
         self.state = State()
 
-    def run(self) -> Iterator[Stretch]:
+    def run(self) -> Iterator[CourseSection]:
         for event in self.events:
             match event:
                 case Move():
@@ -141,22 +141,22 @@ class _Simulation:
                 case Switch():
                     yield from self._switch(event)
 
-    def _move(self, event: Move | Turn, way: float, feed_mm_min: float | None) -> Stretch:
+    def _move(self, event: Move | Turn, way: float, feed_mm_min: float | None) -> CourseSection:
         to = {k: v for k, v in zip("XYZ", event.end, strict=True) if not isnan(v)}
         return self._stretch(event.line, self.cell.move(to, way, feed_mm_min))
 
-    def _stand(self, line: int, seconds: float) -> Stretch:
+    def _stand(self, line: int, seconds: float) -> CourseSection:
         here = self.cell.positions
         return self._stretch(line, Leg(seconds, here, here))
 
-    def _stretch(self, line: int, leg: Leg) -> Stretch:
-        done = Stretch(
+    def _stretch(self, line: int, leg: Leg) -> CourseSection:
+        done = CourseSection(
             line, self.clock_s, leg.duration_s, leg.start, leg.end, leg.along, self.state
         )
         self.clock_s += leg.duration_s
         return done
 
-    def _switch(self, event: Switch) -> Iterator[Stretch]:
+    def _switch(self, event: Switch) -> Iterator[CourseSection]:
         word = self.dialect.m_words.get(event.number)
         role = word.role if word else "other"
         takes_s = 0.0

@@ -6,7 +6,7 @@ import numpy as np
 from msgspec import Struct
 
 from beamcam.motion.planned import cut_phases
-from beamcam.motion.stretches import Stretch
+from beamcam.motion.speed_sections import SpeedSection
 from beamcam.simulate.state import State
 from beamcam.simulate.trace import Counts, Floats, TraceBuilder
 
@@ -23,7 +23,7 @@ class Chords(Struct, frozen=True):
 
 
 def add_phases(
-    builder: TraceBuilder, chords: Chords, moving: Sequence[Stretch], joints: Sequence[float],
+    builder: TraceBuilder, chords: Chords, moving: Sequence[SpeedSection], joints: Sequence[float],
     state: State,
 ) -> None:  # fmt: skip
     """Adds the phases of constant jerk of a path, each within one chord.

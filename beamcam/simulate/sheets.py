@@ -17,7 +17,7 @@ from beamcam.machine.machine import Machine
 from beamcam.machine.path_limits import path_limits
 from beamcam.model.program import ArcFeed, EllipseFeed, Feed, Movement, ParabolaFeed
 from beamcam.motion.sheet_times import SECONDS_PER_MINUTE, Segment, segment_of, speeds_along
-from beamcam.motion.stretches import Stretch
+from beamcam.motion.speed_sections import SpeedSection
 from beamcam.simulate.phases import Chords, add_phases
 from beamcam.simulate.state import State
 from beamcam.simulate.trace import UNIFORM, Counts, Trace, TraceBuilder, head_axes
@@ -101,7 +101,7 @@ class _Head:
             return
         moving, joints = speeds_along(segments, self.limits)
         finer = [
-            Stretch(
+            SpeedSection(
                 s.limit, s.length, int(firsts[s.first]), int(firsts[s.last]), s.acceleration,
                 s.jerk,
             )

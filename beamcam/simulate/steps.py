@@ -15,7 +15,7 @@ from beamcam.machine.machine import Machine
 from beamcam.machine.tables import Stepper
 from beamcam.simulate.state import State
 from beamcam.simulate.trace import UNIFORM, Counts, Floats, Trace, TraceBuilder, head_axes
-from beamcam.verify.steps.velocities import Stretch
+from beamcam.verify.steps.velocities import TableRow
 
 SAMPLE_S = 0.005
 MICROSECONDS = 1e6
@@ -23,7 +23,7 @@ SLACK_STEPS = 0.5  #: of the thinned lines from the samples
 LASER = State(process="cut")
 
 
-def velocity_trace(rows: Iterable[Stretch], machine: Machine) -> Trace:
+def velocity_trace(rows: Iterable[TableRow], machine: Machine) -> Trace:
     """The head over time, stretch by stretch of a velocity table."""
     builder = TraceBuilder(head_axes(machine), (0.0, 0.0))
     for row in rows:

@@ -15,7 +15,7 @@ from beamcam.geometry.plane import Point
 from beamcam.machine.machine import Machine
 from beamcam.machine.runtime import PROCESSES
 from beamcam.model.triggers import Round, Switch, Travel, TriggerOp
-from beamcam.motion.stretches import Stretch
+from beamcam.motion.speed_sections import SpeedSection
 from beamcam.motion.table_times import operation_seconds
 from beamcam.simulate.phases import Chords, add_phases
 from beamcam.simulate.state import State
@@ -45,7 +45,7 @@ def trigger_trace(job: JobRead, machine: Machine) -> Trace:
         if way > 0.0:
             lines = np.full(len(lengths), operation.line, dtype=np.int64)
             chords = Chords(points[:-1], points[1:], lengths, lines)
-            whole = Stretch(op.speed_mm_s, way, 0, len(lengths), triggers.acceleration, inf)
+            whole = SpeedSection(op.speed_mm_s, way, 0, len(lengths), triggers.acceleration, inf)
             add_phases(builder, chords, [whole], (0.0, 0.0), state)
             moving_s = move_seconds(way, op.speed_mm_s, triggers.acceleration)
             builder.wait(max(0.0, whole_s - moving_s), operation.line, state)

@@ -9,9 +9,9 @@ from hypothesis import strategies as st
 
 from beamcam.geometry.curves import Arc, Line
 from beamcam.motion.densify import DensifyRules, densify
+from beamcam.motion.jerk_ramps import reachable_speed
 from beamcam.motion.lookahead import LookAheadRules, plan_speeds
 from beamcam.motion.profile import Limits, fastest_profile
-from beamcam.motion.reach import reachable_speed
 from beamcam.motion.rounding import decimals
 from tests.property.curve_strategies import curves
 

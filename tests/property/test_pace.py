@@ -14,7 +14,7 @@ from beamcam.geometry.curves import Arc, Bezier, EllipseArc
 from beamcam.geometry.plane import cross
 from beamcam.machine.path_limits import PathLimits
 from beamcam.model.program import ArcFeed, EllipseFeed, Feed, Pace, ParabolaFeed
-from beamcam.motion.pace import SECONDS_PER_MINUTE, calm_radius, paced, turning_mm_s
+from beamcam.motion.feed_limits import SECONDS_PER_MINUTE, calm_radius, paced, turning_mm_s
 from beamcam.verify.sheets.ability import expected_feeds
 
 coordinates = st.floats(-50, 50).map(lambda v: round(v, 3))

@@ -13,7 +13,7 @@ from beamcam.machine.machine import Machine
 from beamcam.machine.tables import Stepper
 from beamcam.verify.steps import rules
 from beamcam.verify.steps.outline import Outline, Seen, Times
-from beamcam.verify.steps.pace import Pace, Swerve
+from beamcam.verify.steps.step_rates import Pace, Swerve
 
 SHOWN = 5  #: of one kind of fault
 

@@ -33,7 +33,7 @@ _ROW = re.compile(
 )
 
 
-class Stretch(NamedTuple):
+class TableRow(NamedTuple):
     """A row, and where its stretch begins."""
 
     line: int
@@ -49,7 +49,7 @@ class Stretch(NamedTuple):
         return self.end[0] - self.start[0], self.end[1] - self.start[1]
 
 
-def stretches(stream: Stream, step: float) -> Iterator[Stretch]:
+def stretches(stream: Stream, step: float) -> Iterator[TableRow]:
     """The rows of a velocity table, from the corner on. Raises TableFault."""
     while (line := stream.take_line(COLUMNS.decode())) != COLUMNS:
         if not line.startswith(b"#"):
@@ -68,7 +68,7 @@ def stretches(stream: Stream, step: float) -> Iterator[Stretch]:
             raise stream.fault(repr(shown(line)), f"as {COLUMNS.decode()}", stream.line - 1)
         x, y, vx, vy, laser, nx, ny, fx, fy = row.groups()
         end = float(x), float(y)
-        yield Stretch(
+        yield TableRow(
             stream.line - 1, here, end, (float(vx), float(vy)), laser == b"1",
             (int(nx), int(ny)), (float(fx), float(fy)),
         )  # fmt: skip
@@ -88,7 +88,7 @@ class Velocities:
         self.here = (0.0, 0.0)
         self.rows = 0
         self._drawing = False
-        self._stretches: list[Stretch] = []  #: of a stroke, not looked at yet
+        self._stretches: list[TableRow] = []  #: of a stroke, not looked at yet
         self._fastest, self._slowest = NOTHING_FAST, NOTHING_SLOW
 
     def say(self, rule: Rule, line: int | None, **values: object) -> None:
@@ -96,7 +96,7 @@ class Velocities:
         if sum(d.code == rule.code for d in self.said) < SHOWN:
             self.said.append(rule.at(Source(self.name, line), **values))
 
-    def follow(self, row: Stretch) -> None:
+    def follow(self, row: TableRow) -> None:
         """Take a row."""
         self.rows += 1
         x, y = row.end
@@ -113,7 +113,7 @@ class Velocities:
             self._traverse(row)
         self.here = row.end
 
-    def _count(self, row: Stretch) -> None:
+    def _count(self, row: TableRow) -> None:
         """Each motor stands on the place nearest to the end."""
         for k, axis in enumerate("XY"):
             self.steps[k] += row.steps[k]
@@ -127,7 +127,7 @@ class Velocities:
                 )  # fmt: skip
                 self.steps[k] = round(wanted)
 
-    def _direction(self, row: Stretch) -> None:
+    def _direction(self, row: TableRow) -> None:
         """The velocity leads along the stretch; both are rounded."""
         (dx, dy), (vx, vy) = row.way, row.velocity
         length, speed = hypot(dx, dy), hypot(vx, vy)
@@ -138,7 +138,7 @@ class Velocities:
             found = f"velocity {vx:g}, {vy:g} for a way of {dx:g}, {dy:g}"
             self.say(rules.VELOCITY, row.line, found=found, expected="it along the way")
 
-    def _frequency(self, row: Stretch) -> None:
+    def _frequency(self, row: TableRow) -> None:
         """Frequencies are those of the velocity, and none is above the greatest."""
         step, max_hz = self.stepper.step, self.stepper.max_hz
         for axis, v, hz in zip("XY", row.velocity, row.hz, strict=True):
@@ -150,11 +150,11 @@ class Velocities:
                 expected = f"at most {max_hz:g} Hz"
                 self.say(rules.VELOCITY, row.line, found=found, expected=expected)
 
-    def _is_at_limit(self, row: Stretch) -> bool:
+    def _is_at_limit(self, row: TableRow) -> bool:
         """Whether a motor keeps the stretch from being any faster."""
         return max(row.hz) >= (1.0 - BELOW_GREATEST) * self.stepper.max_hz
 
-    def _traverse(self, row: Stretch) -> None:
+    def _traverse(self, row: TableRow) -> None:
         speed, wanted = hypot(*row.velocity), self.stepper.traverse_mm_s
         too_slow = speed < wanted - SPEED_SLACK and not self._is_at_limit(row)
         if too_slow or speed > wanted + SPEED_SLACK:
@@ -163,7 +163,7 @@ class Velocities:
 
     # -- strokes ----------------------------------------------------------------------------
 
-    def _draw(self, row: Stretch) -> None:
+    def _draw(self, row: TableRow) -> None:
         if not self._drawing:
             self.outline.begin(row.line)
             self._drawing = True

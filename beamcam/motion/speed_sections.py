@@ -28,7 +28,7 @@ SAME_SPEED = 1e-3
 STAIR_RATIO = 1.25
 
 
-class Stretch(Struct):
+class SpeedSection(Struct):
     """Segments `first` to `last` (excluded) under one limit; a junction has none."""
 
     limit: float
@@ -39,7 +39,7 @@ class Stretch(Struct):
     jerk: float
 
 
-def _is_worth(tower: Stretch, foot: float) -> bool:
+def _is_worth(tower: SpeedSection, foot: float) -> bool:
     """Whether a stretch is long enough to rise above `foot` and come down again."""
     gain = tower.limit - foot
     if gain <= SAME_SPEED * foot:
@@ -49,7 +49,7 @@ def _is_worth(tower: Stretch, foot: float) -> bool:
     return tower.length >= 2 * (foot + change / 2) * ramp_s
 
 
-def _absorb(into: Stretch, other: Stretch) -> None:
+def _absorb(into: SpeedSection, other: SpeedSection) -> None:
     into.length += other.length
     into.first, into.last = min(into.first, other.first), max(into.last, other.last)
     into.acceleration = min(into.acceleration, other.acceleration)
@@ -62,22 +62,22 @@ def join_segments(
     junctions: Sequence[float],
     accelerations: Sequence[float],
     jerks: Sequence[float],
-) -> list[Stretch]:
+) -> list[SpeedSection]:
     """The stretches of a path with n segments and n + 1 junctions, its ends included.
 
     Stretches without length are junctions whose limit stands for itself. Each segment is looked
     at a bounded number of times on average: a level tower is never looked at again.
     """
-    skyline: list[Stretch] = []
+    skyline: list[SpeedSection] = []
     for i, junction in enumerate(junctions):
-        _add(skyline, Stretch(junction, 0.0, i, i, inf, inf))
+        _add(skyline, SpeedSection(junction, 0.0, i, i, inf, inf))
         if i < len(lengths):
-            segment = Stretch(limits[i], lengths[i], i, i + 1, accelerations[i], jerks[i])
+            segment = SpeedSection(limits[i], lengths[i], i, i + 1, accelerations[i], jerks[i])
             _add(skyline, segment)
     return _join_stairs(skyline)
 
 
-def _add(skyline: list[Stretch], new: Stretch) -> None:
+def _add(skyline: list[SpeedSection], new: SpeedSection) -> None:
     """Puts a stretch at the end, after levelling towers that it leaves too narrow."""
     while len(skyline) > 1 and skyline[-1].limit > new.limit:
         before, tower = skyline[-2], skyline[-1]
@@ -94,9 +94,9 @@ def _add(skyline: list[Stretch], new: Stretch) -> None:
         skyline.append(new)
 
 
-def _join_stairs(skyline: list[Stretch]) -> list[Stretch]:
+def _join_stairs(skyline: list[SpeedSection]) -> list[SpeedSection]:
     """Joins neighbours too short for a rise of their own while their limits are near."""
-    found: list[Stretch] = []
+    found: list[SpeedSection] = []
     lowest = highest = 0.0
     for new in skyline:
         is_short = new.length > 0.0 and not _is_worth(new, new.limit / STAIR_RATIO)
