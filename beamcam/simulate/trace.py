@@ -15,13 +15,11 @@ from typing import Literal
 
 import numpy as np
 from msgspec import Struct
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from beamcam.geometry.array_types import Counts, Floats
 from beamcam.machine.machine import Machine
 from beamcam.simulate.state import State
-
-Floats = NDArray[np.float64]
-Counts = NDArray[np.int64]
 
 UNIFORM = (1.0, 1.0)
 
