@@ -5,10 +5,11 @@ from collections.abc import Sequence
 import numpy as np
 from msgspec import Struct
 
+from beamcam.geometry.array_types import Counts, Floats
 from beamcam.motion.planned import cut_phases
 from beamcam.motion.speed_sections import SpeedSection
 from beamcam.simulate.state import State
-from beamcam.simulate.trace import Counts, Floats, TraceBuilder
+from beamcam.simulate.trace import TraceBuilder
 
 MIN_SECONDS = 1e-9  #: what rounding leaves of a phase is none
 

@@ -10,6 +10,7 @@ from math import isnan
 import numpy as np
 
 from beamcam.controllers.events import Leg, Pause, Switch, TableEvent
+from beamcam.geometry.array_types import Counts
 from beamcam.geometry.curves import Arc, Bezier, Curve, EllipseArc, Line
 from beamcam.geometry.plane import Point
 from beamcam.geometry.polylines import polylines
@@ -20,7 +21,7 @@ from beamcam.motion.sheet_times import SECONDS_PER_MINUTE, Segment, segment_of, 
 from beamcam.motion.speed_sections import SpeedSection
 from beamcam.simulate.phases import Chords, add_phases
 from beamcam.simulate.state import State
-from beamcam.simulate.trace import UNIFORM, Counts, Trace, TraceBuilder, head_axes
+from beamcam.simulate.trace import UNIFORM, Trace, TraceBuilder, head_axes
 
 #: Of the chords that stand for a curve in a trace.
 CHORD_TOLERANCE = 0.02

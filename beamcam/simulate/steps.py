@@ -11,10 +11,11 @@ from math import hypot
 import numpy as np
 
 from beamcam.controllers.step_table.rows import Rows
+from beamcam.geometry.array_types import Counts, Floats
 from beamcam.machine.machine import Machine
 from beamcam.machine.tables import Stepper
 from beamcam.simulate.state import State
-from beamcam.simulate.trace import UNIFORM, Counts, Floats, Trace, TraceBuilder, head_axes
+from beamcam.simulate.trace import UNIFORM, Trace, TraceBuilder, head_axes
 from beamcam.verify.steps.velocities import TableRow
 
 SAMPLE_S = 0.005

@@ -11,7 +11,7 @@ from msgspec.structs import replace
 
 from beamcam.errors import MachineError
 from beamcam.geometry.ramps import ramp
-from beamcam.simulate.course import Stretch, rows, trace
+from beamcam.simulate.course import CourseSection, rows, trace
 from tests.unit.simulate.programs import course_of
 from tests.unit.verify.programs import ANNEX, BEAM, PART, PROGRAM
 
@@ -19,7 +19,7 @@ AXES = {a.name: i for i, a in enumerate(BEAM.axes)}
 
 
 @pytest.fixture(scope="module")
-def course() -> tuple[Stretch, ...]:
+def course() -> tuple[CourseSection, ...]:
     return course_of(PROGRAM, BEAM, PART.profile)
 
 
@@ -31,7 +31,7 @@ def test_the_axes_stand_in_the_order_of_the_registers() -> None:
     ]  # fmt: skip
 
 
-def test_stretches_follow_one_another_without_a_jump(course: tuple[Stretch, ...]) -> None:
+def test_stretches_follow_one_another_without_a_jump(course: tuple[CourseSection, ...]) -> None:
     for a, b in pairwise(course):
         assert b.begin_s == pytest.approx(a.begin_s + a.duration_s)
         assert b.start == a.end
@@ -40,7 +40,7 @@ def test_stretches_follow_one_another_without_a_jump(course: tuple[Stretch, ...]
         assert part.at(part.begin_s + part.duration_s) == pytest.approx(part.end)
 
 
-def test_the_axes_are_where_the_program_says(course: tuple[Stretch, ...]) -> None:
+def test_the_axes_are_where_the_program_says(course: tuple[CourseSection, ...]) -> None:
     by_line = {part.line: part for part in course}
     bottom = by_line[12].end
     assert bottom[AXES["stop"]] == 1098.56
@@ -53,7 +53,7 @@ def test_the_axes_are_where_the_program_says(course: tuple[Stretch, ...]) -> Non
     assert pair[AXES["top drill vertical"]] == -5
 
 
-def test_what_is_switched_on(course: tuple[Stretch, ...]) -> None:
+def test_what_is_switched_on(course: tuple[CourseSection, ...]) -> None:
     drilling = next(p for p in course if p.line == 12).state
     assert (drilling.spindle, drilling.diameter, drilling.turning) == (2, 22.0, 1)
     assert drilling.coolant
@@ -65,7 +65,7 @@ def test_what_is_switched_on(course: tuple[Stretch, ...]) -> None:
     assert course[-1].state.turning == 0
 
 
-def test_a_feed_takes_its_time(course: tuple[Stretch, ...]) -> None:
+def test_a_feed_takes_its_time(course: tuple[CourseSection, ...]) -> None:
     (stroke,) = (p for p in course if p.line == 12)
     way, feed = 61.409 - 42.2, 90.42 / 60
     assert stroke.duration_s == pytest.approx(way / feed, rel=0.01)
@@ -73,7 +73,7 @@ def test_a_feed_takes_its_time(course: tuple[Stretch, ...]) -> None:
 
 
 @pytest.mark.parametrize("step", [0.01, 0.013])
-def test_no_axis_beyond_its_speed(course: tuple[Stretch, ...], step: float) -> None:
+def test_no_axis_beyond_its_speed(course: tuple[CourseSection, ...], step: float) -> None:
     sampled = list(rows(course, step))
     for a, b in pairwise(sampled):
         assert b.time_s - a.time_s == pytest.approx(step)
@@ -129,7 +129,7 @@ def test_how_long_a_way_takes(limits_of: tuple[float, float, float], takes: floa
     assert ramp(*limits_of).duration_s == pytest.approx(takes)
 
 
-def test_an_axis_with_a_jerk_takes_longer(course: tuple[Stretch, ...]) -> None:
+def test_an_axis_with_a_jerk_takes_longer(course: tuple[CourseSection, ...]) -> None:
     axes = tuple(replace(axis, jerk=2 * axis.acceleration) for axis in BEAM.axes)
     gentle = replace(BEAM, axes=axes)
     slow = course_of(PROGRAM, gentle, PART.profile)
@@ -139,7 +139,7 @@ def test_an_axis_with_a_jerk_takes_longer(course: tuple[Stretch, ...]) -> None:
     assert slow[moved].duration_s > course[moved].duration_s
 
 
-def test_the_csv_has_a_row_for_every_event(course: tuple[Stretch, ...]) -> None:
+def test_the_csv_has_a_row_for_every_event(course: tuple[CourseSection, ...]) -> None:
     lines = trace(course, BEAM).splitlines()
     assert lines[0] == (
         "time_s,stop,left drill vertical,left drill horizontal,top drill horizontal,"
