@@ -18,8 +18,6 @@ import pytest
 
 from beamcam.batch import Shop, find_inputs, processes, work
 from beamcam.batch.find import Input, read_input
-from beamcam.batch.pool import Result
-from beamcam.batch.processes import Processes
 from beamcam.batch.record import RECORD_NAME
 from beamcam.batch.work import Made, Task
 from beamcam.errors import Diagnostic, Source
@@ -307,30 +305,6 @@ def test_a_worker_that_dies_is_told_for_its_file(
     assert len(programs(tmp_path / "out")) == 39
     monkeypatch.undo()
     assert counts(batch(tmp_path / "in", "-o", tmp_path / "out", "--jobs", 2)) == (1, 39, 0, 0)
-
-
-def test_a_worker_killed_from_outside_costs_no_file(tmp_path: Path) -> None:
-    shop = Shop(load("beamline"))
-    workers = Processes(shop, 2)
-    chunks = [(Task(k, f"{k}.nc1", part(f"P{k}").encode()),) for k in range(4)]
-    for chunk in chunks:
-        assert workers.has_room()
-        workers.submit(chunk)
-    assert not workers.has_room()
-    victim = workers._workers[0]
-    victim.process.kill()
-    victim.process.join()
-    results: list[Result] = []
-    while len(results) < 4:
-        results += workers.wait()
-    workers.close()
-    # What it had sent before it died still counts; the rest is told as lost or suspected.
-    by_first = {r.chunk[0].index: r for r in results}
-    assert set(by_first) == {0, 1, 2, 3}
-    for result in results:
-        assert result.how != "made" or [m.index for m in result.made] == [result.chunk[0].index]
-    assert sum(r.how == "suspected" for r in results) <= 1
-    assert not victim.chunks or "made" not in {by_first[c[0].index].how for c in victim.chunks}
 
 
 def test_a_full_disk(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -13,7 +13,7 @@ PACKAGE = ROOT / "beamcam"
 #: A package may import those of lower steps; packages on one step never import each other.
 STEPS = (
     ("caches", "conversion", "plain_text", "system"),
-    ("collector", "errors", "files"),
+    ("collector", "errors", "files", "processes"),
     ("geometry",),
     ("machine",),
     ("model",),

@@ -16,8 +16,8 @@ from pathlib import Path
 import pytest
 from click.testing import CliRunner
 
-from beamcam import readers, system
-from beamcam.batch import find, processes
+from beamcam import processes, readers, system
+from beamcam.batch import find
 from beamcam.batch.names import check_template
 from beamcam.cli import main
 from beamcam.commands.common import Voice, stop_without_output, write
@@ -25,7 +25,6 @@ from beamcam.commands.running import ended_by_term
 from beamcam.config.load import load as load_config
 from beamcam.files import FilesRead, write_whole
 from beamcam.machine import load
-from beamcam.readers.ifc import shares
 from tests.conftest import ROOT, SAMPLES
 from tests.runs import batch, counts, fill, part, programs
 
@@ -133,14 +132,6 @@ def test_workers_that_start_afresh(tmp_path: Path, monkeypatch: pytest.MonkeyPat
 def test_how_workers_start(platform: str, method: str, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(sys, "platform", platform)
     assert system.start_method() == method
-
-
-def test_members_are_read_here_where_nothing_forks(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(shares, "start_method", lambda: "spawn")
-    monkeypatch.setattr(shares, "_by_processes", lambda *_: pytest.fail("a process was begun"))
-    count = shares.WORTH * shares.SHARE
-    stretches = shares.shares(list, count, workers=4)
-    assert [k for stretch in stretches for k in stretch] == list(range(count))
 
 
 def test_windows_waits_for_no_more_than_it_can(windows: None) -> None:

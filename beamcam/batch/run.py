@@ -9,7 +9,6 @@ done early is held back, up to a limit, and so is who may have a name that two w
 """
 
 import os
-from collections import Counter as Tally
 from collections import deque
 from collections.abc import Generator, Iterator, Sequence
 from contextlib import suppress
@@ -32,7 +31,6 @@ CHUNK_FILES = 16  #: most files that a worker gets at once
 CHUNK_BYTES = 256 * 1024  #: a chunk of more is closed
 MOST_HELD = 64 * 1024 * 1024  #: bytes of programs that wait for an earlier one
 MOST_FLYING = 256 * 1024 * 1024  #: bytes of inputs that workers have
-DEATHS = 2  #: of workers at one file alone, until it is given up
 
 
 class BatchError(BeamcamError):
@@ -107,7 +105,6 @@ class _Run:
         self._slots: deque[_Slot] = deque()
         self._away: dict[int, _Slot] = {}  #: what workers have, by index
         self._again: deque[Chunk] = deque()
-        self._deaths: Tally[int] = Tally()
         self._held = self._flying = 0
         self._claims = {} if claims is None else claims  #: name of an output -> input that has it
         self._read_files = read or FilesRead(found.path for found in inputs)
@@ -187,12 +184,8 @@ class _Run:
             self._again.extend((task,) for task in result.chunk)
         else:
             (task,) = result.chunk
-            self._deaths[task.index] += 1
-            if self._deaths[task.index] < DEATHS:
-                self._again.append(result.chunk)
-            else:
-                slot = self._land(task.index)
-                slot.row = _row(task.name, "failed", rules.DIED.at(Source(task.name)))
+            slot = self._land(task.index)
+            slot.row = _row(task.name, "failed", rules.DIED.at(Source(task.name)))
 
     def _land(self, index: int) -> _Slot:
         slot = self._away.pop(index)

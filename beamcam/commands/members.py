@@ -27,12 +27,13 @@ def member_choice(
 ) -> dict[str, object]:
     """What a reader of models is told; `kernel` has every member checked by a second route.
 
-    So many `workers` read the members of a large model, or as many as there are cores.
+    So many `workers` read the members of a large model, or as many as there are cores. Two at
+    least: while the kernel builds in another process, this one hears of an interrupt.
     """
     from beamcam.readers.ifc import Options, Selection
 
     names = ("marks", "guids", "classes", "assemblies")
     return {
         "selection": Selection(*(frozenset(values[name]) for name in names)),
-        "options": Options(values.get("force", False), kernel, workers=workers or cores()),
+        "options": Options(values.get("force", False), kernel, workers=workers or max(cores(), 2)),
     }

@@ -146,7 +146,7 @@ def _solid(model: Model, element: Entity, asked: Mapping[str, Any] | None = None
     settings.set("weld-vertices", True)
     for name, value in (asked or {}).items():
         settings.set(name, value)
-    file = _file_of(model)
+    file = load(model)
     instances = [_instance(file, each) for each in (element, *openings)]
     for each in used:
         _make_slots_buildable(file, each or ())
@@ -210,7 +210,7 @@ def _referred(values: tuple[Any, ...]) -> Iterator[Any]:
             yield value
 
 
-def _file_of(model: Model) -> Any:
+def load(model: Model) -> Any:
     """The model as the kernel reads it, once. Raises Unreadable if it does not."""
     if not model.kernel:
         try:

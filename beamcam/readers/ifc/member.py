@@ -2,6 +2,7 @@
 
 from collections import Counter
 from collections.abc import Iterable, Iterator
+from contextlib import suppress
 from typing import Any
 
 from msgspec import Struct, field
@@ -23,6 +24,7 @@ from beamcam.readers.ifc.entities import (
 )
 from beamcam.readers.ifc.finish import Shaped
 from beamcam.readers.ifc.geometric import read_kernel, read_shell
+from beamcam.readers.ifc.kernel import load
 from beamcam.readers.ifc.marks import (
     Data,
     assembly_of,
@@ -93,6 +95,29 @@ class Members(Struct):
     options: Options
     taken: Taken = field(default_factory=Taken)
     kernel_done: dict[Any, tuple[Diagnostic, ...]] = field(default_factory=dict)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """How another process has them: it opens the model again."""
+        from beamcam.readers.ifc.reader import members_of
+
+        return members_of, (self.model.data, self.name, self.selection, self.options)
+
+    def prepare(self) -> None:
+        """Work out what the members have in common, so that processes need not each do so."""
+        if self.options.kernel:
+            with suppress(Unreadable):
+                load(self.model)
+        first = replace(self, options=replace(self.options, kernel=False), taken=Taken())
+        first.share(range(min(1, len(self.elements))))
+
+    def died(self, place: int) -> Taken:
+        """What comes of an element at which processes die."""
+        self.taken = taken = Taken()
+        element = self.elements[place]
+        data = data_of(self.model, element)
+        self._selected(element, mark_of(element, data)[0], assembly_of(element, data))
+        self._refuse(rules.KERNEL_DIED, Source(self.name, where=str(element[0])), "two processes")
+        return taken
 
     def share(self, places: Iterable[int]) -> Taken:
         """What comes of the elements at these places."""

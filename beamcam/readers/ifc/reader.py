@@ -9,9 +9,10 @@ from beamcam.readers.ifc.entities import Entity, Model
 from beamcam.readers.ifc.member import Members, Taken, class_names
 from beamcam.readers.ifc.opening import open_file
 from beamcam.readers.ifc.options import Options, Progress, Selection
-from beamcam.readers.ifc.shares import HEAVY, SHARE, shares
+from beamcam.readers.ifc.shares import shares, workers_for
 from beamcam.readers.ifc.step import Malformed
 from beamcam.readers.reading import Reading
+from beamcam.system import start_method
 
 CLASSES = ("IfcBeam", "IfcColumn", "IfcMember", "IfcPlate", "IfcDiscreteAccessory")
 PROXY = "IfcBuildingElementProxy"
@@ -52,11 +53,13 @@ def read_model(
 def _read(
     model: Model, name: str, selection: Selection, options: Options, progress: Progress | None
 ) -> Reading:
-    elements = list(_elements(model, selection))
-    members = Members(model, elements, name, selection, options)
+    members = _members(model, name, selection, options)
+    elements = members.elements
     taken = Taken()
-    size = HEAVY if options.kernel else SHARE
-    for share in shares(members.share, len(elements), options.workers, size):
+    workers = workers_for(options, len(elements))
+    if workers and start_method() == "fork":
+        members.prepare()
+    for share in shares(members.share, members.died, len(elements), workers, options.kernel):
         taken.add(share)
         if progress is not None:
             progress(taken.ledger.total, len(elements))
@@ -73,6 +76,18 @@ def _read(
     others = _others(model, {element.is_a() for element in elements})
     said = [*taken.said, *_account(taken, len(elements), selection, name, others)]
     return Reading("ifc", tuple(parts), tuple(said))
+
+
+def _members(model: Model, name: str, selection: Selection, options: Options) -> Members:
+    return Members(model, list(_elements(model, selection)), name, selection, options)
+
+
+def members_of(data: bytes, name: str, selection: Selection, options: Options) -> Members:
+    """The members of a model that was opened before, for a process that was started afresh."""
+    opened = open_file(data, Source(name))
+    if isinstance(opened, Diagnostic):
+        raise AssertionError("a model that cannot be opened a second time")
+    return _members(opened, name, selection, options)
 
 
 def _elements(model: Model, selection: Selection) -> Iterator[Entity]:

@@ -129,6 +129,13 @@ KERNEL_LOG = Rule(
     "found an error of the geometry kernel ({found}); expected a solid without one",
     "The kernel leaves out what it cannot build. --force takes the member as defined.",
 )
+KERNEL_DIED = Rule(
+    "ifc-kernel-died",
+    _E,
+    "found {found} dead at this member, the second with nothing else to do; expected a solid by "
+    "the geometry kernel, leave the member out by --mark or --guid of the others",
+    "The kernel has crashed, or the system ended it for want of memory.",
+)
 KERNEL_DENIED = Rule(
     "ifc-kernel-denied",
     _W,
@@ -225,8 +232,9 @@ BOLT_SKEW = Rule(
 RULES = (
     SYNTAX, SCHEMA, NO_MEMBERS, NOT_FOUND, LEDGER, LEFT_OUT, OTHER_CLASSES, CURVED, TAPERED,
     GEOMETRY, SECTION, OUTLINE, PROFILE_NAME, LENGTH, WEIGHT, WEIGHT_NEAR, NET_VOLUME, CUTOUT,
-    KERNEL, KERNEL_LOG, KERNEL_DENIED, FITTED, UNEXPLAINED, SECTION_AREA, KINKED, ROOT_FILLET,
-    LEANING, VOLUME, VOLUME_OFF, PIECES, BOLT_HOLES, BOLT_AIR, BOLT_SHANK, BOLTS, BOLT_SKEW,
+    KERNEL, KERNEL_LOG, KERNEL_DIED, KERNEL_DENIED, FITTED, UNEXPLAINED, SECTION_AREA, KINKED,
+    ROOT_FILLET, LEANING, VOLUME, VOLUME_OFF, PIECES, BOLT_HOLES, BOLT_AIR, BOLT_SHANK, BOLTS,
+    BOLT_SKEW,
 )  # fmt: skip
 
 

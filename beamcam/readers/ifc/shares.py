@@ -1,68 +1,67 @@
-"""Members of a large model, read by several processes side by side.
+"""Members of a model, read by several processes side by side.
 
-A forked process has the whole model at hand without a copy of it, and sends back only the parts
-that it made. So this is for systems that fork, and for callers who say that they may: one with
-threads of its own may not.
+A forked process has the whole model at hand without a copy of it; one that is started afresh opens
+the model again. Both send back only the parts that they made. This is for callers who say that they
+may: one with threads of its own may not fork.
 """
 
-import signal
-from collections.abc import Callable, Generator
-from typing import Any, TypeVar
+from collections import deque
+from collections.abc import Callable, Iterator
+from typing import TypeVar
 
+from beamcam.processes import Died, Pool
+from beamcam.readers.ifc.options import Options
 from beamcam.system import start_method
 
 T = TypeVar("T")
 
-SHARE = 16  #: members that a process takes at a time
-HEAVY = 1  #: of members that the geometry kernel builds, which takes a hundred times as long
-WORTH = 12  #: shares below which processes cost more than they save
+SHARE = 16  #: members that a process takes at a time, as reading one takes less than a millisecond
+#: Members from which on processes pay, by how they are started and whether the kernel builds each
+#: one. It is not to be interrupted, so that where processes cost little it is never called here.
+WORTH = {
+    ("fork", False): 192, ("fork", True): 1, ("spawn", False): 10_000, ("spawn", True): 50,
+}  # fmt: skip
 
-_share_of: list[Callable[[range], Any]] = []  #: the one that a forked process calls
+
+def workers_for(options: Options, count: int) -> int:
+    """How many processes read so many members; 0 if it is better done here."""
+    worth = options.workers > 1 and count >= WORTH[start_method(), options.kernel]
+    return options.workers if worth else 0
 
 
 def shares(
-    share: Callable[[range], T], count: int, workers: int, size: int = SHARE
-) -> Generator[T, None, None]:
+    share: Callable[[range], T],
+    died: Callable[[int], T],
+    count: int,
+    workers: int,
+    each_by_itself: bool,
+) -> Iterator[T]:
     """What `share` gives for all of range(count), a stretch at a time and in order.
 
-    With `workers` above 1 and enough to do, so many processes do it, `size` members at a time, and
-    `share` has to give what can be pickled. Where one of them dies, as a geometry kernel can, the
-    rest is done here.
+    With `workers` above 0 so many processes do it, and `share` has to give what can be pickled.
+    `died` gives what stands for a member at which processes die.
     """
-    done = 0
-    if workers > 1 and count >= WORTH * size and start_method() == "fork":
-        for given in _by_processes(share, count, workers, size):
-            yield given
-            done = min(done + size, count)
-    for place in range(done, count):
-        yield share(range(place, place + 1))
-
-
-def _by_processes(
-    share: Callable[[range], T], count: int, workers: int, size: int
-) -> Generator[T, None, None]:
-    """As `shares`, as far as the processes live."""
-    from concurrent.futures import ProcessPoolExecutor
-    from concurrent.futures.process import BrokenProcessPool
-    from multiprocessing import get_context
-
-    stretches = [range(i, min(i + size, count)) for i in range(0, count, size)]
-    # What the model's members have in common is read with the first of them: here, for all.
-    yield share(stretches.pop(0))
-    # `share` reaches a forked process as it is; what initargs hold is not pickled then.
-    pool = ProcessPoolExecutor(workers, get_context("fork"), _begin, (share,))
-    try:
-        yield from pool.map(_one_share, stretches)
-    except BrokenProcessPool:
+    if not workers:
+        yield from (share(range(place, place + 1)) for place in range(count))
         return
+    size = 1 if each_by_itself else SHARE
+    pool = Pool[range, T](share, min(workers, -(-count // size)))
+    todo = deque(range(i, min(i + size, count)) for i in range(0, count, size))
+    made: dict[int, tuple[int, T]] = {}
+    place = 0
+    try:
+        while place < count:
+            while todo and pool.has_room():
+                pool.submit(todo.popleft())
+            for stretch, found in pool.wait():
+                if not isinstance(found, Died):
+                    made[stretch.start] = stretch.stop, found
+                elif len(stretch) == 1:
+                    made[stretch.start] = stretch.stop, died(stretch.start)
+                else:
+                    todo.extendleft(range(i, i + 1) for i in stretch)
+            while place in made:
+                place, found = made.pop(place)
+                yield found
     finally:
-        pool.shutdown(cancel_futures=True)
-
-
-def _begin(share: Callable[[range], object]) -> None:
-    _share_of[:] = [share]
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # the caller hears it and ends the others
-
-
-def _one_share(stretch: range) -> Any:
-    return _share_of[0](stretch)
+        pool.close()

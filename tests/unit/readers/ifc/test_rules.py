@@ -262,7 +262,8 @@ CASES: dict[str, Callable[[], bytes]] = {
     "ifc-ledger": lambda: plain().data,
 }
 ELSEWHERE = {
-    "ifc-selection", "ifc-kernel", "ifc-kernel-log", "ifc-kernel-denied", "ifc-volume-off"
+    "ifc-selection", "ifc-kernel", "ifc-kernel-log", "ifc-kernel-died", "ifc-kernel-denied",
+    "ifc-volume-off",
 }  # fmt: skip
 
 

@@ -7,86 +7,96 @@ from random import Random
 
 import pytest
 
-from beamcam.readers.ifc import Options, Selection, read
-from beamcam.readers.ifc.shares import HEAVY, SHARE, shares
-from beamcam.readers.ifc.shares import WORTH as SHARES
+from beamcam import processes
+from beamcam.errors import Severity
+from beamcam.readers.ifc import Options, Selection, member, read, shares
+from beamcam.readers.ifc.shares import SHARE, WORTH, workers_for
+from beamcam.readers.ifc.shares import shares as shared_out
 from tests.property.ifc_builder import model_text, random_member
+from tests.unit.readers.ifc.models import Small
 
-WORTH = SHARES * SHARE
+MANY = WORTH["fork", False]
 
 
 def squares(stretch: range) -> list[int]:
     return [n * n for n in stretch]
 
 
-@pytest.mark.parametrize("workers", [1, 2, 3])
-@pytest.mark.parametrize("count", [0, 1, WORTH - 1, WORTH, WORTH + SHARE + 1])
+def dead(place: int) -> list[int]:
+    return [-place]
+
+
+def made(count: int, workers: int, each: bool = False) -> list[int]:
+    given = shared_out(squares, dead, count, workers, each)
+    return [n for share in given for n in share]
+
+
+@pytest.mark.parametrize("workers", [0, 2, 3])
+@pytest.mark.parametrize("count", [0, 1, SHARE, SHARE + 1, 5 * SHARE - 1])
 def test_shares_come_in_order_and_leave_nothing_out(count: int, workers: int) -> None:
-    given = list(shares(squares, count, workers))
-
-    assert [n for share in given for n in share] == squares(range(count))
-
-
-def test_a_large_number_is_shared_by_other_processes() -> None:
-    first, *others = shares(lambda _: os.getpid(), WORTH, 2)
-
-    assert first == os.getpid()  # which has then read what all share
-    assert others
-    assert os.getpid() not in others
+    assert made(count, workers) == squares(range(count))
+    assert made(count // 8, workers, each=True) == squares(range(count // 8))
 
 
-def test_a_small_number_is_not() -> None:
-    assert set(shares(lambda _: os.getpid(), WORTH - 1, 2)) == {os.getpid()}
+def test_other_processes_have_all_or_none() -> None:
+    def pids(workers: int) -> set[int]:
+        return set(shared_out(lambda _: os.getpid(), lambda _: 0, 3 * SHARE, workers, False))
+
+    assert pids(0) == {os.getpid()}
+    assert os.getpid() not in pids(2)
 
 
-def test_shares_that_take_long_are_small_and_shared_sooner() -> None:
-    _, *others = shares(lambda s: (os.getpid(), len(s)), SHARES * HEAVY, 2, HEAVY)
+@pytest.mark.parametrize("method", ["fork", "spawn"])
+def test_processes_are_for_work_that_pays(method: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(shares, "start_method", lambda: method)
+    for kernel in (False, True):
+        worth = WORTH[method, kernel]  # type: ignore[index]
+        two = Options(kernel=kernel, workers=2)
+        assert (workers_for(two, worth), workers_for(two, worth - 1)) == (2, 0)
+        assert workers_for(Options(kernel=kernel), worth) == 0
 
-    assert all(pid != os.getpid() and size == HEAVY for pid, size in others)
 
-
-@pytest.mark.parametrize("fatal", [SHARE, 3 * SHARE, WORTH - 1])
-def test_what_a_killed_process_had_is_done_here(fatal: int) -> None:
-    here = os.getpid()
-
+@pytest.mark.parametrize("fatal", [0, SHARE, 3 * SHARE - 1])
+def test_only_the_member_that_kills_is_lost(fatal: int) -> None:
     def deadly(stretch: range) -> list[int]:
-        if fatal in stretch and os.getpid() != here:
+        if fatal in stretch:
             os.kill(os.getpid(), signal.SIGKILL)
         return squares(stretch)
 
-    given = list(shares(deadly, WORTH, 2))
+    given = list(shared_out(deadly, dead, 3 * SHARE, 2, False))
 
-    assert [n for share in given for n in share] == squares(range(WORTH))
+    assert [n for share in given for n in share] == [
+        -n if n == fatal else n * n for n in range(3 * SHARE)
+    ]
 
 
 def test_a_fault_in_a_process_is_raised_here() -> None:
-    here = os.getpid()
-
     def faulty(stretch: range) -> int:
-        if os.getpid() != here:
-            raise AssertionError(f"at {stretch.start}")
-        return 0
+        raise AssertionError(f"at {stretch.start}")
 
-    with pytest.raises(AssertionError, match=f"at {SHARE}"):
-        list(shares(faulty, WORTH, 2))
+    with pytest.raises(AssertionError, match="at 0"):
+        list(shared_out(faulty, lambda _: 0, SHARE, 2, False))
 
 
 def test_who_stops_listening_stops_the_processes() -> None:
-    given = shares(squares, 100 * WORTH, 2)
-    next(given)
+    given = shared_out(squares, dead, 100 * SHARE, 2, False)
     next(given)
     assert active_children()
 
-    given.close()
+    given.close()  # type: ignore[attr-defined]
 
     assert not active_children()
 
 
+def model_of(encoding: str, count: int) -> bytes:
+    random = Random(encoding)
+    members = [random_member(random, encoding) for _ in range(count)]
+    return model_text(members, encoding, random)[0].encode()
+
+
 @pytest.mark.parametrize("encoding", ["csg", "openings"])
 def test_a_model_is_the_same_whoever_reads_it(encoding: str) -> None:
-    random = Random(encoding)
-    members = [random_member(random, encoding) for _ in range(WORTH + 10)]
-    data = model_text(members, encoding, random)[0].encode()
+    data = model_of(encoding, MANY + 10)
     chosen = Selection(classes=frozenset(["beam"]), marks=frozenset(["nobody"]))
 
     for selection in (Selection(), chosen):
@@ -94,4 +104,44 @@ def test_a_model_is_the_same_whoever_reads_it(encoding: str) -> None:
         shared = read(data, "model.ifc", selection=selection, options=Options(workers=2))
 
         assert shared == alone
-    assert len(read(data, "model.ifc").parts) == WORTH + 10
+    assert len(read(data, "model.ifc").parts) == MANY + 10
+
+
+def few() -> bytes:
+    """Four short beams of a hole each."""
+    m = Small()
+    for i in range(4):
+        hole = m.hole((50.0 + i, 0.0, 60.0), (0, 1, 0), 18.0, 90.0)
+        m.element(m.minus(m.extruded(m.ipe300(), 400.0), hole), tag=f"B{i}")
+    return m.data
+
+
+@pytest.mark.parametrize("method", ["fork", "spawn"])
+def test_so_it_is_with_the_kernel(method: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    data = few()
+    for module in (shares, processes):
+        monkeypatch.setattr(module, "start_method", lambda: method)
+    monkeypatch.setitem(WORTH, ("spawn", True), 4)
+    alone = read(data, "model.ifc", options=Options(kernel=True))
+    assert read(data, "model.ifc", options=Options(kernel=True, workers=2)) == alone
+    assert len(alone.parts) == 4
+
+
+def test_a_member_at_which_the_kernel_dies_is_refused_by_name(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    data = few()
+    alone = read(data, "model.ifc", options=Options(kernel=True))
+    deadly = alone.parts[2]
+    real = member.check_stock
+
+    def check_stock(*args: object) -> object:
+        if args[2].guid == deadly.guid:  # type: ignore[attr-defined]
+            os.kill(os.getpid(), signal.SIGKILL)
+        return real(*args)  # type: ignore[arg-type]
+
+    monkeypatch.setattr(member, "check_stock", check_stock)
+    shared = read(data, "model.ifc", options=Options(kernel=True, workers=2))
+    assert shared.parts == tuple(p for p in alone.parts if p is not deadly)
+    (said,) = [d for d in shared.diagnostics if d.severity is Severity.ERROR]
+    assert (said.code, said.source.where) == ("ifc-kernel-died", deadly.guid)

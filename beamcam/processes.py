@@ -1,0 +1,128 @@
+"""Calls of one function in other processes of this machine, whatever befalls one of them.
+
+    pool.submit(task) -> ProcessPoolExecutor -> work(task) in a worker -> pool.wait()
+
+A worker that dies, as a geometry kernel can, takes the whole executor with it, and nobody knows at
+which task. So each task that was lost is tried again, one by one; who then kills a worker by
+itself has `Died`.
+"""
+
+import signal
+import threading
+from collections import deque
+from collections.abc import Callable, Iterator
+from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
+from concurrent.futures.process import BrokenProcessPool
+from multiprocessing import get_context, parent_process
+from multiprocessing.connection import wait as wait_for
+from os import _exit as end_at_once
+from typing import Any, Generic, TypeVar
+
+from msgspec import Struct
+
+from beamcam.system import max_workers, start_method
+
+Given = TypeVar("Given")
+Made = TypeVar("Made")
+
+_work: list[Callable[[Any], Any]] = []  #: what this process does, if it is a worker
+
+
+class Died(Struct, frozen=True):
+    """In place of what would have been made: two workers died at it, one had nothing else to do."""
+
+
+class Pool(Generic[Given, Made]):
+    """Workers that are started when there is something to do."""
+
+    PER_WORKER = 2  #: tasks that each worker has at most, so that it finds the next one at once
+
+    def __init__(
+        self, work: Callable[[Given], Made], workers: int, begin: Callable[[], object] | None = None
+    ) -> None:
+        """Each worker calls `begin` once, and `work` for each task.
+
+        A forked worker has both as they are here. One that is started afresh gets them pickled.
+        """
+        self.at_once = max_workers(workers)
+        self._begun_with = (work, begin)
+        self._executor: ProcessPoolExecutor | None = None
+        self._given: dict[Future[Made], Given] = {}
+        self._again: deque[Given] = deque()  #: lost with a worker
+
+    def has_room(self) -> bool:
+        """Whether another task may be submitted now."""
+        return not self._again and len(self._given) < self.at_once * self.PER_WORKER
+
+    def submit(self, given: Given) -> None:
+        """Hand over a task; there has to be room."""
+        if self._executor is None:
+            self._executor = self._started(self.at_once)
+        try:
+            self._given[self._executor.submit(_call, given)] = given
+        except BrokenProcessPool:
+            self._again.append(given)  # what it was lost with is seen by `wait`
+
+    def wait(self) -> Iterator[tuple[Given, Made | Died]]:
+        """Wait until something is done, and give it; there has to be something under way.
+
+        Nothing comes where a worker died. Raises what `work` raised.
+        """
+        if not self._given:
+            given = self._again.popleft()
+            yield given, self._alone(given)
+            return
+        done = wait(self._given, return_when=FIRST_COMPLETED).done
+        if any(isinstance(future.exception(), BrokenProcessPool) for future in done):
+            done = wait(self._given).done
+            self.close()
+        for future in [f for f in self._given if f in done]:
+            given = self._given.pop(future)
+            if isinstance(future.exception(), BrokenProcessPool):
+                self._again.append(given)
+            else:
+                yield given, future.result()
+
+    def close(self) -> None:
+        """End the workers, whatever is under way: they leave nothing half done."""
+        executor, self._executor = self._executor, None
+        if executor is None:
+            return
+        for process in tuple((executor._processes or {}).values()):  # kill_workers of Python 3.14
+            process.kill()
+        executor.shutdown(cancel_futures=True)
+
+    def _alone(self, given: Given) -> Made | Died:
+        self.close()
+        self._executor = self._started(1)
+        try:
+            future: Future[Made] = self._executor.submit(_call, given)
+            return future.result()
+        except BrokenProcessPool:
+            return Died()
+        finally:
+            self.close()
+
+    def _started(self, workers: int) -> ProcessPoolExecutor:
+        return ProcessPoolExecutor(workers, get_context(start_method()), _begin, self._begun_with)
+
+
+def _begin(work: Callable[[Any], Any], begin: Callable[[], object] | None) -> None:
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is for the process that started it
+    signal.signal(signal.SIGTERM, signal.SIG_DFL)
+    threading.Thread(target=_end_with_parent, daemon=True).start()
+    _work[:] = [work]
+    if begin is not None:
+        begin()
+
+
+def _end_with_parent() -> None:
+    """A killed process closes nothing, and its workers would wait for ever."""
+    parent = parent_process()
+    if parent is not None:
+        wait_for([parent.sentinel])
+        end_at_once(1)
+
+
+def _call(given: Any) -> Any:
+    return _work[0](given)
