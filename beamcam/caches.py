@@ -56,7 +56,6 @@ CACHES = {
     "numbers.places": Kept(8, "all texts of so many decimals; up to 10,000 of them"),
     "planning.rack": Kept(16, "the tools of a machine, sorted"),
     "planning.drills": Kept(4096, _OF_A_BUILDING),
-    "planning.recipes": Kept(4096, _OF_A_BUILDING),
     "planning.toolings": Kept(4096, _OF_A_BUILDING),
     "planning.sections": Kept(64, _OF_A_BUILDING),
     "planning.machines": Kept(16, "as many machines as a service runs"),

@@ -19,9 +19,10 @@ from beamcam.model.plan import Order, Plan, SheetPlan, ToolLoad
 from beamcam.pipeline import as_error
 from beamcam.plain_text import terminal_text
 from beamcam.planning.beam import plan_bar
-from beamcam.planning.choose import Trial, try_turns
 from beamcam.planning.explain import Explanation, explain
 from beamcam.planning.left_out import told
+from beamcam.planning.line import line_of
+from beamcam.planning.orientation import Trial, try_turns
 from beamcam.planning.stock import from_store
 from beamcam.report.ledger import ledger_of
 from beamcam.report.run import as_message
@@ -76,7 +77,11 @@ def command(
         remarks = (*plan.remarks, *told(plan))
         if config.strict and errors_in(refused := tuple(map(as_error, remarks))):
             raise PlanError(refused)
-        trials = [(part, try_turns(part, machine, skips)) for part in _each(parts)] if turn else []
+        trials = (
+            [(part, try_turns(part, line_of(machine), skips)) for part in _each(parts)]
+            if turn
+            else []
+        )
     except BeamcamError as error:
         voice.stop((*said, *error.diagnostics))
     voice.did(f"planned {len(plan.operations)} operation(s): {ledger_of(plan.outcomes)}")

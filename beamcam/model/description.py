@@ -26,5 +26,19 @@ def description(feature: Feature) -> str:
             return f"camber {_at(feature)}"
 
 
+def named(feature: Feature) -> str:
+    """What a spindle makes, with its size: `a hole of diameter 18`."""
+    match feature:
+        case Hole(kind="mark"):
+            return "a centre point"
+        case Hole():
+            kind = "" if feature.kind in ("through", "blind") else f"{feature.kind} "
+            return f"a {kind}hole of diameter {feature.diameter:g}"
+        case Slot():
+            return f"a slot of width {feature.diameter:g}"
+        case _:
+            return "a line to mark"
+
+
 def _at(feature: Hole | Slot | TextMark | Camber) -> str:
     return f"on face {feature.face} at x {feature.x:g}, y {feature.y:g}"

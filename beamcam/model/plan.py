@@ -59,7 +59,7 @@ class SawOp(Struct, frozen=True):
     source: Source
     tilt: float = 0.0  #: of the blade, degrees in the machine's own counting
     at: Literal["start", "end"] = "end"  #: of the first of `pieces`
-    reasons: tuple[str, ...] = ()  #: codes of `planning.reasons`
+    reasons: tuple[str, ...] = ()  #: codes of `planning.operations`
 
 
 class DrillOp(Struct, frozen=True):
@@ -72,7 +72,7 @@ class DrillOp(Struct, frozen=True):
     y: float  #: on the face
     depth: float | None  #: of a drill's full diameter, of other tools' point; None is through
     features: tuple[FeatureRef, ...]
-    reasons: tuple[str, ...]  #: why this tool, why merged: codes of `planning.reasons`
+    reasons: tuple[str, ...]  #: why this tool, why merged: codes of `planning.operations`
     source: Source
 
 

@@ -1,15 +1,17 @@
 """The plan of a bar on a saw and drilling line.
 
-parts -> turned, in order -> what each needs (work) -> laid on the bar -> tools settled
-      -> operations at machine X -> in order of work -> a ledger of every feature
+parts -> as they lie -> what each needs (work) -> in order, laid on the bar
+      -> operations at machine X, with their tools -> in order of work -> a ledger of every feature
 """
 
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Iterable, Iterator, Sequence
 from itertools import chain, repeat
 from operator import attrgetter
 from typing import Literal
 
-from beamcam.errors import Diagnostic, PlanError, Source, errors_in
+from msgspec import Struct
+
+from beamcam.errors import Diagnostic, PlanError, errors_in
 from beamcam.machine.machine import Machine
 from beamcam.model.part import Part
 from beamcam.model.plan import (
@@ -24,15 +26,26 @@ from beamcam.model.plan import (
     SpindleOp,
 )
 from beamcam.planning import rules
-from beamcam.planning.bar import cuts_of, lay_on_bar
+from beamcam.planning.axis_limits import refuse_bar
 from beamcam.planning.cutting_data import cutting_remarks
-from beamcam.planning.limits import refuse_bar
+from beamcam.planning.line import Line, line_of
 from beamcam.planning.magazine import reloads
+from beamcam.planning.nesting import best_order, lay_on_bar
+from beamcam.planning.operations.saw_cut import cuts_of
 from beamcam.planning.order import sort_along_x
-from beamcam.planning.refuse import refuse_stock
-from beamcam.planning.tool_choice import spindle_operations
-from beamcam.planning.tools import rack_of
-from beamcam.planning.work import Work, work_on
+from beamcam.planning.stock import refuse_stock
+from beamcam.planning.work import Work, spindle_operations, work_on
+
+LEDGER_TOLERANCE = 0.001  #: mm
+
+
+class Lying(Struct, frozen=True):
+    """A part as it lies on the rollers, and what it needs done so."""
+
+    part: Part
+    turn: str
+    given: int  #: which of the parts that were handed in
+    work: Work
 
 
 def plan_bar(
@@ -50,84 +63,99 @@ def plan_bar(
     PlanError with everything that the machine cannot make; nothing is left out that is not in
     the plan's outcomes.
     """
-    saw, drill, layout = machine.saw, machine.drill, machine.layout
-    if saw is None or drill is None or layout is None:
-        raise TypeError(f"{machine.name} has no saw, drill and layout")
-    if not parts:
-        raise PlanError(rules.NO_PARTS.at(Source(machine.name)))
-    refusals = [*refuse_stock(parts, machine, saw, drill, layout)]
-    if refusals:
-        raise PlanError(refusals)
-    rack = rack_of(machine)
-    known: dict[int, Work] = {}
-
-    def work(part: Part) -> Work:
-        """The work on a part, which is the same for every piece of it."""
-        if id(part) not in known:
-            known[id(part)] = work_on(part, machine, saw, rack, skips)
-        return known[id(part)]
-
-    remarks: list[Diagnostic] = []
-    lying, turns = list(parts), [AS_GIVEN] * len(parts)
-    if turn:
-        from beamcam.planning.choose import choose_turns
-
-        choices = choose_turns(parts, machine, skips)
-        lying, turns = [c.part for c in choices], [c.turn for c in choices]
-        remarks += dict.fromkeys(said for c in choices for said in c.remarks)
-        refusals = [*refuse_stock(lying, machine, saw, drill, layout)]
-        if refusals:
-            raise PlanError(refusals)
-    given = list(range(len(parts)))
-    if order == "best" and len(parts) > 1:
-        from beamcam.planning.choose import best_order
-
-        ends = [work(part).ends for part in lying]
-        given, said = best_order(lying, ends, saw)
-        remarks += said
-    laid = [lying[i] for i in given]
-    works = [work(part) for part in laid]
-    refusals = [said for part in dict.fromkeys(map(id, laid)) for said in known[part].refusals]
-    if errors_in(refusals):
-        if not turn:
-            from beamcam.planning.choose import turn_that_helps
-
-            refusals += turn_that_helps(parts, machine, skips)
-        raise PlanError(refusals)
-    for part in {id(p): p for p in laid}.values():
-        remarks += work(part).remarks
-        if part.quantity > 1:
-            count = sum(p is part or p == part for p in laid)
-            if part.quantity > count:
-                remarks.append(rules.QUANTITY.at(part.source, found=part.quantity, made=count))
-    ends = [w.ends for w in works]
-    (starts, account), said = lay_on_bar(laid, ends, layout, saw, bar)
-    remarks += said
+    line = line_of(machine)
+    told = _accepted(refuse_stock(parts, line))
+    lying = _lay_on_rollers(parts, line, skips, turn, told)
+    told += _accepted(_refusals(lying, line, skips, turn))
+    lying = _in_order(lying, line, order, told)
+    told += _part_remarks(lying)
+    works = [each.work for each in lying]
+    ends = [work.ends for work in works]
+    (starts, account), said = lay_on_bar(
+        [each.part for each in lying], ends, line.layout, line.saw, bar
+    )
+    told += said
     pieces = tuple(
-        Piece(part, start, i, turns[i]) for part, start, i in zip(laid, starts, given, strict=True)
+        Piece(each.part, start, each.given, each.turn)
+        for each, start in zip(lying, starts, strict=True)
     )
-    spindle_ops = list(spindle_operations(pieces, works, drill))
-    operations: list[Operation] = [*cuts_of(pieces, ends, saw, account), *spindle_ops]
-    refusals = [*refuse_bar(operations, pieces, machine)]
-    if refusals:
-        raise PlanError(refusals)
-    ordered = sort_along_x(operations, machine.format.resolution, layout.order, machine.times)
+    strokes = [*spindle_operations(pieces, works, line)]
+    operations: list[Operation] = [*cuts_of(pieces, ends, line.saw, account), *strokes]
+    told += _accepted(refuse_bar(operations, pieces, machine))
+    ordered = sort_along_x(operations, machine.format.resolution, line.layout.order, machine.times)
     by_hand, said = reloads(ordered, machine, parts[0].source)
-    if errors_in(said):
-        raise PlanError(said)
-    remarks += said
-    remarks += cutting_remarks(pieces, spindle_ops, machine)
-    plan = Plan(
-        laid[0].profile,
-        pieces,
-        account,
-        ordered,
-        tuple(_outcomes(works, spindle_ops)),
-        tuple(remarks),
-        by_hand,
-    )
+    told += _accepted(said)
+    told += cutting_remarks(pieces, strokes, machine)
+    outcomes = tuple(_outcomes(works, strokes))
+    plan = Plan(pieces[0].part.profile, pieces, account, ordered, outcomes, tuple(told), by_hand)
     _balance(plan)
     return plan
+
+
+def _accepted(said: Iterable[Diagnostic]) -> list[Diagnostic]:
+    """What is to be told. Raises PlanError with all of it if there is an error."""
+    told = [*said]
+    if errors_in(told):
+        raise PlanError(told)
+    return told
+
+
+def _lay_on_rollers(
+    parts: Sequence[Part],
+    line: Line,
+    skips: Collection[str],
+    turn: bool,
+    told: list[Diagnostic],
+) -> list[Lying]:
+    """The parts as they are given, or each turned as is best, with the work on each."""
+    turned, turns = parts, [AS_GIVEN] * len(parts)
+    if turn:
+        from beamcam.planning.orientation import choose_turns
+
+        choices = choose_turns(parts, line, skips)
+        turned, turns = [c.part for c in choices], [c.turn for c in choices]
+        told += dict.fromkeys(said for c in choices for said in c.remarks)
+        told += _accepted(refuse_stock(turned, line))
+    works = {id(part): part for part in turned}
+    known = {key: work_on(part, line, skips) for key, part in works.items()}
+    return [
+        Lying(part, how, i, known[id(part)])
+        for i, (part, how) in enumerate(zip(turned, turns, strict=True))
+    ]
+
+
+def _refusals(
+    lying: Sequence[Lying], line: Line, skips: Collection[str], turn: bool
+) -> Iterator[Diagnostic]:
+    """What of the parts cannot be made, and which turn would help."""
+    works = {id(each.part): each.work for each in lying}
+    refusals = [said for work in works.values() for said in work.refusals]
+    yield from refusals
+    if refusals and not turn:
+        from beamcam.planning.orientation import turn_that_helps
+
+        yield from turn_that_helps([each.part for each in lying], line, skips)
+
+
+def _in_order(lying: list[Lying], line: Line, order: Order, told: list[Diagnostic]) -> list[Lying]:
+    """The parts in the order in which they come to lie on the bar."""
+    if order == "given" or len(lying) == 1:
+        return lying
+    ends = [each.work.ends for each in lying]
+    best, said = best_order([each.part for each in lying], ends, line.saw)
+    told += said
+    return [lying[i] for i in best]
+
+
+def _part_remarks(lying: Sequence[Lying]) -> Iterator[Diagnostic]:
+    """What is to be told of each part, once."""
+    for each in {id(one.part): one for one in lying}.values():
+        part = each.part
+        yield from each.work.remarks
+        if part.quantity > 1:
+            count = sum(one.part is part or one.part == part for one in lying)
+            if part.quantity > count:
+                yield rules.QUANTITY.at(part.source, found=part.quantity, made=count)
 
 
 _feature = attrgetter("feature")
@@ -144,8 +172,7 @@ def _outcomes(works: Sequence[Work], operations: Sequence[SpindleOp]) -> list[Ou
     outcomes = list(made.values())
     for p, work in enumerate(works):
         outcomes += [Outcome((p, f), "skipped", said.code) for f, said in work.skipped.items()]
-        outcomes += [Outcome((p, f), "duplicate", rules.DUPLICATE.code) for f in work.repeats]
-        outcomes += [Outcome((p, f), "made", "saw") for f in work.sawn]
+        outcomes += [Outcome((p, each.feature), each.how, each.by) for each in work.settled]
     outcomes.sort(key=_feature)
     return outcomes
 
@@ -164,6 +191,3 @@ def _balance(plan: Plan) -> None:
     sawn = [op for op in plan.operations if isinstance(op, SawOp)]
     if {p for op in sawn for p in op.pieces} != set(range(len(plan.pieces))):
         raise AssertionError("a piece has no cut")
-
-
-LEDGER_TOLERANCE = 0.001  #: mm

@@ -51,7 +51,11 @@ class End(Struct, frozen=True):
         return self.x0 - y * tan(radians(self.web_deg)) - z * tan(radians(self.flange_deg))
 
 
-def ends_of(part: Part, min_mitre: float) -> tuple[tuple[End, End], tuple[Diagnostic, ...]]:
+Ends = tuple[End, End]
+SQUARE: Ends = (End("start", 0.0, 0.0), End("end", 0.0, 0.0))
+
+
+def ends_of(part: Part, min_mitre: float) -> tuple[Ends, tuple[Diagnostic, ...]]:
     """The start and the end plane of a part, and remarks about them.
 
     Header and contour have to agree; where the header says nothing the contour decides. An angle
@@ -156,7 +160,7 @@ def _drawn_angles(part: Part, face: str) -> tuple[float, float] | None:
     return angles[0], angles[1]
 
 
-def leaves_stock(contour: Contour, part: Part, ends: tuple[End, End]) -> Point | None:
+def leaves_stock(contour: Contour, part: Part, ends: Ends) -> Point | None:
     """Where an outer contour is not what the stock and the end cuts alone give; None if it is.
 
     Each vertex has to lie on a long edge or on an end, and each corner has to be a vertex.

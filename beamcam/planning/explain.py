@@ -5,23 +5,20 @@ from collections.abc import Iterator
 from msgspec import Struct
 
 from beamcam.machine.machine import Machine
-from beamcam.model.part import Hole
-from beamcam.model.plan import (
-    DrillOp,
-    FeatureRef,
-    Operation,
-    PathOp,
-    Plan,
-    SawOp,
-    SpindleOp,
-    ToolLoad,
-)
+from beamcam.model.plan import Operation, PathOp, Plan, SawOp, ToolLoad
 from beamcam.planning.magazine import tool_loads
-from beamcam.planning.merging import unmerged_because
+from beamcam.planning.operations.kinds import REASONS, kind_of
 from beamcam.planning.order import changes, setup_of, travel, waits_for
-from beamcam.planning.reasons import REASONS
 from beamcam.planning.times import work_time
-from beamcam.planning.tools import Rack, rack_of
+
+#: Why an operation stands behind the one before it.
+PLACES = {
+    "place-x": "its place along the bar",
+    "place-tool": "at the same X, the tool is in the spindle already",
+    "place-after": "at the same X, and made in the hole that comes before",
+    "place-changes": "at the same X, in the order of fewest changes of spindle and tool",
+}
+SAID = REASONS | PLACES
 
 
 class Step(Struct, frozen=True):
@@ -51,7 +48,6 @@ class Explanation(Struct, frozen=True):
 def explain(plan: Plan, machine: Machine) -> Explanation:
     """Every operation of a plan with its reasons and its time, and what the whole costs."""
     time = work_time(plan, machine)
-    rack = rack_of(machine)
     before = (None, *plan.operations)
     steps = tuple(
         Step(
@@ -59,8 +55,8 @@ def explain(plan: Plan, machine: Machine) -> Explanation:
             _what(op),
             _where(op, plan),
             seconds,
-            tuple((code, REASONS[code]) for code in (*op.reasons, _place_code(op, previous))),
-            tuple(_rejected(op, plan, machine, rack)),
+            tuple((code, SAID[code]) for code in (*op.reasons, _place_code(op, previous))),
+            tuple(_rejected(op, plan, machine)),
             tuple(_sources(op, plan)),
         )
         for op, previous, seconds in zip(plan.operations, before, time.operations, strict=False)
@@ -113,43 +109,8 @@ def _sources(op: Operation, plan: Plan) -> Iterator[str]:
             yield str(plan.pieces[p].part.features[f].source)
 
 
-def _rejected(op: Operation, plan: Plan, machine: Machine, rack: Rack) -> Iterator[str]:
-    if not isinstance(op, DrillOp):
-        return
-    yield from _other_drills(op, plan, rack)
-    yield from _missed_merges(op, plan, machine, rack)
-
-
-def _holes(op: SpindleOp, plan: Plan) -> Iterator[tuple[FeatureRef, Hole]]:
-    for p, f in op.features:
-        feature = plan.pieces[p].part.features[f]
-        if isinstance(feature, Hole):
-            yield (p, f), feature
-
-
-def _other_drills(op: DrillOp, plan: Plan, rack: Rack) -> Iterator[str]:
-    """The drills that are within the tolerance too."""
-    diameters = tuple(hole.diameter for _, hole in _holes(op, plan))
-    if op.tool.kind != "drill" or not diameters or op.reasons[0] not in DRILL_CODES:
-        return
-    for tool in rack.fitting(diameters, op.faces):
-        if tool != op.tool:
-            off = max(abs(tool.diameter - d) for d in diameters)
-            used = max(abs(op.tool.diameter - d) for d in diameters)
-            because = "no nearer" if off - used <= rack.drill.twin + 1e-9 else "further off"
-            yield f"{tool.name}: {off:g} mm off, {because}"
-
-
-DRILL_CODES = ("drill-exact", "drill-nearest", "drill-twin")
-
-
-def _missed_merges(op: DrillOp, plan: Plan, machine: Machine, rack: Rack) -> Iterator[str]:
-    """Holes on the opposite flange that are nearly the same."""
-    for ref, hole in _holes(op, plan) if len(op.faces) == 1 else ():
-        partners = {a: b for pair in machine.pairs for a, b in (pair.faces, pair.faces[::-1])}
-        wanted = partners.get(hole.face)
-        for f, other in enumerate(plan.pieces[ref[0]].part.features):
-            if isinstance(other, Hole) and other.face == wanted:
-                because = unmerged_because(hole, other, rack.drill)
-                if because is not None:
-                    yield f"both flanges at once ({other.source}, feature {f + 1}): {because}"
+def _rejected(op: Operation, plan: Plan, machine: Machine) -> Iterator[str]:
+    if isinstance(op, SawOp):
+        return iter(())
+    piece, f = op.features[0]
+    return kind_of(plan.pieces[piece].part.features[f]).rejected(op, plan, machine)

@@ -1,7 +1,9 @@
-"""What a machine cannot make of a part, or of a bar."""
+"""What is wrong with a bar as a whole, and what bars and sheets refuse alike.
+
+What one kind of work alone refuses stands in its file under `operations/`.
+"""
 
 from beamcam.errors import Rule, Severity
-from beamcam.planning.operations.rules import FINISHED_PART
 
 _E, _W, _N = Severity.ERROR, Severity.WARNING, Severity.NOTE
 
@@ -30,25 +32,11 @@ SECTION_SIZE = Rule(
     "{station} takes",
     "A larger section does not pass the station.",
 )
-SAW_ANGLE = Rule(
-    "plan-saw-angle",
+SECTION_SHAPE = Rule(
+    "plan-section-shape",
     _E,
-    "found a cut of {found} degrees at the {end}; expected one from {least} to {greatest}, "
-    "as far as the saw turns",
-    "The mitre is outside the saw's range.",
-)
-FLANGE_CUT = Rule(
-    "plan-flange-cut",
-    _E,
-    "found a flange cut of {found} degrees at the {end}; expected {expected}",
-    "The blade does not tilt, or it tilts one way only; a part that is turned may need that way.",
-)
-COMPOUND = Rule(
-    "plan-compound",
-    _E,
-    "found a cut of {web} degrees on the web and {flange} on the flange at the {end}; "
-    "expected one of them, the saw cannot turn and tilt at once",
-    "A compound mitre needs a saw whose blade tilts while the saw is turned.",
+    "found {found} in a section of profile code {code}; expected walls that fit into each other",
+    "No such section can be rolled, and where its walls stand is not known.",
 )
 CUT_DENIED = Rule(
     "plan-cut-denied",
@@ -82,6 +70,14 @@ BAR_FULL = Rule(
     "{expected} mm",
     "The parts do not fit on the bar. `--order best` nests mitres, where they can be.",
 )
+BAR_LEFT = Rule(
+    "plan-bar-left",
+    _E,
+    "found {found} mm of bar from the last part on; expected at least {expected} mm, "
+    "give a longer --bar or another order of parts",
+    "What is left of the bar pushes its last part, so it has to reach between the rollers "
+    "(`layout.min_bar_left`).",
+)
 PART_SHORT = Rule(
     "plan-part-short",
     _E,
@@ -93,127 +89,6 @@ REMNANT = Rule(
     _N,
     "a rest of {found} mm is long enough to go back to the store",
     "The machine's file says from which length a rest is a remnant (`layout.min_remnant`).",
-)
-NO_TOOL = Rule(
-    "plan-tool",
-    _E,
-    "found a {kind} hole of diameter {found} on face {face}; expected {expected}",
-    "No tool of the machine makes the hole within the tolerance of its file.",
-)
-NO_PILOT = Rule(
-    "plan-countersink",
-    _E,
-    "found a countersink of diameter {found} on face {face} at x {x}, y {y}; "
-    "expected a hole to sink at that place",
-    "DSTV gives a countersunk hole in two rows, the sink and the hole; one of them is missing.",
-)
-SINK_DEPTH = Rule(
-    "plan-sink-depth",
-    _E,
-    "found a countersink of diameter {found} and depth {depth} on face {face}; "
-    "expected a depth of at least {expected} for that cone and hole",
-    "Diameter, depth, cone and hole contradict each other, and only three of them can be right.",
-)
-THREAD_DEPTH = Rule(
-    "plan-thread-depth",
-    _E,
-    "found a thread of depth {found} on face {face}; "
-    "expected at most {expected}, the tapping drill would come through",
-    "The drill before a blind tap goes deeper than the thread by the tap's run-out.",
-)
-DUPLICATE = Rule(
-    "plan-duplicate",
-    _W,
-    "found a hole of diameter {found} on face {face} at x {x}, y {y} a second time; "
-    "it is drilled once, for {first}",
-    "Some exporters write a hole of two bolted plates, or of both sides of a web, twice.",
-)
-TOO_NEAR = Rule(
-    "plan-too-near",
-    _E,
-    "found a hole of diameter {found} on face {face} at x {x}, y {y}, {apart} mm from that of "
-    "{first}; expected the same place, or one more than {expected} mm away",
-    "Holes nearer than the program's decimals tell apart are one hole that was drawn twice, not "
-    "quite at the same place.",
-)
-NO_SPINDLE = Rule(
-    "plan-face",
-    _E,
-    "found a {kind} on face {found}; expected one of {expected}",
-    "No spindle of the machine reaches that face.",
-)
-IN_THE_WAY = Rule(
-    "plan-reach",
-    _E,
-    "found {what} at y {y} on face {face}; expected y from {least} to {greatest}, the flange "
-    "stands in the tool's way",
-    "A tool that comes to the web between the flanges needs room beside them.",
-)
-STROKE = Rule(
-    "plan-stroke",
-    _E,
-    "found a stroke to {found} mm below face {face}, the same for every hole; "
-    "expected {expected} mm for {what}",
-    "A stroke that is the same for every hole fits no blind hole, and through ones of small "
-    "sections alone. A machine file whose `bottom` follows `depth` has no such limit.",
-)
-AXIS = Rule(
-    "plan-axis",
-    _E,
-    "found {what} on face {face} that takes the {axis} to {found}; expected {expected}",
-    "The axis does not come to that place across the bar, or as deep. `--allow-skips axis` leaves "
-    "the feature to another machine.",
-)
-STOP = Rule(
-    "plan-stop",
-    _E,
-    "found {what} that takes the {axis} to {found}; expected {expected}",
-    "Where a part lies on the bar says where the bar has to be brought to; with a longer "
-    "front trim, another order or a shorter bar it may be within reach.",
-)
-OFF_FACE = Rule(
-    "plan-off-face",
-    _E,
-    "found a hole at x {x}, y {y} on face {face}; expected it within {length} x {width} mm",
-    "A hole beyond its face is a slip of the export and would drill into nothing.",
-)
-SLOT = Rule(
-    "plan-slot",
-    _E,
-    "found a slot of {found} mm on face {face}; expected {expected}",
-    "A drill cannot make a slot, and a mill none narrower than itself. "
-    "`--allow-skips slot` leaves it to another machine.",
-)
-COPE = Rule(
-    "plan-cope",
-    _E,
-    "found a contour on face {face} that leaves the straight stock at x {x}, y {y}; "
-    "expected straight edges and saw cuts",
-    "A saw cannot make a cope or a notch. `--allow-skips cope` leaves it to another machine.",
-)
-CUTOUT = Rule(
-    "plan-cutout",
-    _E,
-    "found a cut-out of {found} mm on face {face}; expected none, the machine has no torch",
-    "A drill cannot make a cut-out. `--allow-skips cutout` leaves it to another machine.",
-)
-MARK = Rule(
-    "plan-mark",
-    _E,
-    "found {found} to mark on face {face}; expected none, the machine has no {tool} for it",
-    "`--allow-skips mark` leaves marks and scribe lines to another machine.",
-)
-BEVEL = Rule(
-    "plan-bevel",
-    _E,
-    "found a bevel of {found} degrees on face {face}; expected none but those of the saw cuts",
-    "A weld preparation needs a torch. `--allow-skips bevel` leaves it to another machine.",
-)
-OTHER = Rule(
-    "plan-other",
-    _E,
-    "found {found}; expected none, the machine does not bend, camber or cut in space",
-    "`--allow-skips other` leaves it to another machine.",
 )
 QUANTITY = Rule(
     "plan-quantity",
@@ -271,16 +146,55 @@ NO_CHANGE_WORD = Rule(
     'does so, such as `change = ["M00"]` under `[words]`, or split the parts over several bars.',
 )
 
+# What neither a line nor a table makes of a feature.
+
+NO_TOOL = Rule(
+    "plan-tool",
+    _E,
+    "found a {kind} hole of diameter {found} on face {face}; expected {expected}",
+    "No tool of the machine makes the hole within the tolerance of its file.",
+)
+NO_SPINDLE = Rule(
+    "plan-face",
+    _E,
+    "found a {kind} on face {found}; expected one of {expected}",
+    "No spindle of the machine reaches that face.",
+)
+SLOT = Rule(
+    "plan-slot",
+    _E,
+    "found a slot of {found} mm on face {face}; expected {expected}",
+    "A drill cannot make a slot, and a mill none narrower than itself. "
+    "`--allow-skips slot` leaves it to another machine.",
+)
+MARK = Rule(
+    "plan-mark",
+    _E,
+    "found {found} to mark on face {face}; expected none, the machine has no {tool} for it",
+    "`--allow-skips mark` leaves marks and scribe lines to another machine.",
+)
+BEVEL = Rule(
+    "plan-bevel",
+    _E,
+    "found a bevel of {found} degrees on face {face}; expected none but those of the saw cuts",
+    "A weld preparation needs a torch. `--allow-skips bevel` leaves it to another machine.",
+)
+OTHER = Rule(
+    "plan-other",
+    _E,
+    "found {found}; expected none, the machine does not bend, camber or cut in space",
+    "`--allow-skips other` leaves it to another machine.",
+)
+
 RULES = (
-    NO_PARTS, STOCK, MIXED_PROFILES, SECTION_SIZE, SAW_ANGLE, FLANGE_CUT, COMPOUND, CUT_DENIED,
-    CUT_FROM_CONTOUR, BAR_SHORT, BAR_LONG, BAR_FULL, PART_SHORT, REMNANT, NO_TOOL, NO_PILOT,
-    SINK_DEPTH, THREAD_DEPTH, DUPLICATE, TOO_NEAR, NO_SPINDLE, IN_THE_WAY, STROKE, AXIS, STOP,
-    OFF_FACE, SLOT, COPE, CUTOUT, MARK, BEVEL, OTHER, QUANTITY, TURNED, TURN_HELPS, ORDER, RELOAD,
-    *FINISHED_PART, UNNAMED_GRADE, CUTTING_SPEED, NO_CHANGE_WORD,
+    NO_PARTS, STOCK, MIXED_PROFILES, SECTION_SIZE, SECTION_SHAPE, CUT_DENIED,
+    CUT_FROM_CONTOUR, BAR_SHORT, BAR_LONG, BAR_FULL, BAR_LEFT, PART_SHORT, REMNANT, QUANTITY,
+    TURNED, TURN_HELPS, ORDER, RELOAD, UNNAMED_GRADE, CUTTING_SPEED, NO_CHANGE_WORD, NO_TOOL,
+    NO_SPINDLE, SLOT, MARK, BEVEL, OTHER,
 )  # fmt: skip
 
-SKIPPABLE = (
-    NO_TOOL, NO_PILOT, SINK_DEPTH, THREAD_DEPTH, NO_SPINDLE, IN_THE_WAY, STROKE, AXIS, OFF_FACE,
-    SLOT, COPE, CUTOUT, MARK, BEVEL, OTHER,
+#: What may be left out of a program: codes of refusals by the kinds of work, without their "plan-".
+SKIP_NAMES = (
+    "tool", "countersink", "sink-depth", "thread-depth", "face", "reach", "stroke", "axis",
+    "off-face", "slot", "cope", "cutout", "mark", "bevel", "other",
 )  # fmt: skip
-SKIP_NAMES = tuple(rule.code.removeprefix("plan-") for rule in SKIPPABLE)

@@ -1,11 +1,13 @@
-"""The bar that parts are cut from, of those in store: the shortest that will do."""
+"""The bar that parts are cut from: its section, and of those in store the shortest that will do."""
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from typing import TypeVar
 
-from beamcam.errors import Diagnostic, PlanError, errors_in
-from beamcam.planning.operations.rules import BAR_LEFT
-from beamcam.planning.rules import BAR_FULL, BAR_SHORT
+from beamcam.errors import Diagnostic, PlanError, Source, errors_in
+from beamcam.model.part import Part
+from beamcam.model.section import section_fault
+from beamcam.planning import rules
+from beamcam.planning.line import Line
 
 Made = TypeVar("Made")
 
@@ -35,7 +37,34 @@ def from_store(
 def _is_too_short(said: Iterable[Diagnostic]) -> bool:
     """Whether a longer bar would help."""
     return {d.code for d in errors_in(said)} <= {
-        BAR_FULL.code,
-        BAR_SHORT.code,
-        BAR_LEFT.code,
+        rules.BAR_FULL.code,
+        rules.BAR_SHORT.code,
+        rules.BAR_LEFT.code,
     }
+
+
+def refuse_stock(parts: Sequence[Part], line: Line) -> Iterator[Diagnostic]:
+    """What is wrong with the sections that a bar is asked for."""
+    machine, layout = line.machine, line.layout
+    if not parts:
+        yield rules.NO_PARTS.at(Source(machine.name))
+        return
+    profile = parts[0].profile
+    for part in parts:
+        mine = part.profile
+        if mine.code not in layout.profiles or mine.code not in machine.sections:
+            yield rules.STOCK.at(
+                part.source, found=mine.code, machine=machine.name,
+                expected=", ".join(layout.profiles),
+            )  # fmt: skip
+        elif mine is not profile and mine != profile:
+            yield rules.MIXED_PROFILES.at(part.source, found=mine.name, expected=profile.name)
+        fault = section_fault(mine)
+        if fault is not None:
+            yield rules.SECTION_SHAPE.at(part.source, found=fault, code=mine.code)
+        for station, size in (("saw", line.saw), ("drill", line.drill)):
+            if mine.height > size.max_height or mine.width > size.max_width:
+                yield rules.SECTION_SIZE.at(
+                    part.source, found=f"{mine.height:g} x {mine.width:g}", station=station,
+                    expected=f"{size.max_height:g} x {size.max_width:g}",
+                )  # fmt: skip

@@ -31,8 +31,7 @@ class Rack:
         self._tools = [(tools, tuple(_tools(tools))) for tools in sets]
         self._drills: BoundedCache[tuple[tuple[float, ...], tuple[Face, ...]], Tools]
         self._drills = BoundedCache("planning.drills")
-        #: for `holes.recipe` and `work.work_on`
-        self.recipes: BoundedCache[object, object] = BoundedCache("planning.recipes")
+        #: for `operations.hole_tools`
         self.toolings: BoundedCache[object, object] = BoundedCache("planning.toolings")
 
     def of_kind(self, kind: ToolKind, faces: tuple[Face, ...]) -> Tools:
@@ -181,14 +180,14 @@ def settle(choices: Iterable[Tools]) -> dict[Tools, Tool]:
     A tool that another choice leaves no way around is taken where it is as good; what is left is
     shared out, the tool that serves most choices first. Of equally useful ones the nearest.
     """
-    open_choices = set(choices)
+    open_choices = dict.fromkeys(choices)
     taken = {choice[0] for choice in open_choices if len(choice) == 1}
     settled: dict[Tools, Tool] = {}
     for choice in list(open_choices):
         known = next((tool for tool in choice if tool in taken), None)
         if known is not None:
             settled[choice] = known
-            open_choices.discard(choice)
+            del open_choices[choice]
     while open_choices:
         counts: dict[Tool, tuple[int, int, float]] = {}
         for choice in open_choices:
@@ -198,5 +197,5 @@ def settle(choices: Iterable[Tools]) -> dict[Tools, Tool]:
         best = min(counts, key=lambda tool: counts[tool])
         for choice in [c for c in open_choices if best in c]:
             settled[choice] = best
-            open_choices.discard(choice)
+            del open_choices[choice]
     return settled

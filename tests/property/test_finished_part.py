@@ -21,7 +21,7 @@ from beamcam.machine import load
 from beamcam.model.part import EndCuts, Hole, Part, Profile, Slot
 from beamcam.model.plan import Plan
 from beamcam.planning.beam import plan_bar
-from beamcam.planning.operations.slot_pairs import core_distance
+from beamcam.planning.operations.slot import core_distance
 from tests.unit.planning.shop import SOURCE
 
 BEAM = Profile("I", "IPE300", 300.0, 150.0, 10.7, 7.1, 15.0)

@@ -1,233 +1,261 @@
-"""A hole held against the finished part: the wall that it goes through when all is cut.
+"""A hole: drilled, drilled and tapped, sunk, punched or milled; one stroke for both flanges.
 
-Along the part a wall ends at the two end planes. A hole lies wholly in it if its circle does on
-both surfaces of the wall, so the plane that takes most counts:
-
-          start plane  /           end plane
-    v, h, o, u        / (  o  )   |           distance to the start, of the circle's edge:
-                     /            |           (x - x_start(y)) / sqrt(1 + tan^2) - radius
-
-Across it a wall ends at a free edge or at another wall, which may have a root fillet:
-
-    u  |<- edge -> ( hole ) <- fillet -> )| web |( ...
-
-Most holes are far from all of that, so `is_plain` answers for them, and `judge` for the others.
+holes on their faces -> each once -> pairs of the two flanges -> toolings -> jobs; sinks last,
+since each stands on the hole that it sinks.
 """
 
-from collections.abc import Iterator, Sequence
-from math import hypot, inf, radians, tan
+from collections.abc import Iterable, Iterator, Sequence
 
-from msgspec import Struct
-
-from beamcam.caches import BoundedCache, PerObject
-from beamcam.errors import Diagnostic
+from beamcam.caches import PerObject
+from beamcam.errors import Diagnostic, Rule, Severity
 from beamcam.geometry.plane import Point
-from beamcam.machine.machine import Drill, Machine, Tool
-from beamcam.model.part import Contour, Face, Hole, Part, Profile, Slot
-from beamcam.model.section import Wall, free_edges, walls_beside
-from beamcam.planning.bar import Ends
-from beamcam.planning.ends import End, web_borders
-from beamcam.planning.operations import rules
-from beamcam.planning.strokes import fixed_faces
+from beamcam.machine.machine import Drill, Machine
+from beamcam.model.description import named
+from beamcam.model.part import Face, Hole
+from beamcam.model.plan import DrillOp, FeatureRef, Plan, SpindleOp
+from beamcam.planning.operations.bench import Bench
+from beamcam.planning.operations.finished_part import TOLERANCE
+from beamcam.planning.operations.hole_pairs import judge_pairs, refuse_too_near
+from beamcam.planning.operations.hole_tools import HoleWork, Refusal, toolings_of
+from beamcam.planning.operations.job import Found, Job, Settled, Tooling
+from beamcam.planning.operations.kind import Kind
+from beamcam.planning.operations.merging import (
+    Group,
+    Placed,
+    drop_duplicates,
+    merge_pairs,
+    unmerged_because,
+)
+from beamcam.planning.operations.reach import refuse_face, refuse_place
+from beamcam.planning.paths import pocket_path
+from beamcam.planning.tools import Rack, rack_of
 
-TOLERANCE = 0.01  #: mm; files round to it, so a hole that is as near is tangent
-OUTSIDE = ("o", "u", "h")  #: faces that a tool comes to from outside the section
+DUPLICATE = Rule(
+    "plan-duplicate",
+    Severity.WARNING,
+    "found a hole of diameter {found} on face {face} at x {x}, y {y} a second time; "
+    "it is drilled once, for {first}",
+    "Some exporters write a hole of two bolted plates, or of both sides of a web, twice.",
+)
+BLIND_POINT = Rule(
+    "plan-blind-point",
+    Severity.WARNING,
+    "found {what} of depth {found} at x {x}, y {y} on face {face}; its point comes {out} mm "
+    "through the wall of {expected} mm",
+    "The depth counts to the full diameter, and the drill's point goes beyond it.",
+)
+RULES = (DUPLICATE, BLIND_POINT)
+REASONS = {
+    "drill-exact": "a drill of the very diameter",
+    "drill-nearest": "no drill of the very diameter; the nearest one within the tolerance",
+    "drill-twin": "as good as the drill of the very diameter, and used for another hole already",
+    "drill-before-tap": "the drill that the thread's table asks for",
+    "tap-thread": "the tap of the thread's diameter",
+    "sink-cone": "the cone alone reaches the outer diameter",
+    "sink-deep": "the cone stands below the surface, so the tool has the sink's own diameter",
+    "sink-flat": "a flat counterbore of the sink's own diameter",
+    "punch-mark": "a centre punch",
+    "mill-circle": "larger than any drill; a mill is led round",
+    "merge-pair": "the same hole on both flanges: both spindles at once",
+    "from-behind": "through the one plate that the face behind shares",
+}
+DRILL_REASONS = ("drill-exact", "drill-nearest", "drill-twin")
+SUNK = ("through", "blind", "thread", "left-thread")  #: kinds of holes that a sink stands on
 
 
-class Across(Struct, frozen=True):
-    """What stands across the part on one face."""
-
-    width: float
-    walls: tuple[Wall, ...]
-    free: tuple[bool, bool]  #: whether the wall ends at y 0, and at its width
-    plain: tuple[tuple[float, float], ...]  #: y between which nothing is to be said
+def _is_hole(feature: object) -> bool:
+    return isinstance(feature, Hole)
 
 
-class Along(Struct, frozen=True):
-    """Where the wall behind one face ends along the part: x = x0 - y * slope at either end."""
-
-    start_x0: float
-    start_slope: float
-    end_x0: float
-    end_slope: float
-    start_slant: float  #: sqrt(1 + slope^2)
-    end_slant: float
-
-    def clear(self, x: float, y: float, radius: float) -> tuple[float, float]:
-        """Steel between a circle and the start, and the end; negative if it is beyond."""
-        start = (x - self.start_x0 + y * self.start_slope) / self.start_slant - radius
-        end = (self.end_x0 - y * self.end_slope - x) / self.end_slant - radius
-        return start, end
+def _needs(hole: Hole, bench: Bench) -> Diagnostic | None:
+    """A spindle on its face; which tools it takes follows with its partner on the other flange."""
+    return refuse_face(hole, f"{hole.kind} hole", bench.reached)
 
 
-def _no_walls(_: Machine) -> BoundedCache[tuple[Profile, Face], Across]:
-    return BoundedCache("planning.walls")
+def _refusals(hole: Hole, bench: Bench) -> Iterable[Diagnostic]:
+    off = refuse_place(hole, hole.x, hole.y, bench.part, bench.reached[hole.face])
+    if off is not None:
+        return (off,)
+    if bench.finished.is_plain(hole):
+        return ()
+    return bench.finished.judge(named(hole), hole, ((hole.x, hole.y),))
 
 
-_walls = PerObject("planning.machines", _no_walls)
+def _partner_faces(machine: Machine) -> dict[Face, Face]:
+    """The faces that a pair of spindles drills at once, each with the other one."""
+    return {a: b for pair in machine.pairs for a, b in (pair.faces, pair.faces[::-1])}
 
 
-class FinishedPart:
-    """What is left of a part when its ends are cut, as far as holes have to keep to it."""
+partner_faces = PerObject("planning.partner_faces", _partner_faces)
 
-    def __init__(self, part: Part, ends: Ends, machine: Machine, drill: Drill) -> None:
-        self.part, self._ends, self._drill = part, ends, drill
-        self._machine = machine
-        self._across: dict[Face, Across] = {}
-        self._along: dict[Face, Along] = {}
 
-    def across(self, face: Face) -> Across:
-        """What stands across the part on a face."""
-        found = self._across.get(face)
-        if found is None:
-            known, key = _walls(self._machine), (self.part.profile, face)
-            found = known.get(key) or known.keep(key, _across(*key, self._drill))
-            self._across[face] = found
-        return found
+def _steps(holes: Sequence[tuple[int, Hole]], bench: Bench) -> list[Found]:
+    drill = bench.rack.drill
+    placed = tuple(sorted((hole.x, f, hole) for f, hole in holes))
+    kept, repeats = drop_duplicates(placed, drill.duplicate_tolerance)
+    found: list[Found] = [*_repeats(repeats, bench)]
+    sinks: list[Group] = []
+    for group in merge_pairs(kept, partner_faces(bench.machine), drill):
+        if group[0][2].kind == "countersink":
+            sinks.append(group)
+        else:
+            found += _make(group, bench)
+    if sinks:
+        found += _sinks(sinks, _pilots(kept, drill), found, bench)
+    found += refuse_too_near(kept, bench.machine.format.resolution, drill)
+    found += judge_pairs(kept, drill)
+    return found
 
-    def along(self, face: Face) -> Along:
-        """Where the wall behind a face ends."""
-        found = self._along.get(face)
-        if found is None:
-            found = self._along[face] = _along(self._ends, face, self.part.profile)
-        return found
 
-    def is_plain(self, hole: Hole) -> bool:
-        """Whether nothing is to be said about the place of a hole, for sure."""
-        radius, least = hole.diameter / 2, self._drill.min_edge_distance
-        start, end = self.along(hole.face).clear(hole.x, hole.y, radius)
-        if start < least or end < least:
-            return False
-        low, high = hole.y - radius, hole.y + radius
-        for first, last in self.across(hole.face).plain:
-            if first <= low and high <= last:
-                return hole.depth is None
-        return False
-
-    def judge(
-        self, what: str, shape: Hole | Slot, circles: tuple[tuple[float, float], ...]
-    ) -> Iterator[Diagnostic]:
-        """What is wrong, or to be told, about a hole or slot: errors first.
-
-        `circles` are the middles of its corner circles, of a hole its own.
-        """
-        radius, face = shape.diameter / 2, shape.face
-        where = {"what": what, "x": f"{shape.x:g}", "y": f"{shape.y:g}", "face": face}
-        across = self.across(face)
-        low, high = min(y for _, y in circles) - radius, max(y for _, y in circles) + radius
-        clear = [self.along(face).clear(x, y, radius) for x, y in circles]
-        steel = [
-            (min(s for s, _ in clear), "the start of the part"),
-            (min(e for _, e in clear), "the end of the part"),
-        ]
-        for is_free, left in zip(across.free, (low, across.width - high), strict=True):
-            if is_free:
-                steel.append((left, f"the edge of face {face}"))
-        left, place = min(steel)
-        if left < -TOLERANCE:
-            yield rules.OFF_PART.at(shape.source, out=f"{-left:.3g}", where=place, **where)
-            return
-        for wall in across.walls:
-            yield from self._beside(shape, low, high, wall, where)
-        if shape.kind != "mark" and left < self._drill.min_edge_distance - TOLERANCE:
-            yield rules.NEAR_EDGE.at(
-                shape.source, apart=f"{max(left, 0.0):.3g}", where=place,
-                expected=f"{self._drill.min_edge_distance:g}", **where,
+def _repeats(repeats: dict[int, Placed], bench: Bench) -> Iterator[Found]:
+    """What becomes of holes that are there twice."""
+    for f, (_, like, first) in repeats.items():
+        hole = bench.part.features[f]
+        yield Settled(f, "duplicate", DUPLICATE.code, like)
+        if isinstance(hole, Hole):
+            yield f, DUPLICATE.at(
+                hole.source, found=f"{hole.diameter:g}", face=hole.face, x=f"{hole.x:g}",
+                y=f"{hole.y:g}", first=first.source,
             )  # fmt: skip
-        thickness = self.part.profile.thickness(face)
-        if shape.depth is not None and shape.depth > thickness + TOLERANCE > TOLERANCE:
-            yield rules.BLIND_DEPTH.at(
-                shape.source, found=f"{shape.depth:g}", expected=f"{thickness:g}", **where
-            )
-
-    def judge_line(self, line: Contour, points: Sequence[Point]) -> Diagnostic | None:
-        """A warning where a line to mark goes beyond the finished part."""
-        along, width = self.along(line.face), self.across(line.face).width
-        clear = [along.clear(x, y, 0.0) for x, y in points]
-        left, place = min(
-            (min(start for start, _ in clear), "the start of the part"),
-            (min(end for _, end in clear), "the end of the part"),
-            (min(min(y, width - y) for _, y in points), f"the edge of face {line.face}"),
-        )
-        if left >= -TOLERANCE:
-            return None
-        return rules.LINE_BEYOND.at(line.source, face=line.face, out=f"{-left:.3g}", where=place)
-
-    def _deeper(self, face: Face) -> float:
-        """How much deeper than its wall a through hole is drilled; a fixed stroke passes all."""
-        return inf if face in fixed_faces(self._machine) else self._drill.breakthrough
-
-    def _beside(
-        self, shape: Hole | Slot, low: float, high: float, wall: Wall, where: dict[str, str]
-    ) -> Iterator[Diagnostic]:
-        """What there is to say about a hole and another wall beside it."""
-        if high > wall.least + TOLERANCE and low < wall.greatest - TOLERANCE:
-            yield rules.WALL.at(
-                shape.source, least=f"{wall.least:g}", greatest=f"{wall.greatest:g}", **where
-            )
-            return
-        below = low < wall.least
-        apart = (wall.least - wall.radius - high) if below else low - (wall.greatest + wall.radius)
-        if apart >= self._drill.min_fillet_distance - TOLERANCE:
-            return
-        high_mm = wall.fillet_height(-apart)
-        outside = shape.face in OUTSIDE or self.part.profile.code == "M"
-        limit, because = self._drill.clearance, "the clearance of the rapid approach"
-        if outside:
-            limit, because = self._deeper(shape.face), "the breakthrough behind the wall"
-        if high_mm > limit and shape.kind != "mark":
-            yield rules.FILLET.at(
-                shape.source,
-                found=f"{high_mm:.3g}",
-                expected=f"{limit:g}",
-                because=because,
-                **where,
-            )
-            return
-        found = f"{-apart:.3g} mm into" if apart < 0 else f"{apart:.3g} mm from"
-        yield rules.NEAR_FILLET.at(
-            shape.source, found=f"{found} the root fillet",
-            expected=f"{self._drill.min_fillet_distance:g}", **where,
-        )  # fmt: skip
 
 
-def judge_point(hole: Hole, drill: Tool, what: str, thickness: float) -> Diagnostic | None:
-    """A warning where the point of a blind hole's drill comes through; None if it does not."""
-    if hole.depth is None or hole.kind != "blind" or drill.kind != "drill" or thickness <= 0:
-        return None
-    out = hole.depth + drill.tip - thickness
-    if out <= TOLERANCE or hole.depth > thickness + TOLERANCE:
-        return None
-    return rules.BLIND_POINT.at(
-        hole.source, what=what, found=f"{hole.depth:g}", x=f"{hole.x:g}", y=f"{hole.y:g}",
-        face=hole.face, out=f"{out:.3g}", expected=f"{thickness:g}",
+def _make(
+    group: Group, bench: Bench, pilot: float | None = None, place: Point | None = None
+) -> list[Found]:
+    """The jobs of a hole or a pair; a pair for which there is no tool is made one by one.
+
+    `pilot` is the diameter of the hole that a countersink sinks, and `place` where that stands.
+    """
+    x, f, hole = group[0]
+    y, features = hole.y, tuple(f for _, f, _ in group)
+    faces = tuple(one.face for _, _, one in group)
+    diameters = tuple(dict.fromkeys(one.diameter for _, _, one in group))
+    why: tuple[str, ...] = ()
+    if len(group) == 2:
+        other_x, _, other = group[1]
+        x, y, why = (x + other_x) / 2, (y + other.y) / 2, ("merge-pair",)
+    if f in bench.behind:
+        why = (*why, "from-behind")
+    if place is not None:
+        x, y = place
+    thickness = bench.part.profile.thickness(hole.face)
+    work = HoleWork(
+        hole.kind, diameters, hole.depth, hole.angle, faces, thickness, bench.number(faces), why,
+        pilot,
     )  # fmt: skip
+    toolings = toolings_of(bench.rack, work)
+    if isinstance(toolings, Refusal):
+        if len(group) == 2:
+            return [found for one in group for found in _make((one,), bench, pilot, place)]
+        values = {"x": f"{x:g}", "y": f"{y:g}", **toolings.values}
+        return [(f, toolings.rule.at(hole.source, **values))]
+    found: list[Found] = []
+    for tooling in toolings:
+        path = _ring(x, y, tooling, bench) if tooling.ring else ()
+        found.append(Job(x, y, tooling, features, hole.source, path))
+    if hole.depth is not None:
+        found += _judge_points(group, toolings[0], thickness)
+    return found
 
 
-def _across(profile: Profile, face: Face, drill: Drill) -> Across:
-    """Walls and edges on a face, and the stretches between them where a hole is plain."""
-    width, walls = profile.face_width(face), walls_beside(profile, face)
-    free = free_edges(profile, face)
-    edge, fillet = drill.min_edge_distance, drill.min_fillet_distance
-    borders = [edge if free[0] else 0.0]
-    for wall in walls:
-        borders += [wall.least - wall.radius - fillet, wall.greatest + wall.radius + fillet]
-    borders.append(width - edge if free[1] else width)
-    plain = tuple(zip(borders[::2], borders[1::2], strict=True))
-    return Across(width, walls, free, tuple((a, b) for a, b in plain if a < b))
+def _ring(x: float, y: float, tooling: Tooling, bench: Bench) -> tuple[Point, ...]:
+    mill, tolerance = tooling.tools[0].diameter, bench.rack.drill.path_tolerance
+    is_blind = tooling.depth is not None
+    return pocket_path((x, y), (0.0, 0.0), 0.0, tooling.ring, mill, tolerance, is_blind)
 
 
-def _along(ends: Ends, face: Face, profile: Profile) -> Along:
-    """The ends of the wall behind a face, each by the surface on which it takes most."""
-    flange = profile.flange_thickness
-    borders = {"o": (profile.height - flange, profile.height), "u": (0.0, flange)}.get(face)
+def _judge_points(group: Group, tooling: Tooling, thickness: float) -> Iterator[Found]:
+    """Warnings where the point of a blind hole's drill comes through."""
+    drill = tooling.tools[0]
+    for _, f, hole in group:
+        if hole.depth is None or hole.kind != "blind" or drill.kind != "drill" or thickness <= 0:
+            continue
+        out = hole.depth + drill.tip - thickness
+        if out > TOLERANCE and hole.depth <= thickness + TOLERANCE:
+            yield f, BLIND_POINT.at(
+                hole.source, what=named(hole), found=f"{hole.depth:g}", x=f"{hole.x:g}",
+                y=f"{hole.y:g}", face=hole.face, out=f"{out:.3g}", expected=f"{thickness:g}",
+            )  # fmt: skip
 
-    def line(end: End) -> tuple[float, float]:
-        web, tilt = tan(radians(end.web_deg)), tan(radians(end.flange_deg))
-        pick = max if end.at == "start" else min
-        if borders is None:
-            return pick(end.x0 - z * tilt for z in web_borders(profile, face)), web
-        return pick(end.x0 - y * web for y in borders), tilt
 
-    (start, start_slope), (end, end_slope) = map(line, ends)
-    return Along(start, start_slope, end, end_slope, hypot(1.0, start_slope), hypot(1.0, end_slope))
+def _pilots(holes: Group, drill: Drill) -> dict[int, Placed]:
+    """For each countersink the hole that it sinks: of its face and place, the widest below it."""
+    pilots = {}
+    limit = drill.merge_tolerance
+    for _, f, sink in holes:
+        if sink.kind != "countersink":
+            continue
+        below = [
+            (hole.diameter, other_f, placed)
+            for placed in holes
+            for _, other_f, hole in (placed,)
+            if hole.kind in SUNK
+            and hole.face == sink.face
+            and abs(hole.x - sink.x) <= limit
+            and abs(hole.y - sink.y) <= limit
+            and hole.diameter < sink.diameter
+        ]
+        if below:
+            pilots[f] = max(below)[2]
+    return pilots
+
+
+def _sinks(
+    sinks: Iterable[Group], pilots: dict[int, Placed], made: Iterable[Found], bench: Bench
+) -> Iterator[Found]:
+    """The jobs of countersinks; of a pair one by one if they sink different holes.
+
+    A sink stands on its hole, wherever a merge has put that one; `made` holds the jobs of holes.
+    """
+    places = {f: (job.x, job.y) for job in made if isinstance(job, Job) for f in job.features}
+    for group in sinks:
+        holes = [pilots.get(f) for _, f, _ in group]
+        at = [places.get(p[1]) if p else None for p in holes]
+        sizes = [p[2].diameter if p and a else None for p, a in zip(holes, at, strict=True)]
+        if len(set(sizes)) == 1:
+            yield from _make(group, bench, sizes[0], at[0])
+        else:
+            for placed, size, place in zip(group, sizes, at, strict=True):
+                yield from _make((placed,), bench, size, place)
+
+
+def _rejected(op: SpindleOp, plan: Plan, machine: Machine) -> Iterator[str]:
+    """The drills that would do too, and why a hole is not made together with one beside it."""
+    if isinstance(op, DrillOp):
+        rack = rack_of(machine)
+        yield from _other_drills(op, plan, rack)
+        yield from _missed_merges(op, plan, machine, rack)
+
+
+def _holes(op: SpindleOp, plan: Plan) -> Iterator[tuple[FeatureRef, Hole]]:
+    for p, f in op.features:
+        feature = plan.pieces[p].part.features[f]
+        if isinstance(feature, Hole):
+            yield (p, f), feature
+
+
+def _other_drills(op: DrillOp, plan: Plan, rack: Rack) -> Iterator[str]:
+    """The drills that are within the tolerance too."""
+    diameters = tuple(hole.diameter for _, hole in _holes(op, plan))
+    if op.tool.kind != "drill" or op.reasons[0] not in DRILL_REASONS:
+        return
+    for tool in rack.fitting(diameters, op.faces):
+        if tool != op.tool:
+            off = max(abs(tool.diameter - d) for d in diameters)
+            used = max(abs(op.tool.diameter - d) for d in diameters)
+            because = "no nearer" if off - used <= rack.drill.twin + 1e-9 else "further off"
+            yield f"{tool.name}: {off:g} mm off, {because}"
+
+
+def _missed_merges(op: DrillOp, plan: Plan, machine: Machine, rack: Rack) -> Iterator[str]:
+    """Holes on the opposite flange that are nearly the same."""
+    for ref, hole in _holes(op, plan) if len(op.faces) == 1 else ():
+        partner = partner_faces(machine).get(hole.face)
+        for f, other in enumerate(plan.pieces[ref[0]].part.features):
+            if isinstance(other, Hole) and other.face == partner:
+                because = unmerged_because(hole, other, rack.drill)
+                if because is not None:
+                    yield f"both flanges at once ({other.source}, feature {f + 1}): {because}"
+
+
+HOLE = Kind("hole", _is_hole, _needs, _refusals, _steps, REASONS, _rejected)

@@ -4,19 +4,38 @@ The holes are walked in order of x, so that each looks only at those that may st
 """
 
 from collections.abc import Iterator
-from math import hypot
+from math import dist, hypot
+from operator import itemgetter
 
-from beamcam.errors import Diagnostic
+from beamcam.errors import Rule, Severity
 from beamcam.machine.machine import Drill
+from beamcam.model.description import named
 from beamcam.model.part import Hole
-from beamcam.planning.merging import Group, Placed
-from beamcam.planning.operations import rules
+from beamcam.planning.operations.finished_part import NEAR_EDGE, TOLERANCE
+from beamcam.planning.operations.job import Said
+from beamcam.planning.operations.merging import ROUNDING, Group, Placed, runs
 
-TOLERANCE = 0.01  #: mm; holes that share no more are tangent
+OVERLAP = Rule(
+    "plan-hole-overlap",
+    Severity.ERROR,
+    "found {what} at x {x}, y {y} on face {face}, {apart} mm from {other} of {first}; "
+    "expected at least {expected} mm between their middles",
+    "A drill that breaks into another hole runs off or breaks. Two diameters at one place may be "
+    "a stepped hole, of which the wider one is blind.",
+)
+TOO_NEAR = Rule(
+    "plan-too-near",
+    Severity.ERROR,
+    "found a hole of diameter {found} on face {face} at x {x}, y {y}, {apart} mm from that of "
+    "{first}; expected the same place, or one more than {expected} mm away",
+    "Holes nearer than the program's decimals tell apart are one hole that was drawn twice, not "
+    "quite at the same place.",
+)
+RULES = (OVERLAP, TOO_NEAR)
 THREADS = ("thread", "left-thread")
 
 
-def judge_pairs(holes: Group, drill: Drill) -> Iterator[tuple[int, Diagnostic]]:
+def judge_pairs(holes: Group, drill: Drill) -> Iterator[Said]:
     """For each hole that is too near an earlier one of the part its index, and what to say."""
     if len(holes) < 2:
         return
@@ -37,24 +56,24 @@ def judge_pairs(holes: Group, drill: Drill) -> Iterator[tuple[int, Diagnostic]]:
                 apart = hypot(other_x - x, dy)
                 if apart < room + steel - TOLERANCE:
                     pair = (holes[i], holes[j]) if f < other_f else (holes[j], holes[i])
-                    yield from _judge(*pair, apart, room, drill)
+                    yield from _judge_pair(*pair, apart, room, drill)
 
 
-def _judge(
+def _judge_pair(
     first: Placed, second: Placed, apart: float, room: float, drill: Drill
-) -> Iterator[tuple[int, Diagnostic]]:
+) -> Iterator[Said]:
     """What to say of two holes, at the second of them."""
     (_, _, one), (_, f, hole) = first, second
     if apart <= drill.merge_tolerance and _is_one_work(one, hole):
         return
     values = {"what": named(hole), "x": f"{hole.x:g}", "y": f"{hole.y:g}", "face": hole.face}
     if apart < room - TOLERANCE:
-        yield f, rules.OVERLAP.at(
+        yield f, OVERLAP.at(
             hole.source, other=named(one), first=one.source, apart=f"{apart:.3g}",
             expected=f"{room:g}", **values,
         )  # fmt: skip
     elif "mark" not in (one.kind, hole.kind):
-        yield f, rules.NEAR_EDGE.at(
+        yield f, NEAR_EDGE.at(
             hole.source, apart=f"{max(apart - room, 0.0):.3g}",
             where=f"{named(one)} of {one.source}",
             expected=f"{drill.min_edge_distance:g}", **values,
@@ -73,7 +92,44 @@ def _is_one_work(one: Hole, other: Hole) -> bool:
     return wide.depth is not None and (narrow.depth is None or narrow.depth > wide.depth)
 
 
-def named(hole: Hole) -> str:
-    """A hole as messages call it."""
-    kind = "" if hole.kind in ("through", "blind") else f"{hole.kind} "
-    return f"a {kind}hole of diameter {hole.diameter:g}"
+def refuse_too_near(holes: Group, resolution: float, drill: Drill) -> Iterator[Said]:
+    """The holes beside one that a program cannot tell them apart from, by their indices."""
+    if 2 * resolution <= drill.duplicate_tolerance:
+        return  # what is as near as that is one hole, and there once
+    for (_, f, hole), (_, _, first) in _too_near(holes, resolution):
+        apart = dist((hole.x, hole.y), (first.x, first.y))
+        yield f, TOO_NEAR.at(
+            hole.source, found=f"{hole.diameter:g}", face=hole.face, x=f"{hole.x:g}",
+            y=f"{hole.y:g}", apart=f"{apart:.3g}", first=first.source,
+            expected=f"{2 * resolution:g}",
+        )  # fmt: skip
+
+
+def _too_near(holes: Group, resolution: float) -> Iterator[tuple[Placed, Placed]]:
+    """Of `holes`, sorted, those beside one of the same size that a program cannot tell apart.
+
+    Each with the first such one before it among the part's features. Written places are off by
+    up to one `resolution` (a hole's, and that of the cut which the part starts at), so that of two
+    places less than two of them apart either may be meant. Holes at the very same place are told
+    apart by their depths.
+    """
+    limit = 2 * resolution + ROUNDING
+    for run in runs(holes, limit):
+        if len(run) == 1:
+            continue
+        seen: list[Placed] = []
+        for placed in sorted(run, key=itemgetter(1)):
+            _, _, hole = placed
+            near = (p for p in seen if 0.0 < _apart(p[2], hole) <= limit)
+            first = next((p for p in near if _is_of_one_size(p[2], hole)), None)
+            if first is not None:
+                yield placed, first
+            seen.append(placed)
+
+
+def _apart(a: Hole, b: Hole) -> float:
+    return max(abs(a.x - b.x), abs(a.y - b.y))
+
+
+def _is_of_one_size(a: Hole, b: Hole) -> bool:
+    return (a.face, a.diameter) == (b.face, b.diameter)

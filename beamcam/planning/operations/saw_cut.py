@@ -1,26 +1,132 @@
-"""What a saw cut can be refused for: the blade's reach, and two ends that cross."""
+"""The cuts that give parts their ends, the blade always on the waste side.
 
-from collections.abc import Iterator
+Whether a saw makes the ends of a part is said of the part alone; the cuts themselves follow when
+it lies on a bar, since parts that share an angle share a cut (see `planning.nesting`).
+"""
 
-from beamcam.errors import Diagnostic
-from beamcam.machine.machine import Saw, SawSection
-from beamcam.model.part import Part
-from beamcam.planning.bar import Ends, saw_angles
-from beamcam.planning.ends import corners
-from beamcam.planning.operations import rules
+from collections.abc import Iterator, Sequence
+from math import atan, cos, degrees, radians, tan
 
+from msgspec.structs import replace
+
+from beamcam.errors import Diagnostic, Rule, Severity, Source
+from beamcam.machine.machine import Machine, Saw, SawSection
+from beamcam.model.part import Profile
+from beamcam.model.plan import Bar, Piece, SawOp
+from beamcam.planning.axis_limits import limits_of
+from beamcam.planning.ends import End, Ends, corners
+from beamcam.planning.operations.bench import Bench
+from beamcam.planning.operations.kind import Kind, nothing
+
+_E, _N = Severity.ERROR, Severity.NOTE
+
+SAW_ANGLE = Rule(
+    "plan-saw-angle",
+    _E,
+    "found a cut of {found} degrees at the {end}; expected one from {least} to {greatest}, "
+    "as far as the saw turns",
+    "The mitre is outside the saw's range.",
+)
+FLANGE_CUT = Rule(
+    "plan-flange-cut",
+    _E,
+    "found a flange cut of {found} degrees at the {end}; expected {expected}",
+    "The blade does not tilt, or it tilts one way only; a part that is turned may need that way.",
+)
+COMPOUND = Rule(
+    "plan-compound",
+    _E,
+    "found a cut of {web} degrees on the web and {flange} on the flange at the {end}; "
+    "expected one of them, the saw cannot turn and tilt at once",
+    "A compound mitre needs a saw whose blade tilts while the saw is turned.",
+)
+CUTS_CROSS = Rule(
+    "plan-cuts-cross",
+    _E,
+    "found end cuts that cross by {found} mm at y {y}, z {z}; "
+    "expected the part to be longer than both mitres there",
+    "Nothing is left of the part where its two end cuts meet.",
+)
+CUTS_TOUCH = Rule(
+    "plan-cuts-touch",
+    _N,
+    "the end cuts meet in a point at y {y}, z {z}",
+    "The part is as long as its two mitres, and ends there in an edge.",
+)
+SAW_REACH = Rule(
+    "plan-saw-reach",
+    _E,
+    "found a section of {found} mm at a cut of {angle} degrees at the {end}; "
+    "expected at most {expected} mm (height x width), as the blade reaches at that angle",
+    "A blade that is turned reaches less far across. `saw.max_sections` of the machine file says "
+    "how far at which angle.",
+)
+RULES = (SAW_ANGLE, FLANGE_CUT, COMPOUND, CUTS_CROSS, CUTS_TOUCH, SAW_REACH)
+REASONS = {
+    "cut-trim": "the bar's front is sawn square, since no cut before it does so",
+    "cut-mitre-start": "the part starts skew",
+    "cut-mitre-end": "the part ends skew",
+    "cut-common": "two parts share the angle, so one cut ends the one and starts the other",
+    "cut-parting": "parts the piece from the bar, behind its square end",
+    "cut-parting-both": "parts the piece from the bar and gives the next one its square start",
+    "cut-wedge": "takes the wedge of the mitre off the bar",
+}
 TOUCH = 0.01  #: mm; ends that are as near meet in a point
+NOTHING_LEFT = 1e-6  #: mm
+SAME_ANGLE_DEG = 0.01  #: ends that differ by no more share a cut
 
 
-def judge_ends(part: Part, ends: Ends, saw: Saw) -> Iterator[Diagnostic]:
+def _is_feature(_: object) -> bool:
+    """No feature of a part is a cut: its ends are, which `work` asks about."""
+    return False
+
+
+def _needs(end: End, bench: Bench) -> Diagnostic | None:
+    """What the saw cannot do for one end; None if it can."""
+    if end.is_square:
+        return None
+    return _refuse_cut(end, _turning_saw(bench.line.saw, bench.machine), bench.part.source)
+
+
+def _refuse_cut(end: End, saw: Saw, source: Source) -> Diagnostic | None:
+    """Why the saw cannot make a skew end; None if it can."""
+    angle, tilt = saw_angles(end, saw)
+    if end.web_deg and not saw.min_angle <= angle <= saw.max_angle:
+        return SAW_ANGLE.at(
+            source, found=f"{angle:g}", end=end.at, least=f"{saw.min_angle:g}",
+            greatest=f"{saw.max_angle:g}",
+        )  # fmt: skip
+    if end.flange_deg and not saw.min_tilt <= tilt <= saw.max_tilt:
+        expected = "0, the blade does not tilt"
+        if saw.min_tilt != saw.max_tilt:
+            expected = f"a tilt from {saw.min_tilt:g} to {saw.max_tilt:g}"
+        return FLANGE_CUT.at(source, found=f"{end.flange_deg:g}", end=end.at, expected=expected)
+    if end.web_deg and end.flange_deg and not saw.compound:
+        return COMPOUND.at(source, web=f"{end.web_deg:g}", flange=f"{end.flange_deg:g}", end=end.at)
+    return None
+
+
+def _turning_saw(saw: Saw, machine: Machine) -> Saw:
+    """The saw with those of its angles that its axis turns to."""
+    for axis in machine.axes:
+        if axis.moves == "angle" and axis.spindle is None:
+            least, greatest = limits_of(axis)
+            if least > saw.min_angle or greatest < saw.max_angle:
+                least, greatest = max(least, saw.min_angle), min(greatest, saw.max_angle)
+                return replace(saw, min_angle=least, max_angle=greatest)
+    return saw
+
+
+def _refusals(ends: Ends, bench: Bench) -> Iterator[Diagnostic]:
     """What is wrong, or odd, about the two ends of a part together and one by one."""
+    part, saw = bench.part, bench.line.saw
     start, end = ends
     if not (start.is_square and end.is_square):
         left, y, z = min((end.x(y, z) - start.x(y, z), y, z) for y, z in corners(part.profile))
         if left < -TOUCH:
-            yield rules.CUTS_CROSS.at(part.source, found=f"{-left:.3f}", y=f"{y:g}", z=f"{z:g}")
+            yield CUTS_CROSS.at(part.source, found=f"{-left:.3f}", y=f"{y:g}", z=f"{z:g}")
         elif left <= TOUCH:
-            yield rules.CUTS_TOUCH.at(part.source, y=f"{y:g}", z=f"{z:g}")
+            yield CUTS_TOUCH.at(part.source, y=f"{y:g}", z=f"{z:g}")
     if not saw.max_sections:
         return
     height, width = part.profile.height, part.profile.width
@@ -29,7 +135,7 @@ def judge_ends(part: Part, ends: Ends, saw: Saw) -> Iterator[Diagnostic]:
         reach = _reach_at(abs(angle - saw.square), saw)
         if reach is None or (height <= reach.max_height and width <= reach.max_width):
             continue
-        yield rules.SAW_REACH.at(
+        yield SAW_REACH.at(
             part.source, found=f"{height:g} x {width:g}", angle=f"{angle:g}", end=each.at,
             expected=f"{reach.max_height:g} x {reach.max_width:g}",
         )  # fmt: skip
@@ -40,3 +146,85 @@ def _reach_at(off_square_deg: float, saw: Saw) -> SawSection | None:
     rows = sorted(saw.max_sections, key=lambda row: row.max_angle)
     fitting = (row for row in rows if off_square_deg <= row.max_angle + 1e-9)
     return next(fitting, rows[-1] if rows else None)
+
+
+def kerf_along_bar(saw: Saw, end: End) -> float:
+    """Length of bar that a cut takes, as the machine counts its kerf."""
+    return saw.kerf * end.slant if saw.kerf_along == "normal" else saw.kerf
+
+
+def share_cut(end: End, start: End, saw: Saw) -> bool:
+    """Whether one skew cut can end a part and start the next."""
+    return (
+        saw.common_cuts
+        and not end.is_square
+        and abs(end.web_deg - start.web_deg) <= SAME_ANGLE_DEG
+        and abs(end.flange_deg - start.flange_deg) <= SAME_ANGLE_DEG
+    )
+
+
+def cuts_of(
+    pieces: Sequence[Piece], ends: Sequence[Ends], saw: Saw, bar: Bar | None = None
+) -> Iterator[SawOp]:
+    """The cuts that give every piece its ends, the blade always on the waste side.
+
+    Behind a skew end at the end of `bar` nothing is left to be squared.
+    """
+    for index, (piece, (start, end)) in enumerate(zip(pieces, ends, strict=True)):
+        source = piece.part.source
+        shares_start = index > 0 and share_cut(ends[index - 1][1], start, saw)
+        if index == 0 and start.is_square:
+            x = saw.x + piece.start - saw.kerf / 2
+            yield SawOp(x, saw.square, "trim", (0,), source, 0.0, "start", ("cut-trim",))
+        elif not start.is_square and not shares_start:
+            yield _skew(piece, (index,), start, saw, "mitre")
+        following = ends[index + 1][0] if index + 1 < len(pieces) else None
+        if following is not None and share_cut(end, following, saw):
+            yield _skew(piece, (index, index + 1), end, saw, "common")
+            continue
+        if not end.is_square:
+            yield _skew(piece, (index,), end, saw, "mitre")
+        if following is not None and following.is_square:
+            # It makes the next part's square start too, which lies further on behind a mitre.
+            x = saw.x + pieces[index + 1].start - saw.kerf / 2
+            both = (index, index + 1)
+            yield SawOp(x, saw.square, "parting", both, source, 0.0, "end", ("cut-parting-both",))
+        elif end.is_square or following is not None or bar is None or bar.left > NOTHING_LEFT:
+            x = saw.x + piece.end + kerf_along_bar(saw, end) / 2
+            reason = "cut-parting" if end.is_square else "cut-wedge"
+            yield SawOp(x, saw.square, "parting", (index,), source, 0.0, "end", (reason,))
+
+
+def _skew(piece: Piece, pieces: tuple[int, ...], end: End, saw: Saw, purpose: str) -> SawOp:
+    """The cut of a skew end, half a kerf on the waste side of it."""
+    profile = piece.part.profile
+    edge = end.x(*pivot_edge(saw, profile))
+    side = -0.5 if end.at == "start" else 0.5
+    x = saw.x + piece.start + edge + side * kerf_along_bar(saw, end)
+    angle, tilt = saw_angles(end, saw)
+    if purpose == "common":
+        reasons = ("cut-common",)
+        return SawOp(x, angle, "common", pieces, piece.part.source, tilt, end.at, reasons)
+    reasons = ("cut-mitre-start" if end.at == "start" else "cut-mitre-end",)
+    return SawOp(x, angle, "mitre", pieces, piece.part.source, tilt, end.at, reasons)
+
+
+def pivot_edge(saw: Saw, profile: Profile) -> tuple[float, float]:
+    """y and z of the line on which the machine counts a cut's X: on the side the bar lies on."""
+    return (profile.height if saw.pivot == "o" else 0.0), 0.0
+
+
+def saw_angles(end: End, saw: Saw) -> tuple[float, float]:
+    """Angle and tilt of the blade for an end, in the machine's counting.
+
+    The blade turned by w and tilted by t has the normal (cos t cos w, cos t sin w, sin t), which
+    is along (1, tan w, tan f) of the end if tan t = tan f cos w.
+    """
+    angle = saw.square + saw.angle_sign * end.web_deg
+    if not end.flange_deg:
+        return angle, 0.0
+    tilt = degrees(atan(tan(radians(end.flange_deg)) * cos(radians(end.web_deg))))
+    return angle, saw.tilt_sign * tilt
+
+
+SAW_CUT = Kind("saw cut", _is_feature, _needs, _refusals, nothing, REASONS)

@@ -13,8 +13,8 @@ from beamcam.model.part import Part
 from beamcam.model.plan import DrillOp
 from beamcam.pipeline import post
 from beamcam.planning.beam import plan_bar
-from beamcam.planning.merging import drop_duplicates, merge_pairs, unmerged_because
-from beamcam.planning.refuse import refuse_too_near
+from beamcam.planning.operations.hole_pairs import refuse_too_near
+from beamcam.planning.operations.merging import drop_duplicates, merge_pairs, unmerged_because
 from tests.unit.planning.shop import hole, part, plan
 
 
@@ -191,12 +191,13 @@ def refusals(made: Part, machine: Machine) -> tuple[Diagnostic, ...]:
     ({"x": 500.005}, False),  # one hole that was written twice
 ])  # fmt: skip
 def test_what_the_program_cannot_tell_apart(other: dict[str, Any], refused: bool) -> None:
-    first, again = TOP, replace(TOP, **other)
+    machine, first, again = load("beamline-annex"), TOP, replace(TOP, **other)
+    assert machine.drill
     for features in ((first, again), (again, first)):
         codes = [said.code for _, said in refuse_too_near(
             drop_duplicates(tuple((h.x, f, h) for f, h in sorted(
                 enumerate(features), key=lambda item: item[1].x)), 0.01)[0],
-            load("beamline-annex"),
+            machine.format.resolution, machine.drill,
         )]  # fmt: skip
         assert codes == ["plan-too-near"] * refused
 

@@ -10,8 +10,8 @@ from beamcam.machine import load
 from beamcam.machine.machine import Formula, Machine
 from beamcam.model.part import Hole, HoleKind, Part, Profile
 from beamcam.pipeline import post
+from beamcam.planning.axis_limits import fixed_faces
 from beamcam.planning.beam import plan_bar
-from beamcam.planning.strokes import fixed_faces
 from beamcam.verify.bars import skippable, verify
 from tests.unit.planning.shop import BEAM, hole, part, pusher
 
@@ -80,7 +80,7 @@ def test_all_that_belongs_to_a_hole_is_left_out_with_it() -> None:
 
 @pytest.mark.parametrize(("feature", "what"), [
     (hole(500, diameter=60), "a hole of diameter 60"),
-    (hole(500, diameter=0, kind="mark"), "a hole of diameter 0"),
+    (hole(500, diameter=0, kind="mark"), "a centre point"),
 ])  # fmt: skip
 def test_other_tools_than_drills_have_to_come_to_their_depth(feature: Hole, what: str) -> None:
     made: Part = part(feature)

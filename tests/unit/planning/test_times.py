@@ -10,9 +10,9 @@ from beamcam.machine import load
 from beamcam.machine.machine import Machine, Times
 from beamcam.model.plan import Plan
 from beamcam.planning.beam import plan_bar
-from beamcam.planning.choose import try_turns
-from beamcam.planning.explain import explain
-from beamcam.planning.reasons import REASONS
+from beamcam.planning.explain import SAID, explain
+from beamcam.planning.line import line_of
+from beamcam.planning.orientation import try_turns
 from beamcam.planning.times import work_time
 from beamcam.planning.turning import TURNS
 from tests.unit.planning.shop import CHANNEL, TUBE, hole, part, plan
@@ -91,7 +91,7 @@ def test_every_operation_is_explained() -> None:
                       hole(700, 90, 22)))  # fmt: skip
     explained = explain(found, machine)
     assert [s.x for s in explained.steps] == [op.x for op in found.operations]
-    assert all(s.reasons and all(REASONS[c] == t for c, t in s.reasons) for s in explained.steps)
+    assert all(s.reasons and all(SAID[c] == t for c, t in s.reasons) for s in explained.steps)
     assert all(s.sources == ("p.nc1:7",) for s in explained.steps)
     first, second = explained.steps[:2]
     assert [c for c, _ in second.reasons] == ["drill-exact", "place-tool"]
@@ -125,12 +125,12 @@ def test_a_tap_waits_for_its_drill() -> None:
 
 def test_all_eight_ways_are_tried_and_told() -> None:
     channel = part(hole(500, 60), hole(600, 60, face="h", kind="blind", depth=4.0), profile=CHANNEL)
-    trials = try_turns(channel, load("beamline"), ())
+    trials = try_turns(channel, line_of(load("beamline")), ())
     assert [t.turn for t in trials] == list(TURNS)
     assert all(t.seconds is None for t in trials)
     assert trials[0].because.startswith("plan-face: found a blind hole on face h")
     assert trials[1].because == "a U does not lie so on the rollers"
-    beam = try_turns(part(hole(1500)), load("beamline"), ())
+    beam = try_turns(part(hole(1500)), line_of(load("beamline")), ())
     assert [t.because for t in beam[1:4]] == [
         "", "no different from 'as given'", "no different from 'turned 180 about its length'"
     ]  # fmt: skip

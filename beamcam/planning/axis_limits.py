@@ -5,24 +5,53 @@
     X, the stop or the pusher            follows from where the part lies: asked of the whole bar
 
 An axis stands at the number that is written, so places are rounded before they are compared.
+
+A spindle's `bottom` follows the depth of the hole, or the machine has one stroke for all of them,
+which does not fit every hole:
+
+    bottom = "depth + tip"      as deep as it has to be
+    bottom = 150                to 150 mm, whatever the section: web holes of a HE 400 B lie deeper
 """
 
+import re
 from collections.abc import Iterator, Sequence
 from math import inf
 from typing import NamedTuple
 
 from msgspec import Struct
-from msgspec.structs import replace
 
 from beamcam.caches import BoundedCache, PerObject
-from beamcam.errors import Diagnostic
-from beamcam.machine.machine import ControlledAxis, Machine, Saw
+from beamcam.errors import Diagnostic, Rule, Severity
+from beamcam.machine.machine import ControlledAxis, Drill, Machine
+from beamcam.model.description import named
 from beamcam.model.part import Face, Feature, Part, Profile
 from beamcam.model.plan import DrillOp, Operation, PathOp, Piece, SawOp
 from beamcam.model.stroke import Strokes
-from beamcam.planning import rules
-from beamcam.planning.jobs import Job, Tooling
-from beamcam.planning.strokes import named
+from beamcam.planning.operations.job import Job, Tooling
+
+STROKE = Rule(
+    "plan-stroke",
+    Severity.ERROR,
+    "found a stroke to {found} mm below face {face}, the same for every hole; "
+    "expected {expected} mm for {what}",
+    "A stroke that is the same for every hole fits no blind hole, and through ones of small "
+    "sections alone. A machine file whose `bottom` follows `depth` has no such limit.",
+)
+AXIS = Rule(
+    "plan-axis",
+    Severity.ERROR,
+    "found {what} on face {face} that takes the {axis} to {found}; expected {expected}",
+    "The axis does not come to that place across the bar, or as deep. `--allow-skips axis` leaves "
+    "the feature to another machine.",
+)
+STOP = Rule(
+    "plan-stop",
+    Severity.ERROR,
+    "found {what} that takes the {axis} to {found}; expected {expected}",
+    "Where a part lies on the bar says where the bar has to be brought to; with a longer "
+    "front trim, another order or a shorter bar it may be within reach.",
+)
+RULES = (STROKE, AXIS, STOP)
 
 
 class Beyond(NamedTuple):
@@ -64,7 +93,7 @@ def refuse_beyond(
         if not job.path and known.get((how.faces, how.tools, how.depth, job.y), _UNKNOWN) is None:
             continue  # as nearly all are
         # Of a path both sides, since every formula is a straight line in y.
-        for y in _min_and_greatest([y for _, y in job.path]) if job.path else (job.y,):
+        for y in _min_and_max([y for _, y in job.path]) if job.path else (job.y,):
             key = how.faces, how.tools, how.depth, y
             beyond = known.get(key, _UNKNOWN)
             if beyond is _UNKNOWN:
@@ -94,7 +123,7 @@ def _beyond(
 
 
 def _said(feature: Feature, beyond: Beyond) -> Diagnostic:
-    return rules.AXIS.at(
+    return AXIS.at(
         feature.source, what=named(feature), face=beyond.face, axis=beyond.axis.name,
         found=f"{beyond.place:.3f}", expected=_range(beyond.axis),
     )  # fmt: skip
@@ -110,14 +139,14 @@ def refuse_bar(
         # The ends of all together first: nearly every bar is within reach.
         xs = [op.x for op in operations]
         xs += [x for op in operations if type(op) is PathOp for x, _ in op.path]
-        if all(_comes_to(x, axis, machine) for x in _min_and_greatest(xs)):
+        if all(_comes_to(x, axis, machine) for x in _min_and_max(xs)):
             continue
         for op in operations:
             if not _is_moved_by(axis, op, machine):
                 continue
             for x in _xs(op):
                 if not _comes_to(x, axis, machine):
-                    yield rules.STOP.at(
+                    yield STOP.at(
                         op.source, what=_work(op, pieces), axis=axis.name, found=f"{x:.3f}",
                         expected=_range(axis),
                     )  # fmt: skip
@@ -125,7 +154,7 @@ def refuse_bar(
 
 def _xs(op: Operation) -> tuple[float, ...]:
     """X of an operation; of a path the least and the greatest."""
-    return _min_and_greatest([x for x, _ in op.path]) if isinstance(op, PathOp) else (op.x,)
+    return _min_and_max([x for x, _ in op.path]) if isinstance(op, PathOp) else (op.x,)
 
 
 def _is_moved_by(axis: ControlledAxis, op: Operation, machine: Machine) -> bool:
@@ -146,23 +175,12 @@ def _work(op: Operation, pieces: Sequence[Piece]) -> str:
     return f"{named(part.features[feature])} on face {op.faces[0]} of {part.mark}"
 
 
-def turning_saw(saw: Saw, machine: Machine) -> Saw:
-    """The saw with those of its angles that its axis turns to."""
-    for axis in machine.axes:
-        if axis.moves == "angle" and axis.spindle is None:
-            least, greatest = _limits(axis)
-            if least > saw.min_angle or greatest < saw.max_angle:
-                least, greatest = max(least, saw.min_angle), min(greatest, saw.max_angle)
-                return replace(saw, min_angle=least, max_angle=greatest)
-    return saw
-
-
 def _comes_to(place: float, axis: ControlledAxis, machine: Machine) -> bool:
-    least, greatest = _limits(axis)
+    least, greatest = limits_of(axis)
     return least <= round(place, machine.format.length_decimals) <= greatest
 
 
-def _limits(axis: ControlledAxis) -> tuple[float, float]:
+def limits_of(axis: ControlledAxis) -> tuple[float, float]:
     least = -inf if axis.min is None else axis.min
     return least, inf if axis.max is None else axis.max
 
@@ -170,8 +188,63 @@ def _limits(axis: ControlledAxis) -> tuple[float, float]:
 def _range(axis: ControlledAxis) -> str:
     if axis.max is None:
         return f"at least {axis.min:g}"
-    return f"at most {axis.max:g}" if axis.min is None else f"{axis.min:g} to {axis.max:g}"
+    return (
+        f"at most {axis.max:g}"
+        if axis.min is None
+        else f"{axis.min:g} to {axis.max:g}"
+    )
 
 
-def _min_and_greatest(values: Sequence[float]) -> tuple[float, float]:
+def _min_and_max(values: Sequence[float]) -> tuple[float, float]:
     return min(values), max(values)
+
+
+_DEPTH = re.compile(r"\bdepth\b")
+
+
+def _fixed_faces(machine: Machine) -> frozenset[Face]:
+    """The faces of the spindles whose stroke does not follow the depth."""
+    return frozenset(s.face for s in machine.spindles if not _DEPTH.search(s.stroke.bottom))
+
+
+fixed_faces = PerObject("planning.fixed_faces", _fixed_faces)
+
+
+def refuse_strokes(
+    part: Part, machine: Machine, drill: Drill, jobs: Sequence[Job]
+) -> Iterator[tuple[int, Diagnostic]]:
+    """The features of jobs that a fixed stroke does not make, and why."""
+    strokes = Strokes(part.profile, machine)
+    resolution = machine.format.resolution
+    for job in jobs:
+        how = job.tooling
+        for face in fixed_faces(machine).intersection(how.faces):
+            op = DrillOp(job.x, 0, how.tools[0], (face,), job.y, how.depth, (), (), part.source)
+            reach = _deepest(op, part, strokes)
+            least, greatest = _wanted(op, part, drill)
+            if least - resolution <= reach <= greatest + resolution:
+                continue
+            for f in job.features:
+                feature = part.features[f]
+                expected = f"{least:.3f}" if least == greatest else f"at least {least:.3f}"
+                yield f, STROKE.at(
+                    feature.source, what=named(feature), face=face, found=f"{reach:.3f}",
+                    expected=expected,
+                )  # fmt: skip
+
+
+def _deepest(op: DrillOp, part: Part, strokes: Strokes) -> float:
+    """How deep the tool's point comes behind the surface of its face."""
+    stroke = strokes(op, op.y)
+    way = 1.0 if stroke.bottom >= stroke.start else -1.0
+    return way * stroke.bottom - part.profile.face_depth(op.faces[0])
+
+
+def _wanted(op: DrillOp, part: Part, drill: Drill) -> tuple[float, float]:
+    """How deep it has to come, and may at most; drills and taps may go on behind the far side."""
+    kind = op.tool.kind
+    tip = op.tool.tip if kind == "drill" else 0.0
+    if op.depth is not None:
+        return op.depth + tip, op.depth + tip
+    through = part.profile.thickness(op.faces[0]) + tip
+    return through, float("inf") if kind in ("drill", "tap") else through + drill.breakthrough

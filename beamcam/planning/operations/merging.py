@@ -12,8 +12,7 @@ from collections.abc import Collection, Iterator, Mapping
 from itertools import combinations
 from operator import itemgetter
 
-from beamcam.caches import PerObject
-from beamcam.machine.machine import Drill, Machine
+from beamcam.machine.machine import Drill
 from beamcam.model.part import Face, Hole
 
 Placed = tuple[float, int, Hole]  #: x, index of the feature, and the hole: they sort along the part
@@ -28,7 +27,7 @@ def drop_duplicates(holes: Group, tolerance: float) -> tuple[Group, dict[int, Pl
     """
     repeats: dict[int, Placed] = {}
     limit = tolerance + ROUNDING
-    for run in _runs(holes, limit):
+    for run in runs(holes, limit):
         if len(run) == 1:
             continue
         for first, other in combinations(sorted(run, key=itemgetter(1)), 2):
@@ -41,7 +40,7 @@ def drop_duplicates(holes: Group, tolerance: float) -> tuple[Group, dict[int, Pl
     return tuple([p for p in holes if p[1] not in repeats]), dict(sorted(repeats.items()))
 
 
-def _runs(holes: Group, limit: float) -> Iterator[Group]:
+def runs(holes: Group, limit: float) -> Iterator[Group]:
     """All holes, together those that lie within `limit` of the one before along x."""
     start = 0
     before = holes[0][0] if holes else 0.0
@@ -65,36 +64,6 @@ def _is_same(a: Hole, b: Hole, limit: float) -> bool:
     )
 
 
-def too_near(holes: Group, resolution: float) -> Iterator[tuple[Placed, Placed]]:
-    """Of `holes`, sorted, those beside one of the same size that a program cannot tell apart.
-
-    Each with the first such one before it among the part's features. Written places are off by
-    up to one `resolution` (a hole's, and that of the cut which the part starts at), so that of two
-    places less than two of them apart either may be meant. Holes at the very same place are told
-    apart by their depths.
-    """
-    limit = 2 * resolution + ROUNDING
-    for run in _runs(holes, limit):
-        if len(run) == 1:
-            continue
-        seen: list[Placed] = []
-        for placed in sorted(run, key=itemgetter(1)):
-            _, _, hole = placed
-            near = (p for p in seen if 0.0 < _apart(p[2], hole) <= limit)
-            first = next((p for p in near if _is_of_one_size(p[2], hole)), None)
-            if first is not None:
-                yield placed, first
-            seen.append(placed)
-
-
-def _apart(a: Hole, b: Hole) -> float:
-    return max(abs(a.x - b.x), abs(a.y - b.y))
-
-
-def _is_of_one_size(a: Hole, b: Hole) -> bool:
-    return (a.face, a.diameter) == (b.face, b.diameter)
-
-
 def alike(a: Hole, b: Hole, limit: float) -> bool:
     """Whether two holes are the same but for face and place."""
     return (
@@ -109,20 +78,12 @@ def _near(a: float | None, b: float | None, limit: float) -> bool:
     return a is not None and b is not None and abs(a - b) <= limit
 
 
-def _partner_faces(machine: Machine) -> dict[Face, Face]:
-    """The faces that a pair of spindles drills at once, each with the other one."""
-    return {a: b for pair in machine.pairs for a, b in (pair.faces, pair.faces[::-1])}
-
-
-partner_faces = PerObject("planning.partner_faces", _partner_faces)
-
-
 def merge_pairs(holes: Group, partners: Mapping[Face, Face], drill: Drill) -> Iterator[Group]:
     """The holes, sorted, one by one, or two that are the same on a face and its partner.
 
     Each hole finds at most one partner, the nearest.
     """
-    for run in _runs(holes, drill.merge_tolerance + ROUNDING):
+    for run in runs(holes, drill.merge_tolerance + ROUNDING):
         if len(run) == 1:
             yield run
             continue

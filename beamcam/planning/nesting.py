@@ -1,0 +1,183 @@
+"""Parts laid on a bar, and the cuts between them.
+
+    bar x 0                                                                        bar's length
+    | front trim |# part 1 ######/|kerf|# part 2 ####|kerf|   rest, dead zone   | end trim |
+                 start           end  start
+
+A part's square start is made by the cut that parts it from what lies before it; a skew start or
+end gets a mitre of its own, and the square parting cut at the part's greatest x removes the wedge.
+Two parts that share an angle need neither wedge nor parting cut: one common cut makes both ends,
+and the parts overlap along the bar.
+
+    # part 1 ######/|kerf|    # part 2          # part 1 ######/ /# part 2
+    # part 1 #####/ |kerf|  /## part 2          # part 1 #####/ /## part 2
+    # part 1 ####/  |kerf| /### part 2          # part 1 ####/ /### part 2
+         mitre, parting, mitre                       one common cut
+
+Cuts that stand close are in an order that a machine can follow along X: the mitre that ends a
+part, the parting cut behind it, the mitre that starts the next. So a parting cut never stands
+before the middle of the mitre that it follows.
+
+The order in which parts lie may be free. For each two parts the length that a common cut saves is
+known, so the best order is the path through all parts that saves most: exact for few parts
+(M. Held, R. M. Karp, A dynamic programming approach to sequencing problems, 1962), and for many a
+greedy path, part by part.
+"""
+
+from collections.abc import Sequence
+from itertools import pairwise
+
+from beamcam.errors import Diagnostic, PlanError
+from beamcam.machine.machine import Layout, Saw
+from beamcam.model.part import Part
+from beamcam.model.plan import Bar
+from beamcam.planning import rules
+from beamcam.planning.ends import End, Ends
+from beamcam.planning.operations.saw_cut import kerf_along_bar, share_cut
+
+EXACT_ORDER = 9  #: parts whose best order is searched for among all
+
+
+def lay_on_bar(
+    parts: Sequence[Part], ends: Sequence[Ends], layout: Layout, saw: Saw, length: float | None
+) -> tuple[tuple[tuple[float, ...], Bar], tuple[Diagnostic, ...]]:
+    """Starts of the parts in the order given and the bar's account; and remarks about the rest.
+
+    `length` is the stock bar's; None takes as much as the parts need. Raises PlanError if the
+    parts do not fit, or if the bar or a part is shorter or longer than the machine can hold.
+    """
+    refusals = [
+        rules.PART_SHORT.at(p.source, found=f"{p.length:.3f}", expected=f"{layout.min_part:g}")
+        for p in parts
+        if p.length < layout.min_part
+    ]
+    if refusals:
+        raise PlanError(refusals)
+    starts, parts_length, kerfs, nested = [layout.front_trim], parts[0].length, 0.0, 0.0
+    for index, (part, after) in enumerate(pairwise(parts)):
+        here, there = ends[index][1], ends[index + 1][0]
+        kerf = max(kerf_along_bar(saw, here), kerf_along_bar(saw, there))
+        start = starts[-1] + part.length + kerf
+        if share_cut(here, there, saw):
+            nested_start = starts[-1] + here.x0 + kerf - there.x0
+            nested += start - nested_start
+            start = nested_start
+        kerfs += kerf
+        starts.append(start)
+        parts_length += after.length
+    kerfs += kerf_along_bar(saw, ends[-1][1])
+    used = layout.front_trim + parts_length + kerfs - nested + layout.end_trim
+    source = parts[0].source
+    needed = used + layout.dead_zone
+    if length is not None and needed > length + 1e-6:
+        raise PlanError(rules.BAR_FULL.at(source, found=f"{needed:.3f}", expected=f"{length:.3f}"))
+    whole = needed if length is None else length
+    if whole < layout.min_bar:
+        raise PlanError(
+            rules.BAR_SHORT.at(source, found=f"{whole:.3f}", expected=f"{layout.min_bar:g}")
+        )
+    held = starts[-1] + layout.min_bar_left
+    if length is None:
+        whole = max(whole, held)
+    elif held > length + 1e-6:
+        expected = f"{layout.min_bar_left:g}"
+        raise PlanError(
+            rules.BAR_LEFT.at(source, found=f"{length - starts[-1]:.3f}", expected=expected)
+        )
+    if layout.max_bar is not None and whole > layout.max_bar:
+        raise PlanError(
+            rules.BAR_LONG.at(source, found=f"{whole:.3f}", expected=f"{layout.max_bar:g}")
+        )
+    rest = max(0.0, whole - used)
+    bar = Bar(whole, layout.front_trim, parts_length, kerfs, rest, nested, layout.end_trim)
+    remarks: tuple[Diagnostic, ...] = ()
+    if length is not None and rest >= layout.min_remnant:
+        remarks = (rules.REMNANT.at(source, found=f"{rest:.3f}"),)
+    return (tuple(starts), bar), remarks
+
+
+def best_order(
+    parts: Sequence[Part], ends: Sequence[Ends], saw: Saw
+) -> tuple[list[int], tuple[Diagnostic, ...]]:
+    """The order of parts that saves most of the bar by common cuts, as indices; and a remark.
+
+    Of orders that save as much the one nearest to the given order, by its indices, comes out of
+    up to `EXACT_ORDER` parts.
+    """
+    count = len(parts)
+
+    def saved(i: int, j: int) -> float:
+        return _saved(parts[i], ends[i][1], ends[j][0], saw) if i != j else 0.0
+
+    saves = [[saved(i, j) for j in range(count)] for i in range(count)]
+    order = _exact(saves) if count <= EXACT_ORDER else _greedy(saves)
+    gain = _total(order, saves) - _total(list(range(count)), saves)
+    if gain <= 1e-9:
+        return list(range(count)), ()
+    shown = " ".join(parts[i].mark for i in order)
+    reason = f"{gain:.1f} mm less bar than as given"
+    return order, (rules.ORDER.at(parts[0].source, found=shown, reason=reason),)
+
+
+def _saved(part: Part, end: End, start: End, saw: Saw) -> float:
+    """Length of bar that two ends side by side need less by a common cut; 0 if they share none."""
+    if not share_cut(end, start, saw):
+        return 0.0
+    # As in lay_on_bar: by x0 - length of the end, less x0 of the start, they overlap.
+    return part.length - end.x0 + start.x0
+
+
+def _total(order: Sequence[int], saves: Sequence[Sequence[float]]) -> float:
+    return sum(saves[a][b] for a, b in pairwise(order))
+
+
+def _exact(saves: Sequence[Sequence[float]]) -> list[int]:
+    """The path through all parts that saves most, by Held and Karp."""
+    count = len(saves)
+    best: dict[tuple[int, int], tuple[float, tuple[int, ...]]] = {
+        (1 << i, i): (0.0, (i,)) for i in range(count)
+    }
+    for mask in range(1, 1 << count):
+        for last in range(count):
+            if (mask, last) not in best:
+                continue
+            cost, path = best[mask, last]
+            for after in range(count):
+                if mask >> after & 1:
+                    continue
+                key = mask | 1 << after, after
+                found = (cost - saves[last][after], (*path, after))
+                if key not in best or found < best[key]:
+                    best[key] = found
+    full = (1 << count) - 1
+    return list(min(best[full, last] for last in range(count))[1])
+
+
+def _greedy(saves: Sequence[Sequence[float]]) -> list[int]:
+    """A path that joins, of all parts not yet joined, the two that save most, again and again."""
+    count = len(saves)
+    after: dict[int, int] = {}
+    before: dict[int, int] = {}
+    chain = list(range(count))
+
+    def head(i: int) -> int:
+        while chain[i] != i:
+            i = chain[i]
+        return i
+
+    pairs = sorted(
+        (-saves[i][j], i, j) for i in range(count) for j in range(count) if saves[i][j] > 0
+    )
+    for _, i, j in pairs:
+        if i not in after and j not in before and head(i) != head(j):
+            after[i], before[j] = j, i
+            chain[head(j)] = head(i)
+    order: list[int] = []
+    for i in range(count):
+        if i not in before:
+            while True:
+                order.append(i)
+                if i not in after:
+                    break
+                i = after[i]
+    return order

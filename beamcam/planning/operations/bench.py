@@ -1,0 +1,109 @@
+"""One part as it lies on one line: what its work is held against, and what came of it so far."""
+
+from collections import defaultdict
+from collections.abc import Iterable, Iterator
+from typing import Any
+
+from msgspec.structs import replace
+
+from beamcam.errors import Diagnostic, Rule, Severity
+from beamcam.model.description import named
+from beamcam.model.part import Face, Feature, Hole, Part, Slot
+from beamcam.model.section import OTHER_SIDE
+from beamcam.planning.ends import Ends
+from beamcam.planning.line import Line
+from beamcam.planning.operations.finished_part import FinishedPart
+from beamcam.planning.operations.job import Found, Job, Said, Settled
+from beamcam.planning.operations.reach import reach_of
+
+FROM_BEHIND = Rule(
+    "plan-from-behind",
+    Severity.NOTE,
+    "found {what} at x {x}, y {y} on face {face}; it is made from face {other}",
+    "A through hole is the same from either side of its wall, and no spindle reaches that face.",
+)
+ANGLE_FACE = Rule(
+    "plan-angle-face",
+    Severity.WARNING,
+    "found {what} at x {x}, y {y} on face {face} of an angle, which has faces v and u; "
+    "it is made on face {other}",
+    "An angle has one flange, whose outside is u. Exporters that take the section for a channel "
+    "write its other side as o.",
+)
+RULES = (FROM_BEHIND, ANGLE_FACE)
+
+
+class Bench:
+    """The one thing of planning that changes while it is looked at: the account of a part."""
+
+    def __init__(self, part: Part, ends: Ends, line: Line) -> None:
+        self.part, self.ends, self.line = part, ends, line
+        self.machine, self.rack = line.machine, line.rack
+        self.finished = FinishedPart(part, ends, line.machine, line.drill)
+        self.reached = reach_of(part.profile, line.machine)
+        #: Features that can be made, by kind of work, each on the face that it is made from.
+        self.accepted: defaultdict[str, list[tuple[int, Any]]] = defaultdict(list)
+        self.behind: set[int] = set()  #: features that are made from the other side of their wall
+        self.jobs: list[Job] = []
+        self.told: list[Said] = []  #: remarks about features
+        self.refused: dict[int, Diagnostic] = {}
+        self.settled: dict[int, Settled] = {}
+
+    def on_reached_face(self, f: int, feature: Feature) -> Feature:
+        """A feature, or for a through hole that no spindle reaches the same on the other side."""
+        if not isinstance(feature, Hole | Slot) or feature.face in self.reached:
+            return feature
+        face = OTHER_SIDE.get(self.part.profile.code, {}).get(feature.face, feature.face)
+        if feature.depth is not None or feature.kind != "through" or face not in self.reached:
+            return feature
+        self.behind.add(f)
+        is_angle = self.part.profile.code == "L" and feature.face == "o"
+        said = (ANGLE_FACE if is_angle else FROM_BEHIND).at(
+            feature.source, what=named(feature), x=f"{feature.x:g}", y=f"{feature.y:g}",
+            face=feature.face, other=face,
+        )  # fmt: skip
+        self.told.append((f, said))
+        return replace(feature, face=face)
+
+    def number(self, faces: tuple[Face, ...]) -> int:
+        """What the program calls the spindle of a face, or the pair of two."""
+        if len(faces) == 1:
+            return self.reached[faces[0]].spindle
+        return next(p.number for p in self.machine.pairs if set(p.faces) == set(faces))
+
+    def take(self, found: Iterable[Found]) -> None:
+        """Keep jobs and remarks; of several errors about a feature the first refuses it."""
+        for each in found:
+            if isinstance(each, Job):
+                self.jobs.append(each)
+            elif isinstance(each, Settled):
+                self.settled[each.feature] = each
+            elif each[1].severity is Severity.ERROR:
+                self.refused.setdefault(*each)
+            else:
+                self.told.append(each)
+
+    def refuse(self, found: Iterable[Said]) -> None:
+        """Refuse features for what outweighs all that was found before, and drop their jobs."""
+        refused = dict(found)
+        if refused:
+            self.refused |= refused
+            self.jobs = [job for job in self.jobs if refused.keys().isdisjoint(job.features)]
+
+    def refuse_repeats(self) -> None:
+        """What repeats a feature that cannot be made cannot be made either."""
+        for f, each in [*self.settled.items()]:
+            if each.like in self.refused:
+                self.refused[f] = self.refused[each.like]
+            if f in self.refused:
+                del self.settled[f]
+
+    @property
+    def holes(self) -> Iterator[tuple[int, Hole]]:
+        """The holes that are made, each once."""
+        return (each for each in self.accepted["hole"] if each[0] not in self.settled)
+
+    @property
+    def remarks(self) -> Iterator[Diagnostic]:
+        """What is told of the features that are not refused."""
+        return (said for f, said in self.told if f not in self.refused)

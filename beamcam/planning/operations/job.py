@@ -1,0 +1,46 @@
+"""What a spindle does at a place of a part, and what else may become of a feature."""
+
+from typing import Literal
+
+from msgspec import Struct
+
+from beamcam.errors import Diagnostic, Source
+from beamcam.geometry.plane import Point
+from beamcam.model.part import Face
+from beamcam.planning.tools import Tools
+
+
+class Tooling(Struct, frozen=True):
+    """What a spindle does at a place, wherever that is; most places of a part share it."""
+
+    spindle: int
+    tools: Tools  #: any of which may do it
+    faces: tuple[Face, ...]
+    depth: float | None  #: None is through
+    reasons: tuple[str, ...]
+    diameter: float = 0.0  #: of a plain hole, whose drill follows from it
+    ring: float = 0.0  #: diameter of the circle that a mill leaves; 0 for a stroke
+
+
+class Job(Struct, frozen=True):
+    """One operation of a spindle, at its place on the part."""
+
+    x: float
+    y: float
+    tooling: Tooling
+    features: tuple[int, ...]  #: those of the part that it makes
+    source: Source
+    path: tuple[Point, ...] = ()  #: x on the part and y on the face; () for a stroke
+
+
+class Settled(Struct, frozen=True):
+    """A feature that needs no job of its own."""
+
+    feature: int
+    how: Literal["made", "duplicate"]
+    by: str  #: "saw", or the code that says why
+    like: int | None = None  #: the feature that it repeats
+
+
+Said = tuple[int, Diagnostic]  #: a message about a feature, by its index
+Found = Job | Settled | Said

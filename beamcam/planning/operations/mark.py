@@ -1,0 +1,82 @@
+"""A line to mark on a face: a scribe is led along it. Centre points are holes of kind `mark`."""
+
+from collections.abc import Iterator, Sequence
+
+from beamcam.errors import Diagnostic, Rule, Severity
+from beamcam.model.part import Contour, Face
+from beamcam.planning.operations.bench import Bench
+from beamcam.planning.operations.finished_part import TOLERANCE
+from beamcam.planning.operations.job import Found, Job, Tooling
+from beamcam.planning.operations.kind import Kind
+from beamcam.planning.operations.reach import IN_THE_WAY
+from beamcam.planning.paths import line_points
+from beamcam.planning.rules import MARK
+
+_E, _W = Severity.ERROR, Severity.WARNING
+
+LINE_BEYOND = Rule(
+    "plan-line-beyond",
+    _W,
+    "found a line to mark on face {face} that goes {out} mm beyond {where}; "
+    "expected it on the finished part",
+    "What is scribed beyond the part is scribed on waste, or in the air.",
+)
+RULES = (LINE_BEYOND,)
+REASONS = {"scribe-line": "a line that is marked and not cut"}
+
+
+def can_scribe(face: Face, bench: Bench) -> bool:
+    """Whether a spindle comes to the face and takes a scribe."""
+    return face in bench.reached and bool(bench.rack.of_kind("scribe", (face,)))
+
+
+def _is_line(feature: object) -> bool:
+    return isinstance(feature, Contour) and feature.process != "cut"
+
+
+def _length(line: Contour) -> str:
+    return f"{sum(curve.length for curve in line.curves):g} mm of line"
+
+
+def _needs(line: Contour, bench: Bench) -> Diagnostic | None:
+    if can_scribe(line.face, bench):
+        return None
+    return MARK.at(line.source, found=_length(line), face=line.face, tool="scribe")
+
+
+def _refusals(line: Contour, bench: Bench) -> Iterator[Diagnostic]:
+    """That a flange stands in the way of the scribe."""
+    reach = bench.reached[line.face]
+    ys = [y for curve in line.curves for y in curve.bbox[1::2]]
+    out = next((y for y in (min(ys), max(ys)) if not reach.least <= y <= reach.greatest), None)
+    if out is not None:
+        yield IN_THE_WAY.at(
+            line.source, what=f"{_length(line)} to mark", y=f"{out:g}", face=line.face,
+            least=f"{reach.least:g}", greatest=f"{reach.greatest:g}",
+        )  # fmt: skip
+
+
+def _steps(lines: Sequence[tuple[int, Contour]], bench: Bench) -> Iterator[Found]:
+    """Each line scribed, from that end of it that comes first along the bar."""
+    drill = bench.rack.drill
+    for f, line in lines:
+        path = line_points(line.curves, drill.path_tolerance)
+        if path[-1][0] < path[0][0]:
+            path = path[::-1]
+        faces = (line.face,)
+        scribes = bench.rack.of_kind("scribe", faces)[:1]
+        number = bench.number(faces)
+        tooling = Tooling(number, scribes, faces, drill.mark_depth, ("scribe-line",))
+        yield Job(*path[0], tooling, (f,), line.source, path)
+        along, width = bench.finished.along(line.face), bench.finished.across(line.face).width
+        clear = [along.clear(x, y, 0.0) for x, y in path]
+        left, place = min(
+            (min(start for start, _ in clear), "the start of the part"),
+            (min(end for _, end in clear), "the end of the part"),
+            (min(min(y, width - y) for _, y in path), f"the edge of face {line.face}"),
+        )
+        if left < -TOLERANCE:
+            yield f, LINE_BEYOND.at(line.source, face=line.face, out=f"{-left:.3g}", where=place)
+
+
+LINE = Kind("mark", _is_line, _needs, _refusals, _steps, REASONS)

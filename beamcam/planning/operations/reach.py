@@ -1,0 +1,100 @@
+"""Where a machine's spindles come to on the faces of a section."""
+
+from collections.abc import Mapping
+from math import inf
+
+from msgspec import Struct
+
+from beamcam.caches import BoundedCache, PerObject
+from beamcam.errors import Diagnostic, Rule, Severity
+from beamcam.machine.machine import Machine
+from beamcam.model.part import Face, Hole, Part, Profile, Slot
+from beamcam.model.section import NO_PLATE
+from beamcam.planning.rules import NO_SPINDLE
+
+_E = Severity.ERROR
+
+OFF_FACE = Rule(
+    "plan-off-face",
+    _E,
+    "found a hole at x {x}, y {y} on face {face}; expected it within {length} x {width} mm",
+    "A hole beyond its face is a slip of the export and would drill into nothing.",
+)
+IN_THE_WAY = Rule(
+    "plan-reach",
+    _E,
+    "found {what} at y {y} on face {face}; expected y from {least} to {greatest}, the flange "
+    "stands in the tool's way",
+    "A tool that comes to the web between the flanges needs room beside them.",
+)
+
+RULES = (OFF_FACE, IN_THE_WAY)
+
+
+class Reach(Struct, frozen=True):
+    """What a spindle comes to on a face of a section."""
+
+    spindle: int  #: number
+    width: float  #: of the face
+    least: float  #: y between which nothing is in the tool's way
+    greatest: float
+
+
+Reached = Mapping[Face, Reach]
+
+
+def _no_reaches(_: Machine) -> BoundedCache[Profile, Reached]:
+    return BoundedCache("planning.reaches")
+
+
+_reaches = PerObject("planning.machines", _no_reaches)
+
+
+def reach_of(profile: Profile, machine: Machine) -> Reached:
+    """The faces of a section that the machine's spindles reach."""
+    known = _reaches(machine)
+    found = known.get(profile)
+    if found is None:
+        out = NO_PLATE.get(profile.code, ())
+        found = {
+            s.face: Reach(s.number, profile.face_width(s.face), *_clear_between(profile, s.face))
+            for s in machine.spindles
+            if s.face not in out
+        }
+        known.keep(profile, found)
+    return found
+
+
+def _clear_between(profile: Profile, face: Face) -> tuple[float, float]:
+    """y between which a tool reaches a face; without bounds where no flange stands beside it."""
+    if face != "v" or profile.code not in ("I", "U", "C", "L"):
+        return -inf, inf
+    flange = profile.flange_thickness
+    return flange, (inf if profile.code == "L" else profile.height - flange)
+
+
+def refuse_face(shape: Hole | Slot, what: str, reached: Reached) -> Diagnostic | None:
+    """Why no spindle comes to the face of a hole or slot; None if one does."""
+    if shape.face in reached:
+        return None
+    expected = ", ".join(reached) or "none"
+    return NO_SPINDLE.at(shape.source, kind=what, found=shape.face, expected=expected)
+
+
+def refuse_place(
+    shape: Hole | Slot, x: float, y: float, part: Part, reach: Reach
+) -> Diagnostic | None:
+    """Why a tool does not come to a circle of a hole or slot, about x and y; None if it does."""
+    if not (0 <= x <= part.length and 0 <= y <= reach.width):
+        return OFF_FACE.at(
+            shape.source, x=f"{x:g}", y=f"{y:g}", face=shape.face, length=f"{part.length:g}",
+            width=f"{reach.width:g}",
+        )  # fmt: skip
+    radius = shape.diameter / 2
+    if not reach.least <= y - radius or not y + radius <= reach.greatest:
+        return IN_THE_WAY.at(
+            shape.source, what=f"a hole of diameter {shape.diameter:g}", y=f"{y:g}",
+            face=shape.face, least=f"{reach.least + radius:g}",
+            greatest=f"{reach.greatest - radius:g}",
+        )  # fmt: skip
+    return None

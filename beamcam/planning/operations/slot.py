@@ -1,0 +1,157 @@
+"""A slot: its ends drilled, where the machine does so and has the drill, and the rest milled.
+
+A slot is its core, a line or a rectangle, widened by half its width; a hole is a core of one point.
+Keyholes are meant, so that what meets is told and not refused.
+"""
+
+from collections.abc import Iterator, Sequence
+from itertools import combinations
+from math import hypot
+
+from beamcam.errors import Diagnostic
+from beamcam.geometry.plane import Point, unit_vector
+from beamcam.model.description import named
+from beamcam.model.part import Hole, Slot
+from beamcam.planning import rules
+from beamcam.planning.operations.bench import Bench
+from beamcam.planning.operations.finished_part import NEAR_EDGE, TOLERANCE
+from beamcam.planning.operations.job import Found, Job, Said, Tooling
+from beamcam.planning.operations.kind import Kind
+from beamcam.planning.operations.reach import refuse_face, refuse_place
+from beamcam.planning.paths import pocket_path
+
+REASONS = {
+    "slot-end": "the ends of a slot are drilled before it is milled",
+    "slot-mill": "the widest mill that is no wider than the slot",
+}
+
+Shape = tuple[int, Hole | Slot]  #: index of the feature, on the face that it is made from
+
+
+def _is_slot(feature: object) -> bool:
+    return isinstance(feature, Slot)
+
+
+def _needs(slot: Slot, bench: Bench) -> Diagnostic | None:
+    """A mill that is no wider, and a spindle on its face."""
+    size = f"{slot.length + slot.diameter:g} x {slot.height + slot.diameter:g}"
+    expected = ""
+    if slot.kind not in ("through", "blind"):
+        expected = f"a slot without a {slot.kind}"
+    elif not bench.rack.slot_mill(slot.diameter, (slot.face,)):
+        expected = "no slot, the machine has no mill"
+        mills = bench.rack.of_kind("mill", (slot.face,))
+        if mills:
+            expected = f"one at least {mills[0].diameter:g} wide, as the smallest mill"
+    if expected:
+        return rules.SLOT.at(slot.source, found=size, face=slot.face, expected=expected)
+    return refuse_face(slot, "slot hole", bench.reached)
+
+
+def _refusals(slot: Slot, bench: Bench) -> Iterator[Diagnostic]:
+    """What is wrong with the place of its middle or of its corner circles."""
+    reach, ends = bench.reached[slot.face], slot_ends(slot)
+    places = ((slot.x, slot.y), *ends)
+    said = (refuse_place(slot, x, y, bench.part, reach) for x, y in places)
+    off = next((d for d in said if d is not None), None)
+    if off is not None:
+        yield off
+    else:
+        yield from bench.finished.judge(named(slot), slot, ends)
+
+
+def _steps(slots: Sequence[tuple[int, Slot]], bench: Bench) -> Iterator[Found]:
+    for f, slot in slots:
+        yield from _jobs(f, slot, bench)
+    if slots:
+        drilled = (each for each in bench.holes if each[1].kind != "mark")
+        yield from _judge_neighbours([*slots, *drilled], bench.rack.drill.min_edge_distance)
+
+
+def _jobs(f: int, slot: Slot, bench: Bench) -> Iterator[Job]:
+    """The ends drilled, where the machine does so and has the drill, and the slot milled."""
+    rack, ends, faces = bench.rack, slot_ends(slot), (slot.face,)
+    number = bench.number(faces)
+    drills = rack.drills((slot.diameter,), faces)
+    mill = rack.slot_mill(slot.diameter, faces)
+    if rack.drill.slots == "drill-mill" and drills and len(ends) <= 2:
+        drilled = Tooling(number, drills, faces, slot.depth, ("slot-end",))
+        for x, y in ends:
+            yield Job(x, y, drilled, (f,), slot.source)
+    path = pocket_path(
+        (slot.x, slot.y), (slot.length, slot.height), slot.angle, slot.diameter,
+        mill[0].diameter, rack.drill.path_tolerance, slot.depth is not None,
+    )  # fmt: skip
+    milled = Tooling(number, mill, faces, slot.depth, ("slot-mill",))
+    yield Job(*path[0], milled, (f,), slot.source, path)
+
+
+def _judge_neighbours(shapes: Sequence[Shape], steel: float) -> Iterator[Said]:
+    """For each slot or hole that is too near an earlier one its index, and a warning."""
+    for (_, one), (f, other) in combinations(sorted(shapes, key=lambda shape: shape[0]), 2):
+        if one.face != other.face or not (isinstance(one, Slot) or isinstance(other, Slot)):
+            continue
+        left = core_distance(one, other) - (one.diameter + other.diameter) / 2
+        if left < steel - TOLERANCE:
+            yield f, NEAR_EDGE.at(
+                other.source, what=named(other), x=f"{other.x:g}", y=f"{other.y:g}",
+                face=other.face, apart=f"{max(left, 0.0):.3g}",
+                where=f"{named(one)} of {one.source}", expected=f"{steel:g}",
+            )  # fmt: skip
+
+
+def slot_ends(slot: Slot) -> tuple[Point, ...]:
+    """Centres of the corner circles of a slot: two, or four of a rectangle."""
+    c, s = unit_vector(slot.angle)
+    halves = dict.fromkeys(
+        (k * slot.length / 2, m * slot.height / 2) for k in (-1, 1) for m in (-1, 1)
+    )
+    return tuple((slot.x + c * a - s * b, slot.y + s * a + c * b) for a, b in halves)
+
+
+def core_distance(one: Hole | Slot, other: Hole | Slot) -> float:
+    """Distance between the cores of two shapes; 0 where they cross."""
+    mine, theirs = _corners(one), _corners(other)
+    if any(_cross(a, b) for a in _edges(mine) for b in _edges(theirs)):
+        return 0.0
+    return min(
+        *(_from_core(other, corner) for corner in mine),
+        *(_from_core(one, corner) for corner in theirs),
+    )
+
+
+def _corners(shape: Hole | Slot) -> tuple[Point, ...]:
+    """The corners of a core, in order around it."""
+    if isinstance(shape, Hole):
+        return ((shape.x, shape.y),)
+    found = slot_ends(shape)
+    return (found[0], found[1], found[3], found[2]) if len(found) == 4 else found
+
+
+def _edges(corners: tuple[Point, ...]) -> list[tuple[Point, Point]]:
+    if len(corners) < 2:
+        return []
+    return list(zip(corners, (*corners[1:], corners[0]), strict=True))
+
+
+def _from_core(shape: Hole | Slot, at: Point) -> float:
+    """Distance of a point from the core of a shape; 0 inside."""
+    dx, dy = at[0] - shape.x, at[1] - shape.y
+    if isinstance(shape, Hole):
+        return hypot(dx, dy)
+    c, s = unit_vector(shape.angle)
+    u, v = abs(c * dx + s * dy), abs(c * dy - s * dx)
+    return hypot(max(u - shape.length / 2, 0.0), max(v - shape.height / 2, 0.0))
+
+
+def _cross(one: tuple[Point, Point], other: tuple[Point, Point]) -> bool:
+    """Whether two straight lines cross, their ends not counted."""
+
+    def side(a: Point, b: Point, p: Point) -> float:
+        return (b[0] - a[0]) * (p[1] - a[1]) - (b[1] - a[1]) * (p[0] - a[0])
+
+    (a, b), (c, d) = one, other
+    return side(a, b, c) * side(a, b, d) < 0 and side(c, d, a) * side(c, d, b) < 0
+
+
+SLOT = Kind("slot", _is_slot, _needs, _refusals, _steps, REASONS)
