@@ -188,11 +188,7 @@ def limits_of(axis: ControlledAxis) -> tuple[float, float]:
 def _range(axis: ControlledAxis) -> str:
     if axis.max is None:
         return f"at least {axis.min:g}"
-    return (
-        f"at most {axis.max:g}"
-        if axis.min is None
-        else f"{axis.min:g} to {axis.max:g}"
-    )
+    return f"at most {axis.max:g}" if axis.min is None else f"{axis.min:g} to {axis.max:g}"
 
 
 def _min_and_max(values: Sequence[float]) -> tuple[float, float]:
