@@ -13,7 +13,7 @@ import click
 from beamcam import __version__
 from beamcam.collector import collector_seldom
 from beamcam.plain_text import terminal_lines
-from beamcam.system import is_unicode
+from beamcam.system import INTERRUPTED, is_unicode
 
 #: name -> module of beamcam.commands whose `command` it is, and its help in a line
 COMMANDS = {
@@ -56,10 +56,19 @@ class Commands(click.Group):
 
             stop_without_output(error)
 
+    def make_context(self, *args: Any, **values: Any) -> click.Context:
+        """The options of a call; Ctrl-C ends it with the status that shells have for it."""
+        try:
+            return super().make_context(*args, **values)
+        except KeyboardInterrupt:
+            raise SystemExit(INTERRUPTED) from None
+
     def invoke(self, ctx: click.Context) -> Any:
         """Run a command; what is told of wrong usage names files, and must not steer a terminal."""
         try:
             return super().invoke(ctx)
+        except KeyboardInterrupt:
+            raise SystemExit(INTERRUPTED) from None
         except click.ClickException as error:
             vars(error)["message"] = terminal_lines(error.message)  # click calls it final
             raise

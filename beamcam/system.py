@@ -7,6 +7,7 @@ from collections.abc import Callable
 from time import sleep
 from typing import Literal
 
+INTERRUPTED = 130  #: exit status after Ctrl-C, as shells have it
 BINARY = getattr(os, "O_BINARY", 0)  #: without it Windows writes "\r\n" for "\n"
 
 #: Waiting for more than 63 things at once is an error of Windows; the pipe of a worker is one.

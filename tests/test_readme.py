@@ -18,6 +18,8 @@ from tests.conftest import ROOT, SAMPLES
 PAGES = (ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md")))
 _BLOCK = re.compile(r"^```(\w+)\n(.*?)^```", re.MULTILINE | re.DOTALL)
 _CALL = re.compile(r"(?:^|(?<=\| ))beamcam ")
+#: Commands of the system that stand beside those of beamcam.
+_BESIDE = ("mkdir ", "cp ", "mv ", "printf ", "export ")
 _STATUS = re.compile(r"\s+# exit (\d+)\s*$")
 
 
@@ -30,7 +32,7 @@ def commands(text: str) -> list[tuple[str, int]]:
     found = []
     for body in blocks(text, "sh"):
         for line in body.replace("\\\n", " ").splitlines():
-            if _CALL.search(line):
+            if _CALL.search(line) or line.startswith(_BESIDE):
                 status = _STATUS.search(line)
                 found.append((_STATUS.sub("", line), int(status[1]) if status else 0))
     return found

@@ -3,6 +3,12 @@
 `.beamcam-batch.jsonl` has a line for each input that was posted whole. A line is added as soon as
 the outputs stand, so that a run that is killed has to be finished, not done again; a line that was
 torn is none. An output that is missing or changed makes its line void.
+
+    {"recipe":"3f...","of":{"config":null,"asked":{"machine":"../mine.toml"}}}
+    {"key":"a1...","outputs":["M58.gcode"],"row":{...},"recipe":"3f...","input":"../in/M58.nc1",...}
+
+Lines of the first kind say what the run was asked for, which those of its inputs name. A file that
+was posted in part has a line too, under a key that no input has, so that its programs are known.
 """
 
 import errno
@@ -10,8 +16,12 @@ import hashlib
 import os
 from collections.abc import Iterator
 from contextlib import suppress
-from typing import BinaryIO
+from typing import Any, BinaryIO
 
+from msgspec import Struct, convert
+
+from beamcam.batch.find import Input
+from beamcam.batch.recipe import Recipe, path_from
 from beamcam.files import write_whole
 from beamcam.report.run import Row, dumped, loaded
 from beamcam.system import BINARY
@@ -20,13 +30,29 @@ RECORD_NAME = ".beamcam-batch.jsonl"
 _TO_ADD = os.O_WRONLY | os.O_APPEND | os.O_CREAT | BINARY
 _HEAD = b'{"key":"'
 _KEY = slice(len(_HEAD), len(_HEAD) + 64)
+_RECIPE_HEAD = b'{"recipe":"'
+
+
+class Noted(Struct, frozen=True):
+    """One input of a record: what was made of it, and what the run was asked for."""
+
+    row: Row
+    recipe: Recipe
+    input: str  #: its path from the folder of the outputs
+    tree: str  #: its path below the folder that all inputs of its run shared
+    outputs: tuple[str, ...]  #: those that no later line has; paths below the folder
 
 
 class Record:
     """The record in an output folder. Raises OSError where the system does not let it be read."""
 
-    def __init__(self, folder: str) -> None:
+    def __init__(self, folder: str, recipe: Recipe | None = None, kept: bool = True) -> None:
+        """`recipe` is what this run is asked for. Unless `kept`, it is read and never written."""
         self._folder = folder
+        self._recipe, self._kept = recipe or Recipe(), kept
+        self._recipe_name = self._recipe.name
+        self._recipes: set[bytes] = set()  #: lines
+        self._from_here: dict[str, str] = {}  #: folder of inputs -> as it is reached from `folder`
         self._path = os.path.join(folder, RECORD_NAME)
         self._file: int | None = None  #: that lines are added to
         self._lines: BinaryIO | None = None  #: the same, to be read
@@ -34,7 +60,7 @@ class Record:
         self._size = 0
         self._places: dict[bytes, int] = {}  #: key -> where its line begins
         lines = self._index()
-        if lines > 2 * len(self._places) + 16:
+        if kept and lines > 2 * len(self._places) + 16:
             # Most lines stand for what was made anew since.
             write_whole(self._path, self._standing(), durable=False)
             self._index()
@@ -42,12 +68,15 @@ class Record:
     def _index(self) -> int:
         """Note where the lines begin that hold, and give how many there are in all."""
         by_outputs: dict[bytes, tuple[bytes, int]] = {}
+        self._recipes.clear()
         self._size = lines = 0
         with suppress(FileNotFoundError), open(self._path, "rb") as file:
             for line in file:
                 place, self._size = self._size, self._size + len(line)
                 lines += 1
                 self._torn = not line.endswith(b"\n")
+                if line.startswith(_RECIPE_HEAD) and not self._torn:
+                    self._recipes.add(line)
                 if self._torn or not line.startswith(_HEAD):
                     continue
                 outputs = line.partition(b',"row":')[0][_KEY.stop :]
@@ -58,11 +87,14 @@ class Record:
         return lines
 
     def _standing(self) -> Iterator[bytes]:
-        """The lines that hold."""
+        """The lines that hold, each behind that of its recipe."""
+        recipes = {_recipe_named_by(line): line for line in self._recipes}
         with open(self._path, "rb") as file:
             for place in sorted(self._places.values()):
                 file.seek(place)
-                yield file.readline()
+                line = file.readline()
+                yield recipes.pop(_recipe_named_by(line), b"")
+                yield line
 
     def _line(self, place: int) -> bytes:
         if self._lines is None:
@@ -70,35 +102,62 @@ class Record:
         self._lines.seek(place)
         return self._lines.readline()
 
-    def find(self, key: bytes) -> Row | None:
-        """What was made of the input with that key, if all of it still stands as it was made."""
+    def find(self, key: bytes, found: Input) -> Row | None:
+        """What was made of the input with that key, if all of it still stands as it was made.
+
+        It is noted anew where the run that made it was asked otherwise for the same.
+        """
         place = self._places.get(key)
         if place is None:
             return None
         try:
-            row: Row = loaded(self._line(place))["row"]
+            line = loaded(self._line(place))
+            row: Row = line["row"]
             for part in row["parts"]:
                 path = os.path.join(self._folder, part["output"])
                 with open(path, "rb", buffering=0) as file:
                     if hashlib.sha256(file.read()).hexdigest() != part["sha256"]:
                         return None
+            if (line["recipe"], line["input"]) != (self._recipe_name, self._input(found)):
+                self.add(key, row, found)
         except (OSError, ValueError, KeyError, TypeError):
             return None  # a line that cannot be used is none: the file is done again
         return row
 
-    def add(self, key: bytes, row: Row) -> None:
+    def add(self, key: bytes, row: Row, found: Input) -> None:
         """Note what was made of the input with that key. Raises OSError."""
-        outputs = [part["output"] for part in row["parts"]]
-        line = dumped({"key": key.hex(), "outputs": outputs, "row": row}) + b"\n"
+        if not self._kept:
+            return
+        lines = b""
+        recipe = dumped({"recipe": self._recipe_name, "of": self._recipe}) + b"\n"
+        if recipe not in self._recipes:
+            self._recipes.add(recipe)
+            lines = recipe
+        noted = {
+            "key": key.hex(),
+            "outputs": [part["output"] for part in row["parts"]],
+            "row": row,
+            "recipe": self._recipe_name,
+            "input": self._input(found),
+            "tree": found.tree,
+        }
+        lines += dumped(noted) + b"\n"
         if self._file is None:
             self._file = os.open(self._path, _TO_ADD, 0o666)
         if self._torn:  # end the torn line, so that this one is read
-            line = b"\n" + line
+            lines = b"\n" + lines
         self._torn = True
-        written = os.write(self._file, line)
-        if written != len(line):
+        written = os.write(self._file, lines)
+        if written != len(lines):
             raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
         self._torn = False
+
+    def _input(self, found: Input) -> str:
+        """The path of an input from the folder of the outputs."""
+        folder, name = os.path.split(found.path)
+        if folder not in self._from_here:
+            self._from_here[folder] = path_from(self._folder, folder or os.curdir)
+        return f"{self._from_here[folder]}/{name}"
 
     def close(self) -> None:
         if self._file is not None:
@@ -107,3 +166,39 @@ class Record:
         if self._lines is not None:
             self._lines.close()
             self._lines = None
+
+
+def _recipe_named_by(line: bytes) -> bytes:
+    """The name of the recipe of a line of either kind; b"" of an older version's."""
+    _, mark, rest = line.rpartition(b'"recipe":"')
+    return rest[:16] if mark else b""
+
+
+def partly(key: bytes) -> bytes:
+    """The key that the line of an input has which was posted in part: it is never found by it."""
+    return hashlib.sha256(key + b"in part").digest()
+
+
+def noted_in(folder: str) -> tuple[Noted, ...]:
+    """What the record in a folder says of the programs there, the last line of each program.
+
+    Lines of older versions, which name no recipe, are left out. Raises OSError.
+    """
+    recipes: dict[str, Recipe] = {}
+    lines: list[dict[str, Any]] = []
+    last: dict[str, int] = {}  #: output -> the last of the lines that has it
+    with open(os.path.join(folder, RECORD_NAME), "rb") as file:
+        for text in file:
+            with suppress(ValueError, KeyError, TypeError):  # a line that was torn is none
+                line = loaded(text)
+                if "of" in line:
+                    recipes[line["recipe"]] = convert(line["of"], Recipe)
+                elif line["recipe"] in recipes:
+                    last |= dict.fromkeys(line["outputs"], len(lines))
+                    lines.append(line)
+    found = []
+    for number, line in enumerate(lines):
+        if outputs := tuple(name for name in line["outputs"] if last[name] == number):
+            recipe = recipes[line["recipe"]]
+            found.append(Noted(line["row"], recipe, line["input"], line["tree"], outputs))
+    return tuple(found)

@@ -20,7 +20,8 @@ from beamcam.batch import rules
 from beamcam.batch.find import Input, read_input
 from beamcam.batch.names import folded
 from beamcam.batch.pool import Chunk, Result, Workers
-from beamcam.batch.record import RECORD_NAME, Record
+from beamcam.batch.recipe import Recipe
+from beamcam.batch.record import RECORD_NAME, Record, partly
 from beamcam.batch.work import Made, Shop, Task
 from beamcam.errors import BeamcamError, Diagnostic, Source
 from beamcam.files import FilesRead, write_new, write_whole
@@ -61,27 +62,33 @@ def run(
     force: bool = False,
     claims: dict[str, str] | None = None,
     read: FilesRead | None = None,
+    recipe: Recipe | None = None,
+    dry: bool = False,
 ) -> Generator[Row, None, None]:
     """Post every input into `folder` and give its row, in the order of the inputs.
 
     `flat` puts all outputs into one folder, else they lie as their inputs do. `force` does again
     what is unchanged. `claims` keeps names apart over several runs: it holds which input has which,
-    and is added to. None of the files `read`, by default the inputs, is written over. Raises
-    BatchError if the folder cannot be used; closes the workers.
+    and is added to. None of the files `read`, by default the inputs, is written over. `recipe` is
+    what the record says that was asked for. A `dry` run writes nothing. Raises BatchError if the
+    folder cannot be used; closes the workers.
     """
     try:
-        os.makedirs(folder, exist_ok=True)
-        record = Record(folder)
+        if not dry:
+            os.makedirs(folder, exist_ok=True)
+        record = Record(folder, recipe, not dry)
     except OSError as error:
         workers.close()
         reason = error.strerror or str(error)
         raise BatchError(rules.WRITE.at(Source(folder), found=folder, reason=reason)) from error
     try:
-        yield from _Run(inputs, folder, shop, workers, record, flat, force, claims, read).rows()
+        yield from _Run(
+            inputs, folder, shop, workers, record, flat, force, claims, read, dry
+        ).rows()
     finally:
         workers.close()
         record.close()
-        if can_sync_all():
+        if can_sync_all() and not dry:
             os.sync()  # once for all, in place of waiting for the disk after each file
 
 
@@ -97,6 +104,7 @@ class _Run:
         force: bool,
         claims: dict[str, str] | None,
         read: FilesRead | None,
+        dry: bool,
     ) -> None:
         self._inputs, self._folder, self._shop = inputs, folder, shop
         self._workers, self._record, self._flat, self._force = workers, record, flat, force
@@ -108,6 +116,7 @@ class _Run:
         self._held = self._flying = 0
         self._claims = {} if claims is None else claims  #: name of an output -> input that has it
         self._read_files = read or FilesRead(found.path for found in inputs)
+        self._dry = dry
         self._folders = {"": folder}  #: that stand, by their names below the first
         self._keeps_record = True
         self._most_files = max(1, min(CHUNK_FILES, len(inputs) // (4 * workers.at_once)))
@@ -161,7 +170,7 @@ class _Run:
         about = f"{found.path}\0{'' if self._flat else found.tree}\0"
         about_bytes = about.encode("utf-8", "surrogateescape")
         slot.key = sha256(self._settings + about_bytes + data).digest()
-        done = None if self._force else self._record.find(slot.key)
+        done = None if self._force else self._record.find(slot.key, found)
         if done is not None and not (self._shop.timed and _lacks_time(done)):
             slot.row = {**done, "status": "unchanged", "seconds": 0.0}
             return None
@@ -204,9 +213,10 @@ class _Run:
             row = slot.made.row
             self._held -= slot.size
             self._write_all(slot, slot.made, row)
-            if row["status"] == "posted" and self._keeps_record:
+            if row["parts"] and self._keeps_record:
+                key = slot.key if row["status"] == "posted" else partly(slot.key)
                 try:
-                    self._record.add(slot.key, row)
+                    self._record.add(key, row, slot.input)
                 except OSError as error:
                     self._keeps_record = False
                     source = Source(os.path.join(self._folder, RECORD_NAME))
@@ -246,8 +256,10 @@ class _Run:
             said = self._over(output, slot.input.path) or self._write(
                 output, content, slot.input.path
             )
-            said = said or rules.KEPT.at(Source(slot.input.path), found=output)
-            row["messages"].append(as_message(said))
+            if said is None and not self._dry:
+                said = rules.KEPT.at(Source(slot.input.path), found=output)
+            if said is not None:
+                row["messages"].append(as_message(said))
 
     def _claim(self, output: str, path: str) -> Diagnostic | None:
         """Take a name for the output of an input, or say why it cannot have it."""
@@ -264,6 +276,8 @@ class _Run:
         return rules.OVER_INPUT.at(Source(path), found=output, read=other)
 
     def _write(self, output: str, content: bytes, path: str) -> Diagnostic | None:
+        if self._dry:
+            return None
         below, _, name = output.rpartition("/")
         try:
             if below not in self._folders:

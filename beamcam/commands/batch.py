@@ -1,14 +1,17 @@
 """`beamcam batch`: many files in, a folder of programs out."""
 
+import os
 import sys
+from collections.abc import Iterator
 from typing import Any
 
 import click
 
 from beamcam.batch import find_inputs, run
+from beamcam.batch.recipe import recipe_of
 from beamcam.batch.rules import WRITE
 from beamcam.commands import options
-from beamcam.commands.common import REFUSED, STANDARD, Voice, keep_apart
+from beamcam.commands.common import REFUSED, STANDARD, Voice, keep_apart, say_lines
 from beamcam.commands.running import (
     Report,
     Screen,
@@ -22,16 +25,17 @@ from beamcam.commands.running import (
 )
 from beamcam.commands.settings import files_read, settled
 from beamcam.errors import BeamcamError, Source
-from beamcam.report.run import as_message
-from beamcam.system import portable_path
-
-INTERRUPTED = 130  #: exit status after Ctrl-C, as shells have it
+from beamcam.report.run import Row, as_message
+from beamcam.system import INTERRUPTED, portable_path
 
 
 @click.command("batch")
 @click.argument("inputs", nargs=-1, required=True, metavar="IN...", type=options.FILE)
 @run_options
 @click.option("--force", "redo", is_flag=True, help="Post unchanged inputs again too.")
+@click.option(
+    "--dry-run", "dry", is_flag=True, help="Say what would be written where, and write nothing."
+)
 @click.option(
     "--report", callback=checked_report, metavar="FILE", help="Write .json, .csv or .html; -."
 )
@@ -40,6 +44,7 @@ def command(
     output: str,
     scheduler: str | None,
     redo: bool,
+    dry: bool,
     report: str | None,
     exit_left_out: int | None,
     voice: Voice,
@@ -56,10 +61,13 @@ def command(
 
     \b
     beamcam batch jobs -o programs
+    beamcam batch jobs -o programs --dry-run
     beamcam batch jobs 'more/**/*.nc1' -o programs --jobs 4 --report report.html
     beamcam batch jobs -o programs --flat --name '{mark}_{quantity}.gcode'
     find . -newer stamp -name '*.nc1' | beamcam batch - -o programs
     """
+    if voice.as_json and report is not None:
+        raise click.UsageError("--json prints the report; give --report or --json.")
     names = _names(inputs)
     try:
         config = settled(asked, names)
@@ -69,18 +77,24 @@ def command(
     except BeamcamError as error:
         voice.stop(error.diagnostics)
     said = [as_message(d) for d in (*found.diagnostics, *unused(found, config))]
-    account = Report(report)
+    account = Report(STANDARD if voice.as_json else report)
     read = files_read(config, (one.path for one in found.inputs))
     if report is not None:
         keep_apart([report], read, voice)
     interrupted = False
     with Screen(len(found.inputs), voice) as screen, ended_by_term():
         screen.say(said)
-        rows = run(found.inputs, output, shop, workers, config.flat, redo, read=read)
+        recipe = recipe_of(config.file, asked, output)
+        rows = run(
+            found.inputs, output, shop, workers, config.flat, redo, read=read, recipe=recipe,
+            dry=dry,
+        )  # fmt: skip
         try:
             for row in rows:
                 screen.show(row)
                 account.add(row)
+                if dry and not (voice.quiet or voice.as_json):
+                    say_lines(_would(row, output))
         except KeyboardInterrupt:
             interrupted = True
         except BeamcamError as error:
@@ -99,13 +113,25 @@ def command(
             unwritten = as_message(WRITE.at(Source(str(report)), found=report, reason=reason))
             screen.say([unwritten])
             said.append(unwritten)
-        screen.end(interrupted)
+        screen.end(
+            " (interrupted)" if interrupted else " (dry run, nothing written)" if dry else ""
+        )
     if interrupted:
         raise SystemExit(INTERRUPTED)
     if screen.counts.refused or screen.counts.failed or any(m["severity"] == "error" for m in said):
         raise SystemExit(REFUSED)
     if screen.counts.left_out and exit_left_out is not None:
         raise SystemExit(exit_left_out)
+
+
+def _would(row: Row, folder: str) -> Iterator[str]:
+    """What a run would do with a file: "in/M58.nc1 -> out/M58.gcode, beamline"."""
+    for part in row["parts"]:
+        unchanged = " (unchanged)" if row["status"] == "unchanged" else ""
+        output = os.path.join(folder, part["output"])
+        yield f"{row['file']} -> {output}, {part['machine']}{unchanged}"
+    if not row["parts"]:
+        yield f"{row['file']}: {row['status']}"
 
 
 def _names(inputs: tuple[str, ...]) -> tuple[str, ...]:

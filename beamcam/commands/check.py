@@ -5,24 +5,23 @@ from pathlib import Path
 from typing import Any
 
 import click
-from msgspec import Struct
-from msgspec.structs import asdict
 
-from beamcam import readers
 from beamcam.commands import options
-from beamcam.commands.common import REFUSED, Voice, say_json, say_lines
+from beamcam.commands.common import REFUSED, Voice, cannot_write, say_json, say_lines
+from beamcam.commands.golden import Checked, compared, named, records, sample_of, told
 from beamcam.commands.programs import program_text
+from beamcam.commands.recorded import DEFAULT_SAMPLES, Recorded, accept, record_folders
+from beamcam.commands.rules import NO_SAMPLE, UNKNOWN
 from beamcam.commands.settings import machine_for, settled
 from beamcam.commands.tables import outputs, table_style
 from beamcam.config.values import Config, over
-from beamcam.diff.differ import Difference, diff_programs
-from beamcam.diff.statements import diff_sheets
-from beamcam.errors import BeamcamError, Diagnostic, errors_in
+from beamcam.errors import BeamcamError, Severity, Source
+from beamcam.files import REFUSED_SUFFIX
 from beamcam.machine import Machine, shipped
+from beamcam.machine.defaults import is_of_programs
 from beamcam.pipeline import parts_of, post, read_file
 from beamcam.planning.stock import from_store
-from beamcam.report.run import as_message
-from beamcam.verify.bars import run
+from beamcam.report.run import as_message, message_line
 
 #: Where others than the header of a machine file say the job's name: behind `%`, as the unit of a
 #: program, in the head of a step table.
@@ -30,14 +29,8 @@ _JOB = re.compile(
     r"^%[ \t]+(.*\S)|^\(\* =+ UNIT unit_(\w+) =|^(?:#|/\*) beamcam/\w+/1 job (\S+) ", re.MULTILINE
 )
 
-
-class Checked(Struct, frozen=True):
-    """What became of one golden program."""
-
-    path: str
-    result: str  #: "same", "bytes" (another text that means the same), "differs" or "refused"
-    differences: tuple[Difference, ...] = ()
-    diagnostics: tuple[Diagnostic, ...] = ()
+#: What may lie beside programs.
+_NO_PROGRAMS = (".toml", ".json", ".html", ".md", ".txt", REFUSED_SUFFIX)
 
 
 @click.command("check")
@@ -45,15 +38,15 @@ class Checked(Struct, frozen=True):
 @click.option(
     "--samples",
     type=click.Path(exists=True, file_okay=False, path_type=Path),
-    default=Path("samples"),
-    show_default=True,
-    help="Folder in which the parts are found, at any depth.",
+    help="Folder in which the parts are found, at any depth; else where the batch found them, or "
+    "samples.",
 )
+@click.option("--update", is_flag=True, help="Write the programs that are others now.")
 @click.option(
     "--machine",
     shell_complete=options.machine_names,
     metavar="NAME",
-    help="Of programs that lie in FOLDER itself; a subfolder names its own.",
+    help="In place of that of the batch; of programs without a record, that of FOLDER itself.",
 )
 @options.config
 @options.bar
@@ -63,81 +56,110 @@ class Checked(Struct, frozen=True):
 @options.voiced
 def command(
     folder: Path,
-    samples: Path,
-    machine: str | None,
+    samples: Path | None,
+    update: bool,
     as_json: bool,
     voice: Voice,
     **asked: Any,
 ) -> None:
     """Post every golden program in FOLDER again and say what differs, by meaning and by bytes.
 
-    FOLDER/MACHINE/a.gcode is made from the sample a on MACHINE, a+b.gcode from a and b on one
-    bar. Exit status: 0 all are the same byte for byte, 1 one is not.
+    What `batch` wrote is posted again as its record says: the same inputs, machine, options, names
+    and folders. Elsewhere FOLDER/MACHINE/a.gcode is made from the sample a on MACHINE, a+b.gcode
+    from a and b on one bar. What is true of several programs is one line. Exit status: 0 all are
+    the same byte for byte, or --update accepted what is not; 1 one is not.
 
     \b
+    beamcam batch parts -o golden
+    beamcam check golden
+    beamcam check golden --update
     beamcam check golden --samples parts
     beamcam check golden/beamline --machine beamline --samples parts
     """
+    results: list[Checked] = []
     try:
         config = settled(asked, (str(folder),))
+        known: set[Path] = set()
+        for place in record_folders(folder):
+            recorded = Recorded(place, samples, asked, update)
+            known |= {path.resolve() for path in recorded.paths}
+            for one in recorded.check(folder):
+                results.append(one)
+                voice.did(f"{one.path}: {one.result}")
+        unknown: list[str] = []
+        for path, name in _programs(folder, config.machine):
+            if path.resolve() in known:
+                continue
+            if name is None:
+                unknown.append(str(path))
+                continue
+            named_so = over(config, {"machine": name})
+            results.append(_check(path, samples or DEFAULT_SAMPLES, named_so))
+            voice.did(f"{path} on {name}: {results[-1].result}")
     except BeamcamError as error:
         voice.stop(error.diagnostics)
-    results = []
-    for path, name in _programs(folder, machine or config.machine):
-        results.append(_check(path, samples, over(config, {"machine": name})))
-        voice.did(f"{path} on {name}: {results[-1].result}")
-    if not results:
+    except OSError as error:
+        voice.stop([cannot_write(str(error.filename or folder), error)])
+    if not results and not unknown:
         raise click.UsageError(f"{folder}: found no program.")
-    if as_json:
-        records = [
-            {
-                "file": r.path,
-                "result": r.result,
-                "differences": [asdict(d) for d in r.differences],
-                "messages": [as_message(d) for d in r.diagnostics if voice.wants(d.severity)],
-            }
-            for r in results
-        ]
-        say_json(records)
-    else:
-        for r in results:
-            _show(r, voice)
-        same = sum(r.result == "same" for r in results)
-        if not voice.quiet:
-            say_lines([f"{same} of {len(results)} programs are the same"])
-    if any(r.result != "same" for r in results):
+    _say(results, unknown, folder, as_json, voice)
+    left = _accepted(results, voice) if update else results
+    if any(r.result != "same" for r in left):
         raise SystemExit(REFUSED)
 
 
-def _show(checked: Checked, voice: Voice) -> None:
-    texts = {"bytes": "another text that means the same", "differs": "makes something else"}
-    if checked.result != "same":
-        say_lines([f"{checked.path}: {texts.get(checked.result, checked.result)}"])
-    say_lines(f"  {difference.text}" for difference in checked.differences)
-    voice.say(checked.diagnostics)
+def _say(
+    results: list[Checked], unknown: list[str], folder: Path, as_json: bool, voice: Voice
+) -> None:
+    if as_json:
+        say_json(records(results, (s.value for s in Severity if voice.wants(s))))
+        return
+    say_lines(told(results))
+    wanted = {severity.value for severity in Severity if voice.wants(severity)}
+    said = (m for r in results for m in r.messages if m["severity"] in wanted)
+    say_lines(map(message_line, said), err=True)
+    if unknown:
+        voice.say([UNKNOWN.at(Source(str(folder)), found=len(unknown), names=named(unknown))])
+    same = sum(r.result == "same" for r in results)
+    if not voice.quiet:
+        say_lines([f"{same} of {len(results)} programs are the same"])
 
 
-def _programs(folder: Path, machine: str | None) -> list[tuple[Path, str]]:
-    """The golden programs and the machine of each, in order of their names."""
-    found = [(p, machine or folder.name) for p in folder.iterdir() if _is_program(p, machine)]
-    for below in folder.iterdir():
-        if below.is_dir() and (below.name in shipped() or (below / "machine.toml").is_file()):
-            own = below / "machine.toml"
-            name = str(own) if own.is_file() else below.name
-            found += [(p, name) for p in below.iterdir() if _is_program(p, name)]
-    return sorted(found)
+def _accepted(results: list[Checked], voice: Voice) -> tuple[Checked, ...]:
+    """What is left when the programs that are others now are written."""
+    try:
+        left = accept(results)
+    except OSError as error:
+        voice.stop([cannot_write(str(error.filename), error)])
+    if not voice.quiet and not voice.as_json and len(left) < len(results):
+        say_lines([f"{len(results) - len(left)} programs written"])
+    return left
+
+
+def _programs(folder: Path, machine: str | None) -> list[tuple[Path, str | None]]:
+    """The golden programs and the machine of each, None if nothing tells it; in order of names."""
+    own = machine or (folder.name if folder.name in shipped() else None)
+    found = [(path, own) for path in folder.iterdir() if _is_program(path, own)]
+    for below in (path for path in folder.rglob("*") if path.is_dir()):
+        file = below / "machine.toml"
+        name = str(file) if file.is_file() else below.name if below.name in shipped() else None
+        if name is not None and below.parent != folder:
+            name = None  # a machine's folder lies in the folder itself
+        found += [(path, name) for path in below.iterdir() if _is_program(path, name)]
+    return sorted(found, key=lambda one: one[0])
 
 
 def _is_program(path: Path, machine: str | None) -> bool:
-    return path.is_file() and not path.name.startswith(".") and path.suffix != ".toml" and (
-        machine is not None or path.parent.name in shipped()
-    )  # fmt: skip
+    """Whether a file is one, in the folder of a machine, or is called as programs are."""
+    if not path.is_file() or path.name.startswith("."):
+        return False
+    return is_of_programs(path.name) or (machine is not None and path.suffix not in _NO_PROGRAMS)
 
 
 def _check(path: Path, samples: Path, config: Config) -> Checked:
     try:
         old = program_text(str(path))
-        found = (str(_sample(samples, name)) for name in path.stem.split("+"))
+        found = (str(sample_of(samples, name, str(path))) for name in path.stem.split("+"))
         parts, _ = parts_of(read_file(sample, config.strict) for sample in found)
         machine = machine_for(config, parts, str(path))
         style = table_style(machine, str(path), None)
@@ -150,23 +172,12 @@ def _check(path: Path, samples: Path, config: Config) -> Checked:
             max(part.length for part in parts),
         )  # fmt: skip
         new = dict(outputs(posted, machine, str(path)))[str(path)]
-        new = new if isinstance(new, str) else b"".join(new).decode("utf-8", "replace")
+        data = new.encode() if isinstance(new, str) else b"".join(new)
     except BeamcamError as error:
-        return Checked(str(path), "refused", (), error.diagnostics)
-    if old == new:
-        return Checked(str(path), "same")
-    differences, said = _differences(old, new, machine, str(path))
-    return Checked(str(path), "differs" if differences or said else "bytes", differences, said)
-
-
-def _differences(
-    old: str, new: str, machine: Machine, name: str
-) -> tuple[tuple[Difference, ...], tuple[Diagnostic, ...]]:
-    if machine.stock == "sheet":
-        return diff_sheets(old, new, machine, name)
-    first, second = run(old, machine, None, name), run(new, machine)
-    found = diff_programs(first.made, second.made, machine.format.resolution)
-    return found, errors_in(first.diagnostics)
+        missing = any(said.code == NO_SAMPLE.code for said in error.diagnostics)
+        said = tuple(map(as_message, error.diagnostics))
+        return Checked(str(path), "missing" if missing else "refused", (), said)
+    return compared(str(path), path.read_bytes(), data, machine)
 
 
 def _job(text: str, machine: Machine) -> str:
@@ -187,16 +198,3 @@ def _stating(template: str) -> str:
     texts = [re.escape(part) for part in parts[::2]]
     pattern = "".join(text + value for text, value in zip(texts, [*values, ""], strict=True))
     return f"^(?:N[0-9]+ )?{pattern}$"
-
-
-def _sample(samples: Path, stem: str) -> Path:
-    """The file of a sample, whatever its format; ends the process if there is none, or several."""
-    suffixes = {s for f in readers.FORMATS for s in f.suffixes}
-    found = sorted(
-        p for p in samples.rglob(f"{stem}.*") if p.suffix.lower() in suffixes and p.stem == stem
-        and "bad" not in p.relative_to(samples).parts
-    )  # fmt: skip
-    if len(found) != 1:
-        names = ", ".join(map(str, found)) or "none"
-        raise click.UsageError(f"sample {stem!r}: found {names}; expected one file in {samples}.")
-    return found[0]

@@ -1,10 +1,11 @@
 """`beamcam diff`: two programs, or two parts, compared by what they mean."""
 
-from pathlib import PurePath
+import os
+from pathlib import Path, PurePath
 from typing import Any
 
 import click
-from msgspec.structs import asdict, replace
+from msgspec.structs import replace
 
 from beamcam import readers
 from beamcam.commands import options
@@ -12,7 +13,8 @@ from beamcam.commands.common import REFUSED, STANDARD, Voice, say_json, say_line
 from beamcam.commands.programs import input_bytes
 from beamcam.commands.settings import machine_for_program, settled
 from beamcam.controllers import rules
-from beamcam.diff.differ import Difference, diff_parts, diff_programs
+from beamcam.diff.differ import diff_parts, diff_programs
+from beamcam.diff.pairing import Difference
 from beamcam.diff.statements import diff_sheets
 from beamcam.errors import BeamcamError, Diagnostic, Severity, VerifyError, errors_in
 from beamcam.machine import Machine
@@ -36,7 +38,10 @@ NOT_UNDERSTOOD = {r.code for r in (rules.SYNTAX, rules.WORD, rules.ARC)}
 @options.as_json
 @options.voiced
 def command(a: str, b: str, as_json: bool, voice: Voice, **asked: Any) -> None:
-    """Say what program or part B makes otherwise than A.
+    """Say what program or part B makes otherwise than A; of two folders, file by file.
+
+    Files of two folders belong together that have the same name below them. What is true of
+    several is one line.
 
     Block numbers, comments, spacing, and the order of holes in a part's file count for nothing.
     Exit status: 0 they mean the same, 1 they differ, or one cannot be read, or would be refused for
@@ -45,25 +50,25 @@ def command(a: str, b: str, as_json: bool, voice: Voice, **asked: Any) -> None:
     \b
     beamcam diff yesterday.gcode today.gcode --machine beamline-annex
     beamcam diff M58.nc1 M58-revised.nc1
+    beamcam diff golden programs
     beamcam post M58.nc1 -o - | beamcam diff yesterday.gcode -
     """
+    folders = [os.path.isdir(path) for path in (a, b)]
+    if all(folders):
+        from beamcam.commands.folders import diff_folders
+
+        diff_folders(Path(a), Path(b), as_json, voice, asked)
+        return
+    if any(folders):
+        raise click.UsageError("A and B have to be two files or two folders.")
     if a == b == STANDARD:
         raise click.UsageError("found - twice; expected it once, standard input is read once.")
     try:
         config = settled(asked, (a, b))
         machine = machine_for_program(config, a)
         data = [(shown_name(path), input_bytes(path)) for path in (a, b)]
-        kinds = [_is_part(name, content) for name, content in data]
-        if kinds[0] != kinds[1]:
-            raise click.UsageError("A and B have to be two programs or two parts.")
         voice.did(f"read {data[0][0]} and {data[1][0]}, programs as those of {machine.name}")
-        said: tuple[Diagnostic, ...] = ()
-        if kinds[0]:
-            (first, of_a), (second, of_b) = (_parts(*one, config.strict) for one in data)
-            found, said = diff_parts(first, second), (*of_a, *of_b)
-        else:
-            texts = [(name, content.decode("utf-8", "replace")) for name, content in data]
-            found, said = _diff_programs(texts, machine)
+        found, said = differences_of(data, machine, config.strict)
     except BeamcamError as error:
         voice.stop(error.diagnostics)
     voice.did(f"compared them: {len(found)} difference(s)")
@@ -74,19 +79,39 @@ def command(a: str, b: str, as_json: bool, voice: Voice, **asked: Any) -> None:
         raise SystemExit(REFUSED)
 
 
+def differences_of(
+    data: list[tuple[str, bytes]], machine: Machine, strict: bool
+) -> tuple[tuple[Difference, ...], tuple[Diagnostic, ...]]:
+    """What the second of two files, each with its name, makes otherwise, and what is wrong.
+
+    Raises ReadError and VerifyError; UsageError of a program and a part.
+    """
+    kinds = [is_part(name, content) for name, content in data]
+    if kinds[0] != kinds[1]:
+        raise click.UsageError("A and B have to be two programs or two parts.")
+    if kinds[0]:
+        (first, of_a), (second, of_b) = (_parts(*one, strict) for one in data)
+        return diff_parts(first, second), (*of_a, *of_b)
+    texts = [(name, content.decode("utf-8", "replace")) for name, content in data]
+    return _diff_programs(texts, machine)
+
+
 def show(found: tuple[Difference, ...], as_json: bool) -> None:
     """Print differences on standard output."""
     if as_json:
-        say_json([asdict(d) for d in found])
+        say_json([d.as_data() for d in found])
     else:
         say_lines(difference.text for difference in found)
 
 
-def _is_part(name: str, data: bytes) -> bool:
-    """Whether a file is of a format that a reader knows; `.nc` is that of programs too."""
+def is_part(name: str, data: bytes) -> bool:
+    """Whether a file is of a format that a reader knows.
+
+    `.nc` is that of programs too, and `.json` that of anything.
+    """
     suffix = PurePath(name).suffix.lower()
     by_name = any(suffix in form.suffixes for form in readers.FORMATS)
-    return (by_name and not is_of_programs(name)) or any(
+    return (by_name and suffix != ".json" and not is_of_programs(name)) or any(
         f.looks_like(data) for f in readers.FORMATS
     )
 

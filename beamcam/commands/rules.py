@@ -63,6 +63,37 @@ ACCOUNT = Rule(
     "What was done and how long it took, under `--verbose` with `--json`.",
 )
 
+NO_SAMPLE = Rule(
+    "check-sample",
+    Severity.ERROR,
+    "found no sample {found!r} for {of}; expected one file of that name {where}, or --samples",
+    "A golden program is checked by posting its part again. The part was moved, renamed or taken "
+    "away, or there are two of its name.",
+)
+GONE = Rule(
+    "check-gone",
+    Severity.ERROR,
+    "found no program {found!r} made now; expected it, as the record of the batch has it",
+    "The part of it is no longer in its file, is refused, or has another name now. The old program "
+    "still stands.",
+)
+NEW = Rule(
+    "check-new",
+    Severity.ERROR,
+    "found program {found!r} made now, of which the folder has none; expected one, --update "
+    "writes it",
+    "The file has more parts than it had, or its programs have other names.",
+)
+UNKNOWN = Rule(
+    "check-unknown",
+    Severity.WARNING,
+    "found {found} program(s) that no record names and no machine's folder holds ({names}); "
+    "expected none, they are not checked",
+    "What a program is made of stands in the record of its batch, or follows from a folder that is "
+    "called after a machine.",
+)
+
 RULES = (
     OUTPUT_FORMAT, ONE_PART, NO_PART, CANNOT_WRITE, OVER_INPUT, SECTION, RENAMED, WRITTEN, ACCOUNT,
+    NO_SAMPLE, GONE, NEW, UNKNOWN,
 )  # fmt: skip

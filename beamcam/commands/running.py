@@ -23,6 +23,7 @@ from beamcam.config.values import Config
 from beamcam.errors import Diagnostic, Severity, Source
 from beamcam.files import write_whole
 from beamcam.machine import Machine
+from beamcam.plain_text import json_text
 from beamcam.report.ledger import ledger_line
 from beamcam.report.run import Counts, Message, Row, dumped, loaded, message_line
 from beamcam.system import cores, stop_signals
@@ -65,6 +66,12 @@ run_options = options.group(
     options.no_verify,
     click.option("--jobs", type=click.IntRange(min=1), help="Worker processes; default all cores."),
     click.option("--scheduler", metavar="ADDRESS", help="Work on this Dask cluster."),
+    click.option(
+        "--json",
+        "as_json",
+        is_flag=True,
+        help="Print what became of each file as JSON, and no more.",
+    ),
     options.voiced,
 )
 
@@ -147,13 +154,14 @@ class Screen:
     def __init__(self, total: int | None, voice: Voice) -> None:
         self.counts = Counts()
         self._total, self._voice = total, voice
+        self._json_rows = voice.as_json and total is None
         # A note is harmless, and thousands of them would hide what is not.
         self._wanted = {
             severity.value
             for severity in Severity
             if voice.wants(severity) and (voice.verbose or severity is not Severity.NOTE)
         }
-        self._bar = total is not None and not voice.quiet and sys.stderr.isatty()
+        self._bar = total is not None and not (voice.quiet or voice.as_json) and sys.stderr.isatty()
         self._drawn = -1.0
 
     def __enter__(self) -> Self:
@@ -170,9 +178,17 @@ class Screen:
     def show(self, row: Row) -> None:
         """Count a file and print what there is to be said about it."""
         self.counts.add(row)
+        if self._voice.as_json:
+            if self._json_rows:  # a run without an end has no account that could be one text
+                click.echo(json_text(dumped(row).decode("utf-8", "surrogateescape")))
+            if self._voice.verbose:
+                self._voice.did("; ".join(line.strip() for line in account_lines(row)))
+            return
         lines = [message_line(m) for m in row["messages"] if m["severity"] in self._wanted]
         if self._voice.verbose:
             lines += account_lines(row)
+        elif self._total is None and not self._voice.quiet:
+            lines.append(what_became_of(row))  # who watches sees what is done
         if lines:
             self._clear()
             say_lines(lines, err=True)
@@ -181,16 +197,16 @@ class Screen:
 
     def say(self, messages: Iterable[Message]) -> None:
         """Print what is said about the run as a whole; it is little, so that notes count too."""
-        for said in messages:
+        for said in () if self._voice.as_json else messages:
             if self._voice.wants(Severity(said["severity"])):
                 self._clear()
                 say_lines([message_line(said)], err=True)
 
-    def end(self, interrupted: bool = False) -> None:
-        """Print the line of counts."""
+    def end(self, note: str = "") -> None:
+        """Print the line of counts, and what else is to be known of the run."""
         self._clear()
-        if not self._voice.quiet:
-            say_lines([f"{self.counts}{' (interrupted)' if interrupted else ''}"], err=True)
+        if not (self._voice.quiet or self._voice.as_json):
+            say_lines([f"{self.counts}{note}"], err=True)
 
     def _clear(self) -> None:
         if self._bar and self._drawn >= 0:
@@ -207,10 +223,15 @@ class Screen:
             self._drawn = now
 
 
+def what_became_of(row: Row) -> str:
+    """A file in one line: "in/M58.nc1: posted M58.gcode"."""
+    outputs = "".join(f" {part['output']}" for part in row["parts"])
+    return f"{row['file']}: {row['status']}{outputs}"
+
+
 def account_lines(row: Row) -> Iterator[str]:
     """What is told of a file under --verbose: what became of it and of its parts, and the time."""
-    outputs = "".join(f" {part['output']}" for part in row["parts"])
-    yield f"{row['file']}: {row['status']}{outputs} ({1000 * row['seconds']:.1f} ms)"
+    yield f"{what_became_of(row)} ({1000 * row['seconds']:.1f} ms)"
     for part in row["parts"]:
         ledger = ledger_line(part["ledger"], part["skipped_by"])
         yield f"  {part['mark']}: {ledger}"

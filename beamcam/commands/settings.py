@@ -34,6 +34,11 @@ def settled(asked: Mapping[str, Any], inputs: Iterable[str]) -> Config:
     return over(_config(asked.get("config_file"), inputs), _wanted(asked))
 
 
+def settled_by(asked: Mapping[str, Any], file: str | None) -> Config:
+    """The same with the configuration in `file`, or with none. Raises ConfigError."""
+    return over(_config(file, None), _wanted(asked))
+
+
 def files_read(config: Config, inputs: Iterable[str]) -> FilesRead:
     """Every file that a job reads: its inputs, its configuration, the files of its machines."""
     return FilesRead(_files_read(config, inputs))
@@ -50,8 +55,8 @@ def _files_read(config: Config, inputs: Iterable[str]) -> Iterator[str]:
             yield from files_of(name)
 
 
-def _config(file: str | None, inputs: Iterable[str]) -> Config:
-    files = (file,) if file is not None else beside(inputs)
+def _config(file: str | None, inputs: Iterable[str] | None) -> Config:
+    files = (file,) if file is not None else () if inputs is None else beside(inputs)
     if not files:
         return Config()
     from beamcam.commands.configuration import checked

@@ -7,13 +7,15 @@ from typing import Any
 import click
 
 from beamcam.batch import BatchError, Input, find_inputs, run
+from beamcam.batch.recipe import recipe_of
 from beamcam.batch.rules import NOTHING, WRITE
 from beamcam.commands import options
-from beamcam.commands.common import REFUSED, Voice
+from beamcam.commands.common import REFUSED, Voice, say_lines
 from beamcam.commands.running import Screen, ended_by_term, run_options, shop_of, unused, workers_of
 from beamcam.commands.settings import files_read, settled
 from beamcam.errors import BeamcamError, Diagnostic, Source
 from beamcam.report.run import Row, as_message
+from beamcam.system import INTERRUPTED
 from beamcam.watch import HotFolder, file_away, look
 
 
@@ -48,7 +50,8 @@ def command(
 
     A file that is still being written is left until it stays the same for a while; one that
     changes later is posted again. What was posted before the command began is known and not done
-    again. Exit status 1 if a file was refused.
+    again. It says where it looks, and of each file what became of it. Exit status: 130 after
+    Ctrl-C, 1 if a file was refused under --once.
 
     \b
     beamcam watch hot -o programs
@@ -64,9 +67,16 @@ def command(
     except BeamcamError as error:
         voice.stop(error.diagnostics)
     hot = HotFolder(settle)
+    recipe = recipe_of(config.file, asked, output)
     leave_out = tuple(place for place in (output, done, refused) if place is not None)
     claims: dict[str, str] = {}
     told: tuple[Diagnostic, ...] = ()
+    interrupted = False
+    if not (voice.quiet or voice.as_json):
+        ending = "" if once else "; Ctrl-C ends it"
+        say_lines(
+            [f"watching {folder} every {every:g} s, programs go to {output}{ending}"], err=True
+        )
     with Screen(None, voice) as screen, ended_by_term():
         try:
             while True:
@@ -81,7 +91,10 @@ def command(
                 if ready:
                     workers = workers_of(shop, config.jobs, scheduler, len(ready))
                     read = files_read(config, (one.path for one in ready))
-                    rows = run(ready, output, shop, workers, config.flat, claims=claims, read=read)
+                    rows = run(
+                        ready, output, shop, workers, config.flat, claims=claims, read=read,
+                        recipe=recipe,
+                    )  # fmt: skip
                     try:
                         for one, row in zip(ready, rows, strict=True):
                             screen.show(row)
@@ -93,10 +106,12 @@ def command(
                 else:
                     time.sleep(every)
         except KeyboardInterrupt:
-            pass  # the way to end it
+            interrupted = True  # the way to end it
         except BeamcamError as error:
             voice.stop(error.diagnostics)
         screen.end()
+    if interrupted:
+        raise SystemExit(INTERRUPTED)
     if screen.counts.refused or screen.counts.failed:
         raise SystemExit(REFUSED)
     if screen.counts.left_out and exit_left_out is not None:

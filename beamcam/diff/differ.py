@@ -4,14 +4,20 @@ Numbering, comments, spacing and the order of holes in a part's file count for n
 difference is a sentence: "hole v at x 1200.0 moved by 2.0 mm, drill 18 to 22".
 """
 
-from collections import Counter
-from collections.abc import Callable, Iterable, Iterator, Sequence
-from math import hypot, isnan
-from typing import Literal, TypeVar
+from collections.abc import Iterator, Sequence
+from math import isnan
+from typing import Any, Literal
 
-from msgspec import Struct
 from msgspec.structs import fields
 
+from beamcam.diff.pairing import (
+    Difference,
+    Kind,
+    differences_of_kind,
+    differences_one_by_one,
+    moved,
+    shown,
+)
 from beamcam.errors import Source
 from beamcam.geometry.curves import Curve
 from beamcam.model.part import (
@@ -27,43 +33,23 @@ from beamcam.model.part import (
 )  # fmt: skip
 from beamcam.verify.bars.made import Bore, Cut, Made, Trail
 
-NEAR = 60.0  #: mm; what lies nearer is taken to have moved, what lies further to be another thing
-
-T = TypeVar("T")
-
-
-class Difference(Struct, frozen=True):
-    """One difference between A and B."""
-
-    what: Literal["section", "cut", "hole", "order", "part", "feature"]
-    how: Literal["changed", "only in A", "only in B"]
-    text: str
-
 
 def diff_programs(a: Made, b: Made, resolution: float) -> tuple[Difference, ...]:
     """What program B makes otherwise than program A, and how; lengths nearer than `resolution` are
     one."""
     step = resolution / 2 + 1e-9
     found = [*_section(a, b)]
-    found += _lists("cut", a.cuts, b.cuts, _cut_place, _cut_name, lambda x, y: _cut(x, y, step))
-    for face in sorted({h.face for h in (*a.bores, *b.bores)}):
-        found += _lists(
-            "hole",
-            [h for h in a.bores if h.face == face],
-            [h for h in b.bores if h.face == face],
-            _bore_place,
-            _bore_name,
-            lambda x, y: _bore(x, y, step),
-        )
-    for face in sorted({t.face for t in (*a.trails, *b.trails)}):
-        found += _lists(
-            "feature",
-            [t for t in a.trails if t.face == face],
-            [t for t in b.trails if t.face == face],
-            _trail_place,
-            _trail_name,
-            lambda x, y: _trail(x, y, step),
-        )
+    kinds: tuple[Kind[Any], ...] = (
+        Kind("cut", "cuts", _cut_place, _cut_name, lambda x, y: _cut(x, y, step), _cut_to),
+        Kind("hole", "holes", _bore_place, _bore_name, lambda x, y: _bore(x, y, step), _bore_to),
+        Kind(
+            "feature", "paths", _trail_place, _trail_name, lambda x, y: _trail(x, y, step),
+            _trail_to,
+        ),
+    )  # fmt: skip
+    pairs = ((a.cuts, b.cuts), (a.bores, b.bores), (a.trails, b.trails))
+    for kind, (first, second) in zip(kinds, pairs, strict=True):
+        found += differences_of_kind(kind, first, second, step)
     if not found and _order(a) != _order(b):
         found.append(Difference("order", "changed", "the same cuts and holes in another order"))
     return tuple(found)
@@ -87,7 +73,7 @@ def _section(a: Made, b: Made) -> Iterator[Difference]:
     for name in sorted(first.keys() | second.keys()):
         old, new = first.get(name), second.get(name)
         if old != new and not (old is not None and new is not None and isnan(old) and isnan(new)):
-            text = f"{name} {_shown(old)} to {_shown(new)}"
+            text = f"{name} {shown(old)} to {shown(new)}"
             yield Difference("section", "changed", text)
 
 
@@ -99,12 +85,16 @@ def _cut_place(cut: Cut) -> tuple[float, float]:
     return cut.x, cut.angle / 10  # of cuts at one place those of like angle belong together
 
 
+def _cut_to(cut: Cut, at: Cut) -> Cut:
+    return cut._replace(x=at.x)
+
+
 def _cut_name(cut: Cut) -> str:
     return f"cut at x {cut.x:.1f}"
 
 
 def _cut(a: Cut, b: Cut, step: float) -> list[str]:
-    changes = _moved(b.x - a.x, 0.0, step)
+    changes = moved(b.x - a.x, 0.0, step)
     for name, old, new in (("angle", a.angle, b.angle), ("tilt", a.tilt, b.tilt)):
         if abs(old - new) > 1e-9:
             changes.append(f"{name} {old:g} to {new:g}")
@@ -121,13 +111,17 @@ def _bore_place(bore: Bore) -> tuple[float, float]:
     return bore.x, bore.y
 
 
+def _bore_to(bore: Bore, at: Bore) -> Bore:
+    return bore._replace(x=at.x, y=at.y)
+
+
 def _bore_name(bore: Bore) -> str:
     noun = {"drill": "hole", "punch": "punch mark"}.get(bore.kind, bore.kind)
     return f"{noun} {bore.face} at x {bore.x:.1f}"
 
 
 def _bore(a: Bore, b: Bore, step: float) -> list[str]:
-    changes = _moved(b.x - a.x, b.y - a.y, step)
+    changes = moved(b.x - a.x, b.y - a.y, step)
     if (a.kind, a.diameter) != (b.kind, b.diameter):
         other = "" if a.kind == b.kind else f"{b.kind} "
         changes.append(f"{a.kind} {a.diameter:g} to {other}{b.diameter:g}")
@@ -149,13 +143,18 @@ def _trail_place(trail: Trail) -> tuple[float, float]:
     return trail.points[0]
 
 
+def _trail_to(trail: Trail, at: Trail) -> Trail:
+    (x, y), (to_x, to_y) = trail.points[0], at.points[0]
+    return trail._replace(points=tuple((p + to_x - x, q + to_y - y) for p, q in trail.points))
+
+
 def _trail_name(trail: Trail) -> str:
     return f"path of a {trail.kind} {trail.face} at x {trail.points[0][0]:.1f}"
 
 
 def _trail(a: Trail, b: Trail, step: float) -> list[str]:
     (ax, ay), (bx, by) = a.points[0], b.points[0]
-    changes = _moved(bx - ax, by - ay, step)
+    changes = moved(bx - ax, by - ay, step)
     if len(a.points) != len(b.points) or any(
         abs((p[0] - ax) - (q[0] - bx)) > step or abs((p[1] - ay) - (q[1] - by)) > step
         for p, q in zip(a.points, b.points, strict=False)
@@ -197,7 +196,7 @@ def _part(a: Part, b: Part) -> Iterator[Difference]:
     for kind in _KINDS:
         faces = sorted({_face(f) for f in (*a.features, *b.features) if isinstance(f, kind)})
         for face in faces:
-            yield from _lists(
+            yield from differences_one_by_one(
                 "hole" if kind is Hole else "feature",
                 [f for f in a.features if isinstance(f, kind) and _face(f) == face],
                 [f for f in b.features if isinstance(f, kind) and _face(f) == face],
@@ -209,7 +208,7 @@ def _part(a: Part, b: Part) -> Iterator[Difference]:
 
 def _value(what: Literal["part"], name: str, a: object, b: object) -> Iterator[Difference]:
     if a != b:
-        yield Difference(what, "changed", f"{name} {_shown(a)} to {_shown(b)}")
+        yield Difference(what, "changed", f"{name} {shown(a)} to {shown(b)}")
 
 
 def _face(feature: Feature) -> str:
@@ -248,7 +247,7 @@ _PLACES = ("x", "y")
 def _feature(a: Feature, b: Feature) -> list[str]:
     """What two features of one kind differ in, wherever they stand in their files."""
     (ax, ay), (bx, by) = _place(a), _place(b)
-    changes = _moved(bx - ax, by - ay, 1e-9)
+    changes = moved(bx - ax, by - ay, 1e-9)
     for field in fields(a):
         old, new = getattr(a, field.name), getattr(b, field.name)
         if isinstance(old, Source) or field.name in _PLACES:
@@ -257,7 +256,7 @@ def _feature(a: Feature, b: Feature) -> list[str]:
             if _chain(a, b, bx - ax, by - ay):
                 changes.append("another course")
         elif old != new:
-            changes.append(f"{field.name.replace('_', ' ')} {_shown(old)} to {_shown(new)}")
+            changes.append(f"{field.name.replace('_', ' ')} {shown(old)} to {shown(new)}")
     return changes
 
 
@@ -277,78 +276,3 @@ def _key(curve: Curve, dx: float, dy: float) -> tuple[object, ...]:
     return type(curve).__name__, *(
         (round(x + dx, 3) + 0.0, round(y + dy, 3) + 0.0) for x, y in points
     )
-
-
-# Both
-
-
-def _moved(dx: float, dy: float, step: float) -> list[str]:
-    far = hypot(dx, dy)
-    if abs(dx) <= step and abs(dy) <= step:
-        return []
-    way = "" if abs(dy) <= step else " across" if abs(dx) <= step else " askew"
-    return [f"moved by {_length(far)} mm{way}"]
-
-
-def _length(value: float) -> str:
-    return f"{value:.1f}" if abs(value * 10 - round(value * 10)) < 1e-6 else f"{value:.3f}"
-
-
-def _shown(value: object) -> str:
-    if isinstance(value, float):
-        return f"{value:g}"
-    return "none" if value is None or value == "" else str(value)
-
-
-def _lists(
-    what: Literal["cut", "hole", "feature"],
-    a: Iterable[T],
-    b: Iterable[T],
-    place: Callable[[T], tuple[float, float]],
-    name: Callable[[T], str],
-    changes: Callable[[T, T], list[str]],
-) -> Iterator[Difference]:
-    """Things of A and B paired: first those that are the same, then the nearest ones."""
-    left, right = list(a), list(b)
-    crowds = Counter(map(name, left)), Counter(map(name, right))
-
-    def called(thing: T, side: int) -> str:
-        """The thing's name, with its y where others on its side have the same name."""
-        shown = name(thing)
-        return f"{shown}, y {place(thing)[1]:.1f}" if crowds[side][shown] > 1 else shown
-
-    index: dict[tuple[float, float], list[int]] = {}
-    for i, thing in enumerate(right):
-        index.setdefault(place(thing), []).append(i)
-    taken: set[int] = set()
-    rest: list[T] = []
-    for thing in left:
-        same = next(
-            (i for i in index.get(place(thing), ()) if i not in taken
-             and not changes(thing, right[i])), None,
-        )  # fmt: skip
-        if same is None:
-            rest.append(thing)
-        else:
-            taken.add(same)
-    free = [t for i, t in enumerate(right) if i not in taken]
-    pairs = sorted(
-        (hypot(place(x)[0] - place(y)[0], place(x)[1] - place(y)[1]), len(changes(x, y)), i, j)
-        for i, x in enumerate(rest)
-        for j, y in enumerate(free)
-        if abs(place(x)[0] - place(y)[0]) <= NEAR
-    )
-    mine: dict[int, int] = {}
-    theirs: set[int] = set()
-    for distance, _, i, j in pairs:
-        if distance <= NEAR and i not in mine and j not in theirs:
-            mine[i] = j
-            theirs.add(j)
-    for i, thing in enumerate(rest):
-        if i not in mine:
-            yield Difference(what, "only in A", f"{called(thing, 0)} only in A")
-        elif said := changes(thing, free[mine[i]]):
-            yield Difference(what, "changed", f"{called(thing, 0)} {', '.join(said)}")
-    for j, thing in enumerate(free):
-        if j not in theirs:
-            yield Difference(what, "only in B", f"{called(thing, 1)} only in B")

@@ -6,11 +6,11 @@ line, without comments and spacing.
 """
 
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 from beamcam.controllers.events import Keep, Leg, Pause, Ramp, Switch, TableEvent
 from beamcam.controllers.gcode import events_of
-from beamcam.diff.differ import Difference
+from beamcam.diff.pairing import Difference
 from beamcam.errors import Diagnostic, errors_in
 from beamcam.geometry.curves import Arc, EllipseArc
 from beamcam.machine.machine import Machine
@@ -26,6 +26,7 @@ def diff_sheets(
 
     (first, said), (second, more) = statements(a, machine, name), statements(b, machine, name)
     found = []
+    pairs: list[tuple[str, str]] = []
     for how, i0, i1, j0, j1 in SequenceMatcher(None, first, second, False).get_opcodes():
         if how == "equal":
             continue
@@ -38,7 +39,33 @@ def diff_sheets(
                 found.append(Difference("feature", "only in A", f"{old}, only in A"))
             else:
                 found.append(Difference("feature", "changed", f"{old} became {new}"))
+                pairs.append((old, new))
+    if len(pairs) == len(found) > 1 and (common := _common(pairs, machine.format.length_decimals)):
+        text = f"{len(pairs)} of {len(first)} statements: {common}"
+        found = [Difference("feature", "changed", text, common)]
     return tuple(found), errors_in((*said, *more))
+
+
+def _common(pairs: Sequence[tuple[str, str]], decimals: int) -> str:
+    """What is true of each pair of statements: "X +1.440, at 1000 to 1200"; "" if nothing is."""
+    said = {_changed_words(old, new, decimals) for old, new in pairs}
+    return ", ".join(said.pop()) if len(said) == 1 else ""
+
+
+def _changed_words(old: str, new: str, decimals: int) -> tuple[str, ...]:
+    """The words that a statement has changed, each with the word before it; () if it is another."""
+    before, after = old.split(), new.split()
+    if len(before) != len(after):
+        return ()
+    changed: list[str] = []
+    for k, (a, b) in enumerate(zip(before, after, strict=True)):
+        if a != b:
+            word = before[k - 1] if k else ""
+            if word in ("X", "Y"):
+                changed.append(f"{word} {float(b) - float(a):+.{decimals}f}")
+            else:
+                changed.append(f"{word} {a} to {b}".strip())
+    return tuple(dict.fromkeys(changed))
 
 
 def statements(text: str, machine: Machine, name: str) -> tuple[list[str], list[Diagnostic]]:

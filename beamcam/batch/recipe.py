@@ -1,0 +1,73 @@
+"""What a batch was asked for, as its record keeps it, so that `check` asks for the same again.
+
+Paths are kept from the folder of the outputs, so that they hold where the folder, its inputs and
+its machines lie together on another system.
+"""
+
+import os
+from collections.abc import Mapping
+from hashlib import sha256
+from typing import Any
+
+from msgspec import Struct, field
+
+from beamcam.report.run import dumped
+from beamcam.system import portable_path
+
+MACHINE = "machine"  #: the option that may be a path
+#: Options that say nothing of the programs, or are kept in another way.
+_APART = ("config_file", "jobs", "as_json")
+#: Options whose value means something though it is none: `--allow-skips none`, `--tree`.
+_MAY_BE_NOTHING = ("skips", "strict", "flat")
+
+
+class Recipe(Struct, frozen=True):
+    """The configuration of a run and the options that it was given."""
+
+    config: str | None = None  #: its file; None where the run had none
+    asked: Mapping[str, Any] = field(default_factory=dict)  #: by the names of the options' values
+
+    @property
+    def name(self) -> str:
+        """What lines of a record call it by."""
+        return sha256(dumped(self)).hexdigest()[:16]
+
+
+def recipe_of(config: str | None, asked: Mapping[str, Any], folder: str) -> Recipe:
+    """The recipe of a run into `folder`; `asked` holds the values of its options."""
+    given = {
+        name: value
+        for name, value in asked.items()
+        if name not in _APART and (_is_given(name, value))
+    }
+    machine = given.get(MACHINE)
+    if isinstance(machine, str) and machine.endswith(".toml"):
+        given[MACHINE] = path_from(folder, portable_path(machine))
+    return Recipe(None if config is None else path_from(folder, config), given)
+
+
+def _is_given(name: str, value: object) -> bool:
+    return value is not None and (value not in ((), False) or name in _MAY_BE_NOTHING)
+
+
+def asked_again(recipe: Recipe, folder: str) -> tuple[str | None, dict[str, Any]]:
+    """The configuration's file and the options of a recipe, as they hold from here."""
+    asked = {n: tuple(v) if isinstance(v, list) else v for n, v in recipe.asked.items()}
+    machine = asked.get(MACHINE)
+    if isinstance(machine, str) and machine.endswith(".toml"):
+        asked[MACHINE] = path_below(folder, machine)
+    return None if recipe.config is None else path_below(folder, recipe.config), asked
+
+
+def path_from(folder: str, path: str) -> str:
+    """A path as it is reached from a folder, with "/"; in full where it lies on another drive."""
+    whole = os.path.abspath(path)
+    try:
+        return os.path.relpath(whole, os.path.abspath(folder)).replace(os.sep, "/")
+    except ValueError:
+        return whole
+
+
+def path_below(folder: str, path: str) -> str:
+    """The path that `path_from` made of it, from here."""
+    return os.path.normpath(os.path.join(folder, path))

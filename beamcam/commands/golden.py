@@ -1,0 +1,118 @@
+"""A golden program and what became of it: where its part lies, what it makes otherwise."""
+
+from collections import defaultdict
+from collections.abc import Iterable, Iterator, Sequence
+from pathlib import Path
+from typing import Literal
+
+from msgspec import Struct
+
+from beamcam import readers
+from beamcam.commands.rules import NO_SAMPLE
+from beamcam.diff.differ import diff_programs
+from beamcam.diff.pairing import Difference
+from beamcam.diff.statements import diff_sheets
+from beamcam.errors import Diagnostic, ReadError, Source, errors_in
+from beamcam.machine import Machine
+from beamcam.report.run import Message, as_message
+from beamcam.verify.bars import run
+
+Result = Literal["same", "bytes", "differs", "refused", "missing"]
+MOST_NAMED = 3  #: programs of a group that are named
+TEXTS = {"bytes": "another text that means the same", "differs": "makes something else"}
+
+
+class Checked(Struct, frozen=True):
+    """What became of one golden program."""
+
+    path: str
+    #: "bytes" is another text that means the same, "missing" one without its sample
+    result: Result
+    differences: tuple[Difference, ...] = ()
+    messages: tuple[Message, ...] = ()
+    new: bytes | None = None  #: the program as it is made now, if it is another
+
+
+def compared(path: str, old: bytes, new: bytes, machine: Machine) -> Checked:
+    """A golden program and the one that is made now."""
+    if old == new:
+        return Checked(path, "same")
+    before, now = (data.decode("utf-8", "replace") for data in (old, new))
+    differences, said = differences_of(before, now, machine, path)
+    result: Result = "differs" if differences or said else "bytes"
+    return Checked(path, result, differences, tuple(map(as_message, said)), new)
+
+
+def differences_of(
+    old: str, new: str, machine: Machine, name: str
+) -> tuple[tuple[Difference, ...], tuple[Diagnostic, ...]]:
+    """What a program makes otherwise now, and what is wrong with the blocks of the old one."""
+    if machine.stock == "sheet":
+        return diff_sheets(old, new, machine, name)
+    first, second = run(old, machine, None, name), run(new, machine)
+    found = diff_programs(first.made, second.made, machine.format.resolution)
+    return found, errors_in(first.diagnostics)
+
+
+def sample_of(samples: Path, stem: str, program: str, suffix: str = "") -> Path:
+    """The file of a sample below a folder, whatever its format. Raises ReadError unless it is one.
+
+    `suffix` is that of the sample where it is known.
+    """
+    known = {suffix} if suffix else {s for f in readers.FORMATS for s in f.suffixes}
+    alike = (p for p in samples.rglob("*") if p.suffix.lower() in known and p.stem == stem)
+    found = sorted(path for path in alike if path.is_file())
+    if len(found) > 1:
+        found = [p for p in found if "bad" not in p.relative_to(samples).parts] or found
+    if len(found) == 1:
+        return found[0]
+    where = f"in {samples} (found {', '.join(map(str, found))})" if found else f"in {samples}"
+    said = NO_SAMPLE.at(Source(program), found=stem + suffix, of=Path(program).name, where=where)
+    raise ReadError(said)
+
+
+def told(results: Sequence[Checked]) -> Iterator[str]:
+    """What is said of the programs that are not the same, a line for what is true of several.
+
+    A change of a machine is one line, however many programs it changes.
+    """
+    alike: dict[tuple[str, ...], list[Checked]] = defaultdict(list)
+    for one in results:
+        if one.result in TEXTS and not one.messages:
+            alike[(one.result, *(d.of_all or d.text for d in one.differences))].append(one)
+    for (result, *texts), group in alike.items():
+        if len(group) > 1:
+            said = ", ".join(texts) or TEXTS[result]
+            yield f"{len(group)} programs: {said} ({named([c.path for c in group])})"
+        else:
+            (one,) = group
+            if len(one.differences) == 1:
+                yield f"{one.path}: {one.differences[0].text}"
+                continue
+            yield f"{one.path}: {TEXTS[result]}"
+            yield from (f"  {difference.text}" for difference in one.differences)
+    for one in results:
+        if one.messages and one.result == "differs":
+            yield f"{one.path}: {TEXTS[one.result]}"
+            yield from (f"  {difference.text}" for difference in one.differences)
+
+
+def named(paths: Sequence[str]) -> str:
+    """The first names of a group, and how many more there are."""
+    shown = ", ".join(paths[:MOST_NAMED])
+    more = len(paths) - MOST_NAMED
+    return f"{shown} and {more} more" if more > 0 else shown
+
+
+def records(results: Iterable[Checked], severities: Iterable[str]) -> list[dict[str, object]]:
+    """The results as data, with the messages of those severities."""
+    wanted = set(severities)
+    return [
+        {
+            "file": r.path,
+            "result": r.result,
+            "differences": [d.as_data() for d in r.differences],
+            "messages": [m for m in r.messages if m["severity"] in wanted],
+        }
+        for r in results
+    ]

@@ -1,0 +1,196 @@
+"""The golden programs that a batch made: posted again as its record says, and compared."""
+
+import os
+from collections.abc import Iterator, Mapping, Sequence
+from hashlib import sha256
+from pathlib import Path
+from typing import Any
+
+import click
+
+from beamcam.batch import Shop
+from beamcam.batch.find import Input, read_input
+from beamcam.batch.recipe import asked_again, path_below
+from beamcam.batch.record import RECORD_NAME, Noted, Record, noted_in, partly
+from beamcam.batch.work import Task, make_all
+from beamcam.commands.golden import Checked, compared, named, sample_of
+from beamcam.commands.rules import GONE, NEW
+from beamcam.commands.running import shop_of
+from beamcam.commands.settings import settled_by
+from beamcam.config.values import Config
+from beamcam.errors import BeamcamError, Diagnostic, ReadError, Source
+from beamcam.files import write_whole
+from beamcam.machine import Machine
+from beamcam.report.run import Row, as_message
+
+DEFAULT_SAMPLES = Path("samples")
+
+
+def record_folders(folder: Path) -> tuple[Path, ...]:
+    """The folders that hold a record: those at and below `folder`, else the nearest above."""
+    below = sorted(path.parent for path in folder.rglob(RECORD_NAME))
+    if below:
+        return tuple(below)
+    above = (one for one in folder.resolve().parents if (one / RECORD_NAME).is_file())
+    found = next(above, None)
+    return () if found is None else (Path(os.path.relpath(found)),)
+
+
+class Recorded:
+    """The programs of one record, and how they are posted again."""
+
+    def __init__(
+        self, folder: Path, samples: Path | None, asked: Mapping[str, Any], update: bool
+    ) -> None:
+        """`asked` holds what the command line asks for, over what the record says."""
+        self._folder, self._samples, self._asked, self._update = folder, samples, asked, update
+        self._shops: dict[str, tuple[Config, Shop] | BeamcamError] = {}
+        self._noted = noted_in(str(folder))
+        self._known = {part["output"] for noted in self._noted for part in noted.row["parts"]}
+
+    @property
+    def paths(self) -> frozenset[Path]:
+        """The programs that the record knows."""
+        return frozenset(self._path(name) for noted in self._noted for name in noted.outputs)
+
+    def machines(self) -> dict[str, Machine]:
+        """The machine of each program that the record knows, as far as it can be had."""
+        found: dict[str, Machine] = {}
+        for noted in self._noted:
+            made = self._shop(noted)
+            if not isinstance(made, BeamcamError):
+                outputs = (part["output"] for part in noted.row["parts"])
+                found |= dict(zip(outputs, machines_of(noted.row, made[1]), strict=True))
+        return found
+
+    def check(self, below: Path) -> Iterator[Checked]:
+        """What became of each program that lies below a folder. Raises OSError."""
+        told: set[str] = set()
+        for noted in self._noted:
+            if not any(self._path(n).resolve().is_relative_to(below.resolve())
+                       for n in noted.outputs):  # fmt: skip
+                continue
+            made = self._shop(noted)
+            if not isinstance(made, BeamcamError):
+                yield from self._input(noted, *made)
+            elif noted.recipe.name not in told:  # once for all that were made so
+                told.add(noted.recipe.name)
+                yield _refused(str(self._folder), made.diagnostics)
+
+    def _path(self, output: str) -> Path:
+        return self._folder / output
+
+    def _shop(self, noted: Noted) -> tuple[Config, Shop] | BeamcamError:
+        name = noted.recipe.name
+        if name not in self._shops:
+            file, again = asked_again(noted.recipe, str(self._folder))
+            given = {n: value for n, value in self._asked.items() if value is not None}
+            asked = {**_unasked(), **again, **given}
+            try:
+                config = settled_by(asked, asked["config_file"] or file)
+                self._shops[name] = config, shop_of(config, asked)
+            except BeamcamError as error:
+                self._shops[name] = error
+        return self._shops[name]
+
+    def _input(self, noted: Noted, config: Config, shop: Shop) -> Iterator[Checked]:
+        """What became of the programs of one input."""
+        try:
+            sample = self._sample(noted)
+        except ReadError as error:
+            shown = named([str(self._path(name)) for name in noted.outputs])
+            yield Checked(shown, "missing", (), tuple(map(as_message, error.diagnostics)))
+            return
+        data = read_input(sample)
+        if isinstance(data, Diagnostic):
+            yield _refused(str(self._path(noted.outputs[0])), (data,))
+            return
+        (made,) = make_all((Task(0, sample, data),), shop)
+        below = "" if config.flat else noted.tree.rpartition("/")[0]
+        new = {f"{below}/{name}" if below else name: content for name, content in made.outputs}
+        machines = machines_of(made.row, shop)
+        yield from self._outputs(noted, made.row, new, machines)
+        if self._update and not new.keys() <= self._known:
+            self._note(noted, made.row, tuple(new), sample)
+
+    def _outputs(
+        self, noted: Noted, row: Row, new: dict[str, bytes], machines: Sequence[Machine]
+    ) -> Iterator[Checked]:
+        of_name = dict(zip(new, machines, strict=True))
+        known = [part["output"] for part in noted.row["parts"]]
+        said = tuple(m for m in row["messages"] if m["severity"] == "error")
+        for name in noted.outputs:
+            path = self._path(name)
+            stands = path.is_file()
+            if name in new and stands:
+                yield compared(str(path), path.read_bytes(), new[name], of_name[name])
+            elif name in new:
+                yield self._is_new(name, new[name])
+            elif stands and said:
+                yield Checked(str(path), "refused", (), said)
+                said = ()  # it is said once for the input
+            elif stands and self._update and len(new) == len(known):
+                path.unlink()  # the program has another name now, which is written
+            elif stands:
+                message = as_message(GONE.at(Source(str(path)), found=name))
+                yield Checked(str(path), "refused", (), (message,))
+        yield from (self._is_new(name, new[name]) for name in new if name not in self._known)
+
+    def _is_new(self, name: str, content: bytes) -> Checked:
+        path = str(self._path(name))
+        said = as_message(NEW.at(Source(path), found=name))
+        return Checked(path, "differs", (), (said,), content)
+
+    def _sample(self, noted: Noted) -> str:
+        """The path of an input as it is now. Raises ReadError."""
+        samples = self._samples or DEFAULT_SAMPLES
+        if self._samples is None:
+            own = path_below(str(self._folder), noted.input)
+            if os.path.isfile(own):
+                return own
+        if (samples / noted.tree).is_file():
+            return str(samples / noted.tree)
+        stem, suffix = os.path.splitext(os.path.basename(noted.input))
+        shown = str(self._path(noted.outputs[0]))
+        return str(sample_of(samples, stem, shown, suffix.lower()))
+
+    def _note(self, noted: Noted, row: Row, outputs: tuple[str, ...], sample: str) -> None:
+        """Let the record know programs that have other names now, or are new."""
+        for part, output in zip(row["parts"], outputs, strict=True):
+            part["output"] = output
+        record = Record(str(self._folder), noted.recipe)
+        try:
+            key = partly(sha256("\0".join(outputs).encode("utf-8", "backslashreplace")).digest())
+            record.add(key, row, Input(sample, noted.tree))
+        finally:
+            record.close()
+
+
+def accept(results: Sequence[Checked]) -> tuple[Checked, ...]:
+    """Write every program that is another now in the place of its golden one. Raises OSError."""
+    for one in results:
+        if one.new is not None:
+            os.makedirs(os.path.dirname(one.path) or os.curdir, exist_ok=True)
+            write_whole(one.path, one.new)
+    return tuple(one for one in results if one.new is None)
+
+
+def machines_of(row: Row, shop: Shop) -> list[Machine]:
+    """The machine of each program of an input."""
+    sheets = shop.sheets
+    return [
+        sheets if sheets is not None and part["machine"] == sheets.name else shop.machine
+        for part in row["parts"]
+    ]
+
+
+def _refused(path: str, said: Sequence[Diagnostic]) -> Checked:
+    return Checked(path, "refused", (), tuple(map(as_message, said)))
+
+
+def _unasked() -> dict[str, Any]:
+    """The values of a batch's options where none of them is given."""
+    from beamcam.commands.batch import command
+
+    context: click.Context = command.make_context("batch", ["in", "-o", "out"])
+    return dict(context.params)
