@@ -143,6 +143,10 @@ class VerifyError(BeamcamError):
     """A program that does not make the part."""
 
 
+class PictureError(BeamcamError):
+    """A picture or a page that cannot be made."""
+
+
 def errors_in(diagnostics: Iterable[Diagnostic]) -> tuple[Diagnostic, ...]:
     """Those of `diagnostics` that refuse a part."""
     return tuple(d for d in diagnostics if d.severity is Severity.ERROR)

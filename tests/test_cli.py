@@ -34,13 +34,14 @@ CALLS = {
     "recover": "recover {i}.gcode --profile {i}.nc1 -o {i}.made.nc1",
     "check": "check golden/beamline --samples .",
     "simulate": "simulate {i}.gcode -o {i}.csv",
+    "plot": "plot {i}.nc1 -o {i}.svg",
     "profile": "profile --velocity 100 --time 2 -o {i}.csv",
     "batch": "batch {i}.nc1 -o out --force",
     "watch": "watch . -o out --once --settle 0",
 }
 #: Those whose --json is about messages, on standard error, and those that print their result so.
 _SECONDS = re.compile(r'"seconds":[^,]*,')  #: a batch tells how long each file took
-JSON_MESSAGES, JSON_RESULT = ("post", "convert", "simulate", "recover"), (
+JSON_MESSAGES, JSON_RESULT = ("post", "convert", "simulate", "recover", "plot"), (
     "plan", "inspect", "verify", "diff", "check", "batch", "watch",
 )  # fmt: skip
 
@@ -354,7 +355,7 @@ def test_a_profile_with_more_rows_than_memory_holds() -> None:
 
 
 def test_a_profile_of_no_known_form(tmp_path: Path) -> None:
-    done = call(f"profile --velocity 10 --time 1 -o {tmp_path}/ramp.pdf")
+    done = call(f"profile --velocity 10 --time 1 -o {tmp_path}/ramp.gif")
     assert done.exit_code == 2
-    assert "ramp.pdf'; expected a name in .csv, .svg, .png, or -" in done.stderr
+    assert "ramp.gif'; expected a name in .csv, .svg, .png, .pdf, or -" in done.stderr
     assert not list(tmp_path.iterdir())

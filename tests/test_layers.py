@@ -29,6 +29,7 @@ STEPS = (
         "config",
     ),
     ("asked", "posts", "diff", "recovery", "simulate"),
+    ("pictures",),
     ("pipeline",),
     ("batch", "api"),
     ("watch",),

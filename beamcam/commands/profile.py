@@ -8,13 +8,15 @@ import click
 
 from beamcam.commands import options
 from beamcam.commands.common import Voice, write
+from beamcam.commands.pictures import PICTURES, picture
+from beamcam.errors import BeamcamError
 from beamcam.files import FilesRead
 
 if TYPE_CHECKING:
     from beamcam.geometry.velocity_profile import Profile
     from beamcam.report.velocity_profile import Unit
 
-SUFFIXES = (".csv", ".svg", ".png")
+SUFFIXES = (".csv", *PICTURES)
 MOST_ROWS = 1_000_000
 NUMBER = options.Number()
 
@@ -110,7 +112,7 @@ def wanted_profile(
 
 
 @click.command("profile")
-@options.output(".csv, .svg or .png; - is a table.")
+@options.output(".csv, .svg, .png or .pdf; - is a table.")
 @click.option("--velocity", type=NUMBER, help="To reach, or the limit of the fastest profile.")
 @click.option("--acceleration", type=NUMBER, help="The greatest one, or a limit.")
 @click.option("--distance", type=NUMBER, help="To travel from rest to rest.")
@@ -118,7 +120,9 @@ def wanted_profile(
 @click.option("--jerk", type=NUMBER, default=50.0, show_default=True, help="Rounded part, percent.")
 @click.option("--cruise", type=NUMBER, default=0.0, help="Seconds at full velocity, in --time.")
 @click.option("--points", callback=points_of, help="TIME:VELOCITY,... joined by ramps.")
-@click.option("--greatest-jerk", type=NUMBER, help="Limit of the fastest profile; none if absent.")
+@click.option(
+    "--greatest-jerk", "max_jerk", type=NUMBER, help="Limit of the fastest profile; none if absent."
+)
 @click.option("--step", type=NUMBER, help="Seconds between rows; a 200th of the time if absent.")
 @click.option(
     "--unit",
@@ -159,7 +163,7 @@ def command(
     beamcam profile --points 0:0,2:300,5:300,6:0 -o job.png
     beamcam profile --distance 500 --velocity 200 --acceleration 800 --greatest-jerk 9000 -o -
     """
-    from beamcam.report.velocity_profile import Encoder, profile_png, profile_svg, profile_table
+    from beamcam.report.velocity_profile import Encoder, profile_table
 
     suffix = os.path.splitext(output)[1].lower()
     try:
@@ -170,14 +174,16 @@ def command(
         data: str | bytes
         if suffix not in ("", *SUFFIXES):
             raise ValueError(f"found {output!r}; expected a name in {', '.join(SUFFIXES)}, or -")
-        if suffix == ".svg":
-            data = profile_svg(profile, unit=shown)
-        elif suffix == ".png":
-            data = profile_png(profile)
+        if suffix in PICTURES:
+            from beamcam.pictures.profile import profile_scene
+
+            data = picture([profile_scene(profile, shown)], suffix)
         else:
             rows = profile_table(profile, row_step(profile.duration_s, step), encoder, shown)
             lines = [",".join(f"{value:.9g}" for value in row) for row in rows.rows.tolist()]
             data = "\n".join([",".join(rows.columns), *lines]) + "\n"
+    except BeamcamError as error:
+        voice.stop(error.diagnostics)
     except ValueError as error:
         raise click.UsageError(str(error)) from error
     voice.did(f"profile of {profile.duration_s:g} s")

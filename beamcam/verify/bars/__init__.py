@@ -88,7 +88,7 @@ def run(
     known = _known_of(machine)
     events, said = events_of(text, machine, known.dialect, name)
     if profile is None:
-        profile = _section_of(events, known.dialect, machine)
+        profile = section_said(events, known.dialect, machine)
     choices = known.choices(profile)
     cell = Cell(machine, known.dialect, choices, known.data(grades), name)
     made = cell.run(events, text.count("\n"))
@@ -97,7 +97,7 @@ def run(
     return Run(made, tuple(events), tuple(said), known.dialect, choices, unseen)
 
 
-def _section_of(events: Sequence[BarEvent], dialect: Dialect, machine: Machine) -> Profile:
+def section_said(events: Sequence[BarEvent], dialect: Dialect, machine: Machine) -> Profile:
     """The section as far as a program says it: what kind it is, and how high and wide."""
     said: dict[str, float] = {}
     for event in events:

@@ -1,8 +1,4 @@
-"""Tables and pictures of velocity profiles."""
-
-import struct
-import xml.etree.ElementTree as ElementTree
-import zlib
+"""Tables of velocity profiles."""
 
 import numpy as np
 import pytest
@@ -10,7 +6,7 @@ from click.testing import CliRunner
 
 from beamcam.cli import main
 from beamcam.motion.profile import profile_to_velocity
-from beamcam.report.velocity_profile import RPM, Encoder, profile_png, profile_svg, profile_table
+from beamcam.report.velocity_profile import RPM, Encoder, profile_table
 
 GUIDE = profile_to_velocity(1000.0, 100.0, 50.0)
 
@@ -84,42 +80,6 @@ def test_units_that_contradict_each_other(words, said):
 def test_encoder_on_a_belt():
     hz = Encoder(512, 65.0).hz(np.array([65.0]))
     assert hz == pytest.approx(512)
-
-
-def test_svg_shows_three_curves():
-    root = ElementTree.fromstring(profile_svg(GUIDE))
-    name = "{http://www.w3.org/2000/svg}"
-    assert len(root.findall(f"{name}polyline")) == 3
-    texts = [e.text for e in root.findall(f"{name}text")]
-    assert {"velocity, mm/s", "1000", "50000", "13.333", "100 s", "0"} <= set(texts)
-    turns = ElementTree.fromstring(profile_svg(GUIDE, unit=RPM))
-    shown = {"position, revolutions", "833.33", "velocity, rpm", "acceleration, rpm/s"}
-    assert shown <= {e.text for e in turns.iter(f"{name}text")}
-    for line in root.findall(f"{name}polyline"):
-        points = [tuple(map(float, p.split(","))) for p in line.get("points").split()]
-        assert all(0 <= x <= 800 and 0 <= y <= 600 for x, y in points)
-    assert profile_svg(GUIDE) == profile_svg(GUIDE)
-
-
-def test_png_is_a_picture_with_three_colours():
-    data = profile_png(GUIDE, 200, 150)
-    assert data[:8] == b"\x89PNG\r\n\x1a\n"
-    assert struct.unpack(">II", data[16:24]) == (200, 150)
-    at, body = 8, b""
-    while at < len(data):
-        (size,) = struct.unpack(">I", data[at : at + 4])
-        kind, chunk = data[at + 4 : at + 8], data[at + 8 : at + 8 + size]
-        assert struct.unpack(">I", data[at + 8 + size : at + 12 + size])[0] == zlib.crc32(
-            kind + chunk
-        )
-        body += chunk if kind == b"IDAT" else b""
-        at += 12 + size
-    rows = np.frombuffer(zlib.decompress(body), np.uint8).reshape(150, 1 + 3 * 200)
-    assert not rows[:, 0].any()
-    colours = {tuple(c) for c in rows[:, 1:].reshape(-1, 3).tolist()}
-    assert colours == {
-        (255, 255, 255), (153, 153, 153), (27, 120, 55), (33, 102, 172), (178, 24, 43),
-    }  # fmt: skip
 
 
 @pytest.mark.parametrize(

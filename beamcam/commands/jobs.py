@@ -1,0 +1,89 @@
+"""What the commands share that look at work: parts posted without a file, or a program that is."""
+
+from collections.abc import Mapping, Sequence
+from pathlib import PurePath
+from typing import Any
+
+import click
+from msgspec import Struct
+
+from beamcam.commands.common import STANDARD, Voice
+from beamcam.commands.diff import is_part
+from beamcam.commands.parts import read_parts
+from beamcam.commands.programs import input_bytes
+from beamcam.commands.settings import machine_for, machine_for_program
+from beamcam.config.values import Config
+from beamcam.errors import Diagnostic
+from beamcam.machine.machine import Machine
+from beamcam.model.part import Part
+from beamcam.model.plan import Order, Plan
+from beamcam.pictures.program import ReadProgram
+from beamcam.pipeline import Posted, post, untold
+from beamcam.readers.content import shown_name
+
+
+def one_program(inputs: Sequence[str]) -> bytes | None:
+    """The program that is the only input; None where the inputs are parts. Raises ReadError.
+
+    Standard input is a program: a part that comes from there can be posted first.
+    """
+    for path in inputs:
+        data = input_bytes(path)
+        if path == STANDARD or not is_part(shown_name(path), data):
+            if len(inputs) > 1:
+                raise click.UsageError(
+                    f"found the program {path!r} among others; expected it alone."
+                )
+            return data
+    return None
+
+
+def read_program(data: bytes, path: str, config: Config) -> ReadProgram:
+    """A program that is a file. Raises MachineError."""
+
+    name = shown_name(path)
+    machine = machine_for_program(config, path)
+    bar = config.stock_lengths[0] if config.stock_lengths else None
+    return ReadProgram(data, machine, name, PurePath(name).suffix.lower(), bar=bar)
+
+
+class Job(Struct, frozen=True):
+    """Parts and the program that makes them."""
+
+    parts: tuple[Part, ...]
+    said: tuple[Diagnostic, ...]  #: about the parts
+    posted: Posted
+    program: ReadProgram
+
+
+def posted_job(
+    inputs: Sequence[str], config: Config, asked: Mapping[str, Any], output: str, order: Order,
+    turn: bool, voice: Voice,
+) -> Job:  # fmt: skip
+    """Inputs posted as `post` would, and read back. Raises BeamcamError."""
+    from beamcam.planning.stock import from_store
+
+    parts, said = read_parts(inputs, config, asked, voice)
+    machine = machine_for(config, parts, output)
+
+    def made(bar: float | None) -> Posted:
+        return post(
+            parts, machine, config.job, bar, config.allow_skips, True, order, turn,
+            config.strict, None, voice.did if voice.verbose else untold,
+        )  # fmt: skip
+
+    posted = from_store(made, config.stock_lengths, max((p.length for p in parts), default=0.0))
+    return Job(parts, said, posted, _program(posted, machine, parts, config))
+
+
+def _program(
+    posted: Posted, machine: Machine, parts: Sequence[Part], config: Config
+) -> ReadProgram:
+
+    plan = posted.plan
+    is_bar = isinstance(plan, Plan)
+    return ReadProgram(
+        b"".join(posted.pieces()), machine, f"{config.job}{machine.suffix}", machine.suffix,
+        tuple(piece.part for piece in plan.pieces) if is_bar else tuple(parts),
+        plan.bar.length if isinstance(plan, Plan) else None,
+    )  # fmt: skip

@@ -1,0 +1,46 @@
+"""What the commands share that write pictures."""
+
+from collections.abc import Sequence
+from pathlib import PurePath
+from typing import TYPE_CHECKING
+
+import click
+
+from beamcam.commands.common import STANDARD
+
+if TYPE_CHECKING:
+    from beamcam.pictures.scene import Scene
+
+PICTURES = (".svg", ".png", ".pdf")
+
+unit = click.option(
+    "--unit", type=click.Choice(["mm", "inch"]), default="mm", show_default=True,
+    help="Of the lengths that are shown.",
+)  # fmt: skip
+
+
+def picture_suffix(output: str) -> str:
+    """The format of a picture by its name; standard output is an SVG."""
+    suffix = ".svg" if output == STANDARD else PurePath(output).suffix.lower()
+    if suffix not in PICTURES:
+        expected = ", ".join(PICTURES)
+        raise click.UsageError(f"found {output!r}; expected a name in {expected}, or -")
+    return suffix
+
+
+def picture(scenes: "Sequence[Scene]", suffix: str) -> str | bytes:
+    """Pictures in a format; only a PDF has room for more than the first.
+
+    Raises PictureError where the library for the format is not installed.
+    """
+    if suffix == ".pdf":
+        from beamcam.pictures.pdf import to_pdf
+
+        return to_pdf(scenes)
+    if suffix == ".png":
+        from beamcam.pictures.png import to_png
+
+        return to_png(scenes[0])
+    from beamcam.pictures.svg import to_svg
+
+    return to_svg(scenes[0])

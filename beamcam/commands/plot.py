@@ -1,0 +1,84 @@
+"""`beamcam plot`: a part, or what a program makes, as a picture."""
+
+from typing import Any
+
+import click
+
+from beamcam.commands import options
+from beamcam.commands.common import Voice, write
+from beamcam.commands.jobs import one_program, posted_job, read_program
+from beamcam.commands.parts import part_options, read_parts
+from beamcam.commands.pictures import picture, picture_suffix, unit
+from beamcam.commands.settings import files_read, settled
+from beamcam.errors import BeamcamError, Diagnostic
+from beamcam.model.plan import Order
+
+
+@click.command("plot")
+@options.inputs
+@options.output(".svg, .png or .pdf; - is an SVG on standard output.")
+@click.option(
+    "--show",
+    type=click.Choice(["part", "program"]),
+    help="What is drawn of parts: by default one part itself, of several the bar that they make.",
+)
+@unit
+@options.machine
+@options.config
+@options.bar
+@options.skips
+@options.order
+@options.turn
+@part_options
+@options.strict
+@options.json_messages
+@options.voiced
+def command(
+    inputs: tuple[str, ...],
+    output: str,
+    show: str | None,
+    unit: Any,
+    order: Order,
+    turn: bool,
+    as_json: bool,
+    voice: Voice,
+    **asked: Any,
+) -> None:
+    """Draw a part with its faces unfolded, or what a program makes.
+
+    A program is drawn as its machine reads it: tools or speeds by colour, rapid moves dashed, the
+    operations numbered in their order; the picture carries the program's SHA-256. A PDF has a page
+    for each part, and needs beamcam[pictures], as a PNG does.
+
+    \b
+    beamcam plot M58.nc1 -o m58.svg
+    beamcam plot job.gcode --machine beamline-annex -o job.png
+    beamcam plot M74.nc1 M58.nc1 M74.nc1 -o bar.svg
+    beamcam plot plate.dxf --thickness 3 --show program -o plate.pdf
+    """
+    from beamcam.pictures.part import part_scene
+    from beamcam.pictures.program import program_scene
+
+    suffix = picture_suffix(output)
+    said: tuple[Diagnostic, ...] = ()
+    try:
+        config = settled(asked, inputs)
+        data = one_program(inputs)
+        if data is not None:
+            scenes = [program_scene(read_program(data, inputs[0], config), unit)]
+        elif show == "program" or (show is None and len(inputs) > 1):
+            job = posted_job(inputs, config, asked, output, order, turn, voice)
+            said = (*job.said, *job.posted.remarks)
+            scenes = [program_scene(job.program, unit)]
+        else:
+            parts, said = read_parts(inputs, config, asked, voice)
+            if len(parts) != 1 and suffix != ".pdf":
+                found = f"found {len(parts)} parts for {output!r}"
+                raise click.UsageError(f"{found}; expected one, or a .pdf of many pages")
+            scenes = [part_scene(part, unit) for part in parts]
+        drawn = picture(scenes, suffix)
+    except BeamcamError as error:
+        voice.stop((*said, *error.diagnostics))
+    voice.did(f"drew {len(scenes)} picture(s)")
+    write(output, drawn, voice, files_read(config, inputs))
+    voice.say(said)

@@ -1,0 +1,296 @@
+"""The picture of a bar's program: what its cuts and strokes make, as the read-back found it.
+
+o  [ trim |  part 1  (1) (3)   / part 2   (7)    | remnant ]     numbers: order of the work
+v  [      |     (2)            /                 |         ]     dashed: ways between strokes
+     ^ stop positions of the bar: machine x of each stroke and cut
+"""
+
+from collections.abc import Iterator
+from itertools import pairwise
+from typing import Literal
+
+from msgspec import Struct
+
+from beamcam.machine.machine import Machine
+from beamcam.model.part import Profile
+from beamcam.pictures.part import FACE_NAMES
+from beamcam.pictures.scene import Circle, Frame, Polyline, Scene, Shape, Text, Unit, shown
+from beamcam.pictures.styles import TOOL_COLOURS
+from beamcam.pictures.views import (
+    FIGURE_SIZE,
+    SIDE,
+    WIDTH,
+    Paper,
+    View,
+    figures,
+    footing,
+    head_height,
+    heading,
+    laid_out,
+    spread,
+    titles,
+)
+from beamcam.verify.bars.made import Bore, Cut, Made, Trail
+from beamcam.verify.bars.pieces import Plane, planes
+
+OPEN_END = 120.0  #: of bar that is drawn behind the last cut where its length is not known
+NUMBER_SIZE = 9.0
+
+
+class Piece(Struct, frozen=True):
+    """A stretch of the bar between two planes, or an end of it (None)."""
+
+    kind: Literal["trim", "part", "remnant"]
+    start: Plane | None
+    end: Plane | None
+    mark: str = ""
+
+
+class BarMade(Struct, frozen=True):
+    """What a program makes of a bar, and what is known of the bar besides."""
+
+    made: Made
+    profile: Profile
+    machine: Machine
+    name: str  #: of the program
+    sha256: str
+    bar: float | None = None  #: its length
+    marks: tuple[str, ...] = ()  #: of the parts in their order along the bar, where they are known
+
+    @property
+    def saw_planes(self) -> list[Plane]:
+        """The cuts in their order along the bar."""
+        saw = self.machine.saw
+        return planes(self.made.cuts, saw, self.profile) if saw is not None else []
+
+    @property
+    def end(self) -> float:
+        """Where the picture of the bar ends."""
+        if self.bar is not None:
+            return self.bar
+        drill = self.machine.drill
+        places = [p.at_pivot for p in self.saw_planes]
+        places += [b.x - drill.x for b in self.made.bores] if drill else []
+        return max(places, default=0.0) + OPEN_END
+
+    def pieces(self) -> list[Piece]:
+        """Trim, parts and remnant, along the bar; kerfs as thick as wedges count as trim."""
+        cuts = self.saw_planes
+        if not cuts:
+            return [Piece("remnant", None, None)]
+        found = [Piece("trim", None, cuts[0])]
+        number = 0
+        for start, end in pairwise(cuts):
+            if self._is_wedge(start, end):
+                found.append(Piece("trim", start, end))
+                continue
+            known = number < len(self.marks)
+            found.append(
+                Piece("part", start, end, self.marks[number] if known else f"part {number + 1}")
+            )
+            number += 1
+        return [*found, Piece("remnant", cuts[-1], None)]
+
+    def _is_wedge(self, start: Plane, end: Plane) -> bool:
+        """Whether a piece comes to nothing at a corner: the waste beside a mitre."""
+        if not (start.web_deg or start.flange_deg or end.web_deg or end.flange_deg):
+            return False
+        h, w = self.profile.height, self.profile.width
+        ways = [
+            end.along(self._rise(y), z) - start.along(self._rise(y), z)
+            for y in (0.0, h) for z in (0.0, w)
+        ]  # fmt: skip
+        return min(ways) <= start.half_kerf + end.half_kerf + 2 * self.machine.format.resolution
+
+    def _rise(self, y: float) -> float:
+        saw = self.machine.saw
+        return y - self.profile.height if saw is not None and saw.pivot == "o" else y
+
+    def x_on(self, plane: Plane, face: str, y: float) -> float:
+        """Bar x of a cut at a height of a face."""
+        if face in ("v", "h"):
+            return plane.along(self._rise(y), self.profile.width / 2)
+        return plane.along(self._rise(self.profile.height if face == "o" else 0.0), y)
+
+
+def bar_scene(bar: BarMade, unit: Unit = "mm") -> Scene:
+    """The faces of the bar with its pieces, cuts and strokes."""
+    made, machine = bar.made, bar.machine
+    drill_x = machine.drill.x if machine.drill else 0.0
+    faces = _faces(bar)
+    lines = _head(bar, unit)
+    views = tuple(
+        View(
+            face, f"{face}   {FACE_NAMES.get(face, '')}",
+            (0.0, 0.0, bar.end, max(bar.profile.face_width(face), 1.0)),
+            tuple({round(b.x - drill_x, 3) for b in made.bores if b.face == face}
+                  | {round(t.points[0][0] - drill_x, 3) for t in made.trails if t.face == face}),
+            tuple({round(b.y, 3) for b in made.bores if b.face == face}),
+        )
+        for face in faces
+    )  # fmt: skip
+    paper = laid_out(views, head_height(lines))
+    tools = tool_numbers(made)
+    drawn: list[Shape] = [*heading(lines), *titles(views, paper)]
+    for view in views:
+        drawn += _stock(bar, view, paper)
+        drawn += _ways(bar, view, paper, drill_x)
+        drawn += _strokes(bar, view, paper, drill_x, tools)
+        drawn += figures(view, paper, unit)
+    y = paper.bottom
+    drawn += _stops(bar, paper.frames[views[-1].name], y, unit)
+    drawn += _legend(tools, y + 62.0)
+    notes = [f"{bar.name}   sha-256 {bar.sha256}",
+             f"lengths in {unit} from the front end; stop positions in machine x"]  # fmt: skip
+    drawn += footing(notes, y + 76.0)
+    about = (
+        f"program {bar.name} as interpreted: {len(made.cuts)} cuts, {len(made.bores)} holes, "
+        f"{len(made.trails)} paths; sha-256 {bar.sha256}"
+    )
+    return Scene(bar.name, about, WIDTH, y + 122.0, tuple(drawn))
+
+
+def _faces(bar: BarMade) -> tuple[str, ...]:
+    used = {b.face for b in bar.made.bores} | {t.face for t in bar.made.trails} | {"v"}
+    used |= {s.face for s in bar.machine.spindles if bar.profile.face_width(s.face)}
+    return tuple(f for f in ("h", "o", "v", "u") if f in used)
+
+
+def _head(bar: BarMade, unit: Unit) -> list[str]:
+    size = f"{bar.profile.name or bar.profile.code} {bar.profile.height:g} x {bar.profile.width:g}"
+    length = "length not said" if bar.bar is None else f"bar {shown(bar.bar, unit)} {unit}"
+    parts = [p.mark for p in bar.pieces() if p.kind == "part"]
+    return [bar.name, f"{bar.machine.name}, {size}, {length}", "parts: " + ", ".join(parts)]
+
+
+def _edge(
+    bar: BarMade, plane: Plane | None, face: str, end: float, kerf: int
+) -> tuple[float, float]:
+    """Bar x of an end of a piece at y 0 and at the greatest y; `kerf` is the side of the blade."""
+    if plane is None:
+        return end, end
+    width = bar.profile.face_width(face)
+    off = kerf * plane.half_kerf
+    return bar.x_on(plane, face, 0.0) + off, bar.x_on(plane, face, width) + off
+
+
+def _stock(bar: BarMade, view: View, paper: Paper) -> Iterator[Shape]:
+    """The pieces of the bar and its cuts on a face."""
+    face, frame, width = view.name, paper.frames[view.name], view.box[3]
+    on_web = face == "v"
+    for piece in bar.pieces():
+        a, b = _edge(bar, piece.start, face, 0.0, 1)
+        c, d = _edge(bar, piece.end, face, bar.end, -1)
+        points = frame.all(((a, 0.0), (c, 0.0), (d, width), (b, width)))
+        tip = piece.mark or piece.kind
+        yield Polyline(f"{piece.kind} piece", points, True, tip)
+        if on_web and piece.kind == "part":
+            middle = frame.at((b + d) / 2, width)
+            long = (min(c, d) - max(a, b)) * frame.scale
+            if long > 12.0:
+                text = piece.mark[: max(1, int(long / 6.5))]
+                yield Text("label piece-mark", (middle[0], middle[1] - 4), text, 11.0, "middle")
+    for plane in bar.saw_planes:
+        ends = frame.all(((bar.x_on(plane, face, 0.0), 0.0), (bar.x_on(plane, face, width), width)))
+        cut = plane.cut
+        tip = f"cut at machine x {cut.x:g}, {plane.web_deg:g} and {plane.flange_deg:g} degrees"
+        yield Polyline("cut" if on_web else "cut-edge", ends, False, tip, cut.line)
+
+
+def tool_numbers(made: Made) -> dict[tuple[str, float], int]:
+    """The tools of a program, numbered as they are first used."""
+    tools: dict[tuple[str, float], int] = {}
+    for op in made.order:
+        if not isinstance(op, Cut):
+            tools.setdefault((op.kind, op.diameter), len(tools))
+    return tools
+
+
+def order_numbers(made: Made) -> dict[int, int]:
+    """The number of each operation by its line, from 1; a stroke of two spindles is one."""
+    numbers: dict[int, int] = {}
+    for op in made.order:
+        numbers.setdefault(op.line, len(numbers) + 1)
+    return numbers
+
+
+def _strokes(
+    bar: BarMade, view: View, paper: Paper, drill_x: float, tools: dict[tuple[str, float], int]
+) -> Iterator[Shape]:
+    frame = paper.frames[view.name]
+    numbers = order_numbers(bar.made)
+    for op in bar.made.order:
+        if isinstance(op, Bore) and op.face == view.name:
+            at = frame.at(op.x - drill_x, op.y)
+            style = f"tool-{tools[op.kind, op.diameter] % len(TOOL_COLOURS)}"
+            radius = max(op.diameter / 2 * frame.scale, 1.2)
+            tip = (
+                f"{numbers[op.line]}: {op.kind} {op.diameter:g} at x {op.x - drill_x:g}, y {op.y:g}"
+            )
+            yield Circle(f"{style} {_noun(op)}", at, radius, tip, op.line)
+            yield _number(numbers[op.line], at[0] + radius + 1.5, at[1] - radius, op.line)
+        elif isinstance(op, Trail) and op.face == view.name:
+            style = f"path-{tools[op.kind, op.diameter] % len(TOOL_COLOURS)}"
+            points = frame.all([(x - drill_x, y) for x, y in op.points])
+            tip = f"{numbers[op.line]}: {op.kind} {op.diameter:g}"
+            yield Polyline(f"{style} trail", points, False, tip, op.line)
+            yield _number(numbers[op.line], points[0][0] + 2.0, points[0][1] - 3.0, op.line)
+        elif isinstance(op, Cut) and view.name == "v":
+            plane = next(p for p in bar.saw_planes if p.cut is op)
+            x, y = frame.at(bar.x_on(plane, "v", view.box[3]), view.box[3])
+            yield _number(numbers[op.line], x - 3.0, y - 4.0, op.line)
+
+
+def _noun(bore: Bore) -> str:
+    return "hole" if bore.kind == "drill" else bore.kind
+
+
+def _number(number: int, x: float, y: float, line: int) -> Text:
+    return Text("number order", (x, y), str(number), NUMBER_SIZE, line=line)
+
+
+def _ways(bar: BarMade, view: View, paper: Paper, drill_x: float) -> Iterator[Polyline]:
+    """The rapid ways from stroke to stroke of a face, as they lie over the bar."""
+    frame = paper.frames[view.name]
+    here: tuple[float, float] | None = None
+    for op in bar.made.order:
+        if isinstance(op, Cut) or op.face != view.name:
+            continue
+        first, last = ((op.x, op.y),) * 2 if isinstance(op, Bore) else (op.points[0], op.points[-1])
+        if here is not None:
+            yield Polyline("rapid", (here, frame.at(first[0] - drill_x, first[1])), line=op.line)
+        here = frame.at(last[0] - drill_x, last[1])
+
+
+def _stops(bar: BarMade, frame: Frame, y: float, unit: Unit) -> Iterator[Shape]:
+    """Where the bar is stopped: machine x of the strokes and cuts."""
+    drill_x = bar.machine.drill.x if bar.machine.drill else 0.0
+    saw_x = bar.machine.saw.x if bar.machine.saw else 0.0
+    stops: dict[float, float] = {}
+    for op in bar.made.order:
+        x = op.points[0][0] if isinstance(op, Trail) else op.x
+        stops.setdefault(round(x, 3), x - (saw_x if isinstance(op, Cut) else drill_x))
+    yield Text("figure", (SIDE - 38.0, y + 4.0), "stop", 9.0)
+    rows = sorted((place, x) for x, place in stops.items())
+    most = int((WIDTH - 2 * SIDE) / FIGURE_SIZE)
+    if len(rows) > most:
+        rows = [rows[round(k * (len(rows) - 1) / (most - 1))] for k in range(most)]
+    ideal = [frame.at(place, 0.0)[0] for place, _ in rows]
+    labels = spread(ideal, FIGURE_SIZE)
+    for (_, x), at, label in zip(rows, ideal, labels, strict=True):
+        yield Polyline("stop", ((at, y - 2.0), (at, y + 4.0), (label, y + 12.0)), tip=f"x {x:g}")
+        place = (label + 3.5, y + 15.0)
+        yield Text("figure", place, shown(x, unit), FIGURE_SIZE, "end", 90.0, x)
+
+
+def _legend(tools: dict[tuple[str, float], int], y: float) -> Iterator[Shape]:
+    x = SIDE
+    for (kind, diameter), number in tools.items():
+        yield Circle(f"tool-{number % len(TOOL_COLOURS)} legend", (x + 4.0, y), 4.0)
+        text = f"{kind} {diameter:g}"
+        yield Text("label", (x + 12.0, y + 4.0), text)
+        x += 26.0 + 6.2 * len(text)
+    for style, text in (("cut", "saw cut"), ("rapid", "rapid way"), ("stop", "stop position")):
+        yield Polyline(f"{style} legend", ((x, y), (x + 16.0, y)))
+        yield Text("label", (x + 21.0, y + 4.0), text)
+        x += 34.0 + 6.2 * len(text)

@@ -1,0 +1,74 @@
+"""The picture of any program, from what the interpreter of its machine finds in it."""
+
+from hashlib import sha256
+from typing import TYPE_CHECKING
+
+from msgspec import Struct
+
+from beamcam.errors import VerifyError, errors_in
+from beamcam.machine.machine import Machine
+from beamcam.model.part import Part
+from beamcam.pictures.scene import Scene, Unit
+
+if TYPE_CHECKING:
+    from beamcam.pictures.bar import BarMade
+
+
+class ReadProgram(Struct, frozen=True):
+    """A program as bytes, and what is known of the job besides."""
+
+    data: bytes
+    machine: Machine
+    name: str
+    style: str = ""  #: suffix of a step table
+    parts: tuple[Part, ...] = ()  #: in their order along the bar, as far as they are known
+    bar: float | None = None  #: its length
+
+    @property
+    def text(self) -> str:
+        """The program; bytes that are no text become U+FFFD."""
+        return self.data.decode("utf-8", "replace")
+
+    @property
+    def sha256(self) -> str:
+        """Of the bytes, in hexadecimal digits."""
+        return sha256(self.data).hexdigest()
+
+    @property
+    def marks(self) -> tuple[str, ...]:
+        """What the parts are called."""
+        return tuple(part.mark or f"part {k}" for k, part in enumerate(self.parts, 1))
+
+
+def program_scene(program: ReadProgram, unit: Unit = "mm") -> Scene:
+    """What a program makes. Raises VerifyError for one that cannot be understood."""
+    if program.machine.stock == "beam":
+        from beamcam.pictures.bar import bar_scene
+
+        return bar_scene(bar_made(program), unit)
+    from beamcam.pictures.table import TableMade, table_scene
+    from beamcam.simulate.program import simulate_program
+
+    done = simulate_program(
+        program.data, program.machine, program.name, program.style, program.parts
+    )
+    made = TableMade(done.trace, program.machine, program.name, program.sha256)
+    return table_scene(made, unit)
+
+
+def bar_made(program: ReadProgram) -> "BarMade":
+    """What a program for bars makes. Raises VerifyError for one that cannot be understood."""
+    from beamcam.controllers import rules
+    from beamcam.pictures.bar import BarMade
+    from beamcam.verify.bars import run, section_said
+
+    machine = program.machine
+    profile = program.parts[0].profile if program.parts else None
+    done = run(program.text, machine, profile, program.name)
+    not_understood = {r.code for r in (rules.SYNTAX, rules.WORD, rules.ARC)}
+    if any(d.code in not_understood for d in errors_in(done.diagnostics)):
+        raise VerifyError(done.diagnostics)
+    return BarMade(
+        done.made, profile or section_said(done.events, done.dialect, machine), machine,
+        program.name, program.sha256, program.bar, program.marks,
+    )  # fmt: skip

@@ -1,0 +1,12 @@
+"""What can go wrong while a picture is drawn."""
+
+from beamcam.errors import Rule, Severity
+
+NEEDS = Rule(
+    "picture-needs",
+    Severity.ERROR,
+    "found {found}; expected it for {what}: pip install beamcam[pictures]",
+    "The library that writes the format is not installed; SVG and HTML need none.",
+)
+
+RULES = (NEEDS,)

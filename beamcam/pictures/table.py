@@ -1,0 +1,220 @@
+"""The picture of a table's program: the way of the head, coloured by its speed.
+
+Drawn from the trace that the simulator makes of what was read back: where a tool is switched on
+stands a numbered circle, leads lie on a broad band, ways with no tool on are dashed.
+"""
+
+from collections.abc import Iterator, Sequence
+from itertools import pairwise
+
+import numpy as np
+from msgspec import Struct
+
+from beamcam.geometry.array_types import Counts, Floats
+from beamcam.geometry.curves import Line
+from beamcam.machine.machine import Machine
+from beamcam.pictures.scene import Circle, Frame, Polyline, Scene, Shape, Text, Unit, shown
+from beamcam.pictures.styles import SPEED_COLOURS
+from beamcam.pictures.views import SIDE, WIDTH, View, footing, head_height, heading, laid_out
+from beamcam.recovery.rings import ring_of
+from beamcam.simulate.trace import Trace
+
+SECONDS_PER_MINUTE = 60.0
+MIN_MOVE = 1e-6
+MAX_RINGS = 4000  #: moves of a stroke in which leads are looked for
+MAX_NUMBERS = 400  #: strokes that are numbered
+
+
+class TableMade(Struct, frozen=True):
+    """What a table's program does."""
+
+    trace: Trace
+    machine: Machine
+    name: str
+    sha256: str
+
+    @property
+    def strokes(self) -> list[tuple[int, int, str]]:
+        """First interval, the one behind the last, and process of each start of a tool."""
+        process = [state.process for state in self.trace.states]
+        state = self.trace.state
+        cuts = np.flatnonzero(np.diff(state)) + 1
+        edges = [0, *cuts.tolist(), len(state)]
+        return [
+            (a, b, process[int(state[a])])
+            for a, b in pairwise(edges)
+            if b > a and process[int(state[a])]
+        ]
+
+    @property
+    def speeds_mm_s(self) -> Floats:
+        """Mean speed of each interval; 0 where nothing moves."""
+        ways = np.hypot(*np.diff(self.trace.positions[:, :2], axis=0).T)
+        lasts = np.diff(self.trace.time_s)
+        found: Floats = np.divide(ways, lasts, out=np.zeros_like(ways), where=lasts > 0.0)
+        return found
+
+
+def table_scene(table: TableMade, unit: Unit = "mm") -> Scene:
+    """The way of the head over the table."""
+    trace, strokes = table.trace, table.strokes
+    places = trace.positions[:, :2]
+    low, high = places.min(axis=0), places.max(axis=0)
+    box = (float(low[0]), float(low[1]), max(float(high[0]), float(low[0]) + 1.0),
+           max(float(high[1]), float(low[1]) + 1.0))  # fmt: skip
+    lines = _head(table, len(strokes))
+    view = View("table", "", box)
+    paper = laid_out((view,), head_height(lines) - 8.0)
+    frame = paper.frames["table"]
+    speeds = table.speeds_mm_s
+    on = np.zeros(len(trace.line), dtype=bool)
+    for a, b, _ in strokes:
+        on[a:b] = True
+    fastest = float(speeds[on].max(initial=0.0)) or 1.0
+    drawn: list[Shape] = [*heading(lines)]
+    drawn.append(Polyline("face table", frame.all(_corners(box)), True))
+    drawn += _rapids(trace, on, frame)
+    drawn += _leads(trace, strokes, frame)
+    drawn += _paths(trace, strokes, speed_classes(speeds, fastest), frame)
+    drawn += _pierces(trace, strokes, frame)
+    y = paper.bottom
+    drawn += _size(box, frame, unit)
+    drawn += _legend(fastest, y + 24.0)
+    notes = [f"{table.name}   sha-256 {table.sha256}", f"lengths in {unit}"]
+    drawn += footing(notes, y + 38.0)
+    about = (
+        f"program {table.name} as interpreted: {len(strokes)} paths, "
+        f"{trace.duration_s:.1f} s; sha-256 {table.sha256}"
+    )
+    return Scene(table.name, about, WIDTH, y + 84.0, tuple(drawn))
+
+
+def _head(table: TableMade, strokes: int) -> list[str]:
+    trace = table.trace
+    seconds = round(trace.duration_s)
+    return [
+        table.name,
+        f"{table.machine.name}, {strokes} paths, {seconds // 60} min {seconds % 60:02d} s",
+    ]
+
+
+def _corners(box: tuple[float, float, float, float]) -> tuple[tuple[float, float], ...]:
+    return (box[0], box[1]), (box[2], box[1]), (box[2], box[3]), (box[0], box[3])
+
+
+def speed_classes(speeds: Floats, fastest: float) -> Counts:
+    """The colour of each speed, 0 to 7 in equal steps up to the fastest with a tool on."""
+    count = len(SPEED_COLOURS)
+    found: Counts = np.clip(np.ceil(speeds / fastest * count - 1e-6) - 1, 0, count - 1).astype(
+        np.int64
+    )
+    return found
+
+
+def _runs(values: Sequence[int]) -> Iterator[tuple[int, int]]:
+    """First and behind the last of each run of equal values."""
+    begin = 0
+    for k in range(1, len(values) + 1):
+        if k == len(values) or values[k] != values[begin]:
+            yield begin, k
+            begin = k
+
+
+def _drawn(trace: Trace, first: int, last: int, frame: Frame) -> tuple[tuple[float, float], ...]:
+    """The corners of some intervals; those that do not turn the way are left out."""
+    points = trace.positions[first : last + 1, :2]
+    step = np.diff(points, axis=0)
+    moves = np.hypot(step[:, 0], step[:, 1]) > MIN_MOVE
+    points = np.concatenate((points[:1], points[1:][moves]))
+    step = np.diff(points, axis=0)
+    if len(step) > 1:
+        length = np.hypot(step[:, 0], step[:, 1])
+        turn = step[:-1, 0] * step[1:, 1] - step[:-1, 1] * step[1:, 0]
+        same = np.sum(step[:-1] * step[1:], axis=1) > 0.0
+        straight = same & (np.abs(turn) <= 1e-6 * length[:-1] * length[1:])
+        points = points[np.concatenate(([True], ~straight, [True]))]
+    return frame.all(points.tolist())
+
+
+def _rapids(trace: Trace, on: Floats, frame: Frame) -> Iterator[Polyline]:
+    for a, b in _runs(on.astype(int).tolist()):
+        if not on[a]:
+            points = _drawn(trace, a, b, frame)
+            if len(points) > 1:
+                yield Polyline("rapid", points, line=int(trace.line[a]))
+
+
+def _paths(
+    trace: Trace, strokes: Sequence[tuple[int, int, str]], colours: Counts, frame: Frame
+) -> Iterator[Polyline]:
+    """The strokes, each in pieces of one colour."""
+    ways = np.hypot(*np.diff(trace.positions[:, :2], axis=0).T)
+    for first, last, process in strokes:
+        moving = [k for k in range(first, last) if ways[k] > MIN_MOVE]
+        for a, b in _runs([int(colours[k]) for k in moving]):
+            line = int(trace.line[moving[a]])
+            points = _drawn(trace, moving[a], moving[b - 1] + 1, frame)
+            yield Polyline(f"speed-{colours[moving[a]]} by-{process}", points, line=line)
+
+
+def lead_moves(
+    trace: Trace, first: int, last: int, near: float
+) -> tuple[tuple[int, int], tuple[int, int]] | None:
+    """The intervals before and behind the closed contour of a stroke; None where none closes."""
+    points = trace.positions[first : last + 1, :2].tolist()
+    moves = [k for k in range(last - first) if points[k] != points[k + 1]]
+    if not moves or len(moves) > MAX_RINGS:
+        return None
+    ring = ring_of([Line(tuple(points[k]), tuple(points[k + 1])) for k in moves], near)
+    if ring is None:
+        return None
+    begin, end = first + moves[ring[0]], first + moves[ring[1] - 1] + 1
+    return (first, begin), (end, last)
+
+
+def _leads(
+    trace: Trace, strokes: Sequence[tuple[int, int, str]], frame: Frame
+) -> Iterator[Polyline]:
+    for first, last, _ in strokes:
+        for a, b in lead_moves(trace, first, last, 0.02) or ():
+            points = _drawn(trace, a, b, frame) if b > a else ()
+            if len(points) > 1:
+                yield Polyline("lead", points, line=int(trace.line[a]))
+
+
+def _pierces(
+    trace: Trace, strokes: Sequence[tuple[int, int, str]], frame: Frame
+) -> Iterator[Shape]:
+    for number, (first, _, process) in enumerate(strokes, 1):
+        at = frame.at(*trace.positions[first, :2].tolist())
+        line = int(trace.line[first])
+        yield Circle(f"pierce by-{process}", at, 2.2, f"{number}: {process}", line)
+        if len(strokes) <= MAX_NUMBERS:
+            yield Text("number order", (at[0] + 4.0, at[1] - 3.0), str(number), 9.0, line=line)
+
+
+def _size(box: tuple[float, float, float, float], frame: Frame, unit: Unit) -> Iterator[Text]:
+    """Where the corners of the way lie on the table."""
+    for k in (0, 2):
+        x, y = frame.at(box[k], box[k + 1])
+        text = f"X {shown(box[k], unit)}  Y {shown(box[k + 1], unit)}"
+        anchor, off = ("start", 12.0) if k == 0 else ("end", -4.0)
+        yield Text("figure", (x, y + off), text, 9.0, anchor)  # type: ignore[arg-type]
+
+
+def _legend(fastest: float, y: float) -> Iterator[Shape]:
+    x = SIDE
+    yield Text("label", (x, y + 4.0), "mm/min up to")
+    x += 80.0
+    count = len(SPEED_COLOURS)
+    for k in range(count):
+        yield Polyline(f"speed-{k} legend", ((x, y), (x + 16.0, y)))
+        value = fastest * SECONDS_PER_MINUTE * (k + 1) / count
+        yield Text("figure", (x + 19.0, y + 4.0), f"{value:.0f}")
+        x += 58.0
+    for style, text in (("rapid", "no tool on"), ("lead", "lead")):
+        yield Polyline(f"{style} legend", ((x, y), (x + 16.0, y)))
+        yield Text("label", (x + 20.0, y + 4.0), text)
+        x += 90.0
+    yield Circle("pierce legend", (x + 3.0, y), 2.2)
+    yield Text("label", (x + 10.0, y + 4.0), "start of a tool")

@@ -1,0 +1,154 @@
+"""Pictures of programs: drawn from what was read back, whatever the plan was."""
+
+from hashlib import sha256
+from itertools import pairwise
+from pathlib import Path
+
+import pytest
+
+from beamcam.errors import VerifyError
+from beamcam.machine import Machine, load
+from beamcam.model.part import Part
+from beamcam.pictures.program import ReadProgram, bar_made, program_scene
+from beamcam.pictures.svg import to_svg
+from beamcam.pipeline import post, read_file
+from beamcam.simulate.program import simulate_program
+from beamcam.verify.bars import interpret
+from tests.unit.pictures.drawings import Drawing, corners
+
+SAMPLES = Path(__file__).resolve().parents[3] / "samples"
+ANNEX = [SAMPLES / "dstv" / f"{name}.nc1" for name in ("channel", "tie", "channel")]
+
+
+def parts_of(paths: list[Path]) -> tuple[Part, ...]:
+    return tuple(part for path in paths for part in read_file(str(path)).parts)
+
+
+def program_of(
+    paths: list[Path], machine: Machine, style: str | None = None, known: bool = True
+) -> ReadProgram:
+    parts = parts_of(paths)
+    data = b"".join(post(parts, machine, style=style).pieces())
+    return ReadProgram(data, machine, "job" + machine.suffix, style or "", parts if known else ())
+
+
+def drawn(program: ReadProgram) -> Drawing:
+    return Drawing(to_svg(program_scene(program)))
+
+
+@pytest.mark.parametrize("known", [True, False])
+@pytest.mark.parametrize("name", ["beamline", "beamline-annex", "beamline-pusher"])
+def test_a_bar_has_its_cuts_holes_and_parts(name: str, known: bool) -> None:
+    machine = load(name)
+    program = program_of(ANNEX, machine, known=known)
+    made = interpret(program.text, machine)
+    found = drawn(program)
+    assert found.count("cut") == len(made.cuts)
+    assert found.count("hole") == len(made.bores)
+    numbers = {int("".join(e.itertext())) for e in found.all("order")}
+    assert numbers == set(range(1, len({op.line for op in made.order}) + 1))
+    pieces = bar_made(program).pieces()
+    assert [p.mark for p in pieces if p.kind == "part"] == (
+        ["C1", "T1", "C1"] if known else ["part 1", "part 2", "part 3"]
+    )
+    faces = 3
+    assert found.count("part", "piece") == 3 * faces
+    assert found.count("trim", "piece") == faces * sum(p.kind == "trim" for p in pieces)
+    assert program.sha256 == sha256(program.data).hexdigest()
+    assert program.sha256 in " ".join(found.texts)
+    lines = {int(e.get("data-line", "0")) for e in found.all("hole")}
+    assert lines == {bore.line for bore in made.bores}
+
+
+def test_tools_have_colours_of_their_own() -> None:
+    machine = load("beamline-annex")
+    program = program_of(ANNEX, machine)
+    made = interpret(program.text, machine)
+    by_style: dict[str, set[float]] = {}
+    circles = {int(e.get("data-line", "0")): e for e in drawn(program).all("hole")}
+    for bore in made.bores:
+        style = circles[bore.line].get("class", "").split()[0]
+        by_style.setdefault(style, set()).add(bore.diameter)
+    assert len(by_style) == len({b.diameter for b in made.bores}) > 1
+    assert all(len(found) == 1 for found in by_style.values())
+
+
+def test_a_picture_shows_the_program_and_not_its_part() -> None:
+    """A hole moved in the text is moved in the picture, whatever the part says."""
+    machine = load("beamline")
+    program = program_of(ANNEX[:1], machine)
+    before = [float(e.get("cx", 0)) for e in drawn(program).all("hole")]
+    text = program.text.replace("X3698.56", "X3598.56")
+    assert text != program.text
+    moved = ReadProgram(text.encode(), machine, program.name, "", program.parts)
+    after = [float(e.get("cx", 0)) for e in drawn(moved).all("hole")]
+    assert sorted(before) != sorted(after)
+    assert moved.sha256 in to_svg(program_scene(moved))
+    assert program.sha256 not in to_svg(program_scene(moved))
+
+
+@pytest.mark.parametrize(
+    ("sample", "name", "style"),
+    [
+        ("dstv/gusset.nc1", "plate-codesys", None),
+        ("dstv/gusset.nc1", "plate-linuxcnc", None),
+        ("json/curves.json", "laser-grbl", None),
+        ("json/shield.json", "table-simotion", None),
+        ("json/shield-small.json", "laser-stepper", ".steps"),
+        ("json/shield-small.json", "laser-stepper", ".csv"),
+    ],
+)
+def test_a_table_s_way_is_drawn_by_speed(sample: str, name: str, style: str | None) -> None:
+    machine = load(name)
+    program = program_of([SAMPLES / sample], machine, style)
+    trace = simulate_program(program.data, machine, style=style or "", parts=program.parts).trace
+    found = drawn(program)
+    starts = sum(
+        1
+        for a, b in zip([-1, *trace.state[:-1].tolist()], trace.state.tolist(), strict=True)
+        if a != b and trace.states[b].process
+    )
+    assert found.count("pierce") == starts > 0
+    assert found.count("rapid") >= 1
+    coloured = [e for k in range(8) for e in found.all(f"speed-{k}")]
+    assert coloured
+    assert {w for e in coloured for w in e.get("class", "").split() if w.startswith("by-")} <= {
+        "by-cut", "by-mark", "by-engrave",
+    }  # fmt: skip
+    assert program.sha256 in " ".join(found.texts)
+    # All that is coloured is as long as the way with a tool on, at the picture's scale.
+    table = corners(found.all("face", "table")[0])
+    scale = (table[1][0] - table[0][0]) / (
+        trace.positions[:, 0].max() - trace.positions[:, 0].min()
+    )
+    length = sum(_length(corners(e)) for e in coloured) / scale
+    on = [bool(trace.states[s].process) for s in trace.state.tolist()]
+    ways = [
+        ((b[0] - a[0]) ** 2 + (b[1] - a[1]) ** 2) ** 0.5
+        for a, b in zip(trace.positions[:-1].tolist(), trace.positions[1:].tolist(), strict=True)
+    ]
+    wanted = sum(way for way, is_on in zip(ways, on, strict=True) if is_on)
+    assert length == pytest.approx(wanted, rel=0.02)
+
+
+def _length(points: list[tuple[float, float]]) -> float:
+    return sum(((b[0] - a[0]) ** 2 + (b[1] - a[1]) ** 2) ** 0.5 for a, b in pairwise(points))
+
+
+def test_leads_are_told_from_the_contour() -> None:
+    found = drawn(program_of([SAMPLES / "dstv" / "gusset.nc1"], load("plate-codesys")))
+    assert found.count("lead") >= 4
+    square = drawn(program_of([SAMPLES / "json" / "shield.json"], load("table-simotion")))
+    assert square.count("lead") <= 2
+
+
+@pytest.mark.parametrize("name", ["beamline", "plate-linuxcnc", "table-simotion"])
+def test_what_is_no_program_is_not_drawn(name: str) -> None:
+    with pytest.raises(VerifyError):
+        program_scene(ReadProgram(b"G01 X! garbage", load(name), "x"))
+
+
+def test_the_same_program_gives_the_same_bytes() -> None:
+    machine = load("plate-linuxcnc")
+    program = program_of([SAMPLES / "dstv" / "gusset.nc1"], machine)
+    assert to_svg(program_scene(program)) == to_svg(program_scene(program))
