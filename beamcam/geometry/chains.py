@@ -22,6 +22,7 @@ from beamcam.geometry.array_types import Floats
 from beamcam.geometry.arrays import ends_of
 from beamcam.geometry.curves import Curve, join_boxes
 from beamcam.geometry.joints import SAME_POINT, joined
+from beamcam.geometry.junctions import resolve
 from beamcam.geometry.near import near_pairs
 from beamcam.geometry.plane import Point, distance
 
@@ -145,68 +146,23 @@ def _joined_within(
     points = np.column_stack((ends[0::2, :2], ends[1::2, 2:])).reshape(-1, 2)
     near = _meetings(points, tolerance * SLACK)
     partner = near.partner
-    rings, crowds, ringed = _resolved(near.crowds, links, partner, tolerance)
-    for crowd in crowds:
-        if len(crowd) == 2:
-            a, b = crowd
-            partner[a], partner[b] = b, a
-    apart = near.apart | {end for crowd in crowds if len(crowd) == 2 for end in crowd}
-    for k in rings:
-        partner[2 * k], partner[2 * k + 1] = 2 * k + 1, 2 * k
-        apart |= {2 * k, 2 * k + 1}
-    found = _linked(links, _Meetings(partner, frozenset(apart), []))
+
+    def is_small(end: int) -> bool:
+        walked = (curve for e in _follow(end, partner) for curve in links[e // 2].curves)
+        return _size(walked) <= tolerance
+
+    found = resolve(near.crowds, partner, is_small)
+    apart = near.apart.union(end for pair in found.joins for end in pair)
+    chains = _linked(links, _Meetings(partner, apart, []))
     junctions = tuple(
         Junction(
             _end_point(links, crowd[0]),
             tuple(sorted({_end_member(links, e) for e in crowd})),
             in_ring,
         )
-        for crowd, in_ring in zip(crowds, ringed, strict=True)
-        if len(crowd) > 2
+        for crowd, in_ring in found.left
     )
-    return found, junctions
-
-
-def _resolved(
-    crowds: Sequence[list[int]], links: Sequence[Chain], partner: list[int], tolerance: float
-) -> tuple[list[int], list[list[int]], list[bool]]:
-    """Links that close upon a crowd of ends, what is left of each crowd, and whether it has rings.
-
-    A link that closes leaves it, and one whose other end meets nothing: it is a branch. The last
-    value is False for a crowd of which all links lead to nowhere.
-    """
-    if not crowds:
-        return [], [], []
-    place = {end: n for n, crowd in enumerate(crowds) for end in crowd}
-    left = [list(crowd) for crowd in crowds]
-    rings = []
-    for end, n in place.items():
-        if end % 2 == 0 and place.get(end ^ 1) == n:
-            left[n] = [e for e in left[n] if e // 2 != end // 2]
-            if _size(links[end // 2].curves) > tolerance:
-                rings.append(end // 2)
-    free = {e for e in place if partner[e ^ 1] < 0 and (e ^ 1) not in place}
-    ringed = [not free.issuperset(crowd) for crowd in left]
-    return rings, _pruned(left, place, free), ringed
-
-
-def _pruned(left: list[list[int]], place: dict[int, int], free: set[int]) -> list[list[int]]:
-    """The crowds without the ends of links that lead to nowhere, until nothing changes.
-
-    Where all that meet lead to nowhere, none of them is the branch.
-    """
-    while free:
-        asked = {place[e] for e in free}
-        following: set[int] = set()
-        for n in asked:
-            rest = [e for e in left[n] if e not in free]
-            if len(left[n]) < 3 or not rest:
-                continue
-            left[n] = rest
-            if len(rest) == 1 and rest[0] ^ 1 in place:
-                following.add(rest[0] ^ 1)
-        free = following
-    return left
+    return chains, junctions
 
 
 def _end_point(links: Sequence[Chain], end: int) -> Point:

@@ -60,7 +60,7 @@ def plan_sheet(parts: Sequence[Part], machine: Machine, skips: Collection[str] =
     shift = shift_of(curves, torch)
     kerf = material.kerf("cut")
     joined = join(gathered.wanted, curves, torch, kerf, gathered.rings)
-    shapes, said = nest(joined.shapes, gathered.wanted, torch.tolerance, kerf)
+    shapes, said = nest(joined.shapes, gathered.wanted, torch.tolerance, torch.gap, kerf)
     if errors := errors_in([*joined.refusals, *said]):
         raise PlanError(errors)
     remarks += [*joined.remarks, *said]

@@ -41,6 +41,44 @@ def ways(chains: Sequence[Sequence[Curve]], tolerance: float) -> "NDArray[Any]":
     return found
 
 
+def signed_areas(rings: "NDArray[Any]") -> "Floats":
+    """The areas of polygons, above 0 for those that run counter-clockwise.
+
+    By the corners about the first one of each: asked which way a ring runs, GEOS looks at its
+    highest corner only, and is wrong where that is double but for the last digit.
+    """
+    import numpy as np
+    import shapely
+
+    points, owner = shapely.get_coordinates(rings, return_index=True)
+    counts = np.bincount(owner, minlength=len(rings))
+    points -= points[np.repeat(np.cumsum(counts) - counts, counts)]
+    (x0, y0), (x1, y1) = points[:-1].T, points[1:].T
+    # From the last corner of a ring to the first of the next one, which is its own 0, 0.
+    swept = (x0 * y1 - x1 * y0) / 2
+    return np.bincount(owner[:-1], swept, len(rings)).astype(np.float64)
+
+
+def invalid(rings: "NDArray[Any]") -> list[int]:
+    """The numbers of the rings that meet themselves, ascending."""
+    import numpy as np
+    import shapely
+
+    found: list[int] = np.flatnonzero(~shapely.is_valid(rings)).tolist()
+    return found
+
+
+def valid(rings: "NDArray[Any]", bad: Sequence[int]) -> "NDArray[Any]":
+    """The rings, those that are `bad` taken apart."""
+    import shapely
+
+    if not bad:
+        return rings
+    found = rings.copy()
+    found[bad] = shapely.make_valid(rings[bad])
+    return found
+
+
 def _points(
     chains: Sequence[Sequence[Curve]], tolerance: float
 ) -> "tuple[Floats, NDArray[np.int64]]":

@@ -32,17 +32,27 @@ def in_corners(work: Work, traced: Sequence[Traced], missing: Counts, samples: S
         return found
     which = np.flatnonzero(work.beside[owner[missing]])
     which = which[_no_room(work, element[missing[which]], share[missing[which]])]
+    beam = _Beam(work, traced)
     left = np.zeros(len(owner), dtype=bool)
     left[missing[which]] = True
     is_missing = np.zeros(len(owner), dtype=bool)
     is_missing[missing] = True
     good = np.zeros(len(owner), dtype=bool)
-    stretches = [s for s in _stretches(work, owner, is_missing) if left[s[1:-1]].all()]
-    for stretch in _Beam(work, traced).corners(stretches, samples):
-        good[stretch[1:-1]] = True
+    rows, samples, is_missing = beam.with_ends(samples, is_missing)
+    stretches = [
+        s for s in _stretches(work, samples[2], is_missing) if left[_own(rows, s[1:-1])].all()
+    ]
+    for stretch in beam.corners(stretches, samples):
+        good[_own(rows, stretch[1:-1])] = True
     # A curve that lies on another is where that one is.
     found[:] = good[missing] | (left[missing] & work.region.twins[owner[missing]])
     return found
+
+
+def _own(rows: Counts, some: Counts) -> Counts:
+    """Some samples by the numbers that they had before ends were put between them."""
+    found: Counts = rows[some]
+    return found[found >= 0]
 
 
 def _no_room(work: Work, element: Counts, share: Floats) -> Flags:
@@ -91,6 +101,25 @@ class _Beam:
     def __init__(self, work: Work, traced: Sequence[Traced]) -> None:
         self._work = work
         self._keeps_off = np.array([t.half_kerf > 0.0 for t in traced])
+
+    def with_ends(self, samples: Samples, missing: Flags) -> tuple[Counts, Samples, Flags]:
+        """The samples, with both ends of each way that lacks a path somewhere.
+
+        Also which of those given each is, -1 for an end; and which of all are missing. The tip of a
+        needle may be all of it that the beam touches, and parts the corners at both of its sides.
+        """
+        element, share, owner = samples
+        work = self._work
+        lost = np.unique(owner[missing])
+        ways = np.concatenate((lost, lost))
+        at = np.concatenate((np.searchsorted(owner, lost), np.searchsorted(owner, lost, "right")))
+        ends = np.repeat([0.0, 1.0], len(lost))
+        first = np.concatenate((work.need.first(lost), work.need.last(lost)))
+        reach = work.half_kerf + work.slack[ways]
+        gone = self._nearest(work.need.elements.places(first, ends))[0] > reach
+        rows = np.insert(np.arange(len(owner)), at, -1)
+        full = np.insert(element, at, first), np.insert(share, at, ends), np.insert(owner, at, ways)
+        return rows, full, np.insert(missing, at, gone)
 
     def corners(self, stretches: Sequence[Counts], samples: Samples) -> Iterator[Counts]:
         """Those of some stretches, each with the samples that have a path before and behind it."""

@@ -5,9 +5,10 @@ from collections.abc import Sequence
 import numpy as np
 import shapely
 from msgspec import Struct
+from shapely import STRtree
 from shapely.ops import substring
 
-from beamcam.geometry.array_types import Counts, Floats
+from beamcam.geometry.array_types import Counts, Flags, Floats
 from beamcam.verify.sheets.ways import Ways
 
 
@@ -33,9 +34,8 @@ def whole(ways: Ways, fine: float) -> Stretches:
 def trim(found: Stretches, ways: Ways, loose: Sequence[int], rank: Counts, same: float) -> None:
     """Cuts what lies on a way of lower rank off the ends of loose lines and arcs.
 
-    A line only lies on a line and an arc on an arc: where one runs into the other on a tangent,
-    they are near each other and no two of the same. W overlaps V where an end of W lies on V, an
-    end of V on W, and the middle between both on V.
+    W overlaps V where both are of one line or circle, an end of W lies on V and an end of V on W.
+    Neither is cut where a third loose way ends at one of these two: there it may go on along W.
     """
     if not loose:
         return
@@ -48,14 +48,22 @@ def trim(found: Stretches, ways: Ways, loose: Sequence[int], rank: Counts, same:
         np.hypot(*(ways.starts[other] - places[pairs.point]).T),
         np.hypot(*(ways.ends[other] - places[pairs.point]).T),
     )
-    kind = ways.kinds
-    alike = (kind[own] == kind[other]) & (kind[own] < 2)
-    asked = np.flatnonzero(alike & (rank[other] < rank[own]) & (at_end > same))
+    asked = np.flatnonzero((rank[other] < rank[own]) & (at_end > same))
+    if not len(asked):
+        return
+    asked = asked[_of_one_course(ways, own[asked], other[asked], same)]
+    ends = STRtree(shapely.points(places))
+
+    def is_lost(place: Floats, w: int, v: int) -> bool:
+        """Whether a third way, of another line or circle, ends at a place."""
+        near = numbers[ends.query(shapely.Point(place), "dwithin", distance=same) % len(numbers)]
+        third = near[(near != w) & (near != v)]
+        return not _of_one_course(ways, third, np.full(len(third), w), same).all()
+
     spans: dict[int, list[float]] = {}
     for k in asked.tolist():
         w, v = int(own[k]), int(other[k])
         line = _line(found, w)
-        span = spans.setdefault(w, [0.0, line.length])
         at_start = pairs.point[k] < len(numbers)
         for end in (ways.starts[v], ways.ends[v]):
             point = shapely.Point(end)
@@ -63,11 +71,29 @@ def trim(found: Stretches, ways: Ways, loose: Sequence[int], rank: Counts, same:
             if line.distance(point) > same or not same < at < line.length - same:
                 continue
             middle = line.interpolate(at / 2 if at_start else (at + line.length) / 2)
-            if _line(found, v).distance(middle) <= same:
-                span[0 if at_start else 1] = at
+            if _line(found, v).distance(middle) > same:
+                continue
+            if not is_lost(end, w, v) and not is_lost(places[pairs.point[k]], w, v):
+                spans.setdefault(w, [0.0, line.length])[0 if at_start else 1] = at
     for w, (low, high) in spans.items():
         if low < high:
             _replace(found, w, np.array(substring(_line(found, w), low, high).coords))
+
+
+def _of_one_course(ways: Ways, some: Counts, others: Counts, same: float) -> Flags:
+    """Which of some ways lie on the line or the circle of another one each, but for `same`."""
+    kinds, elements = ways.kinds, ways.elements
+    alike = (kinds[some] == kinds[others]) & (kinds[some] < 2)
+    first, second = ways.first(some), ways.first(others)
+    arcs, on = elements.arcs[first], elements.arcs[second]
+    off = np.hypot(*(arcs[:, :2] - on[:, :2]).T) + np.abs(arcs[:, 2] - on[:, 2])
+    along = np.column_stack([column[second] for column in elements.along])
+    for ends in (ways.starts, ways.ends):
+        away = ends[some] - ways.starts[others]
+        aside = np.abs(along[:, 0] * away[:, 1] - along[:, 1] * away[:, 0])
+        off = np.where(kinds[some] == 0, np.maximum(off, aside), off)
+    found: Flags = alike & (off <= same)
+    return found
 
 
 def _line(found: Stretches, way: int) -> shapely.LineString:

@@ -4,14 +4,10 @@ The part is the set of points that an odd number of closed cut contours enclose,
 drawn twice counted once. A contour that an even number of others enclose is an outline, its waste
 outside; one that an odd number enclose is a hole, its waste inside.
 
-A contour is closed if the curves of one feature meet end to end, two at each place; or if curves
-of several do, within the machine's gap. Of these, curves that lead to nowhere count for nothing
-first; then a contour stops where an odd number still meets. Rings may touch in a corner. All other
-curves are open and have no inside: no side and no order is asked of them, they bound no part, and
-the beam stays centred on them.
+Which contours are closed says `joining`. All other curves are open and have no inside: no side and
+no order is asked of them, they bound no part, and the beam stays centred on them.
 """
 
-from collections import defaultdict
 from collections.abc import Sequence
 
 import numpy as np
@@ -20,15 +16,21 @@ from msgspec import Struct
 from numpy.typing import NDArray
 
 from beamcam.geometry.array_types import Counts, Flags, Floats
+from beamcam.verify.sheets.joining import (
+    SLACK,
+    WRITTEN_SAME,
+    Chain,
+    closed_features,
+    closed_rings,
+    rings_of,
+)
 from beamcam.verify.sheets.overlaps import Stretches, trim, whole
 from beamcam.verify.sheets.ways import Ways
 
 SAME_PLACE = 5e-3  #: curves as near as this are drawn twice
-SAME_POINT = 1e-6  #: ends of the curves of one feature that meet
+SAME_POINT = 1e-6  #: of a gap, what its last digits may be
 #: Of a curve, where it is asked whether it lies on another; most are out after the first.
 SHARES = (0.5, 0.29, 0.71, 0.13, 0.87, 0.0, 1.0)
-
-Chain = list[tuple[int, bool]]  #: ways one behind the other, and whether each is turned round
 
 
 class Region(Struct, frozen=True):
@@ -60,15 +62,15 @@ def region_of(ways: Ways, features: Counts, gap: float, fine: float) -> Region:
     chords at most `fine` off.
     """
     real = np.flatnonzero(ways.lengths > 0.0)
-    own = _closed_features(ways, features, real)
+    own = closed_features(ways, features, real)
     rank = _ranks(ways, own)
     twins = _lie_on(ways, np.arange(ways.count), rank, SAME_PLACE)
     drawn = whole(ways, fine)
-    rings = _rings(drawn, [k for k in real.tolist() if own[k]], features, 0.0)
+    rings = closed_rings(drawn, [k for k in real.tolist() if own[k]], features)
     loose = [k for k in real.tolist() if not own[k] and not twins[k]]
     once = [ring for ring in rings if not all(twins[k] for k, _ in ring)]
-    trim(drawn, ways, loose, np.where(twins, ways.count, rank), SAME_PLACE)
-    once += _rings(drawn, loose, np.zeros_like(features), gap)
+    trim(drawn, ways, loose, np.where(twins, ways.count, rank), WRITTEN_SAME)
+    once += rings_of(drawn, loose, gap)
     sizes = np.diff(drawn.begins)
     once = [ring for ring in once if sizes[[k for k, _ in ring]].sum() > 3]
     polygons = _polygons(drawn, once)
@@ -116,48 +118,6 @@ def small_ways(ways: Ways, gap: float) -> Flags:
     return small
 
 
-def _closed_features(ways: Ways, features: Counts, real: Counts) -> Flags:
-    """The ways of features whose curves meet two by two."""
-    places = _places(ways, real, features[real], 0.0)
-    odd = np.unique(features[real][~(np.bincount(places.ravel())[places] == 2).all(axis=1)])
-    found = np.zeros(ways.count, dtype=bool)
-    found[real] = ~np.isin(features[real], odd)
-    return found
-
-
-def _places(ways: Ways | Stretches, which: Counts, group: Counts, gap: float) -> Counts:
-    """A number for the place of both ends of some ways, (n, 2).
-
-    Ends of one group that are the same point are at one place. Where not just two are, places as
-    near as `SAME_POINT`, then such as near as `gap`, and then those with any other, are one.
-    """
-    ends = np.concatenate((ways.starts[which], ways.ends[which]))
-    keys = np.column_stack((np.tile(group, 2), ends))
-    order = np.lexsort(keys.T[::-1])
-    new = np.any(keys[order][1:] != keys[order][:-1], axis=1)
-    label = np.zeros(len(ends), dtype=np.int64)
-    label[order[1:]] = np.cumsum(new)
-    first = np.zeros(int(label.max(initial=-1)) + 1, dtype=np.int64)
-    first[label] = np.arange(len(ends))
-    root = np.arange(len(first))
-    for apart, alone in ((SAME_POINT, True), (gap + SAME_POINT, True), (gap + SAME_POINT, False)):
-        count = np.bincount(root[label], minlength=len(root))
-        own = np.flatnonzero(root == np.arange(len(root)))
-        odd = own[count[own] != 2]
-        others = odd if alone else own
-        places = shapely.points(ends[first[others]])
-        a, b = shapely.STRtree(places).query(
-            shapely.points(ends[first[odd]]), "dwithin", distance=apart
-        )
-        a, b = odd[a], others[b]
-        alike = (a != b) & (keys[first[a], 0] == keys[first[b], 0])
-        for x, y in zip(a[alike].tolist(), b[alike].tolist(), strict=True):
-            low, high = sorted((root[x], root[y]))
-            root[root == high] = low
-    found: Counts = root[label].reshape(2, -1).T
-    return found
-
-
 def _ranks(ways: Ways, own: Flags) -> Counts:
     """Which ways count where they lie on one another: of closed features first, then the longer."""
     rank = np.empty(ways.count, dtype=np.int64)
@@ -201,90 +161,23 @@ def _same_rings(polygons: NDArray[np.object_], gap: float) -> tuple[set[int], se
 
 
 def _lie_on(ways: Ways, asked: Counts, rank: Counts, same: float) -> Flags:
-    """Ways of which each place lies no farther than `same` from a way of lower rank."""
+    """Ways of which each place lies no farther than `same` from a way of lower rank.
+
+    Lines and arcs are known exactly, and have to lie on one another as `WRITTEN_SAME` says.
+    """
     on = np.ones(len(asked), dtype=bool)
+    exact = ways.kinds < 2
     left = asked
     for share in SHARES:
         points = ways.point(left, share * ways.lengths[left])
         pairs = ways.near(points, same)
-        lower = rank[ways.owner[pairs.element]] < rank[left][pairs.point]
+        own, other = left[pairs.point], ways.owner[pairs.element]
+        near = np.where(exact[own] & exact[other], min(same, WRITTEN_SAME * SLACK), same)
         hit = np.zeros(len(left), dtype=bool)
-        hit[pairs.point[lower]] = True
+        hit[pairs.point[(rank[other] < rank[own]) & (pairs.away <= near)]] = True
         on[left[~hit]] = False
         left = left[hit]
     return on
-
-
-def _rings(ways: Stretches, which: Sequence[int], group: Counts, gap: float) -> list[Chain]:
-    """The rings among some ways that meet at their ends.
-
-    What leads to nowhere is taken away first, then what ends where three or another odd number
-    meet. Of the rest an even number meets everywhere, so that it is made of rings.
-    """
-    if not which:
-        return []
-    numbers = np.array(which, dtype=np.int64)
-    ends = _places(ways, numbers, group[numbers], gap).tolist()
-    meeting: dict[int, list[int]] = defaultdict(list)
-    for k, (a, b) in enumerate(ends):
-        meeting[a].append(k)
-        meeting[b].append(k)
-    kept = [True] * len(which)
-    _take_away(ends, meeting, kept, only_free=True)
-    _take_away(ends, meeting, kept, only_free=False)
-    return [[(which[k], turned) for k, turned in ring] for ring in _loops(ends, meeting, kept)]
-
-
-def _take_away(
-    ends: Sequence[Sequence[int]],
-    meeting: dict[int, list[int]],
-    kept: list[bool],
-    only_free: bool,
-) -> None:
-    """Takes away ways with a free end, or with an end where an odd number meets, all of them."""
-    left = {place: sum(kept[k] for k in ways) for place, ways in meeting.items()}
-    odd = [place for place, count in left.items() if count == 1 or (count % 2 and not only_free)]
-    while odd:
-        for k in meeting[odd.pop()]:
-            if not kept[k]:
-                continue
-            kept[k] = False
-            for place in ends[k]:
-                left[place] -= 1
-                if left[place] == 1 or (left[place] % 2 and not only_free):
-                    odd.append(place)
-
-
-def _loops(
-    ends: Sequence[Sequence[int]], meeting: dict[int, list[int]], kept: Sequence[bool]
-) -> list[Chain]:
-    """The rings that ways make where an even number meets at each place; none passes one twice."""
-    done = [not is_kept for is_kept in kept]
-    waiting = {place: iter(ways) for place, ways in meeting.items()}
-    found: list[Chain] = []
-    for first in range(len(ends)):
-        if done[first]:
-            continue
-        here = ends[first][0]
-        chain: Chain = []
-        passed = {here: 0}
-        k: int | None = first
-        while k is not None:
-            done[k] = True
-            a, b = ends[k]
-            turned = a != here
-            chain.append((k, turned))
-            here = a if turned else b
-            if here in passed:
-                begin = passed[here]
-                found.append(chain[begin:])
-                gone = {ends[j][1 - back] for j, back in chain[begin:]} - {here}
-                passed = {place: at for place, at in passed.items() if place not in gone}
-                del chain[begin:]
-            else:
-                passed[here] = len(chain)
-            k = next((j for j in waiting[here] if not done[j]), None)
-    return found
 
 
 def _joined(ways: Stretches, rings: Sequence[Chain]) -> Floats:

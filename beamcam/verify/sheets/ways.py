@@ -124,6 +124,16 @@ class Ways:
         found[self.rest] = 2
         return found
 
+    def first(self, ways: Counts) -> Counts:
+        """The first element of each of some ways."""
+        found: Counts = self._first[ways]
+        return found
+
+    def last(self, ways: Counts) -> Counts:
+        """The last element of each of some ways."""
+        found: Counts = self._behind[ways] - 1
+        return found
+
     def near(self, points: Floats, reach: float) -> Pairs:
         """All pairs of a point (n, 2) and an element no farther than `reach` from it."""
         for grid in self._grids:

@@ -1,9 +1,10 @@
-"""Contours that cross one another, and those that double back, followed without a kerf."""
+"""Contours that cross one another or themselves, that double back, and needles."""
 
 import re
 
 import pytest
 
+from beamcam.errors import PlanError
 from beamcam.geometry.curves import Bezier, Line
 from beamcam.pipeline import post
 from beamcam.verify.sheets import verify_sheet
@@ -59,3 +60,31 @@ def test_what_lies_in_two_contours_that_cross_is_cut_before_both() -> None:
     assert cuts[0] == round_cut
     late = text.replace(round_cut, "").replace(cuts[2], cuts[2] + round_cut)
     assert "verify-sheet-order" in {said.code for said in verify_sheet(late, (CROSSED,), MACHINE)}
+
+
+PLASMA = table(thickness=3.0)
+LOOP = lines((25, 5), (35, 15), (35, 35), (15, 37), (16, 37), (14, 35), (14, 15))
+
+
+def test_a_small_loop_of_a_large_contour_crosses_it() -> None:
+    """The loop is measured by its own length, not by that of the contour that it is part of."""
+    with pytest.raises(PlanError, match=r"crosses itself near x 15\.909, y 36\.909") as caught:
+        post((drawing(contour(LOOP), thickness=3.0),), PLASMA)
+    assert [said.code for said in caught.value.diagnostics] == ["plan-crossing"]
+
+
+def test_a_loop_that_joining_leaves_does_not_cross() -> None:
+    """Two lines that pass one another by less than the gap meet at their corner."""
+    sides = lines((0, 0), (40, 0), (40, 30), (0, 30))
+    passing = (Line((0, 0), (40.03, 0)), Line((40, -0.03), (40, 30)), *sides[2:])
+    loose = [contour((side,), line=k) for k, side in enumerate(passing)]
+    assert post((drawing(*loose, thickness=3.0),), PLASMA).text
+
+
+@pytest.mark.parametrize("height", [0.07, 0.3, 1.0, 5.0])
+@pytest.mark.parametrize("width", [0.002, 0.05, 0.2])
+def test_both_sides_of_a_needle_are_corners(width: float, height: float) -> None:
+    """The tip is all of a low needle that the beam touches."""
+    feet = (20 + width / 2, 30), (20 - width / 2, 30)
+    outline = lines((0, 0), (40, 0), (40, 30), feet[0], (20, 30 + height), feet[1], (0, 30))
+    assert post((drawing(contour(outline), thickness=3.0),), PLASMA).text

@@ -1,0 +1,199 @@
+"""Which curves of a sheet make closed contours together.
+
+Said once for planner and checker in docs/drawings.md, "What is joined", and written here apart from
+the planner:
+
+1. A feature whose curves follow one another and end where they begin is a contour as it is drawn.
+2. Of all other curves, two ends that lie within `WRITTEN_SAME` of one another and of no third one
+   meet. All ends that are left meet if they are within the gap, also by way of others.
+3. Where two ends meet, one curve goes on into the other. Where more meet, what leads back to that
+   place is a contour of its own, and what leads to nowhere is a branch. Without these, two that are
+   left go on into one another; and so on, until nothing changes. What is left is open.
+"""
+
+from collections.abc import Sequence
+
+import numpy as np
+import shapely
+
+from beamcam.geometry.array_types import Counts, Flags, Floats
+from beamcam.verify.sheets.overlaps import Stretches
+from beamcam.verify.sheets.ways import Ways
+
+Chain = list[tuple[int, bool]]  #: ways one behind the other, and whether each is turned round
+
+SAME_POINT = 1e-9  #: ends of the curves of one feature that follow one another
+WRITTEN_SAME = 1e-3  #: ends that are written as one point: coordinates of three decimals
+PASSED_AGAIN = 1e-6  #: a place of a contour, to its last digits
+SLACK = 1 + 1e-6  #: of the gap, for the last digits of ends that are as far apart
+
+
+def closed_features(ways: Ways, features: Counts, real: Counts) -> Flags:
+    """The ways of features whose curves follow one another and end where they begin."""
+    found = np.zeros(ways.count, dtype=bool)
+    if not len(real):
+        return found
+    own = features[real]
+    begins = np.flatnonzero(np.append(True, own[1:] != own[:-1]))
+    after = np.arange(1, len(real) + 1)
+    after[np.append(begins[1:], len(real)) - 1] = begins
+    apart = np.abs(ways.ends[real] - ways.starts[real[after]]).max(axis=1)
+    closed = np.logical_and.reduceat(apart <= SAME_POINT, begins)
+    found[real] = np.repeat(closed, np.diff(begins, append=len(real)))
+    return found
+
+
+def closed_rings(ways: Stretches, which: Sequence[int], features: Counts) -> list[Chain]:
+    """The contours of closed features, taken apart where one passes a place again."""
+    if not which:
+        return []
+    numbers = np.array(which, dtype=np.int64)
+    own = features[numbers]
+    begins = np.flatnonzero(np.append(True, own[1:] != own[:-1]))
+    keys = np.column_stack((own, np.rint(ways.starts[numbers] / PASSED_AGAIN)))
+    _, place = np.unique(keys, axis=0, return_inverse=True)
+    again = np.bincount(place.ravel())[place.ravel()] > 1
+    twice = np.logical_or.reduceat(again, begins).tolist()
+    found: list[Chain] = []
+    for k, end in enumerate(np.append(begins[1:], len(which)).tolist()):
+        rows = range(int(begins[k]), end)
+        ring = [(which[row], False) for row in rows]
+        found += _apart(ring, place.ravel()[rows.start : end].tolist()) if twice[k] else [ring]
+    return found
+
+
+def _apart(ring: Chain, places: Sequence[int]) -> list[Chain]:
+    """The rings that one is made of which passes some of its places again."""
+    found: list[Chain] = []
+    chain: Chain = []
+    passed: list[int] = []
+    for way, place in zip(ring, places, strict=True):
+        if place in passed:
+            at = passed.index(place)
+            found.append(chain[at:])
+            del chain[at:], passed[at:]
+        passed.append(place)
+        chain.append(way)
+    return [*found, chain]
+
+
+def rings_of(ways: Stretches, which: Sequence[int], gap: float) -> list[Chain]:
+    """The closed contours that some loose ways make together."""
+    numbers = np.array(which, dtype=np.int64)
+    if len(numbers):
+        low, high = (f.reduceat(ways.points, ways.begins[:-1]) for f in (np.minimum, np.maximum))
+        numbers = numbers[np.hypot(*(high - low)[numbers].T) > min(gap, WRITTEN_SAME)]
+    if not len(numbers):
+        return []
+    places = _places(np.concatenate((ways.starts[numbers], ways.ends[numbers])), gap)
+    net = _Net(places.reshape(2, -1).T.tolist())
+    return [[(int(numbers[k]), turned) for k, turned in ring] for ring in net.rings()]
+
+
+def _places(ends: Floats, gap: float) -> Counts:
+    """A number for the place of each end (n, 2)."""
+    written = _hanging(ends, min(gap, WRITTEN_SAME))
+    left = np.flatnonzero(np.bincount(written)[written] != 2)
+    found = written + len(ends)
+    found[left] = left[_hanging(ends[left], gap * SLACK)]
+    return found
+
+
+def _hanging(points: Floats, reach: float) -> Counts:
+    """For each point the number of the first that it hangs together with.
+
+    Those are no farther apart than `reach`, or have others between them that are not.
+    """
+    same = np.ascontiguousarray(points + 0.0).view(np.complex128).ravel()
+    _, first, which = np.unique(same, return_index=True, return_inverse=True)
+    places = shapely.points(points[first])
+    a, b = shapely.STRtree(places).query(places, "dwithin", distance=reach)
+    near = a < b
+    root = list(range(len(first)))
+
+    def find(k: int) -> int:
+        while root[k] != k:
+            root[k] = root[root[k]]
+            k = root[k]
+        return k
+
+    for x, y in zip(a[near].tolist(), b[near].tolist(), strict=True):
+        root[find(x)] = find(y)
+    whole = np.array([find(k) for k in range(len(root))], dtype=np.int64)
+    lowest = np.full(len(root), len(points), dtype=np.int64)
+    np.minimum.at(lowest, whole, first)
+    found: Counts = lowest[whole][which.ravel()]
+    return found
+
+
+#: A run of ways: one of them, or two runs and whether each is turned round.
+_Run = int | tuple["_Run", bool, "_Run", bool]
+
+
+class _Net:
+    """Runs of ways between places, drawn together until only places where many meet are left."""
+
+    def __init__(self, ends: Sequence[Sequence[int]]) -> None:
+        self._ends = [tuple(pair) for pair in ends]
+        self._runs: list[_Run] = list(range(len(ends)))
+        self._at: dict[int, set[int]] = {}
+        for k, pair in enumerate(ends):
+            for place in pair:
+                self._at.setdefault(place, set()).add(k)
+
+    def rings(self) -> list[Chain]:
+        """What leads back to where it began, each as its ways one behind the other."""
+        found: list[Chain] = []
+        asked = list(self._at)
+        while asked:
+            place = asked.pop()
+            own = self._at[place]
+            for k in sorted(own):
+                if self._ends[k] == (place, place):
+                    own.discard(k)
+                    found.append(_ways_of(self._runs[k]))
+            if len(own) == 1:
+                asked.append(self._take(own.pop(), place))
+            elif len(own) == 2:
+                asked += self._draw_together(place, *sorted(own))
+        return found
+
+    def _other(self, k: int, place: int) -> int:
+        a, b = self._ends[k]
+        return b if a == place else a
+
+    def _take(self, k: int, place: int) -> int:
+        """Takes away a run with a free end; the place of its other end."""
+        other = self._other(k, place)
+        self._at[other].discard(k)
+        return other
+
+    def _draw_together(self, place: int, a: int, b: int) -> tuple[int, ...]:
+        """One run for the two that meet at a place; the places of its ends."""
+        before, after = self._other(a, place), self._other(b, place)
+        k = len(self._runs)
+        self._runs.append(
+            (self._runs[a], self._ends[a][1] != place, self._runs[b], self._ends[b][0] != place)
+        )
+        self._ends.append((before, after))
+        self._at[place].clear()
+        self._at[before].discard(a)
+        self._at[after].discard(b)
+        self._at[before].add(k)
+        self._at[after].add(k)
+        return before, after
+
+
+def _ways_of(run: _Run) -> Chain:
+    """The ways of a run, one behind the other."""
+    found: Chain = []
+    waiting: list[tuple[_Run, bool]] = [(run, False)]
+    while waiting:
+        part, turned = waiting.pop()
+        if isinstance(part, int):
+            found.append((part, turned))
+            continue
+        first, first_turned, second, second_turned = part
+        two = [(first, first_turned != turned), (second, second_turned != turned)]
+        waiting += two if turned else two[::-1]
+    return found
