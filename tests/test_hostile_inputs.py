@@ -173,6 +173,35 @@ def test_styles_take_no_quadratic_time(style: str, tmp_path: Path) -> None:
     call("inspect", path)
 
 
+@pytest.mark.parametrize(
+    "length",
+    ["0" * 50_000 + "!", "1" + " " * 50_000 + "!", "1" + "a" * 50_000 + "!", "1" * 50_000 + "e"],
+    ids=["digits", "blanks", "letters", "exponent"],
+)
+def test_lengths_take_no_quadratic_time(length: str, tmp_path: Path) -> None:
+    path = tmp_path / "a.svg"
+    path.write_text(
+        f'<svg xmlns="http://www.w3.org/2000/svg" width="{length}" height="9mm" '
+        f'viewBox="0 0 9 9"><rect x="{length}" width="5" height="5" stroke="red" '
+        f'stroke-width="{length}" stroke-opacity="{length}"/></svg>'
+    )
+    call("inspect", path)
+
+
+@pytest.mark.parametrize(
+    "head",
+    [b"999\n\n\n" * 30, b"999\n" + b"\n" * 4000, b"999 \n\r\n" * 30, b"\t\n" * 2000, b"\r" * 4000],
+    ids=["empty comments", "line ends", "mixed line ends", "blanks", "carriage returns"],
+)
+def test_line_ends_are_parted_in_one_way(head: bytes, tmp_path: Path) -> None:
+    """Which format a file has is asked of every file; the head of a DXF has comments in it."""
+    path = tmp_path / "a.dat"
+    path.write_bytes(head + b"x")
+    assert " error " in call("inspect", path)
+    path.write_bytes(b"999\n\n" + b"999\r\na comment\r\n  0\r\nSECTION\r\n")
+    assert "dxf-" in call("inspect", path)
+
+
 @pytest.mark.parametrize("digits", [1, 400, 5000])
 def test_numbers_of_any_length(digits: int, tmp_path: Path) -> None:
     """Python itself refuses to read more than 4,300 digits."""

@@ -49,7 +49,9 @@ ONE_POINT = 1e-9
 #: A sheet larger than this leaves every machine: a sign that the unit is not what it says.
 LARGEST_SIZE = 50_000.0
 
-_LENGTH = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*([a-zA-Z%]*\d*)\s*\Z")
+_LENGTH = re.compile(
+    r"\s*+([+-]?(?:\d++\.?\d*+|\.\d++)(?:[eE][+-]?\d++)?)\s*+([a-zA-Z%]*+\d*+)\s*+\Z"
+)
 
 
 def split_length(text: str) -> tuple[float, str]:

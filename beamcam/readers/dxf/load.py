@@ -16,7 +16,13 @@ _SILENT = logging.NullHandler()
 
 BINARY_MARK = b"AutoCAD Binary DXF\r\n\x1a\x00"
 _DWG = re.compile(rb"AC1\.\d|AC10\d\d")
-_START = re.compile(rb"(?:\s*999[^\r\n]*[\r\n]+[^\r\n]*[\r\n]+)*\s*0\s*[\r\n]+\s*SECTION\b")
+# Comments (group 999) and the first group. Nothing here gives back what it took: a file of line
+# ends would otherwise be tried in each way in which they can be parted.
+_LINE_END = rb"(?:\r*+\n|\r)"
+_START = re.compile(
+    rb"(?:\s*+999[^\r\n]*+" + _LINE_END + rb"[^\r\n]*+" + _LINE_END + rb")*+"
+    rb"\s*+0[ \t]*+[\r\n]\s*+SECTION\b"
+)
 # Group 5 holds the handle of an entity, a hexadecimal number; R12 may go without.
 _HANDLE = re.compile(rb"[\r\n][ \t]*5[ \t]*(?:\r\n|\r|\n)[ \t]*[0-9A-Fa-f]+[ \t]*[\r\n]")
 
