@@ -243,6 +243,23 @@ def test_curves_on_each_other_take_no_quadratic_time(tmp_path: Path) -> None:
     assert (tmp_path / "a.steps").exists(), said
 
 
+@pytest.mark.parametrize("apart", [0.0, 1e-7])
+def test_free_curves_on_each_other_take_no_quadratic_time(apart: float, tmp_path: Path) -> None:
+    """Equal contours are known by their numbers, nearly equal ones by where they lie."""
+    contours = [
+        {"kind": "inner", "curves": [
+            {"bezier": [[20 + k * apart, 50], [20, 80], [60, 80], [60, 50]]},
+            {"line": [[60, 50], [20 + k * apart, 50]]},
+        ]}
+        for k in range(200)
+    ]  # fmt: skip
+    path = tmp_path / "a.json"
+    path.write_text(json.dumps(PART | {"length": 100, "contours": contours}))
+    said = call("post", path, "--machine", "plate-codesys", "-o", tmp_path / "a.gcode")
+    assert (tmp_path / "a.gcode").exists(), said
+    assert "plan-overlap" in said
+
+
 def test_slots_on_each_other_are_told_apart_by_their_numbers(tmp_path: Path) -> None:
     slot = {"face": "v", "x": 100, "y": 50, "diameter": 20, "length": 30, "height": 0, "angle": 0}
     path = tmp_path / "a.json"

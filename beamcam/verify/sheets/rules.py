@@ -112,8 +112,15 @@ NOT_MADE = Rule(
     "--allow-skips, or its colour by --map",
     "Nothing is left out in silence.",
 )
+CROWDED = Rule(
+    "verify-sheet-crowded",
+    _E,
+    "found {found} places of the path beside a contour, about X {x}, Y {y}; expected fewer curves "
+    "on one place",
+    "To compare each of hundreds of curves on one place with all the others would take minutes.",
+)
 
 RULES = (
     *CONTROLLER_RULES, FEED, RAMP, TOOL, RAPID, IDLE, AREA, MISSING, EXTRA, TWICE,
-    SIDE, BAND, COMPENSATION, OPEN, TABS, LEAD, ORDER, NOT_MADE,
+    SIDE, BAND, COMPENSATION, OPEN, TABS, LEAD, ORDER, NOT_MADE, CROWDED,
 )  # fmt: skip

@@ -1,6 +1,6 @@
 """Many curves as elements, and questions about many points at once."""
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from functools import cached_property
 from itertools import chain
 from typing import TypeGuard, cast
@@ -8,7 +8,7 @@ from typing import TypeGuard, cast
 import numpy as np
 
 from beamcam.controllers.gcode.moves import Moves
-from beamcam.geometry.array_types import Counts, Floats
+from beamcam.geometry.array_types import Counts, Flags, Floats
 from beamcam.geometry.curves import Arc, Bezier, BSpline, Curve, Line
 from beamcam.geometry.polylines import polylines
 from beamcam.verify.sheets.elements import Elements, Pieces, straight_pieces
@@ -136,11 +136,42 @@ class Ways:
 
     def near(self, points: Floats, reach: float) -> Pairs:
         """All pairs of a point (n, 2) and an element no farther than `reach` from it."""
+        return self._grid(reach).near(points, reach)
+
+    def batches(self, points: Floats, reach: float) -> Iterator[Pairs]:
+        """The same pairs, point by point in batches that fit into the memory."""
+        return self._grid(reach).batches(points, reach)
+
+    def _grid(self, reach: float) -> Grid:
         for grid in self._grids:
             if reach <= grid.reach <= WIDER * reach:
-                return grid.near(points, reach)
+                return grid
         self._grids.append(Grid(self.elements, reach))
-        return self._grids[-1].near(points, reach)
+        return self._grids[-1]
+
+    def nearest_within(
+        self, points: Floats, reaches: Sequence[float], which: Flags | None = None
+    ) -> tuple[Floats, Counts, Floats]:
+        """Of each point the nearest way, of some of them: how far it is, which, how far along it.
+
+        Infinitely far where there is none within the greatest of the `reaches`, which ascend: what
+        is nearer is not looked for farther out, where curves may lie close together.
+        """
+        away, who = np.full(len(points), np.inf), np.zeros(len(points), dtype=np.int64)
+        along = np.zeros(len(points))
+        left = np.arange(len(points) if which is None or which.any() else 0)
+        for reach in reaches:
+            if not len(left):
+                break
+            asked = points[left]
+            for pairs in self._grid(reach).batches(asked, reach):
+                best = pairs if which is None else pairs.kept(which[self.owner[pairs.element]])
+                best = _nearest(best, best.point)
+                at, owner = left[best.point], self.owner[best.element]
+                away[at], who[at] = best.away, owner
+                along[at] = self.at(best.element, best.along) - self.begins[owner]
+            left = left[np.isinf(away[left])]
+        return away, who, along
 
     def by_way(self, pairs: Pairs) -> Pairs:
         """Of the elements of one way near one point, the nearest; the first of several."""

@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from msgspec.structs import replace
 
 from beamcam.errors import PlanError
-from beamcam.geometry.curves import Line, signed_area
+from beamcam.geometry.curves import BSpline, Line, signed_area
 from beamcam.machine import load
 from beamcam.model.part import Bend, Bevel, Contour, Feature, Hole, Part, Profile, Slot, TextMark
 from beamcam.model.plan import SheetPlan
@@ -163,6 +163,12 @@ CHAMFERED = contour(
 )
 OPEN = contour(lines((0, 0), (50, 0), (50, 50), closed=False))
 #: A line that goes out from a corner and back.
+#: A spline that runs to and fro over one place, a hundred times each way.
+TO_AND_FRO = BSpline(
+    2,
+    tuple((10.0 + 30.0 * (k % 2), 10.0) for k in range(200)),
+    (0.0, 0.0, *map(float, range(199)), 198.0, 198.0),
+)
 SPIKED = contour(lines((0, 0), (40, 0), (40, 50), (40, 40), (0, 40)))
 NOTCHED = contour(lines((0, 0), (40, 0), (40, 40), (23, 40), (20, 31), (17, 40), (0, 40)))
 CENTRE = Hole("v", 50, 40, 0.0, S, kind="mark")
@@ -193,6 +199,8 @@ OTHERS: list[tuple[tuple[Part, ...], dict[str, object], str, str]] = [
      "plan-crossing", "crosses line 1 near x 9.000, y 10.000"),
     ((drawing(*(contour(box(9.0 * k, 9.0 * k, 10, 10), line=k) for k in range(23))),), {},
      "plan-crossings", "2 more places"),
+    ((drawing(contour((TO_AND_FRO,), line=9)),), {}, "plan-crowded",
+     "found curves that pass the 0.02 mm around"),
     ((drawing(SQUARE, contour(box(50, 10, 20, 20), line=2)),), {},
      "plan-shared-edge", "lies on line 1 for 20.000 mm near x 50.000, y 20.000"),
     ((drawing(replace(OPEN, closed=True)),), {},

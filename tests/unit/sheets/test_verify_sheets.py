@@ -5,11 +5,12 @@ from collections.abc import Callable
 
 import pytest
 
+from beamcam.errors import VerifyError
 from beamcam.geometry.curves import Bezier, BSpline, EllipseArc, Line, NewtonCurve
 from beamcam.machine import Machine
 from beamcam.model.part import Bend, Hole, Part
 from beamcam.pipeline import post
-from beamcam.verify.sheets import rules, verify_sheet
+from beamcam.verify.sheets import grid, rules, verify_sheet
 from tests.unit.sheets.parts import NESTED, S, box, circle, contour, drawing, lines, plate, table
 
 KAPPA = 0.5522847498307936
@@ -301,9 +302,20 @@ def test_a_feature_that_nothing_makes() -> None:
     assert (left.code, left.source) == ("verify-left-out", S)
 
 
+@pytest.mark.parametrize("bound", ["MOST_NEAR", "MOST_MEASURED"])
+def test_what_is_compared_is_bounded(bound: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    machine = table()
+    text = post((NESTED,), machine).text
+    monkeypatch.setattr(grid, bound, 10)
+    monkeypatch.setattr(grid, "MOST_AT_A_POINT", 1)
+    with pytest.raises(VerifyError, match="beside a contour, about X"):
+        verify_sheet(text, (NESTED,), machine)
+
+
 def test_every_rule_has_a_case() -> None:
     shown = {code for _, _, _, code in MUTANTS} | {
         "verify-sheet-arc", "verify-sheet-side", "verify-sheet-lead", "verify-sheet-not-made",
+        "verify-sheet-crowded",
     }  # fmt: skip
     assert {rule.code for rule in rules.RULES} == shown
 
