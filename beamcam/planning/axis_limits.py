@@ -210,11 +210,14 @@ def refuse_strokes(
     part: Part, machine: Machine, drill: Drill, jobs: Sequence[Job]
 ) -> Iterator[tuple[int, Diagnostic]]:
     """The features of jobs that a fixed stroke does not make, and why."""
+    faces = fixed_faces(machine)
+    if not faces:
+        return
     strokes = Strokes(part.profile, machine)
     resolution = machine.format.resolution
     for job in jobs:
         how = job.tooling
-        for face in fixed_faces(machine).intersection(how.faces):
+        for face in faces.intersection(how.faces):
             op = DrillOp(job.x, 0, how.tools[0], (face,), job.y, how.depth, (), (), part.source)
             reach = _deepest(op, part, strokes)
             least, greatest = _wanted(op, part, drill)

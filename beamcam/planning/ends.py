@@ -166,17 +166,15 @@ def leaves_stock(contour: Contour, part: Part, ends: Ends) -> Point | None:
     Each vertex has to lie on a long edge or on an end, and each corner has to be a vertex.
     """
     width = part.profile.face_width(contour.face)
+    first, last = (wall_end(end, contour.face, part.profile) for end in ends)
     vertices = list(_vertices(contour))
     for x, y in vertices:
-        first, last = (_reach(end, contour.face, part, y) for end in ends)
-        along = first[0] <= x <= last[1]
+        (start, inside), (outside, end) = first.reach(y), last.reach(y)
         on_edge = min(abs(y), abs(y - width)) <= CONTOUR_TOLERANCE
-        on_end = x <= first[1] or x >= last[0]
-        if not along or not (on_edge or on_end):
+        if not start <= x <= end or not (on_edge or x <= inside or x >= outside):
             return x, y
     for y in (0.0, width):
-        for end in ends:
-            least, greatest = _reach(end, contour.face, part, y)
+        for least, greatest in (first.reach(y), last.reach(y)):
             if not any(
                 abs(vy - y) <= CONTOUR_TOLERANCE and least <= vx <= greatest for vx, vy in vertices
             ):
@@ -184,20 +182,31 @@ def leaves_stock(contour: Contour, part: Part, ends: Ends) -> Point | None:
     return None
 
 
-def _reach(end: End, face: str, part: Part, q: float) -> tuple[float, float]:
-    """Least and greatest x that a contour may have at an end, the tolerance included.
+class WallEnd(Struct, frozen=True):
+    """Where the wall behind a face ends: x at q 0 on either of its surfaces, and its slope.
 
-    `q` is the contour's second coordinate: z on the flanges, y on the web. A plate ends skew
+    `q` is the second coordinate of the face: z on the flanges, y on the web. A wall ends skew
     through its thickness, and is drawn as long as either of its surfaces.
     """
-    profile = part.profile
-    if face in ("o", "u"):
-        inner = profile.flange_thickness
-        borders = (profile.height - inner, profile.height) if face == "o" else (0.0, inner)
-        xs = [end.x(y, q) for y in borders]
-    else:
-        xs = [end.x(q, z) for z in (web_borders(profile, face) if end.flange_deg else (0.0,))]
-    return min(xs) - CONTOUR_TOLERANCE, max(xs) + CONTOUR_TOLERANCE
+
+    least: float
+    greatest: float
+    slope: float  #: x falls by it with q
+
+    def reach(self, q: float) -> tuple[float, float]:
+        """Least and greatest x that a contour may have there, the tolerance included."""
+        lean = q * self.slope
+        return self.least - lean - CONTOUR_TOLERANCE, self.greatest - lean + CONTOUR_TOLERANCE
+
+
+def wall_end(end: End, face: str, profile: Profile) -> WallEnd:
+    """The end of the wall behind a face."""
+    web, tilt = tan(radians(end.web_deg)), tan(radians(end.flange_deg))
+    inner = profile.flange_thickness
+    flange = {"o": (profile.height - inner, profile.height), "u": (0.0, inner)}.get(face)
+    lean, borders = (web, flange) if flange else (tilt, web_borders(profile, face))
+    a, b = (end.x0 - border * lean for border in borders)
+    return WallEnd(min(a, b), max(a, b), tilt if flange else web)
 
 
 def web_borders(profile: Profile, face: str) -> tuple[float, float]:

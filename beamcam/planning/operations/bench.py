@@ -51,7 +51,7 @@ class Bench:
 
     def on_reached_face(self, f: int, feature: Feature) -> Feature:
         """A feature, or for a through hole that no spindle reaches the same on the other side."""
-        if not isinstance(feature, Hole | Slot) or feature.face in self.reached:
+        if not isinstance(feature, (Hole, Slot)) or feature.face in self.reached:
             return feature
         face = OTHER_SIDE.get(self.part.profile.code, {}).get(feature.face, feature.face)
         if feature.depth is not None or feature.kind != "through" or face not in self.reached:

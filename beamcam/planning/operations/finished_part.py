@@ -15,7 +15,7 @@ Most holes are far from all of that, so `is_plain` answers for them, and `judge`
 """
 
 from collections.abc import Iterator
-from math import hypot, inf, radians, tan
+from math import hypot, inf
 
 from msgspec import Struct
 
@@ -25,7 +25,7 @@ from beamcam.machine.machine import Drill, Machine
 from beamcam.model.part import Face, Hole, Part, Profile, Slot
 from beamcam.model.section import Wall, free_edges, walls_beside
 from beamcam.planning.axis_limits import fixed_faces
-from beamcam.planning.ends import End, Ends, web_borders
+from beamcam.planning.ends import Ends, wall_end
 
 _E, _W = Severity.ERROR, Severity.WARNING
 
@@ -236,15 +236,8 @@ def _across(profile: Profile, face: Face, drill: Drill) -> Across:
 
 def _along(ends: Ends, face: Face, profile: Profile) -> Along:
     """The ends of the wall behind a face, each by the surface on which it takes most."""
-    flange = profile.flange_thickness
-    borders = {"o": (profile.height - flange, profile.height), "u": (0.0, flange)}.get(face)
-
-    def line(end: End) -> tuple[float, float]:
-        web, tilt = tan(radians(end.web_deg)), tan(radians(end.flange_deg))
-        pick = max if end.at == "start" else min
-        if borders is None:
-            return pick(end.x0 - z * tilt for z in web_borders(profile, face)), web
-        return pick(end.x0 - y * web for y in borders), tilt
-
-    (start, start_slope), (end, end_slope) = map(line, ends)
-    return Along(start, start_slope, end, end_slope, hypot(1.0, start_slope), hypot(1.0, end_slope))
+    start, end = (wall_end(each, face, profile) for each in ends)
+    return Along(
+        start.greatest, start.slope, end.least, end.slope,
+        hypot(1.0, start.slope), hypot(1.0, end.slope),
+    )  # fmt: skip

@@ -60,6 +60,7 @@ REASONS = {
     "from-behind": "through the one plate that the face behind shares",
 }
 DRILL_REASONS = ("drill-exact", "drill-nearest", "drill-twin")
+_NO_REASONS: tuple[str, ...] = ()
 SUNK = ("through", "blind", "thread", "left-thread")  #: kinds of holes that a sink stands on
 
 
@@ -69,6 +70,8 @@ def _is_hole(feature: object) -> bool:
 
 def _needs(hole: Hole, bench: Bench) -> Diagnostic | None:
     """A spindle on its face; which tools it takes follows with its partner on the other flange."""
+    if hole.face in bench.reached:
+        return None
     return refuse_face(hole, f"{hole.kind} hole", bench.reached)
 
 
@@ -127,13 +130,16 @@ def _make(
     `pilot` is the diameter of the hole that a countersink sinks, and `place` where that stands.
     """
     x, f, hole = group[0]
-    y, features = hole.y, tuple(f for _, f, _ in group)
-    faces = tuple(one.face for _, _, one in group)
-    diameters = tuple(dict.fromkeys(one.diameter for _, _, one in group))
-    why: tuple[str, ...] = ()
+    y, why = hole.y, _NO_REASONS
+    features: tuple[int, ...] = (f,)
+    faces: tuple[Face, ...] = (hole.face,)
+    diameters: tuple[float, ...] = (hole.diameter,)
     if len(group) == 2:
-        other_x, _, other = group[1]
-        x, y, why = (x + other_x) / 2, (y + other.y) / 2, ("merge-pair",)
+        other_x, other_f, other = group[1]
+        x, y, features = (x + other_x) / 2, (y + other.y) / 2, (f, other_f)
+        faces, why = (hole.face, other.face), ("merge-pair",)
+        if other.diameter != hole.diameter:
+            diameters = (hole.diameter, other.diameter)
     if f in bench.behind:
         why = (*why, "from-behind")
     if place is not None:

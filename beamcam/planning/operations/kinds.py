@@ -16,4 +16,7 @@ REASONS = {code: said for kind in KINDS for code, said in kind.reasons.items()}
 
 def kind_of(feature: Feature) -> Kind:
     """The kind of work that makes a feature."""
-    return next(kind for kind in KINDS if kind.makes(feature))
+    for kind in KINDS:
+        if kind.makes(feature):
+            return kind
+    raise TypeError(f"no kind of work makes a {type(feature).__name__}")

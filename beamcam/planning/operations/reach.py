@@ -73,10 +73,8 @@ def _clear_between(profile: Profile, face: Face) -> tuple[float, float]:
     return flange, (inf if profile.code == "L" else profile.height - flange)
 
 
-def refuse_face(shape: Hole | Slot, what: str, reached: Reached) -> Diagnostic | None:
-    """Why no spindle comes to the face of a hole or slot; None if one does."""
-    if shape.face in reached:
-        return None
+def refuse_face(shape: Hole | Slot, what: str, reached: Reached) -> Diagnostic:
+    """That no spindle comes to the face of a hole or slot."""
     expected = ", ".join(reached) or "none"
     return NO_SPINDLE.at(shape.source, kind=what, found=shape.face, expected=expected)
 

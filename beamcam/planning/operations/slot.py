@@ -45,7 +45,7 @@ def _needs(slot: Slot, bench: Bench) -> Diagnostic | None:
             expected = f"one at least {mills[0].diameter:g} wide, as the smallest mill"
     if expected:
         return rules.SLOT.at(slot.source, found=size, face=slot.face, expected=expected)
-    return refuse_face(slot, "slot hole", bench.reached)
+    return None if slot.face in bench.reached else refuse_face(slot, "slot hole", bench.reached)
 
 
 def _refusals(slot: Slot, bench: Bench) -> Iterator[Diagnostic]:
