@@ -3,6 +3,7 @@
 import ast
 import subprocess
 import sys
+from collections.abc import Collection
 from pathlib import Path
 
 import pytest
@@ -61,6 +62,40 @@ def imports(path: Path) -> set[str]:
     return {r for n in names if (r := room(n))}
 
 
+def modules_under(package: Path) -> dict[str, Path]:
+    """The modules of a package by their dotted names."""
+    return {
+        ".".join(path.relative_to(package.parent).with_suffix("").parts).removesuffix(
+            ".__init__"
+        ): path
+        for path in package.rglob("*.py")
+    }
+
+
+def module_imports(path: Path, known: Collection[str]) -> set[str]:
+    """Those of `known` modules that a file imports: inside functions and for types too."""
+    names: set[str] = set()
+    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        if isinstance(node, ast.Import):
+            names |= {alias.name for alias in node.names}
+        elif isinstance(node, ast.ImportFrom) and node.module:
+            full = [f"{node.module}.{alias.name}" for alias in node.names]
+            names |= {name if name in known else node.module for name in full}
+    return names & set(known)
+
+
+def circles_under(package: Path) -> list[str]:
+    """The modules of a package that import each other, by whatever detour."""
+    modules = modules_under(package)
+    waiting = {name: module_imports(path, modules) - {name} for name, path in modules.items()}
+    while free := {name for name, others in waiting.items() if not others}:
+        waiting = {name: others - free for name, others in waiting.items() if name not in free}
+    # What only leads into a circle is none.
+    while loose := {n for n in waiting if not any(n in others for others in waiting.values())}:
+        waiting = {name: others for name, others in waiting.items() if name not in loose}
+    return sorted(waiting)
+
+
 FILES = sorted(p for p in PACKAGE.rglob("*.py") if p.parent != PACKAGE or p.name != "__init__.py")
 
 
@@ -77,6 +112,28 @@ def test_the_check_sees_an_import_that_points_up(tmp_path: Path) -> None:
     bad.write_text("def f():\n    from beamcam.pipeline import post\n")
     assert imports(bad) == {"pipeline"}
     assert STEP["pipeline"] > STEP["readers"]
+
+
+def test_no_module_imports_itself_by_a_detour() -> None:
+    assert circles_under(PACKAGE) == []
+
+
+@pytest.mark.parametrize("back", [
+    "from house import hall\n",
+    "import house.hall\n",
+    "def f():\n    from house.hall import key\n",
+    "from typing import TYPE_CHECKING\nif TYPE_CHECKING:\n    from house.hall import key\n",
+])  # fmt: skip
+def test_the_check_sees_a_circle_wherever_its_imports_stand(tmp_path: Path, back: str) -> None:
+    house = tmp_path / "house"
+    house.mkdir()
+    (house / "__init__.py").write_text("")
+    (house / "door.py").write_text("from house.hall import key\n")
+    (house / "hall.py").write_text("from house import stairs\nkey = 1\n")
+    (house / "stairs.py").write_text("import os\n")
+    assert circles_under(house) == []
+    (house / "stairs.py").write_text(back)
+    assert circles_under(house) == ["house.hall", "house.stairs"]
 
 
 def test_spelling_is_compared_only_where_something_is_misspelt() -> None:

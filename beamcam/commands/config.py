@@ -65,7 +65,7 @@ def command(inputs: tuple[str, ...], as_json: bool, keys: bool, **asked: Any) ->
 
 def _rows(key: str) -> tuple[str, ...]:
     """The rows that the table of a key may have, as far as they have names."""
-    from beamcam.conversion.fault import plain
+    from beamcam.conversion.diagnosis import plain
 
     kind = plain(get_type_hints(ConfigFile)[key])
     if isinstance(kind, type) and issubclass(kind, Struct):

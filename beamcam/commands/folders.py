@@ -6,7 +6,7 @@ from typing import Any
 
 from beamcam.batch.record import RECORD_NAME
 from beamcam.commands.common import REFUSED, Voice, say_json, say_lines
-from beamcam.commands.diff import differences_of, is_part
+from beamcam.commands.comparison import differences_of, is_part
 from beamcam.commands.golden import Checked, Result, records, told
 from beamcam.commands.recorded import Recorded
 from beamcam.commands.settings import machine_for_program, settled

@@ -8,7 +8,7 @@ import click
 from msgspec import Struct
 
 from beamcam.commands.common import STANDARD, Voice
-from beamcam.commands.diff import is_part
+from beamcam.commands.comparison import is_part
 from beamcam.commands.parts import read_parts
 from beamcam.commands.programs import input_bytes
 from beamcam.commands.settings import machine_for, machine_for_program

@@ -66,7 +66,7 @@ def _check_colours(colours: Mapping[str, object]) -> None:
 
 def _said(fault: Fault, place: Place) -> Diagnostic:
     """What is wrong with a key of a configuration."""
-    from beamcam.conversion.fault import shown
+    from beamcam.conversion.diagnosis import shown
 
     at = place.child(*fault.path)
     if fault.kind == "unknown":

@@ -4,16 +4,28 @@ msgspec stops at the first fault and says what it expected. `Fault` adds what it
 of a table's row, the value that was found, the words that may stand there, the nearest known key.
 """
 
-from collections.abc import Callable, Iterable
 from math import isfinite
 from threading import Lock
-from typing import Annotated, Any, Literal, TypeVar
+from typing import Annotated, Any, TypeVar
 
 from msgspec import Meta, Struct, ValidationError, convert
 
+from beamcam.conversion.fault import Fault, Hook, Path, nearest
+
+__all__ = [
+    "MAX_NUMBER",
+    "Count",
+    "Fault",
+    "Keys",
+    "NotNegative",
+    "Positive",
+    "PositiveCount",
+    "Text",
+    "converted",
+    "nearest",
+]  # fmt: skip
+
 Record = TypeVar("Record")
-Path = tuple[str | int, ...]
-Hook = Callable[[Any, Any], Any]  #: type and value: the value as that type, or ValueError
 
 Text = Annotated[str, Meta(min_length=1)]
 Positive = Annotated[float, Meta(gt=0)]
@@ -34,32 +46,13 @@ MAX_NUMBER = 1e10
 MOST_BITS = 63  #: of a whole number; no machine counts further
 
 
-class Fault(ValueError):
-    """A value that a record does not take."""
-
-    def __init__(
-        self,
-        kind: Literal["unknown", "missing", "type", "value"],
-        path: Path,
-        found: object,
-        expected: str,
-        known: tuple[str, ...] = (),
-    ) -> None:
-        super().__init__(kind, path, found, expected)
-        self.kind = kind
-        self.path = path  #: keys and indices from the top; of a missing key its own
-        self.found = found
-        self.expected = expected
-        self.known = known  #: of an unknown key, those that there are
-
-
 def converted(value: object, record: type[Record], hook: Hook | None = None) -> Record:
     """`value`, as a parser of TOML or JSON gives it, as a record. Raises Fault."""
     with _ONE_AT_A_TIME:
         try:
             result = convert(value, record, dec_hook=hook)
         except ValidationError as error:
-            from beamcam.conversion.fault import fault_of
+            from beamcam.conversion.diagnosis import fault_of
 
             raise fault_of(str(error), value, record, hook) from None
     odd = _odd_number(value)
@@ -85,12 +78,3 @@ def _odd_number(value: object) -> Fault | None:
                 expected = f"a number between -{MAX_NUMBER:g} and {MAX_NUMBER:g}"
                 return Fault("value", (*path, key), item, expected)
     return None
-
-
-def nearest(word: str, known: Iterable[str]) -> str:
-    """The known word most like `word`, as a suggestion; all of them where none is like it."""
-    from difflib import get_close_matches
-
-    names = sorted(known)
-    close = get_close_matches(word, names, 1, 0.6)
-    return repr(close[0]) if close else "one of " + ", ".join(names)

@@ -61,7 +61,7 @@ class Bezier(Struct, frozen=True, gc=False):
         """Length by numerical integration, to about 1e-10 relative."""
         from beamcam.geometry.free_lengths import bezier_length
 
-        return bezier_length((self,))
+        return bezier_length((self.homogeneous,))
 
     @property
     def bbox(self) -> Box:

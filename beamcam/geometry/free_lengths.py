@@ -1,15 +1,12 @@
 """Lengths of Bezier curves, many of one degree at once, by Gauss-Legendre over arrays."""
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from beamcam.geometry.array_types import Floats
 
-if TYPE_CHECKING:
-    from beamcam.geometry.bezier import Bezier
-
+Homogeneous = tuple[float, float, float]  #: w x, w y, w
 
 #: How far a length may be off, relative; the estimate is the gain of the last halving.
 RELATIVE_ERROR = 1e-10
@@ -19,14 +16,14 @@ _MOST_HALVINGS = 24
 _MOST_POINTS = 100_000
 
 
-def bezier_length(pieces: "Sequence[Bezier]") -> float:
+def bezier_length(curves: Sequence[Sequence[Homogeneous]]) -> float:
     """Summed length of Bezier curves of one degree, by Gauss-Legendre with 12 points.
 
-    A curve is halved until both halves together say the same as the whole: a smooth curve needs
-    one halving, one with a cusp some twenty.
+    Each is given by its control points. A curve is halved until both halves together say the same
+    as the whole: a smooth curve needs one halving, one with a cusp some twenty.
     """
     nodes, weights = np.polynomial.legendre.leggauss(12)
-    rows = np.array([piece.homogeneous for piece in pieces])  # (n, degree + 1, 3)
+    rows = np.array(curves)  # (n, degree + 1, 3)
     most = len(rows) + _MOST_POINTS // rows.shape[1]
     with np.errstate(all="ignore"):
         whole = _gauss_lengths(rows, (nodes + 1) / 2, weights / 2)

@@ -90,7 +90,7 @@ def _checksum(table: dict[str, Any]) -> str:
 
 def _said(fault: Fault, place: Place) -> Diagnostic:
     """What is wrong with a key of a machine file."""
-    from beamcam.conversion.fault import shown
+    from beamcam.conversion.diagnosis import shown
 
     at = place.child(*fault.path)
     if fault.kind == "unknown":

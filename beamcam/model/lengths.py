@@ -38,7 +38,9 @@ def total_length(curves: Iterable[Curve]) -> float:
         return total
     from beamcam.geometry.free_lengths import bezier_length
 
-    return total + sum(map(bezier_length, free.values()))
+    return total + sum(
+        bezier_length([piece.homogeneous for piece in some]) for some in free.values()
+    )
 
 
 # --- what lies twice ------------------------------------------------------------------------------

@@ -1,19 +1,14 @@
 """The places of comments: what each stands before, by its line."""
 
-from __future__ import annotations
-
 from bisect import bisect_right
 from collections.abc import Sequence
 from itertools import zip_longest
-from typing import TYPE_CHECKING
 
 from beamcam.model.anchors import anchor_key, plane_positions
 from beamcam.model.part import Comment, Contour, Feature
+from beamcam.readers.dstv.block_content import Content
 from beamcam.readers.dstv.contour_rows import Rows
 from beamcam.readers.dstv.tokens import Block
-
-if TYPE_CHECKING:
-    from beamcam.readers.dstv.reader import Content
 
 Placed = tuple[int, str, str]  #: line, anchor, text
 Stop = tuple[int, str]  #: a line that a comment can stand before, and its anchor

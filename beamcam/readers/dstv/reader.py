@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator
 
-from msgspec import Struct, field
+from msgspec import Struct
 
 from beamcam.errors import Source
 from beamcam.model.part import (
@@ -11,11 +11,10 @@ from beamcam.model.part import (
     Feature,
     Hole,
     Part,
-    Plane,
     Profile,
-    SectionPoint,
 )
 from beamcam.readers.dstv import rules
+from beamcam.readers.dstv.block_content import Content
 from beamcam.readers.dstv.blocks import split_blocks
 from beamcam.readers.dstv.comments import Placed, place_comments
 from beamcam.readers.dstv.contour_rows import Rows, read_contour_rows
@@ -51,18 +50,6 @@ class Account(Struct):
     def lost(self) -> list[int]:
         """Data lines that are neither in the part nor in a diagnostic; always empty."""
         return sorted({*self.data_lines} - {*self.taken} - {*self.reported})
-
-
-class Content(Struct):
-    """What the blocks of a file give the part."""
-
-    features: list[Feature | Rows] = field(default_factory=list)
-    planes: list[Plane] = field(default_factory=list)
-    section: list[SectionPoint] = field(default_factory=list)
-    info: list[tuple[str, str]] = field(default_factory=list)
-    tolerance: tuple[float, float] | None = None
-    contours: list[Rows] = field(default_factory=list)
-    plane_names: dict[str, str] = field(default_factory=dict)  #: by digit, the last plane's name
 
 
 def looks_like(data: bytes) -> bool:

@@ -13,6 +13,7 @@ from beamcam.errors import Diagnostic, Rule, Severity, Source
 from beamcam.model.part import Part, Profile
 from beamcam.readers.ifc import rules
 from beamcam.readers.ifc.body import Body, Swept, body_of
+from beamcam.readers.ifc.candidates import elements_of
 from beamcam.readers.ifc.checks import check_data, check_kernel, check_stock
 from beamcam.readers.ifc.entities import (
     NOT_WELL_FORMED,
@@ -36,6 +37,7 @@ from beamcam.readers.ifc.marks import (
     not_steel,
 )
 from beamcam.readers.ifc.naming import named, remark_at
+from beamcam.readers.ifc.opening import open_file
 from beamcam.readers.ifc.options import Options, Selection
 from beamcam.readers.ifc.semantic import read_swept
 from beamcam.readers.ifc.space import IDENTITY
@@ -96,11 +98,22 @@ class Members(Struct):
     taken: Taken = field(default_factory=Taken)
     kernel_done: dict[Any, tuple[Diagnostic, ...]] = field(default_factory=dict)
 
+    @classmethod
+    def of(cls, model: Model, name: str, selection: Selection, options: Options) -> "Members":
+        """The members of a model that is open."""
+        return cls(model, [*elements_of(model, selection)], name, selection, options)
+
+    @classmethod
+    def opened(cls, data: bytes, name: str, selection: Selection, options: Options) -> "Members":
+        """The members of a model that was opened before, for a process that was started afresh."""
+        model = open_file(data, Source(name))
+        if isinstance(model, Diagnostic):
+            raise AssertionError("a model that cannot be opened a second time")
+        return cls.of(model, name, selection, options)
+
     def __reduce__(self) -> tuple[Any, ...]:
         """How another process has them: it opens the model again."""
-        from beamcam.readers.ifc.reader import members_of
-
-        return members_of, (self.model.data, self.name, self.selection, self.options)
+        return Members.opened, (self.model.data, self.name, self.selection, self.options)
 
     def prepare(self) -> None:
         """Work out what the members have in common, so that processes need not each do so."""

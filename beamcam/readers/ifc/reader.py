@@ -5,7 +5,8 @@ from collections.abc import Iterator, Set
 
 from beamcam.errors import Diagnostic, Source
 from beamcam.readers.ifc import rules
-from beamcam.readers.ifc.entities import Entity, Model
+from beamcam.readers.ifc.candidates import PROXY
+from beamcam.readers.ifc.entities import Model
 from beamcam.readers.ifc.member import Members, Taken, class_names
 from beamcam.readers.ifc.opening import open_file
 from beamcam.readers.ifc.options import Options, Progress, Selection
@@ -14,8 +15,6 @@ from beamcam.readers.ifc.step import Malformed
 from beamcam.readers.reading import Reading
 from beamcam.system import start_method
 
-CLASSES = ("IfcBeam", "IfcColumn", "IfcMember", "IfcPlate", "IfcDiscreteAccessory")
-PROXY = "IfcBuildingElementProxy"
 #: Classes of elements that are counted and not read.
 OTHERS = (
     PROXY, "IfcSlab", "IfcSlabStandardCase", "IfcWall", "IfcWallStandardCase", "IfcFooting",
@@ -53,7 +52,7 @@ def read_model(
 def _read(
     model: Model, name: str, selection: Selection, options: Options, progress: Progress | None
 ) -> Reading:
-    members = _members(model, name, selection, options)
+    members = Members.of(model, name, selection, options)
     elements = members.elements
     taken = Taken()
     workers = workers_for(options, len(elements))
@@ -76,32 +75,6 @@ def _read(
     others = _others(model, {element.is_a() for element in elements})
     said = [*taken.said, *_account(taken, len(elements), selection, name, others)]
     return Reading("ifc", tuple(parts), tuple(said))
-
-
-def _members(model: Model, name: str, selection: Selection, options: Options) -> Members:
-    return Members(model, list(_elements(model, selection)), name, selection, options)
-
-
-def members_of(data: bytes, name: str, selection: Selection, options: Options) -> Members:
-    """The members of a model that was opened before, for a process that was started afresh."""
-    opened = open_file(data, Source(name))
-    if isinstance(opened, Diagnostic):
-        raise AssertionError("a model that cannot be opened a second time")
-    return _members(opened, name, selection, options)
-
-
-def _elements(model: Model, selection: Selection) -> Iterator[Entity]:
-    """The elements that may be steel members, in the order of their classes and of the file."""
-    wanted = {c.lower().removeprefix("ifc") for c in selection.classes}
-    names: tuple[str, ...] = CLASSES
-    if "buildingelementproxy" in wanted or "proxy" in wanted:
-        names = (*CLASSES, PROXY)
-    known = set[Entity]()
-    for name in names:
-        for element in model.file.by_type(name):
-            if element not in known:
-                known.add(element)
-                yield element
 
 
 def _others(model: Model, read: Set[str]) -> Counter[str]:
