@@ -27,6 +27,7 @@ from beamcam.model.plan import Plan, SheetPlan
 from beamcam.pipeline import Posted, as_error, read_file
 from beamcam.pipeline import post as post_bar
 from beamcam.pipeline import read_back as read_program_back
+from beamcam.planning.rules import named_skips
 from beamcam.posts import Job, Request, post_of
 from beamcam.readers import read as read_bytes
 from beamcam.readers.reading import Reading
@@ -73,7 +74,7 @@ def plan(
     """
     check_asked(bar=bar, skips=skips)
     loaded = _machine(machine)
-    return post_of(loaded).plan(Job(parts_asked(parts), loaded, bar=bar, skips=tuple(skips)))
+    return post_of(loaded).plan(Job(parts_asked(parts), loaded, bar=bar, skips=named_skips(skips)))
 
 
 def post(
@@ -112,7 +113,7 @@ def verify(
     check_asked(skips=skips)
     check_text("program", program, bytes)
     check_text("name", name)
-    request = Request(parts_asked(parts), _machine(machine), tuple(skips), name)
+    request = Request(parts_asked(parts), _machine(machine), named_skips(skips), name)
     return read_program_back(program, request)
 
 

@@ -12,7 +12,7 @@ from beamcam.errors import BeamcamError, Diagnostic, Source, rule_makers
 from beamcam.machine.machine import Machine
 from beamcam.model.part import Part
 from beamcam.plain_text import terminal_text
-from beamcam.planning.rules import SKIP_NAMES
+from beamcam.planning.rules import ALL_SKIPS, SKIP_NAMES
 
 _error, _, _ = rule_makers("ask")
 
@@ -70,7 +70,7 @@ def _faults(job: object, bar: object, skips: object) -> Iterator[Diagnostic]:
         yield _type("skips", skips, "a list of names")
         return
     for name in skips:
-        if name not in SKIP_NAMES:
+        if name not in SKIP_NAMES and name != ALL_SKIPS:
             expected = nearest(str(name), SKIP_NAMES)
             yield ASK_SKIP.at(_HERE, found=name, expected=expected)
 

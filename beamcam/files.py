@@ -114,6 +114,15 @@ def write_new(folder: str, name: str, data: bytes) -> bool:
         os.close(file)
 
 
+def remove_made(path: str, begin: bytes) -> None:
+    """Take a file away that begins so; anything else that has the name stays as it is."""
+    with suppress(OSError):
+        with open(path, "rb") as file:
+            made = file.read(len(begin)) == begin
+        if made:
+            os.unlink(path)
+
+
 def _open(folder: str, part: str) -> tuple[int, bool]:
     """A new file in `folder`, and whether it has the name `part` already."""
     file = _unnamed(folder)

@@ -28,10 +28,12 @@ from beamcam.machine.machine import Machine
 from beamcam.model.part import Part
 from beamcam.model.plan import Order, Plan, SheetPlan
 from beamcam.model.work_time import WorkTime
-from beamcam.planning.left_out import LEFT_OUT, left_out_sources, told
+from beamcam.planning.left_out import BY_HAND, LEFT_OUT, by_hand_sources, left_out_sources, told
+from beamcam.planning.rules import named_skips
 from beamcam.posts import Job, Request, Written, carries_head, head_lines, post_of
 from beamcam.readers.content import content, shown_name
 from beamcam.readers.reading import Reading
+from beamcam.verify.by_hand import BY_HAND as FOR_HAND
 from beamcam.verify.left_out import LEDGER
 from beamcam.verify.left_out import LEFT_OUT as MISSING
 
@@ -40,6 +42,10 @@ Stage = Callable[[str], None]  #: is told what has been done
 
 def untold(stage: str) -> None:
     """What is called after a stage where nobody wants to know."""
+
+
+#: What is told of features that a program does not make, by leave or as the machine's file says.
+NOT_MADE = (LEFT_OUT.code, BY_HAND.code)
 
 
 class Posted(Struct, frozen=True):
@@ -63,8 +69,8 @@ class Posted(Struct, frozen=True):
 
     @property
     def leaves_out(self) -> bool:
-        """Whether a feature of the parts is missing from the program, as the user allowed."""
-        return any(said.code == LEFT_OUT.code for said in self.remarks)
+        """Whether a feature of the parts is missing from the program, allowed or left to hand."""
+        return any(said.code in NOT_MADE for said in self.remarks)
 
     def pieces(self) -> Iterable[bytes]:
         """What stands in the file."""
@@ -109,8 +115,8 @@ def read_file(path: str, strict: bool = False, **options: object) -> Reading:
 
 
 def as_error(said: Diagnostic) -> Diagnostic:
-    """A warning as an error; anything else as it is, also what the user allowed by name."""
-    if said.code == LEFT_OUT.code:
+    """A warning as an error; anything else as it is, also what the user or the machine allows."""
+    if said.code in NOT_MADE:
         return said
     return replace(said, severity=Severity.ERROR) if said.severity is Severity.WARNING else said
 
@@ -185,7 +191,7 @@ def post(
     or under `strict` if there is a warning; VerifyError if the program would make anything else.
     """
     check_asked(job, bar, skips)  # before a text is taken for a list of letters
-    asked = Job(tuple(parts), machine, job, bar, tuple(skips), order, turn, style)
+    asked = Job(tuple(parts), machine, job, bar, named_skips(skips), order, turn, style)
     stages = posting(asked, verified, strict)
     while True:
         try:
@@ -207,14 +213,16 @@ def posting(
     if strict and errors_in(refused := tuple(map(as_error, remarks))):
         raise PlanError(refused)
     program = kind.motion(plan, asked.machine, asked.name)
-    program = kind.with_head(program, tuple(head_lines(asked, verified)))
+    by_hand = sum(1 for _ in by_hand_sources(plan))
+    program = kind.with_head(program, tuple(head_lines(asked, verified, by_hand)))
     yield "put in motion"
     written = kind.emit(program, asked)
     yield "printed the program"
     said: tuple[Diagnostic, ...] = ()
     if verified:
         found = kind.verify(written, _request(asked))
-        said = (*_other_than_planned(plan, found), *_head_faults(asked, written))
+        hand = sum(one.code == FOR_HAND.code for one in found)
+        said = (*_other_than_planned(plan, found), *_head_faults(asked, written, hand))
         yield "read the program back"
         if errors_in(said):
             raise RefusedProgram(said, written)
@@ -224,32 +232,35 @@ def posting(
 def _other_than_planned(
     plan: Plan | SheetPlan, found: Iterable[Diagnostic]
 ) -> Iterator[Diagnostic]:
-    """What the read-back found; what is left out only where the plan says otherwise.
+    """What the read-back found; what is not made only where the plan says otherwise.
 
-    The features that it found missing, and that may be, are those that the plan left out by name.
+    The features that it found missing, and that may be, are those that the plan left out by name;
+    the marks that it found to be work of the hand are those on the plan's list.
     """
-    missing: Counter[Source] = Counter()
+    missing: Counter[tuple[str, Source]] = Counter()
     for said in found:
-        if said.code == MISSING.code:
-            missing[said.source] += 1
+        if said.code in (MISSING.code, FOR_HAND.code):
+            missing[said.code, said.source] += 1
         else:
             yield said
-    named = [*left_out_sources(plan)]
+    named = [(MISSING.code, source) for source in left_out_sources(plan)]
+    named += [(FOR_HAND.code, source) for source in by_hand_sources(plan)]
     if not missing and not named:  # as of nearly every plan
         return
     planned = Counter(named)
-    for source in (missing - planned) + (planned - missing):
-        yield LEDGER.at(source, found=missing[source], expected=planned[source])
+    for code, source in (missing - planned) + (planned - missing):
+        one = code, source
+        yield LEDGER.at(source, found=missing[one], expected=planned[one])
 
 
-def _head_faults(job: Job, written: Written) -> Iterable[Diagnostic]:
-    """What the head of a program says otherwise than the job."""
+def _head_faults(job: Job, written: Written, by_hand: int) -> Iterable[Diagnostic]:
+    """What the head of a program says otherwise than the job and its read-back."""
     if not carries_head(job):
         return ()
     from beamcam.verify.head import head_faults, head_of
 
     text = written if isinstance(written, str) else next(iter(written())).decode("latin-1")
-    return head_faults(head_of(text), job.machine, job.skips, job.name)
+    return head_faults(head_of(text), job.machine, job.skips, job.name, by_hand)
 
 
 def _request(job: Job) -> Request:

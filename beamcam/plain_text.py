@@ -80,6 +80,14 @@ def json_text(text: str) -> str:
     )
 
 
+def harmless_cell(cell: object) -> object:
+    """A text as one line, with a quote before what a spreadsheet would take for a formula."""
+    if not isinstance(cell, str):
+        return cell
+    text = terminal_text(cell)
+    return f"'{text}" if text.startswith(("=", "+", "-", "@")) else text
+
+
 def _spelled(sign: str) -> str:
     if sign.isprintable():
         return sign

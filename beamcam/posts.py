@@ -189,12 +189,17 @@ def _plan_sheet(job: Job) -> SheetPlan:
     return plan_sheet(job.parts, job.machine, job.skips)
 
 
-def head_lines(job: Job, verified: bool) -> Iterator[str]:
-    """What stands in the head of every program: how it was made, and what may be missing in it."""
+def head_lines(job: Job, verified: bool, by_hand: int = 0) -> Iterator[str]:
+    """What stands in the head of every program: how it was made, and what may be missing in it.
+
+    `by_hand` marks are left to the hand.
+    """
     yield f"BEAMCAM {FORM} MACHINE {one_word(job.machine.name)} {job.machine.checksum}".rstrip()
     kinds = sorted(job.skips)
     for at in range(0, len(kinds), KINDS_A_LINE):
         yield f"ALLOWED TO BE LEFT OUT: {', '.join(kinds[at : at + KINDS_A_LINE])}"
+    if by_hand:
+        yield f"LEFT TO THE HAND: {by_hand}"
     if not verified:
         yield NOT_READ_BACK
 

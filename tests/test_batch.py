@@ -260,7 +260,14 @@ def test_reports(jobs: Path, tmp_path: Path) -> None:
     assert row["status"] == "posted"
     assert row["seconds"] > 0
     (first,) = row["parts"]
-    assert first["ledger"] == {"read": 1, "made": 1, "merged": 0, "duplicate": 0, "skipped": 0}
+    assert first["ledger"] == {
+        "read": 1,
+        "made": 1,
+        "merged": 0,
+        "duplicate": 0,
+        "listed": 0,
+        "skipped": 0,
+    }
     assert first["tools"] == ["drill 18", "saw"]
     assert first["output"] == "A/P000.gcode"
     assert first["machine"] == "beamline"
@@ -375,7 +382,7 @@ def test_a_refused_file_tells_of_its_older_program(jobs: Path, tmp_path: Path) -
 @pytest.mark.parametrize(
     "args",
     [(), ("in",), ("in", "-o", "out", "--jobs", "0"), ("in", "-o", "out", "--report", "x.pdf"),
-     ("in", "-o", "out", "--bar", "-1"), ("in", "-o", "out", "--allow-skips", "all")],
+     ("in", "-o", "out", "--bar", "-1"), ("in", "-o", "out", "--allow-skips", "every")],
 )  # fmt: skip
 def test_wrong_usage(args: tuple[str, ...]) -> None:
     assert batch(*args).exit_code == 2

@@ -78,7 +78,7 @@ def test_defaults_come_from_nowhere() -> None:
         ("stock_lengths = 6000", "found 6000 for 'stock_lengths'; expected a list of numbers"),
         ("stock_lengths = [0]", "found 0 for 'stock_lengths.0'; expected more than 0"),
         ("allow_skips = 'cope'", "expected a list of texts"),
-        ("allow_skips = ['all']", "error config-value: found ('all',) for 'allow_skips'; expected"
+        ("allow_skips = ['any']", "error config-value: found ('any',) for 'allow_skips'; expected"
          " names of"),
         ("name = '{marc}'", "config-value: found '{marc}' for 'name'; expected one of {stem}"),
         ("tolerances = 1", "found 1 for 'tolerances'; expected a table"),

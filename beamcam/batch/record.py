@@ -23,6 +23,7 @@ from msgspec import Struct, convert
 from beamcam.batch.find import Input
 from beamcam.batch.recipe import Recipe, path_from
 from beamcam.files import write_whole
+from beamcam.report.hand_list import LIST_SUFFIX, as_csv
 from beamcam.report.run import Row, dumped, loaded
 from beamcam.system import BINARY
 
@@ -118,6 +119,10 @@ class Record:
                 with open(path, "rb", buffering=0) as file:
                     if hashlib.sha256(file.read()).hexdigest() != part["sha256"]:
                         return None
+                if part["by_hand"]:
+                    with open(path + LIST_SUFFIX, "rb", buffering=0) as file:
+                        if file.read() != as_csv(part["by_hand"]).encode("utf-8"):
+                            return None
             if (line["recipe"], line["input"]) != (self._recipe_name, self._input(found)):
                 self.add(key, row, found)
         except (OSError, ValueError, KeyError, TypeError):

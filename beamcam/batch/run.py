@@ -24,7 +24,8 @@ from beamcam.batch.recipe import Recipe
 from beamcam.batch.record import RECORD_NAME, Record, partly
 from beamcam.batch.work import Made, Shop, Task
 from beamcam.errors import BeamcamError, Diagnostic, Source
-from beamcam.files import FilesRead, write_new, write_whole
+from beamcam.files import FilesRead, remove_made, write_new, write_whole
+from beamcam.report.hand_list import LIST_BEGIN, LIST_SUFFIX, as_csv
 from beamcam.report.run import PartRow, Row, Status, as_message
 from beamcam.system import can_sync_all
 
@@ -243,6 +244,8 @@ class _Run:
             said = self._claim(output, slot.input.path) or self._over(output, slot.input.path)
             status: Status = "refused"
             if said is None:
+                said, status = self._write_list(output, part, slot.input.path)
+            if said is None:
                 said, status = self._write(output, content, slot.input.path), "failed"
             if said is None:
                 part["output"] = output
@@ -260,6 +263,19 @@ class _Run:
                 said = rules.KEPT.at(Source(slot.input.path), found=output)
             if said is not None:
                 row["messages"].append(as_message(said))
+
+    def _write_list(
+        self, output: str, part: PartRow, path: str
+    ) -> tuple[Diagnostic | None, Status]:
+        """Write the list for the hand beside an output, or take away an older one."""
+        name = output + LIST_SUFFIX
+        if not part["by_hand"]:
+            remove_made(os.path.join(self._folder, name), LIST_BEGIN)
+            return None, "failed"
+        over = self._over(name, path)
+        if over is not None:
+            return over, "refused"
+        return self._write(name, as_csv(part["by_hand"]).encode("utf-8"), path), "failed"
 
     def _claim(self, output: str, path: str) -> Diagnostic | None:
         """Take a name for the output of an input, or say why it cannot have it."""

@@ -36,6 +36,7 @@ from beamcam.pipeline import (
 from beamcam.planning.stock import from_store
 from beamcam.posts import Job
 from beamcam.readers import read
+from beamcam.report.hand_list import hand_rows
 from beamcam.report.run import Ledger, PartRow, Row, as_message
 
 
@@ -233,7 +234,7 @@ def post_part(part: Part, machine: Machine, shop: Shop) -> Generator[str, None, 
 
 
 #: What may become of a feature, as the ledger has it.
-OUTCOMES = ("made", "merged", "duplicate", "skipped")
+OUTCOMES = ("made", "merged", "duplicate", "listed", "skipped")
 
 
 def _part_row(
@@ -255,6 +256,7 @@ def _part_row(
         "sha256": sha256(content).hexdigest(),
         "bar": plan.bar.length if isinstance(plan, Plan) else 0.0,
         "ledger": cast(Ledger, ledger),
+        "by_hand": hand_rows(plan) if "listed" in how else [],
         "skipped_by": dict(sorted(skipped_by.items())),
         "mapped": _mapped(part, machine),
         "tools": sorted({_tool_name(op) for op in _of_each_tool(plan.operations)}),

@@ -21,6 +21,7 @@ from beamcam.machine import Machine, shipped
 from beamcam.machine.defaults import is_of_programs
 from beamcam.pipeline import parts_of, post, read_file
 from beamcam.planning.stock import from_store
+from beamcam.report.hand_list import hand_rows, is_hand_list
 from beamcam.report.run import as_message, message_line
 
 #: Where others than the header of a machine file say the job's name: behind `%`, as the unit of a
@@ -151,7 +152,7 @@ def _programs(folder: Path, machine: str | None) -> list[tuple[Path, str | None]
 
 def _is_program(path: Path, machine: str | None) -> bool:
     """Whether a file is one, in the folder of a machine, or is called as programs are."""
-    if not path.is_file() or path.name.startswith("."):
+    if not path.is_file() or path.name.startswith(".") or is_hand_list(path.name):
         return False
     return is_of_programs(path.name) or (machine is not None and path.suffix not in _NO_PROGRAMS)
 
@@ -177,7 +178,7 @@ def _check(path: Path, samples: Path, config: Config) -> Checked:
         missing = any(said.code == NO_SAMPLE.code for said in error.diagnostics)
         said = tuple(map(as_message, error.diagnostics))
         return Checked(str(path), "missing" if missing else "refused", (), said)
-    return compared(str(path), path.read_bytes(), data, machine)
+    return compared(str(path), path.read_bytes(), data, machine, hand_rows(posted.plan))
 
 
 def _job(text: str, machine: Machine) -> str:

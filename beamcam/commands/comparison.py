@@ -1,5 +1,6 @@
 """Two files compared, both programs or both parts."""
 
+from collections.abc import Iterator
 from pathlib import PurePath
 
 import click
@@ -17,6 +18,7 @@ from beamcam.model.part import Part
 from beamcam.pipeline import as_error, parts_of, read_back
 from beamcam.posts import Request
 from beamcam.verify.bars import run
+from beamcam.verify.head import head_of
 
 #: What a program may not have if its meaning is to be known.
 NOT_UNDERSTOOD = {r.code for r in (rules.SYNTAX, rules.WORD, rules.ARC)}
@@ -71,6 +73,7 @@ def _diff_programs(
         found, said = diff_sheets(first, second, machine, name)
         if said:
             raise VerifyError(said)
+        found = (*found, *_left_to_hand(texts))
         alone = (read_back(text, Request((), machine, name=name)) for name, text in texts)
         return found, tuple(d for said in alone for d in said if d.severity is not Severity.NOTE)
     runs = [run(text, machine, None, name) for name, text in texts]
@@ -78,4 +81,13 @@ def _diff_programs(
     if any(d.code in NOT_UNDERSTOOD for d in said):
         raise VerifyError(said)
     old, new = (done.made for done in runs)
-    return diff_programs(old, new, machine.format.resolution), said
+    return (*diff_programs(old, new, machine.format.resolution), *_left_to_hand(texts)), said
+
+
+def _left_to_hand(texts: list[tuple[str, str]]) -> Iterator[Difference]:
+    """Whether the heads of two programs leave another number of marks to the hand."""
+    heads = [head_of(text) for _, text in texts]
+    old, new = (0 if head is None else head.by_hand for head in heads)
+    if old != new:
+        text = f"marks left to the hand: {old} in A, {new} in B"
+        yield Difference("feature", "changed", text)

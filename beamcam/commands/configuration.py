@@ -6,11 +6,13 @@ Apart from `settings`, so that a job without such a file pays nothing for it.
 from collections.abc import Callable, Sequence
 from typing import Any
 
+from msgspec.structs import replace
+
 from beamcam.config import rules
 from beamcam.config.load import ConfigError, load
 from beamcam.config.values import Config
 from beamcam.errors import Source
-from beamcam.planning.rules import SKIP_NAMES
+from beamcam.planning.rules import ALL_SKIPS, SKIP_NAMES, named_skips
 
 
 def checked(files: Sequence[str]) -> Config:
@@ -29,7 +31,7 @@ def checked(files: Sequence[str]) -> Config:
                 config.sources[key], key=key, found=repr(value), expected=expected
             )
             raise ConfigError(said)
-    return config
+    return replace(config, allow_skips=named_skips(config.allow_skips))
 
 
 def _expected_name(template: str) -> str:
@@ -44,8 +46,8 @@ def _expected_name(template: str) -> str:
 
 
 def _expected_skips(skips: Sequence[str]) -> str:
-    known = ", ".join(SKIP_NAMES)
-    return "" if set(skips) <= set(SKIP_NAMES) else f"names of {known}"
+    known = (*SKIP_NAMES, ALL_SKIPS)
+    return "" if set(skips) <= set(known) else f"names of {', '.join(known)}"
 
 
 _CHECKS: dict[str, Callable[[Any], str]] = {

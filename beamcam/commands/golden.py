@@ -14,6 +14,7 @@ from beamcam.diff.pairing import Difference
 from beamcam.diff.statements import diff_sheets
 from beamcam.errors import Diagnostic, ReadError, Source, errors_in
 from beamcam.machine import Machine
+from beamcam.report.hand_list import LIST_SUFFIX, HandRow, as_csv
 from beamcam.report.run import Message, as_message
 from beamcam.verify.bars import run
 
@@ -30,17 +31,35 @@ class Checked(Struct, frozen=True):
     result: Result
     differences: tuple[Difference, ...] = ()
     messages: tuple[Message, ...] = ()
-    new: bytes | None = None  #: the program as it is made now, if it is another
+    new: bytes | None = None  #: the program as it is made now, if it or its list is another
+    by_hand: Sequence[HandRow] = ()  #: the list beside it, as it is made now
 
 
-def compared(path: str, old: bytes, new: bytes, machine: Machine) -> Checked:
-    """A golden program and the one that is made now."""
+def compared(
+    path: str, old: bytes, new: bytes, machine: Machine, by_hand: Sequence[HandRow]
+) -> Checked:
+    """A golden program with its list for the hand, and those that are made now."""
+    listed = _list_differs(path, by_hand)
     if old == new:
-        return Checked(path, "same")
+        return (
+            Checked(path, "differs", listed, (), new, by_hand) if listed else Checked(path, "same")
+        )
     before, now = (data.decode("utf-8", "replace") for data in (old, new))
     differences, said = differences_of(before, now, machine, path)
-    result: Result = "differs" if differences or said else "bytes"
-    return Checked(path, result, differences, tuple(map(as_message, said)), new)
+    result: Result = "differs" if differences or said or listed else "bytes"
+    differences = (*differences, *listed)
+    return Checked(path, result, differences, tuple(map(as_message, said)), new, by_hand)
+
+
+def _list_differs(path: str, rows: Sequence[HandRow]) -> tuple[Difference, ...]:
+    """Whether the list for the hand beside a program is another one now."""
+    beside = Path(path + LIST_SUFFIX)
+    old = beside.read_bytes() if beside.is_file() else b""
+    new = as_csv(rows).encode("utf-8") if rows else b""
+    if old == new:
+        return ()
+    text = f"{beside.name}: found {len(old.splitlines()[1:])} mark(s) for the hand, now {len(rows)}"
+    return (Difference("feature", "changed", text),)
 
 
 def differences_of(

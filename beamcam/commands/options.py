@@ -16,7 +16,7 @@ from typing import Any
 import click
 
 from beamcam.commands.common import STANDARD, Voice
-from beamcam.planning.rules import SKIP_NAMES
+from beamcam.planning.rules import ALL_SKIPS, SKIP_NAMES, named_skips
 
 Function = Callable[..., Any]
 Decorator = Callable[[Function], Function]
@@ -75,7 +75,18 @@ def _skips(
     """The names in order; None if none was given, () for `none`."""
     if not values:
         return None
-    return tuple(sorted({name for name in values if name != NO_SKIPS}))
+    names = {name for value in values for name in value.split(",")}
+    return named_skips(names - {NO_SKIPS})
+
+
+class SkipNames(click.Choice):  # type: ignore[type-arg]  # older versions take none
+    """Names of kinds of features, set off by commas."""
+
+    name = "names"
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> str:
+        convert = super().convert
+        return ",".join(convert(name.strip(), param, ctx) for name in str(value).split(","))
 
 
 def machine_names(ctx: click.Context, param: click.Parameter, incomplete: str) -> list[str]:
@@ -113,14 +124,14 @@ skips = click.option(
     "skips",
     multiple=True,
     callback=_skips,
-    type=click.Choice([*SKIP_NAMES, NO_SKIPS]),
-    help="Leave out what the machine cannot make, of this kind only; may be repeated.",
+    type=SkipNames([*SKIP_NAMES, ALL_SKIPS, NO_SKIPS]),
+    help="Leave out what the machine cannot make, of these kinds only; several with commas.",
 )
 exit_left_out = click.option(
     "--exit-left-out",
     type=click.IntRange(1, 125),
     metavar="STATUS",
-    help="Exit status where --allow-skips left something out; else it is 0.",
+    help="Exit status where something is left out, or left to the hand; else it is 0.",
 )
 strict = click.option(
     "--strict/--no-strict", default=None, help="Let warnings refuse a part as errors do."

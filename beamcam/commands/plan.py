@@ -15,7 +15,7 @@ from beamcam.errors import BeamcamError, Diagnostic, PlanError, errors_in
 from beamcam.files import FilesRead
 from beamcam.machine.machine import Machine
 from beamcam.model.part import Part
-from beamcam.model.plan import Order, Plan, SheetPlan, ToolLoad
+from beamcam.model.plan import NOT_MADE, Order, Plan, SheetPlan, ToolLoad
 from beamcam.pipeline import as_error
 from beamcam.plain_text import terminal_text
 from beamcam.planning.beam import plan_bar
@@ -174,10 +174,11 @@ def plan_lines(
     codes_used = dict(reason for step in explained.steps for reason in step.reasons)
     for code, text in sorted(codes_used.items()):
         yield f"{code}: {text}"
-    made = [outcome for outcome in plan.outcomes if outcome.how == "skipped"]
-    for outcome in made:
-        p, f = outcome.feature
-        yield f"left out: {plan.pieces[p].part.features[f].source} ({outcome.by})"
+    for outcome in plan.outcomes:
+        if outcome.how in NOT_MADE:
+            p, f = outcome.feature
+            source = plan.pieces[p].part.features[f].source
+            yield f"{NOT_MADE[outcome.how]}: {source} ({outcome.by})"
     yield (
         f"{len(plan.operations)} operations, {explained.changes} changes of spindle or tool, "
         f"bar {explained.forward:.1f} mm forward and {explained.back:.1f} mm back, "

@@ -5,7 +5,7 @@ from collections.abc import Iterator
 from beamcam.errors import Diagnostic
 from beamcam.machine.machine import Machine
 from beamcam.model.lengths import total_length
-from beamcam.model.plan import ContourOp, SheetPlan
+from beamcam.model.plan import NOT_MADE, ContourOp, SheetPlan
 from beamcam.model.work_time import WorkTime
 from beamcam.report.run import as_message
 
@@ -32,8 +32,9 @@ def sheet_lines(plan: SheetPlan, time: WorkTime, machine: Machine) -> Iterator[s
             f"{op.row.feed_mm_min:g} mm/min{bridges} {seconds:7.1f} s  {op.source}"
         )
     for outcome in plan.outcomes:
-        if outcome.how == "skipped":
-            yield f"left out: {piece.part.features[outcome.feature[1]].source} ({outcome.by})"
+        if outcome.how in NOT_MADE:
+            source = piece.part.features[outcome.feature[1]].source
+            yield f"{NOT_MADE[outcome.how]}: {source} ({outcome.by})"
     yield (
         f"{len(plan.operations)} contours, {sum(map(path_of, plan.operations)):.1f} mm, home "
         f"{time.home_s:.1f} s, {time.total_s:.0f} s"

@@ -8,7 +8,7 @@ from beamcam.commands import options
 from beamcam.commands.common import Voice, keep_apart, keep_refused, write
 from beamcam.commands.parts import part_options, read_parts
 from beamcam.commands.settings import files_read, machine_for, map_remarks, settled
-from beamcam.commands.tables import job_name, outputs, table_style
+from beamcam.commands.tables import job_name, outputs, table_style, write_list
 from beamcam.errors import BeamcamError, Diagnostic
 from beamcam.model.plan import Order
 from beamcam.pipeline import Posted, RefusedProgram, post, untold
@@ -89,6 +89,7 @@ def command(
         voice.did(f"{machine.name}: {ledger_of(posted.plan.outcomes)}")
     files, read = tuple(outputs(posted, machine, output)), files_read(config, inputs)
     keep_apart((path for path, _ in files), read, voice)
+    write_list(posted, output, voice, read)
     for path, content in files:
         write(path, content, voice, read)
     voice.say((*said, *posted.remarks))

@@ -19,8 +19,9 @@ from beamcam.commands.running import shop_of
 from beamcam.commands.settings import settled_by
 from beamcam.config.values import Config
 from beamcam.errors import BeamcamError, Diagnostic, ReadError, Source
-from beamcam.files import write_whole
+from beamcam.files import remove_made, write_whole
 from beamcam.machine import Machine
+from beamcam.report.hand_list import LIST_BEGIN, LIST_SUFFIX, HandRow, as_csv
 from beamcam.report.run import Row, as_message
 
 DEFAULT_SAMPLES = Path("samples")
@@ -117,15 +118,17 @@ class Recorded:
         self, noted: Noted, row: Row, new: dict[str, bytes], machines: Sequence[Machine]
     ) -> Iterator[Checked]:
         of_name = dict(zip(new, machines, strict=True))
+        by_hand = dict(zip(new, (part["by_hand"] for part in row["parts"]), strict=True))
         known = [part["output"] for part in noted.row["parts"]]
         said = tuple(m for m in row["messages"] if m["severity"] == "error")
         for name in noted.outputs:
             path = self._path(name)
             stands = path.is_file()
             if name in new and stands:
-                yield compared(str(path), path.read_bytes(), new[name], of_name[name])
+                data = path.read_bytes()
+                yield compared(str(path), data, new[name], of_name[name], by_hand[name])
             elif name in new:
-                yield self._is_new(name, new[name])
+                yield self._is_new(name, new[name], by_hand[name])
             elif stands and said:
                 yield Checked(str(path), "refused", (), said)
                 said = ()  # it is said once for the input
@@ -134,12 +137,13 @@ class Recorded:
             elif stands:
                 message = as_message(GONE.at(Source(str(path)), found=name))
                 yield Checked(str(path), "refused", (), (message,))
-        yield from (self._is_new(name, new[name]) for name in new if name not in self._known)
+        more = (name for name in new if name not in self._known)
+        yield from (self._is_new(name, new[name], by_hand[name]) for name in more)
 
-    def _is_new(self, name: str, content: bytes) -> Checked:
+    def _is_new(self, name: str, content: bytes, by_hand: Sequence[HandRow]) -> Checked:
         path = str(self._path(name))
         said = as_message(NEW.at(Source(path), found=name))
-        return Checked(path, "differs", (), (said,), content)
+        return Checked(path, "differs", (), (said,), content, by_hand)
 
     def _sample(self, noted: Noted) -> str:
         """The path of an input as it is now. Raises ReadError."""
@@ -172,6 +176,10 @@ def accept(results: Sequence[Checked]) -> tuple[Checked, ...]:
         if one.new is not None:
             os.makedirs(os.path.dirname(one.path) or os.curdir, exist_ok=True)
             write_whole(one.path, one.new)
+            if one.by_hand:
+                write_whole(one.path + LIST_SUFFIX, as_csv(one.by_hand))
+            else:
+                remove_made(one.path + LIST_SUFFIX, LIST_BEGIN)
     return tuple(one for one in results if one.new is None)
 
 

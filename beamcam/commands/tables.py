@@ -5,7 +5,9 @@ from pathlib import PurePath
 
 import click
 
+from beamcam.commands.common import Voice, write
 from beamcam.config.values import Config
+from beamcam.files import FilesRead, remove_made
 from beamcam.machine import Machine
 from beamcam.pipeline import Posted
 
@@ -65,3 +67,19 @@ def outputs(
         yield output, main
         return
     yield output, posted.pieces()
+
+
+def write_list(posted: Posted, output: str, voice: Voice, read: FilesRead) -> None:
+    """Write the list for the hand beside a program, or take away an older one.
+
+    Of a program on standard output the messages alone say what is left to the hand.
+    """
+    from beamcam.report.hand_list import LIST_BEGIN, LIST_SUFFIX, as_csv, hand_rows
+
+    if output == STANDARD_OUTPUT:
+        return
+    path = output + LIST_SUFFIX
+    if rows := hand_rows(posted.plan):
+        write(path, as_csv(rows), voice, read)
+    else:
+        remove_made(path, LIST_BEGIN)

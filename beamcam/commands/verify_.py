@@ -16,8 +16,12 @@ from beamcam.pipeline import read_back
 from beamcam.posts import Request
 from beamcam.readers.content import shown_name
 from beamcam.report.run import as_message
+from beamcam.verify.by_hand import BY_HAND
 from beamcam.verify.head import Head, head_of, head_remarks
 from beamcam.verify.left_out import LEFT_OUT
+
+#: What is told of features that a program may be without.
+NOT_MADE = (LEFT_OUT.code, BY_HAND.code)
 
 
 @click.command("verify")
@@ -84,7 +88,7 @@ def command(
         voice.say((*said, *found))
     if errors_in(found):
         raise SystemExit(REFUSED)
-    if exit_left_out is not None and any(d.code == LEFT_OUT.code for d in found):
+    if exit_left_out is not None and any(d.code in NOT_MADE for d in found):
         raise SystemExit(exit_left_out)
 
 

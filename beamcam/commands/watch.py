@@ -114,7 +114,7 @@ def command(
         raise SystemExit(INTERRUPTED)
     if screen.counts.refused or screen.counts.failed:
         raise SystemExit(REFUSED)
-    if screen.counts.left_out and exit_left_out is not None:
+    if screen.counts.not_made and exit_left_out is not None:
         raise SystemExit(exit_left_out)
 
 

@@ -16,6 +16,7 @@ from beamcam.conversion import Count, Keys, NotNegative, Positive, PositiveCount
 from beamcam.errors import Diagnostic, MachineError, Source
 from beamcam.geometry.expression import Expression, compile_expression
 from beamcam.machine import rules
+from beamcam.machine.marking import Marks
 from beamcam.machine.tables import Stepper, Triggers
 from beamcam.machine.words import Words
 
@@ -393,6 +394,7 @@ class MachineFile(Keys, frozen=True):
     tools: tuple[ToolSet, ...] = ()
     axes: tuple[ControlledAxis, ...] = ()
     torch: Torch | None = None
+    marks: Marks = Marks()
     triggers: Triggers | None = None
     stepper: Stepper | None = None
     sections: Mapping[str, int] = field(default_factory=dict)  #: the program's section codes

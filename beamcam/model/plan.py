@@ -110,12 +110,18 @@ class ToolLoad(Struct, frozen=True):
     number: int = 0  #: what the program calls the spindle
 
 
+#: What is said of outcomes by which nothing is made.
+NOT_MADE = {"skipped": "left out", "listed": "left to the hand"}
+
+
 class Outcome(Struct, frozen=True):
     """What became of one feature."""
 
     feature: FeatureRef
-    how: Literal["made", "merged", "duplicate", "skipped"]
-    by: str  #: what makes it (a kind of tool, or saw), or the code that it was left out by
+    how: Literal["made", "merged", "duplicate", "listed", "skipped"]
+    #: What makes it (a kind of tool, or saw), why it is on the list for the hand, or the code that
+    #: it was left out by.
+    by: str
 
 
 class Plan(Struct, frozen=True):

@@ -1,8 +1,8 @@
 """What a program does not make of its parts, or makes otherwise than by cutting, told by name.
 
 Nothing that a part has is missing from a program without a word: what was left out because
-`--allow-skips` names its kind is a warning at the feature, and lines that the map of colours and
-layers takes away from cutting are a note with their number.
+`--allow-skips` names its kind, or is left to the hand, is a warning at the feature, and lines that
+the map of colours and layers takes away from cutting are a note with their number.
 """
 
 from collections import Counter
@@ -13,6 +13,7 @@ from beamcam.model.colour import colour_name
 from beamcam.model.description import description
 from beamcam.model.part import Contour
 from beamcam.model.plan import Outcome, Plan, SheetPlan
+from beamcam.planning.by_hand import REASONS
 from beamcam.planning.rules import SKIP_NAMES
 
 LEFT_OUT = Rule(
@@ -22,13 +23,20 @@ LEFT_OUT = Rule(
     "The part is not finished when the program ends: what is left out has to be made by hand or "
     "on another machine. `--exit-left-out` gives it an exit status of its own.",
 )
+BY_HAND = Rule(
+    "plan-by-hand",
+    Severity.WARNING,
+    "found {what}; {why}, so it stands on the list for the hand",
+    "The part is posted without the mark, which has to be made by hand. The list is written beside "
+    "the program; `[marks]` in a machine file says what becomes of each kind of mark.",
+)
 NOT_CUT = Rule(
     "plan-not-cut",
     Severity.NOTE,
     "found {count} curve(s) {look}; the map has them {how}, not cut",
     "A colour or a layer that is mapped to mark, engrave or ignore leaves no cut in the sheet.",
 )
-RULES = (LEFT_OUT, NOT_CUT)
+RULES = (LEFT_OUT, BY_HAND, NOT_CUT)
 
 MAPPED_AWAY = {"map-ignore": "ignored", "mark": "marked", "engrave": "engraved"}
 
@@ -38,6 +46,8 @@ def told(plan: Plan | SheetPlan) -> Iterator[Diagnostic]:
     skipped = [outcome for outcome in plan.outcomes if _is_by_name(outcome)]
     # A part that lies on the bar several times is told of once.
     yield from dict.fromkeys(_left_out(plan, outcome) for outcome in skipped)
+    listed = [outcome for outcome in plan.outcomes if outcome.how == "listed"]
+    yield from dict.fromkeys(_by_hand(plan, outcome) for outcome in listed)
     if isinstance(plan, SheetPlan):
         yield from _not_cut(plan)
 
@@ -46,6 +56,14 @@ def left_out_sources(plan: Plan | SheetPlan) -> Iterator[Source]:
     """Where each feature stands that was left out because `--allow-skips` names its kind."""
     for outcome in plan.outcomes:
         if _is_by_name(outcome):
+            piece, index = outcome.feature
+            yield plan.pieces[piece].part.features[index].source
+
+
+def by_hand_sources(plan: Plan | SheetPlan) -> Iterator[Source]:
+    """Where each mark stands that is left to the hand."""
+    for outcome in plan.outcomes:
+        if outcome.how == "listed":
             piece, index = outcome.feature
             yield plan.pieces[piece].part.features[index].source
 
@@ -63,6 +81,12 @@ def _left_out(plan: Plan | SheetPlan, outcome: Outcome) -> Diagnostic:
     feature = plan.pieces[piece].part.features[index]
     kind = outcome.by.removeprefix("plan-")
     return LEFT_OUT.at(feature.source, what=description(feature), kind=kind)
+
+
+def _by_hand(plan: Plan | SheetPlan, outcome: Outcome) -> Diagnostic:
+    piece, index = outcome.feature
+    feature = plan.pieces[piece].part.features[index]
+    return BY_HAND.at(feature.source, what=description(feature), why=REASONS[outcome.by])
 
 
 def _not_cut(plan: SheetPlan) -> Iterator[Diagnostic]:

@@ -3,6 +3,8 @@
 What one kind of work alone refuses stands in its file under `operations/`.
 """
 
+from collections.abc import Iterable
+
 from beamcam.errors import Rule, Severity
 
 _E, _W, _N = Severity.ERROR, Severity.WARNING, Severity.NOTE
@@ -170,8 +172,9 @@ SLOT = Rule(
 MARK = Rule(
     "plan-mark",
     _E,
-    "found {found} to mark on face {face}; expected none, the machine has no {tool} for it",
-    "`--allow-skips mark` leaves marks and scribe lines to another machine.",
+    "found {found} to mark on face {face}; expected none, {why}",
+    "Points and lines locate other parts. `--allow-skips mark` leaves them out; with `[marks]` of "
+    'the machine file as `points = "list"` or `contours = "list"` they are left to the hand.',
 )
 BEVEL = Rule(
     "plan-bevel",
@@ -198,3 +201,17 @@ SKIP_NAMES = (
     "tool", "countersink", "sink-depth", "thread-depth", "face", "reach", "stroke", "axis",
     "off-face", "slot", "cope", "cutout", "mark", "bevel", "other",
 )  # fmt: skip
+ALL_SKIPS = "all"  #: in place of the names of all kinds of features
+
+
+def named_skips(words: Iterable[str]) -> tuple[str, ...]:
+    """The kinds of features that are named, each once and in order; `all` names every kind."""
+    names = set(words)
+    if ALL_SKIPS in names:
+        names = (names - {ALL_SKIPS}) | {*SKIP_NAMES}
+    return tuple(sorted(names))
+
+
+def no_unit(tool: str) -> str:
+    """Why a machine marks nothing."""
+    return f"the machine has no {tool} for it"

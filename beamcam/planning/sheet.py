@@ -48,7 +48,7 @@ def plan_sheet(parts: Sequence[Part], machine: Machine, skips: Collection[str] =
                 expected=", ".join(SHEET_CODES),
             )
         )
-    gathered = gather(part, torch, machine.name, skips)
+    gathered = gather(part, torch, machine, skips)
     material = Material(part, torch)
     refusals = [*gathered.refusals, *material.refusals({w.process for w in gathered.wanted})]
     if refusals:
@@ -86,7 +86,8 @@ def plan_sheet(parts: Sequence[Part], machine: Machine, skips: Collection[str] =
 
 def _nothing(part: Part, gathered: Gathered, small: int, gap: float) -> Diagnostic:
     """Why there is no work, as far as the drawing says; `small` features are too small."""
-    found = [f"{len(gathered.skipped)} features left out"] if gathered.skipped else []
+    out = len(gathered.skipped) + len(gathered.listed)
+    found = [f"{out} features left out"] if out else []
     if small:
         found.append(f"{small} curves no larger than {gap:g} mm")
     if part.measures is not None and part.measures.filled:
@@ -105,6 +106,8 @@ def _outcomes(
     for index in range(len(part.features)):
         if index in made:
             yield Outcome((0, index), "made", made[index])
+        elif index in gathered.listed:
+            yield Outcome((0, index), "listed", gathered.listed[index])
         elif index in gathered.skipped:
             yield Outcome((0, index), "skipped", gathered.skipped[index])
         elif index in stands:

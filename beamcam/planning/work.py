@@ -15,6 +15,7 @@ from beamcam.machine.machine import Tool
 from beamcam.model.part import Part
 from beamcam.model.plan import DrillOp, FeatureRef, PathOp, Piece, SpindleOp
 from beamcam.planning.axis_limits import refuse_beyond, refuse_strokes
+from beamcam.planning.by_hand import BY_POLICY, is_listed, refuse_mark
 from beamcam.planning.ends import SQUARE, Ends, ends_of
 from beamcam.planning.line import Line
 from beamcam.planning.operations.bench import Bench
@@ -71,7 +72,15 @@ def _ends_told(ends: Ends, bench: Bench) -> Iterator[Diagnostic]:
 
 def _put_features(bench: Bench) -> None:
     """Put each feature that can be made to those of its kind, and refuse the others."""
+    marks = bench.line.machine.marks
     for f, given in enumerate(bench.part.features):
+        if is_listed(given, marks):
+            bench.settled[f] = Settled(f, "listed", BY_POLICY)
+            continue
+        said_of_mark = refuse_mark(given, marks)
+        if said_of_mark is not None:
+            bench.refused[f] = said_of_mark
+            continue
         kind, feature = kind_of(given), bench.on_reached_face(f, given)
         lacking = kind.needs(feature, bench)
         if lacking is not None:

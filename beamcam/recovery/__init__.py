@@ -6,10 +6,12 @@
 What comes back was proved: the program, read back against the parts, makes exactly them.
 """
 
-from beamcam.errors import errors_in
+from beamcam.errors import Source, errors_in
 from beamcam.machine.machine import Machine
+from beamcam.recovery import rules
 from beamcam.recovery.bars import recover_bars
 from beamcam.recovery.found import Recovered, Stock, with_marks
+from beamcam.verify.head import head_of
 
 __all__ = ["Recovered", "Stock", "recover", "with_marks"]
 
@@ -28,4 +30,10 @@ def recover(text: str, machine: Machine, name: str = "program", stock: Stock = S
         from beamcam.recovery.sheets import recover_sheet
 
         found = recover_sheet(text, machine, name)
-    return Recovered((), found.said) if errors_in(found.said) else found
+    if errors_in(found.said):
+        return Recovered((), found.said)
+    head = head_of(text)
+    if head is None or not head.by_hand:
+        return found
+    left = rules.BY_HAND.at(Source(name), found=head.by_hand)
+    return Recovered(found.parts, (*found.said, left))

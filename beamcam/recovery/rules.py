@@ -50,5 +50,12 @@ KERF = Rule(
     "expected a contour around which the beam can go",
     "The contour lies half a kerf beside the path, on the part's side.",
 )
+BY_HAND = Rule(
+    "recover-by-hand",
+    Severity.WARNING,
+    "found a head that leaves {found} mark(s) to the hand; they are not in what is recovered",
+    "Marks on the list for the hand are no work of the machine, so that the program does not say "
+    "what they are. The list is the `.hand.csv` beside the program.",
+)
 
-RULES = (NO_PIECE, FACES, PROFILE, CATALOGUE, PATH, SHEET, KERF)
+RULES = (NO_PIECE, FACES, PROFILE, CATALOGUE, PATH, SHEET, KERF, BY_HAND)

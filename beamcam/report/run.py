@@ -12,6 +12,7 @@ from msgspec import Struct, field
 
 from beamcam.errors import Diagnostic
 from beamcam.plain_text import json_text, terminal_text
+from beamcam.report.hand_list import HandRow
 
 SCHEMA = "beamcam/run/1"
 
@@ -44,6 +45,7 @@ class Ledger(TypedDict):
     made: int
     merged: int
     duplicate: int
+    listed: int  #: for the hand
     skipped: int
 
 
@@ -59,6 +61,7 @@ class PartRow(TypedDict):
     sha256: str  #: of the output
     bar: float  #: length of the bar, mm; 0 for a sheet
     ledger: Ledger
+    by_hand: list[HandRow]  #: marks on the list for the hand
     skipped_by: dict[str, int]  #: code -> number of features
     mapped: dict[str, int]  #: colour or layer of the map -> number of curves of a drawing
     tools: list[str]
@@ -85,6 +88,7 @@ class Counts(Struct):
     refused: int = 0
     failed: int = 0
     left_out: int = 0  #: features that --allow-skips let be missing from programs
+    by_hand: int = 0  #: marks left to the hand
     mapped: Tally[str] = field(default_factory=Tally)  #: curves by key of the map
 
     def add(self, row: Row) -> None:
@@ -94,7 +98,13 @@ class Counts(Struct):
             self.left_out += sum(
                 count for code, count in part["skipped_by"].items() if code not in NOT_BY_NAME
             )
+            self.by_hand += part["ledger"]["listed"]
             self.mapped.update(part["mapped"])
+
+    @property
+    def not_made(self) -> int:
+        """Features that programs leave out, by leave or to the hand."""
+        return self.left_out + self.by_hand
 
     @property
     def total(self) -> int:
@@ -102,7 +112,8 @@ class Counts(Struct):
 
     def __str__(self) -> str:
         counts = [f"{getattr(self, status)} {status}" for status in STATUSES]
-        return ", ".join([*counts, *([f"{self.left_out} left out"] if self.left_out else [])])
+        left = {"left out": self.left_out, "left to the hand": self.by_hand}
+        return ", ".join([*counts, *(f"{count} {how}" for how, count in left.items() if count)])
 
 
 def as_message(said: Diagnostic) -> Message:

@@ -4,13 +4,13 @@ import csv
 import io
 from collections.abc import Iterable, Iterator
 
-from beamcam.plain_text import terminal_text
+from beamcam.plain_text import harmless_cell
 from beamcam.report.run import Counts, Message, PartRow, Row, encoded, message_line
 
 HEAD = (
     "file", "status", "format", "seconds", "mark", "quantity", "profile", "length", "machine",
-    "output", "bar", "features", "made", "merged", "duplicate", "skipped", "tools", "operations",
-    "machine_time_s", "errors", "warnings", "notes", "messages",
+    "output", "bar", "features", "made", "merged", "duplicate", "listed", "skipped", "tools",
+    "operations", "machine_time_s", "errors", "warnings", "notes", "messages",
 )  # fmt: skip
 
 
@@ -43,7 +43,7 @@ def as_csv(rows: Iterable[Row], counts: Counts, said: Iterable[Message]) -> Iter
         )
 
 
-_CELLS = HEAD[4:19]
+_CELLS = HEAD[4:20]
 
 
 def _cells(part: PartRow) -> tuple[object, ...]:
@@ -51,7 +51,7 @@ def _cells(part: PartRow) -> tuple[object, ...]:
     return (
         part["mark"], part["quantity"], part["profile"], f"{part['length']:g}", part["machine"],
         part["output"], f"{part['bar']:g}", ledger["read"], ledger["made"], ledger["merged"],
-        ledger["duplicate"], ledger["skipped"],
+        ledger["duplicate"], ledger["listed"], ledger["skipped"],
         " ".join(t.replace(" ", "-") for t in part["tools"]),
         part["operations"], "" if seconds is None else f"{seconds:.1f}",
     )  # fmt: skip
@@ -59,13 +59,5 @@ def _cells(part: PartRow) -> tuple[object, ...]:
 
 def _line(cells: Iterable[object]) -> bytes:
     out = io.StringIO()
-    csv.writer(out, lineterminator="\n").writerow(_harmless(cell) for cell in cells)
+    csv.writer(out, lineterminator="\n").writerow(harmless_cell(cell) for cell in cells)
     return encoded(out.getvalue())
-
-
-def _harmless(cell: object) -> object:
-    """A text as one line, with a quote before what a spreadsheet would take for a formula."""
-    if not isinstance(cell, str):
-        return cell
-    text = terminal_text(cell)
-    return f"'{text}" if text.startswith(("=", "+", "-", "@")) else text

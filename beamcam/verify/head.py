@@ -2,6 +2,7 @@
 
     (BEAMCAM 1 MACHINE beamline 5f3a9c2e)        version of the form, machine, checksum of its file
     (ALLOWED TO BE LEFT OUT: cope, slot)         the kinds that --allow-skips named, if any
+    (LEFT TO THE HAND: 2)                        marks on the list for the hand, if any
 
 It is read whatever signs a controller has for comments, and written nowhere in this package: a
 program whose head says otherwise than what was asked for is refused.
@@ -21,14 +22,15 @@ MOST_CHARACTERS = 1024  #: of the head itself; all kinds that there are take 300
 
 _MADE = re.compile(r"BEAMCAM ([0-9]{1,6}) MACHINE (\S+)(?: ([0-9a-f]{8})\b)?")
 _ALLOWED = re.compile(r"ALLOWED TO BE LEFT OUT: ([a-z-]+(?:, [a-z-]+)*)")
-
+_BY_HAND = re.compile(r"LEFT TO THE HAND: ([0-9]{1,9})")
 
 HEAD = Rule(
     "verify-head",
     Severity.ERROR,
     "found {found} in the head of the program; expected {expected}",
-    "The head says which kinds of features may be missing, and for which machine file the program "
-    "was made. One that says otherwise would make a later check believe it.",
+    "The head says which kinds of features may be missing, how many marks are left to the hand, "
+    "and for which machine file the program was made. One that says otherwise would make a later "
+    "check believe it.",
 )
 NEWER = Rule(
     "verify-head-newer",
@@ -53,6 +55,7 @@ class Head(Struct, frozen=True):
     machine: str
     checksum: str  #: "" where the machine did not come from a file
     allowed: tuple[str, ...]  #: kinds of features that may be left out, sorted
+    by_hand: int = 0  #: marks left to the hand
 
 
 def head_of(text: str) -> Head | None:
@@ -62,13 +65,18 @@ def head_of(text: str) -> Head | None:
         return None
     lines = _ALLOWED.finditer(text, made.end(), made.end() + MOST_CHARACTERS)
     kinds = {kind for found in lines for kind in found[1].split(", ")}
-    return Head(int(made[1]), made[2], made[3] or "", tuple(sorted(kinds)))
+    hand = _BY_HAND.search(text, made.end(), made.end() + MOST_CHARACTERS)
+    by_hand = int(hand[1]) if hand else 0
+    return Head(int(made[1]), made[2], made[3] or "", tuple(sorted(kinds)), by_hand)
 
 
 def head_faults(
-    head: Head | None, machine: Machine, allowed: Collection[str], name: str
+    head: Head | None, machine: Machine, allowed: Collection[str], name: str, by_hand: int = 0
 ) -> Iterator[Diagnostic]:
-    """Everything in which a head differs from what was asked for."""
+    """Everything in which a head differs from what was asked for, and from what was read back.
+
+    `by_hand` is the number of marks that the read-back found left to the hand.
+    """
     source = Source(name)
     kinds = ", ".join(sorted(allowed)) or "none"
     if head is None:
@@ -76,6 +84,8 @@ def head_faults(
     elif head.allowed != tuple(sorted(allowed)):
         found = ", ".join(head.allowed) or "none"
         yield HEAD.at(source, found=f"a head that allows {found}", expected=kinds)
+    elif head.by_hand != by_hand:
+        yield HEAD.at(source, found=f"{head.by_hand} left to the hand", expected=by_hand)
     elif head.version != VERSION or head.checksum != machine.checksum:
         found = f"the form {head.version} and the checksum {head.checksum or 'none'}"
         expected = f"{VERSION} and {machine.checksum or 'none'}"

@@ -34,7 +34,7 @@ def compare_polylines(
     if torch is None:
         raise TypeError(f"{machine.name} has no torch")
     rows = {row.process: row for row in reversed(rows_of(part, torch))}
-    need = need_of(part, torch, skips)
+    need = need_of(part, machine, torch, skips)
     strokes: list[Stroke] = []
     chains = []
     count = 0

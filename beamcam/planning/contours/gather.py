@@ -9,7 +9,7 @@ from msgspec import Struct, field
 from beamcam.errors import Diagnostic, Source
 from beamcam.geometry.curves import Arc, Curve, Line, unit_vector
 from beamcam.geometry.plane import Point
-from beamcam.machine.machine import Torch, TorchProcess
+from beamcam.machine.machine import Machine, Torch, TorchProcess
 from beamcam.model.colour import colour_name, process_of
 from beamcam.model.part import (
     Bend,
@@ -24,6 +24,7 @@ from beamcam.model.part import (
     TextMark,
 )
 from beamcam.planning import rules as bar_rules
+from beamcam.planning.by_hand import BY_POLICY, is_listed, refuse_mark
 from beamcam.planning.contours import rules
 
 Meaning = Literal["cut", "mark", "engrave", "ignore"]
@@ -53,18 +54,22 @@ class Gathered(Struct):
     wanted: list[Wanted] = field(default_factory=list)
     rings: set[int] = field(default_factory=set)  #: features that are closed by what they say
     skipped: dict[int, str] = field(default_factory=dict)  #: feature: the code it is left out by
+    listed: dict[int, str] = field(default_factory=dict)  #: marks left to the hand, and why
     refusals: list[Diagnostic] = field(default_factory=list)
     remarks: list[Diagnostic] = field(default_factory=list)
 
 
-def gather(part: Part, torch: Torch, machine: str, skips: Collection[str]) -> Gathered:
+def gather(part: Part, torch: Torch, machine: Machine, skips: Collection[str]) -> Gathered:
     """The curves of a part by process; what the machine cannot make is refused or skipped."""
     found = Gathered()
     meanings = _Meanings(torch.colours)
     unmapped: Counter[tuple[str | None, str | None]] = Counter()
     first: dict[tuple[str | None, str | None], Source] = {}
     for index, feature in enumerate(part.features):
-        said = _refusal(feature, torch)
+        if is_listed(feature, machine.marks):
+            found.listed[index] = BY_POLICY
+            continue
+        said = refuse_mark(feature, machine.marks) or _refusal(feature, torch)
         if said is not None and said.code == bar_rules.BEVEL.code and "bevel" in skips:
             found.remarks.append(rules.SQUARE.at(feature.source))
             said = None
@@ -96,7 +101,7 @@ def gather(part: Part, torch: Torch, machine: str, skips: Collection[str]) -> Ga
         found.refusals.append(_unmapped(look, count, first[look], torch.colours))
     if _needs_outline(part):
         found.wanted += (Wanted(c, "cut", OUTLINE, part.source) for c in _rectangle(part))
-    found.refusals += _unknown_processes(found.wanted, torch, machine)
+    found.refusals += _unknown_processes(found.wanted, torch, machine.name)
     return found
 
 
@@ -169,8 +174,9 @@ def _refusal(feature: Feature, torch: Torch) -> Diagnostic | None:
             return _refuse_slot(feature, torch)
         case TextMark():
             return bar_rules.MARK.at(
-                feature.source, found=f"the text {feature.text!r}", face=feature.face, tool="stamp"
-            )
+                feature.source, found=f"the text {feature.text!r}", face=feature.face,
+                why=bar_rules.no_unit("stamp"),
+            )  # fmt: skip
         case Bend() | EndPlane() | Camber():
             names = {Bend: "a bend", EndPlane: "an end plane", Camber: "a camber"}
             return bar_rules.OTHER.at(feature.source, found=names[type(feature)])

@@ -24,7 +24,7 @@ from beamcam.errors import Rule, Severity
 from beamcam.machine.machine import FLAT_DEG
 from beamcam.model.part import Face, HoleKind
 from beamcam.planning.operations.job import Tooling
-from beamcam.planning.rules import MARK, NO_TOOL
+from beamcam.planning.rules import MARK, NO_TOOL, no_unit
 from beamcam.planning.tools import ROUNDING, Rack, Tools
 
 NO_PILOT = Rule(
@@ -91,7 +91,8 @@ def _toolings(rack: Rack, hole: HoleWork) -> tuple[Tooling, ...] | Refusal:
         case "mark":
             punches = rack.of_kind("punch", hole.faces)
             if not punches:
-                values = {"found": "a centre punch", "face": hole.faces[0], "tool": "punch"}
+                why = no_unit("punch")
+                values = {"found": "a centre punch", "face": hole.faces[0], "why": why}
                 return Refusal(MARK, values)
             return (_step(hole, punches[:1], hole.depth or rack.drill.punch_depth, "punch-mark"),)
 

@@ -37,8 +37,8 @@ class Settled(Struct, frozen=True):
     """A feature that needs no job of its own."""
 
     feature: int
-    how: Literal["made", "duplicate"]
-    by: str  #: "saw", or the code that says why
+    how: Literal["made", "duplicate", "listed"]
+    by: str  #: "saw", why it is left to the hand, or the code that says why
     like: int | None = None  #: the feature that it repeats
 
 

@@ -10,7 +10,7 @@ from beamcam.planning.operations.job import Found, Job, Tooling
 from beamcam.planning.operations.kind import Kind
 from beamcam.planning.operations.reach import IN_THE_WAY
 from beamcam.planning.paths import line_points
-from beamcam.planning.rules import MARK
+from beamcam.planning.rules import MARK, no_unit
 
 _E, _W = Severity.ERROR, Severity.WARNING
 
@@ -41,7 +41,7 @@ def _length(line: Contour) -> str:
 def _needs(line: Contour, bench: Bench) -> Diagnostic | None:
     if can_scribe(line.face, bench):
         return None
-    return MARK.at(line.source, found=_length(line), face=line.face, tool="scribe")
+    return MARK.at(line.source, found=_length(line), face=line.face, why=no_unit("scribe"))
 
 
 def _refusals(line: Contour, bench: Bench) -> Iterator[Diagnostic]:

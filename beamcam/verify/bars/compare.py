@@ -28,6 +28,7 @@ from beamcam.verify.bars.targets import (
     Target,
     targets_of,
 )
+from beamcam.verify.by_hand import left_to_hand
 from beamcam.verify.left_out import left_out
 
 
@@ -67,6 +68,7 @@ class Comparison:
         optional: dict[tuple[int, int], None] = {}  #: part and feature that may be missing
         missing: set[tuple[int, int]] = set()  #: those that are
         for p, one in enumerate(laid):
+            self.said += left_to_hand(one.part, self.machine)
             targets = self._targets_of(one.part, one.ends)
             spare = may_be_missing(one.part, targets, self.shop, self.asked.skips)
             optional.update(dict.fromkeys((p, f) for f in spare))

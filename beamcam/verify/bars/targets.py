@@ -19,6 +19,8 @@ from msgspec.structs import replace
 
 from beamcam.geometry.curves import Curve, Point
 from beamcam.machine.machine import FLAT_DEG
+from beamcam.model.description import description
+from beamcam.model.marks import policy_on
 from beamcam.model.part import (
     Bend,
     Camber,
@@ -34,6 +36,7 @@ from beamcam.model.part import (
 from beamcam.model.section import OTHER_SIDE
 from beamcam.verify.bars.part_ends import ANGLE_TOLERANCE_DEG, End, off_outline
 from beamcam.verify.bars.shop import Shop
+from beamcam.verify.by_hand import is_by_hand
 
 PLAIN_KINDS = ("through", "blind")  #: of a hole that a drill alone makes
 THREADS = ("thread", "left-thread")
@@ -169,6 +172,11 @@ def is_same(hole: Hole, other: Hole, tolerance: float) -> bool:
 def _targets(
     f: int, feature: Feature, part: Part, ends: tuple[End, End], shop: Shop
 ) -> Iterator[Target]:
+    if is_by_hand(feature, shop.machine):
+        return
+    if policy_on(feature, shop.machine.marks) == "refuse":
+        yield Lack(f, f"the {description(feature)}", "mark", feature)
+        return
     match feature:
         case Hole():
             yield from _hole(f, feature, part, shop)

@@ -47,7 +47,7 @@ def verify_sheet(
         name,
     )
     said += more
-    need = need_of(part, torch, skips)
+    need = need_of(part, machine, torch, skips)
     said += need.said
     if need.curves or strokes.each:
         said += compare(strokes, need, machine, torch, shift_of(need, torch), name)

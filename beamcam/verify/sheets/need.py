@@ -10,10 +10,12 @@ from msgspec import Struct, field
 from beamcam.errors import Diagnostic, Source
 from beamcam.geometry.curves import Arc, Curve, Line, unit_vector
 from beamcam.geometry.plane import Point
-from beamcam.machine.machine import Torch, TorchProcess, TorchRow
+from beamcam.machine.machine import Machine, Torch, TorchProcess, TorchRow
 from beamcam.model.colour import process_of
 from beamcam.model.drawing import extent
+from beamcam.model.marks import policy_on
 from beamcam.model.part import Contour, Feature, Hole, Part, Process, Slot, TextMark
+from beamcam.verify.by_hand import is_by_hand, left_to_hand
 from beamcam.verify.left_out import left_out
 from beamcam.verify.sheets import rules
 
@@ -55,14 +57,15 @@ class Need(Struct):
         return self.drawn[key]
 
 
-def need_of(part: Part, torch: Torch, skips: Collection[str]) -> Need:
+def need_of(part: Part, machine: Machine, torch: Torch, skips: Collection[str]) -> Need:
     """The curves of a part; features that nothing is known to make are told.
 
     A feature may be missing if its colour or layer is mapped to "ignore", or if the machine cannot
     make it and its kind is one of `skips`, as `--allow-skips` names them. A feature that the
-    machine can make is needed whatever is named.
+    machine can make is needed whatever is named; marks that the machine's file leaves to the hand
+    are told.
     """
-    need = Need()
+    need = Need(said=[*left_to_hand(part, machine)])
     table = cast("dict[str, Process]", torch.colours)
     known: dict[tuple[str | None, str | None], str | None] = {}
     outlined = False
@@ -71,7 +74,10 @@ def need_of(part: Part, torch: Torch, skips: Collection[str]) -> Need:
             outlined = outlined or (
                 feature.kind == "outer" and feature.process == "cut" and feature.face in FACES
             )
-        lack = lack_of(feature, torch)
+        if is_by_hand(feature, machine):
+            continue
+        refused = policy_on(feature, machine.marks) == "refuse"
+        lack = "mark" if refused else lack_of(feature, torch)
         if lack is not None and lack not in skips:
             _not_made(need, part, feature, lack)
             continue

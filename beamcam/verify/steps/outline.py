@@ -154,7 +154,7 @@ class Outline:
         self.need = Need()
         self._stroke: _Stroke | None = None
         if part is not None:
-            need = self.need = need_of(part, self.torch, skips)
+            need = self.need = need_of(part, machine, self.torch, skips)
             shift = shift_of(need, self.torch)
             self.work = work_of(part, self.torch)
             fine = self.torch.tolerance / 8

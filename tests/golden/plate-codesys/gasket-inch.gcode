@@ -2,7 +2,7 @@
 N1 G90
 N2 G99
 N3 G40
-(BEAMCAM 1 MACHINE plate-codesys b4f6ff6c)
+(BEAMCAM 1 MACHINE plate-codesys 3e8fa7f8)
 N4 G00 X17.549 Y60.893
 N5 M03
 N6 G04 T0.5

@@ -10,6 +10,7 @@ from beamcam import planning
 from beamcam.errors import PlanError
 from beamcam.geometry.curves import Line
 from beamcam.machine import load
+from beamcam.machine.marking import Marks
 from beamcam.model.part import Bend, Bevel, Contour, EndCuts, Part, Profile, Slot, TextMark
 from beamcam.planning.beam import plan_bar
 from beamcam.planning.rules import SKIP_NAMES
@@ -144,11 +145,18 @@ CASES: tuple[Case, ...] = (
     ("plan-cutout", "beamline", (part(HOUSE),), {},
      "found a cut-out of 60 x 40 mm on face v; expected none, the machine has no torch"),
     ("plan-mark", "beamline", (part(LINE),), {},
+     'found 100 mm of line to mark on face v; expected none, marks.contours of the machine file is '
+     '"refuse"'),
+    ("plan-mark", "unit-less", (part(LINE),), {},
      "found 100 mm of line to mark on face v; expected none, the machine has no scribe for it"),
     ("plan-mark", "beamline", (part(hole(500, diameter=0, kind="mark")),), {},
+     'found a centre punch to mark on face v; expected none, marks.points of the machine file is '
+     '"refuse"'),
+    ("plan-mark", "unit-less", (part(hole(500, diameter=0, kind="mark")),), {},
      "found a centre punch to mark on face v; expected none, the machine has no punch for it"),
-    ("plan-mark", "beamline-annex", (part(TextMark("v", 9, 9, 0, 10, "X1", SOURCE)),), {},
-     "found the text 'X1' to mark on face v; expected none, the machine has no scribe for it"),
+    ("plan-mark", "silent", (part(TextMark("v", 9, 9, 0, 10, "X1", SOURCE)),), {},
+     "found the text 'X1' to mark on face v; expected none, marks.text of the machine file is "
+     '"refuse"'),
     ("plan-bevel", "beamline", (part(outline(SQUARE, bevels=(Bevel(1, 40.0, 0.0),))),), {},
      "found a bevel of 40 degrees on face v; expected none but those of the saw cuts"),
     ("plan-other", "beamline", (part(Bend((0, 1), (9, 1), 90, 5, SOURCE)),), {},
@@ -238,18 +246,23 @@ CASES: tuple[Case, ...] = (
      "the spindle turns at 150 rpm at least"),
 )  # fmt: skip
 
+#: Machines that are the beamline but for what becomes of marks.
+MARKS = {"unit-less": Marks(), "silent": Marks(text="refuse"), "wordless": Marks()}
+
 
 def said(case: Case) -> list[tuple[str, str]]:
     """Code and text of everything that planning a case says."""
     _, name, parts, options, _ = case
     machine = load(
-        {"simple": "beamline-pusher", "wordless": "beamline"}.get(name, name)
+        {"simple": "beamline-pusher"}.get(name, "beamline" if name in MARKS else name)
         if name != "behind"
         else "beamline-pusher"
     )
     if name == "behind":  # the pusher does not come as far as that
         axes = tuple(replace(a, min=50.0) if a.moves == "X" else a for a in PUSHER.axes)
         machine = replace(PUSHER, axes=axes)
+    if name in MARKS:
+        machine = replace(machine, name=name, marks=MARKS[name])
     if name == "wordless":
         machine = replace(machine, name=name, words=replace(machine.words, change=()))
     if name == "simple":

@@ -10,7 +10,7 @@ from msgspec.structs import replace
 from beamcam.errors import PlanError
 from beamcam.geometry.curves import BSpline, Line, signed_area
 from beamcam.machine import load
-from beamcam.model.part import Bend, Bevel, Contour, Feature, Hole, Part, Profile, Slot, TextMark
+from beamcam.model.part import Bend, Bevel, Contour, Feature, Hole, Part, Profile, Slot
 from beamcam.model.plan import SheetPlan
 from beamcam.pipeline import post
 from beamcam.planning.contours import rules
@@ -121,7 +121,6 @@ REFUSALS = [
     Refusal((Hole("o", 9, 3, 8.0, S),), "plan-face", "found a through hole on face o", "face"),
     Refusal((Slot("v", 90, 50, 2.0, 9.0, 0.0, 0.0, S),), "plan-slot", "11 x 2", "slot"),
     Refusal((Slot("v", 90, 50, 9.0, 9.0, 0.0, 0.0, S, depth=2.0),), "plan-slot", "sheet", "slot"),
-    Refusal((TextMark("v", 9, 9, 0.0, 10.0, "P1", S),), "plan-mark", "'P1'", "mark"),
     Refusal((Bend((0, 0), (9, 0), 90.0, 3.0, S),), "plan-other", "a bend", "other"),
     Refusal((BEVELLED,), "plan-bevel", "30 degrees", "bevel"),
 ]

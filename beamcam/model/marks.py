@@ -1,0 +1,31 @@
+"""Which of a machine's policies on marks a feature falls under."""
+
+from typing import Literal
+
+from beamcam.machine.marking import Marks, Policy
+from beamcam.model.part import Contour, Feature, Hole, TextMark
+
+MarkKind = Literal["text", "points", "contours"]
+MARK_KINDS: tuple[MarkKind, ...] = ("text", "points", "contours")
+
+
+def mark_kind(feature: Feature) -> MarkKind | None:
+    """The key of `[marks]` that decides on a feature; None of one that is no mark.
+
+    What a line of a drawing is for is told by its layer and colour, not by a policy.
+    """
+    match feature:
+        case TextMark():
+            return "text"
+        case Hole(kind="mark"):
+            return "points"
+        case Contour(layer=None, colour=None) if feature.process != "cut":
+            return "contours"
+        case _:
+            return None
+
+
+def policy_on(feature: Feature, marks: Marks) -> Policy | None:
+    """What a machine does with a mark; None of a feature that is none."""
+    kind = mark_kind(feature)
+    return None if kind is None else getattr(marks, kind)
