@@ -31,6 +31,8 @@ COMMANDS = {
     "machines": ("machines", "List the machines, or show one with all its values."),
     "batch": ("batch", "Turn folders of parts into folders of programs."),
     "watch": ("watch", "Post what is put into a folder, as it comes."),
+    "list": ("list_", "Write part lists and cutting lists."),
+    "labels": ("labels", "Write a label with a code for each piece."),
     "config": ("config", "Show the configuration and where each value comes from."),
     "completion": ("completion", "Print what makes a shell complete the commands."),
     "codes": ("codes", "List the codes of all messages."),

@@ -38,6 +38,8 @@ CALLS = {
     "profile": "profile --velocity 100 --time 2 -o {i}.csv",
     "batch": "batch {i}.nc1 -o out --force",
     "watch": "watch . -o out --once --settle 0",
+    "list": "list {i}.nc1 -o {i}.list.csv",
+    "labels": "labels {i}.nc1 -o {i}.zpl",
 }
 #: Those whose --json is about messages, on standard error, and those that print their result so.
 _SECONDS = re.compile(r'"seconds":[^,]*,')  #: a batch tells how long each file took

@@ -103,7 +103,7 @@ def test_shipped_machines_are_valid(name: str) -> None:
         ('base = "x"\n[saw]\nkerff = 3', "saw: Additional properties are not allowed ('kerff'"),
         ('base = "x"\n[saw]\nkerf = -3', "saw.kerf: -3 is less than the minimum of 0"),
         (
-            'base = "x"\n[drill]\ngreatest_width = 0',
+            'base = "x"\n[drill]\nmax_width = 0',
             "drill.max_width: 0 is less than or",
         ),
         ('base = "x"\n[[pairs]]\nname = "p"\nnumber = 9\nfaces = ["o"]', "pairs.0.faces: ['o'] is"),

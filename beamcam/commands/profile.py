@@ -121,7 +121,11 @@ def wanted_profile(
 @click.option("--cruise", type=NUMBER, default=0.0, help="Seconds at full velocity, in --time.")
 @click.option("--points", callback=points_of, help="TIME:VELOCITY,... joined by ramps.")
 @click.option(
-    "--greatest-jerk", "max_jerk", type=NUMBER, help="Limit of the fastest profile; none if absent."
+    "--max-jerk",
+    "--greatest-jerk",
+    "max_jerk",
+    type=NUMBER,
+    help="Limit of the fastest profile; none if absent.",
 )
 @click.option("--step", type=NUMBER, help="Seconds between rows; a 200th of the time if absent.")
 @click.option(
@@ -161,7 +165,7 @@ def command(
     beamcam profile --unit rpm --distance 25 --time 4 -o turns.csv
     beamcam profile --distance 500 --time 4 --jerk 100 -o move.svg
     beamcam profile --points 0:0,2:300,5:300,6:0 -o job.png
-    beamcam profile --distance 500 --velocity 200 --acceleration 800 --greatest-jerk 9000 -o -
+    beamcam profile --distance 500 --velocity 200 --acceleration 800 --max-jerk 9000 -o -
     """
     from beamcam.report.velocity_profile import Encoder, profile_table
 

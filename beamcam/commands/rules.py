@@ -56,6 +56,19 @@ WRITTEN = Rule(
     "found {of} different parts, {members} in all; written {found} files",
     "Equal members are one file with their number as its quantity.",
 )
+OTHER_CONTENT = Rule(
+    "list-mark-twice",
+    Severity.ERROR,
+    "found another part with the mark {found!r} in {other}; expected one content for one mark",
+    "Two parts that differ under one mark are mixed up on the floor. Give one of them another "
+    "mark, or leave its file out.",
+)
+MISSING_EXTRA = Rule(
+    "extra-missing",
+    Severity.ERROR,
+    "found no module {found!r}; expected it, pip install 'beamcam[{extra}]' brings it",
+    "Some outputs are written by libraries that not everybody needs.",
+)
 ACCOUNT = Rule(
     "account",
     Severity.NOTE,
@@ -94,6 +107,6 @@ UNKNOWN = Rule(
 )
 
 RULES = (
-    OUTPUT_FORMAT, ONE_PART, NO_PART, CANNOT_WRITE, OVER_INPUT, SECTION, RENAMED, WRITTEN, ACCOUNT,
-    NO_SAMPLE, GONE, NEW, UNKNOWN,
+    OUTPUT_FORMAT, ONE_PART, NO_PART, CANNOT_WRITE, OVER_INPUT, SECTION, RENAMED, WRITTEN,
+    OTHER_CONTENT, MISSING_EXTRA, ACCOUNT, NO_SAMPLE, GONE, NEW, UNKNOWN,
 )  # fmt: skip

@@ -108,6 +108,7 @@ class Layout(Keys, frozen=True):
     order: Literal["saw-drill", "drill-saw"]  #: which station the bar reaches first
     min_bar: NotNegative = 0.0  #: shortest bar that the stop or gripper can hold
     max_bar: float | None = None
+    default_bar: NotNegative = 0.0  #: taken where no length is given and the parts need too little
     front_trim: NotNegative = 0.0  #: bar x at which the first part starts
     end_trim: NotNegative = 0.0  #: at the bar's end, scrap
     dead_zone: NotNegative = (

@@ -43,8 +43,9 @@ def lay_on_bar(
 ) -> tuple[tuple[tuple[float, ...], Bar], tuple[Diagnostic, ...]]:
     """Starts of the parts in the order given and the bar's account; and remarks about the rest.
 
-    `length` is the stock bar's; None takes as much as the parts need. Raises PlanError if the
-    parts do not fit, or if the bar or a part is shorter or longer than the machine can hold.
+    `length` is the stock bar's; None takes as much as the parts need, or the machine's usual bar
+    where that is less than it can hold. Raises PlanError if the parts do not fit, or if the bar or
+    a part is shorter or longer than the machine can hold.
     """
     refusals = [
         rules.PART_SHORT.at(p.source, found=f"{p.length:.3f}", expected=f"{layout.min_part:g}")
@@ -72,6 +73,8 @@ def lay_on_bar(
     if length is not None and needed > length + 1e-6:
         raise PlanError(rules.BAR_FULL.at(source, found=f"{needed:.3f}", expected=f"{length:.3f}"))
     whole = needed if length is None else length
+    if length is None and needed < layout.min_bar:
+        whole = max(needed, layout.default_bar)
     if whole < layout.min_bar:
         raise PlanError(
             rules.BAR_SHORT.at(source, found=f"{whole:.3f}", expected=f"{layout.min_bar:g}")

@@ -70,7 +70,7 @@ CASES: tuple[Case, ...] = (
      "found a web cut of -9 degrees at the end; expected 18.435, which the contour has"),
     ("plan-cut-from-contour", "beamline", (part(outline(SKEW)),), {},
      "found no web cut in the header at the end; the contour's 18.435 degrees are sawn"),
-    ("plan-bar-short", "beamline", (part(length=1000.0),), {},
+    ("plan-bar-short", "beamline", (part(length=1000.0),), {"bar": 1024.04},
      "found a bar of 1024.040 mm; expected at least 1200 mm, give --bar if the stock is longer"),
     ("plan-bar-long", "beamline-pusher", (part(length=15400.0),), {},
      "found a bar of 15696.600 mm; expected at most 15500 mm"),
@@ -308,3 +308,12 @@ def test_all_reasons_to_refuse_a_part_are_given_at_once() -> None:
     codes = [d.code for d in caught.value.diagnostics]
     assert codes == ["plan-saw-angle", "plan-off-face", "plan-tool", "plan-face"]
     assert [str(d.source) for d in caught.value.diagnostics] == ["p.nc1:7"] * 4
+
+
+def test_a_short_part_without_a_bar_is_cut_from_the_usual_one() -> None:
+    plan = plan_bar((part(length=320.0),), load("beamline"))
+    assert plan.bar is not None
+    assert plan.bar.length == 12000.0
+    whole = plan_bar((part(length=3000.0),), load("beamline")).bar
+    assert whole is not None
+    assert whole.length < 3100.0

@@ -31,7 +31,7 @@ def askew(name: str, slope: float, *faces: str) -> Machine:
         )) if s.face in faces else s
         for s in machine.spindles
     )  # fmt: skip
-    axes = tuple(replace(a, least=None, greatest=None) for a in machine.axes)
+    axes = tuple(replace(a, min=None, max=None) for a in machine.axes)
     return replace(machine, spindles=spindles, axes=axes)
 
 

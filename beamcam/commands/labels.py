@@ -1,0 +1,119 @@
+"""`beamcam labels`: a label for each piece, with a code that a scanner reads."""
+
+from collections.abc import Iterator, Sequence
+from pathlib import PurePath
+from typing import Any
+
+import click
+
+from beamcam.batch.names import Names, output_name
+from beamcam.commands import options
+from beamcam.commands.common import REFUSED, Voice, write
+from beamcam.commands.members import member_options
+from beamcam.commands.quantities import counted_parts, quantity, refuse_missing
+from beamcam.commands.rules import OUTPUT_FORMAT
+from beamcam.commands.settings import files_read, machine_of_stock, settled
+from beamcam.commands.sheets import drawing_options
+from beamcam.config.values import Config
+from beamcam.errors import BeamcamError, Source, errors_in
+from beamcam.model.part import Part
+from beamcam.pipeline import stock_of
+from beamcam.report.labels import Label, Size, as_pdf, as_zpl
+from beamcam.report.part_list import PartCount
+
+SUFFIXES = (".pdf", ".zpl")
+
+
+def _size(ctx: click.Context, param: click.Parameter, value: str) -> Size:
+    try:
+        width, height = (float(text) for text in value.lower().split("x"))
+    except ValueError:
+        width = height = 0.0
+    if not (40 <= width <= 300 and 25 <= height <= 300):
+        raise click.BadParameter(
+            f"found {value!r}; expected WIDTHxHEIGHT in mm, 40x25 to 300x300, such as 100x60"
+        )
+    return Size(width, height)
+
+
+@click.command("labels")
+@options.inputs
+@options.output("A .pdf, or a .zpl for Zebra printers.")
+@options.machine
+@options.config
+@quantity
+@click.option(
+    "--size", callback=_size, default="100x60", show_default=True, metavar="WxH",
+    help="Width and height of a label, mm.",
+)  # fmt: skip
+@click.option("--name", metavar="TEMPLATE", help="Names of the programs, as of `batch`.")
+@member_options
+@drawing_options
+@options.strict
+@options.voiced
+def command(
+    inputs: tuple[str, ...], output: str, quantity: str | int, size: Size, voice: Voice,
+    **asked: Any,
+) -> None:  # fmt: skip
+    """Write a label for each piece of the parts in files and folders.
+
+    A label has the mark, profile, length, grade, order, drawing, the number of the piece and a QR
+    code: the mark and the name of the program that makes it, a line each. Exit status 1 if an input
+    is refused; the others have their labels.
+
+    \b
+    beamcam labels jobs/ -o labels.pdf
+    beamcam labels jobs/ -o labels.zpl --size 80x50
+    """
+    try:
+        config = settled(asked, inputs)
+        counts, said = counted_parts(inputs, quantity, config, asked, voice)
+        labels = tuple(_labels(counts, config))
+        data = _written(output, labels, size)
+    except BeamcamError as error:
+        voice.stop(error.diagnostics)
+    write(output, data, voice, files_read(config, inputs))
+    voice.say(said)
+    if errors_in(said):
+        raise SystemExit(REFUSED)
+
+
+def _labels(counts: Sequence[PartCount], config: Config) -> Iterator[Label]:
+    """The labels of all pieces, those of one part one behind the other."""
+    names = Names()
+    files = [one.part.source.file for one in counts]
+    for number, one in enumerate(counts):
+        several = files.count(files[number]) > 1
+        within = files[:number].count(files[number]) + 1
+        program = names.take(_program(one.part, within, several, config), one.part.mark)
+        for piece in range(1, one.quantity + 1):
+            yield Label(one.part.mark, tuple(_lines(one.part, piece, one.quantity)), program)
+
+
+def _program(part: Part, number: int, several: bool, config: Config) -> str:
+    """What a batch calls the program of a part."""
+    machine = machine_of_stock(config, stock_of([part]), config.name or "", is_one_of_two=True)
+    stem = PurePath(part.source.file).stem
+    return output_name(config.name, stem, part, number, several, machine)
+
+
+def _lines(part: Part, piece: int, of: int) -> Iterator[str]:
+    yield f"{part.profile.name or part.profile.code}, {part.length:g} mm"
+    yield ", ".join(text for text in (part.grade, f"piece {piece} of {of}") if text)
+    where = {"order": part.order, "drawing": part.drawing, "phase": part.phase}
+    if any(where.values()):
+        yield ", ".join(f"{word} {text}" for word, text in where.items() if text)
+
+
+def _written(output: str, labels: Sequence[Label], size: Size) -> str | bytes:
+    """The labels as the suffix of the output says. Raises BeamcamError for another suffix."""
+    suffix = PurePath(output).suffix.lower()
+    if suffix == ".zpl":
+        return as_zpl(labels, size)
+    if suffix != ".pdf":
+        found = OUTPUT_FORMAT.at(Source(output), found=suffix, expected=", ".join(SUFFIXES))
+        raise BeamcamError((found,))
+    try:
+        return as_pdf(labels, size)
+    except ImportError as error:
+        raise refuse_missing(error, "labels") from error

@@ -1,0 +1,131 @@
+"""`beamcam list`: the part list and the cutting list of a folder's parts."""
+
+from collections.abc import Sequence
+from pathlib import PurePath
+from typing import Any
+
+import click
+from msgspec.structs import replace
+
+from beamcam.commands import options
+from beamcam.commands.common import REFUSED, Voice, write
+from beamcam.commands.members import member_options
+from beamcam.commands.quantities import counted_parts, quantity, refuse_missing
+from beamcam.commands.rules import OUTPUT_FORMAT
+from beamcam.commands.settings import files_read, machine_of_stock, settled
+from beamcam.commands.sheets import drawing_options
+from beamcam.config.values import Config
+from beamcam.errors import BeamcamError, Diagnostic, Severity, Source, errors_in
+from beamcam.model.part import Part
+from beamcam.plain_text import terminal_text
+from beamcam.planning.stock_bars import copies, first_fit
+from beamcam.report.part_list import CutBar, PartCount, bar_list, cutting_list, part_list, total_row
+from beamcam.report.tables import Table, as_csv, as_json, as_lines, as_xlsx
+
+SCHEMA = "beamcam/list/1"
+SUFFIXES = (".txt", ".csv", ".xlsx", ".json")
+
+
+@click.command("list")
+@options.inputs
+@options.output("A .txt, .csv, .xlsx or .json; text on standard output if not given.", False)
+@options.machine
+@options.config
+@click.option(
+    "--bar", "bars", type=options.Number(above=0), multiple=True, metavar="MM",
+    help="Length of bars in store; may be repeated. By default those of the configuration.",
+)  # fmt: skip
+@quantity
+@click.option(
+    "--table", type=click.Choice(["parts", "bars", "cuts"]), default="parts", show_default=True,
+    help="Which table a .csv holds.",
+)  # fmt: skip
+@member_options
+@drawing_options
+@options.strict
+@options.voiced
+def command(
+    inputs: tuple[str, ...], output: str, bars: tuple[float, ...], quantity: str | int,
+    table: str, voice: Voice, **asked: Any,
+) -> None:  # fmt: skip
+    """Write the part list of files and folders, and the cutting list of their bars.
+
+    The part list has mark, profile, length, quantity, grade, weight, holes and marks. Beams are
+    laid on bars of stock in the order given, first fit, one section and grade to a bar, with the
+    kerfs and trims of the machine. Exit status 1 if an input is refused; the others are listed.
+
+    \b
+    beamcam list jobs/
+    beamcam list jobs/ --bar 6000 --bar 12000 -o list.xlsx
+    beamcam list *.nc1 --quantity 1 -o cuts.csv --table cuts
+    """
+    try:
+        config = settled(asked, inputs)
+        counts, said = counted_parts(inputs, quantity, config, asked, voice)
+        nested, refused = _bars(counts, config, tuple(bars) or config.stock_lengths)
+        data = _written(output, counts, nested, table)
+    except BeamcamError as error:
+        voice.stop(error.diagnostics)
+    write(output, data, voice, files_read(config, inputs))
+    said = (*said, *refused)
+    voice.say(said)
+    if errors_in(said):
+        raise SystemExit(REFUSED)
+
+
+def _bars(
+    counts: Sequence[PartCount], config: Config, lengths: Sequence[float]
+) -> tuple[tuple[CutBar, ...], tuple[Diagnostic, ...]]:
+    """The bars that the beams among the parts are cut from, and why some are on none."""
+    beams = [one for one in counts if one.part.profile.code != "B"]
+    if not beams:
+        return (), ()
+    machine = machine_of_stock(config, "beam", "", is_one_of_two=True)
+    if machine.saw is None or machine.layout is None:
+        return (), ()
+    parts = copies((one.part for one in beams), (one.quantity for one in beams))
+    nesting = first_fit(parts, machine, lengths)
+    # A part that fits on no bar is told once, however many are wanted.
+    refused = dict.fromkeys(replace(said, severity=Severity.ERROR) for said in nesting.refusals)
+    bars: list[CutBar] = []
+    for bar in nesting.bars:
+        placed: list[tuple[Part, float]] = [
+            (parts[i], start) for i, start in zip(bar.pieces, bar.starts, strict=True)
+        ]
+        account = bar.account
+        cuts = account.front_trim + account.kerfs + account.end_trim - account.nested
+        bars.append(CutBar(tuple(placed), account.length, cuts, account.rest))
+    return tuple(bars), tuple(refused)
+
+
+def _written(
+    output: str, counts: Sequence[PartCount], bars: Sequence[CutBar], chosen: str
+) -> str | bytes:
+    """The lists as the suffix of the output says. Raises ReadError for another suffix."""
+    parts = part_list(counts)
+    tables = {"parts": parts, "bars": bar_list(bars), "cuts": cutting_list(bars)}
+    shown = [parts, *((tables["bars"], tables["cuts"]) if bars else ())]
+    match PurePath(output).suffix.lower():
+        case ".json":
+            return as_json(tables.values(), SCHEMA)
+        case ".csv":
+            return as_csv(tables[chosen])
+        case ".xlsx":
+            try:
+                return as_xlsx(shown)
+            except ImportError as error:
+                raise refuse_missing(error, "xlsx") from error
+        case ".txt":
+            return _text(shown)
+    if output != "-":
+        found = OUTPUT_FORMAT.at(
+            Source(output), found=PurePath(output).suffix, expected=", ".join(SUFFIXES)
+        )
+        raise BeamcamError((found,))
+    return _text(shown)
+
+
+def _text(tables: Sequence[Table]) -> str:
+    parts, *others = tables
+    whole = replace(parts, rows=(*parts.rows, total_row(parts)))
+    return "".join(f"{terminal_text(line)}\n" for line in as_lines([whole, *others]))

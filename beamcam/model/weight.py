@@ -1,0 +1,76 @@
+"""Areas of sections and weights of parts, as part lists give them: before holes and copes.
+
+The areas are those of EN 10365 (I and U), EN 10056-1 (angles, whose toes have half the root's
+radius), EN 10210-2 and EN 10219-2 (hollow sections).
+"""
+
+from math import pi
+
+from beamcam.geometry.curves import signed_area
+from beamcam.model.part import Part, Profile, SectionPoint
+
+STEEL_KG_MM3 = 7850e-9
+#: Of a square with side r, what a fillet of radius r fills.
+_FILLET = 1 - pi / 4
+
+
+def weight_of(part: Part) -> float | None:
+    """Kilograms of one part: its section over its whole length; of a plate its outline's area.
+
+    A section that is not known by its figures weighs what the header says a metre; None where that
+    says nothing.
+    """
+    if part.profile.code == "B":
+        thickness = part.profile.web_thickness
+        return None if thickness is None else plate_area(part) * thickness * STEEL_KG_MM3
+    area = section_area(part.profile, part.section)
+    if area is not None:
+        return area * part.length * STEEL_KG_MM3
+    return part.weight * part.length / 1000 if part.weight > 0 else None
+
+
+def plate_area(part: Part) -> float:
+    """mm2 inside the outline of a plate less its cut-outs; without contours length x width."""
+    closed = [c for c in part.contours if c.closed and c.process == "cut"]
+    if not any(c.kind == "outer" for c in closed):
+        return part.length * part.profile.height
+    return sum(abs(signed_area(c.curves)) * (1 if c.kind == "outer" else -1) for c in closed)
+
+
+def section_area(profile: Profile, outline: tuple[SectionPoint, ...] = ()) -> float | None:
+    """mm2 of a section by its figures; None for lipped and special ones without an outline."""
+    h, b, r = profile.height, profile.width, profile.radius
+    flange, web = profile.flange_thickness, profile.web_thickness or 0.0
+    match profile.code:
+        case "I":
+            return 2 * b * flange + (h - 2 * flange) * web + 4 * _FILLET * r * r
+        case "U":
+            return 2 * b * flange + (h - 2 * flange) * web + 2 * _FILLET * r * r
+        case "T":
+            return b * flange + (h - flange) * web + 2 * _FILLET * r * r
+        case "L":
+            return web * h + flange * (b - web) + _FILLET * r * r / 2
+        case "M":
+            inner = max(0.0, r - flange)
+            full = h * b - (h - 2 * flange) * (b - 2 * web)
+            return full - 4 * _FILLET * (r * r - inner * inner)
+        case "RO":
+            wall = flange or web
+            return pi * (h - wall) * wall if wall else None
+        case "RU":
+            return pi * h * h / 4
+        case "SO":
+            return _outline_area(outline)
+    return None
+
+
+def _outline_area(outline: tuple[SectionPoint, ...]) -> float | None:
+    """mm2 within the corners of a special section; None where its edges are round or missing."""
+    if len(outline) < 3 or any(point.radius for point in outline):
+        return None
+    total = 0.0
+    for side, sign in (("+", 1), ("-", -1)):
+        ring = [(p.y, p.z) for p in outline if p.side == side]
+        pairs = zip(ring, ring[1:] + ring[:1], strict=True)
+        total += sign * abs(sum(y0 * z1 - y1 * z0 for (y0, z0), (y1, z1) in pairs)) / 2
+    return total

@@ -1,0 +1,155 @@
+"""Labels: one for each piece, with a QR code that a scanner at the machine reads.
+
+The code holds the part's mark and the program's name, a line each. PDF by reportlab, one label a
+page; ZPL II for Zebra printers, whose own QR code is used (command ^BQ).
+"""
+
+import io
+from collections.abc import Iterable, Iterator
+
+from msgspec import Struct
+
+from beamcam.plain_text import terminal_text
+
+MM = 72 / 25.4  #: points of PDF
+DOTS = 8  #: a millimetre of a Zebra printer of 203 dpi
+MARGIN = 4.0  #: mm
+QUIET = 3.0  #: mm free above the code, whose reader needs four modules
+MAX_LINES = 5
+MAX_LETTERS = 60  #: of a line; longer ones would leave the label
+
+
+class Label(Struct, frozen=True):
+    """What stands on the label of one piece."""
+
+    mark: str
+    lines: tuple[str, ...]  #: below the mark, the most important first
+    program: str  #: file that makes it
+
+    @property
+    def code(self) -> str:
+        """What the code says: the mark and the program's name, a line each."""
+        return f"{terminal_text(self.mark)}\n{terminal_text(self.program)}"
+
+
+class Size(Struct, frozen=True):
+    """Of a label, mm."""
+
+    width: float = 100.0
+    height: float = 60.0
+
+    @property
+    def mark(self) -> float:
+        """Height of the mark's line, across the top of the label."""
+        return min(12.0, 0.22 * self.height)
+
+    @property
+    def code(self) -> float:
+        """Edge of the code, in the lower right corner below the mark and beside the lines."""
+        below = self.height - 2 * MARGIN - self.mark - QUIET
+        return min(below, self.width / 2 - 2 * MARGIN)
+
+    @property
+    def line(self) -> float:
+        """Height of a line below the mark, beside the code."""
+        return min(6.0, (self.height - 2 * MARGIN - self.mark - QUIET) / MAX_LINES)
+
+
+def as_pdf(labels: Iterable[Label], size: Size) -> bytes:
+    """A page for each label; the same labels give the same bytes. Raises ImportError."""
+    from reportlab.pdfgen.canvas import Canvas
+
+    out = io.BytesIO()
+    canvas = Canvas(out, (size.width * MM, size.height * MM), invariant=1)
+    canvas.setTitle("Labels")
+    canvas.setCreator("beamcam")
+    font = _font()
+    for label in labels:
+        canvas.scale(MM, MM)
+        left, top = MARGIN, size.height - MARGIN
+        free = size.width - 3 * MARGIN - size.code
+        mark = terminal_text(label.mark)[:MAX_LETTERS]
+        high = _fitting(mark, font, size.mark, size.width - 2 * MARGIN)
+        canvas.setFont(font, high)
+        canvas.drawString(left, top - 0.75 * size.mark, mark)
+        for number, text in enumerate(label.lines[:MAX_LINES]):
+            shown = terminal_text(text)[:MAX_LETTERS]
+            canvas.setFont(font, _fitting(shown, font, 0.8 * size.line, free))
+            base = top - size.mark - QUIET - (number + 0.7) * size.line
+            canvas.drawString(left, base, shown)
+        _draw_code(canvas, label.code, size)
+        canvas.showPage()
+    canvas.save()
+    return out.getvalue()
+
+
+def _font() -> str:
+    """A font that comes with reportlab; a letter that it lacks is a box, the code has it all."""
+    from reportlab.pdfbase import pdfmetrics
+    from reportlab.pdfbase.ttfonts import TTFont
+
+    pdfmetrics.registerFont(TTFont("Vera", "Vera.ttf"))
+    return "Vera"
+
+
+def _fitting(text: str, font: str, high: float, width: float) -> float:
+    """The size of letters, mm, by which a text is at most `width` mm long."""
+    from reportlab.pdfbase.pdfmetrics import stringWidth
+
+    return min(high, width / max(float(stringWidth(text, font, 1.0)), 1e-9))
+
+
+def _draw_code(canvas: object, text: str, size: Size) -> None:
+    """The QR code in the lower right corner, a module as a square."""
+    rows = code_rows(text)
+    module = size.code / len(rows)
+    x0, y0 = size.width - MARGIN - size.code, MARGIN
+    for row, modules in enumerate(rows):
+        for column, dark in enumerate(modules):
+            if dark:
+                x, y = x0 + column * module, y0 + (len(rows) - 1 - row) * module
+                canvas.rect(x, y, module, module, stroke=0, fill=1)  # type: ignore[attr-defined]
+
+
+def code_rows(text: str) -> tuple[tuple[int, ...], ...]:
+    """The modules of a QR code of a text, its quiet zone left to the label. Raises ImportError."""
+    import segno
+
+    return tuple(map(tuple, segno.make_qr(text, error="m").matrix))
+
+
+def as_zpl(labels: Iterable[Label], size: Size) -> str:
+    """ZPL II for a printer of 203 dpi: each label between ^XA and ^XZ."""
+    return "".join(_zpl(label, size) for label in labels)
+
+
+def _zpl(label: Label, size: Size) -> str:
+    width, height, margin = (round(v * DOTS) for v in (size.width, size.height, MARGIN))
+    magnification = max(1, min(10, round(size.code * DOTS / 33)))
+    x = width - margin - round(size.code * DOTS)
+    y = height - margin - round(size.code * DOTS)
+    fields = [f"^XA^CI28^PW{width}^LL{height}", _field(margin, margin, size.mark, label.mark)]
+    first = MARGIN + size.mark + QUIET
+    fields += (
+        _field(margin, round((first + k * size.line) * DOTS), 0.8 * size.line, text)
+        for k, text in enumerate(label.lines[:MAX_LINES])
+    )
+    fields.append(f"^FO{x},{y}^BQN,2,{magnification}^FH^FDMA,{_escaped(label.code)}^FS")
+    return "\n".join([*fields, "^XZ"]) + "\n"
+
+
+def _field(x: int, y: int, high: float, text: str) -> str:
+    shown, dots = _escaped(terminal_text(text)[:MAX_LETTERS]), round(high * DOTS)
+    return f"^FO{x},{y}^A0N,{dots},{dots * 9 // 10}^FH^FD{shown}^FS"
+
+
+def _escaped(text: str) -> str:
+    """A text for a field after ^FH: what the printer obeys, and all but ASCII, as hex digits."""
+    return "".join(_escapes(text))
+
+
+def _escapes(text: str) -> Iterator[str]:
+    for byte in text.encode("utf-8"):
+        sign = chr(byte)
+        plain = 32 <= byte < 127 and sign not in "^~_,\\"
+        yield sign if plain else f"_{byte:02X}"

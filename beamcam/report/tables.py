@@ -1,0 +1,133 @@
+"""Tables for people and for spreadsheets: text, CSV, XLSX and JSON from one set of rows."""
+
+import csv
+import io
+import json
+from collections.abc import Iterable, Iterator
+from typing import TYPE_CHECKING
+
+from msgspec import Struct
+
+from beamcam.plain_text import harmless_cell, json_text, terminal_text
+
+if TYPE_CHECKING:
+    from openpyxl.worksheet.worksheet import Worksheet
+
+Cell = str | int | float | None
+#: Characters of a sheet's name, and of a cell, that Excel takes.
+MAX_TITLE, MAX_CELL = 31, 32_767
+#: The date of every file in the archive of an XLSX, so that the same rows give the same bytes.
+EPOCH = (1980, 1, 1, 0, 0, 0)
+
+
+class Table(Struct, frozen=True):
+    """Rows under a head; numbers are rounded to the decimals of their column."""
+
+    title: str
+    head: tuple[str, ...]
+    rows: tuple[tuple[Cell, ...], ...]
+    decimals: tuple[int | None, ...]  #: of each column; None for text and whole numbers
+
+    def cells(self) -> Iterator[tuple[Cell, ...]]:
+        """The rows with their numbers rounded."""
+        for row in self.rows:
+            yield tuple(
+                round(cell, places) if isinstance(cell, float) and places is not None else cell
+                for cell, places in zip(row, self.decimals, strict=True)
+            )
+
+
+def as_lines(tables: Iterable[Table]) -> Iterator[str]:
+    """Each table with its title, columns aligned, numbers to the right."""
+    for number, table in enumerate(tables):
+        if number:
+            yield ""
+        yield table.title
+        shown = [table.head, *(tuple(map(_shown, row)) for row in table.cells())]
+        widths = [max(map(len, column)) for column in zip(*shown, strict=True)]
+        numeric = [
+            bool(table.rows) and all(isinstance(c, int | float) or c is None for c in column)
+            for column in (zip(*table.rows, strict=True) if table.rows else [()] * len(table.head))
+        ]
+        for row in shown:
+            cells = (
+                cell.rjust(width) if right else cell.ljust(width)
+                for cell, width, right in zip(row, widths, numeric, strict=True)
+            )
+            yield ("  " + "  ".join(cells)).rstrip()
+
+
+def _shown(cell: Cell) -> str:
+    if cell is None:
+        return ""
+    return terminal_text(cell) if isinstance(cell, str) else f"{cell:.9g}"
+
+
+def as_csv(table: Table) -> str:
+    """One table with its head, by RFC 4180 but for its line ends."""
+    out = io.StringIO()
+    writer = csv.writer(out, lineterminator="\n")
+    writer.writerow(table.head)
+    writer.writerows(map(harmless_cell, row) for row in table.cells())
+    return out.getvalue()
+
+
+def as_json(tables: Iterable[Table], schema: str) -> str:
+    """Each table as a list of objects, by its title in one word."""
+    record: dict[str, object] = {"schema": schema}
+    for table in tables:
+        rows = [dict(zip(table.head, row, strict=True)) for row in table.cells()]
+        record[table.title.replace(" ", "_")] = rows
+    return json_text(json.dumps(record, ensure_ascii=False, indent=1)) + "\n"
+
+
+def as_xlsx(tables: Iterable[Table]) -> bytes:
+    """A workbook with a sheet for each table. Raises ImportError without openpyxl."""
+    import openpyxl
+
+    book = openpyxl.Workbook()
+    del book["Sheet"]
+    for table in tables:
+        _fill(book.create_sheet(table.title[:MAX_TITLE]), table)
+    out = io.BytesIO()
+    book.save(out)
+    return _without_time(out.getvalue())
+
+
+def _fill(sheet: "Worksheet", table: Table) -> None:
+    from openpyxl.styles import Font
+    from openpyxl.utils import get_column_letter
+
+    sheet.append(table.head)
+    for row in table.cells():
+        sheet.append([_of_excel(cell) for cell in row])
+    # A text is a text, also one that begins with "=".
+    for cells in sheet.iter_rows(min_row=2):
+        for cell in cells:
+            if isinstance(cell.value, str):
+                cell.data_type = "s"
+    for cell in sheet[1]:
+        cell.font = Font(bold=True)
+    sheet.freeze_panes = "A2"
+    for number, column in enumerate(zip(table.head, *table.cells(), strict=True), 1):
+        width = max(len(_shown(cell)) for cell in column)
+        sheet.column_dimensions[get_column_letter(number)].width = min(width, 60) + 2
+
+
+def _of_excel(cell: Cell) -> Cell:
+    return terminal_text(cell)[:MAX_CELL] if isinstance(cell, str) else cell
+
+
+def _without_time(data: bytes) -> bytes:
+    """A workbook without the time at which it was written."""
+    import re
+    import zipfile
+
+    out = io.BytesIO()
+    with zipfile.ZipFile(io.BytesIO(data)) as old, zipfile.ZipFile(out, "w") as new:
+        for name in old.namelist():
+            content = old.read(name)
+            if name == "docProps/core.xml":
+                content = re.sub(rb"<dcterms:(\w+)[^>]*>[^<]*</dcterms:\w+>", b"", content)
+            new.writestr(zipfile.ZipInfo(name, EPOCH), content, zipfile.ZIP_DEFLATED)
+    return out.getvalue()

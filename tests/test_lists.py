@@ -1,0 +1,246 @@
+"""Part lists, cutting lists and labels, read back by others: openpyxl, csv, a scanner of codes."""
+
+import csv
+import io
+import json
+import re
+from collections import Counter
+from pathlib import Path
+
+import openpyxl
+import pypdfium2
+import pytest
+import zxingcpp
+from click.testing import CliRunner, Result
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from beamcam.cli import main
+from beamcam.errors import Source
+from beamcam.machine import load
+from beamcam.model.part import Part, Profile
+from beamcam.planning.stock_bars import copies, first_fit
+from beamcam.report.labels import Label, Size, as_pdf, as_zpl, code_rows
+from beamcam.report.tables import Table, as_csv, as_xlsx
+from tests.conftest import ROOT
+
+SAMPLES = ROOT / "samples" / "dstv"
+MACHINE = load("beamline")
+BEAM = Profile("I", "IPE200", 200, 100, 8.5, 5.6, 12)
+FLAT = Profile("I", "IPE160", 160, 82, 7.4, 5, 9)
+
+
+def run(*words: str) -> Result:
+    return CliRunner().invoke(main, list(words))
+
+
+def lists(folder: Path, *words: str) -> dict[str, list[dict[str, object]]]:
+    done = run("list", *words, "-o", str(folder / "list.json"))
+    assert done.exit_code == 0, done.stderr
+    text = (folder / "list.json").read_text(encoding="utf-8")
+    found: dict[str, list[dict[str, object]]] = json.loads(text)
+    return found
+
+
+def test_a_folder_is_listed_with_all_its_pieces(tmp_path: Path) -> None:
+    found = lists(tmp_path, str(SAMPLES), "--bar", "6000", "--bar", "12000")
+    pieces = {row["mark"]: row["quantity"] for row in found["part_list"]}
+    assert pieces == {"B1": 1, "BP1": 2, "C1": 1, "G1": 1, "PL1": 4, "Z1": 6, "S1": 1, "T1": 2,
+                      "TU1": 1}  # fmt: skip
+    assert sum(row["total_kg"] for row in found["part_list"]) == pytest.approx(378.419, abs=0.01)  # type: ignore[misc, arg-type]
+    cut = Counter(row["mark"] for row in found["cutting_list"])
+    assert cut == {"B1": 1, "C1": 1, "Z1": 6, "S1": 1, "T1": 2, "TU1": 1}
+    assert {row["stock"] for row in found["bars"]} == {6000, 12000}
+
+
+def test_a_number_of_pieces_for_each(tmp_path: Path) -> None:
+    found = lists(tmp_path, str(SAMPLES / "tie.nc1"), "--quantity", "40", "--bar", "6000")
+    assert [row["pieces"] for row in found["bars"]] == [15, 15, 10]
+
+
+@pytest.mark.parametrize("words", [
+    ("--quantity", "0"), ("--quantity", "many"), ("--quantity", "1000000"),
+])  # fmt: skip
+def test_a_number_that_cannot_be_meant(words: tuple[str, ...]) -> None:
+    done = run("list", str(SAMPLES / "tie.nc1"), *words)
+    assert (done.exit_code, "expected file, or 1 to 100000" in done.stderr) == (2, True)
+
+
+parts = st.builds(
+    lambda number, length, profile, grade: Part(
+        f"P{number}", profile, float(length), Source("test"), grade=grade
+    ),
+    st.integers(1, 99), st.integers(300, 5900), st.sampled_from((BEAM, FLAT)),
+    st.sampled_from(("S235", "S355")),
+)  # fmt: skip
+
+
+@settings(deadline=None, max_examples=60)
+@given(st.lists(st.tuples(parts, st.integers(1, 6)), min_size=1, max_size=8))
+def test_each_piece_lies_on_one_bar_and_no_two_overlap(wanted: list[tuple[Part, int]]) -> None:
+    pieces = copies((part for part, _ in wanted), (count for _, count in wanted))
+    nesting = first_fit(pieces, MACHINE, (6000.0, 12000.0))
+    assert not nesting.refusals
+    assert sorted(i for bar in nesting.bars for i in bar.pieces) == list(range(len(pieces)))
+    for bar in nesting.bars:
+        on_bar = [pieces[i] for i in bar.pieces]
+        assert len({(p.profile, p.grade) for p in on_bar}) == 1
+        assert bar.account.length in (6000.0, 12000.0)
+        ends = [start + part.length for start, part in zip(bar.starts, on_bar, strict=True)]
+        assert MACHINE.saw is not None
+        for end, start in zip(ends, bar.starts[1:], strict=False):
+            assert start >= end + MACHINE.saw.kerf - 1e-9
+        assert ends[-1] + MACHINE.saw.kerf <= bar.account.length
+    by_section = Counter((p.profile, p.grade) for p in pieces)
+    bars = Counter((pieces[b.pieces[0]].profile, pieces[b.pieces[0]].grade) for b in nesting.bars)
+    for key in by_section:  # two bars less than half full would have been one
+        needed = sum(p.length for p in pieces if (p.profile, p.grade) == key)
+        assert bars[key] <= max(1, 2 * needed / 11_500 + 1)
+
+
+def test_a_part_that_fits_on_no_bar_is_told_once() -> None:
+    done = run("list", str(SAMPLES / "beam.nc1"), "--bar", "4000", "--quantity", "3")
+    assert done.exit_code == 1
+    assert done.stderr.count("plan-bar-full") == 1
+    assert "B1" in done.stdout
+
+
+def test_two_contents_under_one_mark(tmp_path: Path) -> None:
+    text = (SAMPLES / "tie.nc1").read_text("ascii")
+    (tmp_path / "a.nc1").write_text(text, "ascii")
+    (tmp_path / "same.nc1").write_text(text.replace("DEMO", "OTHER"), "ascii")
+    assert "list-mark-twice" not in run("list", str(tmp_path)).stderr
+    (tmp_path / "b.nc1").write_text(text.replace("60.00  18.00", "60.00  22.00", 1), "ascii")
+    if text.count("60.00  18.00") == 0:
+        changed = re.sub(r"(v +40\.00u +60\.00 +)18\.00", r"\g<1>22.00", text, count=1)
+        assert changed != text
+        (tmp_path / "b.nc1").write_text(changed, "ascii")
+    done = run("list", str(tmp_path))
+    assert done.exit_code == 1
+    assert done.stderr.count("list-mark-twice") == 1
+    assert "b.nc1" in done.stderr
+
+
+def test_a_file_that_is_refused_leaves_the_others(tmp_path: Path) -> None:
+    done = run("list", str(SAMPLES / "tie.nc1"), str(ROOT / "samples" / "bad" / "empty.nc1"))
+    assert done.exit_code == 1
+    assert "T1" in done.stdout
+    assert "empty.nc1" in done.stderr
+
+
+def _plain(cell: object) -> object:
+    """A cell without its type: CSV has texts only."""
+    try:
+        return float(str(cell))
+    except ValueError:
+        return cell or None
+
+
+def test_the_forms_agree(tmp_path: Path) -> None:
+    for name in ("list.csv", "list.xlsx", "list.txt"):
+        words = ("list", str(SAMPLES), "--bar", "6000", "--bar", "12000", "-o")
+        assert run(*words, str(tmp_path / name)).exit_code == 0
+    rows = list(csv.reader((tmp_path / "list.csv").open(encoding="utf-8", newline="")))
+    book = openpyxl.load_workbook(tmp_path / "list.xlsx")
+    assert book.sheetnames == ["part list", "bars", "cutting list"]
+    sheet = [[_plain(cell) for cell in row] for row in book["part list"].values]
+    assert [[_plain(cell) for cell in row] for row in rows] == sheet
+    first = (tmp_path / "list.xlsx").read_bytes()
+    assert run(*words, str(tmp_path / "again.xlsx")).exit_code == 0
+    assert (tmp_path / "again.xlsx").read_bytes() == first
+
+
+def test_a_text_is_no_formula() -> None:
+    table = Table("part list", ("mark",), (("=1+1",), ("-2",)), (None,))
+    assert as_csv(table) == "mark\n'=1+1\n'-2\n"
+    book = openpyxl.load_workbook(io.BytesIO(as_xlsx([table])))
+    cells = [(c.value, c.data_type) for c in book["part list"]["A"][1:]]
+    assert cells == [("=1+1", "s"), ("-2", "s")]
+
+
+def test_another_suffix_is_refused(tmp_path: Path) -> None:
+    for command, name in (("list", "list.pdf"), ("labels", "labels.png")):
+        done = run(command, str(SAMPLES / "tie.nc1"), "-o", str(tmp_path / name))
+        assert (done.exit_code, "write-format" in done.stderr) == (1, True)
+    assert not list(tmp_path.iterdir())
+
+
+def test_labels_are_read_by_a_scanner(tmp_path: Path) -> None:
+    """A page for each piece; its code has the mark and what a batch calls the program."""
+    output = tmp_path / "labels.pdf"
+    done = run("labels", str(SAMPLES), "-o", str(output))
+    assert done.exit_code == 0, done.stderr
+    pages = pypdfium2.PdfDocument(output)
+    read = [zxingcpp.read_barcode(page.render(scale=3).to_pil()) for page in pages]
+    codes = [code.text for code in read if code is not None]
+    assert len(codes) == len(pages) == 19
+    programs = dict(code.split("\n") for code in codes)
+    assert programs["B1"] == "beam.gcode"
+    assert programs["PL1"].startswith("plate.")
+    assert Counter(code.split("\n")[0] for code in codes)["Z1"] == 6
+    text = pages[0].get_textpage().get_text_range()
+    assert "B1" in text
+    assert "IPE300, 4200 mm" in text
+    again = tmp_path / "again.pdf"
+    assert run("labels", str(SAMPLES), "-o", str(again)).exit_code == 0
+    assert again.read_bytes() == output.read_bytes()
+
+
+@settings(deadline=None, max_examples=15)
+@given(
+    st.text(st.characters(codec="utf-8", exclude_categories=("C", "Z")), min_size=1, max_size=40),
+    st.sampled_from((Size(), Size(60, 30), Size(50, 80), Size(40, 25))),
+)
+def test_any_mark_is_read_back(mark: str, size: Size) -> None:
+    label = Label(mark, ("IPE200  L 1000 mm", "S235  1 / 1"), "p.gcode")
+    page = pypdfium2.PdfDocument(as_pdf([label], size))[0]
+    assert page.get_size() == pytest.approx((size.width * 72 / 25.4, size.height * 72 / 25.4))
+    found = zxingcpp.read_barcode(page.render(scale=5).to_pil())
+    assert found is not None
+    assert found.text == label.code
+
+
+@given(st.lists(st.text(max_size=30), min_size=1, max_size=4))
+def test_zpl_holds_the_texts_and_nothing_that_the_printer_obeys(texts: list[str]) -> None:
+    label = Label(texts[0], tuple(texts), "p.gcode")
+    text = as_zpl([label], Size())
+    assert text.isascii()
+    body, mark = text.split("^FD"), label.code
+    fields = [part.split("^FS")[0] for part in body[1:]]
+    plain = [
+        re.sub(r"((?:_[0-9A-F]{2})+)",
+               lambda m: bytes.fromhex(m[1].replace("_", "")).decode("utf-8"), field)
+        for field in fields
+    ]  # fmt: skip
+    assert plain[-1] == f"MA,{mark}"
+    assert len(plain) == len(texts) + 2
+    assert Counter(re.findall(r"[\^~][A-Z0-9]{2}", text)) == {
+        "^XA": 1, "^CI": 1, "^PW": 1, "^LL": 1, "^FO": len(plain), "^A0": len(plain) - 1,
+        "^FH": len(plain), "^FD": len(plain), "^FS": len(plain), "^BQ": 1, "^XZ": 1,
+    }  # fmt: skip
+
+
+def test_the_code_of_a_label_stands_clear_of_its_lines() -> None:
+    for size in (Size(40, 25), Size(), Size(300, 300), Size(40, 300)):
+        assert 0 < size.code <= min(size.width / 2, size.height)
+    assert len(code_rows("A\nB")) >= 21
+
+
+@pytest.mark.parametrize("size", ["100", "100x", "1000x60", "ax60", "nanxnan"])
+def test_a_size_that_cannot_be_meant(size: str, tmp_path: Path) -> None:
+    words = ("labels", str(SAMPLES / "tie.nc1"), "-o", str(tmp_path / "l.pdf"), "--size", size)
+    assert run(*words).exit_code == 2
+
+
+@pytest.mark.parametrize(("command", "name", "module"), [
+    ("labels", "l.pdf", "reportlab.pdfgen.canvas"), ("list", "l.xlsx", "openpyxl"),
+])  # fmt: skip
+def test_a_library_that_is_not_there(
+    command: str, name: str, module: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setitem(__import__("sys").modules, module, None)
+    done = run(command, str(SAMPLES / "tie.nc1"), "-o", str(tmp_path / name))
+    assert done.exit_code == 1
+    assert "extra-missing" in done.stderr
+    assert "pip install" in done.stderr
+    assert not list(tmp_path.iterdir())
