@@ -32,6 +32,10 @@ WRITTEN_SAME = 1e-3
 #: A gap as wide as the tolerance is within it, whatever the last digits of its ends.
 SLACK = 1 + 1e-6
 
+#: Ends that hang together over more than so many tolerances are those of a hatch or a scale, whose
+#: lines lie nearer to one another than the tolerance: they meet only where they are written alike.
+WIDEST_PLACE = 2.0
+
 
 class Chain(Struct, frozen=True):
     """Curves that follow one another."""
@@ -86,11 +90,12 @@ def join_curves(
     Curves are turned round where needed. An end very near its neighbour is moved onto it where a
     curve can be (lines and free curves), else a line bridges the gap.
 
-    Where three ends or more meet, a chain that begins and ends there is closed, and chains that
-    lead to nowhere leave the way on to the others; if more than two are left, all of them stop
-    and a junction is reported. Open ends of chains nearer than `look` (10 times the tolerance if
-    not given) are reported as gaps. Chains no larger than the tolerance are dropped. `ends` are
-    those of the curves (n, 4), if they are known already.
+    Ends that are near a third one meet one another too, unless they hang together over more than
+    twice the tolerance. Where three ends or more meet, a chain that begins and ends there is closed,
+    and chains that lead to nowhere leave the way on to the others; if more than two are left, all
+    of them stop and a junction is reported. Open ends of chains nearer than `look` (10 times the
+    tolerance if not given) are reported as gaps. Chains no larger than the tolerance are dropped.
+    `ends` are those of the curves (n, 4), if they are known already.
 
     Raises ValueError if the tolerance is not above 0.
     """
@@ -144,7 +149,7 @@ def _joined_within(
         return [], ()
     ends = ends_of([curve for link in links for curve in (link.curves[0], link.curves[-1])])
     points = np.column_stack((ends[0::2, :2], ends[1::2, 2:])).reshape(-1, 2)
-    near = _meetings(points, tolerance * SLACK)
+    near = _without_wide(_meetings(points, tolerance * SLACK), points, tolerance)
     partner = near.partner
 
     def is_small(end: int) -> bool:
@@ -198,6 +203,21 @@ def _meetings(points: Floats, tolerance: float) -> _Meetings:
     apart = frozenset(np.concatenate((a[moved], b[moved])).tolist())
     pairs = zip(first[~alone].tolist(), second[~alone].tolist(), strict=True)
     return _Meetings(partner.tolist(), apart, _crowds(pairs))
+
+
+def _without_wide(near: _Meetings, points: Floats, tolerance: float) -> _Meetings:
+    """The meetings, but of ends that hang together over a long way only those written alike."""
+    partner, apart, crowds = near.partner, set(near.apart), []
+    for crowd in near.crowds:
+        if hypot(*np.ptp(points[crowd], axis=0)) <= WIDEST_PLACE * tolerance * SLACK:
+            crowds.append(crowd)
+            continue
+        own = _meetings(points[crowd], min(tolerance, WRITTEN_SAME))
+        for k, other in enumerate(own.partner):
+            partner[crowd[k]] = crowd[other] if other >= 0 else -1
+        apart.update(crowd[k] for k in own.apart)
+        crowds += [[crowd[k] for k in some] for some in own.crowds]
+    return _Meetings(partner, frozenset(apart), crowds)
 
 
 def _crowds(pairs: Iterator[tuple[int, int]]) -> list[list[int]]:

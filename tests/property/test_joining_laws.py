@@ -20,7 +20,7 @@ COLUMNS, ROWS = 4, 3
 
 #: How far an end is off its place: written with three or more decimals, or drawn carelessly.
 offsets = st.tuples(
-    st.sampled_from([0.0, 0.0, 0.0, 0.0004, 0.003, 0.02, 0.045, 0.06]), st.integers(0, 11)
+    st.sampled_from([0.0, 0.0, 0.0, 0.0004, 0.003, 0.02, 0.045, 0.06, 0.09]), st.integers(0, 11)
 )
 corners = st.tuples(st.integers(0, COLUMNS - 1), st.integers(0, ROWS - 1))
 
@@ -106,3 +106,12 @@ def test_a_loop_that_a_twig_ends_on_hangs_on_a_tail() -> None:
     curves: list[Curve] = [*loop, Line((5, 5), (9, 9)), Line((0, 0), (0, -9))]
     assert planned(curves) == checked(curves) == {frozenset({0, 1, 2})}
     assert join_curves(curves, GAP).junctions == ()
+
+
+def test_lines_of_a_hatch_are_not_joined() -> None:
+    """Their ends lie nearer to one another than the gap, in a row."""
+    hatch: list[Curve] = [
+        Line((0.032 * k, 0.032 * k), (3 - 0.032 * k, 0.032 * k)) for k in range(1, 47)
+    ]
+    assert checked(hatch) == planned(hatch) == set()
+    assert [chain.members for chain in join_curves(hatch, GAP).chains] == [(k,) for k in range(46)]

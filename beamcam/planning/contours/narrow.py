@@ -194,7 +194,7 @@ def sharp_corners(shapes: Sequence[Shape], kerfs: Sequence[float]) -> list[list[
     import numpy as np
 
     table = CurveTable([curve for shape in shapes for curve in shape.curves])
-    sizes = np.array([len(shape.curves) for shape in shapes])
+    sizes = np.array([len(shape.curves) for shape in shapes], dtype=np.int64)
     begins = np.cumsum(sizes) - sizes
     owner = np.repeat(np.arange(len(shapes)), sizes)
     following = np.arange(len(table.curves)) + 1

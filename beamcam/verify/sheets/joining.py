@@ -5,7 +5,8 @@ the planner:
 
 1. A feature whose curves follow one another and end where they begin is a contour as it is drawn.
 2. Of all other curves, two ends that lie within `WRITTEN_SAME` of one another and of no third one
-   meet. All ends that are left meet if they are within the gap, also by way of others.
+   meet. All ends that are left meet if they are within the gap, also by way of others; but such as
+   hang together over more than twice the gap only within `WRITTEN_SAME`.
 3. Where two ends meet, one curve goes on into the other. Where more meet, what leads back to that
    place is a contour of its own, and what leads to nowhere is a branch. Without these, two that are
    left go on into one another; and so on, until nothing changes. What is left is open.
@@ -25,6 +26,7 @@ Chain = list[tuple[int, bool]]  #: ways one behind the other, and whether each i
 SAME_POINT = 1e-9  #: ends of the curves of one feature that follow one another
 WRITTEN_SAME = 1e-3  #: ends that are written as one point: coordinates of three decimals
 PASSED_AGAIN = 1e-6  #: a place of a contour, to its last digits
+WIDEST_PLACE = 2.0  #: gaps that ends which meet may hang together over
 SLACK = 1 + 1e-6  #: of the gap, for the last digits of ends that are as far apart
 
 
@@ -95,7 +97,12 @@ def _places(ends: Floats, gap: float) -> Counts:
     written = _hanging(ends, min(gap, WRITTEN_SAME))
     left = np.flatnonzero(np.bincount(written)[written] != 2)
     found = written + len(ends)
-    found[left] = left[_hanging(ends[left], gap * SLACK)]
+    near = left[_hanging(ends[left], gap * SLACK)]
+    low, high = np.full((len(ends), 2), np.inf), np.full((len(ends), 2), -np.inf)
+    np.minimum.at(low, near, ends[left])
+    np.maximum.at(high, near, ends[left])
+    is_place = np.hypot(*(high - low)[near].T) <= WIDEST_PLACE * gap * SLACK
+    found[left[is_place]] = near[is_place]
     return found
 
 
