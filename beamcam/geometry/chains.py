@@ -91,8 +91,8 @@ def join_curves(
     curve can be (lines and free curves), else a line bridges the gap.
 
     Ends that are near a third one meet one another too, unless they hang together over more than
-    twice the tolerance. Where three ends or more meet, a chain that begins and ends there is closed,
-    and chains that lead to nowhere leave the way on to the others; if more than two are left, all
+    twice the tolerance. Where three ends or more meet, a chain that begins and ends there is
+    closed, and chains that lead to nowhere leave the way on to the others; if more are left, all
     of them stop and a junction is reported. Open ends of chains nearer than `look` (10 times the
     tolerance if not given) are reported as gaps. Chains no larger than the tolerance are dropped.
     `ends` are those of the curves (n, 4), if they are known already.
