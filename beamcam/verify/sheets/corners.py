@@ -38,12 +38,13 @@ def in_corners(work: Work, traced: Sequence[Traced], missing: Counts, samples: S
     is_missing = np.zeros(len(owner), dtype=bool)
     is_missing[missing] = True
     good = np.zeros(len(owner), dtype=bool)
-    rows, samples, is_missing = beam.with_ends(samples, is_missing)
-    stretches = [
-        s for s in _stretches(work, samples[2], is_missing) if left[_own(rows, s[1:-1])].all()
-    ]
-    for stretch in beam.corners(stretches, samples):
-        good[_own(rows, stretch[1:-1])] = True
+    # The tip of a needle may be all of it that the beam touches: it parts two corners. Where the
+    # beam touches a tip from behind, both sides are one.
+    whole = np.arange(len(owner)), samples, is_missing
+    for rows, some, gone in (whole, beam.with_ends(samples, is_missing)):
+        stretches = [s for s in _stretches(work, some[2], gone) if left[_own(rows, s[1:-1])].all()]
+        for stretch in beam.corners(stretches, some):
+            good[_own(rows, stretch[1:-1])] = True
     # A curve that lies on another is where that one is.
     found[:] = good[missing] | (left[missing] & work.region.twins[owner[missing]])
     return found
@@ -105,16 +106,16 @@ class _Beam:
     def with_ends(self, samples: Samples, missing: Flags) -> tuple[Counts, Samples, Flags]:
         """The samples, with both ends of each way that lacks a path somewhere.
 
-        Also which of those given each is, -1 for an end; and which of all are missing. The tip of a
-        needle may be all of it that the beam touches, and parts the corners at both of its sides.
+        Also which of those given each is, -1 for an end; and which of all are missing.
         """
         element, share, owner = samples
         work = self._work
         lost = np.unique(owner[missing])
         ways = np.concatenate((lost, lost))
-        at = np.concatenate((np.searchsorted(owner, lost), np.searchsorted(owner, lost, "right")))
-        ends = np.repeat([0.0, 1.0], len(lost))
-        first = np.concatenate((work.need.first(lost), work.need.last(lost)))
+        # The end of a way stands before the start of the following one.
+        at = np.concatenate((np.searchsorted(owner, lost, "right"), np.searchsorted(owner, lost)))
+        ends = np.repeat([1.0, 0.0], len(lost))
+        first = np.concatenate((work.need.last(lost), work.need.first(lost)))
         reach = work.half_kerf + work.slack[ways]
         gone = self._nearest(work.need.elements.places(first, ends))[0] > reach
         rows = np.insert(np.arange(len(owner)), at, -1)

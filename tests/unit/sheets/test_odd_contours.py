@@ -1,6 +1,7 @@
 """Contours that cross one another or themselves, that double back, and needles."""
 
 import re
+from math import cos, pi, sin
 
 import pytest
 
@@ -88,3 +89,15 @@ def test_both_sides_of_a_needle_are_corners(width: float, height: float) -> None
     feet = (20 + width / 2, 30), (20 - width / 2, 30)
     outline = lines((0, 0), (40, 0), (40, 30), feet[0], (20, 30 + height), feet[1], (0, 30))
     assert post((drawing(contour(outline), thickness=3.0),), PLASMA).text
+
+
+def test_corners_of_a_star() -> None:
+    """Its points are drawn in any order, so that neighbours in a ring are none in the list."""
+    outer = [(20 + 20 * sin(0.4 * pi * k), 20 + 20 * cos(0.4 * pi * k)) for k in range(5)]
+    turns = [0.4 * pi * (k + 0.5) for k in range(5)]
+    inner = [(20 + 9 * sin(turn), 20 + 9 * cos(turn)) for turn in turns]
+    corners = [point for pair in zip(outer, inner, strict=True) for point in pair]
+    sides = lines(*corners)
+    mixed = (*sides[::3], *sides[1::3], *sides[2::3])
+    loose = [contour((side,), line=k) for k, side in enumerate(mixed)]
+    assert post((drawing(*loose, thickness=3.0),), PLASMA).text
