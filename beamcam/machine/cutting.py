@@ -3,7 +3,8 @@
 from fnmatch import fnmatchcase
 from math import pi
 
-from beamcam.machine.machine import Cutting, Drill, Tool
+from beamcam.machine.drill import Cutting, Drill
+from beamcam.machine.tools import Tool
 
 ANY_GRADE = "*"  #: of the rows for what no other row names
 

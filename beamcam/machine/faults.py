@@ -4,8 +4,11 @@ import re
 from collections.abc import Iterator
 from math import sqrt
 
-from beamcam.machine.machine import FLAT_DEG, Machine, Spindle, ToolSet, Torch, inch_size
+from beamcam.machine.drill import Spindle
+from beamcam.machine.machine import Machine
 from beamcam.machine.tables import UNCONFIRMED, Triggers
+from beamcam.machine.tools import FLAT_DEG, ToolSet, inch_size
+from beamcam.machine.torch import Torch
 
 #: Kinds of tools whose speed or feed comes from `drill.cutting`.
 TURNING = ("drill", "tap", "countersink", "mill", "punch", "scribe")

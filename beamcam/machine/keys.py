@@ -11,7 +11,8 @@ from typing import Literal, NamedTuple, Union, get_args, get_origin
 from msgspec import Meta
 
 from beamcam.conversion.schema import documented
-from beamcam.machine.machine import Formula, MachineFile
+from beamcam.machine.formula import Formula
+from beamcam.machine.machine import MachineFile
 
 
 class Key(NamedTuple):

@@ -14,7 +14,8 @@ from beamcam.geometry.plane import MAX_COORDINATE
 from beamcam.machine import rules
 from beamcam.machine.faults import pair_faults, spindle_faults, tool_faults, torch_faults
 from beamcam.machine.former_keys import KeyTwice, with_present_keys
-from beamcam.machine.machine import Machine, MachineFile, as_formula
+from beamcam.machine.formula import as_formula
+from beamcam.machine.machine import Machine, MachineFile
 from beamcam.machine.templates import template_faults
 from beamcam.machine.toml import Place, TomlError, TomlFile, line_of, toml_text
 from beamcam.system import portable_path

@@ -5,7 +5,8 @@ from typing import Any, Literal
 
 from msgspec.structs import replace
 
-from beamcam.machine.machine import Machine, Torch
+from beamcam.machine.machine import Machine
+from beamcam.machine.torch import Torch
 
 Meaning = Literal["cut", "mark", "engrave", "ignore"]
 MEANINGS: tuple[Meaning, ...] = ("cut", "mark", "engrave", "ignore")

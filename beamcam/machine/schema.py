@@ -1,7 +1,8 @@
 """The JSON schema of a machine file, for editors that complete and check TOML."""
 
 from beamcam.conversion.schema import Schema, schema_of
-from beamcam.machine.machine import Formula, MachineFile
+from beamcam.machine.formula import Formula
+from beamcam.machine.machine import MachineFile
 
 #: Keys of a file that are not the machine's own.
 BASE: Schema = {"type": "string", "description": "machine that this file is laid over"}

@@ -19,7 +19,8 @@ from msgspec import Struct
 
 from beamcam.geometry.ramps import STANDING, Ramp, ramp
 from beamcam.machine.cutting import speed_and_feed
-from beamcam.machine.machine import Machine, Tool, ToolKind
+from beamcam.machine.machine import Machine
+from beamcam.machine.tools import Tool, ToolKind
 
 Positions = tuple[float, ...]  #: in the order of the machine's axes
 SECONDS_PER_MINUTE = 60.0

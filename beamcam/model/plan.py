@@ -6,7 +6,8 @@ from msgspec import Struct
 
 from beamcam.errors import Diagnostic, Source
 from beamcam.geometry.curves import Curve, Point
-from beamcam.machine.machine import Tool, TorchRow
+from beamcam.machine.tools import Tool
+from beamcam.machine.torch import TorchRow
 from beamcam.model.part import Face, Part, Profile
 
 FeatureRef = tuple[int, int]  #: index of the piece on the bar, index of its feature

@@ -2,7 +2,8 @@
 
 from msgspec import Struct
 
-from beamcam.machine.machine import Axis, Drill, Machine, Spindle
+from beamcam.machine.drill import Axis, Drill, Spindle
+from beamcam.machine.machine import Machine
 from beamcam.model.part import Face, Profile
 from beamcam.model.plan import SpindleOp
 

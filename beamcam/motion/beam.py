@@ -7,7 +7,8 @@ from msgspec import Struct
 
 from beamcam.caches import BoundedCache, PerObject
 from beamcam.machine.cutting import speed_and_feed
-from beamcam.machine.machine import Axis, Drill, Machine
+from beamcam.machine.drill import Axis, Drill
+from beamcam.machine.machine import Machine
 from beamcam.model.part import Profile
 from beamcam.model.plan import AS_GIVEN, DrillOp, PathOp, Plan, SawOp, SpindleOp, ToolLoad
 from beamcam.model.program import (

@@ -7,7 +7,8 @@ from math import floor, hypot
 import numpy as np
 
 from beamcam.geometry.array_types import Floats
-from beamcam.machine.machine import Machine, Torch, TorchProcess
+from beamcam.machine.machine import Machine
+from beamcam.machine.torch import Torch, TorchProcess
 from beamcam.model.plan import SheetPlan
 from beamcam.model.steps import VelocityRow
 from beamcam.motion.densify import DensifyRules, densify

@@ -22,7 +22,8 @@ from msgspec import Struct
 
 from beamcam.caches import BoundedCache, PerObject
 from beamcam.errors import Diagnostic, Rule, Severity
-from beamcam.machine.machine import ControlledAxis, Drill, Machine
+from beamcam.machine.drill import Drill
+from beamcam.machine.machine import ControlledAxis, Machine
 from beamcam.model.description import named
 from beamcam.model.part import Face, Feature, Part, Profile
 from beamcam.model.plan import DrillOp, Operation, PathOp, Piece, SawOp

@@ -7,7 +7,9 @@ from msgspec.structs import replace
 from beamcam.caches import BoundedCache, PerObject
 from beamcam.errors import Diagnostic, Source
 from beamcam.machine.cutting import cutting_row, is_unnamed, turns_of
-from beamcam.machine.machine import Drill, Machine, Tool
+from beamcam.machine.drill import Drill
+from beamcam.machine.machine import Machine
+from beamcam.machine.tools import Tool
 from beamcam.model.plan import Piece, SpindleOp
 from beamcam.planning import rules
 

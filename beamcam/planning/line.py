@@ -2,7 +2,9 @@
 
 from msgspec import Struct
 
-from beamcam.machine.machine import Drill, Layout, Machine, Saw
+from beamcam.machine.drill import Drill
+from beamcam.machine.machine import Layout, Machine
+from beamcam.machine.saw import Saw
 from beamcam.planning.tools import Rack, rack_of
 
 

@@ -28,7 +28,8 @@ from collections.abc import Sequence
 from itertools import pairwise
 
 from beamcam.errors import Diagnostic, PlanError
-from beamcam.machine.machine import Layout, Saw
+from beamcam.machine.machine import Layout
+from beamcam.machine.saw import Saw
 from beamcam.model.part import Part
 from beamcam.model.plan import Bar
 from beamcam.planning import rules

@@ -11,7 +11,8 @@ from collections.abc import Iterable, Sequence
 from msgspec import Struct
 
 from beamcam.errors import Diagnostic, PlanError
-from beamcam.machine.machine import Layout, Machine, Saw
+from beamcam.machine.machine import Layout, Machine
+from beamcam.machine.saw import Saw
 from beamcam.model.part import Part
 from beamcam.model.plan import Bar
 from beamcam.planning.ends import Ends, ends_of

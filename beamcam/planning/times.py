@@ -20,7 +20,8 @@ from msgspec import Struct
 from msgspec.structs import replace
 
 from beamcam.machine.cutting import speed_and_feed
-from beamcam.machine.machine import Axis, ControlledAxis, Drill, Machine
+from beamcam.machine.drill import Axis, Drill
+from beamcam.machine.machine import ControlledAxis, Machine
 from beamcam.model.cell_motion import SECONDS_PER_MINUTE, CellMotion
 from beamcam.model.part import Profile
 from beamcam.model.plan import Operation, PathOp, Plan, SawOp, SpindleOp

@@ -12,7 +12,9 @@ is settled over the whole bar, so that it needs as few tools as it can:
 from collections.abc import Iterable
 
 from beamcam.caches import BoundedCache, PerObject
-from beamcam.machine.machine import Drill, Fit, Machine, Tool, ToolKind, ToolSet
+from beamcam.machine.drill import Drill, Fit
+from beamcam.machine.machine import Machine
+from beamcam.machine.tools import Tool, ToolKind, ToolSet
 from beamcam.model.part import Face
 
 Tools = tuple[Tool, ...]  #: equally good ones, the nearest first

@@ -11,7 +11,7 @@ from collections.abc import Collection, Iterator, Mapping, Sequence
 from msgspec import Struct
 
 from beamcam.errors import Diagnostic, PlanError, errors_in
-from beamcam.machine.machine import Tool
+from beamcam.machine.tools import Tool
 from beamcam.model.part import Part
 from beamcam.model.plan import DrillOp, FeatureRef, PathOp, Piece, SpindleOp
 from beamcam.planning.axis_limits import refuse_beyond, refuse_strokes

@@ -9,7 +9,8 @@ skew end; what lies before the first cut is trim, what lies behind the last the 
 from collections.abc import Sequence
 
 from beamcam.errors import Diagnostic, Source, errors_in
-from beamcam.machine.machine import Machine, Saw
+from beamcam.machine.machine import Machine
+from beamcam.machine.saw import Saw
 from beamcam.model.part import EndCuts, Face, Feature, Part, Profile
 from beamcam.recovery import rules
 from beamcam.recovery.found import Recovered, Stock, plain

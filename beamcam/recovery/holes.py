@@ -10,7 +10,7 @@ from collections.abc import Sequence
 from math import radians, tan
 
 from beamcam.errors import Source
-from beamcam.machine.machine import FLAT_DEG
+from beamcam.machine.tools import FLAT_DEG
 from beamcam.model.part import Feature, Hole, Profile, Slot
 from beamcam.recovery.found import plain
 from beamcam.verify.bars.made import Bore

@@ -14,7 +14,8 @@ from msgspec.structs import replace
 from beamcam.controllers.gcode import events_of, run
 from beamcam.errors import Diagnostic, Source, errors_in
 from beamcam.geometry.curves import Line, join_boxes, signed_area
-from beamcam.machine.machine import Machine, Torch, TorchProcess
+from beamcam.machine.machine import Machine
+from beamcam.machine.torch import Torch, TorchProcess
 from beamcam.model.drawing import Measures
 from beamcam.model.part import Contour, ContourKind, Part, Process, Profile
 from beamcam.recovery import rules

@@ -5,7 +5,8 @@ from collections.abc import Collection, Sequence
 from msgspec.structs import replace
 
 from beamcam.errors import Diagnostic
-from beamcam.machine.machine import Machine, TorchProcess
+from beamcam.machine.machine import Machine
+from beamcam.machine.torch import TorchProcess
 from beamcam.model.part import Part
 
 Points = Sequence[tuple[float, float]]

@@ -18,7 +18,7 @@ from msgspec import Struct
 from beamcam.errors import Diagnostic
 from beamcam.geometry.curves import Arc, Curve, Line
 from beamcam.geometry.plane import Point, dot
-from beamcam.machine.machine import Torch
+from beamcam.machine.torch import Torch
 from beamcam.planning.contours import rules
 from beamcam.planning.contours.outline import ways as polylines_of
 from beamcam.planning.contours.shape import Shape

@@ -9,7 +9,8 @@ from msgspec import Struct, field
 from beamcam.errors import Diagnostic, Source
 from beamcam.geometry.curves import Arc, Curve, Line, unit_vector
 from beamcam.geometry.plane import Point
-from beamcam.machine.machine import Machine, Torch, TorchProcess
+from beamcam.machine.machine import Machine
+from beamcam.machine.torch import Torch, TorchProcess
 from beamcam.model.colour import colour_name, process_of
 from beamcam.model.part import (
     Bend,

@@ -13,7 +13,7 @@ from beamcam.geometry.array_types import Floats
 from beamcam.geometry.arrays import CurveTable, ends_of
 from beamcam.geometry.chains import Chains, join_curves
 from beamcam.geometry.curves import Line
-from beamcam.machine.machine import Torch, TorchProcess
+from beamcam.machine.torch import Torch, TorchProcess
 from beamcam.planning.contours import rules
 from beamcam.planning.contours.gather import Wanted
 from beamcam.planning.contours.repeats import Repeats, contours_once, loose_once, overlapping

@@ -7,7 +7,7 @@ from msgspec.structs import replace
 
 from beamcam.errors import Diagnostic
 from beamcam.geometry.curves import join_boxes
-from beamcam.machine.machine import Torch
+from beamcam.machine.torch import Torch
 from beamcam.planning.contours import rules
 from beamcam.planning.contours.entry import uncompensated
 from beamcam.planning.contours.narrow import (

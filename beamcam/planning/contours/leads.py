@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 from beamcam.errors import Diagnostic
 from beamcam.geometry.curves import Curve
-from beamcam.machine.machine import Torch
+from beamcam.machine.torch import Torch
 from beamcam.planning.contours import rules
 from beamcam.planning.contours.outline import ways as polylines_of
 from beamcam.planning.contours.shape import Shape

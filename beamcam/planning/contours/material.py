@@ -4,7 +4,7 @@ import re
 from fnmatch import fnmatchcase
 
 from beamcam.errors import Diagnostic
-from beamcam.machine.machine import Torch, TorchProcess, TorchRow
+from beamcam.machine.torch import Torch, TorchProcess, TorchRow
 from beamcam.model.part import Part
 from beamcam.planning.contours import rules
 

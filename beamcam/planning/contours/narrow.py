@@ -15,7 +15,7 @@ from msgspec import Struct
 from beamcam.errors import Diagnostic
 from beamcam.geometry.arrays import CurveTable
 from beamcam.geometry.plane import Point
-from beamcam.machine.machine import Torch
+from beamcam.machine.torch import Torch
 from beamcam.planning.contours import rules
 from beamcam.planning.contours.outline import outlines, ways
 from beamcam.planning.contours.shape import Shape, entity

@@ -10,7 +10,7 @@ from msgspec.structs import replace
 
 from beamcam.errors import Diagnostic, errors_in
 from beamcam.geometry.plane import Point
-from beamcam.machine.machine import Torch
+from beamcam.machine.torch import Torch
 from beamcam.model.plan import ContourOp, Pass
 from beamcam.planning.contours import rules
 from beamcam.planning.contours.entry import entries

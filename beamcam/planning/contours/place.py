@@ -8,7 +8,7 @@ from beamcam.errors import PlanError
 from beamcam.geometry.arrays import CurveTable
 from beamcam.geometry.curves import Arc, Curve, Line
 from beamcam.geometry.plane import Box, Matrix, Point
-from beamcam.machine.machine import Torch
+from beamcam.machine.torch import Torch
 from beamcam.model.drawing import extent
 from beamcam.model.part import Part
 from beamcam.model.plan import ContourOp

@@ -4,7 +4,7 @@ from msgspec import Struct
 
 from beamcam.errors import Source
 from beamcam.geometry.curves import Curve
-from beamcam.machine.machine import TorchProcess
+from beamcam.machine.torch import TorchProcess
 
 
 class Shape(Struct, frozen=True):

@@ -6,7 +6,7 @@ from math import dist, pi
 from beamcam.geometry.conics import direction_deg
 from beamcam.geometry.curves import Arc, Curve, Line
 from beamcam.geometry.plane import Point
-from beamcam.machine.machine import Torch
+from beamcam.machine.torch import Torch
 
 Curves = tuple[Curve, ...]
 

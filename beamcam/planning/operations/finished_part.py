@@ -21,7 +21,8 @@ from msgspec import Struct
 
 from beamcam.caches import BoundedCache, PerObject
 from beamcam.errors import Diagnostic, Rule, Severity
-from beamcam.machine.machine import Drill, Machine
+from beamcam.machine.drill import Drill
+from beamcam.machine.machine import Machine
 from beamcam.model.part import Face, Hole, Part, Profile, Slot
 from beamcam.model.section import Wall, free_edges, walls_beside
 from beamcam.planning.axis_limits import fixed_faces

@@ -9,7 +9,8 @@ from collections.abc import Iterable, Iterator, Sequence
 from beamcam.caches import PerObject
 from beamcam.errors import Diagnostic, Rule, Severity
 from beamcam.geometry.plane import Point
-from beamcam.machine.machine import Drill, Machine
+from beamcam.machine.drill import Drill
+from beamcam.machine.machine import Machine
 from beamcam.model.description import named
 from beamcam.model.part import Face, Hole
 from beamcam.model.plan import DrillOp, FeatureRef, Plan, SpindleOp

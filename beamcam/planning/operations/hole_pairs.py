@@ -8,7 +8,7 @@ from math import dist, hypot
 from operator import itemgetter
 
 from beamcam.errors import Rule, Severity
-from beamcam.machine.machine import Drill
+from beamcam.machine.drill import Drill
 from beamcam.model.description import named
 from beamcam.model.part import Hole
 from beamcam.planning.operations.finished_part import NEAR_EDGE, TOLERANCE

@@ -21,7 +21,7 @@ from typing import NamedTuple, cast
 from msgspec import Struct
 
 from beamcam.errors import Rule, Severity
-from beamcam.machine.machine import FLAT_DEG
+from beamcam.machine.tools import FLAT_DEG
 from beamcam.model.part import Face, HoleKind
 from beamcam.planning.operations.job import Tooling
 from beamcam.planning.rules import MARK, NO_TOOL, no_unit

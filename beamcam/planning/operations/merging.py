@@ -12,7 +12,7 @@ from collections.abc import Collection, Iterator, Mapping
 from itertools import combinations
 from operator import itemgetter
 
-from beamcam.machine.machine import Drill
+from beamcam.machine.drill import Drill
 from beamcam.model.part import Face, Hole
 
 Placed = tuple[float, int, Hole]  #: x, index of the feature, and the hole: they sort along the part

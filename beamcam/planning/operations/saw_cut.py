@@ -10,7 +10,8 @@ from math import atan, cos, degrees, radians, tan
 from msgspec.structs import replace
 
 from beamcam.errors import Diagnostic, Rule, Severity, Source
-from beamcam.machine.machine import Machine, Saw, SawSection
+from beamcam.machine.machine import Machine
+from beamcam.machine.saw import Saw, SawSection
 from beamcam.model.part import Profile
 from beamcam.model.plan import Bar, Piece, SawOp
 from beamcam.planning.axis_limits import limits_of

@@ -7,7 +7,8 @@ under a name that the user gave.
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from math import cos, radians, sin
 
-from beamcam.machine.machine import Machine, Spindle
+from beamcam.machine.drill import Spindle
+from beamcam.machine.machine import Machine
 from beamcam.model.part import Contour, Hole, Part, Slot
 from beamcam.verify.bars.depths import REACHES
 from beamcam.verify.bars.part_ends import ends_of

@@ -10,7 +10,8 @@ from collections.abc import Sequence
 from operator import itemgetter
 
 from beamcam.errors import Diagnostic, Source
-from beamcam.machine.machine import Machine, Saw
+from beamcam.machine.machine import Machine
+from beamcam.machine.saw import Saw
 from beamcam.model.part import Part
 from beamcam.verify import rules
 from beamcam.verify.bars.made import Cut

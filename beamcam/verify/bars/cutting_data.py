@@ -11,7 +11,8 @@ from math import inf, pi
 from typing import NamedTuple
 
 from beamcam.caches import cached
-from beamcam.machine.machine import Cutting, Drill, Machine
+from beamcam.machine.drill import Cutting, Drill
+from beamcam.machine.machine import Machine
 
 MOST = 1.2  #: times what the data give, beyond which a feed or a speed is refused
 LEAST = 0.5  #: times, below which a feed is warned of

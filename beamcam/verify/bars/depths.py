@@ -12,7 +12,7 @@ from collections.abc import Callable
 from math import inf, radians, tan
 from typing import NamedTuple
 
-from beamcam.machine.machine import FLAT_DEG
+from beamcam.machine.tools import FLAT_DEG
 from beamcam.verify.bars.shop import Shop
 from beamcam.verify.bars.targets import THREADS, Kind
 

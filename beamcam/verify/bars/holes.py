@@ -10,7 +10,7 @@ from math import floor
 from typing import NamedTuple
 
 from beamcam.errors import Diagnostic, Source
-from beamcam.machine.machine import FLAT_DEG
+from beamcam.machine.tools import FLAT_DEG
 from beamcam.model.part import Part, Profile
 from beamcam.verify import rules
 from beamcam.verify.bars.depths import REACHES, Reach

@@ -7,7 +7,8 @@ piece is the part that fits it best; turned ones may stand in any of their eight
 from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
-from beamcam.machine.machine import Machine, Saw
+from beamcam.machine.machine import Machine
+from beamcam.machine.saw import Saw
 from beamcam.model.part import Part
 from beamcam.verify.bars.part_ends import End, ends_of
 from beamcam.verify.bars.pieces import Piece, Plane

@@ -12,7 +12,7 @@ from math import atan, atan2, cos, degrees, hypot, radians, tan
 from typing import NamedTuple
 
 from beamcam.geometry.curves import Line, Point
-from beamcam.machine.machine import Saw
+from beamcam.machine.saw import Saw
 from beamcam.model.part import Contour, Face, Part, Profile
 
 OUTLINE_TOLERANCE = 1.0  #: mm that exporters leave between outline and header

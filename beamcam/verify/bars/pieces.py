@@ -12,7 +12,7 @@ from itertools import pairwise
 from math import atan, cos, degrees, hypot, nan, radians, tan
 from typing import NamedTuple
 
-from beamcam.machine.machine import Saw
+from beamcam.machine.saw import Saw
 from beamcam.model.part import Profile
 from beamcam.verify.bars.made import Cut
 

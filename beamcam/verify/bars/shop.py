@@ -4,7 +4,9 @@ from collections.abc import Iterator
 from math import radians, tan
 
 from beamcam.caches import cached
-from beamcam.machine.machine import FLAT_DEG, Drill, Machine, ToolSet
+from beamcam.machine.drill import Drill
+from beamcam.machine.machine import Machine
+from beamcam.machine.tools import FLAT_DEG, ToolSet
 from beamcam.model.part import Face, Hole, Part
 from beamcam.model.section import NO_PLATE
 

@@ -15,7 +15,8 @@ from math import inf
 
 from msgspec import Struct
 
-from beamcam.machine.machine import ControlledAxis, Machine, Spindle
+from beamcam.machine.drill import Spindle
+from beamcam.machine.machine import ControlledAxis, Machine
 from beamcam.model.part import Profile
 
 WEBBED = ("I", "U", "C", "L", "T")  #: sections whose web lies behind their flanges

@@ -18,7 +18,7 @@ from typing import NamedTuple, TypeVar
 from msgspec.structs import replace
 
 from beamcam.geometry.curves import Curve, Point
-from beamcam.machine.machine import FLAT_DEG
+from beamcam.machine.tools import FLAT_DEG
 from beamcam.model.description import description
 from beamcam.model.marks import policy_on
 from beamcam.model.part import (

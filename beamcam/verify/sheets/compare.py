@@ -11,7 +11,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from beamcam.errors import Diagnostic
-from beamcam.machine.machine import Machine, Torch, TorchProcess
+from beamcam.machine.machine import Machine
+from beamcam.machine.torch import Torch, TorchProcess
 from beamcam.verify.sheets.contours import cover
 from beamcam.verify.sheets.need import Need
 from beamcam.verify.sheets.order import order_faults

@@ -10,7 +10,8 @@ from msgspec import Struct, field
 from beamcam.errors import Diagnostic, Source
 from beamcam.geometry.curves import Arc, Curve, Line, unit_vector
 from beamcam.geometry.plane import Point
-from beamcam.machine.machine import Machine, Torch, TorchProcess, TorchRow
+from beamcam.machine.machine import Machine
+from beamcam.machine.torch import Torch, TorchProcess, TorchRow
 from beamcam.model.colour import process_of
 from beamcam.model.drawing import extent
 from beamcam.model.marks import policy_on

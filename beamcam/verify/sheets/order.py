@@ -5,7 +5,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from beamcam.errors import Diagnostic, Source
-from beamcam.machine.machine import TorchProcess
+from beamcam.machine.torch import TorchProcess
 from beamcam.verify.sheets import rules
 from beamcam.verify.sheets.work import SHOWN, Traced, Work
 

@@ -14,7 +14,8 @@ from beamcam.controllers.gcode.moves import Moves, Run
 from beamcam.controllers.gcode.rules import END
 from beamcam.errors import Diagnostic, Rule, Source
 from beamcam.geometry.array_types import Counts
-from beamcam.machine.machine import Machine, Torch, TorchProcess, TorchRow
+from beamcam.machine.machine import Machine
+from beamcam.machine.torch import Torch, TorchProcess, TorchRow
 from beamcam.verify.sheets import rules
 from beamcam.verify.sheets.ability import expected_feeds, told_limits
 

@@ -9,7 +9,7 @@ from msgspec import Struct
 from beamcam.controllers.gcode.moves import Moves
 from beamcam.errors import Diagnostic, Source
 from beamcam.geometry.array_types import Counts, Flags, Floats
-from beamcam.machine.machine import Torch, TorchProcess
+from beamcam.machine.torch import Torch, TorchProcess
 from beamcam.verify.sheets import rules
 from beamcam.verify.sheets.gaps import widest_gap
 from beamcam.verify.sheets.need import Need

@@ -15,8 +15,9 @@ from beamcam.controllers.simotion import rules
 from beamcam.controllers.simotion.circles import circle_points
 from beamcam.controllers.simotion.job import JobRead, Operation
 from beamcam.errors import Diagnostic, Rule, Source
-from beamcam.machine.machine import Machine, TorchProcess, TorchRow
+from beamcam.machine.machine import Machine
 from beamcam.machine.runtime import PROCESSES
+from beamcam.machine.torch import TorchProcess, TorchRow
 
 Place = tuple[float, float]
 

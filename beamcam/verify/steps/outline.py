@@ -10,7 +10,8 @@ from msgspec import Struct
 
 from beamcam.errors import Diagnostic, Source
 from beamcam.geometry.array_types import Floats
-from beamcam.machine.machine import Machine, Torch, TorchProcess
+from beamcam.machine.machine import Machine
+from beamcam.machine.torch import Torch, TorchProcess
 from beamcam.model.part import Part
 from beamcam.verify.polylines import compare_polylines
 from beamcam.verify.sheets.need import Need, need_of, rows_of, shift_of, thickness_of

@@ -9,8 +9,9 @@ import pytest
 from beamcam.conversion import Fault, converted
 from beamcam.errors import MachineError
 from beamcam.machine import load, settings, shipped
+from beamcam.machine.formula import Formula, as_formula
 from beamcam.machine.load import _files, merged
-from beamcam.machine.machine import Formula, MachineFile, as_formula
+from beamcam.machine.machine import MachineFile
 from beamcam.machine.rules import RULES
 from beamcam.model.plan import DrillOp
 from beamcam.planning.beam import plan_bar

@@ -11,7 +11,7 @@ from msgspec.structs import replace
 from beamcam.errors import MachineError
 from beamcam.machine import load
 from beamcam.machine.cutting import speed_and_feed
-from beamcam.machine.machine import Tool, ToolSet, inch_size
+from beamcam.machine.tools import Tool, ToolSet, inch_size
 
 #: Lines laid over a shipped machine, and what the message has to say.
 FAULTS = [

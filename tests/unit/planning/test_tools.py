@@ -6,7 +6,7 @@ from hypothesis import strategies as st
 from msgspec.structs import replace
 
 from beamcam.machine import load
-from beamcam.machine.machine import Tool, ToolSet
+from beamcam.machine.tools import Tool, ToolSet
 from beamcam.model.plan import DrillOp, PathOp, Plan, SpindleOp
 from beamcam.planning.tools import Tools, choose_drill, rack_of, settle
 from tests.unit.planning.shop import hole, part, plan, pusher

@@ -1,0 +1,89 @@
+"""The drilling station of a line, and its spindles."""
+
+from typing import Literal
+
+from beamcam.conversion import Count, Keys, NotNegative, Positive, PositiveCount
+from beamcam.machine.formula import Formula
+from beamcam.machine.tools import ToolKind
+
+Axis = Literal["X", "Y", "Z"]
+
+
+class Across(Keys, frozen=True):
+    """The axis that sets a spindle across the bar."""
+
+    axis: Axis
+    position: Formula
+
+
+class Stroke(Keys, frozen=True):
+    """The axis that drives a spindle into the material."""
+
+    axis: Axis
+    start: Formula  #: free of the section, where the spindle may travel
+    bottom: Formula  #: end of the stroke
+    near: Formula | None = None  #: where the rapid approach ends; `start` if not given
+
+
+class Spindle(Keys, frozen=True):
+    """A drilling spindle: the face that it reaches, its axes and its stations."""
+
+    name: str
+    number: Count  #: what the program calls it
+    face: Literal["v", "o", "u", "h"]
+    across: Across
+    stroke: Stroke
+    stations: PositiveCount = 1
+
+
+class Pair(Keys, frozen=True):
+    """Two spindles that can drill at once."""
+
+    name: str
+    number: Count
+    faces: tuple[str, str]
+
+
+class Fit(Keys, frozen=True):
+    """How far a drill may differ from its hole, for holes up to a diameter."""
+
+    up_to: Positive
+    plus: NotNegative  #: the drill may be larger by this
+    minus: NotNegative  #: or smaller by this
+
+
+class Cutting(Keys, frozen=True):
+    """Speed and feed of a tool, for diameters up to a limit. The first row that fits counts."""
+
+    up_to: Positive
+    speed_m_min: Positive  #: at the drill's edge
+    feed_per_turn: Positive  #: mm
+    grade: str = "*"  #: steel grades the row is for, as shell patterns set off by |
+    kind: ToolKind = "drill"
+    tool_material: Literal["*", "hss", "carbide"] = "*"  #: of the tools the row is for
+
+
+class Drill(Keys, frozen=True):
+    """The drilling station."""
+
+    x: float  #: machine X of a hole at bar x 0
+    max_height: Positive
+    max_width: Positive
+    fits: tuple[Fit, ...]
+    cutting: tuple[Cutting, ...]
+    merge_tolerance: NotNegative = 0.1  #: flange holes nearer than this are one operation
+    clearance: NotNegative = 5.0  #: between tool and surface where the feed begins
+    breakthrough: NotNegative = 2.0  #: of the drill's full diameter beyond the far side
+    min_speed_rpm: Positive = 150.0
+    max_speed_rpm: Positive = 2500.0
+    max_feed_mm_min: Positive = 20000.0
+    twin: NotNegative = 0.02  #: tools that differ by no more are one: 20.64 and 13/16 in
+    duplicate_tolerance: NotNegative = 0.01  #: holes of one face nearer than this are one hole
+    slots: Literal["mill", "drill-mill"] = "drill-mill"  #: whether its ends are drilled first
+    runout_pitches: NotNegative = 3.0  #: of a tap's drill below a blind thread
+    sink_tolerance: NotNegative = 0.2  #: of a countersink's depth against its diameter
+    path_tolerance: NotNegative = 0.02  #: of the chords of a milled or scribed curve
+    mark_depth: NotNegative = 0.3  #: of a scribed line
+    punch_depth: NotNegative = 1.0  #: of a centre punch that the part gives no depth
+    min_edge_distance: NotNegative = 0.0  #: steel from a hole to an edge, an end or another hole
+    min_fillet_distance: float = 0.0  #: from a hole to where the root fillet begins

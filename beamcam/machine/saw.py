@@ -1,0 +1,36 @@
+"""The saw of a line."""
+
+from typing import Literal
+
+from beamcam.conversion import Keys, NotNegative, Positive
+
+
+class SawSection(Keys, frozen=True):
+    """The largest section that the blade reaches across, up to an angle off the square cut."""
+
+    max_angle: NotNegative  #: degrees off the square cut, to either side
+    max_height: Positive
+    max_width: Positive
+
+
+class Saw(Keys, frozen=True):
+    """The saw: where it stands, what it cuts and how its angles are counted."""
+
+    kerf: NotNegative
+    min_angle: float  #: of the mitre, in the machine's own counting
+    max_angle: float
+    max_height: Positive
+    max_width: Positive
+    x: float = 0.0  #: machine X of a cut at bar x 0
+    kerf_along: Literal["normal", "x"] = "normal"  #: across the blade, or along the bar
+    pivot: Literal["o", "u"] = "o"  #: the edge of the web on which X is counted
+    square: float = 0.0  #: what a square cut is called: 0 or 90
+    angle_sign: Literal[-1, 1] = 1  #: of DSTV's web angle in the machine's counting
+    feed_mm_min: Positive = 2500.0
+    min_mitre: float = 0.1  #: an end nearer to square than this is sawn square, in degrees
+    min_tilt: float = 0.0  #: of the blade out of the vertical, for flange angles
+    max_tilt: float = 0.0  #: 0 and 0: the blade does not tilt
+    tilt_sign: Literal[-1, 1] = 1  #: of DSTV's flange angle in the machine's counting
+    compound: bool = False  #: whether it may turn and tilt in one cut
+    common_cuts: bool = False  #: whether one cut may end a part and start the next
+    max_sections: tuple[SawSection, ...] = ()  #: by angle; empty: nothing known but the greatest

@@ -1,0 +1,77 @@
+"""The tools of a line: each by itself, and the sets that a machine file lists."""
+
+from fractions import Fraction
+from math import radians, tan
+from typing import Literal
+
+from msgspec import Struct
+
+from beamcam.conversion import Keys, NotNegative, Positive
+
+ToolKind = Literal["drill", "tap", "countersink", "mill", "punch", "scribe"]
+
+
+ToolMaterial = Literal["hss", "carbide"]
+
+
+class Tool(Struct, frozen=True, cache_hash=True):
+    """A tool that a spindle can take."""
+
+    kind: ToolKind
+    diameter: float
+    point_deg: float = 118.0  #: angle of a drill's point or a countersink's cone; 180 is flat
+    pitch: float = 0.0  #: of a tap
+    hand: Literal["right", "left"] = "right"  #: of a tap
+    tool_material: ToolMaterial = "hss"
+
+    @property
+    def name(self) -> str:
+        """What the shop calls it."""
+        if self.kind == "tap":
+            left = " left" if self.hand == "left" else ""
+            return f"tap M{self.diameter:g} x {self.pitch:g}{left}"
+        if self.kind == "countersink":
+            return f"countersink {self.diameter:g} at {self.point_deg:g} deg"
+        return f"{self.kind} {self.diameter:g}"
+
+    @property
+    def tip(self) -> float:
+        """Length of the point: radius / tan(half the point angle); 0 of a flat one."""
+        if self.point_deg >= FLAT_DEG:
+            return 0.0
+        return self.diameter / 2 / tan(radians(self.point_deg) / 2)
+
+
+FLAT_DEG = 180.0
+
+
+MM_PER_INCH = 25.4
+
+
+class ToolSet(Keys, frozen=True):
+    """Tools of one kind in the diameters that the shop has."""
+
+    kind: ToolKind
+    diameters: tuple[float, ...] = ()
+    inches: tuple[str, ...] = ()  #: more of them, as "13/16" or "1 1/16"
+    point_deg: Positive = 118.0
+    faces: tuple[Literal["v", "o", "u", "h"], ...] = ("v", "o", "u", "h")  #: whose spindles take it
+    pitches: tuple[float, ...] = ()  #: of taps, one for each diameter
+    pre_drills: tuple[float, ...] = ()  #: of taps, the drill before each of them
+    hand: Literal["right", "left"] = "right"
+    largest_hole: NotNegative = 0.0  #: of mills: largest that may be milled as a circle
+    tool_material: ToolMaterial = "hss"  #: high-speed steel or cemented carbide
+
+    @property
+    def sizes(self) -> tuple[float, ...]:
+        """All diameters in mm, the inch sizes behind the metric ones."""
+        return self.diameters + tuple(inch_size(text) for text in self.inches)
+
+
+def inch_size(text: str) -> float:
+    """Millimetres of an inch size such as "13/16" or "1 1/16". Raises ValueError."""
+    try:
+        total = sum(Fraction(word) for word in text.split())
+        return round(float(total) * MM_PER_INCH, 6)
+    except (ValueError, ArithmeticError) as error:
+        raise ValueError(f"{text!r} is no size in inches") from error

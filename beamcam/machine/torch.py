@@ -1,0 +1,54 @@
+"""The head of a machine that follows contours."""
+
+from collections.abc import Mapping
+from typing import Literal
+
+from beamcam.conversion import Count, Keys, NotNegative, Positive
+
+TorchProcess = Literal["cut", "mark", "engrave"]
+
+
+class TorchRow(Keys, frozen=True):
+    """How a process runs on one material up to a thickness."""
+
+    process: TorchProcess
+    up_to: Positive  #: thickness of the sheet
+    feed_mm_min: Positive
+    material: str = "*"  #: grade of the sheet, as a shell pattern
+    power: NotNegative = 0.0  #: what the words call {power}
+    pierce_s: NotNegative = 0.0  #: between the tool's start and the first move
+    kerf: NotNegative = 0.0
+
+
+class Torch(Keys, frozen=True):
+    """The head of a machine that follows contours: a torch, a laser, an engraver.
+
+    A sheet lies with its lower left corner at X 0, Y 0.
+    """
+
+    length: Positive  #: of the work area, along X
+    width: Positive  #: along Y
+    rows: tuple[TorchRow, ...]
+    colours: Mapping[str, Literal["cut", "mark", "engrave", "ignore"]]  #: of lines, or their layers
+    thickness: Positive | None = None  #: of a sheet that does not say; without it the job has to
+    material: str = ""  #: of a sheet that does not say
+    place: Literal["corner", "drawn"] = "corner"  #: moved to the corner, or left where it is drawn
+    margin: NotNegative = 0.0  #: between the corner and the part
+    tolerance: Positive = 0.01  #: greatest distance of the path from the contour
+    gap: Positive = 0.01  #: ends of curves as near as this belong together
+    kerf_by: Literal["none", "offset", "machine"] = "none"  #: who keeps half a kerf off the contour
+    lead: Literal["none", "line", "arc"] = "none"  #: the way from the pierced hole to the contour
+    lead_in: NotNegative = 0.0
+    lead_out: NotNegative = 0.0
+    start: Literal["nearest", "drawn", "straight"] = "nearest"  #: straight: away from corners
+    direction: Literal["drawn", "climb", "conventional"] = "drawn"  #: climb: material at the right
+    tabs: Count = 0  #: bridges that hold a part in the sheet
+    tab_width: Positive = 1.0
+    min_hole: NotNegative = 0.0  #: smallest diameter that can be cut
+    cross: NotNegative = 0.0  #: size of the cross that marks a centre; 0 marks none
+    min_radius: Positive = 0.01  #: smallest arc that the controller takes
+    max_radius: Positive = 10000.0  #: an arc beyond is written as lines
+    arc_limit: Positive = 0.005  #: radii at both ends of an arc may differ by this
+    traverse_mm_min: Positive = 20000.0  #: of the head with its tool off, for times
+    acceleration: NotNegative = 0.0  #: along the path, to run up and to brake, mm/s2; 0: not known
+    corner: NotNegative = 0.0  #: distance from a corner of a circle passed as fast; 0 stops there
