@@ -175,6 +175,7 @@ def step_post() -> Post:
 #: By the kind of stock and the family of the controller.
 POSTS = {
     ("beam", "codesys"): bar_post,
+    ("beam", "linuxcnc"): bar_post,
     ("sheet", "codesys"): sheet_post,
     ("sheet", "linuxcnc"): sheet_post,
     ("sheet", "grbl"): sheet_post,

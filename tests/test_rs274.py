@@ -4,16 +4,18 @@ import re
 import shutil
 import subprocess
 import tempfile
+from math import isnan
 from pathlib import Path
 
 import pytest
 
-from beamcam.controllers.events import Keep, Leg
-from beamcam.controllers.gcode import events_of
+from beamcam.controllers import cell_events, table_events
+from beamcam.controllers.events import Compensation, HeadMove, Move
 from beamcam.machine import load
-from beamcam.pipeline import post
+from beamcam.pipeline import post, read_file
 from beamcam.verify.sheets.compensation import CompensationError, compensated
-from tests.conftest import GOLDEN
+from tests.conftest import GOLDEN, SAMPLES
+from tests.linuxcnc_cell import linuxcnc_cell
 from tests.unit.sheets.parts import NESTED, table
 
 RS274 = shutil.which("rs274")
@@ -40,9 +42,9 @@ def moves_of(path: Path) -> list[tuple[str, list[float]]]:
 
 def ends_as_we_say(path: Path) -> int:
     """Compares each move's end, and each arc's centre and direction; how many there were."""
-    events, said = events_of(path.read_text(), load("plate-linuxcnc"))
+    events, said = table_events(path.read_text(), load("plate-linuxcnc"))
     assert not said
-    legs = [e for e in events if isinstance(e, Leg)]
+    legs = [e for e in events if isinstance(e, Move)]
     moves = moves_of(path)
     assert len(moves) == len(legs)
     for (name, values), leg in zip(moves, legs, strict=True):
@@ -71,7 +73,7 @@ def test_the_interpreter_refuses_what_we_refuse(tmp_path: Path) -> None:
     broken = re.sub(r"I(\S+) J", lambda m: f"I{float(m[1]) + 3:.4f} J", text, count=1)
     path = tmp_path / "broken.ngc"
     path.write_text(broken)
-    _, said = events_of(broken, load("plate-linuxcnc"))
+    _, said = table_events(broken, load("plate-linuxcnc"))
     assert [d.code for d in said] == ["verify-sheet-arc"]
     with pytest.raises(AssertionError, match="Radius to end of arc differs"):
         moves_of(path)
@@ -90,17 +92,17 @@ def test_compensation_by_the_machine(tmp_path: Path) -> None:
         assert values[:2] == pytest.approx(leg.end, abs=2e-4)
 
 
-def beam_of(text: str) -> list[Leg]:
+def beam_of(text: str) -> list[HeadMove]:
     """The feeds of a program as the read-back has them, those beside a contour compensated."""
-    events, said = events_of(text, load("plate-linuxcnc"))
+    events, said = table_events(text, load("plate-linuxcnc"))
     assert not said
-    found: list[Leg] = []
-    side, radius, waiting = "on", 0.0, list[Leg]()
+    found: list[HeadMove] = []
+    side, radius, waiting = "on", 0.0, list[HeadMove]()
     for event in events:
-        if isinstance(event, Keep):
+        if isinstance(event, Compensation):
             found += compensated(waiting, side, radius) if side != "on" else waiting  # type: ignore[arg-type]
             side, radius, waiting = event.side, event.radius, []
-        elif isinstance(event, Leg) and not event.rapid:
+        elif isinstance(event, Move) and not event.rapid:
             waiting.append(event)
     return found + waiting
 
@@ -128,3 +130,21 @@ def test_bridges(tmp_path: Path) -> None:
     path = tmp_path / "bridges.ngc"
     path.write_text(post((NESTED,), table(tabs=3)).text)
     assert ends_as_we_say(path) > 30
+
+
+@pytest.mark.parametrize("name", ["beam", "channel", "strut", "tie"])
+def test_a_cell(name: str, tmp_path: Path) -> None:
+    """Strokes in X, Y and Z; the machine's own words are left out, as they move nothing."""
+    cell = linuxcnc_cell()
+    text = post(read_file(SAMPLES / "dstv" / f"{name}.nc1").parts, cell, bar=12000.0).text
+    events, said = cell_events(text, cell)
+    assert not said
+    path = tmp_path / "cell.ngc"
+    path.write_text(re.sub(r"(?m)^(N\d+) M1\d\d .*", r"\1", text))
+    ours = [e for e in events if isinstance(e, Move)]
+    theirs = [(kind, values[:3]) for kind, values in moves_of(path) if kind != "SET_FEED_RATE"]
+    assert len(theirs) == len(ours) > 10
+    for (kind, values), move in zip(theirs, ours, strict=True):
+        assert kind == ("STRAIGHT_TRAVERSE" if move.rapid else "STRAIGHT_FEED")
+        named = [0.0 if isnan(at) else at for at in move.end]  # they begin at 0, ours anywhere
+        assert values == pytest.approx(named, abs=1e-4), move

@@ -1,33 +1,64 @@
 """Controllers: what the text of a program means, event by event.
 
-    text -> blocks (lexer) -> events (modal interpreter)        dialect: the machine's own words
+    text -> blocks (each family's lexer) -> modal interpreter -> events
+    dialect: the axes, numbers and words of a machine, as its file defines them
 
 Written from the controllers' documentation and the machine file, apart from the emitters, so that
-a fault of theirs cannot hide in it. A family of controllers is a lexer, an interpreter and a row of
-`INTERPRETERS`; all speak the one vocabulary of `events`.
+a fault of theirs cannot hide in it. A family of controllers is a package with a lexer and an
+`Interpreter`, and a row of `interpreter_of`; all speak the one vocabulary of `events`, so that
+cells and tables may be told by any of them.
 """
 
-from collections.abc import Callable
+from typing import TYPE_CHECKING
 
-from beamcam.controllers import codesys
-from beamcam.controllers.blocks import Block, read_blocks
-from beamcam.controllers.dialect import Dialect
-from beamcam.controllers.events import BarEvent
+from beamcam.controllers.dialect import dialect_of
+from beamcam.controllers.events import BarEvent, TableEvent
+from beamcam.controllers.interpreter import EventList, Interpreter
 from beamcam.errors import Diagnostic
-from beamcam.machine.machine import Machine, NumberFormat
+from beamcam.machine.machine import Machine
 
-#: Interpreter of each controller family that moves bars.
-INTERPRETERS: dict[
-    str, Callable[[list[Block], str, NumberFormat], tuple[list[BarEvent], list[Diagnostic]]]
-] = {
-    "codesys": codesys.run,
-}
+if TYPE_CHECKING:
+    from beamcam.controllers.moves import Run
 
 
-def events_of(
-    text: str, machine: Machine, dialect: Dialect, name: str = "program"
+def interpreter_of(machine: Machine, name: str) -> Interpreter:
+    """The interpreter of a machine's controller, at the beginning of a program."""
+    dialect = dialect_of(machine)
+    if machine.controller == "codesys":
+        from beamcam.controllers.codesys.interpreter import Codesys
+
+        return Codesys(dialect, name)
+    from beamcam.controllers.rs274.grbl import GRBL
+    from beamcam.controllers.rs274.interpreter import Rs274
+    from beamcam.controllers.rs274.linuxcnc import LINUXCNC
+
+    return Rs274({"linuxcnc": LINUXCNC, "grbl": GRBL}[machine.controller], dialect, name)
+
+
+def cell_events(
+    text: str, machine: Machine, name: str = "program"
 ) -> tuple[list[BarEvent], list[Diagnostic]]:
-    """What a program does, event by event, and what is wrong with its blocks."""
-    blocks, said = read_blocks(text, name, dialect.letters)
-    events, more = INTERPRETERS[machine.controller](blocks, name, machine.format)
-    return events, said + more
+    """What a program for bars does, event by event, and what is wrong with its blocks."""
+    events, interpreter = EventList(), interpreter_of(machine, name)
+    interpreter.record(events)
+    lines = text.rstrip().split("\n")
+    last = len(lines)
+    for number, line in enumerate(lines, 1):
+        interpreter.line(number, line, number == 1 or number == last)
+    interpreter.finish(last)
+    return events, interpreter.said
+
+
+def table_run(text: str, machine: Machine, name: str = "program") -> "tuple[Run, list[Diagnostic]]":
+    """What a program of a table does, its moves as arrays, and what is wrong with its blocks."""
+    from beamcam.controllers import track
+
+    return track.table_run(text, interpreter_of(machine, name))
+
+
+def table_events(
+    text: str, machine: Machine, name: str = "program"
+) -> tuple[list[TableEvent], list[Diagnostic]]:
+    """What a program of a table does, event by event, and what is wrong with its blocks."""
+    done, said = table_run(text, machine, name)
+    return done.events(), said

@@ -1,16 +1,9 @@
-"""What CODESYS makes of an arc: the arc, another arc, or without a word a straight line.
+"""The arcs that controllers make of start, end and centre."""
 
-With I and J the centre has to lie on the bisector of the chord; up to 10 % beside it the
-controller moves it there, beyond that it drives a line. With R it takes the arc below 180
-degrees, and a line where R is less than half the chord. Start on end is a full circle. Source:
-CODESYS online help, G2/G3. Lengths in mm, angles in degrees.
-"""
+from math import atan2, degrees, dist
 
-from math import atan2, degrees, dist, hypot, sqrt
-
-Point = tuple[float, float]
-
-CENTRE_SHARE = 0.1  #: how far off the bisector the controller still mends a centre, by the radius
+from beamcam.geometry.curves import Arc
+from beamcam.geometry.plane import Point
 
 
 def sweep_of(start: Point, end: Point, centre: Point, clockwise: bool) -> float:
@@ -19,90 +12,11 @@ def sweep_of(start: Point, end: Point, centre: Point, clockwise: bool) -> float:
         return -360.0 if clockwise else 360.0
     (x0, y0), (x1, y1), (cx, cy) = start, end, centre
     turn = degrees(atan2(y1 - cy, x1 - cx) - atan2(y0 - cy, x0 - cx)) % 360.0
-    return turn - 360.0 if clockwise else turn
+    return turn - 360.0 if clockwise else turn or 360.0
 
 
-def arc_fault(start: Point, end: Point, centre: Point, resolution: float) -> str | None:
-    """What is wrong with an arc about `centre` as its numbers stand; None if nothing is.
-
-    `resolution` is the step of the numbers: start, end and centre may each be half of it off in
-    x and in y, which is sqrt(2) / 2 of it, and the centre counts in both radii; so honest radii
-    differ by up to 4 sqrt(2) / 2 of it, and no more.
-    """
-    radius = dist(start, centre)
-    if radius <= resolution:
-        return f"of radius {radius:.4g}"
-    if start == end:
-        return None
-    difference = abs(radius - dist(end, centre))
-    if difference > 2 * sqrt(2) * resolution + 1e-9:
-        return f"whose radii at start and end differ by {difference:.4g}"
-    off = _off_bisector(start, end, centre)
-    if off > CENTRE_SHARE * radius:
-        return f"whose centre lies {off:.4g} beside the bisector of its chord"
-    return None
-
-
-def _off_bisector(start: Point, end: Point, centre: Point) -> float:
-    """How far a centre lies from the line of all points as near to the start as to the end."""
-    (x0, y0), (x1, y1), (cx, cy) = start, end, centre
-    chord = hypot(x1 - x0, y1 - y0)
-    along = (cx - (x0 + x1) / 2) * (x1 - x0) + (cy - (y0 + y1) / 2) * (y1 - y0)
-    return abs(along) / chord
-
-
-def radius_fault(start: Point, end: Point, radius: float) -> str | None:
-    """What is wrong with an arc by R; None if nothing is."""
-    chord = dist(start, end)
-    if radius <= 0:
-        return f"of radius {radius:.4g}"
-    if chord == 0:
-        return "by R whose end is its start"
-    if radius < chord / 2:
-        return f"of radius {radius:.4g} over a chord of {chord:.4g}"
-    return None
-
-
-def radius_centre(start: Point, end: Point, radius: float, clockwise: bool) -> Point:
-    """Centre of the arc below 180 degrees from start to end with `radius`.
-
-    Raises ValueError where `radius_fault` has something to say.
-    """
-    fault = radius_fault(start, end, radius)
-    if fault:
-        raise ValueError(f"an arc {fault}")
-    (x0, y0), (x1, y1) = start, end
-    chord = dist(start, end)
-    height = sqrt(max(0.0, radius * radius - chord * chord / 4))
-    side = -1.0 if clockwise else 1.0  # left of the chord for a counter-clockwise short arc
-    return (
-        (x0 + x1) / 2 - side * height * (y1 - y0) / chord,
-        (y0 + y1) / 2 + side * height * (x1 - x0) / chord,
-    )
-
-
-def rounding_fault(
-    start: Point, end: Point, centre: Point, sweep_deg: float, decimals: int
-) -> str | None:
-    """What the controller would make of an exact arc once its numbers are rounded.
-
-    None if it is still that arc. I and J are taken as written from the rounded start (G99).
-    """
-
-    def written(value: float) -> float:
-        return round(value, decimals)
-
-    x0, y0 = written(start[0]), written(start[1])
-    first, last = (x0, y0), (written(end[0]), written(end[1]))
-    middle = (x0 + written(centre[0] - x0), y0 + written(centre[1] - y0))
-    whole = abs(abs(sweep_deg) - 360.0) < 1e-9
-    if first == last and not whole:
-        return f"of {sweep_deg:.4g} degrees that rounds to a full circle"
-    if first != last and whole:
-        return "that closes no more once it is rounded"
-    fault = arc_fault(first, last, middle, 10.0**-decimals)
-    if fault is None and not whole:
-        turned = sweep_of(first, last, middle, sweep_deg < 0)
-        if abs(turned - sweep_deg) > 180.0:
-            return f"of {sweep_deg:.4g} degrees that rounds to one of {turned:.4g}"
-    return fault
+def arc_of(start: Point, end: Point, centre: Point, clockwise: bool) -> Arc:
+    """The arc that a controller makes of its numbers; from a point to itself it is a circle."""
+    x, y = start[0] - centre[0], start[1] - centre[1]
+    sweep = sweep_of(start, end, centre, clockwise)
+    return Arc(centre, dist(start, centre), degrees(atan2(y, x)), sweep)

@@ -1,4 +1,4 @@
-"""What a machine's own words mean, as its file defines them.
+"""The dialect of a machine: its axes and numbers, and what its own words mean.
 
 The word templates of a machine say it: the M word that carries `{angle}` saws, the one that
 carries `{spindle}` chooses a spindle, those that carry `{section}`, `{width}` or `{height}`
@@ -13,7 +13,9 @@ from typing import Literal
 
 from msgspec import Struct
 
-from beamcam.controllers.blocks import LETTERS
+from beamcam.caches import PerObject
+from beamcam.controllers.codesys.blocks import LETTERS
+from beamcam.controllers.rules import BY_STOCK, ProgramRules
 from beamcam.machine.machine import Machine
 
 Role = Literal[
@@ -22,7 +24,8 @@ Role = Literal[
 
 #: M words of the controller (DIN 66025); the rest of its range is the machine's own.
 DOCUMENTED: dict[int, Role] = {
-    3: "on", 4: "on", 5: "off", 7: "coolant-on", 8: "coolant-on", 9: "coolant-off", 30: "end",
+    2: "end", 3: "on", 4: "on", 5: "off", 7: "coolant-on", 8: "coolant-on", 9: "coolant-off",
+    30: "end",
 }  # fmt: skip
 WRITTEN = 0.0006  #: mm; diameters are written to 0.001
 _SAYS: dict[str, Role] = {
@@ -56,8 +59,13 @@ class MWord(Struct, frozen=True):
 
 
 class Dialect(Struct, frozen=True):
-    """The words of a machine."""
+    """What the programs of a machine are written in."""
 
+    stock: Literal["beam", "sheet"]
+    axes: str  #: letters of the axes that its programs move
+    resolution: float  #: the step of its lengths
+    per_minute: float  #: what makes mm/min of an F word
+    rules: ProgramRules
     m_words: dict[int, MWord]
     letters: frozenset[str]  #: addresses that its programs may use
     section_fields: frozenset[str]  #: what a program has to say about its bar
@@ -76,8 +84,7 @@ class Dialect(Struct, frozen=True):
         return ", ".join(f"M{n:02}" for n in sorted(self.m_words))
 
 
-def dialect_of(machine: Machine) -> Dialect:
-    """The words of a machine, read off its templates."""
+def _dialect_of(machine: Machine) -> Dialect:
     m_words: dict[int, MWord] = {30: MWord("end", ())}
     letters = set(LETTERS)
     feeding: set[str] = set()
@@ -103,7 +110,25 @@ def dialect_of(machine: Machine) -> Dialect:
     said = {name for w in m_words.values() if w.role == "section" for _, name in w.fields}
     sizes = tuple(sorted({d for tools in machine.tools for d in tools.sizes}))
     changes = any(word.role == "change" for word in m_words.values())
-    return Dialect(m_words, frozenset(letters), frozenset(said), bool(feeding), changes, sizes)
+    # RS274 counts in mm/min (G94), whatever the templates of a machine are filled with.
+    by_second = machine.controller == "codesys" and machine.format.feed_unit == "mm/s"
+    return Dialect(
+        machine.stock,
+        "XYZ" if machine.stock == "beam" else "XY",
+        machine.format.resolution,
+        60.0 if by_second else 1.0,
+        BY_STOCK[machine.stock],
+        m_words,
+        frozenset(letters),
+        frozenset(said),
+        bool(feeding),
+        changes,
+        sizes,
+    )
+
+
+#: The dialect of a machine, read off its file.
+dialect_of = PerObject("controllers.dialects", _dialect_of)
 
 
 def _templates(machine: Machine) -> Iterator[tuple[str, tuple[str, ...]]]:

@@ -1,20 +1,10 @@
 """What a program does, event by event: one vocabulary for every controller.
 
-Bars, and what moves along three axes:
-
-    Move     the tool or the bar goes straight from place to place, in rapid or at a feed
-    Turn     it goes along an arc
-
-Tables, and what follows contours in a plane:
-
-    Leg      the head goes straight or along a curve, in rapid or at a feed
-    Keep     the controller keeps beside the contour from here on
-    Ramp     the head runs up or brakes at another acceleration from here on
-
-Both:
-
-    Switch   an M word: something starts, stops, is chosen, cuts, or the program ends
-    Pause    it waits
+    Move          tool, bar or head go straight or along a curve, in rapid or at a feed
+    Switch        an M word: something starts, stops, is chosen, cuts, or the program ends
+    Pause         a dwell
+    Compensation  from here on the controller keeps beside the contour
+    Acceleration  from here on the head runs up or brakes at another acceleration
 
 Plain tuples, because every run of `post` makes thousands of them, and a drawing tens of thousands.
 Coordinates are mm, feeds mm/min; a coordinate that no block has named yet is not a number (nan). A
@@ -22,46 +12,27 @@ controller that has more (outputs that are switched on the way) adds its event h
 follows a program learns one set of words.
 """
 
-from typing import Literal, NamedTuple
+from typing import Generic, Literal, NamedTuple, TypeVar
 
 from beamcam.geometry.curves import Arc, Bezier, EllipseArc
 from beamcam.geometry.plane import Point
 
+Curve = Arc | Bezier | EllipseArc
 Place = tuple[float, float, float]  #: X, Y, Z
+Where = TypeVar("Where", Point, Place)
 Side = Literal["on", "left", "right"]
 
 
-class Move(NamedTuple):
-    """A straight move."""
+class Move(NamedTuple, Generic[Where]):
+    """A move: of a cell in X, Y and Z, of the head of a table in X and Y."""
 
     line: int
     rapid: bool
-    start: Place
-    end: Place
+    start: Where
+    end: Where
     feed_mm_min: float  #: 0 where no F stands before
     own_feed: bool = False  #: whether the feed stands in its own block
-
-
-class Turn(NamedTuple):
-    """A move along an arc in X and Y, Z in step with it."""
-
-    line: int
-    start: Place
-    end: Place
-    centre: tuple[float, float]
-    sweep_deg: float
-    feed_mm_min: float
-
-
-class Leg(NamedTuple):
-    """A move of the head."""
-
-    line: int
-    rapid: bool
-    start: Point
-    end: Point
-    curve: Arc | Bezier | EllipseArc | None  #: None for a straight one
-    feed_mm_min: float
+    curve: Curve | None = None  #: in X and Y; None for a straight one
 
 
 class Switch(NamedTuple):
@@ -90,7 +61,7 @@ class Pause(NamedTuple):
     seconds: float
 
 
-class Keep(NamedTuple):
+class Compensation(NamedTuple):
     """From here on the controller keeps beside the contour, by a radius."""
 
     line: int
@@ -98,7 +69,7 @@ class Keep(NamedTuple):
     radius: float
 
 
-class Ramp(NamedTuple):
+class Acceleration(NamedTuple):
     """From here on the head runs up, or brakes, at an acceleration in mm/s2."""
 
     line: int
@@ -106,5 +77,7 @@ class Ramp(NamedTuple):
     mm_s2: float
 
 
-BarEvent = Move | Turn | Switch | Pause
-TableEvent = Leg | Keep | Ramp | Switch | Pause
+Other = Switch | Pause | Compensation | Acceleration  #: all but moves
+HeadMove = Move[Point]
+BarEvent = Move[Place] | Other
+TableEvent = HeadMove | Other

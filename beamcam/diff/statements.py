@@ -8,8 +8,8 @@ line, without comments and spacing.
 import re
 from collections.abc import Iterator, Sequence
 
-from beamcam.controllers.events import Keep, Leg, Pause, Ramp, Switch, TableEvent
-from beamcam.controllers.gcode import events_of
+from beamcam.controllers import table_events
+from beamcam.controllers.events import Acceleration, Compensation, Move, Pause, Switch, TableEvent
 from beamcam.diff.pairing import Difference
 from beamcam.errors import Diagnostic, errors_in
 from beamcam.geometry.curves import Arc, EllipseArc
@@ -75,14 +75,14 @@ def statements(text: str, machine: Machine, name: str) -> tuple[list[str], list[
         return [" ".join(line.split()) for line in lines if line.strip()], []
     if machine.controller == "stepper":
         return [line.strip() for line in text.splitlines() if line.strip()[:1] not in ("", "#")], []
-    events, said = events_of(text, machine, name)
+    events, said = table_events(text, machine, name)
     return list(_sentences(events, machine.format.length_decimals)), said
 
 
 def _sentences(events: list[TableEvent], decimals: int) -> Iterator[str]:
     for event in events:
         match event:
-            case Leg(rapid=rapid, end=(x, y), curve=curve):
+            case Move(rapid=rapid, end=(x, y), curve=curve):
                 to = f"X {_number(x, decimals)} Y {_number(y, decimals)}"
                 feed = "" if rapid else f" at {event.feed_mm_min:g} mm/min"
                 match curve:
@@ -98,9 +98,9 @@ def _sentences(events: list[TableEvent], decimals: int) -> Iterator[str]:
                 yield str(event)
             case Pause(seconds=seconds):
                 yield f"pause of {seconds:g} s"
-            case Keep(side=side, radius=radius):
+            case Compensation(side=side, radius=radius):
                 yield f"keep {side} of the path by {radius:g}"
-            case Ramp(braking=braking, mm_s2=mm_s2):
+            case Acceleration(braking=braking, mm_s2=mm_s2):
                 yield f"{'brake' if braking else 'run up'} at {mm_s2:g} mm/s2"
 
 

@@ -11,7 +11,7 @@ from math import dist
 from msgspec import Struct
 from msgspec.structs import replace
 
-from beamcam.controllers.gcode import events_of, run
+from beamcam.controllers import table_events, table_run
 from beamcam.errors import Diagnostic, Source, errors_in
 from beamcam.geometry.curves import Line, join_boxes, signed_area
 from beamcam.machine.machine import Machine
@@ -49,7 +49,7 @@ def recover_sheet(text: str, machine: Machine, name: str) -> Recovered:
         name.rpartition("/")[2].partition(".")[0] or "part",
         Profile("B", "", 0.0, 0.0, 0.0, thickness), 0.0, Source(name), grade=torch.material,
     )  # fmt: skip
-    done, told = run(text, machine, name)
+    done, told = table_run(text, machine, name)
     rows = rows_of(sheet, torch)
     if not rows:
         material = torch.material or "any material"
@@ -58,7 +58,7 @@ def recover_sheet(text: str, machine: Machine, name: str) -> Recovered:
     if errors_in(told):
         return Recovered((), tuple(told))
     strokes, more = strokes_of(
-        done, machine, torch, rows, lambda blocks: events_of(blocks, machine)[0], name
+        done, machine, torch, rows, lambda blocks: table_events(blocks, machine)[0], name
     )
     told += more
     if errors_in(told):
@@ -73,7 +73,7 @@ def recover_sheet(text: str, machine: Machine, name: str) -> Recovered:
 
 def _paths(strokes: Strokes, torch: Torch, near: float, name: str) -> list[_Path]:
     """The paths of the strokes; those of a contour with bridges in it are one."""
-    legs = list(strokes.moves.legs())
+    legs = list(strokes.moves.each())
     found: list[_Path] = []
     waiting: list[Curves] = []  #: stretches of a contour that did not close yet
     for stroke in strokes.each:

@@ -4,14 +4,15 @@ How long each move takes stands in `model.cell_motion`. Lengths are mm, angles d
 """
 
 from collections.abc import Iterator, Mapping, Sequence
-from math import hypot, isnan, radians
+from math import hypot, isnan
 
 from msgspec import Struct
 from msgspec.structs import replace
 
 from beamcam.controllers.dialect import Dialect
-from beamcam.controllers.events import BarEvent, Move, Pause, Switch, Turn
+from beamcam.controllers.events import BarEvent, Move, Pause, Place, Switch
 from beamcam.errors import MachineError, Source
+from beamcam.geometry.curves import Arc, Bezier, EllipseArc
 from beamcam.geometry.ramps import Ramp
 from beamcam.machine import rules as machine_rules
 from beamcam.machine.machine import Machine
@@ -126,22 +127,19 @@ class _Simulation:
     def run(self) -> Iterator[CourseSection]:
         for event in self.events:
             match event:
-                case Move():
+                case Move(curve=None):
                     deltas = (b - a for a, b in zip(event.start, event.end, strict=True))
                     way = hypot(*(d for d in deltas if not isnan(d)))
-                    yield self._move(event, way, None if event.rapid else event.feed_mm_min)
-                case Turn():
-                    radius = hypot(
-                        event.start[0] - event.centre[0], event.start[1] - event.centre[1]
-                    )
-                    way = radius * abs(radians(event.sweep_deg))
-                    yield self._move(event, way, event.feed_mm_min)
+                    yield self._move(event, way)
+                case Move(curve=Arc() | Bezier() | EllipseArc() as curve):
+                    yield self._move(event, curve.length)
                 case Pause():
                     yield self._stand(event.line, event.seconds)
                 case Switch():
                     yield from self._switch(event)
 
-    def _move(self, event: Move | Turn, way: float, feed_mm_min: float | None) -> CourseSection:
+    def _move(self, event: Move[Place], way: float) -> CourseSection:
+        feed_mm_min = None if event.rapid else event.feed_mm_min
         to = {k: v for k, v in zip("XYZ", event.end, strict=True) if not isnan(v)}
         return self._stretch(event.line, self.cell.move(to, way, feed_mm_min))
 

@@ -54,7 +54,7 @@ def _bar(text: str, machine: Machine, name: str, parts: Sequence[Part]) -> Simul
 
 
 def _sheet(text: str, machine: Machine, name: str, parts: Sequence[Part]) -> Simulated:
-    from beamcam.controllers.gcode import events_of, run
+    from beamcam.controllers import table_events, table_run
     from beamcam.simulate.sheets import sheet_trace
     from beamcam.verify.sheets.need import rows_of
     from beamcam.verify.sheets.strokes import strokes_of
@@ -62,12 +62,12 @@ def _sheet(text: str, machine: Machine, name: str, parts: Sequence[Part]) -> Sim
     torch = machine.torch
     if torch is None:
         raise TypeError(f"{machine.name} has no torch")
-    done, said = run(text, machine, name)
+    done, said = table_run(text, machine, name)
     if errors_in(said):
         raise VerifyError(said)
     rows = rows_of(parts[0], torch) if parts else torch.rows
     strokes, _ = strokes_of(
-        done, machine, torch, rows, lambda blocks: events_of(blocks, machine)[0], name
+        done, machine, torch, rows, lambda blocks: table_events(blocks, machine)[0], name
     )
     starts = {stroke.line: stroke.process for stroke in strokes.each}
     return Simulated(sheet_trace(done.events(), starts, machine), tuple(said))

@@ -9,7 +9,7 @@ from math import isnan
 
 import numpy as np
 
-from beamcam.controllers.events import Leg, Pause, Switch, TableEvent
+from beamcam.controllers.events import HeadMove, Move, Pause, Switch, TableEvent
 from beamcam.geometry.array_types import Counts
 from beamcam.geometry.curves import Arc, Bezier, Curve, EllipseArc, Line
 from beamcam.geometry.plane import Point
@@ -30,14 +30,14 @@ CHORD_TOLERANCE = 0.02
 def sheet_trace(events: Sequence[TableEvent], starts: Mapping[int, str], machine: Machine) -> Trace:
     """The head over time; `starts` says which process the word of a line starts."""
     head = _Head(machine)
-    path: list[Leg] = []
+    path: list[HeadMove] = []
     for event in events:
-        if isinstance(event, Leg) and not event.rapid:
+        if isinstance(event, Move) and not event.rapid:
             path.append(event)
-        elif isinstance(event, Leg | Pause | Switch):
+        elif isinstance(event, Move | Pause | Switch):
             head.follow(path)
             path = []
-            if isinstance(event, Leg):
+            if isinstance(event, Move):
                 head.follow([event])
             elif isinstance(event, Pause):
                 head.builder.wait(event.seconds, event.line, head.state)
@@ -58,7 +58,7 @@ class _Head:
         self.builder = TraceBuilder(head_axes(machine), (0.0, 0.0))
         self.state = State()
 
-    def follow(self, legs: Sequence[Leg]) -> None:
+    def follow(self, legs: Sequence[HeadMove]) -> None:
         """Moves from rest to rest."""
         curves: list[Curve] = []
         segments: list[Segment] = []
@@ -75,7 +75,7 @@ class _Head:
         if segments:
             self._run(curves, segments, np.array(lines, dtype=np.int64))
 
-    def _start(self, leg: Leg) -> Point:
+    def _start(self, leg: HeadMove) -> Point:
         """Where a move begins; a program begins in the corner of the table."""
         if isnan(leg.start[0]) or isnan(leg.start[1]):
             x, y = self.builder.here.tolist()
@@ -112,7 +112,7 @@ class _Head:
                    self.state)  # fmt: skip
 
 
-def _movement(leg: Leg, start: Point) -> Movement:
+def _movement(leg: HeadMove, start: Point) -> Movement:
     """A move as the model of the times takes it."""
     x, y = leg.end
     match leg.curve:

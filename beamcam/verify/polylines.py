@@ -26,7 +26,7 @@ def compare_polylines(
     """
     import numpy as np
 
-    from beamcam.controllers.gcode.moves import straight_moves
+    from beamcam.controllers.moves import straight_moves
     from beamcam.verify.sheets.compare import compare
     from beamcam.verify.sheets.need import need_of, rows_of, shift_of
     from beamcam.verify.sheets.strokes import Stroke, Strokes

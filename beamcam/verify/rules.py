@@ -1,16 +1,10 @@
 """What can be wrong with a program, by itself or against the parts that it should make."""
 
-from beamcam.controllers.rules import RULES as CONTROLLER_RULES
+from beamcam.controllers.rules import BAR_RULES
 from beamcam.errors import Rule, Severity
 
 _E, _W, _N = Severity.ERROR, Severity.WARNING, Severity.NOTE
 
-NO_END = Rule(
-    "verify-end",
-    _E,
-    "found {found}; expected M30 once, as the last command",
-    "A program that was cut off in the middle looks like a whole one up to its last line.",
-)
 LIMIT = Rule(
     "verify-limit",
     _E,
@@ -226,7 +220,7 @@ NOT_MADE = Rule(
 )
 
 RULES = (
-    *CONTROLLER_RULES, NO_END, LIMIT, STOP_BACK, CUT_OFF, NO_SPINDLE, SPINDLE_OFF, SPINDLE_ON,
+    *BAR_RULES, LIMIT, STOP_BACK, CUT_OFF, NO_SPINDLE, SPINDLE_OFF, SPINDLE_ON,
     SPINDLE_STOPPED, SPINDLE_IDLE,
     SPEED, COOLANT, RAPID, CLEARANCE, UNSEEN, UNKNOWN_STEEL, SIDEWAYS, TOOL_CHANGE, NO_FEED, FEED,
     FEED_LIMIT, SECTION, CUT_MISSING, CUT_PLACE, CUT_ANGLE, CUT_EXTRA, OUTLINE, HOLE_MISSING,

@@ -8,8 +8,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from beamcam.controllers.arcs import arc_fault as codesys_fault
-from beamcam.controllers.gcode import codesys, grbl, linuxcnc, rs274
+from beamcam.controllers import table_run
+from beamcam.controllers.arcs import arc_of
+from beamcam.controllers.codesys.arcs import arc_fault as codesys_fault
+from beamcam.controllers.rs274 import grbl, linuxcnc
 from beamcam.geometry.curves import Arc, Bezier, EllipseArc
 from beamcam.machine import load
 from beamcam.model.program import ArcFeed, EllipseFeed, Feed, Movement
@@ -49,7 +51,7 @@ def farthest(arc: Arc, start: Point, moves: list[Movement]) -> float:
         end = (move.x, move.y)
         middle = ((here[0] + end[0]) / 2, (here[1] + end[1]) / 2)
         if isinstance(move, ArcFeed):
-            written = rs274.arc(here, end, (here[0] + move.i, here[1] + move.j), move.clockwise)
+            written = arc_of(here, end, (here[0] + move.i, here[1] + move.j), move.clockwise)
             middle = written.point(0.5)
         for point in (middle, end):
             worst = max(worst, abs(dist(point, arc.centre) - arc.radius))
@@ -74,7 +76,7 @@ def test_random_arcs(machine: str) -> None:
                 centre = (here[0] + move.i, here[1] + move.j)
                 assert check(here, end, centre, move.clockwise) is None, (arc, move)
                 assert move.clockwise == (arc.sweep_deg < 0), (arc, move)
-                one = rs274.arc(here, end, centre, move.clockwise)
+                one = arc_of(here, end, centre, move.clockwise)
                 # A step of the numbers, seen from the centre, is what a sweep may be longer.
                 blur = degrees(6 * numbers.step / arc.radius)
                 assert abs(one.sweep_deg) <= min(180.0, abs(arc.sweep_deg)) + blur, (arc, move)
@@ -124,7 +126,7 @@ def test_ellipses_by_their_own_word(
         if isinstance(m, EllipseFeed)
     )
     text = f"G90\nG99\nG00 X{here[0]:.3f} Y{here[1]:.3f}\n{words}\nM30\n"
-    done, said = codesys.run(text, "e", 1e-3, 60.0)
+    done, said = table_run(text, load("plate-codesys"))
     assert not said
     for event in done.events():
         curve = getattr(event, "curve", None)
@@ -155,7 +157,7 @@ def test_parabolas_by_their_vertex(
             f"G90\nG99\nG00 X{here[0]:.3f} Y{here[1]:.3f}\n"
             f"G06 X{move.x:.3f} Y{move.y:.3f} I{i:.3f} J{j:.3f} F1\nM30\n"
         )
-        done, said = codesys.run(text, "p", 1e-3, 60.0)
+        done, said = table_run(text, load("plate-codesys"))
         assert not said
         (back,) = (e.curve for e in done.events() if isinstance(getattr(e, "curve", None), Bezier))
         for k in range(5):

@@ -7,8 +7,8 @@ import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
-from beamcam.controllers.events import Leg
-from beamcam.controllers.gcode.moves import moves_of
+from beamcam.controllers.events import Move
+from beamcam.controllers.moves import moves_of
 from beamcam.geometry.bending import min_radius_of_ellipse, min_radius_of_parabola
 from beamcam.geometry.curves import Arc, Bezier, EllipseArc
 from beamcam.geometry.plane import cross
@@ -56,7 +56,7 @@ def leg_of(here, move):
         across = (s * move.i - c * move.j) / move.ratio
         major = hypot(c * move.i + s * move.j, across)
         curve = EllipseArc(centre, (major * c, major * s), move.ratio, 0.0, 360.0)
-    return Leg(1, False, here, end, curve, 0.0)
+    return Move(1, False, here, end, 0.0, False, curve)
 
 
 def bends(move):

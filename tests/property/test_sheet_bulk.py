@@ -10,11 +10,12 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
-from beamcam.controllers.arcs import arc_fault as codesys_fault
+from beamcam.controllers import table_events
+from beamcam.controllers.codesys.arcs import arc_fault as codesys_fault
 from beamcam.controllers.events import TableEvent
-from beamcam.controllers.gcode import events_of, grbl, linuxcnc
-from beamcam.controllers.gcode.moves import sure_arcs
-from beamcam.controllers.gcode.scan import scan
+from beamcam.controllers.moves import sure_arcs
+from beamcam.controllers.rs274 import grbl, linuxcnc
+from beamcam.controllers.scan import scan
 from beamcam.geometry.curves import Arc, Bezier, BSpline, Curve, Line
 from beamcam.machine import load
 from beamcam.verify.sheets.gaps import widest_gap
@@ -109,8 +110,8 @@ def test_plain_blocks_say_what_others_say(name: str) -> None:
     for seed in range(60):
         random = Random(seed)
         text = walk(name, random)
-        events, said = events_of(text, machine)
-        others, more = events_of(unlike(text, name, random), machine)
+        events, said = table_events(text, machine)
+        others, more = table_events(unlike(text, name, random), machine)
         assert [flat(e) for e in events] == [flat(e) for e in others]
         assert sorted((d.source.line or 0, d.code) for d in said) == sorted(
             (d.source.line or 0, d.code) for d in more

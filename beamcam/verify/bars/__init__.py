@@ -11,7 +11,7 @@ from collections.abc import Collection, Sequence
 from msgspec import Struct
 
 from beamcam.caches import BoundedCache, PerObject
-from beamcam.controllers import events_of
+from beamcam.controllers import cell_events
 from beamcam.controllers.dialect import Dialect, dialect_of
 from beamcam.controllers.events import BarEvent, Switch
 from beamcam.errors import Diagnostic, Source, VerifyError, errors_in
@@ -86,12 +86,12 @@ def run(
     Where they are not given, the section is what the program says, and any grade may be meant.
     """
     known = _known_of(machine)
-    events, said = events_of(text, machine, known.dialect, name)
+    events, said = cell_events(text, machine, name)
     if profile is None:
         profile = section_said(events, known.dialect, machine)
     choices = known.choices(profile)
     cell = Cell(machine, known.dialect, choices, known.data(grades), name)
-    made = cell.run(events, text.count("\n"))
+    made = cell.run(events)
     said += cell.said
     unseen = tuple(sorted(cell.unseen))
     return Run(made, tuple(events), tuple(said), known.dialect, choices, unseen)

@@ -9,7 +9,7 @@ the feed. The state and the M words stand in `cell_state`; here are the moves.
 from collections.abc import Iterable
 from math import isnan, nan
 
-from beamcam.controllers.events import BarEvent, Move, Switch, Turn
+from beamcam.controllers.events import BarEvent, Compensation, Move, Place, Switch
 from beamcam.controllers.rules import WORD
 from beamcam.verify import rules
 from beamcam.verify.bars.cell_state import AXES, EPSILON, CellState
@@ -23,27 +23,24 @@ _NOWHERE = (nan, nan)
 class Cell(CellState):
     """The cell while a program runs; `run` gives what came of it."""
 
-    def run(self, events: Iterable[BarEvent], last_line: int) -> Made:
+    def run(self, events: Iterable[BarEvent]) -> Made:
         """What the events make."""
         for event in events:
-            if self.ended:
-                self.say(rules.NO_END, event.line, found="a block behind M30")
-                break
-            if type(event) is Move:
-                self._move(event)
-            elif type(event) is Switch:
-                self.switch(event)
-            elif type(event) is Turn:
-                self.say(
-                    WORD, event.line, found="an arc",
-                    expected="straight strokes, the cell has no mill",
-                )  # fmt: skip
-        if not self.ended:
-            self.say(rules.NO_END, max(last_line, 1), found="the end of the program")
+            kind = type(event)
+            if kind is Move:
+                self._move(event)  # type: ignore[arg-type]
+            elif kind is Switch:
+                self.switch(event)  # type: ignore[arg-type]
+            elif kind is Compensation and event.side != "on":  # type: ignore[union-attr]
+                self.say(WORD, event.line, found="compensation", expected="none, of strokes")
         return made_in_order(tuple(self.section.items()), self.order)
 
-    def _move(self, move: Move) -> None:
-        line, rapid, start, end, feed_mm_min, _ = move
+    def _move(self, move: Move[Place]) -> None:
+        line, rapid, start, end, feed_mm_min, _, curve = move
+        if curve is not None:
+            expected = "straight strokes, the cell has no mill"
+            self.say(WORD, line, found="an arc", expected=expected)
+            return
         x = end[0]
         moved = x != self.x and not isnan(x)
         if moved:
@@ -77,7 +74,7 @@ class Cell(CellState):
             self._enter(move, station, choice, across, stroke, before[1])
 
     def _aside(
-        self, move: Move, first: Station, across: float, stroke: float,
+        self, move: Move[Place], first: Station, across: float, stroke: float,
         before: tuple[float, float], moved: bool,
     ) -> bool:  # fmt: skip
         """A move along or across the bar; whether nothing is left to be looked at."""
@@ -98,20 +95,22 @@ class Cell(CellState):
             return True
         return False
 
-    def _too_close(self, move: Move, station: Station, gap: float, inside: bool = False) -> None:
+    def _too_close(
+        self, move: Move[Place], station: Station, gap: float, inside: bool = False
+    ) -> None:
         expected = station.near_gap if inside else station.start_gap
         self.say(
             rules.CLEARANCE, move.line, face=station.face, found=f"{round(gap, 3) + 0.0:.3f}",
             expected=f"{expected:g}",
         )  # fmt: skip
 
-    def _in_work(self, move: Move) -> bool:
+    def _in_work(self, move: Move[Place]) -> bool:
         """Whether the tool that is chosen may be led along a path, and is."""
         if not self.cycle.along or move.rapid or self.choice is None:
             return False
         return self.in_steel() is not None
 
-    def _lead(self, move: Move, station: Station, across: float, stroke: float) -> None:
+    def _lead(self, move: Move[Place], station: Station, across: float, stroke: float) -> None:
         """A tool led on in the material; the point that it went in at is the path's first."""
         self._ready(move, station)
         point = (move.end[0], station.y(across))
@@ -138,7 +137,7 @@ class Cell(CellState):
             )
         self.peck = (self.x, across)
 
-    def _ready(self, move: Move, station: Station) -> None:
+    def _ready(self, move: Move[Place], station: Station) -> None:
         """Say what is missing for a feed into the material, and what is wrong with the feed."""
         cycle = self.cycle
         if cycle.turns and not self.turning:
@@ -159,7 +158,7 @@ class Cell(CellState):
         if not run.min_feed <= feed <= most:
             self.say_feed(move.line, feed, self.tool, run.own_feed, most)
 
-    def _move_bar(self, x: float, move: Move, in_work: bool) -> None:
+    def _move_bar(self, x: float, move: Move[Place], in_work: bool) -> None:
         name, least, greatest = self.stop_limits
         if not least <= x <= greatest:
             self.beyond(move.line, name, x, least, greatest)
@@ -176,7 +175,7 @@ class Cell(CellState):
         self.peck = None
 
     def _enter(
-        self, move: Move, station: Station, choice: Choice, across: float, stroke: float,
+        self, move: Move[Place], station: Station, choice: Choice, across: float, stroke: float,
         before: float,
     ) -> None:  # fmt: skip
         """One station's stroke axis on its way into the bar, or out of it."""
@@ -201,7 +200,7 @@ class Cell(CellState):
             self._stroke(move, station, choice, across, stroke, depth, before)
 
     def _draw_tap(
-        self, move: Move, station: Station, across: float, stroke: float, before: float
+        self, move: Move[Place], station: Station, across: float, stroke: float, before: float
     ) -> None:
         """A tap on its way out, which has to be screwed out as it was in."""
         y = station.y(across)
@@ -211,7 +210,7 @@ class Cell(CellState):
                 found = 0 if move.rapid else self.turning
                 self.say(rules.TURN, move.line, found=found, expected=back)
 
-    def _approach(self, move: Move, station: Station, across: float, stroke: float) -> None:
+    def _approach(self, move: Move[Place], station: Station, across: float, stroke: float) -> None:
         """A rapid towards the bar: to its clearance, or into what is drilled already."""
         y = station.y(across)
         depth, gap = station.tip_depth(stroke, y), station.near_gap
@@ -242,7 +241,7 @@ class Cell(CellState):
         )  # fmt: skip
 
     def _stroke(
-        self, move: Move, station: Station, choice: Choice, across: float, stroke: float,
+        self, move: Move[Place], station: Station, choice: Choice, across: float, stroke: float,
         depth: float, before: float,
     ) -> None:  # fmt: skip
         self._ready(move, station)

@@ -58,7 +58,6 @@ class CellState:
         self.unseen: set[str] = set()  #: faces that were worked on without knowing where they lie
         self.peck: tuple[float, float] | None = None  #: X and across of the hole being drilled
         self.pecked = 0  #: how many bores the last stroke made
-        self.ended = False
         self.stop_limits = limits_of(machine, "X")
         self.never_back = machine.layout is not None and machine.layout.order == "saw-drill"
         self.does: dict[Role, Callable[[Switch, Values, Cycle | None], None]] = {
@@ -140,7 +139,6 @@ class CellState:
     def _end(self, switch: Switch, values: Values, cycle: Cycle | None) -> None:
         self.at_rest(switch.line, "the end of the program")
         self._check_magazines()
-        self.ended = True
 
     def _start(self, switch: Switch, values: Values, cycle: Cycle | None) -> None:
         """A spindle that starts to turn, or turns the other way."""

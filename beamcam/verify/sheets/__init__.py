@@ -3,12 +3,12 @@
 Written from the controllers' documentation and the machine file; nothing is shared with planning,
 motion or the emitters.
 
-    text -> events (controllers/gcode) -> strokes -> compared with the contours
+    text -> events (controllers) -> strokes -> compared with the contours
 """
 
 from collections.abc import Collection, Sequence
 
-from beamcam.controllers.gcode import events_of, run
+from beamcam.controllers import table_events, table_run
 from beamcam.errors import Diagnostic, errors_in
 from beamcam.machine.machine import Machine
 from beamcam.model.part import Part
@@ -34,7 +34,7 @@ def verify_sheet(
     torch = machine.torch
     if torch is None:
         raise TypeError(f"{machine.name} has no torch")
-    done, said = run(text, machine, name)
+    done, said = table_run(text, machine, name)
     if errors_in(said) or not parts:
         return tuple(said)
     (part,) = parts
@@ -43,7 +43,7 @@ def verify_sheet(
         machine,
         torch,
         rows_of(part, torch),
-        lambda blocks: events_of(blocks, machine)[0],
+        lambda blocks: table_events(blocks, machine)[0],
         name,
     )
     said += more

@@ -8,7 +8,7 @@ from math import inf
 
 import numpy as np
 
-from beamcam.controllers.gcode.moves import Moves
+from beamcam.controllers.moves import Moves
 from beamcam.geometry.array_types import Floats
 from beamcam.geometry.curves import Bezier, EllipseArc
 from beamcam.machine.machine import Machine

@@ -20,8 +20,8 @@ from math import acos, asin, atan2, cos, degrees, dist, pi, sin, tan
 from msgspec import Struct
 from msgspec.structs import replace
 
-from beamcam.controllers.events import Leg, Side
-from beamcam.controllers.gcode.moves import moves_of
+from beamcam.controllers.events import HeadMove, Move, Side
+from beamcam.controllers.moves import moves_of
 from beamcam.errors import Diagnostic, Source
 from beamcam.geometry.curves import Arc
 from beamcam.geometry.plane import Point
@@ -53,7 +53,7 @@ class _Move(Struct):
     sweep: float = 0.0  #: of an arc as it was programmed, rad; 0 for one round a corner
 
 
-def compensated(legs: Sequence[Leg], side: Side, radius: float) -> list[Leg]:
+def compensated(legs: Sequence[HeadMove], side: Side, radius: float) -> list[HeadMove]:
     """The moves of the beam for those of one stroke.
 
     Raises CompensationError where the controller would stop.
@@ -77,7 +77,7 @@ class _Head:
         self._here = start  #: beside the programmed place
         self._from: Point | None = None  #: where the waiting move begins, behind the entry
 
-    def go(self, leg: Leg) -> None:
+    def go(self, leg: HeadMove) -> None:
         """One more programmed move."""
         if leg.end == self._programmed and leg.curve is None:
             return
@@ -99,7 +99,7 @@ class _Head:
         self._corner(leg, move, ahead, normal)
         self._here, self._programmed = move.end, leg.end
 
-    def _enter(self, leg: Leg) -> None:
+    def _enter(self, leg: HeadMove) -> None:
         length = dist(leg.start, leg.end)
         if leg.curve is not None:
             raise CompensationError(leg.line, "compensation that begins along a curve")
@@ -114,7 +114,7 @@ class _Head:
     def _inside(self, turn: int) -> bool:
         return self._left * turn > 0
 
-    def _arc(self, leg: Leg, centre: Point, turn: int) -> _Move:
+    def _arc(self, leg: HeadMove, centre: Point, turn: int) -> _Move:
         """The arc beside a programmed one."""
         size = dist(centre, leg.end)
         if self._inside(turn) and size <= self._radius:
@@ -125,7 +125,7 @@ class _Head:
         sweep = _sweep(self._programmed, leg.end, centre, turn)
         return _Move(leg.line, _polar(leg.end, away, out), centre, turn, sweep=sweep)
 
-    def _corner(self, leg: Leg, move: _Move, ahead: float, normal: float) -> None:
+    def _corner(self, leg: HeadMove, move: _Move, ahead: float, normal: float) -> None:
         """Joins the waiting move to the next, whose direction at its start is `ahead`."""
         x0, y0 = self._programmed
         before = self._waiting
@@ -158,7 +158,7 @@ class _Head:
         self._waiting = move
 
     def _meeting(
-        self, leg: Leg, before: _Move, move: _Move, beta: float, to_here: float, ahead: float
+        self, leg: HeadMove, before: _Move, move: _Move, beta: float, to_here: float, ahead: float
     ) -> Point:
         """Where two moves beside a concave corner cross."""
         r = self._radius
@@ -174,7 +174,7 @@ class _Head:
             return self._arc_to_line(leg, before, ahead)
         return self._arc_to_arc(leg, before, move)
 
-    def _line_to_arc(self, leg: Leg, move: _Move, beta: float, to_here: float) -> Point:
+    def _line_to_arc(self, leg: HeadMove, move: _Move, beta: float, to_here: float) -> Point:
         assert move.centre is not None
         inside = self._inside(move.turn)
         programmed = dist(move.centre, leg.end)
@@ -188,7 +188,7 @@ class _Head:
         angle = travel + turned if inside else travel + pi - turned
         return _polar(move.centre, away, angle)
 
-    def _arc_to_line(self, leg: Leg, before: _Move, ahead: float) -> Point:
+    def _arc_to_line(self, leg: HeadMove, before: _Move, ahead: float) -> Point:
         assert before.centre is not None
         inside = self._inside(before.turn)
         now = dist(before.centre, before.end)
@@ -203,7 +203,7 @@ class _Head:
         sign = -before.turn if inside else before.turn
         return _polar(before.centre, now, sign * acos(share) + theta + pi)
 
-    def _arc_to_arc(self, leg: Leg, before: _Move, move: _Move) -> Point:
+    def _arc_to_arc(self, leg: HeadMove, before: _Move, move: _Move) -> Point:
         assert before.centre is not None
         assert move.centre is not None
         old = dist(before.centre, before.end)
@@ -238,7 +238,7 @@ class _Head:
             self._done.append(self._waiting)
         self._from = end
 
-    def legs(self, feed: float) -> list[Leg]:
+    def legs(self, feed: float) -> list[HeadMove]:
         """All moves of the beam."""
         moves = self._done
         if self._waiting is not None:
@@ -254,7 +254,7 @@ class _Head:
                 size = dist(here, move.centre)
                 curve = Arc(move.centre, size, degrees(start), degrees(sweep))
             if curve is not None or here != move.end:
-                found.append(Leg(move.line, False, here, move.end, curve, feed))
+                found.append(Move(move.line, False, here, move.end, feed, False, curve))
             here = move.end
         return found
 
@@ -278,10 +278,10 @@ def beam_of(strokes: Strokes, name: str) -> tuple[Strokes, list[Diagnostic]]:
 
     Those that it would not carry out are left as they are programmed.
     """
-    legs = list(strokes.moves.legs())
+    legs = list(strokes.moves.each())
     said: list[Diagnostic] = []
     each: list[Stroke] = []
-    moved: list[Leg] = []
+    moved: list[HeadMove] = []
     for stroke in strokes.each:
         own = legs[stroke.first : stroke.last]
         if stroke.side != "on" and stroke.radius > 0.0:

@@ -1,6 +1,6 @@
 """What can be wrong with the program of a cutting table."""
 
-from beamcam.controllers.gcode.rules import RULES as CONTROLLER_RULES
+from beamcam.controllers.rules import SHEET_RULES
 from beamcam.errors import Rule, Severity
 
 _E = Severity.ERROR
@@ -121,6 +121,6 @@ CROWDED = Rule(
 )
 
 RULES = (
-    *CONTROLLER_RULES, FEED, RAMP, TOOL, RAPID, IDLE, AREA, MISSING, EXTRA, TWICE,
+    *SHEET_RULES, FEED, RAMP, TOOL, RAPID, IDLE, AREA, MISSING, EXTRA, TWICE,
     SIDE, BAND, COMPENSATION, OPEN, TABS, LEAD, ORDER, NOT_MADE, CROWDED,
 )  # fmt: skip

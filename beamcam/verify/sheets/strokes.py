@@ -9,9 +9,18 @@ from collections.abc import Callable, Iterable
 import numpy as np
 from msgspec import Struct
 
-from beamcam.controllers.events import Keep, Pause, Ramp, Said, Side, Switch, TableEvent
-from beamcam.controllers.gcode.moves import Moves, Run
-from beamcam.controllers.gcode.rules import END
+from beamcam.controllers.events import (
+    Acceleration,
+    Compensation,
+    Other,
+    Pause,
+    Said,
+    Side,
+    Switch,
+    TableEvent,
+)
+from beamcam.controllers.moves import Moves, Run
+from beamcam.controllers.rules import SHEET_END
 from beamcam.errors import Diagnostic, Rule, Source
 from beamcam.geometry.array_types import Counts
 from beamcam.machine.machine import Machine
@@ -100,16 +109,16 @@ class _Head:
     def _wrong(self, rule: Rule, line: int, **values: str) -> None:
         self.said.append(rule.at(Source(self._name, line), **values))
 
-    def take(self, before: int, event: TableEvent) -> None:
+    def take(self, before: int, event: Other) -> None:
         """Anything but a move, with the number of moves before it."""
         if isinstance(event, Switch):
             self._switch(before, event)
         elif isinstance(event, Pause):
             if self._on:
                 self._pauses[-1].append((before, event.seconds))
-        elif isinstance(event, Ramp):
+        elif isinstance(event, Acceleration):
             self._ramp(before, event)
-        elif isinstance(event, Keep):
+        elif isinstance(event, Compensation):
             if self._on:
                 self._wrong(
                     rules.TOOL, event.line, found="compensation with the tool on",
@@ -120,7 +129,7 @@ class _Head:
     def _switch(self, before: int, event: Switch) -> None:
         if event.number in ENDS:
             if self._on:
-                self._wrong(END, event.line, found="the end with the tool on")
+                self._wrong(SHEET_END, event.line, found="the end with the tool on")
                 self._stop(before)
             return
         said = event.said
@@ -147,7 +156,7 @@ class _Head:
         self._started[-1].last = before
         self._on = False
 
-    def _ramp(self, before: int, event: Ramp) -> None:
+    def _ramp(self, before: int, event: Acceleration) -> None:
         self._ramps.add(event.braking)
         if self._ramped is None and len(self._ramps) == 2:
             self._ramped = before
@@ -165,7 +174,7 @@ class _Head:
             self._stop(len(run.moves))
             lines = [event.line for _, event in run.others[-1:]]
             last = max([*lines, *run.moves.line[-1:].tolist()], default=0)
-            self._wrong(END, last, found="the end with the tool on")
+            self._wrong(SHEET_END, last, found="the end with the tool on")
 
     def check_places(self, moves: Moves, torch: Torch, slack: float) -> None:
         """Says which moves leave the table."""

@@ -7,7 +7,7 @@ from typing import TypeGuard, cast
 
 import numpy as np
 
-from beamcam.controllers.gcode.moves import Moves
+from beamcam.controllers.moves import Moves
 from beamcam.geometry.array_types import Counts, Flags, Floats
 from beamcam.geometry.curves import Arc, Bezier, BSpline, Curve, Line
 from beamcam.geometry.polylines import polylines

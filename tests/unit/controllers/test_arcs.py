@@ -6,7 +6,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from beamcam.controllers.arcs import arc_fault, radius_centre, rounding_fault, sweep_of
+from beamcam.controllers.arcs import sweep_of
+from beamcam.controllers.codesys.arcs import arc_fault, radius_centre
 
 lengths = st.floats(-500, 500)
 
@@ -26,7 +27,8 @@ def test_an_arc_that_is_large_enough_survives_rounding(
 ) -> None:
     turn = -sweep if clockwise else sweep
     first, last = ends((x, y), radius, start, turn)
-    assert rounding_fault(first, last, (x, y), turn, 3) is None
+    rounded = [(round(a, 3), round(b, 3)) for a, b in (first, last, (x, y))]
+    assert arc_fault(*rounded, 0.001) is None
     assert sweep_of(first, last, (x, y), clockwise) == pytest.approx(turn, abs=1e-6)
 
 
@@ -38,24 +40,6 @@ def test_the_centre_of_an_arc_by_its_radius(
     turn = -sweep if clockwise else sweep
     first, last = ends((7.0, -3.0), radius, start, turn)
     assert radius_centre(first, last, radius, clockwise) == pytest.approx((7.0, -3.0), abs=1e-6)
-
-
-@pytest.mark.parametrize(("radius", "sweep", "decimals", "fault"), [
-    (10.0, 0.001, 3, "of 0.001 degrees that rounds to a full circle"),
-    (10.0, 359.999, 3, "of 360 degrees that rounds to a full circle"),
-    (0.0004, 90.0, 3, "of 90 degrees that rounds to a full circle"),
-    (10.0, 360.0, 3, None),
-    (10.0, 90.0, 1, None),
-    (1000.0, 0.01, 1, "whose centre lies"),
-])  # fmt: skip
-def test_arcs_that_rounding_turns_into_something_else(
-    radius: float, sweep: float, decimals: int, fault: str | None
-) -> None:
-    first, last = ends((0.0, 0.0), radius, 33.0, sweep)
-    if sweep == 360.0:
-        last = first
-    found = rounding_fault(first, last, (0.0, 0.0), sweep, decimals)
-    assert found is None if fault is None else found is not None
 
 
 def test_a_centre_off_the_bisector() -> None:

@@ -4,16 +4,23 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from beamcam.controllers.blocks import read_blocks
+from beamcam.controllers import cell_events
+from beamcam.controllers.codesys.blocks import Block, read_block
+from beamcam.machine import load
 
-PLAIN = (1, "G", 1, {"X": 5.0, "Y": -2.5})
+PLAIN = Block("G", 1, {"X": 5.0, "Y": -2.5})
+CELL = load("beamline")
+
+
+def said_of(text: str) -> list[str]:
+    return [str(d) for d in cell_events(text, CELL, "a")[1]]
 
 
 @pytest.mark.parametrize("text", [
     "G01 X5 Y-2.5",
     "G1 X5 Y-2.5",
     "g01 x5 y-2.5",
-    "N10 G01 X5 Y-2.5",
+    "N10 G01 X5 Y-2.5 ",
     "N10  G01\tX5   Y-2.5  ",
     "   N00010 G001 X+5. Y-02.50",
     "N7 (bring it on) G01 X5 (M30) Y-2.5",
@@ -21,12 +28,19 @@ PLAIN = (1, "G", 1, {"X": 5.0, "Y": -2.5})
     "N10 G01 Y-2.5 X5",
 ])  # fmt: skip
 def test_one_block_in_many_forms(text: str) -> None:
-    assert read_blocks(text, "a") == ([PLAIN], [])
+    assert read_block(text) == PLAIN
 
 
-@pytest.mark.parametrize("text", ["", "  \t", "(nothing)", "N10", "% JOB", "% JOB\n%\n", "%"])
+@pytest.mark.parametrize("text", ["", "  \t", "(nothing)", "N10"])
 def test_no_block(text: str) -> None:
-    assert read_blocks(text, "a") == ([], [])
+    assert read_block(text) is None
+
+
+@pytest.mark.parametrize(
+    "text", ["% JOB\nM30", "% JOB\nM30\n%\n", "M30\n%", "\n(a)\n%\nM30\n% A\n\n"]
+)
+def test_the_name_of_a_program(text: str) -> None:
+    assert said_of(text) == []
 
 
 @pytest.mark.parametrize(("text", "found", "expected"), [
@@ -55,26 +69,24 @@ def test_no_block(text: str) -> None:
     ("; G01 X5", ";", "a letter and a number, set off by spaces"),
 ])  # fmt: skip
 def test_what_is_no_block(text: str, found: str, expected: str) -> None:
-    blocks, said = read_blocks("G90\n" + text + "\nM30", "a.gcode")
-    assert [b[0] for b in blocks] == [1, 3]
-    assert [str(d) for d in said] == [
-        f"a.gcode:2: error verify-syntax: found {found!r}; expected {expected}"
+    assert said_of("G90\n" + text + "\nM30") == [
+        f"a:2: error verify-syntax: found {found!r}; expected {expected}"
     ]
 
 
 def test_a_name_in_the_middle() -> None:
-    _, said = read_blocks("% A\nG90\n% B\nM30\n%\n\n", "a")
-    assert [str(d) for d in said] == [
+    assert said_of("% A\nG90\n% B\nM30\n%\n\n") == [
         "a:3: error verify-syntax: found '% B'; expected % on the first or the last line only"
     ]
 
 
 def test_two_accelerations_are_one_word_of_two_values() -> None:
-    assert read_blocks("N10 G01 X100 Y100 E100 F100 E-200", "a")[1] == []
+    words = {"X": 100.0, "Y": 90.0, "E": 100.0, "F": 80.0, "E-": -200.0}
+    assert read_block("G01 X100 Y90 E100 F80 E-200") == ("G", 1, words)
 
 
 def test_more_letters_where_a_machine_has_them() -> None:
-    assert read_blocks("M03 S800", "a", frozenset("MS")) == ([(1, "M", 3, {"S": 800.0})], [])
+    assert read_block("M03 S800", frozenset("MS")) == ("M", 3, {"S": 800.0})
 
 
 words = st.dictionaries(
@@ -92,6 +104,5 @@ def test_order_blanks_and_zeros_count_for_nothing(
     rng.shuffle(order)  # type: ignore[attr-defined]
     pad = "00" if zeros else ""
     text = gap.join([f"M{pad}{number}", *(f"{w}{given_words[w]}" for w in order)])
-    assert read_blocks(text, "a") == (
-        [(1, "M", number, {w: float(str(v)) for w, v in given_words.items()})], [],
-    )  # fmt: skip
+    found = {w: float(str(v)) for w, v in given_words.items()}
+    assert read_block(text) == ("M", number, found)

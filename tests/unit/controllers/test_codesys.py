@@ -4,24 +4,23 @@ from math import isnan, nan
 
 import pytest
 
-from beamcam.controllers.blocks import read_blocks
-from beamcam.controllers.codesys import run
-from beamcam.controllers.events import BarEvent, Move, Pause, Switch, Turn
-from beamcam.machine.machine import NumberFormat
+from beamcam.controllers import cell_events
+from beamcam.controllers.events import BarEvent, Compensation, Move, Pause, Switch
+from beamcam.geometry.curves import Arc
+from beamcam.machine import load
 
-FORM = NumberFormat(feed_unit="mm/s")
+CELL = load("beamline")
 
 
 def events(text: str) -> list[BarEvent]:
-    blocks, said = read_blocks(text, "a")
-    found, more = run(blocks, "a", FORM)
-    assert said + more == []
-    return found
+    found, said = cell_events(text + "\nM30", CELL, "a")
+    assert said == []
+    assert found[-1][1:] == (30, {})
+    return found[:-1]
 
 
 def messages(text: str) -> list[str]:
-    blocks, _ = read_blocks(text, "a")
-    return [str(d) for d in run(blocks, "a", FORM)[1]]
+    return [str(d) for d in cell_events(text + "\nM30", CELL, "a")[1]]
 
 
 def test_moves_are_modal_and_feeds_count_a_minute() -> None:
@@ -37,7 +36,10 @@ def test_relative_and_absolute() -> None:
 
 
 def test_switches_and_pauses() -> None:
-    assert events("M40 K13 L14\nG04 T0.5") == [Switch(1, 40, {"K": 13.0, "L": 14.0}), Pause(2, 0.5)]
+    assert events("M40 K13 L14\nG04 T0.5\nG42 D1.5\nG40") == [
+        Switch(1, 40, {"K": 13.0, "L": 14.0}), Pause(2, 0.5),
+        Compensation(3, "right", 1.5), Compensation(4, "on", 0.0),
+    ]  # fmt: skip
 
 
 @pytest.mark.parametrize(("text", "centre", "sweep"), [
@@ -52,16 +54,17 @@ def test_switches_and_pauses() -> None:
 ])  # fmt: skip
 def test_arcs(text: str, centre: tuple[float, float], sweep: float) -> None:
     turn = events("G00 X10 Y0 Z0\n" + text)[-1]
-    assert isinstance(turn, Turn)
-    assert turn.centre == pytest.approx(centre)
-    assert turn.sweep_deg == pytest.approx(sweep)
+    assert isinstance(turn, Move)
+    assert isinstance(turn.curve, Arc)
+    assert turn.curve.centre == pytest.approx(centre)
+    assert turn.curve.sweep_deg == pytest.approx(sweep)
 
 
 @pytest.mark.parametrize(("text", "said"), [
     ("X5", "a:1: error verify-word: found words without a command; expected G or M"),
     ("G04 K5", "a:1: error verify-word: found G04; expected T with seconds"),
-    ("G54 X10", "a:1: error verify-word: found G54; expected G00 to G04, G40, G50, G53, G75, G90, "
-                "G91, G98 or G99"),
+    ("G54 X10", "a:1: error verify-word: found G54; expected G00 to G04, G06, G08, G09, G40 to "
+                "G42, G50, G53, G75, G90, G91, G98 or G99"),
     ("G90 X10", "a:1: error verify-word: found X behind G90; expected no word there"),
     ("G01 X1 K5", "a:1: error verify-word: found K behind G01; expected no such word there"),
     ("G91\nG00 X5", "a:2: error verify-word: found a relative move from nowhere; "
@@ -98,6 +101,6 @@ def test_arcs_that_would_be_lines(text: str, fault: str) -> None:
     ("M08\n" * 200, 1),
 ])  # fmt: skip
 def test_64_m_words_in_a_row(text: str, count: int) -> None:
-    said = messages(text)
+    said = messages(text + "G00 X9")
     assert len(said) == count
     assert all("verify-m-queue: found 65 M words in a row; expected at most 64" in s for s in said)

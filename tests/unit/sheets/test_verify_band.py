@@ -196,12 +196,12 @@ def test_rings_that_touch_in_a_corner() -> None:
 def test_paths_follow_one_another() -> None:
     """The pieces of a stroke lead on where the one before ends, after compensation too."""
     machine = table(kerf=1.2, thickness=3.0, kerf_by="machine", lead="line")
-    from beamcam.controllers.gcode import run
+    from beamcam.controllers import table_run
     from beamcam.verify.sheets.compensation import compensated
 
     part = drawing(contour(box(0, 0, 60, 40)), contour(circle(20, 20, 12)), thickness=3.0)
-    done, _ = run(post((part,), machine).text, machine)
-    cut = [leg for leg in done.moves.legs() if not leg.rapid]
+    done, _ = table_run(post((part,), machine).text, machine)
+    cut = [leg for leg in done.moves.each() if not leg.rapid]
     first = next(k for k, (a, b) in enumerate(pairwise(cut), 1) if a.end != b.start)
     beam = compensated(cut[:first], "left", 0.6)
     assert all(a.end == b.start for a, b in pairwise(beam))

@@ -3,8 +3,8 @@
 import numpy as np
 import shapely
 
-from beamcam.controllers.events import Leg
-from beamcam.controllers.gcode import events_of
+from beamcam.controllers import table_events
+from beamcam.controllers.events import Move
 from beamcam.controllers.step_table.rows import Stream, binary_rows
 from beamcam.emitters import step_table as forms
 from beamcam.geometry.array_types import Floats
@@ -32,8 +32,8 @@ def by_codesys() -> shapely.LineString:
     machine = replace(machine, torch=torch)
     text = post([part(NAME)], machine).text
     points: list[tuple[float, float]] = []
-    for event in events_of(text, machine)[0]:
-        if isinstance(event, Leg) and not event.rapid:
+    for event in table_events(text, machine)[0]:
+        if isinstance(event, Move) and not event.rapid:
             curve = event.curve or Line(event.start, event.end)
             points += [curve.point(k / 200) for k in range(201)]
     return shapely.LineString(points)

@@ -56,7 +56,7 @@ BROKEN: list[tuple[str, list[Change], list[str]]] = [
         "expected M30 once, as the last command",
     ]),
     ("a block behind the end", [("N25 M30\n", "N25 M30\nN26 G01 X3000\n")], [
-        "P1.gcode:27: error verify-end: found a block behind M30; "
+        "P1.gcode:27: error verify-end: found a block behind the end of the program; "
         "expected M30 once, as the last command",
     ]),
     ("65 M words in a row", [("N25 M30\n", "M09\n" * 63 + "N25 M30\n")], [

@@ -7,7 +7,7 @@ full circle. A line holds at most 79 characters.
 
 from math import atan2, dist, pi
 
-from beamcam.controllers.gcode.rs274_words import Dialect, Fault
+from beamcam.controllers.rs274.blocks import Variant
 from beamcam.geometry.plane import Point
 
 ARC_ABSOLUTE = 0.005
@@ -18,7 +18,7 @@ ARC_NEVER = 0.5
 MIN_SWEEP_RAD = 1e-5
 
 
-def arc_fault(start: Point, end: Point, centre: Point, clockwise: bool) -> Fault:
+def arc_fault(start: Point, end: Point, centre: Point, clockwise: bool) -> str | None:
     """What grbl would make of an arc; None if it makes that arc."""
     near, far = dist(start, centre), dist(end, centre)
     if near < ARC_ABSOLUTE:
@@ -35,7 +35,7 @@ def arc_fault(start: Point, end: Point, centre: Point, clockwise: bool) -> Fault
     return None
 
 
-GRBL = Dialect(
+GRBL = Variant(
     name="grbl",
     percent=False,
     longest_line=79,
@@ -45,6 +45,8 @@ GRBL = Dialect(
         3: frozenset("S"), 4: frozenset("S"), 5: frozenset(), 7: frozenset(), 8: frozenset(),
         9: frozenset(),
     },
-    beside={},
+    own_switches=range(0),
+    own_letters=frozenset(),
+    sides={},
     arc_fault=arc_fault,
 )  # fmt: skip

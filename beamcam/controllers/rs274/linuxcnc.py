@@ -1,4 +1,4 @@
-"""LinuxCNC, as far as programs of cutting tables use it.
+"""LinuxCNC, as far as programs of cells and cutting tables use it.
 
 Source: LinuxCNC documentation, "G-Codes" and "M-Codes"; the limits of arcs are those of its
 interpreter: the radii may differ by 0.1 %, or by 0.02 sqrt(2) mm; nothing below 0.00127 mm.
@@ -6,7 +6,7 @@ interpreter: the radii may differ by 0.1 %, or by 0.02 sqrt(2) mm; nothing below
 
 from math import dist, sqrt
 
-from beamcam.controllers.gcode.rs274_words import Dialect, Fault
+from beamcam.controllers.rs274.blocks import Variant
 from beamcam.geometry.plane import Point
 
 #: The interpreter takes 0.0283 mm or 0.1 %. Older manuals say 0.005 mm, which the annexed check
@@ -17,7 +17,7 @@ ARC_NEVER = 100 * 0.02 * sqrt(2)
 MIN_RADIUS = 0.00127
 
 
-def arc_fault(start: Point, end: Point, centre: Point, clockwise: bool) -> Fault:
+def arc_fault(start: Point, end: Point, centre: Point, clockwise: bool) -> str | None:
     """What the interpreter would say about an arc; None if it takes it."""
     near, far = dist(start, centre), dist(end, centre)
     if near <= MIN_RADIUS or far <= MIN_RADIUS:
@@ -28,17 +28,19 @@ def arc_fault(start: Point, end: Point, centre: Point, clockwise: bool) -> Fault
     return None
 
 
-LINUXCNC = Dialect(
+LINUXCNC = Variant(
     name="LinuxCNC",
     percent=True,
     longest_line=255,
     settings=frozenset({"G17", "G21", "G61", "G61.1", "G64", "G90", "G91.1", "G94"}),
     needed=("G17", "G21", "G40", "G90", "G91.1", "G94"),
     switches={
-        3: frozenset("S"), 4: frozenset("S"), 5: frozenset(), 7: frozenset(), 8: frozenset(),
-        9: frozenset(), 62: frozenset("P"), 63: frozenset("P"), 64: frozenset("P"),
-        65: frozenset("P"),
+        3: frozenset("S"), 4: frozenset("S"), 5: frozenset(), 6: frozenset("T"), 7: frozenset(),
+        8: frozenset(), 9: frozenset(), 62: frozenset("P"), 63: frozenset("P"),
+        64: frozenset("P"), 65: frozenset("P"),
     },
-    beside={"G41.1": "left", "G42.1": "right"},
+    own_switches=range(100, 200),  # "User Defined Commands M100-M199"
+    own_letters=frozenset("PQ"),
+    sides={"G41.1": "left", "G42.1": "right"},
     arc_fault=arc_fault,
 )  # fmt: skip

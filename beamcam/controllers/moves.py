@@ -5,7 +5,7 @@ from collections.abc import Iterator, Mapping, Sequence
 import numpy as np
 from msgspec import Struct, field
 
-from beamcam.controllers.events import Leg, TableEvent
+from beamcam.controllers.events import Curve, HeadMove, Move, Other, TableEvent
 from beamcam.geometry.array_types import Counts, Flags, Floats
 from beamcam.geometry.curves import Arc, Bezier, EllipseArc
 
@@ -40,54 +40,54 @@ class Moves(Struct, frozen=True):
             self.feed_mm_min[rows], self.is_arc[rows], self.arcs[rows], curves,
         )  # fmt: skip
 
-    def legs(self) -> Iterator[Leg]:
+    def each(self) -> Iterator[HeadMove]:
         """The moves one by one."""
         columns = (self.line, self.rapid, self.start, self.end, self.is_arc, self.arcs)
         rows = zip(*(c.tolist() for c in columns), self.feed_mm_min.tolist(), strict=True)
         for k, (line, rapid, start, end, is_arc, (x, y, radius, first, sweep), feed) in enumerate(
             rows
         ):
-            curve: Arc | Bezier | EllipseArc | None = self.curves.get(k)
+            curve: Curve | None = self.curves.get(k)
             if is_arc:
                 curve = Arc((x, y), radius, first, sweep)
-            yield Leg(line, rapid, tuple(start), tuple(end), curve, feed)
+            yield Move(line, rapid, tuple(start), tuple(end), feed, False, curve)
 
 
 class Run(Struct, frozen=True):
     """What a program does: its moves, and its other events between them."""
 
     moves: Moves
-    others: list[tuple[int, TableEvent]]  #: each with the number of moves before it
+    others: list[tuple[int, Other]]  #: each with the number of moves before it
 
     def events(self) -> list[TableEvent]:
         """Everything in its order."""
         found: list[TableEvent] = []
-        legs = list(self.moves.legs())
+        moves = list(self.moves.each())
         done = 0
         for before, event in self.others:
-            found += legs[done:before]
+            found += moves[done:before]
             found.append(event)
             done = before
-        return found + legs[done:]
+        return found + moves[done:]
 
 
-def moves_of(legs: Sequence[Leg]) -> Moves:
+def moves_of(moves: Sequence[HeadMove]) -> Moves:
     """Moves given one by one, as arrays."""
-    is_arc = np.array([isinstance(leg.curve, Arc) for leg in legs], dtype=bool)
-    arcs = np.zeros((len(legs), 5))
+    is_arc = np.array([isinstance(move.curve, Arc) for move in moves], dtype=bool)
+    arcs = np.zeros((len(moves), 5))
     curves: dict[int, Bezier | EllipseArc] = {}
-    for k, leg in enumerate(legs):
-        if isinstance(leg.curve, Arc):
-            c = leg.curve
+    for k, move in enumerate(moves):
+        if isinstance(move.curve, Arc):
+            c = move.curve
             arcs[k] = (*c.centre, c.radius, c.start_deg, c.sweep_deg)
-        elif leg.curve is not None:
-            curves[k] = leg.curve
+        elif move.curve is not None:
+            curves[k] = move.curve
     return Moves(
-        np.array([leg.line for leg in legs], dtype=np.int64),
-        np.array([leg.rapid for leg in legs], dtype=bool),
-        np.array([leg.start for leg in legs], dtype=np.float64).reshape(-1, 2),
-        np.array([leg.end for leg in legs], dtype=np.float64).reshape(-1, 2),
-        np.array([leg.feed_mm_min for leg in legs], dtype=np.float64),
+        np.array([move.line for move in moves], dtype=np.int64),
+        np.array([move.rapid for move in moves], dtype=bool),
+        np.array([move.start for move in moves], dtype=np.float64).reshape(-1, 2),
+        np.array([move.end for move in moves], dtype=np.float64).reshape(-1, 2),
+        np.array([move.feed_mm_min for move in moves], dtype=np.float64),
         is_arc,
         arcs,
         curves,

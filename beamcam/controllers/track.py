@@ -1,4 +1,4 @@
-"""What a program does, collected while its blocks are carried out.
+"""What a program of a table does, collected while its blocks are carried out.
 
 Plain moves are carried out in runs, as rows of arrays; what stands between them one by one.
 """
@@ -8,11 +8,12 @@ from itertools import starmap
 from typing import cast
 
 import numpy as np
-from msgspec.structs import replace
 
-from beamcam.controllers.events import Leg, TableEvent
-from beamcam.controllers.gcode.moves import Moves, Run, arcs_between, joined, moves_of, sure_arcs
-from beamcam.controllers.gcode.scan import PlainMoves
+from beamcam.controllers.events import HeadMove, Other
+from beamcam.controllers.interpreter import Interpreter
+from beamcam.controllers.moves import Moves, Run, arcs_between, joined, moves_of, sure_arcs
+from beamcam.controllers.scan import PlainMoves, scan
+from beamcam.errors import Diagnostic
 from beamcam.geometry.array_types import Counts, Floats
 from beamcam.geometry.plane import Point
 
@@ -20,17 +21,33 @@ from beamcam.geometry.plane import Point
 ArcFault = Callable[[Point, Point, Point, bool], str | None]
 
 
+def table_run(text: str, interpreter: Interpreter) -> tuple[Run, list[Diagnostic]]:
+    """What a program of a table does, its moves as arrays, and what is wrong with its blocks."""
+    found = scan(text, interpreter.longest_line, interpreter.fed_traverse)
+    track = Track(found.plain, interpreter.per_minute)
+    interpreter.follow(track)
+    for number, line in found.odd:
+        interpreter.plain_until(number)
+        interpreter.line(number, line, number in (1, found.lines))
+    interpreter.finish(found.lines)
+    done, faults = track.finish(interpreter.arc_slack, interpreter.arc_fault)
+    for number, fault in faults:
+        interpreter.wrong_arc(number, fault)
+    return done, sorted(interpreter.said, key=lambda said: said.source.line or 0)
+
+
 class Track:
     """The moves and events so far."""
 
-    def __init__(self, plain: PlainMoves) -> None:
+    def __init__(self, plain: PlainMoves, per_minute: float) -> None:
         self.plain = plain
+        self._per_minute = per_minute  #: makes mm/min of an F word
         self._runs: list[tuple[int, int]] = []  #: first row of each, and the one behind its last
         self._starts: list[Point] = []  #: where each run begins
         self._feeds: list[float] = []  #: that each begins with
-        self._legs: list[Leg] = []
-        self._order: list[tuple[int, int]] = []  #: runs as above, legs behind all plain rows
-        self._others: list[tuple[int, TableEvent]] = []
+        self._moves: list[HeadMove] = []
+        self._order: list[tuple[int, int]] = []  #: runs as above, moves behind all plain rows
+        self._others: list[tuple[int, Other]] = []
         self._count = 0
         #: The row behind the last run, and place and feed there, if nothing moved since.
         self._behind: tuple[int, Point, float] | None = None
@@ -38,14 +55,26 @@ class Track:
         #: The last row up to each that says a feed; -1 before the first.
         self._fed: Counts = np.maximum.accumulate(np.where(np.isnan(plain.feed), -1, rows))
 
-    def event(self, event: TableEvent) -> None:
+    def lines(self) -> list[int]:
+        """Of the plain moves, ascending."""
+        lines: list[int] = self.plain.line.tolist()
+        return lines
+
+    def block(self, row: int) -> tuple[int, dict[str, float]]:
+        """The motion and the words of a plain move."""
+        plain = self.plain
+        numbers = (*plain.end[row].tolist(), *plain.centre[row].tolist(), float(plain.feed[row]))
+        words = {k: v for k, v in zip("XYIJF", numbers, strict=True) if v == v}
+        return int(plain.motion[row]), words
+
+    def event(self, event: Other) -> None:
         """Anything but a move."""
         self._others.append((self._count, event))
 
-    def leg(self, leg: Leg) -> None:
+    def move(self, move: HeadMove) -> None:
         """A move by itself."""
-        number = len(self.plain.line) + len(self._legs)
-        self._legs.append(leg)
+        number = len(self.plain.line) + len(self._moves)
+        self._moves.append(move)
         self._behind = None
         self._order.append((number, number + 1))
         self._count += 1
@@ -70,13 +99,10 @@ class Track:
         self._behind = last, (x, y), feed
         return (x, y), feed
 
-    def finish(
-        self, per_minute: float, difference: float, arc_fault: ArcFault
-    ) -> tuple[Run, list[tuple[int, str]]]:
+    def finish(self, difference: float, arc_fault: ArcFault) -> tuple[Run, list[tuple[int, str]]]:
         """All of it, and by their lines the arcs that are none, which are left out.
 
-        `per_minute` makes mm/min of an F word, `difference` is what the radii at the ends of an
-        arc may always differ by.
+        `difference` is what the radii at the ends of an arc may always differ by.
         """
         moves = self._plain_moves()
         faults = _arc_faults(moves, self._rows(), difference, arc_fault)
@@ -88,10 +114,7 @@ class Track:
             others = [(before - int(lost[before]), event) for before, event in others]
             order = order[~wrong]
         lines = [(int(moves.line[row]), fault) for row, fault in faults]
-        done = joined(moves, moves_of(self._legs), order)
-        if per_minute != 1.0:
-            done = replace(done, feed_mm_min=done.feed_mm_min * per_minute)
-        return Run(done, others), lines
+        return Run(joined(moves, moves_of(self._moves), order), others), lines
 
     def _rows(self) -> Counts:
         """The plain rows that were carried out."""
@@ -108,7 +131,8 @@ class Track:
             start[firsts] = self._starts
             rows = self._rows()
             own = self._fed[rows] >= np.repeat(firsts, sizes)
-            feed[rows] = np.where(own, plain.feed[self._fed[rows]], np.repeat(self._feeds, sizes))
+            said = np.where(own, plain.feed[self._fed[rows]], np.repeat(self._feeds, sizes))
+            feed[rows] = said * self._per_minute
         is_arc = plain.motion >= 2
         arcs = np.zeros((len(plain.line), 5))
         centre = start[is_arc] + plain.centre[is_arc]

@@ -1,0 +1,1 @@
+"""CODESYS SoftMotion CNC: its blocks, its modal interpreter, and the curves that it knows."""

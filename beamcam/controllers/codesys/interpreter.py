@@ -1,0 +1,161 @@
+"""The interpreter of CODESYS SoftMotion CNC, for cells and for tables.
+
+    G00 G01 X Y Z F        traverse and feed, F per second or per minute as the machine file says
+    G02 G03 X Y I J, or R  arc, I and J from its start (G99) or absolute (G98)
+    G06 G08 G09            parabola and ellipse (`curves`)
+    E, E-                  acceleration to run up and to brake, mm/s2 whatever F is in
+    G04 T, G75             dwell; wait until all that was read is done
+    G41 G42 D, G40         beside the contour by the radius D, on it again
+    G90 G91                X, Y and Z are absolute, or count from the last place
+
+A block without a command repeats the last travel command. Source: CODESYS online help, "CNC: DIN
+66025".
+"""
+
+import re
+from math import sqrt
+
+from beamcam.controllers import rules
+from beamcam.controllers.codesys.arcs import arc_fault
+from beamcam.controllers.codesys.blocks import BRAKING, Block, Fault, read_block
+from beamcam.controllers.codesys.curves import curve_of
+from beamcam.controllers.dialect import Dialect
+from beamcam.controllers.events import Acceleration, Compensation, Curve, Pause, Side, Switch
+from beamcam.controllers.interpreter import Interpreter, Words
+from beamcam.geometry.plane import Point
+
+M_WORDS_IN_A_ROW = 64  #: SMC_DEC_OUTQUEUE_RAN_EMPTY
+ENDS = (2, 30)
+_KNOWN = "G00 to G04, G06, G08, G09, G40 to G42, G50, G53, G75, G90, G91, G98 or G99"
+_FED = frozenset("FE") | {BRAKING}
+_TRAVEL = {
+    0: frozenset("F"), 1: _FED, 2: _FED | set("IJR"), 3: _FED | set("IJR"),
+    6: _FED | set("IJ"), 8: _FED | set("IJKR"), 9: _FED | set("IJKR"),
+}  # fmt: skip
+_SIDES: dict[int, Side] = {40: "on", 41: "left", 42: "right"}
+_WITHOUT_EFFECT = (50, 53)  #: smoothing and offsets: off, as at the start
+_NUMBERED = re.compile(r"N[0-9]+ ")
+
+
+class Codesys(Interpreter):
+    """The state of the controller between two blocks."""
+
+    controller = "CODESYS"
+    fed_traverse = False
+
+    def __init__(self, dialect: Dialect, name: str) -> None:
+        super().__init__(dialect, name)
+        self.arc_slack = 2 * sqrt(2) * dialect.resolution
+        self._known: dict[str, Block] = {}  # programs repeat themselves
+        self._absolute_centre = False
+        #: A cell's programs may count on G90 as the default, those of a table have to say it.
+        self._counting_said = dialect.stock == "beam"
+        self._letters = {motion: own | set(dialect.axes) for motion, own in _TRAVEL.items()}
+        if dialect.stock == "sheet":
+            self._letters[0] = frozenset(dialect.axes)
+
+    def _is_simple(self) -> bool:
+        return self._counting_said and not self._absolute_centre and super()._is_simple()
+
+    def line(self, line: int, text: str, outermost: bool) -> None:
+        """Carries out a line of the text."""
+        numbered = _NUMBERED.match(text)
+        body = text[numbered.end() :] if numbered else text
+        block = self._known.get(body)
+        if block is None:
+            block = self._read(line, body, outermost)
+            if block is None:
+                return
+            self._known[body] = block
+        if self._over and self.is_over(line):
+            return
+        command, number, words = block
+        if command == "M":
+            self._m_word(line, number, words)
+        elif not command:
+            self._carry_out(line, self._motion, words)
+        elif number in _TRAVEL:
+            self._carry_out(line, number, words)
+        else:
+            self._setting(line, number, words)
+
+    def _read(self, line: int, body: str, outermost: bool) -> Block | None:
+        """A block that was not met before; None, and said, if it is none."""
+        if body.lstrip().startswith("%"):
+            if not self._known or outermost:
+                return None
+            block: Block | Fault | None = Fault(
+                body.strip(), "% on the first or the last line only"
+            )
+        else:
+            block = read_block(body, self._dialect.letters)
+        if isinstance(block, Fault):
+            self._say(line, self._rules.syntax, found=block.found, expected=block.expected)
+            return None
+        return block
+
+    def _m_word(self, line: int, number: int, words: Words) -> None:
+        self._wait(line)
+        switch = Switch(line, number, words)
+        if number in ENDS:
+            self._end(switch)
+        else:
+            self._event(switch)
+
+    def _wait(self, line: int) -> None:
+        """Counts an M word or a dwell, which wait in one queue until a move or G75."""
+        self._row += 1
+        if self._row == M_WORDS_IN_A_ROW + 1:
+            self._say(line, rules.M_QUEUE, found=self._row, expected=M_WORDS_IN_A_ROW)
+
+    def _setting(self, line: int, number: int, words: Words) -> None:
+        stray = set(words)
+        if number == 4:
+            self._wait(line)
+            if words.keys() == {"T"}:
+                self._event(Pause(line, words["T"]))
+            else:
+                self._wrong(line, "G04", "T with seconds")
+            return
+        if number in _SIDES:
+            stray -= {"D"}
+            self._event(Compensation(line, _SIDES[number], words.get("D", 0.0)))
+        elif number in (90, 91):
+            self._absolute, self._counting_said = number == 90, True
+        elif number in (98, 99):
+            self._absolute_centre = number == 98
+        elif number == 75:
+            self._row = 0
+        elif number not in _WITHOUT_EFFECT:
+            self._wrong(line, f"G{number:02}", _KNOWN)
+        if stray:
+            self._wrong(line, f"{min(stray)} behind G{number:02}", "no word there")
+
+    def _carry_out(self, line: int, motion: int, words: Words) -> None:
+        self._motion = motion
+        if motion < 0:
+            self._wrong(line, "words without a command", "G or M")
+            return
+        if not words.keys() <= self._letters[motion]:
+            stray = min(words.keys() - self._letters[motion])
+            self._wrong(line, f"{stray} behind G{motion:02}", "no such word there")
+        fed = "F" in words
+        if fed:
+            self._feed = words["F"]
+        if "E" in words:
+            self._event(Acceleration(line, False, words["E"]))
+        if BRAKING in words:
+            self._event(Acceleration(line, True, -words[BRAKING]))
+        if not self._counting_said:
+            self._say(line, self._rules.setting, found="G90")
+            self._counting_said = True
+        self._go(line, motion, words, fed)
+
+    def curve(self, motion: int, start: Point, end: Point, words: Words) -> Curve | str:
+        """The curve that a block means; what is wrong with it if it is none."""
+        origin = (0.0, 0.0) if self._absolute_centre else start
+        return curve_of(motion, start, end, words, origin, self._dialect.resolution)
+
+    def arc_fault(self, start: Point, end: Point, centre: Point, clockwise: bool) -> str | None:
+        """What the controller would make of an arc; None if it makes that arc."""
+        return arc_fault(start, end, centre, self._dialect.resolution)

@@ -1,0 +1,206 @@
+"""What all controllers of G-code have in common while a program is read back.
+
+    line -> block (each family's lexer) -> modal state -> events, into a record
+
+A cell's program is short and is read block by block. Of a table's, plain moves wait until a block
+that is none, or the end, and are then carried out together.
+"""
+
+from abc import ABC, abstractmethod
+from bisect import bisect_left
+from collections.abc import Callable
+from math import inf, isnan, nan
+from typing import Any, Protocol
+
+from beamcam.controllers.dialect import Dialect
+from beamcam.controllers.events import BarEvent, Curve, Move, Other, Place, Switch
+from beamcam.errors import Diagnostic, Rule, Source
+from beamcam.geometry.plane import Point
+
+Words = dict[str, float]
+
+
+class Record(Protocol):
+    """What takes the events of a program."""
+
+    def event(self, event: Other, /) -> None:
+        """Anything but a move."""
+
+    def move(self, move: Move[Any], /) -> None:
+        """A move by itself."""
+
+
+class PlainMoves(Record, Protocol):
+    """What takes the events of a table, and holds its plain moves."""
+
+    def lines(self) -> list[int]:
+        """Of the plain moves, ascending."""
+
+    def block(self, row: int) -> tuple[int, Words]:
+        """The motion and the words of a plain move."""
+
+    def run(self, first: int, last: int, start: Point, feed: float) -> tuple[Point, float]:
+        """Carries out plain moves from a place, with its feed; place and feed behind them."""
+
+
+class EventList(list[BarEvent]):
+    """Events in their order."""
+
+    event = list.append
+    move = list.append
+
+
+class Interpreter(ABC):
+    """The state of a controller between two blocks; each family says what a block means."""
+
+    controller: str  #: its name, for messages
+    longest_line: int | None = None  #: characters
+    fed_traverse: bool  #: whether a table's traverse may say a feed
+    arc_slack: float  #: what the radii at both ends of an arc may always differ by
+
+    def __init__(self, dialect: Dialect, name: str) -> None:
+        self.said: list[Diagnostic] = []
+        self.per_minute = dialect.per_minute
+        self._dialect, self._rules = dialect, dialect.rules
+        self._name = name
+        self._event: Callable[[Other], None]
+        self._add: Callable[[Move[Any]], None]
+        self._plain: PlainMoves | None = None  #: of plain moves that are carried out together
+        self._lines: list[float] = [inf]  #: of plain moves
+        self._next = 0  #: plain move
+        self._place: Place = (nan, nan, nan)  #: of a table Z stays nan
+        self._feed = 0.0  #: in the unit of F words
+        self._flat = len(dialect.axes) == 2  #: a table, whose head moves in X and Y
+        self._motion = -1
+        self._absolute = True
+        self._row = 0  #: blocks since the last move that a controller limits, such as M words
+        self._over = False
+
+    @abstractmethod
+    def line(self, line: int, text: str, outermost: bool) -> None:
+        """Carries out a line of the text; `outermost` is the first and the last one."""
+
+    @abstractmethod
+    def _carry_out(self, line: int, motion: int, words: Words) -> None:
+        """Carries out a block that is a motion and its words."""
+
+    @abstractmethod
+    def curve(self, motion: int, start: Point, end: Point, words: Words) -> Curve | str:
+        """The curve that a block means; what is wrong with it if it is none."""
+
+    @abstractmethod
+    def arc_fault(self, start: Point, end: Point, centre: Point, clockwise: bool) -> str | None:
+        """What the controller would make of an arc; None if it makes that arc."""
+
+    def record(self, record: Record) -> None:
+        """Sends the events to a record from here on."""
+        self._event, self._add = record.event, record.move
+
+    def follow(self, plain: PlainMoves) -> None:
+        """Sends the events to where plain moves wait, which are carried out in their turn."""
+        self.record(plain)
+        self._plain = plain
+        self._lines = [*plain.lines(), inf]
+
+    def plain_until(self, line: float) -> None:
+        """Carries out the plain moves before a line."""
+        lines, first, plain = self._lines, self._next, self._plain
+        if plain is None or lines[first] >= line:
+            return
+        while lines[first] < line and not self._is_simple():
+            if not self.is_over(int(lines[first])):
+                self._carry_out(int(lines[first]), *plain.block(first))
+            first += 1
+        last = bisect_left(lines, line, first) if lines[first] < line else first
+        self._next = last
+        if first < last:
+            x, y, z = self._place
+            (x, y), self._feed = plain.run(first, last, (x, y), self._feed)
+            self._place = x, y, z
+            self._motion, _ = plain.block(last - 1)
+            self._row = 0
+
+    def _is_simple(self) -> bool:
+        """Whether moves are to where they say, and from somewhere."""
+        return self._absolute and not self._over and not isnan(self._place[0] + self._place[1])
+
+    def is_over(self, line: int) -> bool:
+        """Whether the program ended before a block; says so once, and nothing of it counts."""
+        if self._over:
+            found = "a block behind the end of the program"
+            if not any(said.code == self._rules.end.code for said in self.said):
+                self._say(line, self._rules.end, found=found)
+        return self._over
+
+    def finish(self, last: int) -> None:
+        """The end of a text of `last` lines."""
+        self.plain_until(inf)
+        if not self._over:
+            self._say(max(last, 1), self._rules.end, found="the end of the program")
+
+    def _end(self, switch: Switch) -> None:
+        self._over = True
+        self._event(switch)
+
+    def _say(self, line: int, rule: Rule, **values: object) -> None:
+        self.said.append(rule.at(Source(self._name, line), **values))
+
+    def _wrong(self, line: int, found: str, expected: str) -> None:
+        self._say(line, self._rules.word, found=found, expected=expected)
+
+    def wrong_arc(self, line: int, found: str) -> None:
+        """Says what the controller would make of an arc."""
+        self._say(line, self._rules.arc, found=found, controller=self.controller)
+
+    def _go(self, line: int, motion: int, words: Words, own_feed: bool) -> None:
+        """Carries out a move whose letters are right."""
+        start = x, y, z = self._place
+        if self._absolute:
+            get = words.get
+            end = get("X", x), get("Y", y), get("Z", z)
+        else:
+            end = x + words.get("X", 0.0), y + words.get("Y", 0.0), z + words.get("Z", 0.0)
+        self._place = end
+        if start != end:
+            self._row = 0
+        if self._is_lost(line, motion, start, end, words):
+            return
+        curve = None
+        if motion > 1:
+            curve = self._curve(line, motion, start, end, words)
+            if curve is None:
+                return
+        feed = self._feed * self.per_minute
+        if self._flat:
+            self._add(Move(line, motion == 0, start[:2], end[:2], feed, own_feed, curve))
+        else:
+            self._add(Move(line, motion == 0, start, end, feed, own_feed, curve))
+
+    def _is_lost(self, line: int, motion: int, start: Place, end: Place, words: Words) -> bool:
+        """Whether a move leads from or to nowhere; says so.
+
+        The axes of a cell move one by one, the head of a table in both.
+        """
+        if self._flat:
+            if not isnan(end[0] + end[1]) and (motion == 0 or not isnan(start[0] + start[1])):
+                return False
+            self._wrong(line, "a move from or to nowhere", "X and Y of a traverse before")
+            return True
+        if not self._absolute and any(
+            letter in words and isnan(at) for letter, at in zip("XYZ", end, strict=True)
+        ):
+            self._wrong(line, "a relative move from nowhere", "an absolute place (G90) before")
+        return False
+
+    def _curve(
+        self, line: int, motion: int, start: Place, end: Place, words: Words
+    ) -> Curve | None:
+        """The curve of a block, by the family's own words; None, and said, if it is none."""
+        if isnan(start[0] + start[1] + end[0] + end[1]):
+            self.wrong_arc(line, "that starts nowhere")
+            return None
+        found = self.curve(motion, start[:2], end[:2], words)
+        if isinstance(found, str):
+            self.wrong_arc(line, found)
+            return None
+        return found

@@ -1,0 +1,146 @@
+"""What a block of RS274/NGC says by itself, whatever was said before it.
+
+Written from the "G-Code Overview" of the LinuxCNC documentation and the grbl 1.1 wiki.
+"""
+
+import re
+from collections.abc import Callable, Iterable, Iterator, Mapping
+
+from msgspec import Struct
+
+from beamcam.controllers.events import Compensation, Other, Pause, Side, Switch
+from beamcam.geometry.plane import Point
+
+_NUMBER = r"[+-]?(?:\d+\.?\d*|\.\d+)"
+_WORD = re.compile(rf"([A-Z])({_NUMBER})")
+_COMMENT = re.compile(r"\([^()]*\)|;.*")
+
+MOTIONS = {"G0": 0, "G1": 1, "G2": 2, "G3": 3}
+ENDS = (2, 30)
+
+
+class Variant(Struct, frozen=True):
+    """What a controller of the family takes, and what it does with arcs."""
+
+    name: str
+    percent: bool  #: whether % stands alone on the first and the last line
+    longest_line: int  #: characters
+    settings: frozenset[str]  #: G words that need no more than to be there
+    needed: tuple[str, ...]  #: those that a program has to say before it moves
+    switches: dict[int, frozenset[str]]  #: M words and the letters that belong to them
+    own_switches: range  #: M words that a machine may give a meaning, and
+    own_letters: frozenset[str]  #: what they may carry
+    sides: dict[str, Side]  #: G words of cutter compensation
+    arc_fault: Callable[[Point, Point, Point, bool], str | None]  #: start, end, centre, clockwise
+
+
+class Block(Struct, frozen=True):
+    """What a block says by itself, whatever was said before it."""
+
+    syntax: str = ""  #: what was expected, where it is no block
+    faults: tuple[tuple[str, str], ...] = ()  #: what is wrong with its words, found and expected
+    feed: float | None = None
+    events: tuple[Other, ...] = ()  #: before its move; their lines are 0
+    settings: tuple[str, ...] = ()
+    motion: int | None = None
+    values: dict[str, float] = {}  #: of the words that are left for the move
+    end: int | None = None  #: the M word that ends the program
+    blank: bool = False
+    percent: bool = False
+
+
+def read_block(text: str, variant: Variant, switches: Mapping[int, frozenset[str]]) -> Block:
+    """What the words of a block say; `switches` are the M words with their letters."""
+    bare = _COMMENT.sub(" ", text).upper().strip()
+    if bare == "%":
+        return Block(percent=True)
+    if "(" in bare or ")" in bare:
+        return Block("a comment that begins and ends on its line")
+    squeezed = "".join(bare.split())
+    words = _WORD.findall(squeezed)
+    if "".join(letter + digits for letter, digits in words) != squeezed:
+        return Block("letters with a number each")
+    return _Words(words, variant, switches).block() if words else Block(blank=True)
+
+
+class _Words:
+    """The words of a block, sorted by what they do."""
+
+    def __init__(
+        self,
+        words: list[tuple[str, str]],
+        variant: Variant,
+        switches: Mapping[int, frozenset[str]],
+    ) -> None:
+        self._variant, self._switches = variant, switches
+        self._faults: list[tuple[str, str]] = []
+        self._values: dict[str, float] = {}
+        self._codes: list[str] = []
+        self._m_words: list[int] = []
+        for place, (letter, digits) in enumerate(words):
+            self._take(place, letter, digits)
+
+    def _wrong(self, found: str, expected: str) -> None:
+        self._faults.append((found, expected))
+
+    def _take(self, place: int, letter: str, digits: str) -> None:
+        value = float(digits)
+        if letter == "N":
+            if place:
+                self._wrong(f"N{digits}", "it at the beginning of a block")
+        elif letter == "G":
+            self._codes.append(f"G{value:g}")
+        elif letter == "M":
+            self._m_words.append(int(value))
+            if value != int(value):
+                self._wrong(f"M{digits}", "a whole number")
+        elif letter in self._values:
+            self._wrong(f"{letter} twice in a block", "it once")
+        else:
+            self._values[letter] = value
+
+    def block(self) -> Block:
+        """What they say."""
+        feed = self._values.pop("F", None)
+        settings = tuple(code for code in self._codes if code not in MOTIONS)
+        events = (*self._m_events(), *self._settings(settings))
+        motions = [MOTIONS[code] for code in self._codes if code in MOTIONS]
+        if len(motions) > 1:
+            self._wrong("two motions in a block", "one")
+        ends = [number for number in self._m_words if number in ENDS]
+        if len(ends) > 1:
+            self._wrong("two ends of the program in a block", "one")
+        return Block(
+            faults=tuple(self._faults), feed=feed, events=events, settings=settings,
+            motion=motions[-1] if motions else None, values=self._values,
+            end=ends[0] if ends else None,
+        )  # fmt: skip
+
+    def _m_events(self) -> Iterator[Other]:
+        for number in self._m_words:
+            letters = self._switches.get(number)
+            if number in ENDS:
+                continue
+            if letters is None:
+                self._wrong(f"M{number}", f"an M word that {self._variant.name} knows")
+                continue
+            values = self._values
+            yield Switch(0, number, {k: values.pop(k) for k in sorted(letters & values.keys())})
+
+    def _settings(self, codes: Iterable[str]) -> Iterator[Other]:
+        values, variant = self._values, self._variant
+        for code in codes:
+            if code == "G4":
+                if "P" in values:
+                    yield Pause(0, values.pop("P"))
+                else:
+                    self._wrong("G4", "P with seconds")
+            elif code in variant.sides:
+                yield Compensation(0, variant.sides[code], values.pop("D", 0.0) / 2)
+            elif code == "G40":
+                yield Compensation(0, "on", 0.0)
+            elif code == "G64" and code in variant.settings:
+                values.pop("P", None)
+                values.pop("Q", None)
+            elif code not in ("G90", "G91") and code not in variant.settings:
+                self._wrong(code, f"a G word that {variant.name} knows here")

@@ -1,0 +1,138 @@
+"""The interpreter of RS274/NGC, for the controllers that descend from it: LinuxCNC and grbl.
+
+    G1 X10 Y5 F600 (comment)      words in any order, spaces mean nothing
+    G3 X0 Y0 I-5 J0               I and J from the start of the arc (G91.1)
+    M101 P13 Q14                  an M word of the machine's own, with what it carries
+
+A block's words act in a fixed order: feed, speed, M words, dwell, settings, motion, end. Motion is
+modal. Source: LinuxCNC documentation, "G-Code Overview".
+"""
+
+from beamcam.controllers.arcs import arc_of
+from beamcam.controllers.dialect import Dialect
+from beamcam.controllers.events import Curve, Other, Switch
+from beamcam.controllers.interpreter import Interpreter, Words
+from beamcam.controllers.rs274.blocks import Block, Variant, read_block
+from beamcam.geometry.plane import Point
+
+
+class Rs274(Interpreter):
+    """The state of the controller between two blocks."""
+
+    fed_traverse = True
+    arc_slack = 0.005  #: whatever the radius
+
+    def __init__(self, variant: Variant, dialect: Dialect, name: str) -> None:
+        super().__init__(dialect, name)
+        self.controller, self.longest_line = variant.name, variant.longest_line
+        self._variant = variant
+        self._known: dict[str, Block] = {}  # programs say the same thing over and over
+        self._switches = {
+            **variant.switches,
+            **{
+                number: frozenset(letter for letter, _ in word.fields) & variant.own_letters
+                for number, word in dialect.m_words.items()
+                if number in variant.own_switches
+            },
+        }
+        self._percents: list[int] = []  #: lines
+        self._seen: set[str] = set()
+        self._ready = False
+
+    def _is_simple(self) -> bool:
+        return self._ready and super()._is_simple()
+
+    def line(self, line: int, text: str, outermost: bool) -> None:
+        """Carries out a line of the text."""
+        if len(text) > self._variant.longest_line:
+            self._syntax(line, text, f"at most {self._variant.longest_line} characters")
+        block = self._known.get(text)
+        if block is None:
+            self._known[text] = block = read_block(text, self._variant, self._switches)
+        if block.percent:
+            self._percent(line, text, outermost)
+        elif block.syntax:
+            self._syntax(line, text, block.syntax)
+        elif not block.blank and not self.is_over(line):
+            self._block(line, block)
+
+    def _percent(self, line: int, text: str, outermost: bool) -> None:
+        self._percents.append(line)
+        if not self._variant.percent:
+            self._syntax(line, text, f"no %, {self.controller} does not know it")
+        elif not outermost:
+            self._syntax(line, text, "% alone on the first and the last line only")
+
+    def _syntax(self, line: int, found: str, expected: str) -> None:
+        self._say(line, self._rules.syntax, found=found.strip(), expected=expected)
+
+    def _block(self, line: int, block: Block) -> None:
+        for found, expected in block.faults:
+            self._wrong(line, found, expected)
+        if block.feed is not None:
+            self._feed = block.feed
+        for event in block.events:
+            self._event(_on_line(line, event))
+        for code in block.settings:
+            if code in ("G90", "G91"):
+                self._absolute = code == "G90"
+            self._seen.add(code)
+        if block.motion is not None or block.values:
+            self._travel(line, block)
+        if block.end is not None:
+            self._end(Switch(line, block.end, {}))
+
+    def _carry_out(self, line: int, motion: int, words: Words) -> None:
+        self._block(line, Block(feed=words.pop("F", None), motion=motion, values=words))
+
+    def _travel(self, line: int, block: Block) -> None:
+        """The move of a block."""
+        values, axes = block.values, self._dialect.axes
+        motion = self._motion if block.motion is None else block.motion
+        places = values.keys() & set(axes)
+        used = places | (values.keys() & {"I", "J"} if places and motion > 1 else set())
+        if places and motion < 0:
+            letters = " or ".join(sorted(places))
+            self._wrong(line, f"{letters} without a motion", "G0, G1, G2 or G3 before")
+        elif places:
+            self._motion = motion
+            self._check_settings(line)
+            self._go(line, motion, {k: values[k] for k in used}, block.feed is not None)
+        elif block.motion is not None:
+            self._motion = motion
+        if values.keys() - used:
+            stray = min(values.keys() - used)
+            self._wrong(line, f"the letter {stray} in that block", "no such word there")
+
+    def _check_settings(self, line: int) -> None:
+        """Says once what is not set when the first move comes."""
+        if not self._ready:
+            missing = [code for code in self._variant.needed if code not in self._seen]
+            if missing:
+                self._say(line, self._rules.setting, found=", ".join(missing))
+            self._ready = True
+
+    def curve(self, motion: int, start: Point, end: Point, words: Words) -> Curve | str:
+        """The arc that a block means; what is wrong with it if it is none."""
+        if "I" not in words and "J" not in words:
+            return "without I and J"
+        centre = (start[0] + words.get("I", 0.0), start[1] + words.get("J", 0.0))
+        clockwise = motion == 2
+        fault = self.arc_fault(start, end, centre, clockwise)
+        return fault or arc_of(start, end, centre, clockwise)
+
+    def arc_fault(self, start: Point, end: Point, centre: Point, clockwise: bool) -> str | None:
+        """What the controller would make of an arc; None if it makes that arc."""
+        return self._variant.arc_fault(start, end, centre, clockwise)
+
+    def finish(self, last: int) -> None:
+        """The end of a text of `last` lines."""
+        super().finish(last)
+        if self._variant.percent and (1 in self._percents) != (last in self._percents):
+            expected = "% on both the first and the last line, or on none"
+            self._syntax(last, "%", expected)
+
+
+def _on_line(line: int, event: Other) -> Other:
+    """The same event, said on a line; `_replace` takes three times as long."""
+    return type(event)(line, *event[1:])
