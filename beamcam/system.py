@@ -2,6 +2,7 @@
 
 import errno
 import os
+import stat
 import sys
 from collections.abc import Callable
 from time import sleep
@@ -29,6 +30,22 @@ def is_windows() -> bool:
 def is_unicode(encoding: str | None) -> bool:
     """Whether a stream takes every character; pipes of Windows have the alphabet of a region."""
     return (encoding or "").lower().replace("-", "").startswith("utf")
+
+
+def user_folder() -> str:
+    """Where a user's own configuration and machines lie."""
+    if is_windows():
+        return os.path.join(os.environ.get("APPDATA") or os.path.expanduser("~"), "beamcam")
+    # XDG Base Directory Specification: a relative path counts as none.
+    folder = os.environ.get("XDG_CONFIG_HOME", "")
+    if not os.path.isabs(folder):
+        folder = os.path.join(os.path.expanduser("~"), ".config")
+    return os.path.join(folder, "beamcam")
+
+
+def is_open_to_all(folder: str) -> bool:
+    """Whether any user may put files into a folder, as into /tmp; Windows says that otherwise."""
+    return not is_windows() and bool(os.stat(folder).st_mode & stat.S_IWOTH)
 
 
 def start_method() -> Literal["fork", "spawn"]:

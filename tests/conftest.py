@@ -2,6 +2,7 @@
 
 import difflib
 import os
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
@@ -20,6 +21,16 @@ CORPUS = Path(os.environ.get("BEAMCAM_CORPUS", SHARED / "corpus"))
 settings.register_profile("same", derandomize=True, deadline=None, print_blob=True)
 settings.register_profile("random", deadline=None, print_blob=True)
 settings.load_profile(os.environ.get("HYPOTHESIS_PROFILE", "same"))
+
+
+@pytest.fixture(autouse=True, scope="session")
+def no_user_folder(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
+    """No configuration and no machines of the user who runs the tests."""
+    with pytest.MonkeyPatch.context() as patch:
+        for name in ("XDG_CONFIG_HOME", "APPDATA"):
+            patch.setenv(name, str(tmp_path_factory.getbasetemp() / "no-user"))
+        patch.delenv("FORCE_COLOR", raising=False)
+        yield
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:

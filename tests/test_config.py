@@ -6,11 +6,13 @@ from pathlib import Path
 import pytest
 from click.testing import CliRunner, Result
 
+from beamcam import system
 from beamcam.cli import main
 from beamcam.config.apply import with_tolerances
 from beamcam.config.load import ConfigError, load
 from beamcam.config.values import Config, ConfigFile, beside, over
 from beamcam.machine import load as load_machine
+from beamcam.system import is_windows
 from tests.runs import batch, counts, fill, part, report
 
 ALL = """# the shop
@@ -81,6 +83,8 @@ def test_defaults_come_from_nowhere() -> None:
         ("allow_skips = ['any']", "error config-value: found ('any',) for 'allow_skips'; expected"
          " names of"),
         ("name = '{marc}'", "config-value: found '{marc}' for 'name'; expected one of {stem}"),
+        ("name = '{stem'", "config-value: found '{stem' for 'name'; expected a template"),
+        ('job = "a\\tb"', ":1: error config-value: found 'a\\tb' for 'job'; expected one line of"),
         ("tolerances = 1", "found 1 for 'tolerances'; expected a table"),
         ("[tolerances]\nmerge = -1", ":2: error config-value: found -1 for 'tolerances.merge';"
          " expected 0 or more"),
@@ -119,6 +123,62 @@ def test_where_it_is_looked_for(tmp_path: Path, monkeypatch: pytest.MonkeyPatch)
     assert beside(("jobs/**/*.nc1",)) == ("jobs/beamcam.toml",)
     assert beside(("jobs/a.nc1", "x")) == ("jobs/beamcam.toml", "beamcam.toml")
     assert beside(("none/a.nc1",)) == beside(()) == ("beamcam.toml",)
+
+
+def test_a_machine_that_is_none_is_told_where_it_is_named(tmp_path: Path) -> None:
+    fill(tmp_path / "in", 1)
+    path = write(tmp_path, "jobs = 1\nmachine = 'beamlin'\n")
+    result = batch(tmp_path / "in", "-o", tmp_path / "out")
+    assert result.exit_code == 1
+    assert result.stderr.startswith(
+        f"{path}:2: error config-value: found 'beamlin' for 'machine'; expected 'beamline' or the"
+    )
+    write(tmp_path, "[machines]\nbeam = 'none.toml'\n")
+    result = batch(tmp_path / "in", "-o", tmp_path / "out")
+    assert f"{path}:2: error config-value: found " in result.stderr
+    assert "none.toml' for 'machines.beam'" in result.stderr
+    result = batch(tmp_path / "in", "-o", tmp_path / "out", "--machine", "beamlin")
+    assert "error machine-unknown" in result.stderr
+
+
+def test_it_is_found_in_the_folders_above(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    deep = tmp_path / "jobs" / "4711" / "nc"
+    deep.mkdir(parents=True)
+    above = write(tmp_path / "jobs", "")
+    assert beside((str(deep / "a.nc1"),)) == beside((str(deep),)) == (str(above),)
+    near = write(tmp_path / "jobs" / "4711", "")
+    assert beside((str(deep),)) == (str(near),)
+    monkeypatch.chdir(deep)
+    assert beside(("a.nc1",)) == beside(("-",)) == beside(()) == (str(near),)
+    assert beside((str(tmp_path / "x.nc1"),)) == (str(near),)  # that of this folder
+
+
+def test_a_folder_above_in_which_anybody_may_write_is_passed_over(tmp_path: Path) -> None:
+    (tmp_path / "open" / "job").mkdir(parents=True)
+    path = write(tmp_path / "open", "")
+    assert beside((str(tmp_path / "open" / "job"),)) == (str(path),)
+    (tmp_path / "open").chmod(0o777)
+    assert beside((str(tmp_path / "open" / "job"),)) == ((str(path),) if is_windows() else ())
+    assert beside((str(tmp_path / "open"),)) == (str(path),)  # it is named, and so it is meant
+
+
+@pytest.mark.parametrize("windows", [False, True])
+def test_the_users_own_is_the_last(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, windows: bool
+) -> None:
+    monkeypatch.setattr(system, "is_windows", lambda: windows)
+    monkeypatch.setenv("APPDATA" if windows else "XDG_CONFIG_HOME", str(tmp_path / "user"))
+    (tmp_path / "user" / "beamcam").mkdir(parents=True)
+    (tmp_path / "in").mkdir()
+    own = write(tmp_path / "user" / "beamcam", "job = 'MINE'\n")
+    assert beside((str(tmp_path / "in"),)) == (str(own),)
+    assert 'job = "MINE"' in run(tmp_path / "in").stdout
+    write(tmp_path / "in", "")
+    assert beside((str(tmp_path / "in"),)) == (str(tmp_path / "in" / "beamcam.toml"),)
+    if not windows:
+        monkeypatch.setenv("XDG_CONFIG_HOME", "relative")
+        monkeypatch.setenv("HOME", str(tmp_path))
+        assert system.user_folder() == str(tmp_path / ".config" / "beamcam")
 
 
 def test_the_command_shows_values_and_origins(tmp_path: Path) -> None:

@@ -33,8 +33,9 @@ def shown(setting: Setting) -> str:
 def command(inputs: tuple[str, ...], as_json: bool, keys: bool, **asked: Any) -> None:
     """Show every value of the configuration that a job would have, and where it comes from.
 
-    The configuration is the file given by --config, else the beamcam.toml beside IN, else the one
-    in this folder. What stands on the command line of the job goes over it.
+    The configuration is the file given by --config, else the beamcam.toml beside IN or in the
+    nearest folder above, else that of this folder or above, else the user's own. What stands on the
+    command line of the job goes over it.
 
     \b
     beamcam config

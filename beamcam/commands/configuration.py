@@ -12,7 +12,12 @@ from beamcam.config import rules
 from beamcam.config.load import ConfigError, load
 from beamcam.config.values import Config
 from beamcam.errors import Source
+<<<<<<< HEAD
 from beamcam.planning.rules import ALL_SKIPS, SKIP_NAMES, named_skips
+=======
+from beamcam.plain_text import terminal_text
+from beamcam.planning.rules import SKIP_NAMES
+>>>>>>> 8380c9e (config: found in the folders above and the user's own; a machine that is none is told where it is named)
 
 
 def checked(files: Sequence[str]) -> Config:
@@ -41,8 +46,12 @@ def _expected_name(template: str) -> str:
     try:
         check_template(template)
     except ValueError as error:
-        return str(error).partition("; expected ")[2]
+        return str(error).partition("; expected ")[2] or f"a template ({error})"
     return ""
+
+
+def _expected_job(name: str) -> str:
+    return "" if terminal_text(name) == name else "one line of printable characters"
 
 
 def _expected_skips(skips: Sequence[str]) -> str:
@@ -52,5 +61,6 @@ def _expected_skips(skips: Sequence[str]) -> str:
 
 _CHECKS: dict[str, Callable[[Any], str]] = {
     "name": _expected_name,
+    "job": _expected_job,
     "allow_skips": _expected_skips,
 }

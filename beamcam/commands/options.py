@@ -104,7 +104,7 @@ machine = click.option(
 )  # fmt: skip
 config = click.option(
     "--config", "config_file", type=FILE, metavar="FILE",
-    help="Configuration, instead of the beamcam.toml beside the job.",
+    help="Configuration, instead of the beamcam.toml beside the job or above.",
 )  # fmt: skip
 bar = click.option(
     "--bar", type=Number(above=0), metavar="MM",

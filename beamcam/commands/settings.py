@@ -9,10 +9,11 @@ from typing import Any
 
 from beamcam.commands.common import remark
 from beamcam.config.values import COMMAND_LINE, Config, Stock, beside, over
-from beamcam.errors import Diagnostic, PlanError, Source
+from beamcam.errors import Diagnostic, MachineError, PlanError, Source
 from beamcam.files import FilesRead
 from beamcam.machine import Machine, load
 from beamcam.machine.defaults import default_machine, is_of_sheets
+from beamcam.machine.rules import UNKNOWN_MACHINE
 from beamcam.model.part import Part
 from beamcam.pipeline import stock_of
 
@@ -150,8 +151,7 @@ def machine_of_stock(
     `is_one_of_two` says that there is one for the other kind, which may be who can do what the
     command line asks for.
     """
-    named = config.machines.get(stock) or config.machine
-    machine = load(named or default_machine(stock, output))
+    machine = _named_machine(config, stock) or load(default_machine(stock, output))
     remark(machine.remarks)
     if config.tolerances:
         from beamcam.config.apply import with_tolerances
@@ -160,6 +160,30 @@ def machine_of_stock(
     if not (config.sheet.given() or config.map) or (machine.torch is None and is_one_of_two):
         return machine
     return _with_sheet(machine, config)
+
+
+def _named_machine(config: Config, stock: Stock) -> Machine | None:
+    """The machine that is named for a kind of stock, by the configuration or the command line.
+
+    Raises MachineError; ConfigError where a configuration names one that is not there.
+    """
+    key = f"machines.{stock}" if stock in config.machines else "machine"
+    named = config.machines.get(stock) or config.machine
+    if named is None:
+        return None
+    try:
+        return load(named)
+    except MachineError as error:
+        source = config.sources.get(key)
+        if source in (None, COMMAND_LINE) or error.diagnostics[0].code != UNKNOWN_MACHINE.code:
+            raise
+        from beamcam.config.load import ConfigError
+        from beamcam.config.rules import WRONG_VALUE
+
+        expected = error.diagnostics[0].message.partition("; expected ")[2]
+        raise ConfigError(
+            WRONG_VALUE.at(source, key=key, found=repr(named), expected=expected)
+        ) from error
 
 
 def _with_sheet(machine: Machine, config: Config) -> Machine:
@@ -181,4 +205,7 @@ def _with_sheet(machine: Machine, config: Config) -> Machine:
     try:
         return with_torch(machine, config.map, **config.sheet.given())
     except ValueError as error:
-        raise PlanError(rules.OPTION.at(Source(machine.name), found=error)) from error
+        said = (config.sources.get(f"sheet.{name}") for name in config.sheet.given())
+        lines = (source for source in said if source not in (None, COMMAND_LINE))
+        place = next(lines, None) or Source(machine.name)
+        raise PlanError(rules.OPTION.at(place, found=error)) from error

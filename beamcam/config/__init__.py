@@ -1,6 +1,7 @@
-"""The shop's configuration: `beamcam.toml` beside the job, or the file given by `--config`.
+"""The shop's configuration: `beamcam.toml` beside the job or above, or the file of `--config`.
 
-    command line  over  --config  or else  beamcam.toml beside the job  over  the defaults
+    command line  over  --config  or else  the nearest beamcam.toml  or else  the user's own
+    over  the defaults
 
     machine = "beamline"                # name, or a path from the file's own folder
     stock_lengths = [6000, 12000]       # a bar is the shortest that its parts fit on

@@ -13,6 +13,7 @@ from msgspec.structs import asdict, replace
 
 from beamcam.conversion import Count, Keys, NotNegative, Positive, PositiveCount, Text
 from beamcam.errors import Source
+from beamcam.system import is_open_to_all, user_folder
 
 CONFIG_NAME = "beamcam.toml"
 COMMAND_LINE = Source("command line")
@@ -114,17 +115,38 @@ def over(config: Config, asked: Mapping[str, Any]) -> Config:
 
 
 def beside(inputs: Iterable[str]) -> tuple[str, ...]:
-    """Every configuration beside one of `inputs`, or in it if that is a folder; each once.
+    """Every configuration that holds for one of `inputs`, each once: two are one too many.
 
-    Where there is none, the one in the folder that the command is called in, if there is that.
-    Standard input lies in that folder too. It costs a look at each folder of the inputs, no more.
+    It is the nearest in the folder of an input, or in the input if that is a folder, and those
+    above; where none is, the nearest in the folder that the command is called in and those above,
+    or else the user's own. Standard input lies in that folder too. It costs a look at each folder.
     """
     found: dict[str, str] = {}
     for folder in dict.fromkeys(map(_folder, inputs)):
-        path = os.path.join(folder, CONFIG_NAME)
-        if os.path.isfile(path):
+        if path := _nearest(folder):
             found.setdefault(os.path.realpath(path), path)
-    return tuple(found.values()) or ((CONFIG_NAME,) if os.path.isfile(CONFIG_NAME) else ())
+    if found:
+        return tuple(found.values())
+    own = os.path.join(user_folder(), CONFIG_NAME)
+    path = _nearest("") or (own if os.path.isfile(own) else None)
+    return () if path is None else (path,)
+
+
+def _nearest(folder: str) -> str | None:
+    """The configuration in a folder, or in the nearest above it that has one.
+
+    A folder above in which anybody may put a file is passed over.
+    """
+    path = os.path.join(folder, CONFIG_NAME)
+    if os.path.isfile(path):
+        return path
+    below, here = os.path.abspath(folder), os.path.abspath("")
+    while (above := os.path.dirname(below)) != below:
+        path = os.path.join(above, CONFIG_NAME)
+        if os.path.isfile(path) and not is_open_to_all(above):
+            return CONFIG_NAME if above == here else path
+        below = above
+    return None
 
 
 def _folder(name: str) -> str:
