@@ -22,8 +22,8 @@ from beamcam.commands.common import (
 )
 from beamcam.commands.members import member_choice, member_options
 from beamcam.commands.rules import NO_PART, ONE_PART, OUTPUT_FORMAT, RENAMED, WRITTEN
-from beamcam.commands.settings import files_read, settled
-from beamcam.commands.sheets import drawing_choice, drawing_options
+from beamcam.commands.settings import files_read, settled, with_thickness
+from beamcam.commands.sheets import drawing_choice, drawing_options, thickness
 from beamcam.errors import BeamcamError, Diagnostic, ReadError, Source, errors_in
 from beamcam.files import FilesRead, write_whole
 from beamcam.model.part import Part
@@ -97,6 +97,7 @@ def _print_schema(ctx: click.Context, param: click.Parameter, wanted: bool) -> N
 @click.option("--to", "to", type=click.Choice([t.name for t in TARGETS]), help="Format.")
 @member_options
 @drawing_options
+@thickness
 @options.strict
 @options.json_messages
 @click.option(
@@ -121,6 +122,7 @@ def command(
     beamcam convert M58.nc1 -o M58.json
     beamcam convert M58.json -o M58.nc1
     beamcam convert M58.nc1 -o faces.dxf
+    beamcam convert gasket.dxf -o gasket.nc1 --thickness 3
     beamcam convert model.ifc -o nc/
     beamcam convert --schema > part.schema.json
     """
@@ -129,7 +131,8 @@ def command(
     try:
         config = settled(asked, (source,))
         target = target_of(output, to)
-        (reading,) = read_all((source,), config.strict, how, voice)
+        (read_in,) = read_all((source,), config.strict, how, voice)
+        reading = with_thickness(read_in, config)
         said = reading.diagnostics
         parts = counted(sound(reading))
         # A drawing of filled shapes alone is a part without any length.

@@ -8,8 +8,8 @@ import click
 from beamcam.commands import options
 from beamcam.commands.common import REFUSED, Voice, followed, say_json, say_lines
 from beamcam.commands.members import member_choice, member_options
-from beamcam.commands.settings import settled
-from beamcam.commands.sheets import drawing_choice, drawing_options
+from beamcam.commands.settings import settled, with_thickness
+from beamcam.commands.sheets import drawing_choice, drawing_options, thickness
 from beamcam.errors import BeamcamError
 from beamcam.model.part_json import part_to_json
 from beamcam.pipeline import read_file
@@ -49,6 +49,7 @@ def show(path: str, reading: Reading, voice: Voice) -> None:
 @options.config
 @member_options
 @drawing_options
+@thickness
 @click.option(
     "--check/--no-check",
     default=True,
@@ -68,6 +69,7 @@ def command(
     beamcam inspect M58.nc1
     beamcam inspect M58.nc1 --json | jq '.parts[0].holes | length'
     beamcam inspect --strict *.nc1
+    beamcam inspect gasket.dxf --thickness 3
     beamcam inspect model.ifc --class IfcColumn
     """
     try:
@@ -78,7 +80,8 @@ def command(
     how = drawing_choice(asked) | member_choice(asked, kernel=check)
     for path in inputs:
         with followed(path, voice) as follow:
-            reading = read_file(path, config.strict, **how, progress=follow)
+            read = read_file(path, config.strict, **how, progress=follow)
+        reading = with_thickness(read, config)
         voice.did(f"read {shown_name(path)}")
         if as_json:
             say_json(as_json_object(path, reading), None)

@@ -7,6 +7,8 @@ the defaults; the same for every command
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Any
 
+from msgspec.structs import replace
+
 from beamcam.commands.common import remark
 from beamcam.config.values import COMMAND_LINE, Config, Stock, beside, over
 from beamcam.errors import Diagnostic, MachineError, PlanError, Source
@@ -16,6 +18,7 @@ from beamcam.machine.defaults import default_machine, is_of_sheets
 from beamcam.machine.rules import UNKNOWN_MACHINE
 from beamcam.model.part import Part
 from beamcam.pipeline import stock_of
+from beamcam.readers.reading import Reading
 
 #: Keys of a configuration that are options of their own, by the name of the option's value.
 _OPTIONS = {
@@ -94,6 +97,27 @@ def _agree_on_sheet(config: Config, parts: Sequence[Part]) -> None:
         said += _other_materials(material, parts)
     if said:
         raise PlanError(tuple(said))
+
+
+def with_thickness(reading: Reading, config: Config) -> Reading:
+    """A reading whose sheets have the job's thickness where their file says none.
+
+    Where the command line says another than the file that is an error, as it is to `post`.
+    """
+    asked = config.sheet.thickness
+    if asked is None:
+        return reading
+    sheets = [part for part in reading.parts if part.profile.code == "B"]
+    said: tuple[Diagnostic, ...] = ()
+    if config.sources.get("sheet.thickness") == COMMAND_LINE:
+        said = tuple(_other_thicknesses(asked, sheets))
+    parts = tuple(
+        replace(part, profile=replace(part.profile, web_thickness=asked))
+        if part in sheets and part.profile.web_thickness is None
+        else part
+        for part in reading.parts
+    )
+    return replace(reading, parts=parts, diagnostics=(*reading.diagnostics, *said))
 
 
 def _other_thicknesses(asked: float, parts: Sequence[Part]) -> Iterator[Diagnostic]:

@@ -8,7 +8,7 @@ import click
 from beamcam.commands.options import Number, group
 from beamcam.machine.overlay import MEANINGS, Meaning
 
-_DRAWING_NAMES = ("units", "width", "layers", "fit")
+_DRAWING_NAMES = ("units", "width", "layers", "fit", "encoding")
 
 
 def _map(
@@ -38,20 +38,36 @@ def _fit(ctx: click.Context, param: click.Parameter, values: tuple[str, ...]) ->
     return tuple(layers)
 
 
-#: How a drawing is read: `units`, `width`, `layers` and `fit`.
+def _encoding(ctx: click.Context, param: click.Parameter, value: str | None) -> str | None:
+    """The name of an encoding of text that Python knows."""
+    if value is None:
+        return None
+    try:
+        "a".encode(value)  # raises LookupError too of what is no encoding of text
+    except (LookupError, UnicodeError) as error:
+        raise click.BadParameter(f"found {value!r}; expected one such as cp1251, cp850") from error
+    return value
+
+
+#: How a file is read: `units`, `width`, `layers` and `fit` of a drawing, `encoding` of a DSTV file.
 drawing_options = group(
     click.option("--units", help="Unit of a drawing's numbers: mm, in, cm, ..."),
     click.option("--width", help="Width of an SVG's page, as 600mm."),
     click.option("--layers", multiple=True, help="Read this layer only; may be repeated."),
     click.option("--fit", multiple=True, callback=_fit, metavar="newton=LAYER",
                  help="Polylines of this layer become polynomials through their vertices."),
+    click.option("--encoding", callback=_encoding, metavar="NAME",
+                 help="Alphabet of a DSTV file, as cp1251; by default told from its letters."),
 )  # fmt: skip
+
+#: The thickness of a drawing's sheet, which no drawing says.
+thickness = click.option("--thickness", type=Number(), help="Thickness of a drawing's sheet, mm.")
 
 #: What is said about a sheet and its cuts, over what the machine's file says.
 torch_options = group(
     click.option("--map", "colours", multiple=True, callback=_map, metavar="KEY=PROCESS",
                  help="What is done with a colour or layer: cut, mark, engrave or ignore."),
-    click.option("--thickness", type=Number(), help="Thickness of a drawing's sheet, mm."),
+    thickness,
     click.option("--material", help="What the sheet is made of, as the machine's file has it."),
     click.option("--kerf", type=Number(least=0), help="Width of the cut, mm."),
     click.option("--kerf-by", type=click.Choice(["none", "offset", "machine"]),

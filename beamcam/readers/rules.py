@@ -26,6 +26,13 @@ ZEROS = Rule(
     "found {found} bytes that are all zero; expected a part, a drawing or a program",
     "A copy that was broken off leaves such a file; copy it again.",
 )
+ENCODING = Rule(
+    "read-encoding",
+    Severity.ERROR,
+    "found bytes that are no {encoding} text; expected the alphabet that the file was written in, "
+    "by --encoding",
+    "Marks and names would show other characters than meant.",
+)
 OSCILLATION = Rule(
     "polynomial-oscillates",
     Severity.WARNING,
@@ -40,4 +47,4 @@ NODES_LOST = Rule(
     "Its values cancel each other until no digit of them is left.",
 )
 
-RULES = (EMPTY, UNKNOWN_FORMAT, UNREADABLE, ZEROS, OSCILLATION, NODES_LOST)
+RULES = (EMPTY, UNKNOWN_FORMAT, UNREADABLE, ZEROS, ENCODING, OSCILLATION, NODES_LOST)

@@ -19,6 +19,7 @@ from beamcam.readers.dstv.blocks import split_blocks
 from beamcam.readers.dstv.comments import Placed, place_comments
 from beamcam.readers.dstv.contour_rows import Rows, read_contour_rows
 from beamcam.readers.dstv.contours import build_contour, is_mirrored
+from beamcam.readers.dstv.encoding import decode, decode_as
 from beamcam.readers.dstv.header import header_lines, read_header
 from beamcam.readers.dstv.holes import read_holes
 from beamcam.readers.dstv.lint import check
@@ -33,7 +34,7 @@ from beamcam.readers.dstv.rows import (
     read_texts,
     read_tolerance,
 )
-from beamcam.readers.dstv.tokens import CODES, Block, Log, decode, split_lines
+from beamcam.readers.dstv.tokens import CODES, Block, Log, split_lines
 from beamcam.readers.reading import Reading
 
 _CONTOURS = {"AK": "A", "IK": "I", "KO": "K", "PU": "P"}
@@ -58,20 +59,27 @@ def looks_like(data: bytes) -> bool:
     return "ST" in lines or len(lines & {"EN", "BO", "AK", "IK", "SI", "KO"}) >= 2
 
 
-def read(data: bytes, name: str) -> Reading:
+def read(data: bytes, name: str, encoding: str | None = None) -> Reading:
     """The part of a DSTV file and what is to be said about it; never raises.
 
     `name` is the file's name for messages. Where the header cannot be read there is no part.
+    `encoding` is that of its text; by default it is told from the letters.
     """
-    return read_with_account(data, name)[0]
+    return read_with_account(data, name, encoding)[0]
 
 
-def read_with_account(data: bytes, name: str) -> tuple[Reading, Account]:
+def read_with_account(data: bytes, name: str, asked: str | None = None) -> tuple[Reading, Account]:
     """As `read`, with the account of the file's lines."""
-    text, encoding = decode(data)
+    log = Log(name)
+    encoding = wrong = None
+    if asked is None:
+        text, encoding = decode(data)
+    else:
+        text, wrong = decode_as(data, asked, name)
     lines = split_lines(text)
     texts = [*map(str.strip, lines)]
-    log = Log(name)
+    if wrong is not None:
+        log.diagnostics.append(wrong)
     if encoding is not None:
         line = next((i for i, row in enumerate(lines, 1) if not row.isascii()), 1)
         log.add(rules.ENCODING, line, encoding=encoding)

@@ -58,8 +58,9 @@ BLOCK_REPEATED = _error(
 )
 ENCODING = _note(
     "encoding",
-    "found text that is not ASCII, read as {encoding}",
-    "The standard allows ASCII only; profile names may show other characters than meant.",
+    "found text that is not ASCII, read as {encoding}; --encoding names another",
+    "The standard allows ASCII only, and a file does not name its alphabet. It is guessed from the "
+    "letters; marks and profile names may show other characters than meant.",
 )
 INDENT = _note(
     "indent",

@@ -50,18 +50,6 @@ class Block(Struct):
     numbers: list[int]
 
 
-def decode(data: bytes) -> tuple[str, str | None]:
-    """The text of a file, and the name of its encoding where it is not ASCII; never fails."""
-    if data.isascii():
-        return data.decode("ascii"), None
-    if data[:2] in (b"\xff\xfe", b"\xfe\xff"):
-        return data.decode("utf-16", errors="replace"), "UTF-16"
-    try:
-        return data.decode("utf-8-sig"), "UTF-8"
-    except UnicodeDecodeError:
-        return data.removeprefix(b"\xef\xbb\xbf").decode("latin-1"), "Latin-1"
-
-
 def split_lines(text: str) -> list[str]:
     """The lines of a text, whatever ends them; a DOS end mark (Ctrl-Z) ends the text.
 
