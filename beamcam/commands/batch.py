@@ -12,6 +12,7 @@ from beamcam.batch.recipe import recipe_of
 from beamcam.batch.rules import WRITE
 from beamcam.commands import options
 from beamcam.commands.common import REFUSED, STANDARD, Voice, keep_apart, say_lines
+from beamcam.commands.grouped import Grouped
 from beamcam.commands.running import (
     Report,
     Screen,
@@ -29,7 +30,7 @@ from beamcam.report.run import Row, as_message
 from beamcam.system import INTERRUPTED, portable_path
 
 
-@click.command("batch")
+@click.command("batch", cls=Grouped)
 @click.argument("inputs", nargs=-1, required=True, metavar="IN...", type=options.FILE)
 @run_options
 @click.option("--force", "redo", is_flag=True, help="Post unchanged inputs again too.")

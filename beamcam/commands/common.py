@@ -1,6 +1,7 @@
 """What the commands share: how they talk, how they write, how they stop."""
 
 import os
+import re
 import sys
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import ExitStack, contextmanager, suppress
@@ -20,6 +21,8 @@ if TYPE_CHECKING:
 
 REFUSED = 1  #: exit status if an input was refused
 STANDARD = "-"  #: input or output
+_COLOURS = {"error": "red", "warning": "yellow", "note": "cyan"}
+_SEVERITY = re.compile(r"(?:^|: )(?P<word>error|warning|note) [a-z][a-z0-9-]*: ")
 PATIENCE = 0.5  #: s of reading before a bar shows how far it is
 
 
@@ -93,9 +96,36 @@ def remark(diagnostics: Iterable[Diagnostic]) -> None:
 
 
 def say_lines(lines: Iterable[str], err: bool = False) -> None:
-    """Print lines for people, without anything in them that a terminal obeys."""
+    """Print lines for people, without anything in them that a terminal obeys.
+
+    On a terminal the severity of a message on standard error has its colour.
+    """
+    coloured = err and wants_colour(sys.stderr)
     for line in lines:
-        click.echo(terminal_text(line), err=err)
+        text = terminal_text(line)
+        click.echo(_coloured(text) if coloured else text, err=err, color=coloured or None)
+
+
+def wants_colour(stream: Any) -> bool:
+    """Whether text for a stream has colours: on a terminal, unless the user wants none.
+
+    Source: no-color.org and force-color.org; a variable that is empty counts as none.
+    """
+    if os.environ.get("NO_COLOR"):
+        return False
+    if os.environ.get("FORCE_COLOR"):
+        return True
+    return stream.isatty() and os.environ.get("TERM") != "dumb"
+
+
+def _coloured(line: str) -> str:
+    """A message with the colour of its severity."""
+    match = _SEVERITY.search(line)
+    if match is None:
+        return line
+    begin, end = match.span("word")
+    styled = click.style(match["word"], fg=_COLOURS[match["word"]], bold=True)
+    return line[:begin] + styled + line[end:]
 
 
 def as_json(value: object, indent: int | None = 1) -> str:

@@ -20,6 +20,7 @@ from beamcam.commands.common import (
     say_json,
     write,
 )
+from beamcam.commands.grouped import Grouped
 from beamcam.commands.members import member_choice, member_options
 from beamcam.commands.rules import NO_PART, ONE_PART, OUTPUT_FORMAT, RENAMED, WRITTEN
 from beamcam.commands.settings import files_read, settled, with_thickness
@@ -90,7 +91,7 @@ def _print_schema(ctx: click.Context, param: click.Parameter, wanted: bool) -> N
         ctx.exit()
 
 
-@click.command("convert")
+@click.command("convert", cls=Grouped)
 @click.argument("source", metavar="INPUT", type=options.FILE)
 @options.output("File, folder/ for a file a part, or -.")
 @options.config

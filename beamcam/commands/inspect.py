@@ -7,6 +7,7 @@ import click
 
 from beamcam.commands import options
 from beamcam.commands.common import REFUSED, Voice, followed, say_json, say_lines
+from beamcam.commands.grouped import Grouped
 from beamcam.commands.members import member_choice, member_options
 from beamcam.commands.settings import settled, with_thickness
 from beamcam.commands.sheets import drawing_choice, drawing_options, thickness
@@ -44,7 +45,7 @@ def show(path: str, reading: Reading, voice: Voice) -> None:
     voice.say(reading.diagnostics)
 
 
-@click.command("inspect")
+@click.command("inspect", cls=Grouped)
 @options.inputs
 @options.config
 @member_options

@@ -16,7 +16,12 @@ from typing import Any
 import click
 
 from beamcam.commands.common import STANDARD, Voice
+<<<<<<< HEAD
 from beamcam.planning.rules import ALL_SKIPS, SKIP_NAMES, named_skips
+=======
+from beamcam.commands.kinds import Callback
+from beamcam.planning.rules import SKIP_NAMES
+>>>>>>> 92b257e (commands: colours, groups of options, kinds of outputs; Ctrl-C is tested in all of them)
 
 Function = Callable[..., Any]
 Decorator = Callable[[Function], Function]
@@ -143,10 +148,12 @@ as_json = click.option("--json", "as_json", is_flag=True, help="Print as JSON.")
 json_messages = click.option("--json", "as_json", is_flag=True, help="Print messages as JSON.")
 
 
-def output(help: str, required: bool = True) -> Decorator:
-    """-o, by default standard output if it is not required."""
+def output(help: str, required: bool = True, kind: Callback | None = None) -> Decorator:
+    """-o, by default standard output if it is not required; `kind` checks its suffix."""
     otherwise: dict[str, Any] = {} if required else {"default": STANDARD}
-    return click.option("-o", "--output", required=required, type=FILE, help=help, **otherwise)
+    return click.option(
+        "-o", "--output", required=required, type=FILE, help=help, callback=kind, **otherwise
+    )
 
 
 def voiced(function: Function) -> Function:

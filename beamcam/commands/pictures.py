@@ -7,11 +7,10 @@ from typing import TYPE_CHECKING
 import click
 
 from beamcam.commands.common import STANDARD
+from beamcam.commands.kinds import PICTURES, expected
 
 if TYPE_CHECKING:
     from beamcam.pictures.scene import Scene
-
-PICTURES = (".svg", ".png", ".pdf")
 
 unit = click.option(
     "--unit", type=click.Choice(["mm", "inch"]), default="mm", show_default=True,
@@ -23,8 +22,7 @@ def picture_suffix(output: str) -> str:
     """The format of a picture by its name; standard output is an SVG."""
     suffix = ".svg" if output == STANDARD else PurePath(output).suffix.lower()
     if suffix not in PICTURES:
-        expected = ", ".join(PICTURES)
-        raise click.UsageError(f"found {output!r}; expected a name in {expected}, or -")
+        raise click.UsageError(expected(output, "plot"))
     return suffix
 
 

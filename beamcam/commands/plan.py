@@ -8,6 +8,8 @@ import click
 from beamcam.commands import options
 from beamcam.commands.common import Voice, write
 from beamcam.commands.common import as_json as json_of
+from beamcam.commands.grouped import Grouped
+from beamcam.commands.kinds import of_kind
 from beamcam.commands.parts import looking_options, read_parts
 from beamcam.commands.settings import files_read, machine_for, settled
 from beamcam.config.values import Config
@@ -28,9 +30,11 @@ from beamcam.report.ledger import ledger_of
 from beamcam.report.run import as_message
 
 
-@click.command("plan")
+@click.command("plan", cls=Grouped)
 @options.inputs
-@options.output("A file; standard output if not given.", required=False)
+@options.output(
+    "A .txt or .json file; standard output if not given.", required=False, kind=of_kind("plan")
+)
 @options.machine
 @options.config
 @options.bar
@@ -59,6 +63,7 @@ def command(
     beamcam plan M58.nc1 --json | jq .time
     """
     said: tuple[Diagnostic, ...] = ()
+    as_json = as_json or output.lower().endswith(".json")
     try:
         config = settled(asked, inputs)
         parts, said = read_parts(inputs, config, asked, voice)

@@ -6,6 +6,7 @@ import click
 
 from beamcam.commands import options
 from beamcam.commands.common import Voice, write
+from beamcam.commands.grouped import Grouped
 from beamcam.commands.jobs import one_program, posted_job, read_program
 from beamcam.commands.parts import part_options, read_parts
 from beamcam.commands.pictures import picture, picture_suffix, unit
@@ -14,7 +15,7 @@ from beamcam.errors import BeamcamError, Diagnostic
 from beamcam.model.plan import Order
 
 
-@click.command("plot")
+@click.command("plot", cls=Grouped)
 @options.inputs
 @options.output(".svg, .png or .pdf; - is an SVG on standard output.")
 @click.option(

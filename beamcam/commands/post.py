@@ -6,6 +6,8 @@ import click
 
 from beamcam.commands import options
 from beamcam.commands.common import Voice, keep_apart, keep_refused, write
+from beamcam.commands.grouped import Grouped
+from beamcam.commands.kinds import program
 from beamcam.commands.parts import part_options, read_parts
 from beamcam.commands.settings import files_read, machine_for, map_remarks, settled
 from beamcam.commands.tables import job_name, outputs, table_style, write_list
@@ -15,9 +17,9 @@ from beamcam.pipeline import Posted, RefusedProgram, post, untold
 from beamcam.planning.stock import from_store
 
 
-@click.command("post")
+@click.command("post", cls=Grouped)
 @options.inputs
-@options.output("The program's file; - is standard output.")
+@options.output("The program's file; - is standard output.", kind=program)
 @options.machine
 @options.config
 @options.bar

@@ -8,7 +8,8 @@ import click
 
 from beamcam.commands import options
 from beamcam.commands.common import Voice, write
-from beamcam.commands.pictures import PICTURES, picture
+from beamcam.commands.kinds import KINDS, PICTURES, expected
+from beamcam.commands.pictures import picture
 from beamcam.errors import BeamcamError
 from beamcam.files import FilesRead
 
@@ -16,7 +17,6 @@ if TYPE_CHECKING:
     from beamcam.geometry.velocity_profile import Profile
     from beamcam.report.velocity_profile import Unit
 
-SUFFIXES = (".csv", *PICTURES)
 MOST_ROWS = 1_000_000
 NUMBER = options.Number()
 
@@ -176,8 +176,8 @@ def command(
         profile = wanted_profile(velocity, acceleration, way, time, jerk, cruise, points, max_jerk)
         encoder = None if pulses is None else Encoder(pulses, travel)
         data: str | bytes
-        if suffix not in ("", *SUFFIXES):
-            raise ValueError(f"found {output!r}; expected a name in {', '.join(SUFFIXES)}, or -")
+        if suffix not in ("", *KINDS["profile"]):
+            raise ValueError(expected(output, "profile"))
         if suffix in PICTURES:
             from beamcam.pictures.profile import profile_scene
 

@@ -9,6 +9,7 @@ import click
 from beamcam.commands import options
 from beamcam.commands.common import REFUSED, STANDARD, Voice, read_all, write
 from beamcam.commands.convert import TARGETS, is_folder, only_text, target_of, write_folder
+from beamcam.commands.grouped import Grouped
 from beamcam.commands.programs import program_text
 from beamcam.commands.rules import SECTION
 from beamcam.commands.settings import files_read, machine_for_program, settled
@@ -24,7 +25,7 @@ from beamcam.recovery import Stock, recover, with_marks
 READ_BY = ("codesys", "linuxcnc", "grbl")  #: controllers whose programs are understood here
 
 
-@click.command("recover")
+@click.command("recover", cls=Grouped)
 @click.argument("program", type=options.FILE)
 @options.output("File, folder/ for a file a part, or -.")
 @options.machine

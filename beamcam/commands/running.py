@@ -15,6 +15,7 @@ from beamcam.asked import check_asked
 from beamcam.batch import Found, Here, Shop, Workers, check_template
 from beamcam.commands import options
 from beamcam.commands.common import Voice, say_lines
+from beamcam.commands.kinds import KINDS, expected
 from beamcam.commands.members import member_choice, selection_options
 from beamcam.commands.settings import machine_of_stock
 from beamcam.commands.sheets import drawing_choice, drawing_options, torch_options
@@ -28,8 +29,6 @@ from beamcam.report.ledger import ledger_line
 from beamcam.report.run import Counts, Message, Row, dumped, loaded, message_line
 from beamcam.system import cores, stop_signals
 
-REPORTS = (".json", ".csv", ".html")
-
 
 def _template(ctx: click.Context, param: click.Parameter, value: str | None) -> str | None:
     if value is not None:
@@ -41,8 +40,8 @@ def _template(ctx: click.Context, param: click.Parameter, value: str | None) -> 
 
 
 def checked_report(ctx: click.Context, param: click.Parameter, value: str | None) -> str | None:
-    if value not in (None, "-") and not value.lower().endswith(REPORTS):
-        raise click.BadParameter(f"found {value!r}; expected a name in {', '.join(REPORTS)}, or -")
+    if value not in (None, "-") and not value.lower().endswith(KINDS["report"]):
+        raise click.BadParameter(expected(value, "report"))
     return value
 
 

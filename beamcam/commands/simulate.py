@@ -7,6 +7,7 @@ import click
 
 from beamcam.commands import options
 from beamcam.commands.common import Voice, say_lines, write
+from beamcam.commands.kinds import of_kind
 from beamcam.commands.programs import program_text
 from beamcam.commands.settings import files_read, machine_for_program, settled
 from beamcam.errors import BeamcamError, VerifyError, errors_in
@@ -50,8 +51,9 @@ class Address(click.ParamType):  # type: ignore[type-arg]
 @options.machine
 @options.config
 @click.option(
-    "-o", "--output", type=options.FILE, help="The trace's CSV file; - is standard output."
-)
+    "-o", "--output", type=options.FILE, callback=of_kind("simulate"),
+    help="The trace's CSV file; - is standard output.",
+)  # fmt: skip
 @click.option("--every", type=Duration(), help="Sample at this step, such as 10ms; else by event.")
 @click.option("--modbus", type=Address(), help="Send the trace to this Modbus TCP server.")
 @click.option(

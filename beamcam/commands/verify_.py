@@ -7,6 +7,7 @@ import click
 
 from beamcam.commands import options
 from beamcam.commands.common import REFUSED, STANDARD, Voice, say_json
+from beamcam.commands.grouped import Grouped
 from beamcam.commands.parts import looking_options, read_parts
 from beamcam.commands.programs import input_bytes
 from beamcam.commands.settings import machine_for, machine_for_program, settled
@@ -24,7 +25,7 @@ from beamcam.verify.left_out import LEFT_OUT
 NOT_MADE = (LEFT_OUT.code, BY_HAND.code)
 
 
-@click.command("verify")
+@click.command("verify", cls=Grouped)
 @click.argument("program", type=options.FILE)
 @click.option("--against", is_flag=True, help="Compare with the PARTs that follow.")
 @click.argument("parts", nargs=-1, metavar="[PART]...", type=options.FILE)

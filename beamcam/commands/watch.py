@@ -11,6 +11,7 @@ from beamcam.batch.recipe import recipe_of
 from beamcam.batch.rules import NOTHING, WRITE
 from beamcam.commands import options
 from beamcam.commands.common import REFUSED, Voice, say_lines
+from beamcam.commands.grouped import Grouped
 from beamcam.commands.running import Screen, ended_by_term, run_options, shop_of, unused, workers_of
 from beamcam.commands.settings import files_read, settled
 from beamcam.errors import BeamcamError, Diagnostic, Source
@@ -19,7 +20,7 @@ from beamcam.system import INTERRUPTED
 from beamcam.watch import HotFolder, file_away, look
 
 
-@click.command("watch")
+@click.command("watch", cls=Grouped)
 @click.argument("folder", metavar="IN_FOLDER", type=click.Path(exists=True, file_okay=False))
 @run_options
 @click.option("--done", metavar="FOLDER", help="Move inputs there when they are posted.")

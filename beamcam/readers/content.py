@@ -29,6 +29,8 @@ def content(path: str) -> bytes | Diagnostic:
         finally:
             os.close(file)
     except OSError as error:
+        if os.path.isdir(path):
+            return rules.FOLDER.at(Source(path), found=path)
         return rules.UNREADABLE.at(Source(shown_name(path)), found=error.strerror or error)
 
 

@@ -20,6 +20,13 @@ UNREADABLE = Rule(
     "found no file that can be read ({found}); expected one",
     "The file does not exist, or the system does not let it be read.",
 )
+FOLDER = Rule(
+    "read-folder",
+    Severity.ERROR,
+    "found a folder; expected a file (`beamcam batch {found} -o OUT` posts the files of a folder, "
+    "`check` its golden programs, `diff` compares two folders)",
+    "This command takes files one by one.",
+)
 ZEROS = Rule(
     "read-zeros",
     Severity.ERROR,
@@ -47,4 +54,4 @@ NODES_LOST = Rule(
     "Its values cancel each other until no digit of them is left.",
 )
 
-RULES = (EMPTY, UNKNOWN_FORMAT, UNREADABLE, ZEROS, ENCODING, OSCILLATION, NODES_LOST)
+RULES = (EMPTY, UNKNOWN_FORMAT, UNREADABLE, FOLDER, ZEROS, ENCODING, OSCILLATION, NODES_LOST)

@@ -1,0 +1,47 @@
+"""A command whose options stand in groups in its help."""
+
+from collections.abc import Mapping
+
+import click
+
+SAID = "What is said"
+OTHER = "Other"
+#: Heading -> the options below it, by the names of their values, in this order.
+GROUPS: Mapping[str, tuple[str, ...]] = {
+    "Job": (
+        "output", "machine", "config_file", "job", "bar", "order", "turn", "style", "show", "to",
+    ),
+    "Names and folders": ("name", "flat", "done", "refused", "samples"),
+    "What may be left out": ("skips", "exit_left_out", "strict", "no_verify"),
+    "Members of a building model": ("marks", "guids", "classes", "assemblies", "force", "check"),
+    "How files are read": ("units", "width", "layers", "fit", "encoding", "against"),
+    "How sheets are cut": (
+        "colours", "thickness", "material", "kerf", "kerf_by", "lead", "tabs", "place",
+    ),
+    "How the work is done": (
+        "jobs", "scheduler", "redo", "dry", "settle", "every", "once", "update",
+    ),
+    SAID: ("as_json", "report", "unit", "quiet", "verbose", "schema"),
+}  # fmt: skip
+
+
+class Grouped(click.Command):
+    """A command that prints its options by `GROUPS`; those of no group come last."""
+
+    def format_options(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
+        """Write each group of options under its heading."""
+        rows: dict[str, list[tuple[str, str]]] = {heading: [] for heading in (*GROUPS, OTHER)}
+        for param in self.get_params(ctx):
+            record = param.get_help_record(ctx) if isinstance(param, click.Option) else None
+            if record is not None:
+                heading = SAID if "--help" in param.opts else heading_of(param.name or "")
+                rows[heading].append(record)
+        for heading, records in rows.items():
+            if records:
+                with formatter.section(heading):
+                    formatter.write_dl(records)
+
+
+def heading_of(name: str) -> str:
+    """The heading of an option, by the name of its value."""
+    return next((heading for heading, names in GROUPS.items() if name in names), OTHER)

@@ -1,0 +1,155 @@
+"""Groups of options, colours, kinds of files, folders in the place of files."""
+
+import json
+from pathlib import Path
+
+import click
+import pytest
+from click.testing import CliRunner, Result
+
+from beamcam.cli import main
+from beamcam.commands import common
+from beamcam.commands.grouped import GROUPS, OTHER, Grouped, heading_of
+from beamcam.commands.kinds import KINDS, NO_PROGRAMS
+from beamcam.machine.defaults import DEFAULTS
+from tests.conftest import SAMPLES
+from tests.runs import part
+from tests.test_docs import WORDS
+
+
+def call(*words: object) -> Result:
+    done = CliRunner().invoke(main, [str(word) for word in words])
+    assert done.exception is None or isinstance(done.exception, SystemExit), done.exception
+    return done
+
+
+@pytest.mark.parametrize(
+    "words", [w for w, command in WORDS.items() if isinstance(command, Grouped)]
+)
+def test_every_option_stands_in_a_group(words: str) -> None:
+    options = [p for p in WORDS[words].params if isinstance(p, click.Option)]
+    others = [o.name for o in options if heading_of(str(o.name)) == OTHER]
+    assert len(others) <= 6, f"give them a heading in commands/grouped.py: {others}"
+    said = call(words, "--help").stdout
+    assert "\nOptions:" not in said
+    for option in options:
+        assert option.opts[-1] in said
+
+
+def test_commands_of_many_options_have_groups() -> None:
+    for words, command in WORDS.items():
+        if sum(isinstance(p, click.Option) for p in command.params) > 15:
+            assert isinstance(command, Grouped), words
+    names = [name for group in GROUPS.values() for name in group]
+    assert len(names) == len(set(names))
+
+
+@pytest.mark.parametrize(
+    ("line", "expected"),
+    [
+        ("simulate a.gcode -o t.svg", "found 't.svg'; expected a name in .csv, or -"),
+        ("plan a.nc1 -o p.html", "found 'p.html'; expected a name in .txt, .json, or -"),
+        ("plan a.nc1 -o p.csv", "expected a name in .txt, .json, or -"),
+        ("post a.nc1 -o p.svg", "expected the name of a program (`beamcam plot` writes such)"),
+        ("post a.nc1 -o p.json", "expected the name of a program (`beamcam convert` writes such)"),
+        ("post a.nc1 -o p.ifc", "found 'p.ifc'; expected the name of a program"),
+        ("plot a.nc1 -o p.txt", "found 'p.txt'; expected a name in .svg, .png, .pdf, or -"),
+        ("profile --velocity 1 --time 1 -o p.html", "expected a name in .csv, .svg"),
+        ("batch a.nc1 -o out --report r.xml", "expected a name in .json, .csv, .html, or -"),
+        ("convert a.nc1 -o a.step", "found '.step' for the output's format; expected one of"),
+    ],
+)
+def test_a_kind_that_a_command_cannot_write_is_refused(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, line: str, expected: str
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("a.nc1").write_text(part("A"))
+    assert call("post", "a.nc1", "-o", "a.gcode").exit_code == 0
+    before = sorted(path.name for path in tmp_path.iterdir())
+    done = call(*line.split())
+    assert done.exit_code in (1, 2)
+    assert expected in " ".join(done.stderr.split())
+    assert sorted(path.name for path in tmp_path.iterdir()) == before
+
+
+def test_no_suffix_of_a_machine_is_refused() -> None:
+    assert not {suffix for _, suffix in DEFAULTS} & set(NO_PROGRAMS)
+    assert set(KINDS) - {"report"} <= set(WORDS)
+
+
+def test_a_plan_called_json_is_json(tmp_path: Path) -> None:
+    target = tmp_path / "plan.json"
+    assert call("plan", SAMPLES / "dstv" / "channel.nc1", "-o", target).exit_code == 0
+    assert json.loads(target.read_text())["machine"] == "beamline"
+
+
+@pytest.mark.parametrize(
+    "line", ["post {f} -o x", "plan {f}", "inspect {f}", "verify {f}", "convert {f} -o x.json",
+             "simulate {f} -o x", "plot {f} -o x.svg"],
+)  # fmt: skip
+def test_a_folder_in_the_place_of_a_file_is_told_who_takes_it(tmp_path: Path, line: str) -> None:
+    done = call(*line.format(f=tmp_path).split())
+    assert done.exit_code == 1
+    assert f"{tmp_path}: error read-folder: found a folder; expected a file" in done.output
+    assert f"(`beamcam batch {tmp_path} -o OUT` posts the files of a folder" in done.output
+
+
+class Terminal:
+    """A stream that says whether it is a terminal."""
+
+    def __init__(self, is_terminal: bool) -> None:
+        self._is_terminal = is_terminal
+
+    def isatty(self) -> bool:
+        return self._is_terminal
+
+
+@pytest.mark.parametrize(
+    ("is_terminal", "environment", "coloured"),
+    [
+        (True, {}, True),
+        (False, {}, False),
+        (True, {"NO_COLOR": "1"}, False),
+        (True, {"NO_COLOR": ""}, True),
+        (True, {"TERM": "dumb"}, False),
+        (False, {"FORCE_COLOR": "1"}, True),
+        (True, {"FORCE_COLOR": "1", "NO_COLOR": "1"}, False),
+    ],
+)
+def test_colours_are_for_terminals(
+    monkeypatch: pytest.MonkeyPatch, is_terminal: bool, environment: dict[str, str], coloured: bool
+) -> None:
+    for name in ("NO_COLOR", "FORCE_COLOR", "TERM"):
+        monkeypatch.delenv(name, raising=False)
+    for name, value in environment.items():
+        monkeypatch.setenv(name, value)
+    assert common.wants_colour(Terminal(is_terminal)) is coloured
+
+
+def test_the_severity_of_a_message_is_coloured(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("FORCE_COLOR", "1")
+    wrong = SAMPLES / "bad" / "slot.nc1"
+    done = CliRunner().invoke(main, ["post", str(wrong), "-o", "-"], color=True)
+    assert f"{wrong}:27: \x1b[31m\x1b[1merror\x1b[0m plan-slot: found a slot" in done.stderr
+    monkeypatch.setenv("NO_COLOR", "1")
+    plain = CliRunner().invoke(main, ["post", str(wrong), "-o", "-"], color=True)
+    assert plain.stderr == click.unstyle(done.stderr)
+    as_json = CliRunner().invoke(main, ["post", str(wrong), "-o", "-", "--json"], color=True)
+    assert json.loads(as_json.stderr)
+
+
+def test_inspect_takes_the_thickness_that_post_takes(tmp_path: Path) -> None:
+    drawing, plate = SAMPLES / "dxf" / "plate.dxf", SAMPLES / "dstv" / "gusset.nc1"
+    record = json.loads(call("inspect", drawing, "--thickness", 3, "--json").stdout)
+    assert record["parts"][0]["profile"]["web_thickness"] == 3.0
+    done = call("inspect", plate, "--thickness", 3)
+    assert done.exit_code == 1
+    assert "error plan-thickness-other: found --thickness 3; expected 6" in done.stderr
+    outline = tmp_path / "o.svg"
+    outline.write_text('<svg xmlns="http://www.w3.org/2000/svg" width="50mm" height="50mm" '
+                       'viewBox="0 0 50 50"><rect width="40" height="40" fill="none" '
+                       'stroke="#f00"/></svg>')  # fmt: skip
+    made = call("convert", outline, "-o", tmp_path / "o.nc1", "--thickness", 4)
+    assert made.exit_code == 0, made.output
+    again = json.loads(call("inspect", tmp_path / "o.nc1", "--json").stdout)
+    assert again["parts"][0]["profile"]["web_thickness"] == 4.0

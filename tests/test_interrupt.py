@@ -1,0 +1,93 @@
+"""Ctrl-C ends every command within a second, with exit status 130 and no traceback."""
+
+import os
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from tests.conftest import ROOT
+from tests.runs import fill, part
+
+WITHIN_S = 1.0
+#: Each waits for what stands on its standard input, in the middle of its work.
+WAITING = (
+    "post - -o x.gcode", "plan -", "inspect -", "convert - -o x.json", "verify - ", "diff - a.nc1",
+    "recover - --profile UPN200 -o x.nc1", "simulate - -o x.csv", "plot - -o x.svg",
+    "batch - -o out",
+)  # fmt: skip
+#: Each has work for many seconds, or until it is ended.
+WORKING = (
+    "post big.dxf --thickness 3 -o x.ngc", "plan big.dxf --thickness 3", "inspect big.dxf",
+    "batch many -o out --jobs 1", "batch many -o out --jobs 2", "watch many -o out --settle 0",
+    "check golden --samples many", "diff many more",
+    "profile --velocity 1 --time 9 --step 1e-5 -o -",
+)  # fmt: skip
+
+
+def drawing(count: int) -> str:
+    """A drawing of so many circles."""
+    rows = []
+    for k in range(count):
+        x, y = 20 * (k % 150), 20 * (k // 150)
+        rows.append(f"0\nCIRCLE\n8\n0\n10\n{x}.0\n20\n{y}.0\n40\n5.0\n")
+    return f"0\nSECTION\n2\nENTITIES\n{''.join(rows)}0\nENDSEC\n0\nEOF\n"
+
+
+@pytest.fixture(scope="module")
+def shop(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("shop")
+    (folder / "a.nc1").write_text(part("A"))
+    (folder / "big.dxf").write_text(drawing(20_000))
+    fill(folder / "many", 2500)
+    (folder / "golden" / "beamline").mkdir(parents=True)
+    (folder / "more").mkdir()
+    for path in (folder / "many").iterdir():
+        (folder / "golden" / "beamline" / f"{path.stem}.gcode").write_text("%\n")
+        (folder / "more" / path.name).write_text(path.read_text().replace("18.00", "19.00"))
+    return folder
+
+
+@pytest.fixture
+def started(shop: Path, request: pytest.FixtureRequest) -> Iterator[subprocess.Popen[bytes]]:
+    """The command, with a standard input that gives nothing and does not end."""
+    process = subprocess.Popen(
+        [sys.executable, "-m", "beamcam", *request.param.split()], cwd=shop,
+        env={**os.environ, "PYTHONPATH": str(ROOT)}, stdin=subprocess.PIPE,
+        stdout=subprocess.DEVNULL, stderr=subprocess.PIPE,
+    )  # fmt: skip
+    yield process
+    process.kill()
+    process.communicate()
+
+
+def ended(process: "subprocess.Popen[bytes]", after_s: float) -> tuple[int, float, str]:
+    """Status, seconds until the end and what was said, of a process sent Ctrl-C after a while."""
+    time.sleep(after_s)
+    assert process.poll() is None, "it ended before it was asked to"
+    begun = time.monotonic()
+    process.send_signal(signal.SIGINT)
+    status = process.wait(timeout=30)
+    took = time.monotonic() - begun
+    assert process.stderr is not None
+    return status, took, process.stderr.read().decode()
+
+
+@pytest.mark.parametrize("started", WAITING, indirect=True)
+def test_a_command_that_waits(started: "subprocess.Popen[bytes]") -> None:
+    status, took, said = ended(started, 0.6)
+    assert status == 130, said
+    assert took < WITHIN_S
+    assert "Traceback" not in said
+
+
+@pytest.mark.parametrize("started", WORKING, indirect=True)
+def test_a_command_at_work(started: "subprocess.Popen[bytes]") -> None:
+    status, took, said = ended(started, 0.7)
+    assert status == 130, said
+    assert took < WITHIN_S
+    assert "Traceback" not in said
