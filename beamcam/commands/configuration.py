@@ -12,12 +12,8 @@ from beamcam.config import rules
 from beamcam.config.load import ConfigError, load
 from beamcam.config.values import Config
 from beamcam.errors import Source
-<<<<<<< HEAD
-from beamcam.planning.rules import ALL_SKIPS, SKIP_NAMES, named_skips
-=======
 from beamcam.plain_text import terminal_text
-from beamcam.planning.rules import SKIP_NAMES
->>>>>>> 8380c9e (config: found in the folders above and the user's own; a machine that is none is told where it is named)
+from beamcam.planning.rules import ALL_SKIPS, SKIP_NAMES, named_skips
 
 
 def checked(files: Sequence[str]) -> Config:

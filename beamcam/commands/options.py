@@ -16,12 +16,8 @@ from typing import Any
 import click
 
 from beamcam.commands.common import STANDARD, Voice
-<<<<<<< HEAD
-from beamcam.planning.rules import ALL_SKIPS, SKIP_NAMES, named_skips
-=======
 from beamcam.commands.kinds import Callback
-from beamcam.planning.rules import SKIP_NAMES
->>>>>>> 92b257e (commands: colours, groups of options, kinds of outputs; Ctrl-C is tested in all of them)
+from beamcam.planning.rules import ALL_SKIPS, SKIP_NAMES, named_skips
 
 Function = Callable[..., Any]
 Decorator = Callable[[Function], Function]
