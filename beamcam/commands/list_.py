@@ -94,7 +94,7 @@ def _bars(
         ]
         account = bar.account
         cuts = account.front_trim + account.kerfs + account.end_trim - account.nested
-        bars.append(CutBar(tuple(placed), account.length, cuts, account.rest))
+        bars.append(CutBar(tuple(placed), account.length, cuts, account.remnant))
     return tuple(bars), tuple(refused)
 
 

@@ -152,7 +152,7 @@ def plan_lines(
     yield f"machine {machine.name}: {machine.title}"
     yield (
         f"bar {bar.length:.3f} = front trim {bar.front_trim:.3f} + parts {bar.parts:.3f} "
-        f"+ kerfs {bar.kerfs:.3f} - nested {bar.nested:.3f} + rest {bar.rest:.3f} "
+        f"+ kerfs {bar.kerfs:.3f} - nested {bar.nested:.3f} + rest {bar.remnant:.3f} "
         f"+ end trim {bar.end_trim:.3f}"
     )
     for index, piece in enumerate(plan.pieces, 1):
@@ -215,7 +215,7 @@ def plan_record(
             "parts": bar.parts,
             "kerfs": bar.kerfs,
             "nested": bar.nested,
-            "rest": bar.rest,
+            "rest": bar.remnant,
             "end_trim": bar.end_trim,
         },
         "parts": [

@@ -35,19 +35,21 @@ class Bar(Struct, frozen=True):
     front_trim: float
     parts: float
     kerfs: float
-    rest: float  #: what is left over behind the last cut and before the end trim
+    remnant: float  #: what is left over behind the last cut and before the end trim
     nested: float = 0.0  #: by which parts that share a mitre overlap
     end_trim: float = 0.0
 
     @property
     def left(self) -> float:
         """What is left of the bar behind the last cut."""
-        return self.rest + self.end_trim
+        return self.remnant + self.end_trim
 
     @property
     def total(self) -> float:
         """The sum of the stretches."""
-        return self.front_trim + self.parts + self.kerfs - self.nested + self.rest + self.end_trim
+        return (
+            self.front_trim + self.parts + self.kerfs - self.nested + self.remnant + self.end_trim
+        )
 
 
 class SawOp(Struct, frozen=True):

@@ -1,7 +1,7 @@
 """Parts laid on a bar, and the cuts between them.
 
     bar x 0                                                                        bar's length
-    | front trim |# part 1 ######/|kerf|# part 2 ####|kerf|   rest, dead zone   | end trim |
+    | front trim |# part 1 ######/|kerf|# part 2 ####|kerf| remnant, dead zone  | end trim |
                  start           end  start
 
 A part's square start is made by the cut that parts it from what lies before it; a skew start or
@@ -27,7 +27,7 @@ greedy path, part by part.
 from collections.abc import Sequence
 from itertools import pairwise
 
-from beamcam.errors import Diagnostic, PlanError
+from beamcam.errors import Diagnostic, PlanError, Rule, Source
 from beamcam.machine.machine import Layout
 from beamcam.machine.saw import Saw
 from beamcam.model.part import Part
@@ -42,7 +42,7 @@ EXACT_ORDER = 9  #: parts whose best order is searched for among all
 def lay_on_bar(
     parts: Sequence[Part], ends: Sequence[Ends], layout: Layout, saw: Saw, length: float | None
 ) -> tuple[tuple[tuple[float, ...], Bar], tuple[Diagnostic, ...]]:
-    """Starts of the parts in the order given and the bar's account; and remarks about the rest.
+    """Starts of the parts in the order given and the bar's account; and remarks about the remnant.
 
     `length` is the stock bar's; None takes as much as the parts need, or the machine's usual bar
     where that is less than it can hold. Raises PlanError if the parts do not fit, or if the bar or
@@ -55,8 +55,28 @@ def lay_on_bar(
     ]
     if refusals:
         raise PlanError(refusals)
-    starts, parts_length, kerfs, nested = [layout.front_trim], parts[0].length, 0.0, 0.0
-    for index, (part, after) in enumerate(pairwise(parts)):
+    starts, kerfs, nested = _starts(parts, ends, layout, saw)
+    kerfs += kerf_along_bar(saw, ends[-1][1])
+    parts_length = 0.0
+    for part in parts:
+        parts_length += part.length
+    used = layout.front_trim + parts_length + kerfs - nested + layout.end_trim
+    source = parts[0].source
+    whole = _bar_length(used + layout.dead_zone, starts[-1], layout, length, source)
+    remnant = max(0.0, whole - used)
+    bar = Bar(whole, layout.front_trim, parts_length, kerfs, remnant, nested, layout.end_trim)
+    remarks: tuple[Diagnostic, ...] = ()
+    if length is not None and remnant >= layout.min_remnant:
+        remarks = (rules.REMNANT.at(source, found=f"{remnant:.3f}"),)
+    return (tuple(starts), bar), remarks
+
+
+def _starts(
+    parts: Sequence[Part], ends: Sequence[Ends], layout: Layout, saw: Saw
+) -> tuple[list[float], float, float]:
+    """Starts of the parts, the sum of the kerfs between them, and by how much they overlap."""
+    starts, kerfs, nested = [layout.front_trim], 0.0, 0.0
+    for index, part in enumerate(parts[:-1]):
         here, there = ends[index][1], ends[index + 1][0]
         kerf = max(kerf_along_bar(saw, here), kerf_along_bar(saw, there))
         start = starts[-1] + part.length + kerf
@@ -66,38 +86,32 @@ def lay_on_bar(
             start = nested_start
         kerfs += kerf
         starts.append(start)
-        parts_length += after.length
-    kerfs += kerf_along_bar(saw, ends[-1][1])
-    used = layout.front_trim + parts_length + kerfs - nested + layout.end_trim
-    source = parts[0].source
-    needed = used + layout.dead_zone
+    return starts, kerfs, nested
+
+
+def _bar_length(
+    needed: float, last_start: float, layout: Layout, length: float | None, source: Source
+) -> float:
+    """The length of the bar. Raises PlanError if it does not do for the parts or the machine."""
+
+    def refused(rule: Rule, found: float, expected: str) -> PlanError:
+        return PlanError(rule.at(source, found=f"{found:.3f}", expected=expected))
+
     if length is not None and needed > length + 1e-6:
-        raise PlanError(rules.BAR_FULL.at(source, found=f"{needed:.3f}", expected=f"{length:.3f}"))
+        raise refused(rules.BAR_FULL, needed, f"{length:.3f}")
     whole = needed if length is None else length
     if length is None and needed < layout.min_bar:
         whole = max(needed, layout.default_bar)
     if whole < layout.min_bar:
-        raise PlanError(
-            rules.BAR_SHORT.at(source, found=f"{whole:.3f}", expected=f"{layout.min_bar:g}")
-        )
-    held = starts[-1] + layout.min_bar_left
+        raise refused(rules.BAR_SHORT, whole, f"{layout.min_bar:g}")
+    held = last_start + layout.min_bar_left
     if length is None:
         whole = max(whole, held)
     elif held > length + 1e-6:
-        expected = f"{layout.min_bar_left:g}"
-        raise PlanError(
-            rules.BAR_LEFT.at(source, found=f"{length - starts[-1]:.3f}", expected=expected)
-        )
+        raise refused(rules.BAR_LEFT, length - last_start, f"{layout.min_bar_left:g}")
     if layout.max_bar is not None and whole > layout.max_bar:
-        raise PlanError(
-            rules.BAR_LONG.at(source, found=f"{whole:.3f}", expected=f"{layout.max_bar:g}")
-        )
-    rest = max(0.0, whole - used)
-    bar = Bar(whole, layout.front_trim, parts_length, kerfs, rest, nested, layout.end_trim)
-    remarks: tuple[Diagnostic, ...] = ()
-    if length is not None and rest >= layout.min_remnant:
-        remarks = (rules.REMNANT.at(source, found=f"{rest:.3f}"),)
-    return (tuple(starts), bar), remarks
+        raise refused(rules.BAR_LONG, whole, f"{layout.max_bar:g}")
+    return whole
 
 
 def best_order(

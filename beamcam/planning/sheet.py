@@ -15,8 +15,8 @@ from beamcam.model.part import Part
 from beamcam.model.plan import ContourOp, Outcome, Piece, SheetPlan
 from beamcam.planning import rules as bar_rules
 from beamcam.planning.contours import rules
+from beamcam.planning.contours.assign_process import Assigned, assign_processes
 from beamcam.planning.contours.crowd import refuse_crowds
-from beamcam.planning.contours.gather import Gathered, gather
 from beamcam.planning.contours.join import Joined, join
 from beamcam.planning.contours.material import Material
 from beamcam.planning.contours.nest import nest
@@ -35,6 +35,45 @@ def plan_sheet(parts: Sequence[Part], machine: Machine, skips: Collection[str] =
     torch = machine.torch
     if torch is None:
         raise TypeError(f"{machine.name} has no torch")
+    part = _one_sheet(parts, machine)
+    assigned = assign_processes(part, torch, machine, skips)
+    material = Material(part, torch)
+    refusals = [*assigned.refusals, *material.refusals({w.process for w in assigned.wanted})]
+    if refusals:
+        raise PlanError(refusals)
+    if not assigned.wanted:
+        raise PlanError(_nothing(part, assigned, 0, torch.gap))
+    remarks = [*material.remarks, *assigned.remarks]
+    curves = CurveTable([w.curve for w in assigned.wanted])
+    refuse_large(curves, part, torch)
+    shift = shift_of(curves, torch)
+    kerf = material.kerf("cut")
+    joined = join(assigned.wanted, curves, torch, kerf, assigned.rings)
+    refuse_crowds(joined.shapes, torch.tolerance)
+    shapes, said = nest(joined.shapes, assigned.wanted, torch.tolerance, torch.gap, kerf)
+    if errors := errors_in([*joined.refusals, *said]):
+        raise PlanError(errors)
+    remarks += [*joined.remarks, *said]
+    if not shapes:
+        raise PlanError(_nothing(part, assigned, len(joined.small), torch.gap))
+    operations, said = operations_of(shapes, material, torch, shift, joined.repeats.share)
+    remarks += said
+    if errors_in(remarks):
+        raise PlanError(errors_in(remarks))
+    refuse_size(operations, part, torch)
+    piece = Piece(part, 0.0)
+    outcomes = tuple(_outcomes(part, assigned, joined, operations))
+    if part.quantity > 1:
+        remarks.append(bar_rules.QUANTITY.at(part.source, found=part.quantity, made=1))
+    plan = SheetPlan(
+        part.profile, (piece,), shift, material.thickness, operations, outcomes, tuple(remarks)
+    )
+    _balance(plan)
+    return plan
+
+
+def _one_sheet(parts: Sequence[Part], machine: Machine) -> Part:
+    """The part that a sheet is cut from. Raises PlanError unless there is one plate."""
     if len(parts) != 1:
         source = parts[0].source if parts else Source(machine.name)
         raise PlanError(rules.SHEETS.at(source, found=len(parts)))
@@ -42,51 +81,16 @@ def plan_sheet(parts: Sequence[Part], machine: Machine, skips: Collection[str] =
     if part.profile.code not in SHEET_CODES:
         raise PlanError(
             bar_rules.STOCK.at(
-                part.source,
-                found=part.profile.code,
-                machine=machine.name,
+                part.source, found=part.profile.code, machine=machine.name,
                 expected=", ".join(SHEET_CODES),
             )
-        )
-    gathered = gather(part, torch, machine, skips)
-    material = Material(part, torch)
-    refusals = [*gathered.refusals, *material.refusals({w.process for w in gathered.wanted})]
-    if refusals:
-        raise PlanError(refusals)
-    if not gathered.wanted:
-        raise PlanError(_nothing(part, gathered, 0, torch.gap))
-    remarks = [*material.remarks, *gathered.remarks]
-    curves = CurveTable([w.curve for w in gathered.wanted])
-    refuse_large(curves, part, torch)
-    shift = shift_of(curves, torch)
-    kerf = material.kerf("cut")
-    joined = join(gathered.wanted, curves, torch, kerf, gathered.rings)
-    refuse_crowds(joined.shapes, torch.tolerance)
-    shapes, said = nest(joined.shapes, gathered.wanted, torch.tolerance, torch.gap, kerf)
-    if errors := errors_in([*joined.refusals, *said]):
-        raise PlanError(errors)
-    remarks += [*joined.remarks, *said]
-    if not shapes:
-        raise PlanError(_nothing(part, gathered, len(joined.small), torch.gap))
-    operations, said = operations_of(shapes, material, torch, shift, joined.repeats.share)
-    remarks += said
-    if errors_in(remarks):
-        raise PlanError(errors_in(remarks))
-    refuse_size(operations, part, torch)
-    piece = Piece(part, 0.0)
-    outcomes = tuple(_outcomes(part, gathered, joined, operations))
-    if part.quantity > 1:
-        remarks.append(bar_rules.QUANTITY.at(part.source, found=part.quantity, made=1))
-    plan = SheetPlan(
-        part.profile, (piece,), shift, material.thickness, operations, outcomes, tuple(remarks)
-    )
-    _balance(plan, gathered)
-    return plan
+        )  # fmt: skip
+    return part
 
 
-def _nothing(part: Part, gathered: Gathered, small: int, gap: float) -> Diagnostic:
+def _nothing(part: Part, assigned: Assigned, small: int, gap: float) -> Diagnostic:
     """Why there is no work, as far as the drawing says; `small` features are too small."""
-    out = len(gathered.skipped) + len(gathered.listed)
+    out = len(assigned.skipped) + len(assigned.listed)
     found = [f"{out} features left out"] if out else []
     if small:
         found.append(f"{small} curves no larger than {gap:g} mm")
@@ -98,7 +102,7 @@ def _nothing(part: Part, gathered: Gathered, small: int, gap: float) -> Diagnost
 
 
 def _outcomes(
-    part: Part, gathered: Gathered, joined: Joined, operations: Sequence[ContourOp]
+    part: Part, assigned: Assigned, joined: Joined, operations: Sequence[ContourOp]
 ) -> Iterator[Outcome]:
     """What becomes of each feature, in their order."""
     made = {feature: op.row.process for op in operations for _, feature in op.features}
@@ -106,17 +110,17 @@ def _outcomes(
     for index in range(len(part.features)):
         if index in made:
             yield Outcome((0, index), "made", made[index])
-        elif index in gathered.listed:
-            yield Outcome((0, index), "listed", gathered.listed[index])
-        elif index in gathered.skipped:
-            yield Outcome((0, index), "skipped", gathered.skipped[index])
+        elif index in assigned.listed:
+            yield Outcome((0, index), "listed", assigned.listed[index])
+        elif index in assigned.skipped:
+            yield Outcome((0, index), "skipped", assigned.skipped[index])
         elif index in stands:
             yield Outcome((0, index), "duplicate", rules.OVERLAP.code)
         elif index in joined.small:
             yield Outcome((0, index), "skipped", rules.TINY.code)
 
 
-def _balance(plan: SheetPlan, gathered: Gathered) -> None:
+def _balance(plan: SheetPlan) -> None:
     """Raise AssertionError unless every feature has exactly one outcome."""
     features = plan.pieces[0].part.features
     if [o.feature for o in plan.outcomes] != [(0, f) for f in range(len(features))]:

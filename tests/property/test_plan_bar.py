@@ -95,13 +95,13 @@ def test_the_account_adds_up(bar: tuple[str, list[Part]], length: float | None) 
     assert abs(account.total - account.length) <= 0.001
     assert account.length == (length or account.length)
     assert machine.layout is not None
-    assert account.rest >= machine.layout.dead_zone - 1e-6
+    assert account.remnant >= machine.layout.dead_zone - 1e-6
     saw = machine.saw
     assert saw is not None
     ends = [ends_of(p.part, 0.1)[0] for p in plan.pieces]
     # Where the last cut ends, the rest begins.
     behind = plan.pieces[-1].end + kerf_along_bar(saw, ends[-1][1])
-    assert abs(behind + account.rest + account.end_trim - account.length) <= 0.001
+    assert abs(behind + account.remnant + account.end_trim - account.length) <= 0.001
 
 
 @settings(max_examples=200, deadline=None)

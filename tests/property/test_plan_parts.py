@@ -244,10 +244,10 @@ def check_ledger(plan: Plan) -> None:
     ]
     assert [o.feature for o in plan.outcomes] == features
     bar = plan.bar
-    sums = bar.front_trim + bar.parts + bar.kerfs - bar.nested + bar.rest + bar.end_trim
+    sums = bar.front_trim + bar.parts + bar.kerfs - bar.nested + bar.remnant + bar.end_trim
     assert abs(sums - bar.length) <= 0.001
     assert isclose(bar.parts, sum(piece.part.length for piece in plan.pieces))
-    assert bar.rest >= 0
+    assert bar.remnant >= 0
 
 
 @pytest.mark.parametrize("batch", range(BATCHES))

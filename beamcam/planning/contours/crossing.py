@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 from beamcam.errors import Diagnostic, PlanError, Rule, Source
 from beamcam.geometry.plane import Point
 from beamcam.planning.contours import rules
-from beamcam.planning.contours.gather import Wanted
+from beamcam.planning.contours.assign_process import Wanted
 from beamcam.planning.contours.outline import invalid, outlines, signed_areas, valid, ways
 from beamcam.planning.contours.shape import Shape, entity
 

@@ -15,7 +15,7 @@ from beamcam.geometry.chains import Chains, join_curves
 from beamcam.geometry.curves import Line
 from beamcam.machine.torch import Torch, TorchProcess
 from beamcam.planning.contours import rules
-from beamcam.planning.contours.gather import Wanted
+from beamcam.planning.contours.assign_process import Wanted
 from beamcam.planning.contours.repeats import Repeats, contours_once, loose_once, overlapping
 from beamcam.planning.contours.shape import Shape, entity
 
@@ -52,9 +52,42 @@ def join(
     """
     found = Joined()
     may_repeat = bool(overlapping(curves, [w.process for w in wanted]))
-    shapes: list[Shape] = []
+    loose, gaping = _closed_features(wanted, curves, torch.gap, rings, found)
+    for process, numbers in loose.items():
+        once, ends = [wanted[k] for k in numbers], curves.ends[numbers]
+        if may_repeat:
+            once = loose_once(once, found.repeats)
+            ends = ends_of([w.curve for w in once])
+        chains = join_curves([w.curve for w in once], torch.gap, ends=ends)
+        found.shapes += _shapes(process, once, chains)
+        for k in chains.dropped:
+            found.small.setdefault(once[k].feature, once[k].source)
+        if process == "cut":
+            _tell(found, chains, once, torch, kerf)
+    found.refusals += (
+        _not_closed(shape)
+        for shape in found.shapes
+        if shape.process == "cut" and not shape.closed and not gaping.isdisjoint(shape.features)
+    )
+    found.shapes.sort(key=lambda shape: shape.features[0])
+    if may_repeat:
+        kept = contours_once(found.shapes, torch.gap, found.repeats, kerf)
+        found.shapes = list(chained.from_iterable(kept))
+    _tell_small(found, torch.gap)
+    found.remarks += found.repeats.remarks()
+    found.refusals += found.repeats.refusals
+    return found
+
+
+def _closed_features(
+    wanted: Sequence[Wanted], curves: CurveTable, gap: float, rings: Collection[int], found: Joined
+) -> tuple[dict[TorchProcess, list[int]], set[int]]:
+    """Keep the features that close by themselves; the numbers of other curves, by process.
+
+    And the features that say that they are closed (`rings`), and have gaps.
+    """
     loose: dict[TorchProcess, list[int]] = defaultdict(list)
-    gaping: set[int] = set()  #: features that say that they are closed, and have gaps
+    gaping: set[int] = set()
     hulls = curves.hulls
     points = set(np.flatnonzero(np.ptp(hulls.reshape(-1, 2, 2), axis=1).max(axis=1) <= SAME_POINT))
     for begin, end, closed in _features(wanted, curves.ends):
@@ -64,43 +97,21 @@ def join(
             loose[first.process] += range(begin, end)
             if not lines and first.feature in rings:
                 gaping.add(first.feature)
-            continue
-        if _is_small(hulls[begin:end], torch.gap):
+        elif _is_small(hulls[begin:end], gap):
             found.small[first.feature] = first.source
         else:
             ring = tuple([wanted[k].curve for k in range(begin, end) if k not in points])
-            shapes.append(Shape(first.process, ring, True, (first.feature,), first.source))
-    for process, numbers in loose.items():
-        once, ends = [wanted[k] for k in numbers], curves.ends[numbers]
-        if may_repeat:
-            once = loose_once(once, found.repeats)
-            ends = ends_of([w.curve for w in once])
-        chains = join_curves([w.curve for w in once], torch.gap, ends=ends)
-        shapes += _shapes(process, once, chains)
-        for k in chains.dropped:
-            found.small.setdefault(once[k].feature, once[k].source)
-        if process == "cut":
-            _tell(found, chains, once, torch, kerf)
-    found.refusals += (
-        _not_closed(shape)
-        for shape in shapes
-        if shape.process == "cut" and not shape.closed and not gaping.isdisjoint(shape.features)
-    )
-    shapes.sort(key=lambda shape: shape.features[0])
-    if may_repeat:
-        kept = contours_once(shapes, torch.gap, found.repeats, kerf)
-        shapes = list(chained.from_iterable(kept))
-    found.shapes = shapes
-    made = {feature for shape in shapes for feature in shape.features}
+            found.shapes.append(Shape(first.process, ring, True, (first.feature,), first.source))
+    return loose, gaping
+
+
+def _tell_small(found: Joined, gap: float) -> None:
+    """Tell of the features that are too small to be cut, of which no contour came."""
+    made = {feature for shape in found.shapes for feature in shape.features}
     found.small = {f: source for f, source in found.small.items() if f not in made}
     if found.small:
         source = next(iter(found.small.values()))
-        found.remarks.append(
-            rules.TINY.at(source, count=len(found.small), expected=f"{torch.gap:g}")
-        )
-    found.remarks += found.repeats.remarks()
-    found.refusals += found.repeats.refusals
-    return found
+        found.remarks.append(rules.TINY.at(source, count=len(found.small), expected=f"{gap:g}"))
 
 
 def _not_closed(shape: Shape) -> Diagnostic:

@@ -6,9 +6,9 @@ from beamcam.errors import Diagnostic
 from beamcam.geometry.curves import Curve
 from beamcam.machine.torch import Torch
 from beamcam.planning.contours import rules
+from beamcam.planning.contours.lead_in import leads, waste_side
 from beamcam.planning.contours.outline import ways as polylines_of
 from beamcam.planning.contours.shape import Shape
-from beamcam.planning.contours.way import leads, waste_side
 
 #: The share of a lead that is not asked for its distance, at the contour.
 AT_CONTOUR = 0.1

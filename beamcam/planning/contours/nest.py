@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Any
 from msgspec.structs import replace
 
 from beamcam.errors import Diagnostic
+from beamcam.planning.contours.assign_process import Wanted
 from beamcam.planning.contours.crossing import crossings, refuse_tangles
-from beamcam.planning.contours.gather import Wanted
 from beamcam.planning.contours.outline import invalid, outlines, signed_areas, valid
 from beamcam.planning.contours.shape import Shape
 

@@ -13,21 +13,16 @@ from beamcam.geometry.plane import Point
 from beamcam.machine.torch import Torch
 from beamcam.model.plan import ContourOp, Pass
 from beamcam.planning.contours import rules
+from beamcam.planning.contours.assign_process import OUTLINE
+from beamcam.planning.contours.direction import begun, bridged, is_turned, reversed_chain
 from beamcam.planning.contours.entry import entries
-from beamcam.planning.contours.gather import OUTLINE
 from beamcam.planning.contours.kerf import common_cuts, compensated
+from beamcam.planning.contours.lead_in import waste_side
 from beamcam.planning.contours.leads import Lead, Leads
 from beamcam.planning.contours.material import Material
 from beamcam.planning.contours.order import order
 from beamcam.planning.contours.place import moved
 from beamcam.planning.contours.shape import Shape
-from beamcam.planning.contours.way import (
-    begun,
-    bridged,
-    is_turned,
-    reversed_chain,
-    waste_side,
-)
 
 Way = tuple[Shape, float]  #: with the kerf that is kept off
 

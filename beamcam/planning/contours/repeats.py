@@ -17,7 +17,7 @@ from beamcam.geometry.curves import Arc, Curve, Line, signed_area
 from beamcam.geometry.near import near_pairs
 from beamcam.model.lengths import total_length
 from beamcam.planning.contours import rules
-from beamcam.planning.contours.gather import Wanted
+from beamcam.planning.contours.assign_process import Wanted
 from beamcam.planning.contours.shape import Shape, entity
 
 if TYPE_CHECKING:

@@ -18,7 +18,7 @@ class Shape(Struct, frozen=True):
     process: TorchProcess
     curves: tuple[Curve, ...]
     closed: bool
-    features: tuple[int, ...]  #: ascending; `gather.OUTLINE` may be among them
+    features: tuple[int, ...]  #: ascending; `assign_process.OUTLINE` may be among them
     source: Source
     depth: int = 0  #: how many cut contours lie around it
     parent: int = -1  #: the innermost of them, by its index; -1 for none

@@ -82,9 +82,9 @@ def test_dead_zone_and_trims_stand_in_the_account() -> None:
     assert machine.layout is not None
     machine = replace(machine, layout=replace(machine.layout, end_trim=10.0))
     bar = plan_bar([part()], machine).bar
-    assert (bar.front_trim, bar.rest, bar.end_trim) == (15.0, pytest.approx(280.0), 10.0)
+    assert (bar.front_trim, bar.remnant, bar.end_trim) == (15.0, pytest.approx(280.0), 10.0)
     assert bar.length == pytest.approx(15 + 3000 + 1.6 + 280 + 10)
-    assert plan_bar([part()], machine, 4000.0).bar.rest == pytest.approx(4000 - 3026.6)
+    assert plan_bar([part()], machine, 4000.0).bar.remnant == pytest.approx(4000 - 3026.6)
 
 
 @pytest.mark.parametrize(
@@ -151,10 +151,10 @@ def test_what_is_left_of_the_bar_holds_its_last_part() -> None:
     found = plan(long, short, machine="beamline")
     last = found.pieces[-1]
     assert found.bar.length == pytest.approx(last.start + 1200)
-    assert found.bar.rest == pytest.approx(1200 - 145 - 4.04)
+    assert found.bar.remnant == pytest.approx(1200 - 145 - 4.04)
     assert found.bar.total == pytest.approx(found.bar.length)
     turned_round = plan(short, long, machine="beamline")  # the long one holds itself
-    assert turned_round.bar.rest == 0.0
+    assert turned_round.bar.remnant == 0.0
     with pytest.raises(PlanError) as caught:
         plan(long, short, machine="beamline", bar=3900.0)
     assert [said.code for said in caught.value.diagnostics] == ["plan-bar-left"]

@@ -49,7 +49,7 @@ class Wanted(Struct, frozen=True, gc=False):
     source: Source
 
 
-class Gathered(Struct):
+class Assigned(Struct):
     """All that is asked of a part."""
 
     wanted: list[Wanted] = field(default_factory=list)
@@ -60,25 +60,16 @@ class Gathered(Struct):
     remarks: list[Diagnostic] = field(default_factory=list)
 
 
-def gather(part: Part, torch: Torch, machine: Machine, skips: Collection[str]) -> Gathered:
+def assign_processes(
+    part: Part, torch: Torch, machine: Machine, skips: Collection[str]
+) -> Assigned:
     """The curves of a part by process; what the machine cannot make is refused or skipped."""
-    found = Gathered()
+    found = Assigned()
     meanings = _Meanings(torch.colours)
     unmapped: Counter[tuple[str | None, str | None]] = Counter()
     first: dict[tuple[str | None, str | None], Source] = {}
     for index, feature in enumerate(part.features):
-        if is_listed(feature, machine.marks):
-            found.listed[index] = BY_POLICY
-            continue
-        said = refuse_mark(feature, machine.marks) or _refusal(feature, torch)
-        if said is not None and said.code == bar_rules.BEVEL.code and "bevel" in skips:
-            found.remarks.append(rules.SQUARE.at(feature.source))
-            said = None
-        if said is not None:
-            if said.code.removeprefix("plan-") in skips:
-                found.skipped[index] = said.code
-            else:
-                found.refusals.append(said)
+        if _is_out(index, feature, torch, machine, skips, found):
             continue
         if isinstance(feature, Contour):
             look = feature.layer, feature.colour
@@ -104,6 +95,27 @@ def gather(part: Part, torch: Torch, machine: Machine, skips: Collection[str]) -
         found.wanted += (Wanted(c, "cut", OUTLINE, part.source) for c in _rectangle(part))
     found.refusals += _unknown_processes(found.wanted, torch, machine.name)
     return found
+
+
+def _is_out(
+    index: int, feature: Feature, torch: Torch, machine: Machine, skips: Collection[str],
+    found: Assigned,
+) -> bool:  # fmt: skip
+    """Whether a feature is refused, left out or left to the hand; `found` is told why."""
+    if is_listed(feature, machine.marks):
+        found.listed[index] = BY_POLICY
+        return True
+    said = refuse_mark(feature, machine.marks) or _refusal(feature, torch)
+    if said is None:
+        return False
+    if said.code == bar_rules.BEVEL.code and "bevel" in skips:
+        found.remarks.append(rules.SQUARE.at(feature.source))
+        return False
+    if said.code.removeprefix("plan-") in skips:
+        found.skipped[index] = said.code
+    else:
+        found.refusals.append(said)
+    return True
 
 
 IGNORED = "map-ignore"  #: how the ledger calls what the table of colours ignores
