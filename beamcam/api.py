@@ -19,8 +19,9 @@ from collections.abc import Collection, Iterable
 from msgspec.structs import replace
 
 from beamcam.asked import check_asked, check_flags, check_text, machine_asked, parts_asked
+from beamcam.controllers.machine_words import load_machine
 from beamcam.errors import Diagnostic, ReadError
-from beamcam.machine import Machine, load
+from beamcam.machine import Machine
 from beamcam.machine.defaults import DEFAULT_MACHINE
 from beamcam.model.part import Part
 from beamcam.model.plan import Plan, SheetPlan
@@ -119,4 +120,4 @@ def verify(
 
 def _machine(machine: AnyMachine) -> Machine:
     asked = machine_asked(machine)
-    return asked if isinstance(asked, Machine) else load(asked)
+    return asked if isinstance(asked, Machine) else load_machine(asked)

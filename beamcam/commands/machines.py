@@ -6,6 +6,7 @@ import click
 
 from beamcam.commands import options
 from beamcam.commands.common import Voice, say_json, say_lines
+from beamcam.controllers.machine_words import load_machine
 from beamcam.errors import BeamcamError
 from beamcam.machine import load, settings, shipped
 
@@ -54,10 +55,10 @@ def show(name: str, as_json: bool) -> None:
     beamcam machines show ./mine.toml --json
     """
     try:
-        rows = settings(name)
+        rows, machine = settings(name), load_machine(name)
     except BeamcamError as error:
         Voice(as_json=as_json).stop(error.diagnostics)
-    Voice(as_json=as_json).say(load(name).remarks)
+    Voice(as_json=as_json).say(machine.remarks)
     if as_json:
         record = {r.key: {"value": r.value, "source": r.source and str(r.source)} for r in rows}
         say_json(record)

@@ -11,9 +11,10 @@ from msgspec.structs import replace
 
 from beamcam.commands.common import remark
 from beamcam.config.values import COMMAND_LINE, Config, Stock, beside, over
+from beamcam.controllers.machine_words import load_machine
 from beamcam.errors import Diagnostic, MachineError, PlanError, Source
 from beamcam.files import FilesRead
-from beamcam.machine import Machine, load
+from beamcam.machine import Machine
 from beamcam.machine.defaults import default_machine, is_of_sheets
 from beamcam.machine.rules import UNKNOWN_MACHINE
 from beamcam.model.part import Part
@@ -175,7 +176,7 @@ def machine_of_stock(
     `is_one_of_two` says that there is one for the other kind, which may be who can do what the
     command line asks for.
     """
-    machine = _named_machine(config, stock) or load(default_machine(stock, output))
+    machine = _named_machine(config, stock) or load_machine(default_machine(stock, output))
     remark(machine.remarks)
     if config.tolerances:
         from beamcam.config.apply import with_tolerances
@@ -196,7 +197,7 @@ def _named_machine(config: Config, stock: Stock) -> Machine | None:
     if named is None:
         return None
     try:
-        return load(named)
+        return load_machine(named)
     except MachineError as error:
         source = config.sources.get(key)
         if source in (None, COMMAND_LINE) or error.diagnostics[0].code != UNKNOWN_MACHINE.code:

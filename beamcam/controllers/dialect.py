@@ -33,7 +33,7 @@ _SAYS: dict[str, Role] = {
     "height": "section",
 }  # fmt: skip
 _COMMAND = re.compile(r"\s*([GM])0*(\d+)\b")
-_FIELD = re.compile(r"\b([A-Z])\{(\w+)\}")
+FIELD = re.compile(r"\b([A-Z])\{(\w+)\}")  #: letter and name of a word with a figure
 
 
 #: Tools that work along a path, so that the bar and the spindle move while they are in it.
@@ -91,18 +91,13 @@ def _dialect_of(machine: Machine) -> Dialect:
     for name, lines in _templates(machine):
         cycle = _cycle(name, lines)
         for line in lines:
-            carried = tuple(_FIELD.findall(line))
+            carried = tuple(FIELD.findall(line))
             letters.update(letter for letter, _ in carried)
             if any(field == "feed" for _, field in carried):
                 feeding.add(name)
-            match = _COMMAND.match(line)
-            if match is None or match[1] != "M":
+            number, role = role_of(line, name == "change")
+            if number is None:
                 continue
-            number = int(match[2])
-            documented = DOCUMENTED.get(number, "other")
-            role = next((_SAYS[n] for _, n in carried if n in _SAYS), documented)
-            if name == "change":
-                role = "change"
             before = m_words.get(number, MWord(role, ()))
             fields_ = tuple(dict.fromkeys((*before.fields, *carried)))
             chooses = cycle if role == "choose" and before.cycle is None else before.cycle
@@ -129,6 +124,21 @@ def _dialect_of(machine: Machine) -> Dialect:
 
 #: The dialect of a machine, read off its file.
 dialect_of = PerObject("controllers.dialects", _dialect_of)
+
+
+def role_of(line: str, changes: bool = False) -> tuple[int | None, Role]:
+    """The M word that a line of a template begins with, and what it does; None if it has none.
+
+    `changes` says that the line belongs to the change of a tool by hand.
+    """
+    match = _COMMAND.match(line)
+    if match is None or match[1] != "M":
+        return None, "other"
+    number = int(match[2])
+    documented = DOCUMENTED.get(number, "other")
+    carried = (field for _, field in FIELD.findall(line))
+    role = next((_SAYS[field] for field in carried if field in _SAYS), documented)
+    return number, "change" if changes else role
 
 
 def _templates(machine: Machine) -> Iterator[tuple[str, tuple[str, ...]]]:

@@ -32,6 +32,9 @@ def tool_faults(machine: Machine) -> Iterator[Fault]:
         yield "saw.min_tilt", saw.min_tilt, "at most saw.max_tilt"
     if saw and saw.min_tilt != saw.max_tilt and not _names(machine.words.saw, "tilt"):
         yield "words.saw", list(machine.words.saw), "a word with {tilt}, since the blade tilts"
+    for index, axis in enumerate(machine.axes):
+        if axis.min is not None and axis.max is not None and axis.min > axis.max:
+            yield f"axes.{index}.min", axis.min, "at most max"
     for index, tools in enumerate(machine.tools):
         yield from _set_faults(f"tools.{index}", tools)
         for word in _words_of(tools.kind):
@@ -79,6 +82,11 @@ def _set_faults(key: str, tools: ToolSet) -> Iterator[Fault]:
                 yield f"{key}.pre_drills", before, f"less than the thread's {size:g}"
 
 
+#: mm that ends may gape and a path be off: beyond that a hole is no hole any more.
+MAX_SLACK = 1.0
+KERF_STEPS = (
+    10  #: of a program's numbers that a kerf takes at least, so that half of it is a figure
+)
 #: Words that a machine with a torch cannot do without.
 _TORCH_WORDS = ("traverse", "feed", "cut_on", "cut_off")
 
@@ -101,6 +109,14 @@ def torch_faults(machine: Machine) -> Iterator[Fault]:
     for one, other in (("arc_cw", "arc_ccw"), ("ellipse_cw", "ellipse_ccw"), ("left", "right")):
         if bool(getattr(words, one)) != bool(getattr(words, other)):
             yield f"words.{one}", list(getattr(words, one)), f"both {one} and {other}, or neither"
+    for name, value in (("gap", torch.gap), ("tolerance", torch.tolerance)):
+        if value > MAX_SLACK:
+            yield f"torch.{name}", value, f"at most {MAX_SLACK:g} mm"
+    step = machine.format.resolution
+    for index, row in enumerate(torch.rows):
+        if 0.0 < row.kerf < KERF_STEPS * step:
+            expected = f"0, or at least {KERF_STEPS} steps of {step:g} mm, as programs are written"
+            yield f"torch.rows.{index}.kerf", row.kerf, expected
     if not torch.rows:
         yield "torch.rows", [], "a row for each process"
     for process in {row.process for row in torch.rows}:

@@ -47,6 +47,18 @@ def files_of(name: str) -> tuple[str, ...]:
     return tuple(str(file.path) for file in _files(name))
 
 
+def source_in(name: str, key: str, text: str) -> Source:
+    """Where a machine's file or one of its bases sets a key; the line of a text in its value."""
+    _, places = merged(_files(name))
+    source = Place(places).child(key).source
+    whole = places.get(key, places[""])[1]
+    first = source.line or 1
+    for number, line in enumerate(whole.split("\n")[first - 1 :], first):
+        if text and text in line:
+            return Source(source.file, number)
+    return source
+
+
 @cached("files.machine")
 def _machine(files: tuple[TomlFile, ...]) -> Machine:
     """The machine that is told by a file and its bases."""

@@ -32,6 +32,13 @@ WRONG_VALUE = Rule(
     "found {found} for {key!r}; expected {expected}",
     "The value is of the wrong kind, out of its range, or names something that does not exist.",
 )
+WORD = Rule(
+    "machine-word",
+    Severity.ERROR,
+    "found {found} in {key!r}; expected {expected}",
+    "The words of a machine are tried on its controller before anything is planned with them: what "
+    "the read-back would not take of any program is a fault of the machine's file.",
+)
 BASE_LOOP = Rule(
     "machine-base",
     Severity.ERROR,
@@ -53,6 +60,6 @@ KEY_TWICE = Rule(
 )
 
 RULES = (
-    UNKNOWN_MACHINE, NOT_TOML, UNKNOWN_KEY, MISSING_KEY, WRONG_VALUE, BASE_LOOP, FORMER_KEY,
+    UNKNOWN_MACHINE, NOT_TOML, UNKNOWN_KEY, MISSING_KEY, WRONG_VALUE, WORD, BASE_LOOP, FORMER_KEY,
     KEY_TWICE,
 )  # fmt: skip

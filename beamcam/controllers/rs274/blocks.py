@@ -33,6 +33,12 @@ class Variant(Struct, frozen=True):
     sides: dict[str, Side]  #: G words of cutter compensation
     arc_fault: Callable[[Point, Point, Point, bool], str | None]  #: start, end, centre, clockwise
 
+    @property
+    def codes(self) -> str:
+        """Its G words, for messages."""
+        others = {*self.settings, *self.sides, "G4", "G40", "G90", "G91"}
+        return ", ".join((*MOTIONS, *sorted(others, key=lambda code: float(code[1:]))))
+
 
 class Block(Struct, frozen=True):
     """What a block says by itself, whatever was said before it."""
@@ -122,7 +128,8 @@ class _Words:
             if number in ENDS:
                 continue
             if letters is None:
-                self._wrong(f"M{number}", f"an M word that {self._variant.name} knows")
+                known = ", ".join(f"M{m}" for m in sorted({*self._switches, *ENDS}))
+                self._wrong(f"M{number}", f"an M word that {self._variant.name} knows: {known}")
                 continue
             values = self._values
             yield Switch(0, number, {k: values.pop(k) for k in sorted(letters & values.keys())})
@@ -143,4 +150,4 @@ class _Words:
                 values.pop("P", None)
                 values.pop("Q", None)
             elif code not in ("G90", "G91") and code not in variant.settings:
-                self._wrong(code, f"a G word that {variant.name} knows here")
+                self._wrong(code, f"a G word that {variant.name} knows here: {variant.codes}")

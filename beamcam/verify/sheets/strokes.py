@@ -31,6 +31,7 @@ from beamcam.verify.sheets.ability import expected_feeds, told_limits
 ENDS = (2, 30)
 FEED_SLACK = 1e-3
 LOWERED_SLACK = 5e-3  #: of a feed that follows from a curve whose numbers are rounded
+FEED_ROUNDING = 0.0006  #: of a feed as it is written, whatever its unit
 PAUSE_SLACK_S = 1e-6
 
 
@@ -97,6 +98,8 @@ class _Head:
                 self._starting.setdefault(said, words)
         self._name = name
         self._limits = told_limits(machine)
+        per_minute = 60.0 if machine.format.feed_unit == "mm/s" else 1.0
+        self._feed_step = FEED_ROUNDING * per_minute  #: mm/min
         self._started: list[Stroke] = []
         self._words: list[_Words] = []  #: of each stroke
         self._pauses: list[list[tuple[int, float]]] = []  #: of each stroke, and the moves before
@@ -249,7 +252,7 @@ class _Head:
         feeds = asked
         if self._limits is not None:
             feeds = expected_feeds(moves, asked, self._limits)
-        slack = np.where(feeds < asked, LOWERED_SLACK, FEED_SLACK) * feeds
+        slack = np.where(feeds < asked, LOWERED_SLACK, FEED_SLACK) * feeds + self._feed_step
         for k in np.flatnonzero(np.abs(moves.feed_mm_min - feeds) > slack):
             self._wrong(
                 rules.FEED, int(moves.line[k]), found=f"{moves.feed_mm_min[k]:g}",
@@ -258,11 +261,14 @@ class _Head:
 
 
 def _words_of(row: TorchRow, machine: Machine, parse: Callable[[str], list[TableEvent]]) -> _Words:
-    """The words of a row, read from the machine's templates by the controller's own rules."""
+    """The words of a row, read from the machine's templates by the controller's own rules.
+
+    Programs write powers, seconds and feeds to three decimals.
+    """
 
     def events(template: tuple[str, ...]) -> list[TableEvent]:
         lines = [
-            line.format(power=f"{row.power:.6f}", pierce=f"{row.pierce_s:.6f}", feed="1")
+            line.format(power=f"{row.power:.3f}", pierce=f"{row.pierce_s:.3f}", feed="1")
             for line in template
         ]
         return parse("\n".join(lines))

@@ -64,6 +64,22 @@ BAD = [
     ),
     ("[saw]\nkerff = 3", "machine-key", "found unknown key 'saw.kerff'; expected 'kerf'"),
     ("[saw]\nkerf = '3'", "machine-value", "found '3' for 'saw.kerf'; expected a number"),
+    (
+        "[[axes]]\nname = 'x'\nmoves = 'X'\nspeed = 1\nacceleration = 1\nmin = 3\nmax = 2",
+        "machine-value",
+        "found 3.0 for 'axes.0.min'; expected at most max",
+    ),
+    (
+        "base = 'plate-linuxcnc'\n[torch]\ngap = 50",
+        "machine-value",
+        "found 50.0 for 'torch.gap'; expected at most 1 mm",
+    ),
+    (
+        "base = 'plate-linuxcnc'\n[[torch.rows]]\nprocess = 'cut'\nup_to = 9\nfeed_mm_min = 9\n"
+        "kerf = 0.0005",
+        "machine-value",
+        "expected 0, or at least 10 steps of 0.0001 mm",
+    ),
     ("[saw]\nkerf = nan", "machine-value", "found nan for 'saw.kerf'; expected a finite number"),
     ("[layout]\nfront_trim = inf", "machine-value", "expected a finite number"),
     ("[saw]\nkerf = -1", "machine-value", "found -1 for 'saw.kerf'; expected 0 or more"),
@@ -132,8 +148,9 @@ def test_refused(tmp_path: Path, text: str, code: str, says: str) -> None:
 
 
 def test_every_rule_is_shown_above() -> None:
-    former = {"machine-former-key", "machine-key-twice"}  # in test_former_keys.py
-    assert {code for _, code, _ in BAD} | former == {rule.code for rule in RULES}
+    # in test_former_keys.py, and in controllers/test_machine_words.py
+    others = {"machine-former-key", "machine-key-twice", "machine-word"}
+    assert {code for _, code, _ in BAD} | others == {rule.code for rule in RULES}
 
 
 def test_message_names_the_line(tmp_path: Path) -> None:

@@ -1,0 +1,255 @@
+"""A machine's words, tried on its controller before any program is made of them.
+
+The templates of a machine file, with figures in their braces, are put together to one program,
+which the controller's interpreter reads as it reads any other. What it would not take is a fault of
+the file. So is what the templates of a saw and drilling line never do: choose the spindle, feed,
+draw the tool back, switch off what they switched on.
+"""
+
+from collections.abc import Iterator
+
+from beamcam.caches import PerObject
+from beamcam.controllers import cell_events, table_events
+from beamcam.controllers.dialect import DOCUMENTED, FIELD, Dialect, dialect_of, role_of
+from beamcam.controllers.events import BarEvent, Move, Place, Switch, TableEvent
+from beamcam.controllers.rules import SETTING, SHEET_SETTING
+from beamcam.errors import Diagnostic, MachineError
+from beamcam.machine import rules
+from beamcam.machine.faults import ALONG_A_PATH, TABLE_CONTROLLERS
+from beamcam.machine.load import load, source_in
+from beamcam.machine.machine import Machine
+
+#: Of the tools of a bar; `scribe` and `punch` do not turn.
+_TOOLS = ("drill", "tap", "countersink", "mill", "punch", "scribe")
+_STANDING = ("punch", "scribe")
+_PROCESSES = ("cut", "mark", "engrave")
+#: What stands in the braces: a stroke from 11 or 12 to 33 or 44, figures that fit any other word.
+_STROKE = {
+    "y": "11", "z": "12", "near_y": "21", "near_z": "22", "bottom_y": "33", "bottom_z": "44",
+}  # fmt: skip
+_FIGURES = {
+    "job": "JOB", "text": "TEXT", "section": "1", "width": "100", "height": "200", "spindle": "1",
+    "station": "1", "diameter": "20", "pitch": "2", "angle": "30", "tilt": "0", "feed": "600",
+    "speed": "300", "power": "1", "pierce": "0.5", "kerf": "1.5", "half_kerf": "0.75",
+    "acceleration": "100", "ratio": "0.5",
+}  # fmt: skip
+#: Where curves that begin at 0, 0 end, and what I and J are, from there as from the start.
+_CURVES = {
+    "arc_cw": ("10", "0", "5", "0"), "arc_ccw": ("10", "0", "5", "0"),
+    "parabola": ("10", "0", "5", "5"),
+    "ellipse_cw": ("20", "0", "10", "0"), "ellipse_ccw": ("20", "0", "10", "0"),
+}  # fmt: skip
+
+Line = tuple[str, str, str]  #: key of the template, its text, the block that it becomes
+WordFault = tuple[str, str, str, str]  #: key, text of its line, what was found, what was expected
+
+
+def load_machine(name: str) -> Machine:
+    """The machine called `name`, or the one in the file at that path, whose words can be read.
+
+    Raises MachineError.
+    """
+    machine = load(name)
+    said = tuple(
+        rules.WORD.at(source_in(name, key, text), key=key, found=found, expected=expected)
+        for key, text, found, expected in _known_faults(machine)
+    )
+    if said:
+        raise MachineError(said)
+    return machine
+
+
+def word_faults(machine: Machine) -> tuple[WordFault, ...]:
+    """The first thing that is wrong with each template of a machine."""
+    if machine.controller == "simotion":
+        from beamcam.controllers.simotion.trial import trial
+
+        return tuple(("triggers", "", *_parted(said)) for said in trial(machine)[:1])
+    if machine.controller in TABLE_CONTROLLERS:
+        return ()
+    found = _bar_faults(machine) if machine.stock == "beam" else _table_faults(machine)
+    first = {fault[0]: fault for fault in reversed([*found])}
+    return tuple(first[key] for key in sorted(first))
+
+
+_known_faults = PerObject("machine.words", word_faults)
+
+
+def _filled(machine: Machine, key: str, **more: str) -> Iterator[Line]:
+    """The blocks of a template."""
+    template = getattr(machine.words, key)
+    values = {**_FIGURES, **more}
+    for text in (template,) if isinstance(template, str) else template:
+        # A footer has no braces to fill, and is written as it stands.
+        filled = text if key == "footer" else text.format_map(values)
+        for block in filled.split("\n"):
+            yield f"words.{key}", text, block
+
+
+# --- saw and drilling lines -----------------------------------------------------------------------
+
+
+def _bar_faults(machine: Machine) -> Iterator[WordFault]:
+    lines = [*_filled(machine, "header"), *_filled(machine, "comment")]
+    for tool in _TOOLS:
+        for key in _keys(tool):
+            lines += _filled(machine, key, x="100", **_STROKE)
+    lines += (*_filled(machine, "change"), *_filled(machine, "saw", x="200"))
+    lines += _filled(machine, "footer")
+    dialect = dialect_of(machine)
+    events, said = cell_events(_text(lines), machine, "")
+    yield from _said(lines, said)
+    yield from _double_words(lines)
+    if said:
+        return
+    of: dict[str, list[BarEvent]] = {}
+    for event in events:
+        of.setdefault(lines[event.line - 1][0].removeprefix("words."), []).append(event)
+    for tool in _TOOLS:
+        if getattr(machine.words, tool):
+            own = [event for key in _keys(tool) for event in of.get(key, [])]
+            first, last = _keys(tool)[0], _keys(tool)[-1]
+            for found, expected in _begin_faults(own, dialect, tool in _STANDING):
+                yield f"words.{first}", "", found, expected
+            for found, expected in _end_faults(own, dialect):
+                yield f"words.{last}", "", found, expected
+    if machine.saw is not None and not _with_role(of.get("saw", []), dialect, "saw"):
+        yield "words.saw", "", "no cut", "an M word with {angle}"
+
+
+def _double_words(lines: list[Line]) -> Iterator[WordFault]:
+    """Each M word that is to mean two things."""
+    roles: dict[int, str] = dict(DOCUMENTED)
+    for key, text, _ in lines:
+        number, role = role_of(text, key == "words.change")
+        carried = [field for _, field in FIELD.findall(text)]
+        said = f"section ({', '.join(carried)})" if role == "section" else role
+        if number is not None and roles.setdefault(number, said) != said:
+            expected = f"another word, as that one stands for {roles[number]} already"
+            yield key, text, f"M{number:02} for {said}", expected
+
+
+def _keys(tool: str) -> tuple[str, ...]:
+    return (tool, f"{tool}_to", f"{tool}_end") if tool in ALONG_A_PATH else (tool,)
+
+
+def _with_role(events: list[BarEvent], dialect: Dialect, role: str) -> list[Switch]:
+    return [e for e in events if isinstance(e, Switch) and _role(e, dialect) == role]
+
+
+def _role(event: Switch, dialect: Dialect) -> str:
+    word = dialect.m_words.get(event.number)
+    return word.role if word else DOCUMENTED.get(event.number, "other")
+
+
+def _in_steel(event: Move[Place]) -> bool:
+    return not {*event.end[1:]}.isdisjoint((float(_STROKE["bottom_y"]), float(_STROKE["bottom_z"])))
+
+
+def _begin_faults(
+    events: list[BarEvent], dialect: Dialect, stands: bool
+) -> Iterator[tuple[str, str]]:
+    """What the blocks of one tool do not do before they feed, or at all."""
+    turns = fed = False
+    for event in events:
+        if isinstance(event, Switch):
+            role = _role(event, dialect)
+            turns = role == "on" or (turns and role != "off")
+        elif isinstance(event, Move) and not event.rapid and _in_steel(event):
+            fed = True
+            if not (turns or stands):
+                yield "a feed with the spindle at rest", "M03 or M04 before it"
+    if not _with_role(events, dialect, "choose"):
+        yield "no choice of a spindle", "an M word with {spindle}"
+    if not fed:
+        yield "no feed into the steel", "G01 with {bottom_y} and {bottom_z}"
+
+
+def _end_faults(events: list[BarEvent], dialect: Dialect) -> Iterator[tuple[str, str]]:
+    """What the blocks of one tool leave as it should not be."""
+    deep = turns = cools = False
+    for event in events:
+        if isinstance(event, Switch):
+            role = _role(event, dialect)
+            if role == "off" and deep:
+                yield "the spindle stopped in the steel", "a move to {y} and {z} before M05"
+            turns = role == "on" or (turns and role != "off")
+            cools = role == "coolant-on" or (cools and role != "coolant-off")
+        elif isinstance(event, Move):
+            deep = _in_steel(event)
+    if deep:
+        yield "the tool left in the steel", "a move to {y} and {z} at the end"
+    if turns:
+        yield "the spindle left turning", "M05 at the end"
+    if cools:
+        yield "the coolant left on", "M09 at the end"
+
+
+# --- cutting tables -------------------------------------------------------------------------------
+
+
+def _table_faults(machine: Machine) -> Iterator[WordFault]:
+    words = machine.words
+    start = [*_filled(machine, "traverse", x="0", y="0")]
+    feed = [*_filled(machine, "feed", x="10", y="0")]
+    lines = [*_filled(machine, "header"), *_filled(machine, "comment"), *start]
+    for process in _PROCESSES:
+        if getattr(words, f"{process}_on"):
+            lines += (*_filled(machine, f"{process}_on"), *feed)
+            lines += _filled(machine, f"{process}_off")
+    for key, (x, y, i, j) in _CURVES.items():
+        if getattr(words, key):
+            lines += (*start, *_filled(machine, key, x=x, y=y, i=i, j=j, angle="0"))
+    if words.modal:
+        block = " ".join([feed[-1][2], *(block for _, _, block in _filled(machine, "modal"))])
+        lines.append(("words.modal", "", block))
+    for side in ("left", "right"):
+        if getattr(words, side):
+            lines += (*_filled(machine, side), *feed, *_filled(machine, "straight"))
+    lines += _filled(machine, "footer")
+    events, said = table_events(_text(lines), machine, "")
+    yield from _said(lines, said)
+    yield from _standing(lines, events)
+    assert machine.torch is not None
+    high = machine.torch.length, machine.torch.width
+    for event in events:
+        key, text, _ = lines[event.line - 1]
+        if isinstance(event, Move) and not all(
+            0 <= v <= m for v, m in zip(event.end, high, strict=True)
+        ):
+            found = f"a move to X {event.end[0]:g}, Y {event.end[1]:g}"
+            yield key, text, found, f"one within the table of {high[0]:g} x {high[1]:g} mm"
+
+
+def _standing(lines: list[Line], events: list[TableEvent]) -> Iterator[WordFault]:
+    """Each template of a move that moves nothing, and of a tool's start that starts none."""
+    moving = {lines[event.line - 1][0] for event in events if isinstance(event, Move)}
+    switching = {lines[event.line - 1][0] for event in events if isinstance(event, Switch)}
+    for key in dict.fromkeys(key for key, _, _ in lines):
+        name = key.removeprefix("words.")
+        if name in ("traverse", "feed", *_CURVES) and key not in moving:
+            yield key, "", "no move", "one to {x} and {y}"
+        if name.endswith(("_on", "_off")) and key not in switching:
+            yield key, "", "no M word", f"one that switches the tool {name.rpartition('_')[2]}"
+
+
+def _text(lines: list[Line]) -> str:
+    return "\n".join(block for _, _, block in lines) + "\n"
+
+
+def _said(lines: list[Line], said: list[Diagnostic]) -> Iterator[WordFault]:
+    """What was said of a block, as a fault of the template that it comes from.
+
+    What has to be set before the first move belongs into the header.
+    """
+    for one in said:
+        key, text, _ = lines[min(one.source.line or len(lines), len(lines)) - 1]
+        if one.code in (SETTING.code, SHEET_SETTING.code):
+            key, text = "words.header", ""
+        yield key, text, *_parted(one)
+
+
+def _parted(said: Diagnostic) -> tuple[str, str]:
+    """What a message says was found, and what was expected."""
+    found, _, expected = said.message.removeprefix("found ").rpartition("; expected ")
+    return found, expected
