@@ -33,6 +33,7 @@ COMMANDS = {
     "watch": ("watch", "Post what is put into a folder, as it comes."),
     "list": ("list_", "Write part lists and cutting lists."),
     "labels": ("labels", "Write a label with a code for each piece."),
+    "doctor": ("doctor", "Show what is installed here, and whether it works."),
     "config": ("config", "Show the configuration and where each value comes from."),
     "completion": ("completion", "Print what makes a shell complete the commands."),
     "codes": ("codes", "List the codes of all messages."),
@@ -101,11 +102,32 @@ class Commands(click.Group):
         return super().resolve_command(ctx, args)
 
 
-@click.command(cls=Commands, context_settings={"help_option_names": ["-h", "--help"]})
+#: What to do first, for who calls it without a command.
+FIRST = """\
+beamcam turns steel members and drawings into machine programs, and reads each one back.
+
+  beamcam inspect PART.nc1               what is in a file (DSTV, IFC, DXF, SVG, JSON), and is wrong
+  beamcam post PART.nc1 -o PART.gcode    its program, verified; a bar goes to the machine beamline
+  beamcam plot PART.gcode -o PART.svg    a picture of what a program makes
+  beamcam batch FOLDER -o PROGRAMS       a folder of parts to a folder of programs
+  beamcam machines list                  the machines that there are
+  beamcam doctor                         what is installed here, and whether it works
+
+`beamcam --help` lists all commands, `beamcam COMMAND --help` says what one does."""
+
+
+@click.command(
+    cls=Commands,
+    context_settings={"help_option_names": ["-h", "--help"]},
+    invoke_without_command=True,
+)
 @click.version_option(__version__, prog_name="beamcam")
-def main() -> None:
+@click.pass_context
+def main(ctx: click.Context) -> None:
     """Turn steel members and drawings into programs for saws, drills, torches and lasers.
 
     Nothing is dropped in silence: what a machine cannot make refuses the part, with the file and
     the line. Exit status: 0 all posted, 1 an input was refused, 2 wrong usage.
     """
+    if ctx.invoked_subcommand is None:
+        click.echo(FIRST)
