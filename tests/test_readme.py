@@ -1,25 +1,27 @@
 """The examples of the README and of the documentation are run as they stand there.
 
-A line of an `sh` block that calls `beamcam` is run in a copy of the samples and has to exit 0,
-unless a comment behind it says another status, as `# exit 1`.
+All lines of the `sh` blocks of a page are run by one shell, in the folder of a new user, and each
+has to exit 0, unless a comment behind it says another status, as `# exit 1`. Lines for PowerShell
+are held against the words that it and beamcam take.
 """
 
 import re
 import shlex
-import shutil
 import subprocess
 import sys
-from pathlib import Path
+from collections.abc import Iterator
+from pathlib import Path, PureWindowsPath
 
+import click
 import pytest
 
-from tests.conftest import ROOT, SAMPLES
+from tests import new_user
+from tests.conftest import ROOT
+from tests.test_docs import WORDS
 
 PAGES = (ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md")))
 _BLOCK = re.compile(r"^```(\w+)\n(.*?)^```", re.MULTILINE | re.DOTALL)
-_CALL = re.compile(r"(?:^|(?<=\| ))beamcam ")
-#: Commands of the system that stand beside those of beamcam.
-_BESIDE = ("mkdir ", "cp ", "mv ", "printf ", "export ")
+_COMMENT = re.compile(r"\s+#.*$")
 _STATUS = re.compile(r"\s+# exit (\d+)\s*$")
 
 
@@ -31,33 +33,114 @@ def commands(text: str) -> list[tuple[str, int]]:
     """Each command of a page, with the status that it has to end with."""
     found = []
     for body in blocks(text, "sh"):
-        for line in body.replace("\\\n", " ").splitlines():
-            if _CALL.search(line) or line.startswith(_BESIDE):
-                status = _STATUS.search(line)
-                found.append((_STATUS.sub("", line), int(status[1]) if status else 0))
+        for line in filter(None, body.replace("\\\n", " ").splitlines()):
+            status = _STATUS.search(line)
+            found.append((_STATUS.sub("", line), int(status[1]) if status else 0))
     return found
+
+
+def script(text: str) -> str:
+    """The commands of a page as one script, which ends at the first that does not do as it says."""
+    lines = []
+    for command, status in commands(text):
+        told = shlex.quote(f"{command}: expected exit {status}, found exit ")
+        lines += [
+            "status=0", f"{command} || status=$?",
+            f'[ "$status" = {status} ] || {{ echo {told}"$status" >&2; exit 99; }}',
+        ]  # fmt: skip
+    return "\n".join(lines)
 
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda p: p.name)
 def test_examples_run(page: Path, tmp_path: Path) -> None:
     """The commands of a page, one after another in one folder, so that they may build on each."""
     text = page.read_text(encoding="utf-8")
-    shutil.copytree(SAMPLES, tmp_path / "samples")
-    beamcam = f"{shlex.quote(sys.executable)} -m beamcam "
-    environment = {"PYTHONPATH": str(ROOT), "PATH": "/usr/local/bin:/usr/bin:/bin",
-                   "LC_ALL": "C.UTF-8", "HOME": str(tmp_path)}  # fmt: skip
-    for command, status in commands(text):
-        done = subprocess.run(
-            ["sh", "-c", _CALL.sub(beamcam, command)], cwd=tmp_path, env=environment,
-            capture_output=True, text=True, stdin=subprocess.DEVNULL, timeout=60,
-        )  # fmt: skip
-        assert done.returncode == status, f"{command}\n{done.stderr}"
+    folder, environment = new_user.lay_out(tmp_path)
+    if page.name != "README.md" or page.parent != ROOT:
+        new_user.install(tmp_path)
+    done = subprocess.run(
+        ["sh", "-c", script(text)], cwd=folder, env=environment, capture_output=True, text=True,
+        stdin=subprocess.DEVNULL, timeout=240,
+    )  # fmt: skip
+    assert done.returncode == 0, done.stderr
     for example in blocks(text, "python"):
         done = subprocess.run(
-            [sys.executable, "-c", example], cwd=tmp_path, env=environment, capture_output=True,
+            [sys.executable, "-c", example], cwd=folder, env=environment, capture_output=True,
             text=True, timeout=60,
         )  # fmt: skip
         assert done.returncode == 0, f"{example}\n{done.stderr}"
+
+
+def test_a_new_user_does_not_have_beamcam(tmp_path: Path) -> None:
+    folder, environment = new_user.lay_out(tmp_path)
+    done = subprocess.run(["sh", "-c", "beamcam"], cwd=folder, env=environment, check=False,
+                          capture_output=True)  # fmt: skip
+    assert done.returncode == 127
+
+
+#: What may begin a command of PowerShell, besides beamcam.
+CMDLETS = ("py", "pip", "pipx", "uvx", "Get-ChildItem", "ForEach-Object", "Set-ExecutionPolicy")
+_WORD = re.compile(r"""'[^']*'|"[^"]*"|\||\{[^}]*\}|[^\s|]+""")
+
+
+def powershell_calls(text: str) -> Iterator[list[str]]:
+    """The words of each command in the PowerShell blocks of a page, quotes taken off."""
+    for body in blocks(text, "powershell"):
+        for line in filter(None, body.splitlines()):
+            call: list[str] = []
+            for word in [*_WORD.findall(_COMMENT.sub("", line)), "|"]:
+                if word == "|":
+                    yield call
+                    call = []
+                else:
+                    call.append(word[1:-1] if word[0] in "'\"" else word)
+
+
+def check_powershell(words: list[str]) -> None:
+    """Whether PowerShell, on a copy of the project, and beamcam take the words of a command."""
+    first, *rest = words
+    name = PureWindowsPath(first).name
+    assert not {"&&", "||", "export", "\\"} & set(words), words
+    for word in rest:
+        if word.startswith("samples\\"):
+            assert "/" not in word
+            assert list(ROOT.glob(word.replace("\\", "/"))), word
+    if name == "Activate.ps1":
+        assert first == ".venv\\Scripts\\Activate.ps1"
+    elif name == "beamcam":
+        command, *options = rest
+        posix = [word.replace("\\", "/") for word in options]
+        WORDS[command].make_context(command, posix)
+    else:
+        assert name in CMDLETS, words
+        assert name != "pip" or rest[0] == "install"
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda p: p.name)
+def test_lines_for_powershell_are_words_that_it_takes(page: Path) -> None:
+    for words in powershell_calls(page.read_text(encoding="utf-8")):
+        check_powershell(words)
+
+
+@pytest.mark.parametrize(
+    "line",
+    ["beamcam pots samples\\dstv\\channel.nc1", "beamcam post samples/dstv/channel.nc1 -x 1",
+     "beamcam inspect samples\\dstv\\none.nc1", "cat x", "pip uninstall x",
+     "beamcam doctor && beamcam config"],
+)  # fmt: skip
+def test_the_check_of_powershell_can_fail(line: str) -> None:
+    (words,) = powershell_calls(f"```powershell\n{line}\n```\n")
+    with pytest.raises((AssertionError, KeyError, click.UsageError)):
+        check_powershell(words)
+
+
+def test_both_shells_are_told_the_same() -> None:
+    """Each command that the README gives to PowerShell, it gives to bash too."""
+    text = (ROOT / "README.md").read_text(encoding="utf-8")
+    posix = {word for line, _ in commands(text) for word in shlex.split(line)}
+    for words in powershell_calls(text):
+        for word in words[1:]:
+            assert word.replace("\\", "/") in posix, word
 
 
 def test_configurations_in_the_documentation_are_read(tmp_path: Path) -> None:
@@ -79,6 +162,7 @@ def test_commands_are_found() -> None:
     )
     assert commands(text) == [
         ("beamcam a", 1),
+        ("ls", 0),
         ("beamcam b    -c", 0),
         ("beamcam e # why", 0),
         ("cat x | beamcam f", 0),
