@@ -348,11 +348,11 @@ def _steps(curve: Any) -> int:
 
 def shape_of(part: Part, bar: Bar) -> Bar:
     """The bar that a part was read as, which may be what is left of another section."""
-    if part.profile.code == bar.code:
-        return bar
     p = part.profile
-    sizes = (p.height, p.width, p.flange_thickness, p.web_thickness or 0.0, p.radius)
-    return Bar(p.code, part.length, sizes)
+    web = p.web_thickness or 0.0
+    sizes = (p.height, web if p.code == "B" else p.width, p.flange_thickness, web, p.radius)
+    same = all(abs(a - b) < 0.01 for a, b in zip(sizes[:4], bar.sizes[:4], strict=True))
+    return bar if p.code == bar.code and same else Bar(p.code, part.length, sizes)
 
 
 def rings(shape: Any) -> list[list[tuple[float, float]]]:
@@ -380,6 +380,7 @@ def kernel_volume(data: bytes, library: str = "opencascade") -> float | None:
 
     file = ifcopenshell.file.from_string(data.decode())
     settings = geom.settings()
+    settings.set("circle-segments", 256)
     if library == "opencascade":
         settings.set("iterator-output", ifcopenshell.ifcopenshell_wrapper.NATIVE)
     ifcopenshell.get_log()

@@ -1,12 +1,11 @@
 """Whatever is cut off a member: it comes out with the kernel's volume, or something is said.
 
 The part that was read is built again by the geometry kernel from its own numbers and measured
-beside the member that went in; ifc_cuts.py says how. `python -m tests.property.test_ifc_cuts 200`
-does so with many more.
+beside the member that went in; ifc_cuts.py says how. `python benchmarks/ifc_volumes.py 200` does so
+with many more.
 """
 
-import sys
-from collections import Counter
+from math import cos, radians, sin
 from random import Random
 
 import pytest
@@ -16,10 +15,12 @@ from beamcam.readers.ifc import Options, read
 from beamcam.readers.reading import Reading
 from tests.property.ifc_cuts import (
     FAMILIES,
+    SIZES,
     Bar,
     Box,
     Cuts,
     Cutter,
+    Half,
     kernel_volume,
     meshed,
     model_of,
@@ -27,10 +28,11 @@ from tests.property.ifc_cuts import (
     same,
     shape_of,
     volumes,
+    walls,
 )
 
-SEEDS = range(5)
-MESHED = ("copes", "mitred", "windows", "drilled")
+SEEDS = range(3)
+MESHED = ("copes", "mitred", "windows", "drilled", "bevelled", "thinned")
 CHECKED = Options(kernel=True)
 
 
@@ -74,6 +76,35 @@ def test_nor_does_its_mesh(family: str) -> None:
     assert not [row for row in found.items() if "SILENTLY" in row[1]]
 
 
+@pytest.mark.parametrize("seed", range(2))
+def test_a_bevelled_flat_is_read_from_its_mesh_as_well(seed: int) -> None:
+    """Along its edges and at its ends; its section is none of a rectangle then."""
+    random = Random(f"flat{seed}")
+    bar = Bar("B", 900.0, SIZES["B"])
+    h, t = bar.sizes[:2]
+    turn = radians(random.uniform(20.0, 50.0))
+    land = random.uniform(0.1, 0.6) * t
+    along = Half((450.0, h, t - land), (0.0, cos(turn), sin(turn)))
+    at_end = Half((900.0, h / 2, t - land), (cos(turn), 0.0, sin(turn)))
+    for cutter in (along, at_end):
+        data = model_of(bar, [cutter])
+        for one in (data, meshed(data)):
+            reading = read(one, "m.ifc", options=CHECKED)
+            assert outcome(bar, data, reading) == "read"
+            assert len([b for c in reading.parts[0].contours for b in c.bevels]) == 1
+
+
+@pytest.mark.parametrize("code", ["I", "U", "L", "T"])
+def test_a_mesh_has_the_radius_of_its_fillets(code: str) -> None:
+    """Also where a cut leaves chords of their own in them."""
+    bar = Bar(code, 900.0, SIZES[code])
+    normal, low, high, width = walls(bar)["v"]
+    box = Box((300.0, -5.0, low - 3.0), (400.0, 0.4 * width, high + 3.0))
+    (part,) = read(meshed(model_of(bar, [box])), "m.ifc", options=CHECKED).parts
+    assert normal == 2
+    assert part.profile.radius == pytest.approx(bar.sizes[4], abs=0.01)
+
+
 def ends(code: str, sizes: tuple[float, float, float, float, float]) -> list[list[Cutter]]:
     """Copes of a beam's end: above, below and both, as long as deep, short and long."""
     h, b, tf = sizes[:3]
@@ -113,11 +144,3 @@ def test_a_part_that_is_not_the_member_would_be_seen() -> None:
     data = model_of(bar, cutters)
     plain = read(model_of(bar, ()), "m.ifc")
     assert "SILENTLY" in outcome(bar, data, plain)
-
-
-if __name__ == "__main__":
-    for name in FAMILIES:
-        for mesh in (False, True):
-            rows = {s: met(name, s, mesh) for s in range(int(sys.argv[1]))}
-            print(name, "meshes" if mesh else "solids", dict(Counter(rows.values()).most_common()))
-            print(*(f"    {s}: {row}\n" for s, row in rows.items() if "SILENTLY" in row), sep="")

@@ -107,7 +107,10 @@ def _open(corners: tuple[Corner, ...], area: float) -> Section | None:
         if box is None:
             return None
         centre, y, z, h, b = box
-        return placed("B", (h, b, 0.0, b, max(c.radius for c in corners)), centre, y, z, area)
+        # Roundings that are not alike are bevels of single edges.
+        radii = [c.radius for c in corners]
+        radius = max(radii) if max(radii) - min(radii) <= 0.1 * max(radii) else 0.0
+        return placed("B", (h, b, 0.0, b, radius), centre, y, z, area)
     if n == 6 and len(reflex) == 1:
         return _angle(corners, reflex[0], area)
     if n == 8 and sorted(gaps) == [1, 7]:

@@ -7,6 +7,7 @@
 """
 
 from collections.abc import Iterator, Sequence
+from math import pi
 from typing import Any
 
 import numpy as np
@@ -15,6 +16,7 @@ from msgspec.structs import replace
 from beamcam.errors import Diagnostic, Severity, Source
 from beamcam.geometry.curves import Point
 from beamcam.model.part import Contour, Hole, Slot
+from beamcam.readers.ifc import rules
 from beamcam.readers.ifc.cutters import Cutter
 from beamcam.readers.ifc.ends import MIN_LEAN, End
 from beamcam.readers.ifc.entities import Entity, Kinked, Model, Unreadable
@@ -31,8 +33,8 @@ from beamcam.readers.ifc.region import (
     pieces_of,
 )
 from beamcam.readers.ifc.rolled import Rolled, other_axes, reference, rolled_stock
-from beamcam.readers.ifc.section import Section
-from beamcam.readers.ifc.semantic import cut, in_place
+from beamcam.readers.ifc.section import Section, Stocks, area_by_measures
+from beamcam.readers.ifc.semantic import BETWEEN, cut, in_place, outer_level
 from beamcam.readers.ifc.shell import (
     Shell,
     broadest_normal,
@@ -57,6 +59,8 @@ EDGE = 0.3  #: mm within which a section point lies on a wall's long edge
 EXPLAINED = 0.3  #: share of its volume by which a shell that differs more is no such member
 NEARLY_PLANE = 1 - 1e-8  #: cosine between the facets of one plane
 LEVEL_NOISE = 1e-6  #: slope of an end, from rounding
+SECTION_SLACK = 0.005  #: share of a section's area that its measures may leave out
+CHAMFER = pi / 4 - 0.5  #: of the radius squared, by which one facet differs from a rounding
 FACET_SLACK = 0.02  #: mm, half of what the corners of a mesh may be off
 
 
@@ -121,7 +125,7 @@ def _readings(
     along = longest_direction(shell)
     for axis in (along, *other_axes(shell, along)):
         stock = rolled_stock(shell, axis)
-        if stock is None:
+        if stock is None or (stock.section.code == "B" and _is_on_edge(stock)):
             continue
         try:
             made = _member(shell, cutters, stock, source)
@@ -129,6 +133,11 @@ def _readings(
             yield reason
         else:
             yield replace(in_place(made, stock.frame), stocks=stock.stocks)
+
+
+def _is_on_edge(stock: Rolled) -> bool:
+    """Whether a flat bar is shorter than it is thick: then another side is its thickness."""
+    return stock.x1 - stock.x0 < stock.section.width
 
 
 def _unexplained(
@@ -148,7 +157,23 @@ def _unexplained(
             f"a shell of {theirs / 1e3:.1f} cm3 whose section and cuts explain "
             f"{(theirs - off.off) / 1e3:.1f} cm3"
         )
-    return off.said(source)
+    return (*off.said(source), *_other_area(found, stocks, source))
+
+
+def _other_area(found: Shaped, stocks: Stocks, source: Source) -> tuple[Diagnostic, ...]:
+    """Where the section that a shell shows has another area than its measures give.
+
+    Of a round one the facets tell the diameter, and the lips of a channel are no measures.
+    """
+    s = found.section
+    if s.code in ("RO", "RU", "C", "SO"):
+        return ()
+    sizes = s.height, s.width, s.flange_thickness, s.web_thickness, s.radius
+    area = area_by_measures(s.code, *sizes)
+    if abs(area - stocks.area) <= SECTION_SLACK * area + 4 * CHAMFER * s.radius**2:
+        return ()
+    texts = f"{stocks.area / 100:.2f}", f"{area / 100:.2f}"
+    return (rules.SECTION_AREA.at(source, found=texts[0], expected=texts[1]),)
 
 
 def _member(shell: Shell, cutters: Sequence[Cutter], stock: Rolled, source: Source) -> Shaped:
@@ -164,7 +189,7 @@ def _member(shell: Shell, cutters: Sequence[Cutter], stock: Rolled, source: Sour
     regions: Regions = {}
     holes: list[Hole | Slot] = []
     for wall in walls:
-        cs = [wall.low + share * wall.thickness for share in (LEVEL_IN, 1 - LEVEL_IN)]
+        cs = [wall.low + share * wall.thickness for share in _levels(stock.section, wall)]
         raw = [local.raw_slice(wall, c) for c in cs]
         if not taken:
             drilled, raw = _drilled(raw, wall, local.circles(wall), source)
@@ -174,8 +199,11 @@ def _member(shell: Shell, cutters: Sequence[Cutter], stock: Rolled, source: Sour
             shape = with_circles(shape, circles, local.circles(wall))
             for one in taken:
                 shape = shape.difference(one.slice(wall, c, circles))
-            levels.append((c, _full_width(cleaned(shape), wall, c, stock.outline)))
-        regions[wall] = (levels[0], levels[1])
+            shape = cleaned(shape)
+            if not stock.section.is_plain_flat:
+                shape = _full_width(shape, wall, c, stock.outline)
+            levels.append((c, shape))
+        regions[wall] = tuple(levels)
     span = None if taken else (stock.x0, stock.x1)
     gross = stock.x1 - stock.x0
     found = from_regions(stock.section, regions, holes, circles, source, gross, span=span)
@@ -183,6 +211,17 @@ def _member(shell: Shell, cutters: Sequence[Cutter], stock: Rolled, source: Sour
         # The levels lie inside the walls; only the shell itself knows how far the tips reach.
         found = _reached(found, stock)
     return found
+
+
+def _levels(section: Section, wall: Wall) -> tuple[float, ...]:
+    """The shares of its thickness at which a wall is looked at.
+
+    Edges of a flat bar may lean, also from both sides to its middle.
+    """
+    if section.is_plain_flat:
+        edge = outer_level(wall)
+        return (edge, *BETWEEN, 1 - edge)
+    return (LEVEL_IN, 1 - LEVEL_IN)
 
 
 def _drilled(
@@ -208,7 +247,7 @@ def _drilled(
     holes: list[Hole | Slot] = []
     filled: set[tuple[float, ...]] = set()
     for low, ring in seen[0]:
-        for high, other in seen[1]:
+        for high, other in seen[-1]:
             apart = max(abs(low.x - high.x), abs(low.y - high.y), abs(low.diameter - high.diameter))
             if type(low) is type(high) and apart < SAME_HOLE:
                 holes.append(low)

@@ -4,12 +4,12 @@ Exporters write arcs as polygons whose vertices lie on the circle; `with_arcs` t
 back to arcs before anything is measured.
 """
 
-from math import atan2, degrees, hypot, pi, radians, sin
+from math import atan2, degrees, hypot, pi, radians, sin, tan
 
 from msgspec import Struct
 
 from beamcam.geometry.curves import Arc, Curve, Line, Point
-from beamcam.readers.ifc.curves2d import Chain, arc_by_points, points_chain
+from beamcam.readers.ifc.curves2d import Chain, arc_by_points
 
 MIN_CORNERS = 12  #: of a polygon that stands for a circle; fewer are meant as they are
 MIN_RUN = 3  #: chords of a polygon that stand for an arc
@@ -18,6 +18,8 @@ PARALLEL_RAD = 1e-4
 STRAIGHT = 0.002  #: mm that a point may lie off the line between its neighbours
 LONGER = 4.0  #: times the chords beside it, a line is a side and no chord of a rounding
 GENTLE_RAD = 0.55  #: between the chords of a rounding
+MIN_ROUND = 0.5  #: mm of a corner that is rounded off
+UNEVEN = 0.1  #: share by which a rounding may reach further along one side
 SHARP_RAD = 0.3  #: by which a rounding may be off the side it runs into
 
 
@@ -205,7 +207,7 @@ class Corner(Struct, frozen=True):
 
 
 def sharpened(chain: Chain) -> Chain:
-    """The chain with every run of gentle turns as the corner that it rounds off.
+    """The chain with every run of gentle turns as one arc, or as the corner that it rounds off.
 
     Meshes have roundings whose chords are of any length, so that no circle is found again.
     """
@@ -215,17 +217,49 @@ def sharpened(chain: Chain) -> Chain:
     gentle = [abs(t) < GENTLE_RAD for t in turns]
     if n < 4 or all(gentle):
         return chain
-    sides: list[_Side] = []
+    sides: list[Line] = []
     for i, line in enumerate(lines):
         beside = max(lines[i - 1].length, lines[(i + 1) % n].length)
         sharp = not (gentle[i] and gentle[(i + 1) % n])
         if sharp or line.length > LONGER * beside:
-            sides.append(_side(line))
-    corners = [_meet(side, sides[(j + 1) % len(sides)]) for j, side in enumerate(sides)]
-    points = [p for p in corners if p is not None]
-    if len(points) != len(corners):
-        return chain
-    return points_chain(points)
+            sides.append(line)
+    corners: list[Point | Arc] = []
+    for j, side in enumerate(sides):
+        corner = _rounded(side, sides[(j + 1) % len(sides)])
+        if corner is None:
+            return chain
+        corners.append(corner)
+    out: list[Curve] = []
+    for j, corner in enumerate(corners):
+        before = corners[j - 1]
+        leave = before.end if isinstance(before, Arc) else before
+        if isinstance(corner, Arc):
+            out += [Line(leave, corner.start), corner]
+        else:
+            out.append(Line(leave, corner))
+    return tuple(out)
+
+
+def _rounded(before: Line, after: Line) -> Point | Arc | None:
+    """The corner of two sides, or the arc that rounds it off; None where they never meet."""
+    at = _meet(_side(before), _side(after))
+    if at is None:
+        return None
+    (ax, ay), (bx, by), (x, y) = before.end, after.start, at
+    first, second = hypot(ax - x, ay - y), hypot(bx - x, by - y)
+    half = abs(turn(before, after)) / 2
+    if min(first, second) < MIN_ROUND or abs(first - second) > UNEVEN * max(first, second):
+        return at
+    reach = (first + second) / 2
+    ux, uy = before.tangent(0.5)
+    vx, vy = after.tangent(0.5)
+    deep = reach * tan(half / 2)
+    wx, wy = vx - ux, vy - uy
+    long = hypot(wx, wy)
+    middle = (x + wx / long * deep, y + wy / long * deep)
+    start, end = (x - ux * reach, y - uy * reach), (x + vx * reach, y + vy * reach)
+    arc = arc_by_points(start, middle, end)
+    return arc if isinstance(arc, Arc) else at
 
 
 def corners_of(curves: Chain) -> tuple[Corner, ...] | None:

@@ -12,7 +12,7 @@ from beamcam.model.part import ProfileCode
 from beamcam.readers.ifc.classify import classify
 from beamcam.readers.ifc.curves2d import Chain, chain_of, points_chain
 from beamcam.readers.ifc.entities import Entity, Model, NoSection, Unreadable
-from beamcam.readers.ifc.section import Section, placed, special
+from beamcam.readers.ifc.section import Section, area_by_measures, placed, special
 from beamcam.readers.ifc.space import IDENTITY, Frame
 
 
@@ -187,7 +187,7 @@ def _parameterised(model: Model, entity: Entity) -> Section | None:
         h, b, tf, tw, r = sizes
         if min(h, b, tw) <= 0 or r < 0:
             raise Unreadable(f"a profile of impossible size {h:g} x {b:g} x {tw:g}")
-        return placed(code, (h, b, tf, tw, r), centre, y, z, _area(code, *sizes))
+        return placed(code, (h, b, tf, tw, r), centre, y, z, area_by_measures(code, *sizes))
 
     if entity.is_a("IfcAsymmetricIShapeProfileDef"):
         return _asymmetric(entity, mm, made, frame)
@@ -331,27 +331,6 @@ def rounded_chain(corners: Sequence[Point], radii: Sequence[float]) -> Chain:
 def _towards(a: Point, b: Point) -> Point:
     by = hypot(b[0] - a[0], b[1] - a[1])
     return (b[0] - a[0]) / by, (b[1] - a[1]) / by
-
-
-def _area(code: ProfileCode, h: float, b: float, tf: float, tw: float, r: float) -> float:
-    """Area of a section in mm2; fillets add (1 - pi/4) r2 each, rounded corners take as much."""
-    corner = (1 - pi / 4) * r * r
-    if code == "I":
-        return 2 * b * tf + (h - 2 * tf) * tw + 4 * corner
-    if code in ("U", "C"):
-        return 2 * b * tf + (h - 2 * tf) * tw + 2 * corner
-    if code == "L":
-        return h * tw + (b - tw) * tf + corner
-    if code == "T":
-        return h * tw + (b - tw) * tf + 2 * corner
-    if code == "M":
-        inner = max(0.0, r - tw)
-        return h * b - (h - 2 * tf) * (b - 2 * tw) - 4 * (corner - (1 - pi / 4) * inner * inner)
-    if code == "RO":
-        return pi * (h - tw) * tw
-    if code == "RU":
-        return pi * h * h / 4
-    return h * b
 
 
 def _sharp(model: Model, entity: Entity) -> list[Point] | None:

@@ -10,14 +10,19 @@ from beamcam.geometry.curves import Point
 from beamcam.readers.ifc.classify import classify
 from beamcam.readers.ifc.curves2d import Chain
 from beamcam.readers.ifc.exact import circles_in
+from beamcam.readers.ifc.explained import plain_stocks
 from beamcam.readers.ifc.outline import sharpened
 from beamcam.readers.ifc.region import Circles, chain_of_ring, pieces_of, points_of, polygon_of
-from beamcam.readers.ifc.section import Section, Stocks
+from beamcam.readers.ifc.section import Section, Stocks, placed
 from beamcam.readers.ifc.shell import Shell, broadest_normal, coordinates, extent, segments, vec
 from beamcam.readers.ifc.slices import Segments, arcs_of, region_within
 from beamcam.readers.ifc.space import Frame, Vec, across, add, cross, dot, scale, unit
 
 STATIONS = (0.5, 0.31, 0.69, 0.17, 0.83, 0.08, 0.92, 0.42, 0.58, 0.03, 0.97)
+FLAT = 0.6  #: share of its box that a flat bar with bevelled edges fills
+FLATTER = 1.5  #: times as wide as thick is a flat bar, at least
+CONVEX = 1e-4  #: share of its area by which a section may be hollowed
+WHOLE = 0.05  #: mm that a section may be less than its shell
 SAME = 1e-9  #: mm between the lines of one section at two stations, from rounding
 
 
@@ -60,12 +65,15 @@ def rolled_stock(shell: Shell, axis: Vec) -> Rolled | None:
             continue
         circles = circles_in(shell.cylinders, axis, u, v)
         outer, inner = arcs_of(pieces[0], circles)
-        found = _told(outer, inner, pieces[0]) if outer else None
-        if found is None or found.code == "SO" or (found.code == "B" and found.width > 200):
+        told = _told(outer, inner, pieces[0]) if outer else None
+        if told is not None and told.code == "SO":
+            box = (*extent(shell, u), *extent(shell, v))
+            told = _flat(pieces[0]) if _reaches(pieces[0], box) else None
+        if told is None or (told.code == "B" and told.width > 200):
             continue
-        if best is None or found.area > best[0] * 1.0005:
+        if best is None or told.area > best[0] * 1.0005:
             exact = polygon_of(outer, inner, Circles()) if circles else pieces[0]
-            best = (found.area, found, outer, exact, pieces[0])
+            best = (told.area, told, outer, exact, pieces[0])
     if best is None:
         return None
     found = best[1]
@@ -85,6 +93,9 @@ def rolled_stock(shell: Shell, axis: Vec) -> Rolled | None:
         off = points - np.array(found.origin)
         return np.column_stack((off @ np.array(found.z), off @ np.array(found.y)))
 
+    if found.is_plain_flat:  # its edges may be bevelled all along
+        found = replace(found, area=found.height * found.width)
+        return Rolled(found, frame, x0, x1, border, plain_stocks(found))
     exact, faceted = (transform(shape, turned) for shape in best[3:])
     stocks = Stocks(exact, faceted, float(exact.area))
     return Rolled(found, frame, x0, x1, border, stocks)
@@ -108,6 +119,27 @@ def _told(outer: Chain, inner: tuple[Chain, ...], piece: Any) -> Section | None:
     )
     again = classify(drawn[0], drawn[1:]) if drawn[0] else None
     return found if again is None else replace(again, area=float(piece.area))
+
+
+def _reaches(piece: Any, extents: tuple[float, float, float, float]) -> bool:
+    """Whether a section is as wide and high as the shell is."""
+    x0, x1, y0, y1 = extents
+    pairs = zip(piece.bounds, (x0, y0, x1, y1), strict=True)
+    return all(abs(a - b) < WHOLE for a, b in pairs)
+
+
+def _flat(piece: Any) -> Section | None:
+    """The flat bar that a section has been before its long edges were bevelled; None if none."""
+    x0, y0, x1, y1 = piece.bounds
+    b, h = x1 - x0, y1 - y0
+    if piece.interiors or float(piece.convex_hull.area - piece.area) > CONVEX * float(piece.area):
+        return None
+    if float(piece.area) < FLAT * b * h or max(b, h) < FLATTER * min(b, h):
+        return None
+    centre, up, right = ((x0 + x1) / 2, (y0 + y1) / 2), (0.0, 1.0), (1.0, 0.0)
+    if b > h:
+        b, h, up, right = h, b, right, up
+    return placed("B", (h, b, 0.0, b, 0.0), centre, up, right, b * h)
 
 
 def reference(shell: Shell, axis: Vec) -> Vec:

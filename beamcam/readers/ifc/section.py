@@ -11,6 +11,7 @@ which way Y (height) and Z (across) run:
     +---Z     +---Z      +---Z      +---Z
 """
 
+from math import pi
 from typing import Any
 
 from msgspec import Struct
@@ -39,6 +40,11 @@ class Section(Struct, frozen=True, gc=False, cache_hash=True):
     flip_z: bool  #: the section is the same seen from behind
     area: float  #: mm2
     outline: Chain = ()  #: of a special section
+
+    @property
+    def is_plain_flat(self) -> bool:
+        """Whether it is a rectangle with sharp edges."""
+        return self.code == "B" and not self.radius
 
     def profile(self, name: str) -> Profile:
         """The model's profile of that name."""
@@ -110,6 +116,29 @@ class Stocks(Struct, frozen=True, eq=False):
     exact: Any  #: as exact as it is known
     faceted: Any  #: with the facets of the body
     area: float  #: mm2, of the section that `exact` stands for
+
+
+def area_by_measures(
+    code: ProfileCode, h: float, b: float, tf: float, tw: float, r: float
+) -> float:
+    """Area of a section in mm2; fillets add (1 - pi/4) r2 each, rounded corners take as much."""
+    corner = (1 - pi / 4) * r * r
+    if code == "I":
+        return 2 * b * tf + (h - 2 * tf) * tw + 4 * corner
+    if code in ("U", "C"):
+        return 2 * b * tf + (h - 2 * tf) * tw + 2 * corner
+    if code == "L":
+        return h * tw + (b - tw) * tf + corner
+    if code == "T":
+        return h * tw + (b - tw) * tf + 2 * corner
+    if code == "M":
+        inner = max(0.0, r - tw)
+        return h * b - (h - 2 * tf) * (b - 2 * tw) - 4 * (corner - (1 - pi / 4) * inner * inner)
+    if code == "RO":
+        return pi * (h - tw) * tw
+    if code == "RU":
+        return pi * h * h / 4
+    return h * b - 4 * corner
 
 
 def placed(

@@ -150,7 +150,7 @@ def cut(stock: Stock, cutters: Sequence[Cutter], source: Source) -> Shaped:
         return c, shape
 
     for wall in walls:
-        edge = min(LEVEL_IN / wall.thickness, MOST_IN)
+        edge = outer_level(wall)
         row: Levels = (at(wall, edge), at(wall, 1 - edge))
         # Edges may lean, of a flat bar also from both sides to its middle.
         if leaning and (section.code == "B" or not row[0][1].equals(row[1][1])):
@@ -158,6 +158,11 @@ def cut(stock: Stock, cutters: Sequence[Cutter], source: Source) -> Shaped:
         regions[wall] = row
     sole = start.sole, end.sole
     return from_regions(section, regions, holes, circles, source, gross, sole)
+
+
+def outer_level(wall: Wall) -> float:
+    """The share of its thickness that the outer levels of a wall lie inside it."""
+    return min(LEVEL_IN / wall.thickness, MOST_IN)
 
 
 def _stock_shape(stock: Stock, wall: Wall, circles: Circles) -> Shape:
