@@ -23,7 +23,7 @@ from beamcam.plain_text import terminal_text
 from beamcam.planning.beam import plan_bar
 from beamcam.planning.explain import Explanation, explain
 from beamcam.planning.left_out import told
-from beamcam.planning.line import line_of
+from beamcam.planning.operations.line import line_of
 from beamcam.planning.orientation import Trial, try_turns
 from beamcam.planning.stock import from_store
 from beamcam.report.ledger import ledger_of

@@ -5,6 +5,7 @@ so that where a station measures from is a line of the machine file and not of t
 """
 
 from collections.abc import Mapping
+from math import inf
 from typing import Annotated, Literal
 
 from msgspec import Meta, field
@@ -81,6 +82,11 @@ class ControlledAxis(Keys, frozen=True):
     max: float | None = None
     park: float = 0.0  #: where it stands when a program begins
     jerk: Positive | None = None  #: mm/s3 or deg/s3; None has no limit
+
+    @property
+    def limits(self) -> tuple[float, float]:
+        """Least and greatest place, infinite where there is no limit."""
+        return -inf if self.min is None else self.min, inf if self.max is None else self.max
 
 
 class MachineFile(Keys, frozen=True):

@@ -15,7 +15,6 @@ which does not fit every hole:
 
 import re
 from collections.abc import Iterator, Sequence
-from math import inf
 from typing import NamedTuple
 
 from msgspec import Struct
@@ -28,7 +27,7 @@ from beamcam.model.description import named
 from beamcam.model.part import Face, Feature, Part, Profile
 from beamcam.model.plan import DrillOp, Operation, PathOp, Piece, SawOp
 from beamcam.model.stroke import Strokes
-from beamcam.planning.operations.job import Job, Tooling
+from beamcam.planning.operations.job import Job, Said, Tooling
 
 STROKE = Rule(
     "plan-stroke",
@@ -80,9 +79,14 @@ def _no_rooms(_: Machine) -> BoundedCache[Profile, Room]:
 _rooms = PerObject("planning.machines", _no_rooms)
 
 
-def refuse_beyond(
-    part: Part, machine: Machine, jobs: Sequence[Job]
-) -> Iterator[tuple[int, Diagnostic]]:
+def refuse_jobs(part: Part, machine: Machine, drill: Drill, jobs: Sequence[Job]) -> Iterator[Said]:
+    """The features of jobs that the axes of the spindles do not make, and why."""
+    yield from _refuse_beyond(part, machine, jobs)
+    if fixed_faces(machine):
+        yield from _refuse_strokes(part, machine, drill, jobs)
+
+
+def _refuse_beyond(part: Part, machine: Machine, jobs: Sequence[Job]) -> Iterator[Said]:
     """The features of jobs for which a spindle's axis cannot go far enough, and why."""
     rooms = _rooms(machine)
     room = rooms.get(part.profile) or rooms.keep(
@@ -101,7 +105,7 @@ def refuse_beyond(
                 beyond = known.keep(key, _beyond(how, y, part, machine, room.strokes))
             if beyond is not None:
                 for f in job.features:
-                    yield f, _said(part.features[f], beyond)
+                    yield f, _refusal(part.features[f], beyond)
 
 
 def _beyond(
@@ -123,7 +127,7 @@ def _beyond(
     return None
 
 
-def _said(feature: Feature, beyond: Beyond) -> Diagnostic:
+def _refusal(feature: Feature, beyond: Beyond) -> Diagnostic:
     return AXIS.at(
         feature.source, what=named(feature), face=beyond.face, axis=beyond.axis.name,
         found=f"{beyond.place:.3f}", expected=_range(beyond.axis),
@@ -177,13 +181,8 @@ def _work(op: Operation, pieces: Sequence[Piece]) -> str:
 
 
 def _comes_to(place: float, axis: ControlledAxis, machine: Machine) -> bool:
-    least, greatest = limits_of(axis)
+    least, greatest = axis.limits
     return least <= round(place, machine.format.length_decimals) <= greatest
-
-
-def limits_of(axis: ControlledAxis) -> tuple[float, float]:
-    least = -inf if axis.min is None else axis.min
-    return least, inf if axis.max is None else axis.max
 
 
 def _range(axis: ControlledAxis) -> str:
@@ -207,13 +206,11 @@ def _fixed_faces(machine: Machine) -> frozenset[Face]:
 fixed_faces = PerObject("planning.fixed_faces", _fixed_faces)
 
 
-def refuse_strokes(
+def _refuse_strokes(
     part: Part, machine: Machine, drill: Drill, jobs: Sequence[Job]
-) -> Iterator[tuple[int, Diagnostic]]:
+) -> Iterator[Said]:
     """The features of jobs that a fixed stroke does not make, and why."""
     faces = fixed_faces(machine)
-    if not faces:
-        return
     strokes = Strokes(part.profile, machine)
     resolution = machine.format.resolution
     for job in jobs:

@@ -28,13 +28,13 @@ from beamcam.model.plan import (
 from beamcam.planning import rules
 from beamcam.planning.axis_limits import refuse_bar
 from beamcam.planning.cutting_data import cutting_remarks
-from beamcam.planning.line import Line, line_of
 from beamcam.planning.magazine import reloads
 from beamcam.planning.nesting import best_order, lay_on_bar
+from beamcam.planning.operations.line import Line, line_of
 from beamcam.planning.operations.saw_cut import cuts_of
+from beamcam.planning.operations.work import Work, spindle_operations, work_on
 from beamcam.planning.order import sort_along_x
 from beamcam.planning.stock import refuse_stock
-from beamcam.planning.work import Work, spindle_operations, work_on
 
 LEDGER_TOLERANCE = 0.001  #: mm
 

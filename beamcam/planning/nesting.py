@@ -33,7 +33,7 @@ from beamcam.machine.saw import Saw
 from beamcam.model.part import Part
 from beamcam.model.plan import Bar
 from beamcam.planning import rules
-from beamcam.planning.ends import End, Ends
+from beamcam.planning.operations.ends import End, Ends
 from beamcam.planning.operations.saw_cut import kerf_along_bar, share_cut
 
 EXACT_ORDER = 9  #: parts whose best order is searched for among all

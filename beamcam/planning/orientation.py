@@ -13,12 +13,12 @@ from beamcam.errors import Diagnostic
 from beamcam.model.part import Part
 from beamcam.model.plan import AS_GIVEN, Operation, Piece
 from beamcam.planning import rules
-from beamcam.planning.line import Line
+from beamcam.planning.operations.line import Line
 from beamcam.planning.operations.saw_cut import cuts_of
+from beamcam.planning.operations.work import Work, spindle_operations, work_on
 from beamcam.planning.order import sort_along_x
 from beamcam.planning.times import time_of
 from beamcam.planning.turning import TURNS, Turn, lies, turn_between, turned
-from beamcam.planning.work import Work, spindle_operations, work_on
 
 MIN_GAIN_S = 1.0  #: a turn that gains less is not worth the lifting
 

@@ -7,7 +7,7 @@ from beamcam.errors import Diagnostic, PlanError, Source, errors_in
 from beamcam.model.part import Part
 from beamcam.model.section import section_fault
 from beamcam.planning import rules
-from beamcam.planning.line import Line
+from beamcam.planning.operations.line import Line
 
 Made = TypeVar("Made")
 

@@ -15,8 +15,8 @@ from beamcam.machine.machine import Layout, Machine
 from beamcam.machine.saw import Saw
 from beamcam.model.part import Part
 from beamcam.model.plan import Bar
-from beamcam.planning.ends import Ends, ends_of
 from beamcam.planning.nesting import lay_on_bar
+from beamcam.planning.operations.ends import Ends, ends_of
 
 
 class StockBar(Struct, frozen=True):

@@ -29,7 +29,7 @@ from beamcam.model.part import (
 )
 from beamcam.model.plan import DrillOp, PathOp, SawOp
 from beamcam.planning.beam import plan_bar
-from beamcam.planning.ends import ends_of
+from beamcam.planning.operations.ends import ends_of
 from beamcam.planning.rules import SKIP_NAMES
 from beamcam.planning.turning import TURNS, Turn, lies, turn_between, turned
 

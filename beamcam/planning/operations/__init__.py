@@ -1,1 +1,1 @@
-"""The kinds of work on a bar, a file each."""
+"""The work on one part of a bar: a file for each kind of it, and `work` that asks them all."""

@@ -10,10 +10,10 @@ from beamcam.errors import Diagnostic, Rule, Severity
 from beamcam.model.description import named
 from beamcam.model.part import Face, Feature, Hole, Part, Slot
 from beamcam.model.section import OTHER_SIDE
-from beamcam.planning.ends import Ends
-from beamcam.planning.line import Line
+from beamcam.planning.operations.ends import Ends
 from beamcam.planning.operations.finished_part import FinishedPart
 from beamcam.planning.operations.job import Found, Job, Said, Settled
+from beamcam.planning.operations.line import Line
 from beamcam.planning.operations.reach import reach_of
 
 FROM_BEHIND = Rule(

@@ -26,7 +26,7 @@ from beamcam.machine.machine import Machine
 from beamcam.model.part import Face, Hole, Part, Profile, Slot
 from beamcam.model.section import Wall, free_edges, walls_beside
 from beamcam.planning.axis_limits import fixed_faces
-from beamcam.planning.ends import Ends, wall_end
+from beamcam.planning.operations.ends import Ends, wall_end
 
 _E, _W = Severity.ERROR, Severity.WARNING
 

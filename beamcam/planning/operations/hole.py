@@ -27,9 +27,9 @@ from beamcam.planning.operations.merging import (
     merge_pairs,
     unmerged_because,
 )
+from beamcam.planning.operations.paths import pocket_path
 from beamcam.planning.operations.reach import refuse_face, refuse_place
-from beamcam.planning.paths import pocket_path
-from beamcam.planning.tools import Rack, rack_of
+from beamcam.planning.operations.tools import Rack, rack_of
 
 DUPLICATE = Rule(
     "plan-duplicate",

@@ -24,8 +24,8 @@ from beamcam.errors import Rule, Severity
 from beamcam.machine.tools import FLAT_DEG
 from beamcam.model.part import Face, HoleKind
 from beamcam.planning.operations.job import Tooling
+from beamcam.planning.operations.tools import ROUNDING, Rack, Tools
 from beamcam.planning.rules import MARK, NO_TOOL, no_unit
-from beamcam.planning.tools import ROUNDING, Rack, Tools
 
 NO_PILOT = Rule(
     "plan-countersink",

@@ -7,7 +7,7 @@ from msgspec import Struct
 from beamcam.errors import Diagnostic, Source
 from beamcam.geometry.plane import Point
 from beamcam.model.part import Face
-from beamcam.planning.tools import Tools
+from beamcam.planning.operations.tools import Tools
 
 
 class Tooling(Struct, frozen=True):

@@ -8,8 +8,8 @@ from beamcam.planning.operations.bench import Bench
 from beamcam.planning.operations.finished_part import TOLERANCE
 from beamcam.planning.operations.job import Found, Job, Tooling
 from beamcam.planning.operations.kind import Kind
+from beamcam.planning.operations.paths import line_points
 from beamcam.planning.operations.reach import IN_THE_WAY
-from beamcam.planning.paths import line_points
 from beamcam.planning.rules import MARK, no_unit
 
 _E, _W = Severity.ERROR, Severity.WARNING

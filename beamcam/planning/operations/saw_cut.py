@@ -14,9 +14,8 @@ from beamcam.machine.machine import Machine
 from beamcam.machine.saw import Saw, SawSection
 from beamcam.model.part import Profile
 from beamcam.model.plan import Bar, Piece, SawOp
-from beamcam.planning.axis_limits import limits_of
-from beamcam.planning.ends import End, Ends, corners
 from beamcam.planning.operations.bench import Bench
+from beamcam.planning.operations.ends import End, Ends, corners
 from beamcam.planning.operations.kind import Kind, nothing
 
 _E, _N = Severity.ERROR, Severity.NOTE
@@ -111,7 +110,7 @@ def _turning_saw(saw: Saw, machine: Machine) -> Saw:
     """The saw with those of its angles that its axis turns to."""
     for axis in machine.axes:
         if axis.moves == "angle" and axis.spindle is None:
-            least, greatest = limits_of(axis)
+            least, greatest = axis.limits
             if least > saw.min_angle or greatest < saw.max_angle:
                 least, greatest = max(least, saw.min_angle), min(greatest, saw.max_angle)
                 return replace(saw, min_angle=least, max_angle=greatest)

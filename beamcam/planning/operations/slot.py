@@ -17,8 +17,8 @@ from beamcam.planning.operations.bench import Bench
 from beamcam.planning.operations.finished_part import NEAR_EDGE, TOLERANCE
 from beamcam.planning.operations.job import Found, Job, Said, Tooling
 from beamcam.planning.operations.kind import Kind
+from beamcam.planning.operations.paths import pocket_path
 from beamcam.planning.operations.reach import refuse_face, refuse_place
-from beamcam.planning.paths import pocket_path
 
 REASONS = {
     "slot-end": "the ends of a slot are drilled before it is milled",

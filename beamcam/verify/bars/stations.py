@@ -16,7 +16,7 @@ from math import inf
 from msgspec import Struct
 
 from beamcam.machine.drill import Spindle
-from beamcam.machine.machine import ControlledAxis, Machine
+from beamcam.machine.machine import Machine
 from beamcam.model.part import Profile
 
 WEBBED = ("I", "U", "C", "L", "T")  #: sections whose web lies behind their flanges
@@ -110,7 +110,7 @@ def _station(spindle: Spindle, machine: Machine, profile: Profile | None) -> Sta
     start_gap = -(way * (start - surface) + face_depth)
     near_gap = start_gap + face_depth if near is None else -way * (near(values) - surface)
     limits = tuple(
-        (_AXIS_INDEX[a.moves], a.name, *_range(a))
+        (_AXIS_INDEX[a.moves], a.name, *a.limits)
         for a in machine.axes
         if a.spindle == spindle.number and a.moves in _AXIS_INDEX
     )
@@ -128,14 +128,9 @@ def _surface_known(profile: Profile | None, face: str) -> bool:
     return profile.web_thickness is not None or not (face in ("v", "h") and profile.code in WEBBED)
 
 
-def _range(axis: ControlledAxis) -> tuple[float, float]:
-    least = -inf if axis.min is None else axis.min
-    return least, inf if axis.max is None else axis.max
-
-
 def limits_of(machine: Machine, moves: str) -> tuple[str, float, float]:
     """Name, least and greatest place of the axis that is no spindle's and moves by `moves`."""
     for axis in machine.axes:
         if axis.moves == moves and axis.spindle is None:
-            return axis.name, *_range(axis)
+            return axis.name, *axis.limits
     return moves, -inf, inf

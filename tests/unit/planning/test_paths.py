@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from beamcam.geometry.curves import Arc, Bezier, Line
 from beamcam.model.part import Contour, Slot
 from beamcam.model.plan import DrillOp, PathOp
-from beamcam.planning.paths import line_points, pocket_path
+from beamcam.planning.operations.paths import line_points, pocket_path
 from tests.unit.planning.shop import SOURCE, hole, part, plan
 
 TOLERANCE = 0.02

@@ -11,7 +11,7 @@ from beamcam.machine.machine import Machine, Times
 from beamcam.model.plan import Plan
 from beamcam.planning.beam import plan_bar
 from beamcam.planning.explain import SAID, explain
-from beamcam.planning.line import line_of
+from beamcam.planning.operations.line import line_of
 from beamcam.planning.orientation import try_turns
 from beamcam.planning.times import work_time
 from beamcam.planning.turning import TURNS

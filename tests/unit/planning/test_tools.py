@@ -8,7 +8,7 @@ from msgspec.structs import replace
 from beamcam.machine import load
 from beamcam.machine.tools import Tool, ToolSet
 from beamcam.model.plan import DrillOp, PathOp, Plan, SpindleOp
-from beamcam.planning.tools import Tools, choose_drill, rack_of, settle
+from beamcam.planning.operations.tools import Tools, choose_drill, rack_of, settle
 from tests.unit.planning.shop import hole, part, plan, pusher
 
 

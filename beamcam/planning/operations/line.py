@@ -5,7 +5,7 @@ from msgspec import Struct
 from beamcam.machine.drill import Drill
 from beamcam.machine.machine import Layout, Machine
 from beamcam.machine.saw import Saw
-from beamcam.planning.tools import Rack, rack_of
+from beamcam.planning.operations.tools import Rack, rack_of
 
 
 class Line(Struct, frozen=True):

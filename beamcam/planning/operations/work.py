@@ -14,15 +14,15 @@ from beamcam.errors import Diagnostic, PlanError, errors_in
 from beamcam.machine.tools import Tool
 from beamcam.model.part import Part
 from beamcam.model.plan import DrillOp, FeatureRef, PathOp, Piece, SpindleOp
-from beamcam.planning.axis_limits import refuse_beyond, refuse_strokes
+from beamcam.planning.axis_limits import refuse_jobs
 from beamcam.planning.by_hand import BY_POLICY, is_listed, refuse_mark
-from beamcam.planning.ends import SQUARE, Ends, ends_of
-from beamcam.planning.line import Line
 from beamcam.planning.operations.bench import Bench
+from beamcam.planning.operations.ends import SQUARE, Ends, ends_of
 from beamcam.planning.operations.job import Job, Settled, Tooling
 from beamcam.planning.operations.kinds import KINDS, kind_of
+from beamcam.planning.operations.line import Line
 from beamcam.planning.operations.saw_cut import SAW_CUT
-from beamcam.planning.tools import Tools, settle
+from beamcam.planning.operations.tools import Tools, settle
 
 
 class Work(Struct, frozen=True):
@@ -47,8 +47,7 @@ def work_on(part: Part, line: Line, skips: Collection[str]) -> Work:
     _put_features(bench)
     for kind in KINDS:
         bench.take(kind.steps(bench.accepted[kind.name], bench))
-    bench.refuse(refuse_beyond(part, line.machine, bench.jobs))
-    bench.refuse(refuse_strokes(part, line.machine, line.drill, bench.jobs))
+    bench.refuse(refuse_jobs(part, line.machine, line.drill, bench.jobs))
     bench.refuse_repeats()
     refused = bench.refused
     skipped = {f: said for f, said in refused.items() if _is_allowed(said, skips)}
