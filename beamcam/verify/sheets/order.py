@@ -1,6 +1,7 @@
 """In which order contours are cut: marks first, and what lies in a contour before it."""
 
 from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -8,6 +9,9 @@ from beamcam.errors import Diagnostic, Source
 from beamcam.machine.torch import TorchProcess
 from beamcam.verify.sheets import rules
 from beamcam.verify.sheets.work import SHOWN, Traced, Work
+
+if TYPE_CHECKING:
+    from shapely import Polygon
 
 TOUCHING = 0.01  #: mm by which a contour may leave the one around it
 MOST_AT_ONCE = 1 << 16  #: cuts that are looked at together, some 3 MB
@@ -79,17 +83,29 @@ def _inside_of_earlier(cuts: Sequence[Traced]) -> list[tuple[int, int]]:
 
 
 def _within(cuts: Sequence[Traced], inner: list[int], ring: int) -> list[tuple[int, int]]:
-    """Those of some cuts that lie in the ring of one, with it; they may touch it."""
+    """Those of some cuts that lie in the ring of one, with it.
+
+    They may touch it. One that lies on it all round has the same inside, and either may be first.
+    """
     import shapely
 
     polygon = cuts[ring].inside()
     if polygon is None:
         return []
-    polygon = shapely.buffer(polygon, TOUCHING)
+    wider = shapely.buffer(polygon, TOUCHING)
     places = np.array([cuts[k].middle for k in inner])
-    inside = shapely.contains_xy(polygon, places)
+    inside = shapely.contains_xy(wider, places)
     return [
         (k, ring)
         for k, is_in in zip(inner, inside.tolist(), strict=True)
-        if is_in and shapely.covers(polygon, shapely.points(cuts[k].corners())).all()
+        if is_in
+        and shapely.covers(wider, shapely.multipoints(cuts[k].corners()))
+        and not _covers(cuts[k].inside(), polygon)
     ]
+
+
+def _covers(polygon: "Polygon | None", other: "Polygon") -> bool:
+    """Whether a polygon has all of another within it, but for what counts as touching."""
+    import shapely
+
+    return polygon is not None and bool(shapely.covers(shapely.buffer(polygon, TOUCHING), other))

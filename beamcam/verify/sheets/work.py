@@ -57,11 +57,11 @@ class Traced(Struct):
         return shapely.make_valid(shapely.Polygon(points)) if len(points) > 3 else None
 
     def corners(self) -> Floats:
-        """Places of the contour, (n, 2)."""
+        """Places of the contour, (n, 2); chords between them are at most `fine` off."""
         import shapely
 
         if self.contour is None:
-            return self.path.starts[self.first : self.last]
+            return self.path.outline(self.first, self.last, self.fine)
         found: Floats = shapely.get_coordinates(self.contour)
         return found
 
