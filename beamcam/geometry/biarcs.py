@@ -215,8 +215,13 @@ def _biarcs(control: Floats, tolerance: float) -> tuple[Flags, Floats, Floats]:
         before = _dot(samples - joint[:, None], at_joint[:, None]) <= 0.0
         off0 = _off_circle(samples - start[:, None], t0, bend0)
         off1 = _off_circle(samples - end[:, None], t1, bend1)
+        # A circle goes on behind both ends of an arc, and a hook there is on it too.
+        behind = np.minimum(
+            _dot(samples - start[:, None], t0[:, None]), _dot(end[:, None] - samples, t1[:, None])
+        )
     worst = MARGIN * np.max(np.abs(np.where(before, off0, off1)), axis=1)
     worst = np.where(np.isfinite(worst), worst, np.inf)
+    ahead &= np.min(behind, axis=1) >= -tolerance
     return ahead & (worst <= tolerance), joint, np.column_stack((bend0, bend1))
 
 

@@ -8,7 +8,7 @@ from math import hypot
 import numpy as np
 from msgspec import Struct, field
 
-from beamcam.errors import Diagnostic, Source
+from beamcam.errors import Diagnostic, Severity, Source
 from beamcam.geometry.array_types import Floats
 from beamcam.geometry.arrays import CurveTable, ends_of
 from beamcam.geometry.chains import Chains, join_curves
@@ -16,6 +16,7 @@ from beamcam.geometry.curves import Line
 from beamcam.machine.torch import Torch, TorchProcess
 from beamcam.planning.contours import rules
 from beamcam.planning.contours.assign_process import Wanted
+from beamcam.planning.contours.doubling import told
 from beamcam.planning.contours.repeats import Repeats, contours_once, loose_once, overlapping
 from beamcam.planning.contours.shape import Shape, entity
 
@@ -51,6 +52,8 @@ def join(
     that they are closed (`rings`) have to be.
     """
     found = Joined()
+    for said in told(wanted, curves.free(), kerf):
+        (found.refusals if said.severity is Severity.ERROR else found.remarks).append(said)
     may_repeat = bool(overlapping(curves, [w.process for w in wanted]))
     loose, gaping = _closed_features(wanted, curves, torch.gap, rings, found)
     for process, numbers in loose.items():

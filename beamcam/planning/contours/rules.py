@@ -130,6 +130,20 @@ COMMON = Rule(
     "{count} contours share edges with others, {found} mm of them; each edge is cut once",
     "Without a kerf to keep off, two parts can share a cut.",
 )
+RUNS_BACK_KERF = Rule(
+    "plan-doubles-back-kerf",
+    _E,
+    "found a curve that turns round at x {x}, y {y} and runs back along itself for {found} mm; "
+    "expected one that does not, or --kerf-by none, which follows it as it is drawn",
+    "On neither side of such a stretch is there waste, so that no kerf can be kept off.",
+)
+RUNS_BACK = Rule(
+    "plan-doubles-back",
+    _W,
+    "found a curve that turns round at x {x}, y {y} and runs back along itself for {found} mm; it "
+    "is followed as it is drawn",
+    "The tool may pass that stretch twice, which burns or widens it.",
+)
 GAP = Rule(
     "plan-gap",
     _W,
@@ -268,7 +282,8 @@ CHAIN = Rule(
 RULES = (
     CHAIN, SHEETS, NOTHING, UNMAPPED, MAP, OPTION, NO_PROCESS, NO_THICKNESS, THICKNESS,
     OTHER_THICKNESS, OTHER_MATERIAL, ASSUMED,
-    SHEET_SIZE, SHEET_PLACE, JUNCTION, BRANCHED, NOT_CLOSED, TINY, SHARED, COMMON, GAP, OPEN_CUT,
+    SHEET_SIZE, SHEET_PLACE, JUNCTION, BRANCHED, NOT_CLOSED, TINY, SHARED, COMMON, RUNS_BACK_KERF,
+    RUNS_BACK, GAP, OPEN_CUT,
     MORE_OPEN, OVERLAP, VANISHED, NARROW, NEAR, LEFT, CROWDED, CROSSING, MORE_CROSSINGS, CROSSED,
     MORE_CROSSED, NO_LEAD, SQUARE, NEEDS_LEAD, UNCOMPENSATED, MACHINE_TABS, NO_TABS,
 )  # fmt: skip

@@ -48,10 +48,10 @@ class Traced(Struct):
     contour: "Polygon | None" = None  #: inside of the closed contour that it keeps off
 
     def inside(self) -> "Polygon | None":
-        """The polygon that it goes round; None of less than a triangle."""
+        """The polygon that it goes round; None of less than a triangle, or if another tells it."""
         import shapely
 
-        if self.contour is not None:
+        if self.contour is not None or not self.ring:
             return self.contour
         points = np.concatenate([self.path.outline(a, b, self.fine) for a, b in self.ring])
         return shapely.make_valid(shapely.Polygon(points)) if len(points) > 3 else None

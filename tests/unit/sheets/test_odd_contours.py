@@ -101,3 +101,35 @@ def test_corners_of_a_star() -> None:
     mixed = (*sides[::3], *sides[1::3], *sides[2::3])
     loose = [contour((side,), line=k) for k, side in enumerate(mixed)]
     assert post((drawing(*loose, thickness=3.0),), PLASMA).text
+
+
+BACK = [
+    (Bezier(((0, 0), (40, 0), (0, 0))), 20.0),
+    (Bezier(((0, 0), (60, 0), (60, 0), (30, 0))), 19.705),
+    (Bezier(((0, 0), (30, 10), (60, 0), (30, 10), (0, 0))), 37.990),
+]
+
+
+@pytest.mark.parametrize(("curve", "length"), BACK)
+def test_a_curve_that_runs_back_along_itself_is_told(curve: Bezier, length: float) -> None:
+    part = drawing(contour((curve,)), thickness=3.0)
+    (said,) = (d for d in post((part,), MACHINE).remarks if d.code == "plan-doubles-back")
+    assert f"runs back along itself for {length:.3f} mm; it is followed" in str(said)
+    with pytest.raises(PlanError, match=f"along itself for {length:.3f} mm; expected") as caught:
+        post((part,), PLASMA)
+    assert [d.code for d in caught.value.diagnostics] == ["plan-doubles-back-kerf"]
+
+
+def test_a_cusp_does_not_run_back() -> None:
+    cusp = Bezier(((0, 0), (40, 20), (0, 20), (40, 0)))
+    part = drawing(contour((cusp, Line((40, 0), (40, -9)))), thickness=3.0)
+    assert "plan-doubles-back" not in {d.code for d in post((part,), MACHINE).remarks}
+
+
+def test_a_hook_beyond_the_end_of_a_straight_curve_is_followed() -> None:
+    """It is on the line through both ends, and not between them."""
+    hook = Bezier(((0, 0), (90, 0), (-50, 0), (20, 0)))
+    part = drawing(contour((hook,)), thickness=3.0)
+    text = post((part,), MACHINE).text
+    xs = [float(x) for x in re.findall(r"^G1 X(\S+)", text, re.M)]
+    assert max(xs) - min(xs) == pytest.approx(hook.bbox[2] - hook.bbox[0], abs=0.02)

@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from msgspec.structs import replace
 
 from beamcam.errors import PlanError
-from beamcam.geometry.curves import BSpline, Line, signed_area
+from beamcam.geometry.curves import Bezier, BSpline, Line, signed_area
 from beamcam.machine import load
 from beamcam.model.part import Bend, Bevel, Contour, Feature, Hole, Part, Profile, Slot
 from beamcam.model.plan import SheetPlan
@@ -168,6 +168,7 @@ TO_AND_FRO = BSpline(
     tuple((10.0 + 30.0 * (k % 2), 10.0) for k in range(200)),
     (0.0, 0.0, *map(float, range(199)), 198.0, 198.0),
 )
+THERE_AND_BACK = Bezier(((0, 0), (40, 0), (0, 0)))
 SPIKED = contour(lines((0, 0), (40, 0), (40, 50), (40, 40), (0, 40)))
 NOTCHED = contour(lines((0, 0), (40, 0), (40, 40), (23, 40), (20, 31), (17, 40), (0, 40)))
 CENTRE = Hole("v", 50, 40, 0.0, S, kind="mark")
@@ -202,6 +203,8 @@ OTHERS: list[tuple[tuple[Part, ...], dict[str, object], str, str]] = [
      "found curves that pass the 0.02 mm around"),
     ((drawing(SQUARE, contour(box(50, 10, 20, 20), line=2)),), {},
      "plan-shared-edge", "lies on line 1 for 20.000 mm near x 50.000, y 20.000"),
+    ((drawing(contour((THERE_AND_BACK,))),), {},
+     "plan-doubles-back-kerf", "turns round at x 20.000, y 0.000 and runs back along itself"),
     ((drawing(replace(OPEN, closed=True)),), {},
      "plan-not-closed", "from x 0.000, y 0.000 to x 50.000, y 50.000"),
     ((drawing(SPIKED),), {}, "plan-shared-edge", "lies on itself for 10.000 mm near x 40.000"),
@@ -271,6 +274,7 @@ REMARKS: list[tuple[Part, dict[str, object], set[str]]] = [
      {"plan-open-cut", "plan-junction"}),
     (drawing(SQUARE, SQUARE), {}, {"plan-overlap"}),
     (drawing(SPIKED), {"kerf_by": "none"}, {"plan-common-edge"}),
+    (drawing(contour((THERE_AND_BACK,))), {"kerf_by": "none"}, {"plan-doubles-back"}),
     (drawing(contour(lines((0, 0), (40, 0), (20, 0), (20, 20), closed=False))), {},
      {"plan-open-cut", "plan-overlap"}),
     (drawing(NOTCHED), {}, {"plan-left-in-corner"}),

@@ -1,0 +1,73 @@
+"""Free curves that turn round and run back along themselves."""
+
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+from msgspec import Struct
+
+from beamcam.errors import Diagnostic
+from beamcam.geometry.array_types import Floats
+from beamcam.geometry.curves import Curve
+from beamcam.geometry.plane import Point
+from beamcam.geometry.polylines import polylines
+from beamcam.planning.contours import rules
+from beamcam.planning.contours.assign_process import Wanted
+
+#: Chords stand for the curves so near to them, in mm, and what lies nearer lies on one another.
+FINE = 1e-3
+#: Both arms of a cusp leave one another; what stays together for longer, in mm, runs back.
+MIN_LENGTH = 0.5
+#: The cosine between chords of which the second runs back.
+BACK = -0.9
+
+
+class Doubling(Struct, frozen=True):
+    """A stretch that a curve follows there and back."""
+
+    curve: int
+    place: Point  #: where it turns round
+    length: float
+
+
+def doublings(curves: Sequence[Curve], which: Sequence[int]) -> Iterator[Doubling]:
+    """Where some of the curves turn round and run back along themselves."""
+    if not which:
+        return
+    drawn = polylines([curves[k] for k in which], FINE)
+    steps = np.diff(drawn.points, axis=0)
+    sizes = np.hypot(*steps.T)
+    back = np.sum(steps[1:] * steps[:-1], axis=1) < BACK * sizes[1:] * sizes[:-1]
+    for at in (np.flatnonzero(back) + 1).tolist():
+        own = int(np.searchsorted(drawn.begins, at, "right")) - 1
+        begin, end = int(drawn.begins[own]), int(drawn.begins[own + 1])
+        if begin < at < end - 1:
+            length = _together(drawn.points[begin : at + 1][::-1], drawn.points[at:end])
+            if length > MIN_LENGTH:
+                x, y = drawn.points[at].tolist()
+                yield Doubling(which[own], (x, y), length)
+
+
+def _together(one: Floats, other: Floats) -> float:
+    """For how long two polylines from one place on lie on one another."""
+    import shapely
+
+    if shapely.length(shapely.linestrings(one)) > shapely.length(shapely.linestrings(other)):
+        one, other = other, one
+    away = shapely.distance(shapely.points(one), shapely.linestrings(other))
+    apart = np.flatnonzero(away > 2 * FINE)
+    last = int(apart[0]) if len(apart) else len(one)
+    return float(np.hypot(*np.diff(one[:last], axis=0).T).sum()) if last > 1 else 0.0
+
+
+def told(wanted: Sequence[Wanted], which: Sequence[int], kerf: float) -> Iterator[Diagnostic]:
+    """What is to be said of those among some curves that run back along themselves.
+
+    An error where a kerf is kept off: nothing says on which side of such a stretch.
+    """
+    for found in doublings([w.curve for w in wanted], which):
+        w = wanted[found.curve]
+        rule = rules.RUNS_BACK_KERF if kerf and w.process == "cut" else rules.RUNS_BACK
+        yield rule.at(
+            w.source, found=f"{found.length:.3f}",
+            x=f"{found.place[0]:.3f}", y=f"{found.place[1]:.3f}",
+        )  # fmt: skip
