@@ -27,6 +27,7 @@ COMMANDS = {
     "check": ("check", "Post a folder of golden programs again and compare."),
     "simulate": ("simulate", "Write where the axes of the cell are when."),
     "plot": ("plot", "Draw a part, or what a program makes."),
+    "report": ("report", "Write the setup sheet of a program, with playback."),
     "profile": ("profile", "Write the velocity profile of an axis, as a table or a picture."),
     "machines": ("machines", "List the machines, or show one with all its values."),
     "batch": ("batch", "Turn folders of parts into folders of programs."),

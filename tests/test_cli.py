@@ -35,6 +35,7 @@ CALLS = {
     "check": "check golden/beamline --samples .",
     "simulate": "simulate {i}.gcode -o {i}.csv",
     "plot": "plot {i}.nc1 -o {i}.svg",
+    "report": "report {i}.nc1 -o {i}.html",
     "profile": "profile --velocity 100 --time 2 -o {i}.csv",
     "batch": "batch {i}.nc1 -o out --force",
     "watch": "watch . -o out --once --settle 0",
@@ -43,7 +44,7 @@ CALLS = {
 }
 #: Those whose --json is about messages, on standard error, and those that print their result so.
 _SECONDS = re.compile(r'"seconds":[^,]*,')  #: a batch tells how long each file took
-JSON_MESSAGES, JSON_RESULT = ("post", "convert", "simulate", "recover", "plot"), (
+JSON_MESSAGES, JSON_RESULT = ("post", "convert", "simulate", "recover", "plot", "report"), (
     "plan", "inspect", "verify", "diff", "check", "batch", "watch",
 )  # fmt: skip
 

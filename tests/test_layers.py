@@ -31,6 +31,7 @@ STEPS = (
     ),
     ("asked", "posts", "diff", "recovery", "simulate"),
     ("pictures",),
+    ("setup_sheet",),
     ("pipeline",),
     ("batch", "api"),
     ("watch",),

@@ -12,6 +12,7 @@ from beamcam.pictures.scene import Scene, Unit
 
 if TYPE_CHECKING:
     from beamcam.pictures.bar import BarMade
+    from beamcam.simulate.trace import Trace
 
 
 class ReadProgram(Struct, frozen=True):
@@ -40,19 +41,25 @@ class ReadProgram(Struct, frozen=True):
         return tuple(part.mark or f"part {k}" for k, part in enumerate(self.parts, 1))
 
 
-def program_scene(program: ReadProgram, unit: Unit = "mm") -> Scene:
-    """What a program makes. Raises VerifyError for one that cannot be understood."""
+def program_scene(program: ReadProgram, unit: Unit = "mm", trace: "Trace | None" = None) -> Scene:
+    """What a program makes; `trace` is its own, where it is known already.
+
+    Raises VerifyError for a program that cannot be understood.
+    """
     if program.machine.stock == "beam":
         from beamcam.pictures.bar import bar_scene
 
         return bar_scene(bar_made(program), unit)
     from beamcam.pictures.table import TableMade, table_scene
-    from beamcam.simulate.program import simulate_program
 
-    done = simulate_program(
-        program.data, program.machine, program.name, program.style, program.parts
-    )
-    made = TableMade(done.trace, program.machine, program.name, program.sha256)
+    if trace is None:
+        from beamcam.simulate.program import simulate_program
+
+        done = simulate_program(
+            program.data, program.machine, program.name, program.style, program.parts
+        )
+        trace = done.trace
+    made = TableMade(trace, program.machine, program.name, program.sha256)
     return table_scene(made, unit)
 
 

@@ -48,9 +48,14 @@ class TableMade(Struct, frozen=True):
 
     @property
     def speeds_mm_s(self) -> Floats:
-        """Mean speed of each interval; 0 where nothing moves."""
-        ways = np.hypot(*np.diff(self.trace.positions[:, :2], axis=0).T)
-        lasts = np.diff(self.trace.time_s)
+        """Mean speed of the block that each interval belongs to; 0 where nothing moves."""
+        trace = self.trace
+        ways = np.hypot(*np.diff(trace.positions[:, :2], axis=0).T)
+        moving = ways > MIN_MOVE
+        opens = np.append(True, (np.diff(trace.line) != 0) | (np.diff(trace.state) != 0))
+        block = np.cumsum(opens[: len(ways)]) - 1
+        lasts = np.bincount(block, np.diff(trace.time_s) * moving)[block] if len(block) else ways
+        ways = np.bincount(block, ways)[block] * moving if len(block) else ways
         found: Floats = np.divide(ways, lasts, out=np.zeros_like(ways), where=lasts > 0.0)
         return found
 
@@ -188,8 +193,9 @@ def _pierces(
     for number, (first, _, process) in enumerate(strokes, 1):
         at = frame.at(*trace.positions[first, :2].tolist())
         line = int(trace.line[first])
-        yield Circle(f"pierce by-{process}", at, 2.2, f"{number}: {process}", line)
-        if len(strokes) <= MAX_NUMBERS:
+        few = len(strokes) <= MAX_NUMBERS
+        yield Circle(f"pierce by-{process}", at, 2.2, f"{number}: {process}" if few else "", line)
+        if few:
             yield Text("number order", (at[0] + 4.0, at[1] - 3.0), str(number), 9.0, line=line)
 
 

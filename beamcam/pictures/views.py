@@ -20,7 +20,7 @@ HEAD_LINE = 16.0
 TITLE = 30.0  #: above each view, for its name and the names of pieces
 FIGURES = 52.0  #: below a view, for the figures of its places
 GAP = 14.0
-MAX_VIEWS_HEIGHT = 1100.0
+MAX_VIEWS_HEIGHT = 620.0
 FIGURE_SIZE = 10.0
 
 Box = tuple[float, float, float, float]

@@ -20,7 +20,7 @@ def bar_trace(course: Sequence[CourseSection], machine: Machine) -> Trace:
         if part.start == part.end or not part.ramp.duration_s:
             builder.add([part.duration_s], [part.end], UNIFORM, part.line, part.state)
             continue
-        rows = list(_phases(part.ramp))
+        rows = list(ramp_intervals(part.ramp))
         ends = [part.at(part.begin_s + until_s) for _, until_s, _, _ in rows]
         ends[-1] = part.end
         builder.add(
@@ -33,7 +33,7 @@ def bar_trace(course: Sequence[CourseSection], machine: Machine) -> Trace:
     return builder.trace()
 
 
-def _phases(ramp: Ramp) -> Iterator[tuple[float, float, float, float]]:
+def ramp_intervals(ramp: Ramp) -> Iterator[tuple[float, float, float, float]]:
     """Begin, end and slopes of each phase of constant jerk that takes time."""
     jerk_s, steady_s = ramp.jerk_s, ramp.steady_s
     gained = ramp.acceleration * jerk_s / 2

@@ -8,14 +8,12 @@ from msgspec import Struct
 from beamcam.geometry.array_types import Counts, Floats
 from beamcam.motion.planned import cut_phases
 from beamcam.motion.speed_sections import SpeedSection
-from beamcam.simulate.state import State
-from beamcam.simulate.trace import TraceBuilder
 
 MIN_SECONDS = 1e-9  #: what rounding leaves of a phase is none
 
 
 class Chords(Struct, frozen=True):
-    """The chords of a path, each beginning where the one before it ends."""
+    """The chords of paths, each beginning where the one before it ends or where a path does."""
 
     begins: Floats  #: (n, 2)
     ends: Floats  #: (n, 2)
@@ -23,18 +21,24 @@ class Chords(Struct, frozen=True):
     lines: Counts  #: (n,) of the program
 
 
-def add_phases(
-    builder: TraceBuilder, chords: Chords, moving: Sequence[SpeedSection], joints: Sequence[float],
-    state: State,
-) -> None:  # fmt: skip
-    """Adds the phases of constant jerk of a path, each within one chord.
+class Phases(Struct, frozen=True):
+    """Intervals of a trace, each within one chord."""
 
-    `moving` are the stretches of the path by its chords, `joints` the speeds between them.
+    chord: Counts  #: (m,)
+    seconds: Floats  #: (m,)
+    ends: Floats  #: (m, 2)
+    slopes: Floats  #: (m, 2)
+
+
+def phases_of(chords: Chords, sections: Sequence[SpeedSection], joints: Sequence[float]) -> Phases:
+    """The phases of constant jerk of paths that begin and end at rest, one behind the other.
+
+    `sections` are the stretches of the paths by their chords, `joints` the speeds between them.
     """
     begins, ends, lengths = chords.begins, chords.ends, chords.lengths
     points = np.concatenate((begins[:1], ends))
     along = (ends - begins) / np.where(lengths > 0.0, lengths, 1.0)[:, None]
-    path = cut_phases(points, lengths, along, list(moving), np.array(joints))
+    path = cut_phases(points, lengths, along, list(sections), np.array(joints))
     kept = path.phase_duration_s > MIN_SECONDS
     chord, lasts = path.phase_segment[kept], path.phase_duration_s[kept]
     share = np.clip(path.phase_position[kept] / lengths[chord], 0.0, 1.0)
@@ -46,5 +50,4 @@ def add_phases(
     later = np.maximum(0.0, v + lasts * (a + lasts * j / 2))
     at = begins[chord] + until[:, None] * (ends - begins)[chord]
     at[is_last] = ends[chord[is_last]]
-    slopes = np.column_stack((v * scale, later * scale))
-    builder.add(lasts, at, slopes, chords.lines[chord], state)
+    return Phases(chord, lasts, at, np.column_stack((v * scale, later * scale)))

@@ -8,6 +8,7 @@ from collections.abc import Mapping, Sequence
 from math import isnan
 
 import numpy as np
+from msgspec import Struct
 
 from beamcam.controllers.events import HeadMove, Move, Pause, Switch, TableEvent
 from beamcam.geometry.array_types import Counts
@@ -19,9 +20,9 @@ from beamcam.machine.path_limits import path_limits
 from beamcam.model.program import ArcFeed, EllipseFeed, Feed, Movement, ParabolaFeed
 from beamcam.motion.sheet_times import SECONDS_PER_MINUTE, Segment, segment_of, speeds_along
 from beamcam.motion.speed_sections import SpeedSection
-from beamcam.simulate.phases import Chords, add_phases
+from beamcam.simulate.phases import Chords, Phases, phases_of
 from beamcam.simulate.state import State
-from beamcam.simulate.trace import UNIFORM, Trace, TraceBuilder, head_axes
+from beamcam.simulate.trace import Trace, TraceBuilder, head_axes
 
 #: Of the chords that stand for a curve in a trace.
 CHORD_TOLERANCE = 0.02
@@ -40,52 +41,83 @@ def sheet_trace(events: Sequence[TableEvent], starts: Mapping[int, str], machine
             if isinstance(event, Move):
                 head.follow([event])
             elif isinstance(event, Pause):
-                head.builder.wait(event.seconds, event.line, head.state)
+                head.steps.append(_Wait(event.seconds, event.line, head.state))
             else:
                 head.state = State(process=starts.get(event.line, ""))
     head.follow(path)
-    return head.builder.trace()
+    return head.trace()
+
+
+class _Wait(Struct, frozen=True):
+    """The head stands."""
+
+    seconds: float
+    line: int
+    state: State
+
+
+class _Path(Struct, frozen=True):
+    """The head moves from rest to rest."""
+
+    first: int  #: of its segments
+    last: int  #: behind the last of them
+    state: State
 
 
 class _Head:
-    """The head and its clock while a program runs."""
+    """The way of the head, gathered first so that all of it is timed at once."""
 
     def __init__(self, machine: Machine) -> None:
         if machine.torch is None:
             raise TypeError(f"{machine.name} has no torch")
+        self.machine = machine
         self.limits = path_limits(machine)
         self.rapid_mm_min = machine.torch.traverse_mm_min
-        self.builder = TraceBuilder(head_axes(machine), (0.0, 0.0))
         self.state = State()
+        self.here: Point = (0.0, 0.0)  #: a program begins in the corner of the table
+        self.curves: list[Curve] = []
+        self.segments: list[Segment] = []
+        self.lines: list[int] = []
+        self.steps: list[_Wait | _Path] = []
 
     def follow(self, legs: Sequence[HeadMove]) -> None:
         """Moves from rest to rest."""
-        curves: list[Curve] = []
-        segments: list[Segment] = []
-        lines: list[int] = []
+        first = len(self.segments)
         for leg in legs:
-            start = self._start(leg)
+            start = self.here if isnan(leg.start[0]) or isnan(leg.start[1]) else leg.start
             feed = self.rapid_mm_min if leg.rapid or not leg.feed_mm_min else leg.feed_mm_min
             move = _movement(leg, start)
             segment = segment_of(start, move, feed / SECONDS_PER_MINUTE, self.limits)
             if segment is not None:
-                curves.append(leg.curve or Line(start, leg.end))
-                segments.append(segment)
-                lines.append(leg.line)
-        if segments:
-            self._run(curves, segments, np.array(lines, dtype=np.int64))
+                self.curves.append(leg.curve or Line(start, leg.end))
+                self.segments.append(segment)
+                self.lines.append(leg.line)
+            self.here = leg.end
+        if len(self.segments) > first:
+            self.steps.append(_Path(first, len(self.segments), self.state))
 
-    def _start(self, leg: HeadMove) -> Point:
-        """Where a move begins; a program begins in the corner of the table."""
-        if isnan(leg.start[0]) or isnan(leg.start[1]):
-            x, y = self.builder.here.tolist()
-            return x, y
-        return leg.start
+    def trace(self) -> Trace:
+        """All of it."""
+        builder = TraceBuilder(head_axes(self.machine), (0.0, 0.0))
+        if not self.segments:
+            return builder.trace()
+        chords, firsts = self._chords()
+        run = self._uniform(chords, firsts) if self.limits is None else self._timed(chords, firsts)
+        edges = np.searchsorted(run.chord, firsts)
+        for step in self.steps:
+            if isinstance(step, _Wait):
+                builder.wait(step.seconds, step.line, step.state)
+                continue
+            own = slice(int(edges[step.first]), int(edges[step.last]))
+            lines = chords.lines[run.chord[own]]
+            builder.add(run.seconds[own], run.ends[own], run.slopes[own], lines, step.state)
+        return builder.trace()
 
-    def _run(self, curves: list[Curve], segments: list[Segment], lines: Counts) -> None:
-        drawn = polylines(curves, CHORD_TOLERANCE)
-        chords = np.diff(drawn.begins) - 1
-        owner = np.repeat(np.arange(len(curves)), chords)
+    def _chords(self) -> tuple[Chords, Counts]:
+        """The chords of all curves, and the number of the first one of each."""
+        drawn = polylines(self.curves, CHORD_TOLERANCE)
+        counts = np.diff(drawn.begins) - 1
+        owner = np.repeat(np.arange(len(self.curves)), counts)
         inner = np.ones(len(drawn.points), dtype=bool)
         inner[drawn.begins[:-1]] = False
         ends = drawn.points[inner]
@@ -93,23 +125,35 @@ class _Head:
         step = ends - begins
         lengths = np.hypot(step[:, 0], step[:, 1])
         # The chords of a curve share its length, so that it takes the time that it takes.
-        whole = np.bincount(owner, lengths, len(curves))
-        lengths = lengths * (np.array([s.length for s in segments]) / whole)[owner]
-        firsts = np.concatenate(([0], np.cumsum(chords)))
-        if self.limits is None:
-            speeds = np.array([s.speed_mm_s for s in segments])[owner]
-            self.builder.add(lengths / speeds, ends, UNIFORM, lines[owner], self.state)
-            return
-        moving, joints = speeds_along(segments, self.limits)
-        finer = [
-            SpeedSection(
-                s.limit, s.length, int(firsts[s.first]), int(firsts[s.last]), s.acceleration,
-                s.jerk,
-            )
-            for s in moving
-        ]  # fmt: skip
-        add_phases(self.builder, Chords(begins, ends, lengths, lines[owner]), finer, joints,
-                   self.state)  # fmt: skip
+        whole = np.bincount(owner, lengths, len(self.curves))
+        lengths = lengths * (np.array([s.length for s in self.segments]) / whole)[owner]
+        lines = np.array(self.lines, dtype=np.int64)[owner]
+        return Chords(begins, ends, lengths, lines), np.concatenate(([0], np.cumsum(counts)))
+
+    def _uniform(self, chords: Chords, firsts: Counts) -> Phases:
+        """Each segment at its full speed, where the machine's file has no axes."""
+        speeds = np.repeat([s.speed_mm_s for s in self.segments], np.diff(firsts))
+        count = len(chords.lengths)
+        return Phases(np.arange(count), chords.lengths / speeds, chords.ends, np.ones((count, 2)))
+
+    def _timed(self, chords: Chords, firsts: Counts) -> Phases:
+        """The look-ahead over each path, and the phases of all of them."""
+        assert self.limits is not None
+        sections: list[SpeedSection] = []
+        joints = [0.0]
+        for step in self.steps:
+            if isinstance(step, _Path):
+                own = self.segments[step.first : step.last]
+                moving, speeds = speeds_along(own, self.limits)
+                sections += [
+                    SpeedSection(
+                        s.limit, s.length, int(firsts[step.first + s.first]),
+                        int(firsts[step.first + s.last]), s.acceleration, s.jerk,
+                    )
+                    for s in moving
+                ]  # fmt: skip
+                joints += speeds[1:]
+        return phases_of(chords, sections, joints)
 
 
 def _movement(leg: HeadMove, start: Point) -> Movement:

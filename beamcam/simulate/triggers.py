@@ -12,12 +12,14 @@ from beamcam.controllers.simotion.circles import circle_points
 from beamcam.controllers.simotion.job import JobRead, Operation
 from beamcam.geometry.moves import move_seconds
 from beamcam.geometry.plane import Point
+from beamcam.geometry.ramps import ramp
 from beamcam.machine.machine import Machine
 from beamcam.machine.runtime import PROCESSES
 from beamcam.model.triggers import Round, Switch, Travel, TriggerOp
 from beamcam.motion.speed_sections import SpeedSection
 from beamcam.motion.table_times import operation_seconds
-from beamcam.simulate.phases import Chords, add_phases
+from beamcam.simulate.bars import ramp_intervals
+from beamcam.simulate.phases import Chords, phases_of
 from beamcam.simulate.state import State
 from beamcam.simulate.trace import Trace, TraceBuilder, head_axes
 
@@ -39,16 +41,9 @@ def trigger_trace(job: JobRead, machine: Machine) -> Trace:
             state = State(process=op.process if op.on else "")
             builder.wait(whole_s, operation.line, state)
             continue
-        points = np.array(_points(here, op))
-        lengths = np.hypot(*np.diff(points, axis=0).T)
-        way = float(np.sum(lengths))
-        if way > 0.0:
-            lines = np.full(len(lengths), operation.line, dtype=np.int64)
-            chords = Chords(points[:-1], points[1:], lengths, lines)
-            whole = SpeedSection(op.speed_mm_s, way, 0, len(lengths), triggers.acceleration, inf)
-            add_phases(builder, chords, [whole], (0.0, 0.0), state)
-            moving_s = move_seconds(way, op.speed_mm_s, triggers.acceleration)
-            builder.wait(max(0.0, whole_s - moving_s), operation.line, state)
+        way = _travel(builder, here, op, triggers.acceleration, operation.line, state)
+        moving_s = move_seconds(way, op.speed_mm_s, triggers.acceleration)
+        builder.wait(max(0.0, whole_s - moving_s), operation.line, state)
         here = op.x, op.y
     return builder.trace()
 
@@ -65,9 +60,28 @@ def _operation(op: Operation, job: JobRead) -> TriggerOp:
     return Switch(process, on, job.pierce_s[process] if on else 0.0)  # type: ignore[arg-type]
 
 
-def _points(here: Point, op: Travel | Round) -> list[Point]:
+def _travel(
+    builder: TraceBuilder, here: Point, op: Travel | Round, acceleration: float, line: int,
+    state: State,
+) -> float:  # fmt: skip
+    """Adds a move from rest to rest; its length comes back."""
+    points: list[Point] = [here, (op.x, op.y)]
     if isinstance(op, Round):
-        return circle_points(here, (op.middle_x, op.middle_y), (op.x, op.y)) or [
-            here, (op.x, op.y),
-        ]  # fmt: skip
-    return [here, (op.x, op.y)]
+        points = circle_points(here, (op.middle_x, op.middle_y), points[1]) or points
+    corners = np.array(points)
+    lengths = np.hypot(*np.diff(corners, axis=0).T)
+    way = float(np.sum(lengths))
+    if not way > 0.0:
+        return 0.0
+    if len(lengths) > 1:
+        lines = np.full(len(lengths), line, dtype=np.int64)
+        whole = SpeedSection(op.speed_mm_s, way, 0, len(lengths), acceleration, inf)
+        chords = Chords(corners[:-1], corners[1:], lengths, lines)
+        run = phases_of(chords, [whole], (0.0, 0.0))
+        builder.add(run.seconds, run.ends, run.slopes, line, state)
+        return way
+    run_up = ramp(op.speed_mm_s / way, acceleration / way)
+    for begin_s, end_s, *slopes in ramp_intervals(run_up):
+        at = corners[0] + run_up.share(end_s) * (corners[1] - corners[0])
+        builder.add([end_s - begin_s], [at], slopes, line, state)
+    return way

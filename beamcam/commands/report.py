@@ -1,0 +1,112 @@
+"""`beamcam report`: the setup sheet of a program, with playback."""
+
+from pathlib import PurePath
+from typing import Any
+
+import click
+
+from beamcam.commands import options
+from beamcam.commands.common import REFUSED, Voice, write
+from beamcam.commands.comparison import is_part
+from beamcam.commands.jobs import posted_job, read_program
+from beamcam.commands.parts import part_options, read_parts
+from beamcam.commands.pictures import unit
+from beamcam.commands.programs import input_bytes
+from beamcam.commands.settings import files_read, settled
+from beamcam.config.values import Config
+from beamcam.errors import BeamcamError, errors_in
+from beamcam.model.plan import Order
+from beamcam.readers.content import shown_name
+
+SUFFIXES = (".html", ".pdf")
+
+
+@click.command("report")
+@options.inputs
+@options.output(".html or .pdf; - is HTML on standard output.")
+@unit
+@options.machine
+@options.config
+@options.bar
+@options.job_name
+@options.skips
+@options.order
+@options.turn
+@part_options
+@options.strict
+@options.json_messages
+@options.voiced
+def command(
+    inputs: tuple[str, ...],
+    output: str,
+    unit: Any,
+    order: Order,
+    turn: bool,
+    as_json: bool,
+    voice: Voice,
+    **asked: Any,
+) -> None:
+    """Write the setup sheet of a program: one file for whoever stands at the machine.
+
+    INPUTs are parts, which are posted as `post` would, or a program, and behind it the parts that
+    it has to make. The page holds the verdict of the read-back, the pictures, the operations with
+    their times, the tools to load and a playback of the machine; it fetches nothing. PDF needs
+    beamcam[pictures].
+
+    \b
+    beamcam report M58.nc1 -o m58.html
+    beamcam report M74.nc1 M58.nc1 M74.nc1 --machine beamline-annex -o bar.html
+    beamcam report job.gcode M58.nc1 --machine beamline-annex -o job.pdf
+    beamcam report plate.dxf --thickness 3 -o plate.html --unit inch
+    """
+    from beamcam.setup_sheet.content import Source, content_of
+
+    suffix = ".html" if output == "-" else PurePath(output).suffix.lower()
+    if suffix not in SUFFIXES:
+        raise click.UsageError(f"found {output!r}; expected a name in {', '.join(SUFFIXES)}, or -")
+    source = None
+    try:
+        config = settled(asked, inputs)
+        first = input_bytes(inputs[0])
+        if inputs[0] == "-" or not is_part(shown_name(inputs[0]), first):
+            source = _of_program(first, inputs, config, asked, voice)
+        else:
+            job = posted_job(inputs, config, asked, output, order, turn, voice)
+            said = (*job.said, *job.posted.remarks)
+            source = Source(job.program, job.posted.plan, said)
+        content = content_of(source, unit)
+        sheet: str | bytes
+        if suffix == ".pdf":
+            from beamcam.setup_sheet.paper import setup_pdf
+
+            sheet = setup_pdf(content)
+        else:
+            from beamcam.setup_sheet.page import setup_page
+
+            sheet = setup_page(content)
+    except BeamcamError as error:
+        voice.stop((*(source.said if source else ()), *error.diagnostics))
+    voice.did(f"made the sheet of {source.program.name}")
+    write(output, sheet, voice, files_read(config, inputs))
+    voice.say((*source.said, *source.found))
+    if errors_in(source.found):
+        raise SystemExit(REFUSED)
+
+
+def _of_program(
+    data: bytes, inputs: tuple[str, ...], config: Config, asked: dict[str, Any], voice: Voice
+) -> Any:
+    """A program that is a file, compared with the parts behind it."""
+    from msgspec.structs import replace
+
+    from beamcam.pipeline import read_back
+    from beamcam.posts import Request
+    from beamcam.setup_sheet.content import Source
+
+    parts, said = read_parts(inputs[1:], config, asked, voice) if inputs[1:] else ((), ())
+    program = replace(read_program(data, inputs[0], config), parts=parts)
+    request = Request(
+        parts, program.machine, config.allow_skips, program.name, bar=program.bar,
+        style=program.style,
+    )  # fmt: skip
+    return Source(program, None, said, read_back(data, request))

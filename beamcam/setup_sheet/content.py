@@ -1,0 +1,178 @@
+"""What a setup sheet says, as data."""
+
+from collections.abc import Iterable, Iterator, Sequence
+from typing import Literal
+
+from msgspec import Struct
+
+from beamcam.errors import Diagnostic, Severity, errors_in
+from beamcam.model.part import Part
+from beamcam.model.plan import Plan, SheetPlan
+from beamcam.pictures.bar import BarMade
+from beamcam.pictures.program import ReadProgram
+from beamcam.pictures.scene import Scene, Unit
+from beamcam.report.ledger import ledger_of
+from beamcam.setup_sheet.operations import Operation, operations_of, table_operations
+from beamcam.simulate.program import simulate_program
+from beamcam.simulate.trace import Trace
+
+LEFT_OUT = ("plan-left-out", "verify-left-out")
+
+
+class ToolRow(Struct, frozen=True):
+    """A tool to load."""
+
+    where: str  #: spindle, or head
+    station: str  #: blank where the program does not say
+    tool: str
+
+
+class Stretch(Struct, frozen=True):
+    """A stretch of the bar."""
+
+    what: str
+    start: float
+    end: float
+
+
+class Content(Struct, frozen=True):
+    """All that the sheet says."""
+
+    program: ReadProgram
+    unit: Unit
+    trace: Trace
+    header: tuple[tuple[str, str], ...]
+    pictures: tuple[Scene, ...]  #: the program's first, then the parts
+    operations: tuple[Operation, ...]
+    tools: tuple[ToolRow, ...]
+    bar: tuple[Stretch, ...]
+    left_out: tuple[str, ...]
+    messages: tuple[Diagnostic, ...]  #: of readers, planner and read-back
+    ledger: str  #: blank where no part is known
+    verdict: Literal["made", "alone", "wrong"]
+
+    @property
+    def seconds(self) -> float:
+        """What the machine takes."""
+        return self.trace.duration_s
+
+
+class Source(Struct, frozen=True):
+    """What a sheet is made from."""
+
+    program: ReadProgram
+    plan: Plan | SheetPlan | None = None  #: of a program that was posted just now
+    said: tuple[Diagnostic, ...] = ()  #: by readers and the planner
+    found: tuple[Diagnostic, ...] = ()  #: by the read-back
+    compared: bool = True  #: with the parts, if there are any
+
+
+def content_of(source: Source, unit: Unit = "mm") -> Content:
+    """What the sheet of a program says. Raises VerifyError where nothing of it is understood."""
+    from beamcam.pictures.part import part_scene
+    from beamcam.pictures.program import bar_made, program_scene
+
+    program = source.program
+    machine = program.machine
+    trace = simulate_program(
+        program.data, machine, program.name, program.style, program.parts
+    ).trace
+    parts = tuple(dict.fromkeys(program.parts))
+    pictures = (program_scene(program, unit, trace), *(part_scene(part, unit) for part in parts))
+    bar: tuple[Stretch, ...] = ()
+    if machine.stock == "beam":
+        made = bar_made(program)
+        operations = operations_of(made, trace)
+        tools = _bar_tools(source, operations)
+        bar = tuple(_stretches(made))
+    else:
+        operations = table_operations(program, trace)
+        tools = tuple(ToolRow("head", "", p) for p in dict.fromkeys(o.what for o in operations))
+    messages = (*source.said, *source.found)
+    verdict: Literal["made", "alone", "wrong"] = "made" if program.parts else "alone"
+    if errors_in(source.found) or not source.compared:
+        verdict = "wrong"
+    return Content(
+        program, unit, trace, tuple(_header(program, trace)), pictures, operations, tools, bar,
+        tuple(f"{d.source}: {d.message}" for d in messages if d.code in LEFT_OUT),
+        tuple(d for d in messages if d.severity is not Severity.NOTE or d.code not in LEFT_OUT),
+        ledger_of(source.plan.outcomes) if source.plan is not None else "",
+        verdict,
+    )  # fmt: skip
+
+
+def _header(program: ReadProgram, trace: Trace) -> Sequence[tuple[str, str]]:
+    """The lines of the header, empty ones left out."""
+    parts = program.parts
+    rows = [
+        ("Program", program.name),
+        ("Machine", f"{program.machine.name}: {program.machine.title}"),
+        ("Mark", _joined(p.mark for p in parts)),
+        ("Order", _joined(p.order for p in parts)),
+        ("Drawing", _joined(p.drawing for p in parts)),
+        ("Section", _joined(p.profile.name for p in parts)),
+        ("Grade", _joined(p.grade for p in parts)),
+        ("Quantity", _quantities(parts)),
+        ("Machine time", clock(trace.duration_s)),
+    ]
+    return [(label, value) for label, value in rows if value]
+
+
+def _joined(values: Iterable[str]) -> str:
+    return ", ".join(dict.fromkeys(v for v in values if v))
+
+
+def _quantities(parts: Sequence[Part]) -> str:
+    """How many pieces are asked for, and how many of them this program makes."""
+    rows = []
+    for part in dict.fromkeys(parts):
+        here = sum(1 for p in parts if p == part)
+        rows.append(f"{part.mark or 'part'}: {here} of {max(part.quantity, here)}")
+    return ", ".join(rows)
+
+
+def clock(seconds: float) -> str:
+    """A time as minutes and seconds, or hours where there are any."""
+    whole = round(seconds)
+    if whole < 3600:
+        return f"{whole // 60}:{whole % 60:02d} min"
+    return f"{whole // 3600}:{whole % 3600 // 60:02d}:{whole % 60:02d} h"
+
+
+def _bar_tools(source: Source, operations: Sequence[Operation]) -> tuple[ToolRow, ...]:
+    """The tools by station as the plan loads them; by spindle alone where no plan is known."""
+    machine = source.program.machine
+    if isinstance(source.plan, Plan):
+        from beamcam.planning.magazine import tool_loads
+
+        return tuple(
+            ToolRow(load.spindle, _station(load.station, load.before, load.out is not None),
+                    load.tool.name)
+            for load in tool_loads(source.plan.operations, machine)
+        )  # fmt: skip
+    names: dict[str, str] = {s.face: s.name for s in machine.spindles}
+    found = {
+        (names.get(face, face), op.tool): None
+        for op in operations if op.tool for face in op.faces
+    }  # fmt: skip
+    return tuple(ToolRow(where, "", tool) for where, tool in found)
+
+
+def _station(station: int, before: int, changed: bool) -> str:
+    return f"{station}, by hand before operation {before + 1}" if changed else str(station)
+
+
+def _stretches(made: BarMade) -> Iterator[Stretch]:
+    """Trims, parts and remnant, each from its first to its last corner."""
+    corners = [(f, y) for f in ("o", "u") for y in (0.0, made.profile.width)]
+    for piece in made.pieces():
+        start, end = 0.0, made.end
+        if piece.start is not None:
+            firsts = [made.x_on(piece.start, f, y) for f, y in corners]
+            start = min(firsts) + piece.start.half_kerf
+        if piece.end is not None:
+            end = max(made.x_on(piece.end, f, y) for f, y in corners) - piece.end.half_kerf
+        if piece.kind == "remnant" and made.bar is None:
+            continue  # nobody knows where it ends
+        if end - start > made.machine.format.resolution:
+            yield Stretch(piece.mark or piece.kind, start, end)

@@ -1,0 +1,68 @@
+"""Pieces of HTML that the pages share."""
+
+from collections.abc import Iterable, Sequence
+from html import escape
+
+from beamcam.errors import Diagnostic
+from beamcam.plain_text import terminal_text
+from beamcam.report.run import as_message, message_line
+
+
+def shown(text: str) -> str:
+    """A text of an input as HTML shows it."""
+    return escape(terminal_text(text))
+
+
+def length(mm: float | None) -> str:
+    """A length that a page shows in the reader's unit and language; nothing for none."""
+    return "" if mm is None else f'<data class="mm" value="{mm + 0:.6g}">{mm + 0:.1f}</data>'
+
+
+def number(value: float | None, classes: str = "") -> str:
+    """A number that a page shows in the reader's language; nothing for none."""
+    named = f' class="{classes}"' if classes else ""
+    return "" if value is None else f'<data{named} value="{value + 0:.6g}">{value + 0:.6g}</data>'
+
+
+Heads = Sequence[tuple[str, bool]]  #: name of each column, and whether it holds numbers
+
+
+def table(name: str, heads: Heads, rows: Iterable[str]) -> str:
+    """A table whose rows become cards where the page is narrow.
+
+    What a column is called, and how it is set, stands once in a style for all of its cells.
+    """
+    cells = "".join(f'<th scope="col">{head}</th>' for head, _ in heads)
+    right = ",".join(
+        f"#{name} tr>:nth-child({k})" for k, (_, is_number) in enumerate(heads, 1) if is_number
+    )
+    labels = "".join(
+        f'#{name} td:nth-child({k})::before{{content:"{_plain(head)} "}}'
+        for k, (head, _) in enumerate(heads, 1)
+    )
+    aligned = (
+        f"@media not all and (max-width:760px){{{right}{{text-align:right}}}}" if right else ""
+    )
+    return (
+        f"<style>{aligned}@media screen and (max-width:760px){{{labels}}}</style>"
+        f'<table class="rows" id="{name}"><thead><tr>{cells}</tr></thead>'
+        f"<tbody>{''.join(rows)}</tbody></table>"
+    )
+
+
+def row(cells: Sequence[str], attributes: str = "") -> str:
+    """A row of cells."""
+    return f"<tr{attributes}>{''.join(f'<td>{cell}' for cell in cells)}</tr>"
+
+
+def _plain(head: str) -> str:
+    """The name of a column without its unit."""
+    return escape(head.split("<", 1)[0].strip(" ,"))
+
+
+def messages(said: Iterable[Diagnostic]) -> str:
+    """Messages, a line each."""
+    lines = "".join(
+        f'<div class="{d.severity.value}">{shown(message_line(as_message(d)))}</div>' for d in said
+    )
+    return f'<div class="messages">{lines}</div>'

@@ -1,0 +1,132 @@
+"""The operations of a program with their figures and times, as they follow one another."""
+
+from collections.abc import Sequence
+from itertools import pairwise
+
+import numpy as np
+from msgspec import Struct
+
+from beamcam.geometry.array_types import Counts, Flags
+from beamcam.pictures.bar import BarMade, order_numbers
+from beamcam.pictures.program import ReadProgram
+from beamcam.pictures.table import SECONDS_PER_MINUTE, TableMade
+from beamcam.simulate.trace import Trace
+from beamcam.verify.bars.made import Bore, Cut, Trail
+
+MIN_MOVE = 1e-6
+
+
+class Operation(Struct, frozen=True):
+    """One operation of a program."""
+
+    number: int
+    line: int  #: of the program, where its work is
+    what: str
+    tool: str
+    faces: tuple[str, ...]
+    x: float  #: machine X
+    y: float | None  #: on the face, or machine Y of a table
+    depth: float | None  #: of the tool's tip, from the face
+    feed_mm_min: float | None
+    speed_rpm: float | None
+    seconds: float  #: from the end of the operation before
+    length: float | None = None  #: of a way along a contour
+
+
+def operations_of(bar: BarMade, trace: Trace) -> tuple[Operation, ...]:
+    """The cuts and strokes of a bar; a stroke of two spindles is one."""
+    numbers = order_numbers(bar.made)
+    rows: dict[int, list[Cut | Bore | Trail]] = {}
+    for op in bar.made.order:
+        rows.setdefault(op.line, []).append(op)
+    ends = _ends(trace, list(rows))
+    found, begin = [], 0.0
+    for (line, ops), end in zip(rows.items(), ends, strict=True):
+        found.append(_operation(numbers[line], ops, end - begin))
+        begin = end
+    return tuple(found)
+
+
+def _operation(number: int, ops: Sequence[Cut | Bore | Trail], seconds: float) -> Operation:
+    op = ops[0]
+    if isinstance(op, Cut):
+        tilt = f", tilt {op.tilt:g}" if op.tilt else ""
+        what = f"saw cut {op.angle:g}\N{DEGREE SIGN}{tilt}"
+        return Operation(
+            number, op.line, what, "", (), op.x, None, None, op.feed_mm_min or None, None, seconds
+        )
+    faces = tuple(o.face for o in ops if not isinstance(o, Cut))
+    tool = f"{op.kind} {op.diameter:g}"
+    if isinstance(op, Bore):
+        return Operation(
+            number, op.line, tool, tool, faces, op.x, op.y, op.tip_depth, op.feed_mm_min or None,
+            op.speed_rpm or None, seconds,
+        )  # fmt: skip
+    (x, y), depth = op.points[0], op.max_depth
+    length = sum(float(np.hypot(b[0] - a[0], b[1] - a[1])) for a, b in pairwise(op.points))
+    return Operation(
+        number, op.line, f"{tool} path", tool, faces, x, y, depth, op.feed_mm_min or None, None,
+        seconds, length,
+    )  # fmt: skip
+
+
+def _ends(trace: Trace, lines: Sequence[int]) -> list[float]:
+    """When each operation is over, whose work stands in a line: its tool is back.
+
+    It is where, behind the work, another axis begins to move than did in it, or another tool is
+    chosen; the last one ends with the program.
+    """
+    if not len(trace.line):
+        return [0.0] * len(lines)
+    moves = np.abs(np.diff(trace.positions, axis=0)) > MIN_MOVE
+    setups = [(s.spindle, s.diameter) for s in trace.states]
+    ends = []
+    for k, line in enumerate(lines):
+        own = np.flatnonzero(trace.line == line)
+        if k + 1 == len(lines) or not len(own):
+            ends.append(trace.duration_s if k + 1 == len(lines) else 0.0)
+            continue
+        used: Flags = np.any(moves[own], axis=0)
+        at = int(own[-1]) + 1
+        setup = setups[int(trace.state[own[-1]])]
+        while at < len(trace.line) and not _is_other(trace, moves, used, setups, setup, at):
+            at += 1
+        ends.append(float(trace.time_s[at]))
+    return _rising(ends)
+
+
+def _is_other(
+    trace: Trace, moves: Flags, used: Flags, setups: Sequence[tuple[int, float]],
+    setup: tuple[int, float], at: int,
+) -> bool:  # fmt: skip
+    """Whether an interval belongs to another operation than the one that used some axes."""
+    state = trace.states[int(trace.state[at])]
+    starts_saw = state.sawing and not trace.states[int(trace.state[at - 1])].sawing
+    other = setups[int(trace.state[at])] != setup
+    return bool((moves[at] & ~used).any()) or other or starts_saw
+
+
+def _rising(ends: list[float]) -> list[float]:
+    for k in range(1, len(ends)):
+        ends[k] = max(ends[k], ends[k - 1])
+    return ends
+
+
+def table_operations(program: ReadProgram, trace: Trace) -> tuple[Operation, ...]:
+    """The paths of a table's program, each with the way to it."""
+    table = TableMade(trace, program.machine, program.name, program.sha256)
+    speeds = table.speeds_mm_s
+    ways = np.hypot(*np.diff(trace.positions[:, :2], axis=0).T)
+    found, begin = [], 0.0
+    for number, (first, last, process) in enumerate(table.strokes, 1):
+        moving: Counts = first + np.flatnonzero(ways[first:last] > MIN_MOVE)
+        x, y = trace.positions[first, :2].tolist()
+        fastest = float(speeds[moving].max(initial=0.0)) * SECONDS_PER_MINUTE
+        end = float(trace.time_s[last])
+        line = int(trace.line[moving[0]] if len(moving) else trace.line[first])
+        found.append(
+            Operation(number, line, process, process, (), x, y, None, fastest or None, None,
+                      end - begin, float(ways[first:last].sum()))
+        )  # fmt: skip
+        begin = end
+    return tuple(found)

@@ -1,0 +1,219 @@
+"""The setup sheet as one HTML file: nothing is fetched, and it works from a disk.
+
+header, verdict, hash -> playback with the program's text -> pictures -> operations, tools, bar
+"""
+
+from collections.abc import Iterator
+from typing import Any
+
+from beamcam import __version__
+from beamcam.pictures.svg import inline_svg
+from beamcam.setup_sheet.content import Content, clock
+from beamcam.setup_sheet.html import length, messages, number, row, shown, table
+from beamcam.setup_sheet.operations import Operation
+from beamcam.setup_sheet.playback import as_script, bar_data, table_data
+from beamcam.setup_sheet.static_files import page_script, page_style
+
+MAX_TEXT = 1_500_000  #: characters of a program that the page holds
+HEAD_LINES = 200  #: that it shows of a longer one
+MAX_ROWS = 1000  #: operations in the table
+VERDICTS = {
+    "made": "Read back: the program makes exactly these parts.",
+    "alone": "Read back by itself: nothing is wrong with it; no part was given to compare with.",
+    "wrong": "Read back: this program is NOT RIGHT.",
+}
+_UNIT = '<span class="unit">mm</span>'
+_RATE = '<span class="unit" data-per="min">mm/min</span>'
+
+
+def setup_page(content: Content) -> str:
+    """The page; the same program gives the same bytes."""
+    program = content.program
+    title = f"{program.name}: setup sheet"
+    return "".join(
+        [
+            '<!doctype html>\n<html lang="en" ',
+            f'data-sha256="{program.sha256}" data-unit="{content.unit}">\n',
+            document_head(title),
+            "<body>\n<main>\n",
+            *_top(content),
+            _playback(content),
+            *_pictures(content),
+            *_tables(content),
+            "</main>\n",
+            f"<footer>beamcam {__version__}. SHA-256 of {shown(program.name)}: "
+            f"<code>{program.sha256}</code></footer>\n",
+            data_script("playback", playback_data(content)),
+            data_script("program", program_data(content)),
+            f"<script>{page_script()}</script>\n</body>\n</html>\n",
+        ]
+    )
+
+
+def document_head(title: str) -> str:
+    """The head of a page that fetches nothing; a browser would ask for an icon by itself."""
+    return (
+        '<head><meta charset="utf-8">'
+        '<meta name="viewport" content="width=device-width, initial-scale=1">'
+        '<meta http-equiv="Content-Security-Policy" content="default-src \'none\'; '
+        "style-src 'unsafe-inline'; script-src 'unsafe-inline'; img-src data:\">"
+        f'<link rel="icon" href="data:,"><title>{shown(title)}</title>'
+        f"<style>{page_style()}</style></head>\n"
+    )
+
+
+def data_script(name: str, data: object) -> str:
+    """Data for the page's script."""
+    return f'<script type="application/json" id="{name}">{as_script(data)}</script>\n'
+
+
+def playback_data(content: Content) -> dict[str, Any]:
+    """The trace with what it moves."""
+    from beamcam.pictures.program import bar_made
+    from beamcam.pictures.table import TableMade
+
+    program = content.program
+    if program.machine.stock == "beam":
+        return bar_data(bar_made(program), content.trace)
+    return table_data(TableMade(content.trace, program.machine, program.name, program.sha256))
+
+
+def program_data(content: Content) -> dict[str, Any]:
+    """The program's text, so that the page can prove its hash; of a long one the first lines."""
+    data = content.program.data
+    try:
+        text = data.decode("utf-8")
+    except UnicodeDecodeError:
+        return {"text": None, "lines": ["(bytes that are no text)"]}
+    if len(text) > MAX_TEXT:
+        lines = text[: 200 * HEAD_LINES].split("\n")[:HEAD_LINES]
+        more = text.count("\n") - len(lines)
+        return {"text": None, "lines": [*lines, f"({more} more lines)"]}
+    return {"text": text}
+
+
+def _top(content: Content) -> Iterator[str]:
+    program = content.program
+    rows = "".join(f"<dt>{label}</dt><dd>{shown(value)}</dd>" for label, value in content.header)
+    yield (
+        f'<div class="top"><h1>{shown(program.name)}</h1>'
+        '<label id="unit-choice">Unit <select id="unit"><option>mm</option><option>inch</option>'
+        "</select></label></div>\n"
+        f"<dl>{rows}<dt>SHA-256</dt><dd><code>{program.sha256}</code></dd></dl>\n"
+        f'<div class="verdict {content.verdict}">{VERDICTS[content.verdict]}'
+    )
+    if content.ledger:
+        yield f"<br>{shown(content.ledger)}"
+    yield "</div>\n"
+    yield (
+        '<div id="hash" role="status"><span id="hash-said">The SHA-256 of the program is not '
+        'checked in this page.</span> <span id="program-check"><label>Compare a file with it: '
+        '<input type="file" id="program-file"></label></span></div>\n'
+    )
+    if content.left_out:
+        items = "".join(f"<li>{shown(line)}</li>" for line in content.left_out)
+        yield f'<section><h2>Left for the hand</h2><ul class="hand">{items}</ul></section>\n'
+    if content.messages:
+        yield f"<section><h2>Warnings and remarks</h2>{messages(content.messages)}</section>\n"
+
+
+def _playback(content: Content) -> str:
+    views = {"above": "The bar from above", "side": "The bar from the side",
+             "space": "The bar and the tools in space; drag or arrow keys turn it"}  # fmt: skip
+    is_bar = content.program.machine.stock == "beam"
+    if not is_bar:
+        views = {"table": "The way of the head over the table"}
+    return playback_section(content.trace.axes, views, True, is_bar)
+
+
+def playback_section(axes: Any, views: dict[str, str], listing: bool, whole: bool) -> str:
+    """The controls, the views and the axes; `listing` with the program, `whole` with the choice."""
+    canvases = "".join(
+        f'<canvas data-view="{name}" role="img" aria-label="{label}"'
+        f"{' tabindex=0' if name == 'space' else ''}></canvas>"
+        for name, label in views.items()
+    )
+    rows = "".join(
+        f'<tr><th scope="row">{shown(axis.name)}</th><td class="n"><data id="axis-{k}" value="0">'
+        f"0</data></td><td>{_UNIT if axis.unit == 'mm' else 'deg'}</td></tr>"
+        for k, axis in enumerate(axes)
+    )
+    choice = '<label><input type="checkbox" id="whole"> whole length</label>' if whole else ""
+    text = (
+        '<div id="listing" role="listbox" tabindex="0" aria-label="Program; up and down step '
+        'by block"></div>'
+        if listing
+        else ""
+    )
+    speeds = "".join(
+        f'<option value="{v}"{" selected" if v == "1" else ""}>{v} x</option>'
+        for v in ("0.1", "0.5", "1", "2", "5", "10", "50", "200")
+    )
+    return (
+        '<section class="playback"><h2>Playback</h2><div class="stage"><div>'
+        f"{canvases}"
+        '<input type="range" id="time" min="0" max="1" step="any" value="0" aria-label="Time">'
+        '<div class="controls">'
+        '<button id="first" aria-label="To the beginning">|&lt;</button>'
+        '<button id="back" aria-label="One block back">&lt;</button>'
+        '<button id="play" aria-pressed="false">Play</button>'
+        '<button id="forward" aria-label="One block forward">&gt;</button>'
+        f'<label>Speed <select id="speed">{speeds}</select></label>{choice}'
+        '<span id="clock"></span></div></div>'
+        f'<div><div id="state"></div><table class="axes"><tbody>{rows}</tbody></table>{text}</div>'
+        "</div></section>\n"
+    )
+
+
+def _pictures(content: Content) -> Iterator[str]:
+    yield '<section class="pictures"><h2>What the program makes</h2>\n'
+    for k, scene in enumerate(content.pictures):
+        if k == 1:
+            yield "<h2>Parts</h2>\n"
+        yield (
+            f'<div class="picture" role="group" tabindex="0" aria-label="{shown(scene.title)}">'
+            f"{inline_svg(scene)}</div>\n"
+        )
+    yield "</section>\n"
+
+
+def _tables(content: Content) -> Iterator[str]:
+    if content.bar:
+        heads = (("What", False), (f"From, {_UNIT}", True), (f"To, {_UNIT}", True),
+                 (f"Length, {_UNIT}", True))  # fmt: skip
+        rows = (
+            row([shown(s.what), length(s.start), length(s.end), length(s.end - s.start)])
+            for s in content.bar
+        )
+        yield f"<section><h2>Bar</h2>{table('bar', heads, rows)}</section>\n"
+    if content.tools:
+        tools = (("Where", False), ("Station", False), ("Tool", False))
+        rows = (row([shown(t.where), shown(t.station), shown(t.tool)])
+                for t in content.tools)  # fmt: skip
+        yield f"<section><h2>Tools to load</h2>{table('tools', tools, rows)}</section>\n"
+    yield _operations(content)
+
+
+def _operations(content: Content) -> str:
+    is_bar = content.program.machine.stock == "beam"
+    heads = [("No.", True), ("Operation", False), *([("Face", False)] if is_bar else []),
+             (f"X, {_UNIT}", True), (f"Y, {_UNIT}", True),
+             *([(f"Depth, {_UNIT}", True)] if is_bar else [(f"Length, {_UNIT}", True)]),
+             (f"Feed, {_RATE}", True), *([("Speed, rpm", True)] if is_bar else []),
+             ("Time, s", True)]  # fmt: skip
+    rows = [_operation(op, is_bar) for op in content.operations[:MAX_ROWS]]
+    more = len(content.operations) - len(rows)
+    note = f"<p>{more} more operations are not listed.</p>" if more > 0 else ""
+    return (
+        f"<section><h2>Operations ({len(content.operations)}, {clock(content.seconds)})</h2>"
+        f"{table('operations', heads, rows)}{note}</section>\n"
+    )
+
+
+def _operation(op: Operation, is_bar: bool) -> str:
+    button = f"<button data-line={op.line}>{op.number}</button>"
+    cells = [button, shown(op.what), *([", ".join(op.faces)] if is_bar else []), length(op.x),
+             length(op.y), length(op.depth) if is_bar else length(op.length),
+             length(op.feed_mm_min),
+             *([number(op.speed_rpm)] if is_bar else []), number(op.seconds, "s")]  # fmt: skip
+    return row(cells, f" data-line={op.line}")

@@ -1,0 +1,193 @@
+"""What a page needs to play a program: the trace, the cell and what appears when, as JSON.
+
+Numbers of the trace are whole and count from the one before, so that a long one stays short:
+
+    t   microseconds that an interval takes
+    p   for each axis thousandths of mm or degrees that it moves; `[0, n]` stands for n zeros
+    s   slopes of the share of the way at both ends, in thousandths, `0` where both are 1000
+    l   lines of the program, each as the difference to the one before
+    o   runs of intervals in one state: state, how many
+"""
+
+import json
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+
+from beamcam.geometry.array_types import Counts
+from beamcam.machine.drill import Spindle
+from beamcam.machine.formula import Formula
+from beamcam.machine.machine import Machine
+from beamcam.model.part import Profile
+from beamcam.pictures.bar import BarMade
+from beamcam.pictures.features import section_outlines
+from beamcam.pictures.table import TableMade, speed_classes
+from beamcam.simulate.trace import Trace
+
+MICROSECONDS = 1e6
+STEP = 1e-3  #: of positions in a page, mm or degrees
+
+
+def trace_data(trace: Trace) -> dict[str, Any]:
+    """A trace for a page; positions are right to half a thousandth."""
+    times = np.rint(trace.time_s * MICROSECONDS).astype(np.int64)
+    places = np.rint(trace.positions / STEP).astype(np.int64)
+    slopes = np.rint(trace.slopes * 1000).astype(np.int64)
+    return {
+        "axes": [{"name": a.name, "unit": a.unit, "min": a.min, "max": a.max} for a in trace.axes],
+        "start": places[0].tolist(),
+        "t": np.diff(times).tolist(),
+        "p": [_squeezed(column) for column in np.diff(places, axis=0).T],
+        "s": [0 if pair == [1000, 1000] else pair for pair in slopes.tolist()],
+        "l": np.diff(trace.line, prepend=0).tolist(),
+        "o": _runs(trace.state),
+        "states": [
+            {name: getattr(state, name) for name in state.__struct_fields__}
+            for state in trace.states
+        ],
+    }
+
+
+def _squeezed(column: Counts) -> list[Any]:
+    """Numbers with runs of zeros as `[0, n]`."""
+    found: list[Any] = []
+    zeros = 0
+    for value in [*column.tolist(), None]:
+        if value == 0:
+            zeros += 1
+            continue
+        if zeros:
+            found.append([0, zeros] if zeros > 1 else 0)
+            zeros = 0
+        if value is not None:
+            found.append(value)
+    return found
+
+
+def _runs(states: Counts) -> list[list[int]]:
+    cuts = np.flatnonzero(np.diff(states)) + 1
+    edges = [0, *cuts.tolist(), len(states)]
+    return [[int(states[a]), b - a] for a, b in pairwise(edges) if b > a]
+
+
+def bar_data(bar: BarMade, trace: Trace) -> dict[str, Any]:
+    """A bar's program for a page: the cell, the pieces, and what is made at which line."""
+    machine, made, profile = bar.machine, bar.made, bar.profile
+    drill_x = machine.drill.x if machine.drill else 0.0
+    saw = machine.saw
+    return {
+        "kind": "bar",
+        "trace": trace_data(trace),
+        "section": {
+            "height": profile.height, "width": profile.width,
+            "outlines": section_outlines(profile) or [_box(profile)],
+        },
+        "bar": bar.end,
+        "drill": -drill_x,
+        "saw": {
+            "x": -(saw.x if saw else 0.0),
+            "square": saw.square if saw else 0.0, "sign": saw.angle_sign if saw else 1,
+            "pivot": saw.pivot if saw else "o",
+            "rotation": _axis(machine, "angle", None), "stroke": _axis(machine, "saw", None),
+        },
+        "stop": _axis(machine, "X", None),
+        "spindles": [_spindle(machine, spindle, profile) for spindle in machine.spindles],
+        "pieces": [_piece(bar, k) for k in range(len(bar.pieces()))],
+        "cuts": [
+            {"line": p.cut.line, "x": [_rounded(bar.x_on(p, f, y)) for f in "vuo"
+             for y in (0.0, profile.face_width(f))]}
+            for p in bar.saw_planes
+        ],
+        "bores": [
+            {"line": b.line, "face": b.face, "x": _rounded(b.x - drill_x), "y": b.y,
+             "d": b.diameter} for b in made.bores
+        ],
+        "trails": [
+            {"line": t.line, "face": t.face,
+             "points": [[_rounded(x - drill_x), _rounded(y)] for x, y in t.points]}
+            for t in made.trails
+        ],
+    }  # fmt: skip
+
+
+def _rounded(value: float) -> float:
+    return round(value, 3)
+
+
+def _box(profile: Profile) -> tuple[tuple[float, float], ...]:
+    w, h = profile.width, profile.height
+    return (0.0, 0.0), (w, 0.0), (w, h), (0.0, h)
+
+
+def _axis(machine: Machine, moves: str, spindle: int | None) -> int | None:
+    """The number of an axis in the trace."""
+    for k, axis in enumerate(machine.axes):
+        if axis.moves == moves and axis.spindle == spindle:
+            return k
+    return None
+
+
+def _piece(bar: BarMade, index: int) -> dict[str, Any]:
+    """A stretch of the bar by its eight corners: both ends on the edges of the section."""
+    piece = bar.pieces()[index]
+    height, width = bar.profile.height, bar.profile.width
+    corners = [(y, z) for y in (0.0, height) for z in (0.0, width)]
+    saw = bar.machine.saw
+    lift = height if saw is not None and saw.pivot == "o" else 0.0
+
+    def end(plane: Any, otherwise: float, side: int) -> list[float]:
+        if plane is None:
+            return [_rounded(otherwise)] * 4
+        return [_rounded(plane.along(y - lift, z) + side * plane.half_kerf) for y, z in corners]
+
+    return {
+        "kind": piece.kind, "mark": piece.mark, "start": end(piece.start, 0.0, 1),
+        "end": end(piece.end, bar.end, -1),
+    }  # fmt: skip
+
+
+def _spindle(machine: Machine, spindle: Spindle, profile: Profile) -> dict[str, Any]:
+    """How a spindle's axes stand to the face that it works on: place = first + axis * factor."""
+    face = spindle.face
+    values = {
+        "height": profile.height, "width": profile.width, "y": 0.0, "depth": 0.0, "tip": 0.0,
+        "flange_thickness": profile.flange_thickness, "web_thickness": profile.web_thickness or 0.0,
+        "thickness": 0.0, "face_depth": 0.0, "clearance": 0.0,
+    }  # fmt: skip
+    y0, ky = _inverse(spindle.across.position, values, "y")
+    d0, kd = _inverse(spindle.stroke.bottom, values, "depth")
+    return {
+        "number": spindle.number, "name": spindle.name, "face": face,
+        "across": _axis(machine, spindle.across.axis, spindle.number),
+        "stroke": _axis(machine, spindle.stroke.axis, spindle.number),
+        "y": [y0, ky], "depth": [d0, kd],
+        "numbers": [spindle.number, *(p.number for p in machine.pairs if face in p.faces)],
+    }  # fmt: skip
+
+
+def _inverse(formula: Formula, values: dict[str, float], name: str) -> tuple[float, float]:
+    """What a linear formula makes of an axis position the other way round."""
+    zero = formula(values)
+    slope = formula(values | {name: 1.0}) - zero
+    return (-zero / slope, 1.0 / slope) if slope else (0.0, 0.0)
+
+
+def table_data(table: TableMade) -> dict[str, Any]:
+    """A table's program for a page; each interval has the colour of its speed."""
+    trace = table.trace
+    speeds = table.speeds_mm_s
+    on = np.array([bool(state.process) for state in trace.states])[trace.state]
+    fastest = float(speeds[on].max(initial=0.0)) or 1.0
+    return {
+        "kind": "table",
+        "trace": trace_data(trace),
+        "fastest": fastest,
+        "colours": _runs(speed_classes(speeds, fastest)),
+    }
+
+
+def as_script(data: object) -> str:
+    """Data as JSON that may stand within a script of a page."""
+    text = json.dumps(data, separators=(",", ":"), ensure_ascii=False)
+    return text.replace("<", "\\u003c").replace("\u2028", "\\u2028").replace("\u2029", "\\u2029")

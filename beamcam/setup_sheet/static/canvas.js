@@ -1,0 +1,70 @@
+// What the canvases of all views share: their size, their colours, and drawing in millimetres.
+const Colours = {
+  read() {
+    const style = getComputedStyle(document.documentElement);
+    for (const name of ["ink", "pale", "paper", "steel", "part", "cut", "tool", "work", "line",
+      "rapid", "done"]) {
+      this[name] = style.getPropertyValue(`--${name}`).trim();
+    }
+    this.speed = [0, 1, 2, 3, 4, 5, 6, 7].map((k) => style.getPropertyValue(`--speed-${k}`).trim());
+  },
+};
+
+class View {
+  constructor(canvas) {
+    this.canvas = canvas;
+    this.pen = canvas.getContext("2d");
+  }
+
+  // The size of the canvas in pixels of the page; its own are as many as the screen has.
+  fit() {
+    const ratio = window.devicePixelRatio || 1;
+    const wide = this.canvas.clientWidth, high = this.canvas.clientHeight;
+    if (this.canvas.width !== Math.round(wide * ratio)) this.canvas.width = Math.round(wide * ratio);
+    if (this.canvas.height !== Math.round(high * ratio)) {
+      this.canvas.height = Math.round(high * ratio);
+    }
+    this.pen.setTransform(ratio, 0, 0, ratio, 0, 0);
+    this.pen.clearRect(0, 0, wide, high);
+    this.wide = wide;
+    this.high = high;
+  }
+
+  chain(points, stroke, { fill = null, width = 1, dash = [], closed = false } = {}) {
+    const pen = this.pen;
+    pen.beginPath();
+    points.forEach(([x, y], k) => (k ? pen.lineTo(x, y) : pen.moveTo(x, y)));
+    if (closed) pen.closePath();
+    if (fill) {
+      pen.fillStyle = fill;
+      pen.fill();
+    }
+    if (stroke) {
+      pen.strokeStyle = stroke;
+      pen.lineWidth = width;
+      pen.setLineDash(dash);
+      pen.stroke();
+    }
+  }
+
+  circle([x, y], radius, stroke, fill = null, width = 1) {
+    const pen = this.pen;
+    pen.beginPath();
+    pen.arc(x, y, Math.max(radius, 0.5), 0, 2 * Math.PI);
+    pen.setLineDash([]);
+    if (fill) {
+      pen.fillStyle = fill;
+      pen.fill();
+    }
+    pen.strokeStyle = stroke;
+    pen.lineWidth = width;
+    pen.stroke();
+  }
+
+  text(words, x, y, colour, align = "left") {
+    this.pen.fillStyle = colour;
+    this.pen.font = "12px system-ui, sans-serif";
+    this.pen.textAlign = align;
+    this.pen.fillText(words, x, y);
+  }
+}

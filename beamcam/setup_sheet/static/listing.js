@@ -1,0 +1,56 @@
+// The program's text: only the lines that can be seen are in the page, so that any length scrolls.
+class Listing {
+  constructor(box, lines, onPick) {
+    this.box = box;
+    this.lines = lines;
+    this.now = 0;
+    this.high = 20;
+    this.space = document.createElement("div");
+    this.space.className = "space";
+    this.space.style.height = `${lines.length * this.high}px`;
+    box.replaceChildren(this.space);
+    box.addEventListener("scroll", () => this.draw());
+    this.space.addEventListener("click", (event) => {
+      const row = event.target.closest("[data-line]");
+      if (row) onPick(Number(row.dataset.line));
+    });
+    box.addEventListener("keydown", (event) => {
+      const way = { ArrowDown: 1, ArrowUp: -1 }[event.key];
+      if (!way) return;
+      event.preventDefault();
+      onPick(this.now + way, way);
+    });
+  }
+
+  draw() {
+    const first = Math.max(0, Math.floor(this.box.scrollTop / this.high) - 5);
+    const count = Math.ceil((this.box.clientHeight || 300) / this.high) + 10;
+    const rows = [];
+    for (let k = first; k < Math.min(first + count, this.lines.length); k++) {
+      const row = document.createElement("div");
+      row.className = k + 1 === this.now ? "row now" : "row";
+      row.dataset.line = k + 1;
+      row.style.top = `${k * this.high}px`;
+      row.id = `line-${k + 1}`;
+      row.setAttribute("role", "option");
+      row.setAttribute("aria-selected", k + 1 === this.now);
+      const number = document.createElement("span");
+      number.textContent = k + 1;
+      row.append(number, this.lines[k]);
+      rows.push(row);
+    }
+    this.space.replaceChildren(...rows);
+  }
+
+  show(line) {
+    if (line === this.now) return;
+    this.now = line;
+    const top = (line - 1) * this.high;
+    const { scrollTop, clientHeight } = this.box;
+    if (line && (top < scrollTop || top > scrollTop + clientHeight - 2 * this.high)) {
+      this.box.scrollTop = Math.max(0, top - clientHeight / 3);
+    }
+    this.box.setAttribute("aria-activedescendant", `line-${line}`);
+    this.draw();
+  }
+}

@@ -1,0 +1,243 @@
+// The page: playback, the program's text, the pictures and the tables joined together.
+const Sheet = {
+  start() {
+    const read = (id) => {
+      const e = document.getElementById(id);
+      return e ? JSON.parse(e.textContent) : null;
+    };
+    this.data = read("playback");
+    this.program = read("program");
+    if (this.program && this.program.text !== null) {
+      this.program.lines = this.program.text.split("\n");
+    }
+    this.time = 0;
+    this.playing = false;
+    this.speed = 1;
+    Numbers.unit = document.documentElement.dataset.unit;
+    this.checkHash();
+    Colours.read();
+    this.units();
+    if (this.data) this.playback();
+    Numbers.show(document);
+  },
+
+  one(id) {
+    return document.getElementById(id);
+  },
+
+  // Whether the program that the page holds is the one that it was made of.
+  checkHash() {
+    const box = this.one("hash"), wanted = document.documentElement.dataset.sha256;
+    if (!box) return;
+    if (this.program && this.program.text !== null) {
+      const found = sha256(new TextEncoder().encode(this.program.text));
+      box.dataset.state = found === wanted ? "same" : "differs";
+      this.one("hash-said").textContent = found === wanted
+        ? "The program in this page is the one that was read back."
+        : `The program in this page was changed: its SHA-256 is ${found}.`;
+    }
+    this.one("program-file").addEventListener("change", async (event) => {
+      const file = event.target.files[0];
+      if (!file) return;
+      const found = sha256(new Uint8Array(await file.arrayBuffer()));
+      box.dataset.state = found === wanted ? "same" : "differs";
+      this.one("hash-said").textContent = found === wanted
+        ? `${file.name} is the program of this sheet.`
+        : `${file.name} is another program: its SHA-256 is ${found}.`;
+    });
+  },
+
+  units() {
+    const choice = this.one("unit");
+    choice.value = Numbers.unit;
+    choice.addEventListener("change", () => {
+      Numbers.unit = choice.value;
+      Numbers.show(document);
+      this.draw();
+    });
+  },
+
+  playback() {
+    this.trace = new Trace(this.data.trace);
+    const kinds = { bar: Cell, table: Table, guide: Guide };
+    this.model = new kinds[this.data.kind](this.data, this.trace);
+    this.views = [...document.querySelectorAll("canvas[data-view]")]
+      .map((canvas) => ({ name: canvas.dataset.view, view: new View(canvas) }));
+    const box = this.one("listing");
+    if (box && this.program) {
+      this.listing = new Listing(box, this.program.lines, (line, way = 1) => this.pick(line, way));
+    }
+    this.controls();
+    this.pictures();
+    this.draw();
+    window.addEventListener("resize", () => this.draw());
+    window.matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => {
+      Colours.read();
+      this.draw();
+    });
+  },
+
+  controls() {
+    const slider = this.one("time");
+    slider.max = this.trace.duration;
+    slider.addEventListener("input", () => this.go(Number(slider.value)));
+    this.one("play").addEventListener("click", () => this.play(!this.playing));
+    this.one("first").addEventListener("click", () => this.go(0));
+    this.one("back").addEventListener("click", () => this.go(this.trace.step(this.time, -1)));
+    this.one("forward").addEventListener("click", () => this.go(this.trace.step(this.time, 1)));
+    this.one("speed").addEventListener("change", (event) => {
+      this.speed = Number(event.target.value);
+    });
+    const whole = this.one("whole");
+    if (whole) {
+      whole.addEventListener("change", () => {
+        this.model.whole = whole.checked;
+        this.draw();
+      });
+    }
+    document.addEventListener("keydown", (event) => this.key(event));
+    for (const { name, view } of this.views) if (name === "space") this.turnable(view.canvas);
+    for (const button of document.querySelectorAll("button[data-line]")) {
+      button.addEventListener("click", () => this.pick(Number(button.dataset.line)));
+    }
+  },
+
+  // Keys anywhere in the page: blank plays, comma and dot step, Home goes to the beginning.
+  key(event) {
+    if (event.target.closest("input, select, textarea, button, summary, [role=listbox]")) return;
+    const does = {
+      " ": () => this.play(!this.playing),
+      ",": () => this.go(this.trace.step(this.time, -1)),
+      ".": () => this.go(this.trace.step(this.time, 1)),
+      Home: () => this.go(0),
+    }[event.key];
+    if (!does || event.ctrlKey || event.metaKey || event.altKey) return;
+    event.preventDefault();
+    does();
+  },
+
+  turnable(canvas) {
+    const turn = (dx, dy) => {
+      this.model.yaw += dx;
+      this.model.pitch = Math.min(1.5, Math.max(-1.5, this.model.pitch + dy));
+      this.draw();
+    };
+    let from = null;
+    canvas.addEventListener("pointerdown", (event) => {
+      from = [event.clientX, event.clientY];
+      canvas.setPointerCapture(event.pointerId);
+    });
+    canvas.addEventListener("pointermove", (event) => {
+      if (!from) return;
+      turn((event.clientX - from[0]) / 150, (event.clientY - from[1]) / 150);
+      from = [event.clientX, event.clientY];
+    });
+    canvas.addEventListener("pointerup", () => { from = null; });
+    canvas.addEventListener("keydown", (event) => {
+      const way = { ArrowLeft: [-0.1, 0], ArrowRight: [0.1, 0], ArrowUp: [0, -0.1],
+        ArrowDown: [0, 0.1] }[event.key];
+      if (!way) return;
+      event.preventDefault();
+      turn(...way);
+    });
+  },
+
+  // A click on what a program makes goes to the block that makes it.
+  pictures() {
+    this.marked = [];
+    const pictures = document.querySelector(".pictures");
+    if (!pictures) return;
+    this.shapes = new Map();
+    for (const e of pictures.querySelectorAll("[data-line]")) {
+      const line = Number(e.dataset.line);
+      if (!this.shapes.has(line)) this.shapes.set(line, []);
+      this.shapes.get(line).push(e);
+    }
+    pictures.addEventListener("click", (event) => {
+      const shape = event.target.closest("[data-line]");
+      if (shape) this.pick(Number(shape.dataset.line));
+    });
+  },
+
+  // Goes to where a line of the program is carried out; lines that do nothing lead on.
+  pick(line, way = 1) {
+    const last = this.program ? this.program.lines.length : 0;
+    while (line > 0 && line <= last && !this.trace.begin.has(line)) line += way;
+    if (!this.trace.begin.has(line)) return;
+    this.play(false);
+    this.go(this.trace.begin.get(line));
+  },
+
+  play(on) {
+    this.playing = on && this.trace.duration > 0;
+    const button = this.one("play");
+    button.textContent = this.playing ? "Pause" : "Play";
+    button.setAttribute("aria-pressed", this.playing);
+    if (!this.playing) return;
+    if (this.time >= this.trace.duration) this.time = 0;
+    let before = null;
+    const frame = (now) => {
+      if (!this.playing) return;
+      if (before !== null) this.go(this.time + (this.speed * (now - before)) / 1000);
+      before = now;
+      if (this.time >= this.trace.duration) this.play(false);
+      else requestAnimationFrame(frame);
+    };
+    requestAnimationFrame(frame);
+  },
+
+  go(time) {
+    this.time = Math.min(this.trace.duration, Math.max(0, time));
+    this.draw();
+  },
+
+  draw() {
+    if (!this.trace) return;
+    const t = this.time;
+    this.one("time").value = t;
+    this.one("time").setAttribute("aria-valuetext", Numbers.clock(t));
+    this.one("clock").textContent = `${Numbers.clock(t)} / ${Numbers.clock(this.trace.duration)}`;
+    for (const { name, view } of this.views) {
+      if (!view.canvas.clientWidth) continue;
+      if (this.data.kind !== "bar") this.model.draw(view, t);
+      else if (name === "space") this.model.drawSpace(view, this.model.at(t));
+      else this.model.drawFlat(view, this.model.at(t), name === "above");
+    }
+    this.tell(t);
+    const line = this.trace.lineAt(t);
+    if (this.listing) this.listing.show(line);
+    this.mark(line);
+  },
+
+  // The axes and what is switched on, as text.
+  tell(t) {
+    const positions = this.trace.positions(t);
+    positions.forEach((value, k) => {
+      const e = this.one(`axis-${k}`);
+      e.value = (Math.round(value * 1000) / 1000 + 0).toFixed(3);
+      e.textContent = this.trace.axes[k].unit === "mm"
+        ? Numbers.length(value, true) : Numbers.plain(value, 3, 3);
+    });
+    const state = this.trace.stateAt(t), words = [];
+    if (state.process) words.push(`${state.process} on`);
+    if (state.spindle) words.push(`spindle ${state.spindle}`);
+    if (state.diameter) words.push(`tool ${Numbers.length(state.diameter)} ${Numbers.unit}`);
+    if (state.turning) words.push("turning");
+    if (state.coolant) words.push("coolant");
+    if (state.sawing) words.push("sawing");
+    this.one("state").textContent = words.join(", ") || "nothing on";
+    this.one("state").dataset.on = state.process || state.sawing || state.turning ? "yes" : "no";
+  },
+
+  // The shapes and the row of the operation whose block it is.
+  mark(line) {
+    if (line === this.markedLine || !this.shapes) return;
+    this.markedLine = line;
+    for (const e of this.marked) e.classList.remove("now");
+    this.marked = [...(this.shapes.get(line) ?? []),
+      ...document.querySelectorAll(`tr[data-line="${line}"]`)];
+    for (const e of this.marked) e.classList.add("now");
+  },
+};
+
+Sheet.start();

@@ -1,0 +1,205 @@
+"""The setup sheet in a browser: opened from disk, played, scrubbed, stepped and clicked."""
+
+import json
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+
+from beamcam.cli import main
+from beamcam.machine import load
+from beamcam.model.part import Part
+from beamcam.pipeline import read_file
+from beamcam.simulate.program import simulate_program
+from beamcam.simulate.trace import Trace
+from tests.browser.conftest import Browser
+
+DSTV = Path(__file__).resolve().parents[2] / "samples" / "dstv"
+JSON = DSTV.parent / "json"
+ANNEX = [str(DSTV / f"{name}.nc1") for name in ("channel", "tie", "channel")]
+STEP = 0.001  #: of positions in a page
+JOBS = {
+    "bar": (ANNEX, "beamline-annex", ".gcode"),
+    "plate": ([str(DSTV / "gusset.nc1")], "plate-linuxcnc", ".ngc"),
+    "steps": ([str(JSON / "shield-small.json")], "laser-stepper", ".steps"),
+    "triggers": ([str(JSON / "shield.json")], "table-simotion", ".st"),
+}
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Programs and their sheets."""
+    made = tmp_path_factory.mktemp("sheets")
+    for name, (inputs, machine, suffix) in JOBS.items():
+        program = str(made / f"{name}{suffix}")
+        for words in (["post", *inputs, "--machine", machine, "-o", program],
+                      ["report", program, *inputs, "--machine", machine, "-o",
+                       str(made / f"{name}.html")]):  # fmt: skip
+            done = CliRunner().invoke(main, words)
+            assert done.exit_code == 0, done.output
+    return made
+
+
+def trace_of(folder: Path, name: str) -> Trace:
+    inputs, machine, suffix = JOBS[name]
+    parts: tuple[Part, ...] = tuple(p for path in inputs for p in read_file(path).parts)
+    data = (folder / f"{name}{suffix}").read_bytes()
+    return simulate_program(data, load(machine), style=suffix, parts=parts).trace
+
+
+def positions(browser: Browser) -> list[float]:
+    """What the table of the axes shows, as the values behind its texts."""
+    rows = browser.run(
+        "return [...document.querySelectorAll('.axes data')].map((e) => Number(e.value))"
+    )
+    return [float(v) for v in rows]
+
+
+def scrub(browser: Browser, time: float) -> None:
+    browser.run(
+        "const s = document.getElementById('time'); s.value = arguments[0];"
+        "s.dispatchEvent(new Event('input'))", time,
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize("name", JOBS)
+def test_a_page_moves_as_the_simulator_says(browser: Browser, folder: Path, name: str) -> None:
+    browser.open(folder / f"{name}.html")
+    trace = trace_of(folder, name)
+    assert browser.run("return Sheet.trace.duration") == pytest.approx(trace.duration_s, abs=1e-4)
+    times = [*np.random.default_rng(1).uniform(0.0, trace.duration_s, 25), trace.duration_s]
+    speeds = np.abs(np.diff(trace.positions, axis=0)) / np.diff(trace.time_s)[:, None]
+    fastest = float(np.max(speeds))
+    for time in times:
+        scrub(browser, float(time))
+        # A slider keeps no more digits than it likes; what it kept is the page's time.
+        kept = float(browser.run("return Sheet.time"))
+        assert kept == pytest.approx(time, abs=1e-6)
+        wanted = trace.at([kept])[0]
+        assert positions(browser) == pytest.approx(wanted, abs=1.5 * STEP + 2e-6 * fastest)
+    assert browser.complaints == []
+    assert browser.requests == [(folder / f"{name}.html").as_uri()]
+    assert "is the one that was read back" in browser.text("hash-said")
+
+
+def test_it_plays_pauses_and_steps_by_block(browser: Browser, folder: Path) -> None:
+    browser.open(folder / "bar.html")
+    trace = trace_of(folder, "bar")
+    browser.run("document.getElementById('speed').value = '50';"
+                "document.getElementById('speed').dispatchEvent(new Event('change'))")  # fmt: skip
+    browser.click("#play")
+    assert browser.text("play") == "Pause"
+    browser.driver.execute_async_script(
+        "const done = arguments[0]; const wait = () => Sheet.time > 1 ? done() "
+        ": requestAnimationFrame(wait); wait()"
+    )
+    browser.click("#play")
+    assert browser.text("play") == "Play"
+    time = float(browser.run("return Sheet.time"))
+    assert positions(browser) == pytest.approx(trace.at([time])[0], abs=2 * STEP)
+    browser.click("#first")
+    blocks = [line for k, line in enumerate(trace.line.tolist())
+              if k == 0 or line != trace.line[k - 1]]  # fmt: skip
+    for line in blocks[1:6]:
+        browser.click("#forward")
+        assert browser.run("return document.querySelector('#listing .now').dataset.line") == str(
+            line
+        )
+        k = trace.line.tolist().index(line)
+        assert positions(browser) == pytest.approx(trace.positions[k], abs=1.5 * STEP)
+    browser.click("#back")
+    assert browser.run("return Sheet.trace.lineAt(Sheet.time)") == blocks[4]
+
+
+def test_a_hole_and_its_block_lead_to_each_other(browser: Browser, folder: Path) -> None:
+    browser.open(folder / "bar.html")
+    hole = browser.run(
+        "const e = document.querySelector('.pictures circle.hole'); e.dispatchEvent("
+        "new MouseEvent('click', {bubbles: true})); return Number(e.dataset.line)"
+    )
+    now = browser.run("return Number(document.querySelector('#listing .now').dataset.line)")
+    assert now == hole
+    shown = browser.run("return document.querySelector('#listing .now').textContent")
+    assert " Z" in shown
+    assert browser.run("return document.querySelector('circle.hole.now') !== null")
+    assert browser.run("return document.querySelector('tr.now') !== null")
+    browser.click("#first")
+    browser.run("document.querySelector(\"#listing [data-line='6']\").click()")
+    assert browser.run("return Sheet.trace.lineAt(Sheet.time)") == 6
+    browser.click("td button[data-line]")
+    first = browser.run("return Number(document.querySelector('td button').dataset.line)")
+    assert browser.run("return Sheet.trace.lineAt(Sheet.time)") == first
+
+
+def test_all_goes_by_keyboard_and_has_a_name(browser: Browser, folder: Path) -> None:
+    browser.open(folder / "plate.html")
+    browser.keys(".")
+    browser.keys(".")
+    at = browser.run("return Sheet.time")
+    assert at > 0
+    browser.keys(",")
+    assert browser.run("return Sheet.time") < at
+    browser.keys(" ")
+    assert browser.run("return Sheet.playing")
+    browser.keys(" ")
+    assert not browser.run("return Sheet.playing")
+    nameless = browser.run(
+        "return [...document.querySelectorAll('button, input, select, canvas, [tabindex]')]"
+        ".filter((e) => !(e.ariaLabel || e.textContent.trim() || (e.labels && e.labels.length)))"
+        ".map((e) => e.outerHTML)"
+    )
+    assert nameless == []
+    assert browser.run("return document.querySelectorAll('svg > title').length") == 2
+
+
+def test_one_digit_more_is_another_program(browser: Browser, folder: Path, tmp_path: Path) -> None:
+    text = (folder / "plate.html").read_text(encoding="utf-8")
+    data = re.search(r'id="program">(.*?)</script>', text, re.DOTALL)
+    assert data is not None
+    program = json.loads(data[1])["text"]
+    at = program.index("X")
+    digit = program[at + 1]
+    changed = data[1].replace(f"X{digit}", f"X{(int(digit) + 1) % 10}", 1)
+    broken = tmp_path / "changed.html"
+    broken.write_text(text.replace(data[1], changed), encoding="utf-8")
+    browser.open(broken)
+    assert "was changed" in browser.text("hash-said")
+    assert browser.run("return document.getElementById('hash').dataset.state") == "differs"
+    other = browser.driver.find_element("id", "program-file")
+    browser.open(folder / "plate.html")
+    other = browser.driver.find_element("id", "program-file")
+    for name, state in (("plate.ngc", "same"), ("bar.gcode", "differs")):
+        other.send_keys(str(folder / name))
+        browser.driver.execute_async_script(
+            "const done = arguments[1]; const wait = () => document.getElementById('hash-said')"
+            ".textContent.startsWith(arguments[0]) ? done() : setTimeout(wait, 5); wait()", name,
+        )  # fmt: skip
+        assert browser.run("return document.getElementById('hash').dataset.state") == state
+
+
+def test_numbers_are_written_as_the_reader_does(browser: Browser, folder: Path) -> None:
+    browser.driver.execute_cdp_cmd("Emulation.setLocaleOverride", {"locale": "de-DE"})
+    try:
+        browser.open(folder / "bar.html")
+        figures = "return [...document.querySelectorAll('text[data-mm]')].map((e) => e.textContent)"
+        assert "471,1" in browser.run(figures)
+        values = browser.run("return [...document.querySelectorAll('data')].map((e) => e.value)")
+        assert not any("," in value for value in values)
+        browser.run("const u = document.getElementById('unit'); u.value = 'inch';"
+                    "u.dispatchEvent(new Event('change'))")  # fmt: skip
+        assert "18,549" in browser.run(figures)
+        again = browser.run("return [...document.querySelectorAll('data')].map((e) => e.value)")
+        assert again == values
+    finally:
+        browser.driver.execute_cdp_cmd("Emulation.setLocaleOverride", {})
+
+
+@pytest.mark.parametrize("name", ["bar", "plate"])
+def test_a_phone_shows_it_without_scrolling_sideways(
+    browser: Browser, folder: Path, name: str
+) -> None:
+    browser.open(folder / f"{name}.html", 390)
+    assert browser.run("return document.documentElement.scrollWidth") <= 390
+    assert browser.complaints == []

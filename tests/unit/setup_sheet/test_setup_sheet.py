@@ -1,0 +1,190 @@
+"""What a setup sheet says: figures of the program, sizes, the same bytes, a true verdict."""
+
+import json
+import re
+from html.parser import HTMLParser
+from pathlib import Path
+
+import pytest
+from click.testing import CliRunner
+from msgspec.structs import replace
+
+from beamcam.cli import main
+from beamcam.machine import load
+from beamcam.model.part import Part
+from beamcam.pictures.program import ReadProgram
+from beamcam.pipeline import Posted, post, read_file
+from beamcam.setup_sheet.content import Content, Source, content_of
+from beamcam.setup_sheet.page import setup_page
+from beamcam.setup_sheet.paper import setup_pdf
+from beamcam.setup_sheet.playback import trace_data
+from beamcam.verify.bars import run
+
+SAMPLES = Path(__file__).resolve().parents[3] / "samples"
+DSTV = [str(SAMPLES / "dstv" / f"{name}.nc1") for name in ("channel", "tie", "channel")]
+
+
+def posted(parts: tuple[Part, ...], name: str) -> tuple[Posted, ReadProgram]:
+    machine = load(name)
+    made = post(parts, machine)
+    data = b"".join(made.pieces())
+    bar = getattr(getattr(made.plan, "bar", None), "length", None)
+    return made, ReadProgram(data, machine, f"JOB{machine.suffix}", machine.suffix, parts, bar)
+
+
+@pytest.fixture(scope="module")
+def annex() -> Content:
+    """The bar of three parts."""
+    parts = tuple(part for path in DSTV for part in read_file(path).parts)
+    made, program = posted(parts, "beamline-annex")
+    return content_of(Source(program, made.plan, made.remarks))
+
+
+class Cells(HTMLParser):
+    """The values of the cells of a page's tables."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.rows: list[list[str]] = []
+        self.links: list[str] = []
+
+    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        given = dict(attrs)
+        self.links += [str(given[k]) for k in ("src", "href") if given.get(k)]
+        if tag == "tr":
+            self.rows.append([])
+        elif tag == "data" and self.rows and "value" in given:
+            self.rows[-1].append(str(given["value"]))
+
+
+def test_the_page_holds_each_operation_with_its_figures(annex: Content) -> None:
+    page = setup_page(annex)
+    cells = Cells()
+    cells.feed(page)
+    profile = annex.program.parts[0].profile
+    made = run(annex.program.text, annex.program.machine, profile).made
+    for bore in made.bores:
+        wanted = [f"{v:.6g}" for v in (bore.x, bore.y, bore.tip_depth)]
+        assert any(row[:3] == wanted for row in cells.rows), wanted
+    assert len(annex.operations) == len({op.line for op in made.order})
+    assert sum(op.seconds for op in annex.operations) == pytest.approx(annex.seconds)
+    assert all(op.seconds > 0.0 for op in annex.operations)
+    assert annex.program.sha256 in page
+    assert cells.links == ["data:,"]
+    assert "http" not in page.replace("http-equiv", "").replace("http://www.w3.org/2000/svg", "")
+
+
+def test_the_page_s_header_tools_bar_and_ledger(annex: Content) -> None:
+    header = dict(annex.header)
+    assert header["Mark"] == "C1, T1"
+    assert header["Section"] == "UPN200"
+    assert header["Quantity"] == "C1: 2 of 2, T1: 1 of 2"
+    assert [s.what for s in annex.bar] == ["trim", "C1", "T1", "trim", "C1"]
+    lengths = {s.what: s.end - s.start for s in annex.bar if s.what != "trim"}
+    assert lengths == {"C1": pytest.approx(3000, abs=0.1), "T1": pytest.approx(320, abs=0.1)}
+    assert {(t.where, t.tool) for t in annex.tools} == {
+        ("left flange", "drill 14"), ("web", "drill 14"), ("web", "drill 18"), ("web", "drill 22"),
+        ("right flange", "drill 14"),
+    }  # fmt: skip
+    assert all(t.station.isdigit() for t in annex.tools)
+    assert annex.ledger == "39 read = 31 made + 8 merged"
+    assert annex.verdict == "made"
+    page = setup_page(annex)
+    for text in (annex.ledger, "exactly these parts", "right flange", "plan-quantity"):
+        assert text in page
+
+
+def test_the_bar_of_three_parts_is_small_and_always_the_same(annex: Content) -> None:
+    page = setup_page(annex)
+    assert len(page.encode()) < 500_000
+    assert page == setup_page(annex)
+    paper = setup_pdf(annex)
+    assert paper.startswith(b"%PDF")
+    assert paper == setup_pdf(annex)
+    assert len(re.findall(rb"/Type /Page\b", paper)) >= 2
+
+
+def test_a_drawing_of_20_000_segments_stays_below_5_mb() -> None:
+    blocks = ["%", "G21 G17 G90 G91.1 G40 G94", "G64 P0.01"]
+    for path in range(100):
+        y = 10.0 + 14 * path
+        blocks += [f"G0 X10 Y{y:.4f}", "M3 S1", "G4 P0.5", "F2300"]
+        blocks += [f"G1 X{10 + 7.013 * k:.4f} Y{y + 3.337 * (k % 2):.4f}" for k in range(1, 201)]
+        blocks.append("M5")
+    text = "\n".join([*blocks, "G0 X0 Y0", "M2", "%", ""])
+    program = ReadProgram(text.encode(), load("plate-linuxcnc"), "JOB.ngc")
+    content = content_of(Source(program))
+    assert len(content.operations) == 100
+    assert len(content.trace.line) > 20_000
+    page = setup_page(content)
+    assert 1_000_000 < len(page.encode()) < 5_000_000
+
+
+def test_the_trace_of_a_page_can_be_read_by_anyone(annex: Content) -> None:
+    """Unpacked here as the comment says, it is the trace."""
+    data = trace_data(annex.trace)
+    total = sum(data["t"]) / 1e6
+    assert total == pytest.approx(annex.trace.duration_s, abs=1e-5)
+    for k, column in enumerate(data["p"]):
+        steps: list[int] = []
+        for step in column:
+            steps += [step[0]] * step[1] if isinstance(step, list) else [step]
+        assert len(steps) == len(annex.trace.line)
+        end = (data["start"][k] + sum(steps)) / 1000
+        assert end == pytest.approx(annex.trace.positions[-1, k], abs=5.1e-4)
+    assert sum(data["l"]) == annex.trace.line[-1]
+    assert sum(count for _, count in data["o"]) == len(annex.trace.line)
+
+
+def report(*words: str, code: int = 0) -> None:
+    done = CliRunner().invoke(main, ["report", *words])
+    assert done.exit_code == code, done.output
+
+
+def test_a_wrong_program_has_a_sheet_that_says_so(tmp_path: Path) -> None:
+    job, page = tmp_path / "job.gcode", tmp_path / "job.html"
+    assert CliRunner().invoke(main, ["post", DSTV[0], "-o", str(job)]).exit_code == 0
+    report(str(job), DSTV[0], "-o", str(page))
+    assert "exactly these parts" in page.read_text()
+    job.write_text(job.read_text().replace("X3698.56", "X3598.56"))
+    report(str(job), DSTV[0], "-o", str(page), code=1)
+    text = page.read_text()
+    assert 'class="verdict wrong"' in text
+    assert "NOT RIGHT" in text
+    assert "verify-" in text
+    report(str(job), "-o", str(page))
+    assert 'class="verdict alone"' in page.read_text()
+
+
+def test_what_is_left_for_the_hand_is_listed(tmp_path: Path) -> None:
+    page = tmp_path / "slot.html"
+    report(str(SAMPLES / "bad" / "slot.nc1"), "--allow-skips", "slot", "-o", str(page))
+    text = page.read_text()
+    hand = text[text.index("Left for the hand") :].split("</ul>")[0]
+    assert "slot" in hand
+
+
+def test_odd_names_cannot_break_the_page() -> None:
+    part = read_file(DSTV[0]).parts[0]
+    part = replace(part, mark="</script><b>\u2028", grade="<i>")
+    made, program = posted((part,), "beamline")
+    page = setup_page(content_of(Source(program, made.plan, made.remarks)))
+    assert "</script><b>" not in page
+    assert "<i>" not in page
+    for block in re.findall(
+        r'<script type="application/json"[^>]*>(.*?)</script>', page, re.DOTALL
+    ):
+        json.loads(block)
+
+
+@pytest.mark.parametrize("suffix", [".html", ".pdf"])
+def test_inches_and_both_formats(tmp_path: Path, suffix: str) -> None:
+    out = tmp_path / f"sheet{suffix}"
+    report(str(SAMPLES / "dstv" / "gusset.nc1"), "--unit", "inch", "-o", str(out))
+    assert out.stat().st_size > 3000
+    if suffix == ".html":
+        assert 'data-unit="inch"' in out.read_text()
+
+
+def test_another_suffix_is_wrong_usage(tmp_path: Path) -> None:
+    report(DSTV[0], "-o", str(tmp_path / "x.docx"), code=2)
