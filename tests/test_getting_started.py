@@ -111,7 +111,12 @@ def test_what_the_page_advises_is_there() -> None:
     """Options and commands that it names are those of the commands."""
     from tests.test_docs import WORDS
 
-    options = {opt for command in WORDS.values() for p in command.params for opt in p.opts}
+    options = {
+        opt
+        for command in WORDS.values()
+        for p in command.params
+        for opt in (*p.opts, *p.secondary_opts)
+    }
     for option in re.findall(r"(?<![\w-])--[a-z][a-z-]+", REFUSED):
         assert option in options, option
     for name in re.findall(r"`(?:beamcam )?(doctor|list|diff|check|plot|inspect)\b", REFUSED):
