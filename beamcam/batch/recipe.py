@@ -11,6 +11,7 @@ from typing import Any
 
 from msgspec import Struct, field
 
+from beamcam.config.values import Config
 from beamcam.report.run import dumped
 from beamcam.system import portable_path
 
@@ -33,17 +34,17 @@ class Recipe(Struct, frozen=True):
         return sha256(dumped(self)).hexdigest()[:16]
 
 
-def recipe_of(config: str | None, asked: Mapping[str, Any], folder: str) -> Recipe:
+def recipe_of(config: Config, asked: Mapping[str, Any], folder: str) -> Recipe:
     """The recipe of a run into `folder`; `asked` holds the values of its options."""
     given = {
         name: value
         for name, value in asked.items()
         if name not in _APART and (_is_given(name, value))
     }
-    machine = given.get(MACHINE)
-    if isinstance(machine, str) and machine.endswith(".toml"):
+    machine = config.machine if MACHINE in given else None
+    if machine is not None and machine.endswith(".toml"):
         given[MACHINE] = path_from(folder, portable_path(machine))
-    return Recipe(None if config is None else path_from(folder, config), given)
+    return Recipe(None if config.file is None else path_from(folder, config.file), given)
 
 
 def _is_given(name: str, value: object) -> bool:

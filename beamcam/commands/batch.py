@@ -85,7 +85,7 @@ def command(
     interrupted = False
     with Screen(len(found.inputs), voice) as screen, ended_by_term():
         screen.say(said)
-        recipe = recipe_of(config.file, asked, output)
+        recipe = recipe_of(config, asked, output)
         rows = run(
             found.inputs, output, shop, workers, config.flat, redo, read=read, recipe=recipe,
             dry=dry,

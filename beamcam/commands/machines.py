@@ -1,25 +1,33 @@
 """`beamcam machines`: which machines there are, and where their values come from."""
 
 import json
+import os
 
 import click
 
+from beamcam.batch.names import cleaned
 from beamcam.commands import options
-from beamcam.commands.common import Voice, say_json, say_lines
+from beamcam.commands.common import Voice, cannot_write, say_json, say_lines
+from beamcam.config.values import beside
 from beamcam.controllers.machine_words import load_machine
-from beamcam.errors import BeamcamError
-from beamcam.machine import load, settings, shipped
+from beamcam.errors import BeamcamError, Diagnostic
+from beamcam.files import write_whole
+from beamcam.machine import Machine, load, settings, shipped
+from beamcam.machine.names import machine_folders, own_machines, resolved
+from beamcam.machine.starting_file import starting_file
 
 
 @click.group("machines")
 def command() -> None:
     """List the machines, or show one with all its values.
 
-    A machine is a TOML file. A file of your own may start from a shipped one by a line such as
-    `base = "beamline"` and is named by its path, as in --machine ./mine.toml.
+    A machine is a TOML file. One of your own is laid over a shipped one and is known by its name if
+    it lies in a folder `machines` beside beamcam.toml, in this folder or among the user's settings;
+    else by its path, as in --machine ./mine.toml.
 
     \b
     beamcam machines list
+    beamcam machines new mine --base beamline
     beamcam machines show beamline
     beamcam machines keys
     beamcam machines schema
@@ -29,19 +37,68 @@ def command() -> None:
 @command.command("list")
 @options.as_json
 def list_machines(as_json: bool) -> None:
-    """Print the name, the controller and the title of every shipped machine.
+    """Print the name, the controller and the title of every machine that is known by name.
 
     \b
     beamcam machines list
     beamcam machines list --json
     """
-    machines = [load(name) for name in shipped()]
+    own = own_machines(next(iter(beside(())), None))
+    machines: list[Machine] = []
+    faults: list[Diagnostic] = []
+    for place in (*shipped(), *own.values()):
+        try:
+            machines.append(load(place))
+        except BeamcamError as error:
+            faults += error.diagnostics
     if as_json:
         rows = [{"name": m.name, "controller": m.controller, "title": m.title} for m in machines]
         say_json(rows)
-        return
-    width = max(len(m.name) for m in machines)
-    say_lines(f"{m.name:{width}}  {m.controller:10}  {m.title}" for m in machines)
+    else:
+        width = max(len(m.name) for m in machines)
+        say_lines(f"{m.name:{width}}  {m.controller:10}  {m.title}" for m in machines)
+    if faults:
+        Voice().stop(faults)
+
+
+@command.command("new")
+@click.argument("name")
+@click.option(
+    "--base", default="beamline", show_default=True, shell_complete=options.machine_names,
+    metavar="NAME", help="Shipped machine that it is laid over.",
+)  # fmt: skip
+@click.option("--user", is_flag=True, help="Among the user's settings, for jobs in every folder.")
+@options.voiced
+def new(name: str, base: str, user: bool, voice: Voice) -> None:
+    """Write a machine file of your own: all values of the base as comments, to be made yours.
+
+    It goes to `machines` beside the nearest beamcam.toml, or in this folder, where it is known by
+    its name. No file is written over.
+
+    \b
+    beamcam machines new mine --base beamline
+    beamcam machines new drill-3 --base beamline-pusher --user
+    """
+    if not name or cleaned(name) != name or name in shipped():
+        expected = "letters, digits, - and _, and no shipped machine's name"
+        raise click.UsageError(f"found {name!r} for the machine's name; expected {expected}.")
+    config = next(iter(beside(())), None)
+    folder = machine_folders(config)[-1 if user else 0]
+    path = os.path.join(folder, f"{name}.toml")
+    try:
+        text = starting_file(name, base)
+    except BeamcamError as error:
+        voice.stop(error.diagnostics)
+    if os.path.lexists(path):
+        raise click.UsageError(f"{path} is there already; expected a name that is free.")
+    try:
+        os.makedirs(folder, exist_ok=True)
+        write_whole(path, text)
+    except OSError as error:
+        voice.stop([cannot_write(path, error)])
+    voice.did(f"wrote {path}")
+    if not voice.quiet:
+        say_lines([f"{path}: change what differs, then `beamcam machines show {name}`"])
 
 
 @command.command("show")
@@ -55,7 +112,8 @@ def show(name: str, as_json: bool) -> None:
     beamcam machines show ./mine.toml --json
     """
     try:
-        rows, machine = settings(name), load_machine(name)
+        place = resolved(name, next(iter(beside(())), None))
+        rows, machine = settings(place), load_machine(place)
     except BeamcamError as error:
         Voice(as_json=as_json).stop(error.diagnostics)
     Voice(as_json=as_json).say(machine.remarks)

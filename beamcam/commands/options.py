@@ -91,9 +91,12 @@ class SkipNames(click.Choice):  # type: ignore[type-arg]  # older versions take 
 
 
 def machine_names(ctx: click.Context, param: click.Parameter, incomplete: str) -> list[str]:
+    from beamcam.config.values import beside
     from beamcam.machine import shipped
+    from beamcam.machine.names import own_machines
 
-    return [name for name in shipped() if name.startswith(incomplete)]
+    own = own_machines(next(iter(beside(())), None))
+    return [name for name in (*shipped(), *own) if name.startswith(incomplete)]
 
 
 inputs = click.argument(

@@ -36,12 +36,26 @@ def settled(asked: Mapping[str, Any], inputs: Iterable[str]) -> Config:
 
     `asked` holds the values of the options, `config_file` among them. Raises ConfigError.
     """
-    return over(_config(asked.get("config_file"), inputs), _wanted(asked))
+    return _with_own_machines(over(_config(asked.get("config_file"), inputs), _wanted(asked)))
 
 
 def settled_by(asked: Mapping[str, Any], file: str | None) -> Config:
     """The same with the configuration in `file`, or with none. Raises ConfigError."""
-    return over(_config(file, None), _wanted(asked))
+    return _with_own_machines(over(_config(file, None), _wanted(asked)))
+
+
+def _with_own_machines(config: Config) -> Config:
+    """The configuration with the paths of one's own machines in place of their names.
+
+    Raises MachineError where a name is that of a shipped machine too.
+    """
+    if config.machine is None and not config.machines:
+        return config
+    from beamcam.machine.names import resolved
+
+    machine = config.machine and resolved(config.machine, config.file)
+    machines = {stock: resolved(name, config.file) for stock, name in config.machines.items()}
+    return replace(config, machine=machine, machines=machines)
 
 
 def files_read(config: Config, inputs: Iterable[str]) -> FilesRead:

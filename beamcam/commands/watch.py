@@ -68,7 +68,7 @@ def command(
     except BeamcamError as error:
         voice.stop(error.diagnostics)
     hot = HotFolder(settle)
-    recipe = recipe_of(config.file, asked, output)
+    recipe = recipe_of(config, asked, output)
     leave_out = tuple(place for place in (output, done, refused) if place is not None)
     claims: dict[str, str] = {}
     told: tuple[Diagnostic, ...] = ()

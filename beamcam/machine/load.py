@@ -39,17 +39,17 @@ def shipped() -> tuple[str, ...]:
 
 def load(name: str) -> Machine:
     """The machine called `name`, or the one in the file at that path. Raises MachineError."""
-    return _machine(_files(name))
+    return _machine(files_of_machine(name))
 
 
 def files_of(name: str) -> tuple[str, ...]:
     """The paths of the file of a machine and of all that it is based on. Raises MachineError."""
-    return tuple(str(file.path) for file in _files(name))
+    return tuple(str(file.path) for file in files_of_machine(name))
 
 
 def source_in(name: str, key: str, text: str) -> Source:
     """Where a machine's file or one of its bases sets a key; the line of a text in its value."""
-    _, places = merged(_files(name))
+    _, places = merged(files_of_machine(name))
     source = Place(places).child(key).source
     whole = places.get(key, places[""])[1]
     first = source.line or 1
@@ -117,7 +117,7 @@ def _said(fault: Fault, place: Place) -> Diagnostic:
 
 def settings(name: str) -> tuple[Setting, ...]:
     """Every value of a machine, the defaults included, each with where it was set."""
-    files = _files(name)
+    files = files_of_machine(name)
     table, places = merged(files)
     place = Place(places)
     return tuple(
@@ -153,7 +153,7 @@ def _leaves(record: Any, key: str = "") -> Iterator[tuple[str, object]]:
         yield key, list(record) if isinstance(record, tuple) else record
 
 
-def _files(name: str) -> tuple[TomlFile, ...]:
+def files_of_machine(name: str) -> tuple[TomlFile, ...]:
     """The file of a machine and those that it is based on, the last one first said."""
     found: list[TomlFile] = []
     while True:
@@ -209,10 +209,15 @@ def _overlay(
     origin: tuple[str, str],
     prefix: str,
 ) -> None:
-    """Lay `over` over `table` in place: tables key by key, everything else as a whole."""
+    """Lay `over` over `table` in place: tables key by key, everything else as a whole.
+
+    False in the place of a table takes it away: `saw = false`.
+    """
     for key, value in over.items():
         dotted = f"{prefix}{key}"
-        if isinstance(value, dict) and isinstance(table.get(key, {}), dict):
+        if value is False and isinstance(table.get(key), dict):
+            del table[key]
+        elif isinstance(value, dict) and isinstance(table.get(key, {}), dict):
             _overlay(table.setdefault(key, {}), value, files, origin, dotted + ".")
         else:
             table[key] = value
@@ -228,6 +233,8 @@ def _find(name: str, below: Path | None) -> Path:
             return path.resolve()
     elif PurePath(name).name == name and (SHIPPED / f"{name}.toml").is_file():
         return SHIPPED / f"{name}.toml"
+    elif below is not None and (beside := below.parent / f"{name}.toml").is_file():
+        return beside.resolve()  # one's own, laid over another one's own
     expected = f"{nearest(name, shipped())} or the path of a .toml file"
     raise MachineError(
         rules.UNKNOWN_MACHINE.at(Source(str(below or name)), found=name, expected=expected)

@@ -8,6 +8,13 @@ UNKNOWN_MACHINE = Rule(
     "found no machine {found!r}; expected {expected}",
     "A machine is one of those shipped (`beamcam machines list`) or the path of a TOML file.",
 )
+NAME_TWICE = Rule(
+    "machine-name-twice",
+    Severity.ERROR,
+    "found a machine of your own with the name {found!r} of one that is shipped; expected another "
+    "name for the file",
+    "Which of the two a job means would be a guess.",
+)
 NOT_TOML = Rule(
     "machine-toml",
     Severity.ERROR,
@@ -60,6 +67,6 @@ KEY_TWICE = Rule(
 )
 
 RULES = (
-    UNKNOWN_MACHINE, NOT_TOML, UNKNOWN_KEY, MISSING_KEY, WRONG_VALUE, WORD, BASE_LOOP, FORMER_KEY,
-    KEY_TWICE,
+    UNKNOWN_MACHINE, NAME_TWICE, NOT_TOML, UNKNOWN_KEY, MISSING_KEY, WRONG_VALUE, WORD, BASE_LOOP,
+    FORMER_KEY, KEY_TWICE,
 )  # fmt: skip

@@ -1,0 +1,52 @@
+"""Machines of one's own, known by name: the files in folders that are called `machines`.
+
+machines/ beside the configuration   before   machines/ in this folder   before   the user's own
+"""
+
+import os
+from collections.abc import Iterator
+
+from beamcam.errors import MachineError, Source
+from beamcam.machine import rules
+from beamcam.machine.load import SHIPPED
+from beamcam.system import user_folder
+
+FOLDER = "machines"
+
+
+def machine_folders(config_file: str | None) -> tuple[str, ...]:
+    """Where machines of one's own may lie, the nearest first; they need not be there."""
+    beside = () if config_file is None else (os.path.join(os.path.dirname(config_file), FOLDER),)
+    return tuple(dict.fromkeys((*beside, FOLDER, os.path.join(user_folder(), FOLDER))))
+
+
+def own_machines(config_file: str | None) -> dict[str, str]:
+    """Name -> path of each machine of one's own; of two with one name the nearest."""
+    found: dict[str, str] = {}
+    for folder in machine_folders(config_file):
+        for path in _files(folder):
+            found.setdefault(os.path.splitext(os.path.basename(path))[0], path)
+    return dict(sorted(found.items()))
+
+
+def resolved(name: str, config_file: str | None) -> str:
+    """The path of a machine of one's own that is called so; the name as it is of any other.
+
+    Raises MachineError where a shipped machine has the name too.
+    """
+    if name.endswith(".toml") or os.path.basename(name) != name:
+        return name
+    for folder in machine_folders(config_file):
+        path = os.path.join(folder, f"{name}.toml")
+        if os.path.isfile(path):
+            if (SHIPPED / f"{name}.toml").is_file():
+                raise MachineError(rules.NAME_TWICE.at(Source(path), found=name))
+            return path
+    return name
+
+
+def _files(folder: str) -> Iterator[str]:
+    if os.path.isdir(folder):
+        for entry in sorted(os.listdir(folder)):
+            if entry.endswith(".toml"):
+                yield os.path.join(folder, entry)

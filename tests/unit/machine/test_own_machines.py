@@ -1,0 +1,145 @@
+"""Machines of one's own: a file to start from, and how they are known by name."""
+
+import re
+from pathlib import Path
+
+import pytest
+from click.testing import CliRunner, Result
+
+from beamcam.cli import main
+from beamcam.errors import MachineError
+from beamcam.machine import load, shipped
+from beamcam.machine.load import files_of_machine, merged
+from beamcam.machine.names import machine_folders, own_machines, resolved
+from beamcam.machine.starting_file import starting_file
+from tests.runs import batch, counts, fill
+
+PROSE = re.compile(r"^##.*$", re.MULTILINE)
+COMMENTED = re.compile(r"^# ", re.MULTILINE)
+
+
+def call(*words: str) -> Result:
+    done = CliRunner().invoke(main, list(words))
+    assert done.exception is None or isinstance(done.exception, SystemExit), done.exception
+    return done
+
+
+def table(machine: str) -> dict[str, object]:
+    """What a machine's file and its bases say, but for what tells them apart."""
+    found = merged(files_of_machine(machine))[0]
+    return {key: found[key] for key in found if key not in ("name", "title", "default_for")}
+
+
+@pytest.mark.parametrize("base", shipped())
+def test_a_new_file_says_what_its_base_says(base: str, tmp_path: Path) -> None:
+    """As it is written, and with all comments taken off and no base below it."""
+    text = starting_file("mine", base)
+    (tmp_path / "mine.toml").write_text(text, encoding="utf-8")
+    (tmp_path / "all.toml").write_text(
+        COMMENTED.sub("", PROSE.sub("", text)).replace(f'base = "{base}"\n', ""), encoding="utf-8"
+    )
+    for name in ("mine", "all"):
+        assert table(str(tmp_path / f"{name}.toml")) == table(base)
+        assert load(str(tmp_path / f"{name}.toml")).controller == load(base).controller
+
+
+@pytest.fixture
+def shop(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A shop with a configuration and a folder of jobs, and a user with settings of their own."""
+    (tmp_path / "shop" / "jobs").mkdir(parents=True)
+    (tmp_path / "shop" / "beamcam.toml").write_text("jobs = 1\n")
+    monkeypatch.setenv("XDG_CONFIG_HOME", str(tmp_path / "user"))
+    monkeypatch.setenv("APPDATA", str(tmp_path / "user"))
+    monkeypatch.chdir(tmp_path / "shop" / "jobs")
+    return tmp_path
+
+
+def test_new_writes_a_machine_that_is_known_by_name(shop: Path) -> None:
+    done = call("machines", "new", "hall-2", "--base", "beamline-annex")
+    assert done.exit_code == 0
+    path = shop / "shop" / "machines" / "hall-2.toml"
+    assert done.stdout == f"{path}: change what differs, then `beamcam machines show hall-2`\n"
+    assert "hall-2 " in call("machines", "list").stdout
+    shown = call("machines", "show", "hall-2")
+    assert f"# {path}:" in shown.stdout
+    fill(Path("in"), 1)
+    path.write_text(path.read_text().replace("[saw]\n", "[saw]\nkerf = 3.2\n"))
+    assert counts(batch("in", "-o", "out", "--machine", "hall-2")) == (1, 0, 0, 0)
+    (shop / "shop" / "beamcam.toml").write_text('machine = "hall-2"\n')
+    assert counts(batch("in", "-o", "out")) == (0, 1, 0, 0)
+    assert call("check", "out").stdout == "1 of 1 programs are the same\n"
+    assert call("post", "in/P000.nc1", "-o", "-").stdout == Path("out/P000.gcode").read_text()
+
+
+def test_new_writes_over_nothing(shop: Path) -> None:
+    assert call("machines", "new", "mine").exit_code == 0
+    done = call("machines", "new", "mine")
+    assert done.exit_code == 2
+    assert "is there already; expected a name that is free" in done.stderr
+    for name in ("beamline", "two words", "../x", ""):
+        done = call("machines", "new", name)
+        assert done.exit_code == 2
+        assert "for the machine's name; expected letters" in done.stderr
+    done = call("machines", "new", "other", "--base", "beamlin")
+    assert done.exit_code == 1
+    assert "error machine-unknown: found no machine 'beamlin'; expected 'beamline'" in done.stderr
+
+
+def test_a_machine_of_the_user_is_known_in_every_folder(
+    shop: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    assert call("machines", "new", "mine", "--user").exit_code == 0
+    assert (shop / "user" / "beamcam" / "machines" / "mine.toml").is_file()
+    monkeypatch.chdir(shop)
+    assert "mine " in call("machines", "list").stdout
+    assert own_machines(None) == {"mine": str(Path(machine_folders(None)[-1], "mine.toml"))}
+
+
+def test_the_nearest_of_two_counts(shop: Path) -> None:
+    for folder in machine_folders(str(shop / "shop" / "beamcam.toml")):
+        Path(folder).mkdir(parents=True)
+        Path(folder, "mine.toml").write_text('base = "beamline"\n')
+    config = str(shop / "shop" / "beamcam.toml")
+    assert resolved("mine", config) == str(shop / "shop" / "machines" / "mine.toml")
+    assert resolved("mine", None) == str(Path("machines", "mine.toml"))
+    assert resolved("other", config) == "other"
+    assert resolved("./mine.toml", config) == "./mine.toml"
+
+
+def test_a_name_of_a_shipped_machine_is_refused(shop: Path) -> None:
+    Path("machines").mkdir()
+    Path("machines/beamline.toml").write_text('base = "beamline-annex"\n')
+    with pytest.raises(MachineError, match="machine-name-twice"):
+        resolved("beamline", None)
+    fill(Path("in"), 1)
+    done = call("post", "in/P000.nc1", "-o", "-", "--machine", "beamline")
+    assert done.exit_code == 1
+    assert (
+        "error machine-name-twice: found a machine of your own with the name 'beam" in done.stderr
+    )
+
+
+def test_a_machine_that_cannot_be_read_is_told_beside_the_list(shop: Path) -> None:
+    Path("machines").mkdir()
+    Path("machines/bad.toml").write_text('base = "beamline"\nkerf = 3\n')
+    done = call("machines", "list")
+    assert done.exit_code == 1
+    assert "beamline-annex" in done.stdout
+    assert "bad.toml:2: error machine-key: found unknown key 'kerf'" in done.stderr
+
+
+def test_a_base_of_ones_own(shop: Path) -> None:
+    assert call("machines", "new", "mine").exit_code == 0
+    folder = shop / "shop" / "machines"
+    (folder / "night.toml").write_text('base = "mine"\n[saw]\nkerf = 2.5\n')
+    assert call("machines", "show", "night").exit_code == 0
+    night = load(str(folder / "night.toml"))
+    assert night.saw is not None
+    assert night.saw.kerf == 2.5
+
+
+def test_false_takes_a_table_of_the_base_away(shop: Path) -> None:
+    Path("mine.toml").write_text('base = "plate-linuxcnc"\ntorch = false\n')
+    done = call("machines", "show", "./mine.toml")
+    assert done.exit_code == 1
+    assert "error machine-missing: found no key 'torch'" in done.stderr
