@@ -10,7 +10,7 @@ from beamcam.conversion import Fault, converted
 from beamcam.errors import MachineError
 from beamcam.machine import load, settings, shipped
 from beamcam.machine.formula import Formula, as_formula
-from beamcam.machine.load import _files, merged
+from beamcam.machine.load import files_of_machine, merged
 from beamcam.machine.machine import MachineFile
 from beamcam.machine.rules import RULES
 from beamcam.model.plan import DrillOp
@@ -202,7 +202,7 @@ OTHERS: tuple[object, ...] = (True, 3, "x", [True], {"x": True}, float("nan"))
 @pytest.mark.parametrize("name", ["beamline-annex", "table-simotion", "laser-stepper"])
 def test_each_wrong_value_names_its_key(name: str) -> None:
     """Whatever a key of a shipped machine is given instead, the fault is at that key."""
-    table, _ = merged(_files(name))
+    table, _ = merged(files_of_machine(name))
     for path in tuple(paths_of(table)):
         holder: Any = table
         for step in path[:-1]:
