@@ -15,6 +15,9 @@ from beamcam.planning.contours.shape import Shape
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
+#: A contour that is not wider than twice this, in mm, on an average has no inside.
+MIN_WIDTH = 1e-3
+
 
 def nest(
     shapes: Sequence[Shape], wanted: Sequence[Wanted], tolerance: float, gap: float, kerf: float
@@ -45,6 +48,7 @@ def _nested(
     found = list(shapes)
     signed = signed_areas(rings)
     areas = np.abs(signed)
+    signed[areas <= MIN_WIDTH * shapely.length(rings)] = 0.0
     tree = shapely.STRtree(rings)
     points = list(shapely.point_on_surface(valid(rings, bad)))
     asked = list(closed)

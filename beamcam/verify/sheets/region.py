@@ -30,6 +30,7 @@ from beamcam.verify.sheets.ways import Ways
 
 SAME_PLACE = 5e-3  #: curves as near as this are drawn twice
 SAME_POINT = 1e-6  #: of a gap, what its last digits may be
+MIN_WIDTH = 1e-3  #: half the width, on an average, of what has an inside
 #: Of a curve, where it is asked whether it lies on another; most are out after the first.
 SHARES = (0.5, 0.29, 0.71, 0.13, 0.87, 0.0, 1.0)
 
@@ -76,7 +77,7 @@ def region_of(ways: Ways, features: Counts, gap: float, fine: float) -> Region:
     once = [ring for ring in once if sizes[[k for k, _ in ring]].sum() > 3]
     polygons = _polygons(drawn, once)
     # A line there and back again has no inside.
-    wide = shapely.area(polygons) > SAME_PLACE * shapely.length(polygons)
+    wide = shapely.area(polygons) > MIN_WIDTH * shapely.length(polygons)
     again, under = _same_rings(polygons, gap)
     closed, apart = np.zeros(ways.count, dtype=bool), _joined(drawn, once) + SAME_PLACE * twins
     closed[[k for ring, is_wide in zip(once, wide, strict=True) if is_wide for k, _ in ring]] = True

@@ -133,3 +133,10 @@ def test_a_hook_beyond_the_end_of_a_straight_curve_is_followed() -> None:
     text = post((part,), MACHINE).text
     xs = [float(x) for x in re.findall(r"^G1 X(\S+)", text, re.M)]
     assert max(xs) - min(xs) == pytest.approx(hook.bbox[2] - hook.bbox[0], abs=0.02)
+
+
+@pytest.mark.parametrize("width", [0.0015, 0.0019, 0.0021, 0.003, 0.005, 0.02, 0.05])
+def test_contours_hardly_wider_than_nothing(width: float) -> None:
+    """Planner and read-back agree on which of them have an inside."""
+    part = drawing(contour(box(0, 0, width, 0.2)), contour(box(9, 0, 30, width)), thickness=3.0)
+    assert post((part,), PLASMA).text
