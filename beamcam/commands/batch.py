@@ -27,7 +27,9 @@ from beamcam.commands.running import (
 from beamcam.commands.settings import files_read, settled
 from beamcam.errors import BeamcamError, Source
 from beamcam.report.run import Row, as_message
-from beamcam.system import INTERRUPTED, portable_path
+from beamcam.system import INTERRUPTED, cores, portable_path
+
+FILES_A_WORKER = 20  #: of setup sheets; for fewer a process of their own is not worth its start
 
 
 @click.command("batch", cls=Grouped)
@@ -106,7 +108,8 @@ def command(
         screen.say(unmatched)
         said += unmatched
         try:
-            account.write(screen.counts, said)
+            jobs = min(config.jobs or cores(), max(1, screen.counts.total // FILES_A_WORKER))
+            account.write(screen.counts, said, None if dry else shop, jobs)
         except OSError as error:
             if report == STANDARD:
                 raise  # whoever reads it has gone, and there is no one to tell

@@ -251,19 +251,27 @@ class Report:
                 self._rows = tempfile.TemporaryFile()  # noqa: SIM115  closed by `write`
             self._rows.write(dumped(row) + b"\n")
 
-    def write(self, counts: Counts, said: Iterable[Message]) -> None:
-        """Write the report in the format that its name says; `-` prints JSON. Raises OSError."""
+    def write(
+        self, counts: Counts, said: Iterable[Message], shop: Shop | None = None, jobs: int = 1
+    ) -> None:
+        """Write the report in the format that its name says; `-` prints JSON.
+
+        A page has a setup sheet for each program beside it, made as `shop` says. Raises OSError.
+        """
         if self.path is None:
             return
         from beamcam.report.run import as_json
 
         suffix = PurePath(self.path).suffix.lower()
-        made = as_json
+        pieces: Iterable[bytes]
         if suffix == ".csv":
-            from beamcam.report.run_table import as_csv as made
+            from beamcam.report.run_table import as_csv
+
+            pieces = as_csv(self._read(), counts, said)
         elif suffix == ".html":
-            from beamcam.report.run_page import as_html as made
-        pieces = made(self._read(), counts, said)
+            pieces = self._page(counts, said, shop, jobs)
+        else:
+            pieces = as_json(self._read(), counts, said)
         if self.path == "-":
             for piece in pieces:
                 click.echo(piece, nl=False)
@@ -271,6 +279,18 @@ class Report:
             write_whole(self.path, pieces)
         if self._rows is not None:
             self._rows.close()
+
+    def _page(
+        self, counts: Counts, said: Iterable[Message], shop: Shop | None, jobs: int
+    ) -> Iterable[bytes]:
+        from beamcam.report.run_page import as_html
+
+        if shop is None or self.path is None:
+            return as_html(self._read, counts, said)
+        from beamcam.batch.sheets import picture_style, sheets_beside
+
+        extras = sheets_beside(self.path, self._read(), shop, jobs)
+        return as_html(self._read, counts, said, extras, picture_style())
 
     def _read(self) -> Iterator[Row]:
         if self._rows is not None:

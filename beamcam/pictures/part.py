@@ -9,6 +9,8 @@ u  bottom flange
 from collections.abc import Iterator, Sequence
 from math import radians, tan
 
+from msgspec.structs import replace
+
 from beamcam.geometry.curves import join_boxes
 from beamcam.model.part import (
     Camber,
@@ -41,6 +43,8 @@ from beamcam.pictures.views import (
 
 FACE_NAMES = {"h": "web from behind", "o": "top flange", "v": "web", "u": "bottom flange"}
 FACES_OF = {"I": "ovu", "U": "ovu", "C": "ovu", "T": "ov", "L": "vu", "M": "hovu", "B": "v"}
+SMALL = (150.0, 60.0)  #: pixels of a small picture
+MAX_SMALL_SHAPES = 120
 SECTION_SIDE = 70.0  #: of the picture of the section
 
 
@@ -63,6 +67,19 @@ def part_scene(part: Part, unit: Unit = "mm") -> Scene:
     title = f"{part.mark or 'part'} {part.profile.name}".strip()
     about = f"faces of {title}, {len(part.features)} features, lengths in {unit}"
     return Scene(title, about, WIDTH, y + 24.0 + 13.0 * len(notes), tuple(drawn))
+
+
+def small_scene(part: Part) -> Scene:
+    """A small picture without figures: the web, or the whole of a plate or a drawing."""
+    view = _view(part, "v")
+    x0, y0, x1, y1 = view.box
+    scale = min(SMALL[0] / max(x1 - x0, 1.0), SMALL[1] / max(y1 - y0, 1.0))
+    height = (y1 - y0) * scale + 4.0
+    frame = Frame(scale, 2.0 - x0 * scale, height - 2.0 + y0 * scale)
+    paper = Paper({"v": frame}, 0.0, height, scale)
+    shapes = [s for s in _face(part, view, paper) if not isinstance(s, Text)]
+    bare = tuple(replace(s, tip="") for s in shapes[:MAX_SMALL_SHAPES])
+    return Scene(part.mark or "part", "the web", SMALL[0] + 4.0, height, bare)
 
 
 def _head(part: Part, unit: Unit) -> Iterator[str]:

@@ -1,56 +1,139 @@
-"""The account of a run as a page for a browser: one file, no script, nothing fetched."""
+"""The account of a run as a page for a browser: nothing fetched, refused files first.
 
-from collections.abc import Iterable, Iterator
+head that stays: counts, filter -> totals by machine, tools to load -> a row for each file, with
+small pictures and links to setup sheets where they were made
+"""
+
+from collections import Counter
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from html import escape
+from importlib.resources import files
+from urllib.parse import quote
+
+from msgspec import Struct
 
 from beamcam.plain_text import terminal_text
 from beamcam.report.ledger import ledger_line
 from beamcam.report.run import STATUSES, Counts, Message, PartRow, Row, encoded, message_line
 
-_STYLE = """
-body { font: 15px/1.4 system-ui, sans-serif; margin: 2em; color: #222 }
-table { border-collapse: collapse; width: 100% }
-th, td { text-align: left; vertical-align: top; padding: .3em .6em; border-bottom: 1px solid #ddd }
-td.n, th.n { text-align: right; white-space: nowrap; font-variant-numeric: tabular-nums }
-.posted { color: #176b2c } .unchanged { color: #667 } .refused, .failed { color: #b3211b }
-.error { color: #b3211b } .warning { color: #8a5a00 } .note { color: #667 }
-.messages { font: 13px/1.4 ui-monospace, monospace }
-"""
+REFUSED = ("refused", "failed")
+MM_PER_M = 1000.0
+COLUMNS = ("File", "Result", "Part", "Machine", "Features", "Tools", "Machine time", "Posted in",
+           "Messages")  # fmt: skip
 
 
-def as_html(rows: Iterable[Row], counts: Counts, said: Iterable[Message]) -> Iterator[bytes]:
-    """The report as HTML, piece by piece."""
-    yield encoded(
-        '<!doctype html>\n<html lang="en"><meta charset="utf-8">'
-        '<meta name="viewport" content="width=device-width">'
-        f"<title>beamcam: {escape(str(counts))}</title><style>{_STYLE}</style>\n<h1>beamcam</h1>\n"
-        + "<p>"
-        + ", ".join(f'<b class="{s}">{getattr(counts, s)}</b> {s}' for s in STATUSES)
-        + "</p>\n"
-    )
+class Extra(Struct, frozen=True):
+    """What a row shows of a program besides."""
+
+    sheet: str = ""  #: path of its setup sheet from the page, with "/"
+    picture: str = ""  #: a small one, as SVG
+
+
+class _Total(Struct):
+    """Of the programs for one machine."""
+
+    seconds: float = 0.0
+    programs: int = 0
+    pieces: int = 0
+    stock: float = 0.0  #: mm of bars
+    tools: Counter[str] = Counter()
+
+
+def as_html(
+    read: Callable[[], Iterable[Row]],
+    counts: Counts,
+    said: Iterable[Message],
+    extras: Mapping[str, Extra] | None = None,
+    style: str = "",
+) -> Iterator[bytes]:
+    """The report as HTML, piece by piece; `read` gives its rows as often as it is called.
+
+    `extras` are by the name of the output, `style` is that of their pictures.
+    """
+    yield encoded(_head(counts, style))
     yield encoded(f'<div class="messages">{"".join(_message(m, file=True) for m in said)}</div>\n')
-    yield encoded(
-        "<table>\n<tr><th>file<th>result<th>time<th>part<th>machine<th>features<th>tools"
-        "<th>machine time<th>messages</tr>\n"
-    )
-    whole = 0.0
-    for row in rows:
-        whole += _machine_time_s(row)
-        yield encoded(_row(row))
-    yield encoded(f'<tr><th>all<th><th><th><th><th><th><th class="n">{_clock(whole)}<th></tr>\n')
-    yield b"</table>\n</html>\n"
+    yield encoded(_totals(read()))
+    heads = "".join(f'<th scope="col"><button>{name}</button></th>' for name in COLUMNS)
+    yield encoded(f'<h2>Files</h2>\n<table id="files"><thead><tr>{heads}</tr></thead>\n<tbody>\n')
+    for first in (True, False):
+        for row in read():
+            if (row["status"] in REFUSED) is first:
+                yield encoded(_row(row, extras or {}))
+    yield encoded(f"</tbody></table>\n<script>{_static('run.js')}</script>\n</html>\n")
 
 
-def _row(row: Row) -> str:
-    parts = row["parts"]
+def _static(name: str) -> str:
+    return files("beamcam.report").joinpath("static", name).read_text(encoding="utf-8")
+
+
+def _head(counts: Counts, style: str) -> str:
+    shown = ", ".join(f'<b class="{s}">{getattr(counts, s)}</b> {s}' for s in STATUSES)
+    choices = "".join(f"<option>{s}</option>" for s in STATUSES)
     return (
-        f"<tr><td>{_shown(row['file'])}<td class={row['status']}>{row['status']}"
-        f'<td class="n">{1000 * row["seconds"]:.0f} ms'
-        f"<td>{'<br>'.join(map(_part, parts))}"
+        '<!doctype html>\n<html lang="en"><meta charset="utf-8">'
+        '<meta name="viewport" content="width=device-width, initial-scale=1">'
+        f'<link rel="icon" href="data:,"><title>beamcam: {escape(str(counts))}</title>'
+        f"<style>{_static('run.css')}{style}</style>\n"
+        f"<header><h1>beamcam</h1><span>{shown}</span>"
+        '<label>Filter <input id="filter" type="search"></label>'
+        f'<label>Result <select id="status"><option value="">all</option>{choices}</select></label>'
+        '<span id="shown" role="status"></span></header>\n'
+    )
+
+
+def _totals(rows: Iterable[Row]) -> str:
+    """Machine time, pieces and stock by machine, and the tools that its programs need."""
+    found: dict[str, _Total] = {}
+    for row in rows:
+        for part in row["parts"]:
+            total = found.setdefault(part["machine"], _Total(tools=Counter()))
+            total.seconds += (part["machine_time_s"] or 0.0) * part["quantity"]
+            total.programs += 1
+            total.pieces += part["quantity"]
+            total.stock += part["bar"] * part["quantity"]
+            total.tools.update(part["tools"])
+    if not found:
+        return ""
+    whole = _Total(
+        sum(t.seconds for t in found.values()), sum(t.programs for t in found.values()),
+        sum(t.pieces for t in found.values()), sum(t.stock for t in found.values()),
+    )  # fmt: skip
+    lines = [_total_row(name, total) for name, total in found.items()]
+    if len(found) > 1:
+        lines.append(_total_row("all", whole))
+    tools = [
+        f"<tr><td>{_shown(name)}<td>"
+        + ", ".join(f"{_shown(tool)} ({count})" for tool, count in sorted(total.tools.items()))
+        for name, total in found.items()
+    ]
+    return (
+        '<div class="totals"><section><h2>Totals</h2><table><tr><th>Machine<th class="n">Time'
+        '<th class="n">Programs<th class="n">Pieces<th class="n">Stock, m</tr>'
+        f"{''.join(lines)}</table></section>\n<section><h2>Tools to load (programs)</h2>"
+        f"<table><tr><th>Machine<th>Tools</tr>{''.join(tools)}</table></section></div>\n"
+    )
+
+
+def _total_row(name: str, total: _Total) -> str:
+    return (
+        f'<tr><td>{_shown(name)}<td class="n">{_clock(total.seconds)}'
+        f'<td class="n">{total.programs}<td class="n">{total.pieces}'
+        f'<td class="n">{total.stock / MM_PER_M:.2f}</tr>'
+    )
+
+
+def _row(row: Row, extras: Mapping[str, Extra]) -> str:
+    parts = row["parts"]
+    seconds = _machine_time_s(row)
+    return (
+        f"<tr data-status={row['status']}><td>{_shown(row['file'])}"
+        f"<td class={row['status']}>{row['status']}"
+        f"<td>{''.join(_part(part, extras.get(part['output'], Extra())) for part in parts)}"
         f"<td>{'<br>'.join(_shown(part['machine']) for part in parts)}"
         f"<td>{'<br>'.join(map(_ledger, parts))}"
         f"<td>{'<br>'.join(_shown(', '.join(part['tools'])) for part in parts)}"
-        f'<td class="n">{_clock(_machine_time_s(row)) if parts else ""}'
+        f'<td class="n" data-value="{seconds:.3f}">{_clock(seconds) if parts else ""}'
+        f'<td class="n" data-value="{row["seconds"]:.6f}">{1000 * row["seconds"]:.0f} ms'
         f'<td class="messages">{"".join(map(_message, row["messages"]))}</tr>\n'
     )
 
@@ -60,9 +143,14 @@ def _machine_time_s(row: Row) -> float:
     return sum((part["machine_time_s"] or 0.0) * part["quantity"] for part in row["parts"])
 
 
-def _part(part: PartRow) -> str:
+def _part(part: PartRow, extra: Extra) -> str:
+    """A part with its program, the sheet of it and a small picture where there are any."""
     times = f" ×{part['quantity']}" if part["quantity"] != 1 else ""
-    return _shown(f"{part['mark']}{times} {part['profile']} {part['length']:g} → {part['output']}")
+    name = _shown(part["output"])
+    if extra.sheet:
+        name = f'<a href="{escape(quote(extra.sheet))}">{name}</a>'
+    text = _shown(f"{part['mark']}{times} {part['profile']} {part['length']:g}")
+    return f'<div class="small">{text} → {name}{extra.picture}</div>'
 
 
 def _ledger(part: PartRow) -> str:

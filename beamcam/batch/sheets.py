@@ -1,0 +1,150 @@
+"""Setup sheets and small pictures for the programs of a run, beside its report.
+
+Each input is read and posted again, which takes a millisecond; its sheet is made where the program
+that stands in the folder is that very one.
+"""
+
+import os
+from collections.abc import Iterable, Iterator
+from contextlib import suppress
+from hashlib import sha256
+from pathlib import PurePosixPath
+
+from msgspec import Struct
+
+from beamcam.batch.work import Shop, post_part, thaw
+from beamcam.errors import BeamcamError
+from beamcam.files import write_whole
+from beamcam.model.part import Part
+from beamcam.pictures.part import small_scene
+from beamcam.pictures.program import ReadProgram
+from beamcam.pictures.styles import css
+from beamcam.pictures.svg import inline_svg
+from beamcam.pipeline import Posted, counted, sound
+from beamcam.processes import Died, Pool
+from beamcam.readers import read
+from beamcam.report.run import Row
+from beamcam.report.run_page import Extra
+from beamcam.setup_sheet.content import Source, content_of
+from beamcam.setup_sheet.page import setup_page
+
+FOLDER_SUFFIX = ".sheets"
+
+
+class Wanted(Struct, frozen=True):
+    """The programs of one input."""
+
+    path: str
+    programs: tuple[tuple[str, str], ...]  #: output and hash of each
+
+
+class Sheet(Struct, frozen=True):
+    """What is shown of one program."""
+
+    output: str
+    page: bytes
+    picture: str
+
+
+class SheetMaker(Struct, frozen=True):
+    """The work of a worker, for a shop that is frozen on its way there."""
+
+    frozen: bytes
+
+    def begin(self) -> None:
+        thaw(self.frozen)
+
+    def __call__(self, wanted: Wanted) -> tuple[Sheet, ...]:
+        """The sheets of an input's programs; none where it cannot be read any more."""
+        with suppress(OSError, BeamcamError):
+            return tuple(_sheets(wanted, thaw(self.frozen)))
+        return ()
+
+
+def picture_style() -> str:
+    """The styles of the small pictures in a report."""
+    dark = "@media screen and (prefers-color-scheme: dark)"
+    return f"{css('svg ')}{dark}{{{css('svg ', dark=True)}}}"
+
+
+def sheets_beside(report: str, rows: Iterable[Row], shop: Shop, jobs: int) -> dict[str, Extra]:
+    """Write the sheet of each program of a run into a folder beside its report.
+
+    What rows of the report show of them comes back, by the name of the output. Raises OSError.
+    """
+    folder = os.path.splitext(report)[0] + FOLDER_SUFFIX
+    found: dict[str, Extra] = {}
+    for sheet in _made(rows, shop, jobs):
+        name = PurePosixPath(f"{sheet.output}.html")
+        path = os.path.join(folder, *name.parts)
+        os.makedirs(os.path.dirname(path), exist_ok=True)
+        write_whole(path, sheet.page, durable=False)
+        link = (PurePosixPath(os.path.basename(folder)) / name).as_posix()
+        found[sheet.output] = Extra(link, sheet.picture)
+    return found
+
+
+def _made(rows: Iterable[Row], shop: Shop, jobs: int) -> Iterator[Sheet]:
+    maker = SheetMaker(shop.freeze)
+    tasks = (
+        Wanted(row["file"], tuple((p["output"], p["sha256"]) for p in row["parts"]))
+        for row in rows
+        if row["parts"]
+    )
+    if jobs <= 1:
+        for task in tasks:
+            yield from maker(task)
+        return
+    pool = Pool[Wanted, tuple[Sheet, ...]](maker, jobs, maker.begin)
+    try:
+        left = 0
+        for task in tasks:
+            while not pool.has_room():
+                for _, made in pool.wait():
+                    left -= 1
+                    yield from () if isinstance(made, Died) else made
+            pool.submit(task)
+            left += 1
+        while left > 0:
+            for _, made in pool.wait():
+                left -= 1
+                yield from () if isinstance(made, Died) else made
+    finally:
+        pool.close()
+
+
+def _sheets(wanted: Wanted, shop: Shop) -> Iterator[Sheet]:
+    """Sheets of the parts whose programs are those that were written."""
+    with open(wanted.path, "rb") as file:
+        reading = read(file.read(), wanted.path, **shop.reading)
+    left = list(wanted.programs)
+    for part in counted(sound(reading)):
+        with suppress(BeamcamError):
+            posted = _posted(part, shop)
+            digest = sha256(posted.text.encode("utf-8")).hexdigest()
+            output = next((name for name, known in left if known == digest), None)
+            if output is None:
+                continue
+            left.remove((output, digest))
+            yield _sheet(part, posted, output, shop)
+
+
+def _posted(part: Part, shop: Shop) -> Posted:
+    stages = post_part(part, shop.machine_for(part), shop)
+    while True:
+        try:
+            next(stages)
+        except StopIteration as end:
+            posted: Posted = end.value
+            return posted
+
+
+def _sheet(part: Part, posted: Posted, output: str, shop: Shop) -> Sheet:
+    machine = shop.machine_for(part)
+    bar = getattr(getattr(posted.plan, "bar", None), "length", None)
+    program = ReadProgram(
+        b"".join(posted.pieces()), machine, PurePosixPath(output).name, machine.suffix, (part,), bar
+    )
+    source = Source(program, posted.plan, posted.remarks, compared=shop.read_back)
+    page = setup_page(content_of(source)).encode("utf-8", "backslashreplace")
+    return Sheet(output, page, inline_svg(small_scene(part)))

@@ -1,0 +1,58 @@
+"""The page of a batch in a browser: filter, order, sheets, a phone."""
+
+from pathlib import Path
+
+import pytest
+from click.testing import CliRunner
+
+from beamcam.cli import main
+from tests.browser.conftest import Browser
+
+SAMPLES = Path(__file__).resolve().parents[2] / "samples"
+
+
+@pytest.fixture(scope="module")
+def page(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("run")
+    inputs = [str(SAMPLES / "dstv" / f"{n}.nc1") for n in ("channel", "tie", "gusset", "tube")]
+    CliRunner().invoke(
+        main, ["batch", *inputs, "-o", str(folder / "out"), "--report", str(folder / "r.html")]
+    )
+    return folder / "r.html"
+
+
+def shown(browser: Browser) -> list[str]:
+    found = browser.run(
+        "return [...document.querySelectorAll('#files tbody tr')].filter((r) => !r.hidden)"
+        ".map((r) => r.cells[0].textContent.split('/').pop())"
+    )
+    return list(found)
+
+
+def test_it_is_filtered_and_ordered(browser: Browser, page: Path) -> None:
+    browser.open(page)
+    assert shown(browser)[0] == "tube.nc1"
+    assert browser.text("shown") == "4 of 4 shown"
+    browser.click("#filter")
+    browser.keys("UPN200 channel")
+    assert shown(browser) == ["channel.nc1"]
+    browser.run("const f = document.getElementById('filter'); f.value = '';"
+                "f.dispatchEvent(new Event('input'))")  # fmt: skip
+    browser.click("#files th button")
+    assert shown(browser) == sorted(shown(browser))
+    browser.click("#files th button")
+    assert shown(browser) == sorted(shown(browser), reverse=True)
+    assert browser.complaints == []
+    assert browser.requests == [page.as_uri()]
+
+
+def test_a_link_opens_the_sheet(browser: Browser, page: Path) -> None:
+    browser.open(page)
+    browser.click("#files a")
+    assert browser.run("return document.getElementById('hash').dataset.state") == "same"
+    assert browser.complaints == []
+
+
+def test_a_phone_needs_no_scrolling_sideways(browser: Browser, page: Path) -> None:
+    browser.open(page, 390)
+    assert browser.run("return document.documentElement.scrollWidth") <= 390
