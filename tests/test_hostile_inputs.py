@@ -260,6 +260,34 @@ def test_free_curves_on_each_other_take_no_quadratic_time(apart: float, tmp_path
     assert "plan-overlap" in said
 
 
+@pytest.mark.parametrize(
+    ("sample", "old", "new", "said"),
+    [
+        ("bolted", "'IPE300',#15,", "'IPE300',#15000,", "a reference to #15000, which is not in"),
+        ("beam_inch", "#80,0.354", "#80,-0.354", "found a circle of radius -9"),
+    ],
+)
+def test_members_of_a_damaged_model_are_refused(
+    sample: str, old: str, new: str, said: str, tmp_path: Path
+) -> None:
+    text = (SAMPLES / "ifc" / f"{sample}.ifc").read_text()
+    assert old in text
+    path = tmp_path / "a.ifc"
+    path.write_text(text.replace(old, new))
+    assert said in call("inspect", path)
+    assert said in call("convert", path, "-o", tmp_path / "out.json")
+
+
+def test_weights_of_a_spline_are_bounded(tmp_path: Path) -> None:
+    text = (SAMPLES / "dxf" / "splines.dxf").read_text()
+    assert "0.7071067811865476" in text
+    path = tmp_path / "a.dxf"
+    path.write_text(text.replace("0.7071067811865476", "7071067811865476"))
+    assert "SPLINE that cannot be read (a coordinate that is no number up to" in call(
+        "inspect", path
+    )
+
+
 def test_slots_on_each_other_are_told_apart_by_their_numbers(tmp_path: Path) -> None:
     slot = {"face": "v", "x": 100, "y": 50, "diameter": 20, "length": 30, "height": 0, "angle": 0}
     path = tmp_path / "a.json"

@@ -113,6 +113,9 @@ def torch_faults(machine: Machine) -> Iterator[Fault]:
         if value > MAX_SLACK:
             yield f"torch.{name}", value, f"at most {MAX_SLACK:g} mm"
     step = machine.format.resolution
+    if torch.tolerance < step:
+        expected = f"at least {step:g}, the step of its numbers"
+        yield "torch.tolerance", torch.tolerance, expected
     for index, row in enumerate(torch.rows):
         if 0.0 < row.kerf < KERF_STEPS * step:
             expected = f"0, or at least {KERF_STEPS} steps of {step:g} mm, as programs are written"

@@ -140,7 +140,7 @@ def drill_bolt_holes(
             continue
         try:
             world = model.placement(element.ObjectPlacement).times(shaped.frame)
-        except Unreadable as reason:
+        except (Unreadable, *NOT_WELL_FORMED) as reason:
             said.append(rules.GEOMETRY.at(part.source, found=reason))
             continue
         holes, skew = _through_member(bolts, world, part, shaped, options, name)

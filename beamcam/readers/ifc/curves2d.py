@@ -58,8 +58,10 @@ def _curve(model: Model, entity: Entity) -> list[Curve]:
         return _long([_trimmed(model, entity)])
     if kind == "IfcCircle":
         frame = model.axes(entity.Position)
-        start = degrees(_angle(frame.x[0], frame.x[1]))
-        return _long([Arc((frame.o[0], frame.o[1]), entity.Radius * model.mm, start, 360.0)])
+        start, radius = degrees(_angle(frame.x[0], frame.x[1])), entity.Radius * model.mm
+        if not radius > 0.0:
+            raise Unreadable(f"a circle of radius {radius:g}")
+        return _long([Arc((frame.o[0], frame.o[1]), radius, start, 360.0)])
     raise Unreadable(f"an outline by {kind}")
 
 

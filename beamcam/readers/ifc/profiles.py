@@ -129,6 +129,8 @@ def rounded_box(x: float, y: float, radius: float) -> Chain:
 
 
 def _circle(radius: float) -> Chain:
+    if not radius > 0.0:
+        raise Unreadable(f"a circle of radius {radius:g}")
     return (Arc((0.0, 0.0), radius, 0.0, 360.0),)
 
 

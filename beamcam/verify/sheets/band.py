@@ -30,9 +30,13 @@ def band_faults(work: Work, traced: Sequence[Traced]) -> list[Diagnostic]:
     said = _bites(work, traced, keeps_off)
     places = work.path.starts[[t.first for t in traced]]
     for k in np.flatnonzero(keeps_off & work.region.in_part(places))[:SHOWN].tolist():
+        # Of a kerf that is less than what a path may be off, no side is told.
+        away, way = work.need.nearest_to(places[k])
+        if away <= work.slack[way]:
+            continue
         x, y = places[k].tolist()
         source = Source(work.name, traced[k].stroke.line)
-        contour = work.contour_at(places[k])
+        contour = work.contour(way)
         said.append(rules.SIDE.at(source, x=f"{x:.3f}", y=f"{y:.3f}", contour=contour))
     return said
 

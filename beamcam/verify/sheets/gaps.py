@@ -18,7 +18,9 @@ def widest_gap(points: Floats, reach: float) -> float:
     if reach <= 0.0:
         return 0.0
     places = np.unique(np.ascontiguousarray(points).view(np.complex128).ravel())
-    cells = np.floor(places.real / reach) + 1j * np.floor(places.imag / reach)
+    # No finer than the last digits of the places, which a tiny reach would be divided by.
+    width = max(reach, float(np.abs(points).max(initial=0.0)) * 1e-12)
+    cells = np.floor(places.real / width) + 1j * np.floor(places.imag / width)
     order = np.argsort(cells, kind="stable")
     places, cells = places[order], cells[order]
     behind = np.arange(1, len(places) + 1)

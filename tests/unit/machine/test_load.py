@@ -80,6 +80,11 @@ BAD = [
         "machine-value",
         "expected 0, or at least 10 steps of 0.0001 mm",
     ),
+    (
+        "base = 'plate-linuxcnc'\n[torch]\ntolerance = 1e-6",
+        "machine-value",
+        "found 1e-06 for 'torch.tolerance'; expected at least 0.0001, the step of its numbers",
+    ),
     ("[saw]\nkerf = nan", "machine-value", "found nan for 'saw.kerf'; expected a finite number"),
     ("[layout]\nfront_trim = inf", "machine-value", "expected a finite number"),
     ("[saw]\nkerf = -1", "machine-value", "found -1 for 'saw.kerf'; expected 0 or more"),

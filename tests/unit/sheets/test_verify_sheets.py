@@ -4,6 +4,7 @@ import re
 from collections.abc import Callable
 
 import pytest
+from msgspec.structs import replace
 
 from beamcam.errors import VerifyError
 from beamcam.geometry.curves import Bezier, BSpline, EllipseArc, Line, NewtonCurve
@@ -300,6 +301,19 @@ def test_a_feature_that_nothing_makes() -> None:
     assert (said.code, said.source) == ("verify-sheet-not-made", S)
     (left,) = verify_sheet(text, (bent,), machine, ("other",))
     assert (left.code, left.source) == ("verify-left-out", S)
+
+
+def test_what_is_written_to_three_decimals_is_read_back_so() -> None:
+    """And of a kerf that is less than what a path may be off no side is told."""
+    for name in ("plate-linuxcnc", "plate-codesys"):
+        machine = table(name)
+        assert machine.torch is not None
+        rows = tuple(
+            replace(row, feed_mm_min=16.0016, pierce_s=0.90091, power=1.00049, kerf=0.002)
+            for row in machine.torch.rows
+        )
+        machine = replace(machine, torch=replace(machine.torch, rows=rows))
+        assert not verify_sheet(post((NESTED,), machine).text, (NESTED,), machine)
 
 
 @pytest.mark.parametrize("bound", ["MOST_NEAR", "MOST_MEASURED"])
