@@ -32,7 +32,7 @@ SAME_PLACE = 5e-3  #: curves as near as this are drawn twice
 SAME_POINT = 1e-6  #: of a gap, what its last digits may be
 MIN_WIDTH = 1e-3  #: half the width, on an average, of what has an inside
 #: Of a curve, where it is asked whether it lies on another; most are out after the first.
-SHARES = (0.5, 0.29, 0.71, 0.13, 0.87, 0.0, 1.0)
+SHARES = (0.5, 0.29, 0.71, 0.13, 0.87)
 
 
 class Region(Struct, frozen=True):
@@ -170,7 +170,9 @@ def _lie_on(ways: Ways, rank: Counts, same: float) -> Flags:
     """
     order = np.argsort(rank, kind="stable")
     exact = ways.kinds < 2
-    places = [ways.point(order, share * ways.lengths[order]) for share in SHARES]
+    # Its ends are known; along the way the last place of one is the first of the next.
+    ends = ways.starts[order], ways.ends[order]
+    places = [*(ways.point(order, share * ways.lengths[order]) for share in SHARES), *ends]
     first = first_equal(np.concatenate(places, axis=1))
     left = np.flatnonzero(first == np.arange(len(first)))
     on = np.zeros(len(first), dtype=bool)
