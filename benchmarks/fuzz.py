@@ -14,10 +14,10 @@ those that the read-back refused.
 """
 
 import multiprocessing
+import os
 import random
 import signal
 import sys
-import tempfile
 import time
 import traceback
 from collections import Counter, deque
@@ -28,28 +28,20 @@ from pathlib import Path
 from typing import Any
 
 from msgspec import Struct
-from msgspec.structs import replace
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
 
-from beamcam.errors import BeamcamError, VerifyError
 from benchmarks.damage import damaged
 from benchmarks.script import arguments, at_least, start
+from benchmarks.uses import HELD, SUFFIXES, work
 
 ROOT = Path(__file__).resolve().parent.parent
 FORMATS = ("dstv", "dxf", "svg", "ifc", "json", "toml")
-SUFFIXES = {
-    "dstv": ".nc1", "dxf": ".dxf", "svg": ".svg", "ifc": ".ifc", "json": ".json", "toml": ".toml",
-}  # fmt: skip
-BARS = ("beamline", "beamline-annex", "beamline-pusher")
-SHEETS = ("plate-linuxcnc", "plate-codesys", "laser-grbl", "table-simotion", "laser-stepper")
 MOST_S = 5.0  #: of processor time that an input may take
 MOST_BYTES = 1 << 30  #: that it may take beyond what a worker has before
-PATIENCE = 6.0  #: times `MOST_S` by the clock after which a worker that does not answer is ended
+PATIENCE = 6.0  #: times `MOST_S` after which a worker that does not answer is ended
 LARGEST_SAMPLE = 60_000  #: bytes; larger ones would only make each step slower
-MOST_PARTS = 2  #: of a file that are posted
 
-HELD = ("posted", "refused", "read-back")
 FAULTS = ("crash", "hang", "memory")
 
 
@@ -83,88 +75,6 @@ def input_of(index: int, seed: int, files: dict[str, list[bytes]]) -> tuple[str,
     chance = random.Random(f"{seed} {index}")
     kind = tuple(files)[index % len(files)]
     return kind, damaged(chance.choice(files[kind]), chance)
-
-
-def work(kind: str, data: bytes, chance: random.Random) -> tuple[str, str]:
-    """Do with an input all that the commands do; one of `HELD` and the read-back's codes.
-
-    Raises any exception that is not our own.
-    """
-    try:
-        if kind == "toml":
-            _use_machine(data)
-        else:
-            _use_parts(f"input{SUFFIXES[kind]}", data, chance)
-    except VerifyError as error:
-        return "read-back", " ".join(sorted({said.code for said in error.diagnostics}))
-    except BeamcamError:
-        return "refused", ""
-    return "posted", ""
-
-
-def _use_machine(data: bytes) -> None:
-    """Load a machine file, and post a sample with it."""
-    from beamcam.controllers.machine_words import load_machine
-
-    with tempfile.TemporaryDirectory() as folder:
-        path = Path(folder) / "mine.toml"
-        path.write_bytes(data)
-        machine = load_machine(str(path))
-    sample = "channel" if machine.stock == "beam" else "plate"
-    _post(f"{sample}.nc1", (ROOT / f"samples/dstv/{sample}.nc1").read_bytes(), machine)
-
-
-def _use_parts(name: str, data: bytes, chance: random.Random) -> None:
-    from beamcam.machine import load
-    from beamcam.model.part_json import part_to_json
-    from beamcam.readers import read
-    from beamcam.report.part_table import part_table
-    from beamcam.writers import dstv, faces_dxf, part_json
-
-    reading = read(data, name)
-    for said in reading.diagnostics:
-        str(said)
-    for part in reading.parts[:MOST_PARTS]:
-        list(part_table(part))
-        part_to_json(part)
-        if reading.refused or part.length <= 0.0 or not part.profile.height:
-            continue  # as `convert` does
-        again = read(part_json.write(part).encode(), "again.json")
-        if again.refused:
-            raise AssertionError(f"the JSON form is refused: {again.diagnostics[0]}")
-        for writer in (dstv, faces_dxf):
-            with suppress(BeamcamError):
-                writer.write(part)
-    if reading.refused or not reading.parts:
-        raise BeamcamError(reading.diagnostics)
-    sheet = reading.parts[0].profile.code == "B"
-    _post(name, data, load(chance.choice(SHEETS if sheet else BARS)))
-
-
-def _post(name: str, data: bytes, machine: Any) -> None:
-    """Post the first parts of a file, all of a sheet cut."""
-    from beamcam.machine.overlay import with_torch
-    from beamcam.model.part import Contour
-    from beamcam.pipeline import post
-    from beamcam.planning.rules import SKIP_NAMES
-    from beamcam.readers import read
-
-    parts = read(data, name).parts[:MOST_PARTS]
-    if machine.torch is not None:
-        machine = with_torch(machine, {"red": "cut"})
-        parts = tuple(
-            replace(
-                part,
-                features=tuple(
-                    replace(f, layer=None, colour="#ff0000") if isinstance(f, Contour) else f
-                    for f in part.features
-                ),
-            )
-            for part in parts[:1]
-        )
-    posted = post(parts, machine, skips=SKIP_NAMES)
-    for _ in posted.pieces():
-        pass
 
 
 # --- workers --------------------------------------------------------------------------------------
@@ -257,6 +167,15 @@ def _peak_megabytes() -> float:
     return peak / (1 << 20) if sys.platform == "darwin" else peak / 1024
 
 
+def processor_s(process: int | None) -> float:
+    """What a process has had of the processor so far, in s; the time by the clock if not known."""
+    try:
+        fields = Path(f"/proc/{process}/stat").read_text().rpartition(")")[2].split()
+        return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
+    except (OSError, AttributeError):
+        return time.monotonic()
+
+
 class Worker:
     """A process with one input at a time; one that does not answer is ended and begun anew."""
 
@@ -275,6 +194,7 @@ class Worker:
 
     def give(self, index: int) -> None:
         self.index, self.since = index, time.monotonic()
+        self._before = processor_s(self._process.pid)
         self.pipe.send(index)
 
     def take(self) -> Outcome:
@@ -292,12 +212,21 @@ class Worker:
 
     def too_late(self) -> Outcome | None:
         """The outcome of an input over which the worker is ended."""
-        if self.index is None or time.monotonic() - self.since < PATIENCE * MOST_S:
+        if self.index is None or self._taken() < PATIENCE * MOST_S:
             return None
         index, kinds = self.index, self._arguments[1]
         self.end()
         self._begin()
         return Outcome(index, kinds[index % len(kinds)], "hang", "in a library", PATIENCE * MOST_S)
+
+    def _taken(self) -> float:
+        """Seconds that an input has taken: of the processor, where the system tells, else of the
+        clock, by which a busy machine makes a hang of a pause.
+        """
+        by_clock = time.monotonic() - self.since
+        if by_clock < PATIENCE * MOST_S:
+            return by_clock
+        return processor_s(self._process.pid) - self._before
 
     def end(self) -> None:
         self._process.kill()

@@ -64,6 +64,8 @@ def test_a_worker_that_does_not_answer_is_ended(monkeypatch: pytest.MonkeyPatch)
     worker = fuzz.Worker.__new__(fuzz.Worker)
     worker.index, worker.since = 7, time.monotonic() - 1.0
     worker._arguments = (1, fuzz.FORMATS)
+    monkeypatch.setattr(fuzz, "processor_s", lambda _: 9.0)
+    worker._process, worker._before = SimpleNamespace(pid=0), 0.0  # type: ignore[assignment]
     monkeypatch.setattr(worker, "end", lambda: ended.append("end"))
     monkeypatch.setattr(worker, "_begin", lambda: ended.append("begin"))
     late = worker.too_late()
