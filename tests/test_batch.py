@@ -319,7 +319,9 @@ def test_what_is_printed(jobs: Path, tmp_path: Path) -> None:
     (jobs / "A" / "bad.nc1").write_text(BAD)
     plain = batch(jobs, "-o", tmp_path / "1")
     assert plain.stdout == ""
-    assert len(plain.stderr.splitlines()) == 2
+    assert len(plain.stderr.splitlines()) == 4
+    assert plain.stderr.count("warning plan-quantity") == 2
+    assert "warning plan-quantity: 1 more; --verbose or the report shows them" in plain.stderr
     assert plain.stderr.splitlines()[-1] == "4 posted, 0 unchanged, 1 refused, 0 failed"
     assert "\x1b" not in plain.stderr
     quiet = batch(jobs, "-o", tmp_path / "2", "--quiet")
@@ -327,7 +329,7 @@ def test_what_is_printed(jobs: Path, tmp_path: Path) -> None:
     assert "plan-tool" in quiet.stderr
     verbose = batch(jobs, "-o", tmp_path / "3", "--verbose")
     assert f"{jobs}/A/P001.nc1: posted A/P001.gcode" in verbose.stderr
-    assert "note plan-quantity" in verbose.stderr
+    assert "warning plan-quantity" in verbose.stderr
 
 
 def test_strict_and_skips(tmp_path: Path) -> None:

@@ -55,7 +55,7 @@ def test_machine_files(tmp_path: Path) -> None:
     huge = tmp_path / "huge.toml"
     huge.write_text("# " + "x" * 600_000)
     far = tmp_path / "far.toml"
-    far.write_text('base = "beamline"\n[layout]\norder = "saw-drill"\ngreatest_bar = 1e300\n')
+    far.write_text('base = "beamline"\n[layout]\norder = "saw-drill"\nmax_bar = 1e300\n')
     sample = SAMPLES / "dstv" / "channel.nc1"
     for path, said in (
         (deep, "no TOML"),

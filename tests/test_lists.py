@@ -244,3 +244,72 @@ def test_a_library_that_is_not_there(
     assert "extra-missing" in done.stderr
     assert "pip install" in done.stderr
     assert not list(tmp_path.iterdir())
+
+
+def test_post_makes_as_many_as_are_wanted_bar_by_bar(tmp_path: Path) -> None:
+    """The parts recovered from all programs are those wanted, and no bar is too short."""
+    inputs = [str(SAMPLES / name) for name in ("tie.nc1", "channel.nc1", "strut.nc1")]
+    job = str(tmp_path / "job.gcode")
+    done = run("post", *inputs, "--quantity", "7", "--bar", "6000", "-o", job)
+    assert done.exit_code == 0, done.stderr
+    assert "plan-quantity" not in done.stderr
+    made: Counter[tuple[str, int]] = Counter()
+    for program in sorted(tmp_path.glob("job-*.gcode")):
+        section, pieces = _recovered(program, tmp_path / "made")
+        made.update((section, round(piece)) for piece in pieces)
+    assert made == {("UPN200", 320): 7, ("UPN200", 3000): 7, ("IPE160", 1800): 7}
+    whole = run("post", inputs[0], "--quantity", "file", "-o", job)
+    assert whole.exit_code == 0, whole.stderr
+    assert Path(job).exists()
+
+
+def _recovered(program: Path, folder: Path) -> tuple[str, list[float]]:
+    """The section that a program is right for, and the length of each piece that it makes."""
+    for section in ("UPN200", "IPE160"):
+        if run("recover", str(program), "--profile", section, "-o", f"{folder}/").exit_code == 0:
+            found = []
+            for path in folder.iterdir():
+                (part,) = json.loads(run("inspect", str(path), "--json").stdout)["parts"]
+                found += [part["length"]] * part["quantity"]
+                path.unlink()
+            return section, found
+    raise AssertionError(f"{program} makes neither section")
+
+
+def test_a_quantity_that_is_not_made_is_a_warning_with_the_option(tmp_path: Path) -> None:
+    job = str(tmp_path / "job.gcode")
+    done = run("post", str(SAMPLES / "tie.nc1"), "-o", job)
+    assert "warning plan-quantity: found a quantity of 2" in done.stderr
+    assert "--quantity file" in done.stderr
+    assert "plan-quantity" not in run("post", str(SAMPLES / "tie.nc1"), "--quantity", "1", "-o",
+                                      job).stderr  # fmt: skip
+    text = (SAMPLES / "gusset.nc1").read_text(encoding="ascii").split("\n")
+    text[7] = "  4"
+    plate = str(tmp_path / "gusset.nc1")
+    Path(plate).write_text("\n".join(text), encoding="ascii")
+    said = run("post", plate, "-o", str(tmp_path / "p.ngc")).stderr
+    assert "warning plan-sheet-quantity: found a quantity of 4" in said
+    once = run("post", plate, "--quantity", "file", "-o", str(tmp_path / "p.ngc"))
+    assert "plan-sheet-quantity" not in once.stderr
+
+
+def test_more_bars_than_one_do_not_go_to_standard_output() -> None:
+    done = run("post", str(SAMPLES / "channel.nc1"), "--quantity", "3", "--bar", "6000", "-o", "-")
+    assert (done.exit_code, done.stdout) == (1, "")
+    assert "write-more-bars" in done.stderr
+
+
+def test_a_batch_makes_as_many_as_are_wanted_and_checks_them(tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    words = (str(SAMPLES / "tie.nc1"), str(SAMPLES / "channel.nc1"), "--quantity", "3")
+    done = run("batch", *words, "--bar", "6000", "-o", str(out), "--json", "--jobs", "1")
+    assert done.exit_code == 0, done.stderr
+    assert sorted(p.name for p in out.glob("*.gcode")) == [
+        "channel-1.gcode", "channel-2.gcode", "channel-3.gcode", "tie.gcode",
+    ]  # fmt: skip
+    rows = [part for row in json.loads(done.stdout)["files"] for part in row["parts"]]
+    assert sum(part["pieces"] for part in rows if part["mark"] == "T1") == 3
+    assert [part["pieces"] for part in rows if part["mark"] == "C1"] == [1, 1, 1]
+    checked = run("check", str(out))
+    assert checked.exit_code == 0, checked.stdout + checked.stderr
+    assert "4 of 4 programs are the same" in checked.stdout

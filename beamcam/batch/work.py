@@ -33,6 +33,7 @@ from beamcam.pipeline import (
     sound,
     stock_of,
 )
+from beamcam.planning.bar_jobs import BarJob, Quantity, bar_jobs, numbered
 from beamcam.planning.stock import from_store
 from beamcam.posts import Job
 from beamcam.readers import read
@@ -46,6 +47,7 @@ class Shop(Struct, frozen=True):
     machine: Machine  #: of bars
     job: str = "JOB"
     stock_lengths: tuple[float, ...] = ()  #: rising; a part takes the first that it fits on
+    quantity: Quantity = None
     skips: tuple[str, ...] = ()
     strict: bool = False
     read_back: bool = True
@@ -191,39 +193,61 @@ def _post_all(
         machine = shop.machine_for(part)
         name = output_name(shop.name, stem, part, number, len(parts) > 1, machine)
         try:
-            posted = yield from post_part(part, machine, shop)
+            jobs = bar_jobs((part,), machine, shop.quantity, shop.stock_lengths)
         except BeamcamError as error:
-            if isinstance(error, RefusedProgram):
-                kept = names.take(name + REFUSED_SUFFIX, part.mark)
-                refused.append((kept, b"".join(error.pieces())))
             row["status"] = "refused"
             row["messages"] += map(as_message, error.diagnostics)
             continue
-        row["messages"] += map(as_message, posted.remarks)
-        other = names.owner(name)
-        if other is not None and shop.name is not None:
-            row["status"] = "refused"
-            clash = rules.SAME_NAME.at(part.source, found=name, other=f"part {other}")
-            row["messages"].append(as_message(clash))
-            continue
-        name = names.take(name, part.mark)
-        content = posted.text.encode("utf-8")
-        outputs.append((name, content))
-        row["parts"].append(_part_row(part, posted, name, content, machine, shop.timed))
+        for job, called in zip(jobs, numbered(name, len(jobs)), strict=True):
+            yield from _post_job(job, called, machine, shop, row, names, outputs, refused)
 
 
-def post_part(part: Part, machine: Machine, shop: Shop) -> Generator[str, None, Posted]:
-    """The program of one part, stage by stage, from the shortest bar in stock that takes it.
+def _post_job(
+    job: BarJob,
+    name: str,
+    machine: Machine,
+    shop: Shop,
+    row: Row,
+    names: Names,
+    outputs: list[tuple[str, bytes]],
+    refused: list[tuple[str, bytes]],
+) -> Generator[str, None, None]:
+    """Add the program of a part, or of the pieces of it that lie on one bar."""
+    part = job.parts[0]
+    try:
+        posted = yield from post_job(job, machine, shop)
+    except BeamcamError as error:
+        if isinstance(error, RefusedProgram):
+            kept = names.take(name + REFUSED_SUFFIX, part.mark)
+            refused.append((kept, b"".join(error.pieces())))
+        row["status"] = "refused"
+        row["messages"] += map(as_message, error.diagnostics)
+        return
+    row["messages"] += map(as_message, posted.remarks)
+    other = names.owner(name)
+    if other is not None and shop.name is not None:
+        row["status"] = "refused"
+        clash = rules.SAME_NAME.at(part.source, found=name, other=f"part {other}")
+        row["messages"].append(as_message(clash))
+        return
+    name = names.take(name, part.mark)
+    content = posted.text.encode("utf-8")
+    outputs.append((name, content))
+    row["parts"].append(_part_row(job, posted, name, content, machine, shop.timed))
+
+
+def post_job(job: BarJob, machine: Machine, shop: Shop) -> Generator[str, None, Posted]:
+    """The program of a job, stage by stage, from the shortest bar in stock that takes it.
 
     Raises PlanError and VerifyError as `post` does; of bars that are all too short for the longest.
     """
 
     def planned(bar: float | None) -> Generator[str, None, Posted]:
-        stages = posting(Job((part,), machine, shop.job, bar, shop.skips), shop.read_back)
+        stages = posting(Job(job.parts, machine, shop.job, bar, shop.skips), shop.read_back)
         next(stages)  # the plan, which is all that a bar can be too short for
         return stages
 
-    stages = from_store(planned, shop.stock_lengths, part.length)
+    stages = from_store(planned, job.lengths, job.parts[0].length)
     yield "planned"
     posted = yield from stages
     if shop.strict:
@@ -238,9 +262,9 @@ OUTCOMES = ("made", "merged", "duplicate", "listed", "skipped")
 
 
 def _part_row(
-    part: Part, posted: Posted, name: str, content: bytes, machine: Machine, timed: bool
+    job: BarJob, posted: Posted, name: str, content: bytes, machine: Machine, timed: bool
 ) -> PartRow:
-    plan = posted.plan
+    plan, part, pieces = posted.plan, job.parts[0], len(job.parts)
     how: list[str] = [outcome.how for outcome in plan.outcomes]
     ledger = {"read": len(how), **{word: how.count(word) for word in OUTCOMES}}
     skipped_by = (
@@ -248,7 +272,8 @@ def _part_row(
     )
     return {
         "mark": part.mark,
-        "quantity": part.quantity,
+        "quantity": max(part.quantity, pieces),
+        "pieces": pieces,
         "profile": part.profile.name,
         "length": part.length,
         "machine": machine.name,

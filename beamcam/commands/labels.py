@@ -9,8 +9,9 @@ import click
 from beamcam.batch.names import Names, output_name
 from beamcam.commands import options
 from beamcam.commands.common import REFUSED, Voice, write
+from beamcam.commands.listed import counted_parts, refuse_missing
 from beamcam.commands.members import member_options
-from beamcam.commands.quantities import counted_parts, quantity, refuse_missing
+from beamcam.commands.quantities import quantity
 from beamcam.commands.rules import OUTPUT_FORMAT
 from beamcam.commands.settings import files_read, machine_of_stock, settled
 from beamcam.commands.sheets import drawing_options
@@ -52,7 +53,7 @@ def _size(ctx: click.Context, param: click.Parameter, value: str) -> Size:
 @options.strict
 @options.voiced
 def command(
-    inputs: tuple[str, ...], output: str, quantity: str | int, size: Size, voice: Voice,
+    inputs: tuple[str, ...], output: str, size: Size, voice: Voice,
     **asked: Any,
 ) -> None:  # fmt: skip
     """Write a label for each piece of the parts in files and folders.
@@ -67,7 +68,7 @@ def command(
     """
     try:
         config = settled(asked, inputs)
-        counts, said = counted_parts(inputs, quantity, config, asked, voice)
+        counts, said = counted_parts(inputs, config, asked, voice)
         labels = tuple(_labels(counts, config))
         data = _written(output, labels, size)
     except BeamcamError as error:

@@ -9,8 +9,9 @@ from msgspec.structs import replace
 
 from beamcam.commands import options
 from beamcam.commands.common import REFUSED, Voice, write
+from beamcam.commands.listed import counted_parts, refuse_missing
 from beamcam.commands.members import member_options
-from beamcam.commands.quantities import counted_parts, quantity, refuse_missing
+from beamcam.commands.quantities import quantity
 from beamcam.commands.rules import OUTPUT_FORMAT
 from beamcam.commands.settings import files_read, machine_of_stock, settled
 from beamcam.commands.sheets import drawing_options
@@ -45,8 +46,8 @@ SUFFIXES = (".txt", ".csv", ".xlsx", ".json")
 @options.strict
 @options.voiced
 def command(
-    inputs: tuple[str, ...], output: str, bars: tuple[float, ...], quantity: str | int,
-    table: str, voice: Voice, **asked: Any,
+    inputs: tuple[str, ...], output: str, bars: tuple[float, ...], table: str,
+    voice: Voice, **asked: Any,
 ) -> None:  # fmt: skip
     """Write the part list of files and folders, and the cutting list of their bars.
 
@@ -61,7 +62,7 @@ def command(
     """
     try:
         config = settled(asked, inputs)
-        counts, said = counted_parts(inputs, quantity, config, asked, voice)
+        counts, said = counted_parts(inputs, config, asked, voice)
         nested, refused = _bars(counts, config, tuple(bars) or config.stock_lengths)
         data = _written(output, counts, nested, table)
     except BeamcamError as error:

@@ -1,5 +1,6 @@
 """`beamcam post`: parts in, a program out."""
 
+from collections.abc import Sequence
 from typing import Any
 
 import click
@@ -9,11 +10,16 @@ from beamcam.commands.common import Voice, keep_apart, keep_refused, write
 from beamcam.commands.grouped import Grouped
 from beamcam.commands.kinds import program
 from beamcam.commands.parts import part_options, read_parts
+from beamcam.commands.quantities import program_names, quantity
 from beamcam.commands.settings import files_read, machine_for, map_remarks, settled
 from beamcam.commands.tables import job_name, outputs, table_style, write_list
 from beamcam.errors import BeamcamError, Diagnostic
+from beamcam.files import FilesRead
+from beamcam.machine.machine import Machine
+from beamcam.model.part import Part
 from beamcam.model.plan import Order
 from beamcam.pipeline import Posted, RefusedProgram, post, untold
+from beamcam.planning.bar_jobs import bar_jobs
 from beamcam.planning.stock import from_store
 
 
@@ -23,6 +29,7 @@ from beamcam.planning.stock import from_store
 @options.machine
 @options.config
 @options.bar
+@quantity
 @options.job_name
 @options.skips
 @options.exit_left_out
@@ -52,16 +59,19 @@ def command(
 ) -> None:
     """Turn parts into a machine program.
 
-    Several INPUTs are laid on one bar in the order given; an input named twice is made twice. A
-    sheet takes one. Without --machine bars go to beamline, sheets by the suffix of the output to
-    plate-linuxcnc (.ngc), plate-codesys (.gcode), laser-grbl (.nc), table-simotion (.st) or
-    laser-stepper (.steps, .csv, .bin, .h). Nothing is written unless all of it can be made.
+    Several INPUTs are laid on one bar in the order given; an input named twice is made twice. With
+    --quantity each is made as often as its file or the option says, on as many bars as they need
+    (first fit), a program each: NAME-1, NAME-2, and so on. A sheet takes one part. Without
+    --machine bars go to beamline, sheets by the suffix of the output to plate-linuxcnc (.ngc),
+    plate-codesys (.gcode), laser-grbl (.nc), table-simotion (.st) or laser-stepper (.steps, .csv,
+    .bin, .h). Nothing is written unless all of it can be made.
 
     \b
     beamcam post gasket.dxf -o gasket.ngc --map blue=cut --thickness 3
     beamcam post M58.nc1 -o job.gcode
     beamcam post M74.nc1 M58.nc1 M74.nc1 --machine beamline-annex -o job.gcode
     beamcam post M58.nc1 --bar 12000 -o - | less
+    beamcam post M74.nc1 M58.nc1 --quantity file --bar 12000 -o job.gcode
     beamcam post model.ifc --mark B12 -o b12.gcode
     """
     said: tuple[Diagnostic, ...] = ()
@@ -73,27 +83,42 @@ def command(
         style = table_style(machine, output, style)
         job = job_name(config, machine, output)
 
-        def made(bar: float | None) -> Posted:
-            return post(
-                parts, machine, job, bar, config.allow_skips, not no_verify, order, turn,
-                config.strict, style, voice.did if voice.verbose else untold,
-            )  # fmt: skip
+        jobs = bar_jobs(parts, machine, config.quantity, config.stock_lengths)
+        names = program_names(output, len(jobs))
+        made: list[tuple[str, Posted]] = []
+        for name, each in zip(names, jobs, strict=True):
 
-        posted = from_store(made, config.stock_lengths, max((p.length for p in parts), default=0.0))
+            def posted(bar: float | None, parts: tuple[Part, ...] = each.parts) -> Posted:
+                return post(
+                    parts, machine, job, bar, config.allow_skips, not no_verify, order, turn,
+                    config.strict, style, voice.did if voice.verbose else untold,
+                )  # fmt: skip
+
+            longest = max((p.length for p in each.parts), default=0.0)
+            output = name  # of which a refused program is kept
+            made.append((name, from_store(posted, each.lengths, longest)))
     except RefusedProgram as error:
         kept = keep_refused(output, error.pieces(), files_read(config, inputs))
         voice.stop((*said, *error.diagnostics, *kept))
     except BeamcamError as error:
         voice.stop((*said, *error.diagnostics))
-    if voice.verbose:
-        from beamcam.report.ledger import ledger_of
-
-        voice.did(f"{machine.name}: {ledger_of(posted.plan.outcomes)}")
-    files, read = tuple(outputs(posted, machine, output)), files_read(config, inputs)
-    keep_apart((path for path, _ in files), read, voice)
-    write_list(posted, output, voice, read)
-    for path, content in files:
-        write(path, content, voice, read)
-    voice.say((*said, *posted.remarks))
-    if posted.leaves_out and exit_left_out is not None:
+    _write(made, machine, files_read(config, inputs), voice)
+    voice.say((*said, *dict.fromkeys(one for _, each in made for one in each.remarks)))
+    if exit_left_out is not None and any(each.leaves_out for _, each in made):
         raise SystemExit(exit_left_out)
+
+
+def _write(
+    made: Sequence[tuple[str, Posted]], machine: Machine, read: FilesRead, voice: Voice
+) -> None:
+    """Write the programs and their lists for the hand, none if one would be written over."""
+    files = [(name, posted, tuple(outputs(posted, machine, name))) for name, posted in made]
+    keep_apart((path for _, _, pieces in files for path, _ in pieces), read, voice)
+    for name, posted, pieces in files:
+        if voice.verbose:
+            from beamcam.report.ledger import ledger_of
+
+            voice.did(f"{machine.name}: {ledger_of(posted.plan.outcomes)}")
+        write_list(posted, name, voice, read)
+        for path, content in pieces:
+            write(path, content, voice, read)

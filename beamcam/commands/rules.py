@@ -63,6 +63,12 @@ OTHER_CONTENT = Rule(
     "Two parts that differ under one mark are mixed up on the floor. Give one of them another "
     "mark, or leave its file out.",
 )
+MORE_BARS = Rule(
+    "write-more-bars",
+    Severity.ERROR,
+    "found {found} bars for standard output; expected one, give -o a file's name",
+    "Each bar has a program of its own: NAME-1, NAME-2 and so on.",
+)
 MISSING_EXTRA = Rule(
     "extra-missing",
     Severity.ERROR,
@@ -108,5 +114,5 @@ UNKNOWN = Rule(
 
 RULES = (
     OUTPUT_FORMAT, ONE_PART, NO_PART, CANNOT_WRITE, OVER_INPUT, SECTION, RENAMED, WRITTEN,
-    OTHER_CONTENT, MISSING_EXTRA, ACCOUNT, NO_SAMPLE, GONE, NEW, UNKNOWN,
+    OTHER_CONTENT, MORE_BARS, MISSING_EXTRA, ACCOUNT, NO_SAMPLE, GONE, NEW, UNKNOWN,
 )  # fmt: skip

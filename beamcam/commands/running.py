@@ -2,6 +2,7 @@
 
 import os
 import sys
+from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import PurePath
@@ -17,6 +18,7 @@ from beamcam.commands import options
 from beamcam.commands.common import Voice, say_lines
 from beamcam.commands.kinds import KINDS, expected
 from beamcam.commands.members import member_choice, selection_options
+from beamcam.commands.quantities import quantity
 from beamcam.commands.settings import machine_of_stock
 from beamcam.commands.sheets import drawing_choice, drawing_options, torch_options
 from beamcam.config.rules import UNUSED
@@ -51,6 +53,7 @@ run_options = options.group(
     options.machine,
     options.config,
     options.bar,
+    quantity,
     options.job_name,
     click.option(
         "--name", callback=_template, metavar="TEMPLATE", help='As "{mark}_{quantity}.gcode".'
@@ -90,6 +93,7 @@ def shop_of(config: Config, asked: Mapping[str, Any], timed: bool = False) -> Sh
         bars,
         config.job,
         config.stock_lengths,
+        config.quantity,
         config.allow_skips,
         config.strict,
         not asked["no_verify"],
@@ -144,6 +148,10 @@ def workers_of(shop: Shop, jobs: int | None, scheduler: str | None, most: int) -
     return Processes(shop, count)
 
 
+#: Messages of one code that a run prints one by one; thousands would hide what is different.
+SHOWN_OF_A_CODE = {"error": 20, "warning": 1, "note": 1}
+
+
 class Screen:
     """Prints a run: messages, a line for each file if wanted, and a bar on a terminal."""
 
@@ -162,6 +170,7 @@ class Screen:
         }
         self._bar = total is not None and not (voice.quiet or voice.as_json) and sys.stderr.isatty()
         self._drawn = -1.0
+        self._said: Counter[tuple[str, str]] = Counter()  #: messages by severity and code
 
     def __enter__(self) -> Self:
         return self
@@ -183,7 +192,7 @@ class Screen:
             if self._voice.verbose:
                 self._voice.did("; ".join(line.strip() for line in account_lines(row)))
             return
-        lines = [message_line(m) for m in row["messages"] if m["severity"] in self._wanted]
+        lines = [message_line(m) for m in row["messages"] if self._is_shown(m)]
         if self._voice.verbose:
             lines += account_lines(row)
         elif self._total is None and not self._voice.quiet:
@@ -193,6 +202,26 @@ class Screen:
             say_lines(lines, err=True)
         if self._bar:
             self._draw()
+
+    def _is_shown(self, message: Message) -> bool:
+        """Whether a message of a file is printed: of one code the first ones only.
+
+        All are in the report, and under --verbose; who watches has no end to be told a count at.
+        """
+        if message["severity"] not in self._wanted:
+            return False
+        if self._voice.verbose or self._total is None:
+            return True
+        kind = message["severity"], message["code"]
+        self._said[kind] += 1
+        return self._said[kind] <= SHOWN_OF_A_CODE[message["severity"]]
+
+    def _more(self) -> Iterator[str]:
+        """A line for each code of which messages were not printed."""
+        for (severity, code), count in self._said.items():
+            more = count - SHOWN_OF_A_CODE[severity]
+            if more > 0:
+                yield f"{severity} {code}: {more} more; --verbose or the report shows them"
 
     def say(self, messages: Iterable[Message]) -> None:
         """Print what is said about the run as a whole; it is little, so that notes count too."""
@@ -204,6 +233,7 @@ class Screen:
     def end(self, note: str = "") -> None:
         """Print the line of counts, and what else is to be known of the run."""
         self._clear()
+        say_lines(self._more(), err=True)
         if not (self._voice.quiet or self._voice.as_json):
             say_lines([f"{self.counts}{note}"], err=True)
 

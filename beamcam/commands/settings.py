@@ -24,7 +24,7 @@ from beamcam.readers.reading import Reading
 #: Keys of a configuration that are options of their own, by the name of the option's value.
 _OPTIONS = {
     "machine": "machine", "skips": "allow_skips", "strict": "strict", "job": "job", "jobs": "jobs",
-    "name": "name", "flat": "flat", "colours": "map",
+    "name": "name", "quantity": "quantity", "flat": "flat", "colours": "map",
 }  # fmt: skip
 #: Options that are rows of the table `[sheet]`.
 SAME_THICKNESS = 0.01  #: mm that two statements may differ by

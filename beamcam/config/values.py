@@ -21,6 +21,7 @@ _MAGIC = frozenset("*?[")
 
 Stock = Literal["beam", "sheet"]
 Meaning = Literal["cut", "mark", "engrave", "ignore"]
+Quantity = Literal["file"] | PositiveCount
 Tolerance = Literal["merge", "duplicate", "sink", "path", "twin"]
 
 
@@ -59,6 +60,7 @@ class ConfigFile(Keys, frozen=True):
     job: Text = "JOB"  #: name in a program's first line
     jobs: PositiveCount | None = None  #: worker processes of a batch; all cores if not given
     name: Text | None = None  #: template of a batch's output names
+    quantity: Quantity | None = None  #: pieces of each part: "file", or a number
     flat: bool = False  #: whether a batch writes all outputs to one folder
     #: of drills, over the machine's own, mm
     tolerances: Mapping[Tolerance, NotNegative] = field(default_factory=dict)

@@ -94,9 +94,10 @@ REMNANT = Rule(
 )
 QUANTITY = Rule(
     "plan-quantity",
-    _N,
-    "found a quantity of {found}; this program makes {made}",
-    "A part is laid on the bar as often as its file is named, whatever quantity it states.",
+    _W,
+    "found a quantity of {found}; this program makes {made}, --quantity file makes all",
+    "Without --quantity a part is laid on the bar as often as its file is named, whatever quantity "
+    "it states. --quantity 1 says that one is meant.",
 )
 TURNED = Rule(
     "plan-turned",

@@ -64,7 +64,7 @@ def plan_sheet(parts: Sequence[Part], machine: Machine, skips: Collection[str] =
     piece = Piece(part, 0.0)
     outcomes = tuple(_outcomes(part, assigned, joined, operations))
     if part.quantity > 1:
-        remarks.append(bar_rules.QUANTITY.at(part.source, found=part.quantity, made=1))
+        remarks.append(rules.QUANTITY.at(part.source, found=part.quantity))
     plan = SheetPlan(
         part.profile, (piece,), shift, material.thickness, operations, outcomes, tuple(remarks)
     )

@@ -54,6 +54,7 @@ class PartRow(TypedDict):
 
     mark: str
     quantity: int
+    pieces: int  #: that the program makes
     profile: str
     length: float
     machine: str  #: that the program is for

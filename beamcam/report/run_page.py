@@ -140,7 +140,9 @@ def _row(row: Row, extras: Mapping[str, Extra]) -> str:
 
 def _machine_time_s(row: Row) -> float:
     """Of all pieces of a file's parts."""
-    return sum((part["machine_time_s"] or 0.0) * part["quantity"] for part in row["parts"])
+    return sum(
+        (part["machine_time_s"] or 0.0) * part["quantity"] / part["pieces"] for part in row["parts"]
+    )
 
 
 def _part(part: PartRow, extra: Extra) -> str:

@@ -8,9 +8,9 @@ from beamcam.plain_text import harmless_cell
 from beamcam.report.run import Counts, Message, PartRow, Row, encoded, message_line
 
 HEAD = (
-    "file", "status", "format", "seconds", "mark", "quantity", "profile", "length", "machine",
-    "output", "bar", "features", "made", "merged", "duplicate", "listed", "skipped", "tools",
-    "operations", "machine_time_s", "errors", "warnings", "notes", "messages",
+    "file", "status", "format", "seconds", "mark", "quantity", "pieces", "profile", "length",
+    "machine", "output", "bar", "features", "made", "merged", "duplicate", "listed", "skipped",
+    "tools", "operations", "machine_time_s", "errors", "warnings", "notes", "messages",
 )  # fmt: skip
 
 
@@ -43,14 +43,15 @@ def as_csv(rows: Iterable[Row], counts: Counts, said: Iterable[Message]) -> Iter
         )
 
 
-_CELLS = HEAD[4:20]
+_CELLS = HEAD[4:21]
 
 
 def _cells(part: PartRow) -> tuple[object, ...]:
     ledger, seconds = part["ledger"], part["machine_time_s"]
     return (
-        part["mark"], part["quantity"], part["profile"], f"{part['length']:g}", part["machine"],
-        part["output"], f"{part['bar']:g}", ledger["read"], ledger["made"], ledger["merged"],
+        part["mark"], part["quantity"], part["pieces"], part["profile"],
+        f"{part['length']:g}", part["machine"], part["output"], f"{part['bar']:g}",
+        ledger["read"], ledger["made"], ledger["merged"],
         ledger["duplicate"], ledger["listed"], ledger["skipped"],
         " ".join(t.replace(" ", "-") for t in part["tools"]),
         part["operations"], "" if seconds is None else f"{seconds:.1f}",

@@ -10,6 +10,12 @@ SHEETS = Rule(
     "found {found} parts; expected one for a sheet",
     "Parts are not nested on a sheet; a drawing that holds them all is one part.",
 )
+QUANTITY = Rule(
+    "plan-sheet-quantity",
+    _W,
+    "found a quantity of {found}; this program makes 1, run it once for each",
+    "A sheet holds one part. --quantity says how many are wanted, so that this is not said.",
+)
 NOTHING = Rule(
     "plan-sheet-empty",
     _E,
@@ -280,7 +286,7 @@ CHAIN = Rule(
 )
 
 RULES = (
-    CHAIN, SHEETS, NOTHING, UNMAPPED, MAP, OPTION, NO_PROCESS, NO_THICKNESS, THICKNESS,
+    CHAIN, SHEETS, QUANTITY, NOTHING, UNMAPPED, MAP, OPTION, NO_PROCESS, NO_THICKNESS, THICKNESS,
     OTHER_THICKNESS, OTHER_MATERIAL, ASSUMED,
     SHEET_SIZE, SHEET_PLACE, JUNCTION, BRANCHED, NOT_CLOSED, TINY, SHARED, COMMON, RUNS_BACK_KERF,
     RUNS_BACK, GAP, OPEN_CUT,

@@ -119,7 +119,7 @@ BAD = [
         "machine-value",
         "'torch.tabs'; expected 0 or more",
     ),
-    ("base = 'table-simotion'\n[triggers]\ngreatest_data = 10", "machine-value", "1024 or more"),
+    ("base = 'table-simotion'\n[triggers]\nmax_data = 10", "machine-value", "1024 or more"),
     (spindle("y", "Z") + "\nstations = 0", "machine-value", "'spindles.0.stations'; expected 1 or"),
     ("controller = 'fanuc'", "machine-value", "expected one of"),
     ("[format]\nnumber_blocks = 1", "machine-value", "expected true or false"),

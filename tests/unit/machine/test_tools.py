@@ -17,9 +17,9 @@ from beamcam.machine.tools import Tool, ToolSet, inch_size
 FAULTS = [
     ("beamline", "[drill]\nx = -1", "'drill.x'; expected at least saw.x"),
     ("beamline-pusher", "[drill]\nx = 2000", "'drill.x'; expected at most saw.x"),
-    ("beamline", "[saw]\nleast_angle = 70", "'saw.min_angle'; expected at most"),
-    ("beamline", "[saw]\nleast_tilt = 1", "'saw.min_tilt'; expected at most"),
-    ("beamline", "[saw]\ngreatest_tilt = 10", "'words.saw'; expected a word with {tilt}"),
+    ("beamline", "[saw]\nmin_angle = 70", "'saw.min_angle'; expected at most"),
+    ("beamline", "[saw]\nmin_tilt = 1", "'saw.min_tilt'; expected at most"),
+    ("beamline", "[saw]\nmax_tilt = 10", "'words.saw'; expected a word with {tilt}"),
     ("beamline", "[[tools]]\nkind = 'drill'", "'tools.0.diameters'; expected at least one"),
     ("beamline", "[[tools]]\nkind = 'drill'\ninches = ['1/0']", "expected inches such as"),
     ("beamline", "[[tools]]\nkind = 'drill'\ninches = ['half']", "found 'half' for"),

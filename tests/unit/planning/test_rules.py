@@ -162,7 +162,7 @@ CASES: tuple[Case, ...] = (
     ("plan-other", "beamline", (part(Bend((0, 1), (9, 1), 90, 5, SOURCE)),), {},
      "found a bend; expected none, the machine does not bend, camber or cut in space"),
     ("plan-quantity", "beamline", (part(quantity=3),), {},
-     "found a quantity of 3; this program makes 1"),
+     "found a quantity of 3; this program makes 1, --quantity file makes all"),
     ("plan-turned", "beamline", (part(cuts=EndCuts(web_end=-50.0)),), {"turn": True},
      "the part is turned over, end for end: as given it cannot be made (plan-saw-angle)"),
     ("plan-turn-helps", "beamline", (part(cuts=EndCuts(web_end=-50.0)),), {},

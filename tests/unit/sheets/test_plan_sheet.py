@@ -39,7 +39,7 @@ def test_every_feature_has_an_outcome() -> None:
     plan = plan_sheet((part,), table())
     assert [o.how for o in plan.outcomes] == ["made", "duplicate", "made"]
     assert len(plan.operations) == 3  # the outline of the plate is nobody's feature
-    assert codes(plan) == ["plan-overlap", "plan-quantity"]
+    assert codes(plan) == ["plan-overlap", "plan-sheet-quantity"]
 
 
 def test_the_kerf_lies_in_the_waste() -> None:
@@ -326,7 +326,8 @@ def test_a_square_between_others_is_made_by_their_cuts() -> None:
 
 #: What the command line says, and what only machines without words for a contour can say.
 OF_OTHERS = {
-    "plan-map", "plan-sheet-option", "plan-chain", "plan-thickness-other", "plan-material-other",
+    "plan-map", "plan-sheet-option", "plan-sheet-quantity", "plan-chain",
+    "plan-thickness-other", "plan-material-other",
 }  # fmt: skip
 
 

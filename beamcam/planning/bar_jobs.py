@@ -1,0 +1,59 @@
+"""What becomes one program each: all parts on one bar, or as many as are wanted on several."""
+
+from collections.abc import Sequence
+from typing import Literal
+
+from msgspec import Struct
+from msgspec.structs import replace
+
+from beamcam.errors import PlanError
+from beamcam.machine.machine import Machine
+from beamcam.model.part import Part
+
+Quantity = Literal["file"] | int | None  #: as the part's file says, a number, or not said
+
+
+class BarJob(Struct, frozen=True):
+    """The parts of one program, and the bars that it may be cut from."""
+
+    parts: tuple[Part, ...]
+    lengths: tuple[float, ...]  #: mm, rising; none: as long as the parts need
+
+
+def wanted(part: Part, quantity: Quantity) -> int:
+    """How many of a part are wanted: as many as its file says, where no number is asked for."""
+    return quantity if isinstance(quantity, int) else part.quantity
+
+
+def bar_jobs(
+    parts: Sequence[Part], machine: Machine, quantity: Quantity, lengths: tuple[float, ...]
+) -> tuple[BarJob, ...]:
+    """The jobs that make `parts`, bar by bar; a sheet is one job, whatever its quantity.
+
+    Without a quantity all go onto one bar. Raises PlanError for a part that fits on no bar.
+    """
+    if quantity is None:
+        return (BarJob(tuple(parts), lengths),)
+    said = [replace(part, quantity=1) for part in parts]  # the job has said how many
+    if machine.stock == "sheet":
+        return (BarJob(tuple(said), ()),)
+    from beamcam.planning.stock_bars import copies, first_fit
+
+    pieces = copies(said, (wanted(part, quantity) for part in parts))
+    nesting = first_fit(pieces, machine, lengths)
+    if nesting.refusals:
+        raise PlanError(dict.fromkeys(nesting.refusals))
+    return tuple(
+        BarJob(tuple(pieces[i] for i in bar.pieces), (bar.account.length,) if lengths else ())
+        for bar in nesting.bars
+    )
+
+
+def numbered(name: str, count: int) -> tuple[str, ...]:
+    """The names of `count` programs: job.gcode, or job-1.gcode, job-2.gcode, ..."""
+    if count == 1:
+        return (name,)
+    stem, dot, suffix = name.rpartition(".")
+    if not stem:
+        stem, dot, suffix = name, "", ""
+    return tuple(f"{stem}-{number}{dot}{suffix}" for number in range(1, count + 1))
