@@ -12,15 +12,16 @@ from pathlib import PurePosixPath
 
 from msgspec import Struct
 
-from beamcam.batch.work import Shop, post_part, thaw
+from beamcam.batch.work import Shop, post_job, thaw
 from beamcam.errors import BeamcamError
 from beamcam.files import write_whole
-from beamcam.model.part import Part
+from beamcam.machine.machine import Machine
 from beamcam.pictures.part import small_scene
 from beamcam.pictures.program import ReadProgram
 from beamcam.pictures.styles import css
 from beamcam.pictures.svg import inline_svg
 from beamcam.pipeline import Posted, counted, sound
+from beamcam.planning.bar_jobs import BarJob, bar_jobs
 from beamcam.processes import Died, Pool
 from beamcam.readers import read
 from beamcam.report.run import Row
@@ -31,11 +32,11 @@ from beamcam.setup_sheet.page import setup_page
 FOLDER_SUFFIX = ".sheets"
 
 
-class Wanted(Struct, frozen=True):
+class Programs(Struct, frozen=True):
     """The programs of one input."""
 
     path: str
-    programs: tuple[tuple[str, str], ...]  #: output and hash of each
+    outputs: tuple[tuple[str, str], ...]  #: output and hash of each
 
 
 class Sheet(Struct, frozen=True):
@@ -54,10 +55,10 @@ class SheetMaker(Struct, frozen=True):
     def begin(self) -> None:
         thaw(self.frozen)
 
-    def __call__(self, wanted: Wanted) -> tuple[Sheet, ...]:
+    def __call__(self, programs: Programs) -> tuple[Sheet, ...]:
         """The sheets of an input's programs; none where it cannot be read any more."""
         with suppress(OSError, BeamcamError):
-            return tuple(_sheets(wanted, thaw(self.frozen)))
+            return tuple(_sheets(programs, thaw(self.frozen)))
         return ()
 
 
@@ -87,7 +88,7 @@ def sheets_beside(report: str, rows: Iterable[Row], shop: Shop, jobs: int) -> di
 def _made(rows: Iterable[Row], shop: Shop, jobs: int) -> Iterator[Sheet]:
     maker = SheetMaker(shop.freeze)
     tasks = (
-        Wanted(row["file"], tuple((p["output"], p["sha256"]) for p in row["parts"]))
+        Programs(row["file"], tuple((p["output"], p["sha256"]) for p in row["parts"]))
         for row in rows
         if row["parts"]
     )
@@ -95,7 +96,7 @@ def _made(rows: Iterable[Row], shop: Shop, jobs: int) -> Iterator[Sheet]:
         for task in tasks:
             yield from maker(task)
         return
-    pool = Pool[Wanted, tuple[Sheet, ...]](maker, jobs, maker.begin)
+    pool = Pool[Programs, tuple[Sheet, ...]](maker, jobs, maker.begin)
     try:
         left = 0
         for task in tasks:
@@ -113,24 +114,25 @@ def _made(rows: Iterable[Row], shop: Shop, jobs: int) -> Iterator[Sheet]:
         pool.close()
 
 
-def _sheets(wanted: Wanted, shop: Shop) -> Iterator[Sheet]:
+def _sheets(programs: Programs, shop: Shop) -> Iterator[Sheet]:
     """Sheets of the parts whose programs are those that were written."""
-    with open(wanted.path, "rb") as file:
-        reading = read(file.read(), wanted.path, **shop.reading)
-    left = list(wanted.programs)
+    with open(programs.path, "rb") as file:
+        reading = read(file.read(), programs.path, **shop.reading)
+    left = list(programs.outputs)
     for part in counted(sound(reading)):
+        machine = shop.machine_for(part)
         with suppress(BeamcamError):
-            posted = _posted(part, shop)
-            digest = sha256(posted.text.encode("utf-8")).hexdigest()
-            output = next((name for name, known in left if known == digest), None)
-            if output is None:
-                continue
-            left.remove((output, digest))
-            yield _sheet(part, posted, output, shop)
+            for job in bar_jobs((part,), machine, shop.quantity, shop.stock_lengths):
+                posted = _posted(job, machine, shop)
+                digest = sha256(posted.text.encode("utf-8")).hexdigest()
+                output = next((name for name, known in left if known == digest), None)
+                if output is not None:
+                    left.remove((output, digest))
+                    yield _sheet(job, posted, output, machine, shop)
 
 
-def _posted(part: Part, shop: Shop) -> Posted:
-    stages = post_part(part, shop.machine_for(part), shop)
+def _posted(job: BarJob, machine: Machine, shop: Shop) -> Posted:
+    stages = post_job(job, machine, shop)
     while True:
         try:
             next(stages)
@@ -139,12 +141,16 @@ def _posted(part: Part, shop: Shop) -> Posted:
             return posted
 
 
-def _sheet(part: Part, posted: Posted, output: str, shop: Shop) -> Sheet:
-    machine = shop.machine_for(part)
+def _sheet(job: BarJob, posted: Posted, output: str, machine: Machine, shop: Shop) -> Sheet:
     bar = getattr(getattr(posted.plan, "bar", None), "length", None)
     program = ReadProgram(
-        b"".join(posted.pieces()), machine, PurePosixPath(output).name, machine.suffix, (part,), bar
+        b"".join(posted.pieces()),
+        machine,
+        PurePosixPath(output).name,
+        machine.suffix,
+        job.parts,
+        bar,
     )
     source = Source(program, posted.plan, posted.remarks, compared=shop.read_back)
     page = setup_page(content_of(source)).encode("utf-8", "backslashreplace")
-    return Sheet(output, page, inline_svg(small_scene(part)))
+    return Sheet(output, page, inline_svg(small_scene(job.parts[0])))
