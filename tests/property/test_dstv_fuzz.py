@@ -9,7 +9,8 @@ from hypothesis import strategies as st
 from beamcam.errors import Severity
 from beamcam.model.part import Contour, EndPlane
 from beamcam.readers.dstv import looks_like, read_with_account
-from beamcam.readers.dstv.tokens import CODES, decode, split_lines
+from beamcam.readers.dstv.encoding import decode
+from beamcam.readers.dstv.tokens import CODES, split_lines
 
 SAMPLES = Path(__file__).parents[2] / "samples"
 PATHS = sorted([*(SAMPLES / "dstv").glob("*.nc1"), *(SAMPLES / "bad" / "dstv").glob("*.nc1")])
