@@ -238,11 +238,15 @@ def _other_than_planned(
     the marks that it found to be work of the hand are those on the plan's list.
     """
     missing: Counter[tuple[str, Source]] = Counter()
+    refused = False
     for said in found:
         if said.code in (MISSING.code, FOR_HAND.code):
             missing[said.code, said.source] += 1
         else:
+            refused = refused or said.severity is Severity.ERROR
             yield said
+    if refused:  # what is missing may not have been looked for
+        return
     named = [(MISSING.code, source) for source in left_out_sources(plan)]
     named += [(FOR_HAND.code, source) for source in by_hand_sources(plan)]
     if not missing and not named:  # as of nearly every plan

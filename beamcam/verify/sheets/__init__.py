@@ -28,6 +28,7 @@ def verify_sheet(
     torch.
     """
     from beamcam.verify.sheets.compare import compare
+    from beamcam.verify.sheets.contour_names import with_contours
     from beamcam.verify.sheets.need import need_of, rows_of, shift_of
     from beamcam.verify.sheets.strokes import strokes_of
 
@@ -49,6 +50,8 @@ def verify_sheet(
     said += more
     need = need_of(part, machine, torch, skips)
     said += need.said
-    if need.curves or strokes.each:
-        said += compare(strokes, need, machine, torch, shift_of(need, torch), name)
-    return tuple(said)
+    if not need.curves and not strokes.each:
+        return tuple(said)
+    shift = shift_of(need, torch)
+    said += compare(strokes, need, machine, torch, shift, name)
+    return tuple(with_contours(said, done.moves, need, shift, torch.tolerance / 8))

@@ -203,7 +203,8 @@ class Outline:
         points = np.concatenate(stroke.pieces)
         source = Source(self.name, stroke.line)
         if (points == points[0]).all():
-            found, expected = "the laser on and the head at rest", "a stroke"
+            found = f"the laser on and the head at rest{self._beside(points[0], process)}"
+            expected = "a stroke"
             self.said.append(rules.LASER.at(source, found=found, expected=expected))
         elif process is None:
             said = rules.PLACE.at(source, x="any", y="any", expected="the laser off")
@@ -211,9 +212,8 @@ class Outline:
         elif stroke.away[process] > (most := self.tracks[process].most):
             x, y = (f"{v:.2f}" for v in stroke.worst[process])
             off = f"{stroke.away[process]:.4f}"
-            nearest = self.tracks[process].ways.nearest_to(np.array(stroke.worst[process]))[1]
-            expected = f"it within {most:.4f} mm of the path, not {off} mm off that of "
-            expected += str(self.need.source(process, nearest))
+            expected = f"it within {most:.4f} mm of the path, not {off} mm off it"
+            expected += self._beside(np.array(stroke.worst[process]), process)
             self.said.append(rules.PLACE.at(source, x=x, y=y, expected=expected))
         elif process not in self.work:
             found, expected = f"{fastest.mm_s:.2f}", "a sheet that the machine has a speed for"
@@ -221,21 +221,34 @@ class Outline:
             self.said.append(said)
         else:
             work = self.work[process]
-            self._speeds(process, work, fastest, slowest)
+            self._speeds(process, work, fastest, slowest, points[0])
             if times is not None:
                 self._times(process, work, source, times, points)
             self.ways.append((process, [(float(x), float(y)) for x, y in points]))
 
+    def _beside(self, place: Floats, process: TorchProcess | None) -> str:
+        """The contour of the input that a stroke at a place is beside."""
+        if process is None:
+            return ""
+        nearest = self.tracks[process].ways.nearest_to(place)[1]
+        return f", beside the contour of {self.need.source(process, nearest)}"
+
     def _speeds(
-        self, process: TorchProcess, work: Work, fastest: Seen, slowest: Seen | None
+        self,
+        process: TorchProcess,
+        work: Work,
+        fastest: Seen,
+        slowest: Seen | None,
+        place: Floats,
     ) -> None:
-        """Neither faster nor slower than the machine's table has it."""
+        """Neither faster nor slower than the machine's table has it; a stroke passes `place`."""
         speeds = [(fastest, fastest.mm_s > work.speed_mm_s + SPEED_SLACK, "at most")]
         if slowest is not None:
             speeds.append((slowest, slowest.mm_s < work.speed_mm_s - SPEED_SLACK, "at least"))
         for seen, is_wrong, how in speeds:
             if is_wrong:
-                found, expected = f"{seen.mm_s:.2f}", f"{how} {work.speed_mm_s:g} mm/s"
+                found = f"{seen.mm_s:.2f}"
+                expected = f"{how} {work.speed_mm_s:g} mm/s{self._beside(place, process)}"
                 at = Source(self.name, seen.line)
                 said = rules.SPEED.at(at, found=found, process=process, expected=expected)
                 self.said.append(said)
@@ -249,7 +262,8 @@ class Outline:
         """
         if times.waited_s < work.pierce_s - 1e-6:
             found = f"a wait of {times.waited_s:.3f} s behind the start of the laser"
-            self.said.append(rules.LASER.at(source, found=found, expected=f"{work.pierce_s:g} s"))
+            expected = f"{work.pierce_s:g} s{self._beside(points[0], process)}"
+            self.said.append(rules.LASER.at(source, found=found, expected=expected))
         stepper = self.machine.stepper
         if stepper is None:
             raise TypeError(f"{self.machine.name} has no stepping motors")
@@ -259,7 +273,8 @@ class Outline:
         way = float(np.hypot(*np.diff(corners, axis=0).T).sum())
         longest_s = way / speed + len(corners) * ramp_s
         if times.lasted_s > longest_s:
-            found, expected = f"{way / times.lasted_s:.2f}", f"about {speed:g} mm/s"
+            found = f"{way / times.lasted_s:.2f}"
+            expected = f"about {speed:g} mm/s{self._beside(points[0], process)}"
             said = rules.SPEED.at(source, found=found, process=process, expected=expected)
             self.said.append(said)
 

@@ -359,3 +359,22 @@ def test_marks_of_a_plate_are_read_back(name: str) -> None:
     unknown = table(name, cross=0.0)
     said = verify_sheet(text, [MARKED], unknown)
     assert {d.code for d in said} >= {"verify-sheet-not-made", "verify-sheet-extra"}
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "code"),
+    [
+        ("F5200", "F5300", "verify-sheet-feed"),
+        ("G4 P0.2", "G4 P0.9", "verify-sheet-tool"),
+        ("G1 X", "G0 X", "verify-sheet-rapid"),
+    ],
+)
+def test_a_message_about_a_block_names_the_contour_beside_it(old: str, new: str, code: str) -> None:
+    """The second of two squares, of which the first is line 1 of the drawing."""
+    part = drawing(contour(box(0, 0, 20, 20)), contour(box(50, 0, 20, 20), line=7), thickness=3.0)
+    machine = table(thickness=3.0)
+    text = post((part,), machine).text
+    at = text.rindex(old)
+    said = verify_sheet(text[:at] + new + text[at + len(old) :], (part,), machine)
+    (one, *_) = (d for d in said if d.code == code)
+    assert str(one).endswith("beside the contour of sheet.dxf:7")
