@@ -164,6 +164,26 @@ def spindle_faults(machine: Machine) -> Iterator[Fault]:
             yield f"spindles.{index}.stroke.axis", spindle.stroke.axis, "another axis"
         if machine.drill is None:
             yield f"spindles.{index}", spindle.name, "a [drill] table for it"
+        elif _drawn_back(machine, spindle) < 0.0:
+            expected = "a place outside of the bar, where the tool is drawn back"
+            yield f"spindles.{index}.stroke.start", spindle.stroke.start, expected
+
+
+#: A bar on which a spindle has to stand clear; nothing lies beside the face.
+_SAMPLE_BAR = {
+    "height": 200.0, "width": 100.0, "flange_thickness": 10.0, "web_thickness": 6.0,
+    "thickness": 10.0, "face_depth": 0.0, "y": 50.0, "depth": 0.0, "tip": 0.0,
+}  # fmt: skip
+
+
+def _drawn_back(machine: Machine, spindle: Spindle) -> float:
+    """How far from the bar a spindle's tool stands between two strokes, in mm; in it below 0."""
+    values = {**_SAMPLE_BAR, "clearance": machine.drill.clearance if machine.drill else 0.0}
+    start, surface = spindle.stroke.start(values), spindle.stroke.bottom(values)
+    deeper = spindle.stroke.bottom({**values, "depth": 1.0})
+    if deeper == surface:  # a fixed stroke, from 0 on the bar
+        return -start if surface >= start else start
+    return surface - start if deeper > surface else start - surface
 
 
 def pair_faults(machine: Machine) -> Iterator[Fault]:

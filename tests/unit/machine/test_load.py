@@ -85,6 +85,18 @@ BAD = [
         "machine-value",
         "found 1e-06 for 'torch.tolerance'; expected at least 0.0001, the step of its numbers",
     ),
+    (
+        spindle("y", "Z").replace("start = 0", "start = 0.5"),
+        "machine-value",
+        "found '0.5' for 'spindles.0.stroke.start'; expected a place outside of the bar",
+    ),
+    (
+        spindle("y", "Z")
+        .replace("bottom = 1", "bottom = 'depth'")
+        .replace("start = 0", "start = 9"),
+        "machine-value",
+        "found '9' for 'spindles.0.stroke.start'; expected a place outside",
+    ),
     ("[saw]\nkerf = nan", "machine-value", "found nan for 'saw.kerf'; expected a finite number"),
     ("[layout]\nfront_trim = inf", "machine-value", "expected a finite number"),
     ("[saw]\nkerf = -1", "machine-value", "found -1 for 'saw.kerf'; expected 0 or more"),
