@@ -6,9 +6,7 @@ Where the controller has words for parabolas and ellipses those are kept exact.
 """
 
 from collections.abc import Iterator, Sequence
-from itertools import chain as chained
 from itertools import groupby
-from typing import cast
 
 from beamcam.geometry.curves import Arc, Curve, EllipseArc, Line, bezier_pieces
 from beamcam.geometry.plane import Point
@@ -20,7 +18,6 @@ from beamcam.model.program import (
     Command,
     Comment,
     Compensate,
-    Feed,
     Movement,
     Program,
     StartSheet,
@@ -28,18 +25,10 @@ from beamcam.model.program import (
     ToolOn,
     Traverse,
 )
-from beamcam.motion.arcs import (
-    MAX_SWEEP_DEG,
-    ROUND_RATIO,
-    SWEEP_SLACK_DEG,
-    Numbers,
-    arc_feeds,
-    ellipse_feeds,
-    is_parabola,
-    parabola_feed,
-)
+from beamcam.motion.arcs import Path, paths_along
+from beamcam.motion.curve_words import ROUND_RATIO, ellipse_feeds, is_parabola, parabola_feed
 from beamcam.motion.feed_limits import paced
-from beamcam.motion.sure import SureMoves, sure_moves
+from beamcam.motion.numbers import Numbers
 
 #: What the fitting of arcs may take of the machine's tolerance; rounding takes the rest.
 FIT_SHARE = 0.5
@@ -52,27 +41,24 @@ def sheet_program(plan: SheetPlan, machine: Machine, job: str) -> Program:
     """The commands that carry out a plan, in its order."""
     pen = Pen(machine)
     passes = [one for op in plan.operations for one in op.passes]
-    chains = pen.prepared([(*p.lead_in, *p.curves, *p.lead_out) for p in passes])
-    ways = zip(chains, sure_moves(chains, pen.numbers), strict=True)
+    paths = pen.along([(*p.lead_in, *p.curves, *p.lead_out) for p in passes])
     commands: list[Command] = [StartSheet(plan.thickness), *map(Comment, plan.notes)]
     for op in plan.operations:
         for _ in op.passes:
-            commands += _pass(op, *next(ways), pen)
+            commands += _pass(op, next(paths), pen)
     return Program(job, tuple(commands))
 
 
-def _pass(op: ContourOp, curves: Sequence[Curve], sure: SureMoves, pen: "Pen") -> Iterator[Command]:
-    start = pen.numbers.at(curves[0].start)
+def _pass(op: ContourOp, path: Path, pen: "Pen") -> Iterator[Command]:
     row = op.row
-    yield Traverse(*start)
+    yield Traverse(*path.start)
     if op.side != "on":
         yield Compensate(op.side, op.kerf)
     yield ToolOn(row.process, row.feed_mm_min, row.power, row.pierce_s, op.source)
-    moves = pen.along(start, curves, sure)
     if pen.limits is None:
-        yield from moves
+        yield from path.moves
     else:
-        yield from paced(start, moves, row.feed_mm_min, pen.limits)
+        yield from paced(path.start, path.moves, row.feed_mm_min, pen.limits)
     yield ToolOff(row.process)
     if op.side != "on":
         yield Compensate("on", 0.0)
@@ -100,7 +86,11 @@ class Pen:
             torch.max_radius if self._arcs else 0.0,
         )
 
-    def prepared(self, chains: Sequence[Sequence[Curve]]) -> list[Sequence[Curve]]:
+    def along(self, chains: Sequence[Sequence[Curve]]) -> Iterator[Path]:
+        """The moves along each chain."""
+        return paths_along(self._prepared(chains), self.numbers, self._by_word)
+
+    def _prepared(self, chains: Sequence[Sequence[Curve]]) -> list[Sequence[Curve]]:
         """The chains with arcs for the free curves that the controller has no word for.
 
         All of them are fitted together, since a drawing has thousands.
@@ -126,7 +116,7 @@ class Pen:
                 found[k] = [
                     c for part in parts for c in (fits[part] if isinstance(part, int) else part)
                 ]
-        return [_halved(chain) for chain in found]
+        return found
 
     def _has_word(self, curve: Curve) -> bool:
         """Whether the controller may be able to follow a curve as it is."""
@@ -136,65 +126,27 @@ class Pen:
             return self._ellipses and curve.ratio <= ROUND_RATIO
         return self._parabolas and all(map(is_parabola, bezier_pieces(curve)))
 
-    def along(self, start: Point, curves: Sequence[Curve], sure: SureMoves) -> list[Movement]:
-        """The moves along a chain that was prepared, from the written place `start`.
-
-        Those that are sure are taken as they are, the others found one by one.
-        """
-        if None not in sure:  # as of most contours
-            return list(cast("Sequence[Movement]", sure))
+    def _by_word(self, here: Point, curve: Curve) -> list[Movement]:
+        """The moves by the controller's own word for a curve, or by arcs where that does not do."""
         moves: list[Movement] = []
-        here = start
-        for curve, move in zip(curves, sure, strict=True):
-            if move is not None:
-                moves.append(move)
-                here = move.x, move.y
-            elif isinstance(curve, Line):
-                end = self.numbers.at(curve.end)
-                if end != here:
-                    moves.append(Feed(*end))
-                    here = end
-            elif isinstance(curve, Arc):
-                here = _append(moves, here, arc_feeds(here, curve, self.numbers))
-            else:
-                here = _append(moves, here, self._by_word(here, curve))
+        if isinstance(curve, EllipseArc):
+            found = ellipse_feeds(here, curve, self.numbers)
+            return self._by_arcs(here, curve) if found is None else found
+        assert not isinstance(curve, Line | Arc)
+        for piece in bezier_pieces(curve):
+            more = parabola_feed(here, piece, self.numbers)
+            moves += more
+            here = (more[-1].x, more[-1].y) if more else here
         return moves
 
-    def _by_word(self, here: Point, curve: Curve) -> list[Movement]:
-        """The moves by the controller's own word for a curve, or by arcs where it has none."""
-        if isinstance(curve, EllipseArc):
-            moves = ellipse_feeds(here, curve, self.numbers) if self._ellipses else None
-            if moves is not None:
-                return moves
-        elif self._has_word(curve) and not isinstance(curve, Line | Arc):
-            moves = []
-            for piece in bezier_pieces(curve):
-                here = _append(moves, here, parabola_feed(here, piece, self.numbers))
-            return moves
+    def _by_arcs(self, here: Point, curve: EllipseArc) -> list[Movement]:
         from beamcam.geometry.arc_fitting import fit_chains
 
-        fitted = fit_chains(((curve,),), self._fit)[0]
-        return self.along(here, fitted, (None,) * len(fitted))
+        (fitted,) = fit_chains(((curve,),), self._fit)
+        chain = (Line(here, fitted[0].start), *fitted)
+        (path,) = paths_along((chain,), self.numbers, self._by_word)
+        return path.moves
 
 
 def _tells_acceleration(words: Words) -> bool:
     return any("{acceleration}" in word for word in words.modal)
-
-
-def _halved(chain: Sequence[Curve]) -> Sequence[Curve]:
-    """A chain whose arcs are half a circle at most, as they are written."""
-    if Arc not in map(type, chain):
-        return chain
-    most = MAX_SWEEP_DEG + SWEEP_SLACK_DEG
-    wide = [type(curve) is Arc and abs(curve.sweep_deg) > most for curve in chain]
-    if not any(wide):
-        return chain
-    parts = (c.split(0.5) if is_wide else (c,) for c, is_wide in zip(chain, wide, strict=True))
-    return list(chained.from_iterable(parts))
-
-
-def _append(moves: list[Movement], here: Point, more: list[Movement]) -> Point:
-    if not more:
-        return here
-    moves += more
-    return more[-1].x, more[-1].y

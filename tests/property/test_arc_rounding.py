@@ -15,7 +15,8 @@ from beamcam.controllers.rs274 import grbl, linuxcnc
 from beamcam.geometry.curves import Arc, Bezier, EllipseArc
 from beamcam.machine import load
 from beamcam.model.program import ArcFeed, EllipseFeed, Feed, Movement
-from beamcam.motion.arcs import arc_feeds, ellipse_feeds, parabola_feed
+from beamcam.motion.arcs import paths_along
+from beamcam.motion.curve_words import ellipse_feeds, parabola_feed
 from beamcam.motion.sheet import Pen
 
 COUNT = 100_000
@@ -66,10 +67,12 @@ def test_random_arcs(machine: str) -> None:
     numbers = Pen(load(machine)).numbers
     check = CHECKS[machine]
     written = 0
-    for number in range(COUNT):
-        arc = random_arc(random)
-        here = start = numbers.at(arc.start)
-        moves = arc_feeds(start, arc, numbers)
+    arcs = [random_arc(random) for _ in range(COUNT)]
+    paths = paths_along([(arc,) for arc in arcs], numbers, lambda _, __: [])
+    for number, (arc, path) in enumerate(zip(arcs, paths, strict=True)):
+        here = start = path.start
+        moves = path.moves
+        assert start == numbers.at(arc.start)
         for move in moves:
             end = (move.x, move.y)
             if isinstance(move, ArcFeed):
