@@ -1,7 +1,9 @@
-"""Arcs for all free curves of a drawing at once.
+"""Arcs for free curves, all those of a drawing at once.
 
-The same as `fitting.fit_path` in arrays: what is an arc in disguise becomes that arc, neighbours
-on one circle become one, and the rest becomes pairs of arcs with one tangent at their joint.
+A controller that knows arcs makes in one block what takes many chords; most cubics of drawing
+programs are arcs in disguise. They become those arcs, neighbours on one circle become one, and the
+rest becomes pairs of arcs with one tangent at their joint. Curves that are no cubics are followed
+by cubics first.
 """
 
 from collections.abc import Iterator, Sequence
@@ -12,17 +14,20 @@ import numpy as np
 from msgspec import Struct
 
 from beamcam.geometry.arrays import rows
-from beamcam.geometry.biarcs import BASIS, MARGIN, fit_cubics
+from beamcam.geometry.biarcs import BASIS, MARGIN, MAX_HALVINGS, fit_cubics, known_errors
 from beamcam.geometry.conics import arc_between
 from beamcam.geometry.cubics import cubics_of
 from beamcam.geometry.curves import Arc, Bezier, Curve, EllipseArc, Line, bezier_pieces
-from beamcam.geometry.fitting import fit_path, known_error
 from beamcam.geometry.plane import Point, distance
 
 Cubic = Sequence[Point]  #: four control points
 
 #: Greatest sweep of a cubic that stands for a stretch of an ellipse: off by 1.3e-7 of its size.
 ELLIPSE_STEP_DEG = 22.5
+
+#: Of the tolerance, for cubics that stand for curves that are none, measured at so many places.
+CUBIC_SHARE = 0.01
+PROBES = 8
 
 
 def fit_chains(chains: Sequence[Sequence[Curve]], tolerance: float) -> list[tuple[Line | Arc, ...]]:
@@ -60,16 +65,12 @@ class _Fit(Struct, frozen=True):
 def _fits(free: Sequence[Curve], tolerance: float) -> list[_Fit]:
     """What stands for each of the free curves."""
     control, owner, others = cubics_of(free)
-    more: list[Sequence[Point]] = []
+    more: list[Cubic] = []
     more_owner: list[int] = []
-    alone: dict[int, _Fit] = {}
     for k in others:
-        pieces = _as_cubics(free[k])
-        if pieces is None:
-            alone[k] = _Fit(list(fit_path((free[k],), tolerance).curves), [])
-        else:
-            more += pieces
-            more_owner += [k] * len(pieces)
+        pieces = _as_cubics(free[k], CUBIC_SHARE * tolerance)
+        more += pieces
+        more_owner += [k] * len(pieces)
     points = rows(concatenated.from_iterable(more), 8).reshape(-1, 4, 2)
     control = np.concatenate((control, points))
     owner = np.concatenate((owner, np.array(more_owner, dtype=np.int64)))
@@ -92,21 +93,54 @@ def _fits(free: Sequence[Curve], tolerance: float) -> list[_Fit]:
                     strokes.cubic[stretch].tolist(), strokes.single[stretch].tolist(), strict=True
                 )
             ]
-        found.append(alone[k] if k in alone else _Fit(curves[stretch], cubics))
+        found.append(_Fit(curves[stretch], cubics))
     return found
 
 
-def _as_cubics(curve: Curve) -> list[Sequence[Point]] | None:
-    """A curve as control points of cubics; None for rational ones and those of other degrees."""
+def _as_cubics(curve: Curve, tolerance: float) -> list[Cubic]:
+    """A free curve as control points of cubics; rational ones and others within a tolerance."""
     if isinstance(curve, EllipseArc):
         return _ellipse_cubics(curve)
-    if isinstance(curve, Line | Arc):
-        return None
-    found: list[Sequence[Point]] = []
+    assert not isinstance(curve, Line | Arc)
+    found: list[Cubic] = []
     for piece in bezier_pieces(curve):
-        if piece.weights is not None or piece.degree not in (2, 3):
-            return None
-        found.append(piece.points if piece.degree == 3 else _raised(piece))
+        if piece.weights is not None or piece.degree not in (1, 2, 3):
+            found += _followed(piece, tolerance)
+        elif piece.degree == 1:
+            (start, end) = piece.points
+            found.append((start, start, end, end))
+        else:
+            found.append(piece.points if piece.degree == 3 else _raised(piece))
+    return found
+
+
+def _followed(curve: Bezier, tolerance: float) -> list[Cubic]:
+    """Cubics with the curve's own ends and derivatives, halved until they are near enough.
+
+    The error of a stretch falls with the fourth power of its length.
+    """
+    found: list[Cubic] = []
+
+    def follow(low: float, high: float, halvings: int) -> None:
+        (start, leaving, _), (end, coming, _) = curve.derivatives(low), curve.derivatives(high)
+        third = (high - low) / 3
+        cubic = (
+            start,
+            (start[0] + third * leaving[0], start[1] + third * leaving[1]),
+            (end[0] - third * coming[0], end[1] - third * coming[1]),
+            end,
+        )
+        drawn = Bezier(cubic)
+        probes = (k / PROBES for k in range(1, PROBES))
+        off = max(distance(drawn.point(t), curve.point(low + t * (high - low))) for t in probes)
+        if off <= tolerance or halvings == 0:
+            found.append(cubic)
+            return
+        middle = (low + high) / 2
+        follow(low, middle, halvings - 1)
+        follow(middle, high, halvings - 1)
+
+    follow(0.0, 1.0, MAX_HALVINGS)
     return found
 
 
@@ -121,7 +155,7 @@ def _raised(curve: Bezier) -> Sequence[Point]:
     )
 
 
-def _ellipse_cubics(ellipse: EllipseArc) -> list[Sequence[Point]]:
+def _ellipse_cubics(ellipse: EllipseArc) -> list[Cubic]:
     """An ellipse as cubics: those of a circle, handles 4/3 tan(step / 4), stretched."""
     count = max(1, ceil(abs(ellipse.sweep_deg) / ELLIPSE_STEP_DEG))
     step = radians(ellipse.sweep_deg) / count
@@ -131,7 +165,7 @@ def _ellipse_cubics(ellipse: EllipseArc) -> list[Sequence[Point]]:
     def at(u: float, v: float) -> Point:
         return cx + u * ax - ratio * v * ay, cy + u * ay + ratio * v * ax
 
-    found: list[Sequence[Point]] = []
+    found: list[Cubic] = []
     for k in range(count):
         a, b = radians(ellipse.start_deg) + k * step, radians(ellipse.start_deg) + (k + 1) * step
         found.append(
@@ -228,7 +262,9 @@ def _wider(
         if through is None or abs(through.sweep_deg - sweep) > 1.0:
             return None
         wide = through
-    allowed = max(tolerance, MARGIN * MARGIN * max(known_error(a) for a, _ in members))
+    shapes = np.array([(a.radius, abs(radians(a.sweep_deg))) for a, _ in members])
+    known = known_errors(shapes[:, 0], shapes[:, 1])
+    allowed = max(tolerance, MARGIN * MARGIN * float(known.max()))
     for _, points in members:
         samples = np.einsum("ks,kd->sd", BASIS, np.array(points))
         off = np.abs(np.hypot(*(samples - np.array(wide.centre)).T) - wide.radius)

@@ -11,7 +11,9 @@ import numpy as np
 
 from beamcam.geometry.array_types import Counts, Flags, Floats
 from beamcam.geometry.curves import Arc, Line
-from beamcam.geometry.fitting import WIDEST_KNOWN_DEG
+
+#: Drawing programs draw no wider arc than this by one cubic.
+WIDEST_KNOWN_DEG = 95.0
 
 SAMPLES = 16
 #: The greatest deviation is looked for at `SAMPLES` places; between them it may be this larger.
@@ -66,6 +68,16 @@ def directions_deg(vectors: Floats) -> Floats:
     found = np.degrees(np.arctan2(y, x))
     found = np.where(y == 0.0, np.where(x >= 0.0, 0.0, 180.0), found)
     return np.where((x == 0.0) & (y < 0.0), 270.0, found)
+
+
+def known_errors(radius: Floats, sweep_rad: Floats) -> Floats:
+    """What the usual cubic for an arc misses it by: r 4/27 sin^6(s/4) / cos^2(s/4), s the sweep.
+
+    0 for an arc wider than drawing programs draw by one cubic.
+    """
+    quarter = sweep_rad / 4
+    known: Floats = radius * 4 / 27 * np.sin(quarter) ** 6 / np.cos(quarter) ** 2
+    return np.where(sweep_rad > radians(WIDEST_KNOWN_DEG), 0.0, known)
 
 
 def fit_cubics(control: Floats, tolerance: float) -> Strokes:
@@ -257,9 +269,6 @@ def _singles(control: Floats, tolerance: float) -> tuple[Flags, Floats, Floats]:
         turns = np.unwrap(np.arctan2(samples[..., 1], samples[..., 0]), axis=1)
         steps = np.diff(turns, axis=1) * np.where(area > 0, 1.0, -1.0)[:, None]
         sweep = np.abs(turns[:, -1] - turns[:, 0]) * SAMPLES / (SAMPLES - 1)
-        # What the best cubic for an arc of that sweep misses it by: 4/27 sin^6 / cos^2 of sweep/4.
-        known = radius * 4 / 27 * np.sin(sweep / 4) ** 6 / np.cos(sweep / 4) ** 2
-        known[sweep > radians(WIDEST_KNOWN_DEG)] = 0.0
-        allowed = np.maximum(tolerance, MARGIN * MARGIN * known)
+        allowed = np.maximum(tolerance, MARGIN * MARGIN * known_errors(radius, sweep))
         good = bent & (off <= allowed) & np.all(steps > 0.0, axis=1)
     return good, centre, area
