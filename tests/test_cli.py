@@ -362,5 +362,5 @@ def test_a_profile_with_more_rows_than_memory_holds() -> None:
 def test_a_profile_of_no_known_form(tmp_path: Path) -> None:
     done = call(f"profile --velocity 10 --time 1 -o {tmp_path}/ramp.gif")
     assert done.exit_code == 2
-    assert "ramp.gif'; expected a name in .csv, .svg, .png, .pdf, or -" in done.stderr
+    assert "ramp.gif'; expected a name in .csv, .svg, .png, .pdf, .html, or -" in done.stderr
     assert not list(tmp_path.iterdir())

@@ -7,6 +7,7 @@ import click
 from msgspec.structs import replace
 
 from beamcam import readers
+from beamcam.commands.kinds import KINDS, expected
 from beamcam.controllers import rules
 from beamcam.diff.differ import diff_parts, diff_programs
 from beamcam.diff.pairing import Difference
@@ -39,6 +40,39 @@ def differences_of(
         return diff_parts(first, second), (*of_a, *of_b)
     texts = [(name, content.decode("utf-8", "replace")) for name, content in data]
     return _diff_programs(texts, machine)
+
+
+def drawn_over(
+    data: list[tuple[str, bytes]],
+    machine: Machine,
+    found: tuple[Difference, ...],
+    output: str,
+) -> str | bytes:
+    """Two files over each other in the format that the output's name says.
+
+    Raises ReadError, VerifyError and PictureError; UsageError for another format.
+    """
+    from beamcam.commands.pictures import picture
+    from beamcam.pictures.comparison import compared_parts, compared_programs
+    from beamcam.pictures.program import ReadProgram
+
+    suffix = PurePath(output).suffix.lower()
+    if suffix not in KINDS["diff"]:
+        raise click.UsageError(expected(output, "diff"))
+    if is_part(*data[0]):
+        both = [_parts(name, content, False)[0] for name, content in data]
+        compared = [compared_parts(a, b) for a, b in zip(*both, strict=False)]
+    else:
+        programs = [
+            ReadProgram(content, machine, name, PurePath(name).suffix.lower())
+            for name, content in data
+        ]
+        compared = [compared_programs(*programs)]
+    if suffix == ".html":
+        from beamcam.setup_sheet.diff_page import diff_page
+
+        return diff_page((data[0][0], data[1][0]), compared, found)
+    return picture([one.scene for one in compared], suffix)
 
 
 def is_part(name: str, data: bytes) -> bool:

@@ -7,10 +7,10 @@ from typing import Any
 import click
 
 from beamcam.commands import options
-from beamcam.commands.common import REFUSED, STANDARD, Voice, say_json, say_lines
-from beamcam.commands.comparison import differences_of
+from beamcam.commands.common import REFUSED, STANDARD, Voice, say_json, say_lines, write
+from beamcam.commands.comparison import differences_of, drawn_over
 from beamcam.commands.programs import input_bytes
-from beamcam.commands.settings import machine_for_program, settled
+from beamcam.commands.settings import files_read, machine_for_program, settled
 from beamcam.diff.pairing import Difference
 from beamcam.errors import BeamcamError, errors_in
 from beamcam.readers.content import shown_name
@@ -19,16 +19,24 @@ from beamcam.readers.content import shown_name
 @click.command("diff")
 @click.argument("a", type=options.FILE)
 @click.argument("b", type=options.FILE)
+@click.option(
+    "-o",
+    "--output",
+    type=options.FILE,
+    help="A picture of both over each other: .html with the list, .svg, .png or .pdf.",
+)
 @options.machine
 @options.config
 @options.strict
 @options.as_json
 @options.voiced
-def command(a: str, b: str, as_json: bool, voice: Voice, **asked: Any) -> None:
+def command(a: str, b: str, output: str | None, as_json: bool, voice: Voice, **asked: Any) -> None:
     """Say what program or part B makes otherwise than A; of two folders, file by file.
 
     Files of two folders belong together that have the same name below them. What is true of
     several is one line.
+
+    With -o both are drawn over each other: what moved, what is new, what is gone.
 
     Block numbers, comments, spacing, and the order of holes in a part's file count for nothing.
     Exit status: 0 they mean the same, 1 they differ, or one cannot be read, or would be refused for
@@ -37,6 +45,7 @@ def command(a: str, b: str, as_json: bool, voice: Voice, **asked: Any) -> None:
     \b
     beamcam diff yesterday.gcode today.gcode --machine beamline-annex
     beamcam diff M58.nc1 M58-revised.nc1
+    beamcam diff M58.nc1 M58-revised.nc1 -o diff.html
     beamcam diff golden programs
     beamcam post M58.nc1 -o - | beamcam diff yesterday.gcode -
     """
@@ -44,6 +53,8 @@ def command(a: str, b: str, as_json: bool, voice: Voice, **asked: Any) -> None:
     if all(folders):
         from beamcam.commands.folders import diff_folders
 
+        if output is not None:
+            raise click.UsageError("-o draws two files over each other, not two folders.")
         diff_folders(Path(a), Path(b), as_json, voice, asked)
         return
     if any(folders):
@@ -56,10 +67,15 @@ def command(a: str, b: str, as_json: bool, voice: Voice, **asked: Any) -> None:
         data = [(shown_name(path), input_bytes(path)) for path in (a, b)]
         voice.did(f"read {data[0][0]} and {data[1][0]}, programs as those of {machine.name}")
         found, said = differences_of(data, machine, config.strict)
+        if output is not None:
+            drawn = drawn_over(data, machine, found, output)
     except BeamcamError as error:
         voice.stop(error.diagnostics)
     voice.did(f"compared them: {len(found)} difference(s)")
-    show(found, as_json)
+    if output is not None:
+        write(output, drawn, voice, files_read(config, (a, b)))
+    else:
+        show(found, as_json)
     if said:
         voice.say(said)
     if found or errors_in(said):

@@ -8,10 +8,12 @@ import click
 PICTURES = (".svg", ".png", ".pdf")
 #: What a command writes besides programs and parts; a name without a suffix is taken too.
 KINDS: Mapping[str, tuple[str, ...]] = {
+    "batch": (".json", ".csv", ".html"),  # its report
+    "diff": (".html", *PICTURES),
     "plan": (".txt", ".json"),
     "plot": PICTURES,
-    "profile": (".csv", *PICTURES),
-    "report": (".json", ".csv", ".html"),
+    "profile": (".csv", *PICTURES, ".html"),
+    "report": (".html", ".pdf"),
     "simulate": (".csv",),
 }
 #: What nobody means by a program, however a machine calls its own.

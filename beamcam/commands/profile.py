@@ -112,7 +112,7 @@ def wanted_profile(
 
 
 @click.command("profile")
-@options.output(".csv, .svg, .png or .pdf; - is a table.")
+@options.output(".csv, .svg, .png, .pdf, or .html with playback; - is a table.")
 @click.option("--velocity", type=NUMBER, help="To reach, or the limit of the fastest profile.")
 @click.option("--acceleration", type=NUMBER, help="The greatest one, or a limit.")
 @click.option("--distance", type=NUMBER, help="To travel from rest to rest.")
@@ -164,7 +164,7 @@ def command(
     beamcam profile --velocity 1000 --time 100 --jerk 50 --pulses 120 -o ramp.csv
     beamcam profile --unit rpm --distance 25 --time 4 -o turns.csv
     beamcam profile --distance 500 --time 4 --jerk 100 -o move.svg
-    beamcam profile --points 0:0,2:300,5:300,6:0 -o job.png
+    beamcam profile --points 0:0,2:300,5:300,6:0 -o job.html
     beamcam profile --distance 500 --velocity 200 --acceleration 800 --max-jerk 9000 -o -
     """
     from beamcam.report.velocity_profile import Encoder, profile_table
@@ -182,6 +182,10 @@ def command(
             from beamcam.pictures.profile import profile_scene
 
             data = picture([profile_scene(profile, shown)], suffix)
+        elif suffix == ".html":
+            from beamcam.setup_sheet.guide_page import guide_page
+
+            data = guide_page(profile, shown)
         else:
             rows = profile_table(profile, row_step(profile.duration_s, step), encoder, shown)
             lines = [",".join(f"{value:.9g}" for value in row) for row in rows.rows.tolist()]

@@ -8,7 +8,9 @@ import click
 from beamcam.commands import options
 from beamcam.commands.common import REFUSED, Voice, write
 from beamcam.commands.comparison import is_part
+from beamcam.commands.grouped import Grouped
 from beamcam.commands.jobs import posted_job, read_program
+from beamcam.commands.kinds import KINDS, expected
 from beamcam.commands.parts import part_options, read_parts
 from beamcam.commands.pictures import unit
 from beamcam.commands.programs import input_bytes
@@ -18,10 +20,8 @@ from beamcam.errors import BeamcamError, errors_in
 from beamcam.model.plan import Order
 from beamcam.readers.content import shown_name
 
-SUFFIXES = (".html", ".pdf")
 
-
-@click.command("report")
+@click.command("report", cls=Grouped)
 @options.inputs
 @options.output(".html or .pdf; - is HTML on standard output.")
 @unit
@@ -62,8 +62,8 @@ def command(
     from beamcam.setup_sheet.content import Source, content_of
 
     suffix = ".html" if output == "-" else PurePath(output).suffix.lower()
-    if suffix not in SUFFIXES:
-        raise click.UsageError(f"found {output!r}; expected a name in {', '.join(SUFFIXES)}, or -")
+    if suffix not in KINDS["report"]:
+        raise click.UsageError(expected(output, "report"))
     source = None
     try:
         config = settled(asked, inputs)

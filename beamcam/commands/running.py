@@ -42,8 +42,8 @@ def _template(ctx: click.Context, param: click.Parameter, value: str | None) -> 
 
 
 def checked_report(ctx: click.Context, param: click.Parameter, value: str | None) -> str | None:
-    if value not in (None, "-") and not value.lower().endswith(KINDS["report"]):
-        raise click.BadParameter(expected(value, "report"))
+    if value not in (None, "-") and not value.lower().endswith(KINDS["batch"]):
+        raise click.BadParameter(expected(value, "batch"))
     return value
 
 

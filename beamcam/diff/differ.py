@@ -4,18 +4,21 @@ Numbering, comments, spacing and the order of holes in a part's file count for n
 difference is a sentence: "hole v at x 1200.0 moved by 2.0 mm, drill 18 to 22".
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from math import isnan
 from typing import Any, Literal
 
+from msgspec import Struct
 from msgspec.structs import fields
 
 from beamcam.diff.pairing import (
     Difference,
     Kind,
+    T,
     differences_of_kind,
     differences_one_by_one,
     moved,
+    pairs_of,
     shown,
 )
 from beamcam.errors import Source
@@ -63,6 +66,52 @@ def diff_parts(a: Sequence[Part], b: Sequence[Part]) -> tuple[Difference, ...]:
     found += [Difference("part", "only in A", f"part {p.mark} only in A") for p in a[len(b) :]]
     found += [Difference("part", "only in B", f"part {p.mark} only in B") for p in b[len(a) :]]
     return tuple(found)
+
+
+class Pair(Struct, frozen=True):
+    """A thing of A and what it is in B; None where it is not there."""
+
+    a: object | None
+    b: object | None
+    place_a: tuple[float, float] | None
+    place_b: tuple[float, float] | None
+    is_same: bool
+
+
+def part_pairs(a: Part, b: Part) -> Iterator[Pair]:
+    """The features of two parts, each with its like in the other."""
+    for kind in _KINDS:
+        for face in sorted({_face(f) for f in (*a.features, *b.features) if isinstance(f, kind)}):
+            first, second = (
+                [f for f in part.features if isinstance(f, kind) and _face(f) == face]
+                for part in (a, b)
+            )
+            yield from _pairs(first, second, _place, _feature)
+
+
+def made_pairs(a: Made, b: Made, resolution: float) -> Iterator[Pair]:
+    """The cuts, holes and paths of two programs, each with its like in the other."""
+    step = resolution / 2 + 1e-9
+    yield from _pairs(a.cuts, b.cuts, _cut_place, lambda x, y: _cut(x, y, step))
+    faces = {bore.face for made in (a, b) for bore in made.bores}
+    faces |= {trail.face for made in (a, b) for trail in made.trails}
+    for face in sorted(faces):
+        old, new = ([bore for bore in made.bores if bore.face == face] for made in (a, b))
+        yield from _pairs(old, new, _bore_place, lambda x, y: _bore(x, y, step))
+        was, now = ([trail for trail in made.trails if trail.face == face] for made in (a, b))
+        yield from _pairs(was, now, _trail_place, lambda x, y: _trail(x, y, step))
+
+
+def _pairs(
+    a: Sequence[T],
+    b: Sequence[T],
+    place: Callable[[T], tuple[float, float]],
+    changes: Callable[[T, T], list[str]],
+) -> Iterator[Pair]:
+    for x, y in pairs_of(a, b, place, changes):
+        same = x is not None and y is not None and not changes(x, y)
+        at, to = (None if t is None else place(t) for t in (x, y))
+        yield Pair(x, y, at, to, same)
 
 
 # Programs

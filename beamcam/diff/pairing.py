@@ -127,6 +127,22 @@ def differences_one_by_one(
         own = name(thing)
         return f"{own}, y {place(thing)[1]:.1f}" if crowds[side][own] > 1 else own
 
+    for x, y in pairs_of(left, right, place, changes):
+        if y is None and x is not None:
+            yield Difference(what, "only in A", f"{called(x, 0)} only in A")
+        elif x is None and y is not None:
+            yield Difference(what, "only in B", f"{called(y, 1)} only in B")
+        elif x is not None and y is not None and (said := changes(x, y)):
+            yield Difference(what, "changed", f"{called(x, 0)} {', '.join(said)}")
+
+
+def pairs_of(
+    left: Sequence[T],
+    right: Sequence[T],
+    place: Callable[[T], tuple[float, float]],
+    changes: Callable[[T, T], list[str]],
+) -> Iterator[tuple[T | None, T | None]]:
+    """Things of A and B paired: those that are the same, the nearest ones, and those left alone."""
     index: dict[tuple[float, float], list[int]] = {}
     for i, thing in enumerate(right):
         index.setdefault(place(thing), []).append(i)
@@ -141,8 +157,9 @@ def differences_one_by_one(
             rest.append(thing)
         else:
             taken.add(same)
+            yield thing, right[same]
     free = [t for i, t in enumerate(right) if i not in taken]
-    pairs = sorted(
+    near = sorted(
         (hypot(place(x)[0] - place(y)[0], place(x)[1] - place(y)[1]), len(changes(x, y)), i, j)
         for i, x in enumerate(rest)
         for j, y in enumerate(free)
@@ -150,15 +167,12 @@ def differences_one_by_one(
     )
     mine: dict[int, int] = {}
     theirs: set[int] = set()
-    for distance, _, i, j in pairs:
+    for distance, _, i, j in near:
         if distance <= NEAR and i not in mine and j not in theirs:
             mine[i] = j
             theirs.add(j)
     for i, thing in enumerate(rest):
-        if i not in mine:
-            yield Difference(what, "only in A", f"{called(thing, 0)} only in A")
-        elif said := changes(thing, free[mine[i]]):
-            yield Difference(what, "changed", f"{called(thing, 0)} {', '.join(said)}")
+        yield thing, free[mine[i]] if i in mine else None
     for j, thing in enumerate(free):
         if j not in theirs:
-            yield Difference(what, "only in B", f"{called(thing, 1)} only in B")
+            yield None, thing

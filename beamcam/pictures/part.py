@@ -51,7 +51,7 @@ SECTION_SIDE = 70.0  #: of the picture of the section
 def part_scene(part: Part, unit: Unit = "mm") -> Scene:
     """The faces of a part with all its features."""
     lines = [line for line in _head(part, unit) if line]
-    views = tuple(_view(part, face) for face in faces_of(part))
+    views = tuple(view_of(part, face) for face in faces_of(part))
     paper = laid_out(views, head_height(lines))
     drawn: list[Shape] = [*heading(lines), *_section(part.profile), *titles(views, paper)]
     for view in views:
@@ -71,7 +71,7 @@ def part_scene(part: Part, unit: Unit = "mm") -> Scene:
 
 def small_scene(part: Part) -> Scene:
     """A small picture without figures: the web, or the whole of a plate or a drawing."""
-    view = _view(part, "v")
+    view = view_of(part, "v")
     x0, y0, x1, y1 = view.box
     scale = min(SMALL[0] / max(x1 - x0, 1.0), SMALL[1] / max(y1 - y0, 1.0))
     height = (y1 - y0) * scale + 4.0
@@ -116,7 +116,8 @@ def face_of(feature: Feature) -> Face | None:
     return getattr(feature, "face", "v")
 
 
-def _view(part: Part, face: Face) -> View:
+def view_of(part: Part, face: Face) -> View:
+    """A face with the box around all that lies on it, and the places that it is dimensioned at."""
     own = [f for f in part.features if face_of(f) == face]
     boxes: list[Box] = []
     if face in FACE_NAMES and part.profile.face_width(face) and part.measures is None:

@@ -78,7 +78,10 @@ STYLES: dict[str, Style] = {
     "gone": Style("#b3261e", None, 1.6, (4.0, 2.0), "#ff8a80"),
     "new": Style("#00795a", None, 1.8, (), "#2ec4a0"),
     "moved": _line("#7a5af0", "#b5a4ff", 1.6),
-    "same": Style("#8d99a6", None, 0.8, (), "#75828f"),
+    "same": Style("#7d8996", None, 0.8, (), "#75828f"),
+    "gone-text": _text("#b3261e", "#ff8a80"),
+    "new-text": _text("#00795a", "#2ec4a0"),
+    "same-text": _text("#59636e", "#9aa5b1"),
     **{f"tool-{k}": Style(c, "#ffffff", 1.6, (), d, "#12171d")
        for k, (c, d) in enumerate(TOOL_COLOURS)},
     **{f"path-{k}": _line(c, d, 1.4) for k, (c, d) in enumerate(TOOL_COLOURS)},

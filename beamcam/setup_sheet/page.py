@@ -135,7 +135,7 @@ def playback_section(axes: Any, views: dict[str, str], listing: bool, whole: boo
     )
     rows = "".join(
         f'<tr><th scope="row">{shown(axis.name)}</th><td class="n"><data id="axis-{k}" value="0">'
-        f"0</data></td><td>{_UNIT if axis.unit == 'mm' else 'deg'}</td></tr>"
+        f"0</data></td><td>{_UNIT if axis.unit == 'mm' else axis.unit}</td></tr>"
         for k, axis in enumerate(axes)
     )
     choice = '<label><input type="checkbox" id="whole"> whole length</label>' if whole else ""

@@ -28,7 +28,7 @@ class TraceAxis(Struct, frozen=True):
     """An axis of the machine."""
 
     name: str
-    unit: Literal["mm", "deg"] = "mm"
+    unit: Literal["mm", "deg", "rev"] = "mm"
     min: float | None = None  #: None has no limit
     max: float | None = None
 

@@ -27,7 +27,8 @@ const Sheet = {
 
   // Whether the program that the page holds is the one that it was made of.
   checkHash() {
-    const box = this.one("hash"), wanted = document.documentElement.dataset.sha256;
+    const box = this.one("hash");
+    const wanted = document.documentElement.dataset.sha256;
     if (!box) return;
     if (this.program && this.program.text !== null) {
       const found = sha256(new TextEncoder().encode(this.program.text));
@@ -49,6 +50,7 @@ const Sheet = {
 
   units() {
     const choice = this.one("unit");
+    if (!choice) return;
     choice.value = Numbers.unit;
     choice.addEventListener("change", () => {
       Numbers.unit = choice.value;
@@ -225,7 +227,8 @@ const Sheet = {
     if (state.turning) words.push("turning");
     if (state.coolant) words.push("coolant");
     if (state.sawing) words.push("sawing");
-    this.one("state").textContent = words.join(", ") || "nothing on";
+    const idle = this.data.kind === "guide" ? "" : "nothing on";
+    this.one("state").textContent = words.join(", ") || idle;
     this.one("state").dataset.on = state.process || state.sawing || state.turning ? "yes" : "no";
   },
 

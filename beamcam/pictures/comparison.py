@@ -1,0 +1,302 @@
+"""Two parts or two programs drawn over each other: what moved, what is new, what is gone.
+
+same    grey       in both, unchanged
+gone    red        only in A, or where A has it     - - -
+new     green      only in B, or where B has it     -----
+moved   violet     from where A has a thing to where B has it
+"""
+
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from functools import partial
+from math import dist
+from typing import Any
+
+import numpy as np
+from msgspec import Struct
+from msgspec.structs import replace
+
+from beamcam.diff.differ import Pair, made_pairs, part_pairs
+from beamcam.geometry.array_types import Counts
+from beamcam.geometry.curves import join_boxes
+from beamcam.model.part import Face, Part
+from beamcam.pictures.bar import BarMade
+from beamcam.pictures.features import feature_shapes
+from beamcam.pictures.part import FACE_NAMES, end_lines, face_of, faces_of, view_of
+from beamcam.pictures.program import ReadProgram, bar_made
+from beamcam.pictures.scene import Circle, Frame, Point, Polyline, Scene, Shape, Text
+from beamcam.pictures.views import (
+    SIDE,
+    WIDTH,
+    Paper,
+    View,
+    footing,
+    head_height,
+    heading,
+    laid_out,
+    titles,
+)
+from beamcam.verify.bars.made import Bore, Trail
+
+MIN_ARROW = 2.0  #: pixels; nearer places have no arrow
+ROUND = 1e-3  #: mm; ends of moves nearer than this are one
+
+
+class Compared(Struct, frozen=True):
+    """A picture of two things, and how many of what they hold is as it was."""
+
+    scene: Scene
+    same: int
+    changed: int
+    gone: int
+    new: int
+
+
+def compared_parts(a: Part, b: Part) -> Compared:
+    """The features of two parts over each other."""
+    faces = [f for f in ("h", "o", "v", "u") if f in {*faces_of(a), *faces_of(b)}]
+    views = tuple(_joined(view_of(a, face), view_of(b, face)) for face in faces)
+    lines = [f"{a.mark or 'A'} and {b.mark or 'B'}", f"A {a.source.file}", f"B {b.source.file}"]
+    paper = laid_out(views, head_height(lines))
+    pairs = list(part_pairs(a, b))
+    drawn: list[Shape] = [*heading(lines), *titles(views, paper)]
+    for view in views:
+        frame = paper.frames[view.name]
+        drawn += _stock(a, b, view.name, frame)
+        for pair in _rising(pairs):
+            if face_of(pair.a or pair.b) == view.name:  # type: ignore[arg-type]
+                drawn += _pair(pair, partial(feature_shapes, frame=frame), frame)
+    return _done(f"{a.mark} and {b.mark}", lines, drawn, paper, pairs)
+
+
+def _joined(a: View, b: View) -> View:
+    box = join_boxes([a.box, b.box])
+    return replace(a, box=box or a.box, places=(), heights=())
+
+
+def _stock(a: Part, b: Part, face: Face, frame: Frame) -> Iterator[Polyline]:
+    """The raw outlines of both, where the face is that of a bar."""
+    if a.profile.code == "B" or face not in FACE_NAMES:
+        return
+    corners = []
+    for part in (a, b):
+        (p, q), (r, s) = end_lines(part, face)
+        corners.append(frame.all((p, r, s, q)))
+    if corners[0] == corners[1]:
+        yield Polyline("same stock-outline", corners[0], True)
+        return
+    yield Polyline("gone stock-outline", corners[0], True, "stock of A")
+    yield Polyline("new stock-outline", corners[1], True, "stock of B")
+
+
+def _rising(pairs: Iterable[Pair]) -> list[Pair]:
+    """What is the same first, so that nothing lies over a difference."""
+    return sorted(pairs, key=lambda pair: not pair.is_same)
+
+
+def _pair(pair: Pair, shapes: Callable[[Any], Iterable[Shape]], frame: Frame) -> Iterator[Shape]:
+    """A thing as both have it."""
+    if pair.is_same:
+        yield from _in_style(shapes(pair.b), "same")
+        return
+    if pair.a is not None:
+        yield from _in_style(shapes(pair.a), "gone")
+    if pair.b is not None:
+        yield from _in_style(shapes(pair.b), "new")
+    if pair.place_a is not None and pair.place_b is not None:
+        yield from _arrow(frame.at(*pair.place_a), frame.at(*pair.place_b))
+
+
+def _in_style(shapes: Iterable[Shape], style: str) -> Iterator[Shape]:
+    for shape in shapes:
+        name = f"{style}-text" if isinstance(shape, Text) else style
+        yield replace(shape, classes=f"{name} {shape.classes.rpartition(' ')[2]}-of")
+
+
+def _arrow(a: Point, b: Point) -> Iterator[Polyline]:
+    """An arrow from one place to the other, where they can be told apart."""
+    length = dist(a, b)
+    if length < MIN_ARROW:
+        return
+    dx, dy = (b[0] - a[0]) / length, (b[1] - a[1]) / length
+    size = min(6.0, length / 2)
+    left = (b[0] - size * dx + size / 2 * dy, b[1] - size * dy - size / 2 * dx)
+    right = (b[0] - size * dx - size / 2 * dy, b[1] - size * dy + size / 2 * dx)
+    yield Polyline("moved arrow", (a, b, left, b, right), tip="moved")
+
+
+def compared_programs(a: ReadProgram, b: ReadProgram) -> Compared:
+    """What two programs make over each other. Raises VerifyError where one is not understood."""
+    if a.machine.stock == "beam":
+        return _compared_bars(bar_made(a), bar_made(b))
+    return _compared_ways(a, b)
+
+
+def _compared_bars(a: BarMade, b: BarMade) -> Compared:
+    used = {bore.face for made in (a.made, b.made) for bore in made.bores} | {"v"}
+    used |= {trail.face for made in (a.made, b.made) for trail in made.trails}
+    faces = [f for f in ("h", "o", "v", "u") if f in used]
+    end = max(a.end, b.end)
+    width = max(1.0, *(m.profile.face_width(f) for m in (a, b) for f in faces))
+    views = tuple(
+        View(f, f"{f}   {FACE_NAMES[f]}",
+             (0.0, 0.0, end, max(a.profile.face_width(f), b.profile.face_width(f)) or width))
+        for f in faces
+    )  # fmt: skip
+    lines = _names(a.name, a.sha256, b.name, b.sha256)
+    paper = laid_out(views, head_height(lines))
+    drill = a.machine.drill.x if a.machine.drill else 0.0
+    pairs = list(made_pairs(a.made, b.made, a.machine.format.resolution))
+    drawn: list[Shape] = [*heading(lines), *titles(views, paper)]
+    for view in views:
+        frame = paper.frames[view.name]
+        size = frame.all(((0.0, 0.0), (end, 0.0), (end, view.box[3]), (0.0, view.box[3])))
+        drawn.append(Polyline("same stock-outline", size, True))
+        drawn += _cuts(a, b, view.name, frame)
+        shifted = Frame(frame.scale, frame.left - drill * frame.scale, frame.base)
+        for pair in _rising(pairs):
+            thing = pair.a or pair.b
+            if isinstance(thing, Bore | Trail) and thing.face == view.name:
+                drawn += _pair(pair, partial(_made_shapes, frame=shifted), shifted)
+    return _done("two programs", lines, drawn, paper, pairs)
+
+
+def _names(a: str, hash_a: str, b: str, hash_b: str) -> list[str]:
+    return ["two programs", f"A {a}   sha-256 {hash_a}", f"B {b}   sha-256 {hash_b}"]
+
+
+def _cuts(a: BarMade, b: BarMade, face: str, frame: Frame) -> Iterator[Polyline]:
+    """The cuts of both as they lie in a face."""
+    ends = []
+    for bar in (a, b):
+        width = bar.profile.face_width(face)
+        ends.append([
+            frame.all(((bar.x_on(p, face, 0.0), 0.0), (bar.x_on(p, face, width), width)))
+            for p in bar.saw_planes
+        ])  # fmt: skip
+    for style, own, other in (("gone", ends[0], ends[1]), ("new", ends[1], ends[0])):
+        for line in own:
+            if line not in other:
+                yield Polyline(f"{style} cut-of", line, False, f"cut of {'AB'[style == 'new']}")
+            elif style == "new":
+                yield Polyline("same cut-of", line)
+
+
+def _made_shapes(thing: Bore | Trail, frame: Frame) -> Iterator[Shape]:
+    if isinstance(thing, Bore):
+        radius = max(thing.diameter / 2 * frame.scale, 1.2)
+        tip = f"{thing.kind} {thing.diameter:g} at machine x {thing.x:g}, y {thing.y:g}"
+        yield Circle("hole", frame.at(thing.x, thing.y), radius, tip, thing.line)
+    else:
+        yield Polyline("trail", frame.all(thing.points), False, thing.kind, thing.line)
+
+
+Move = tuple[tuple[int, int], tuple[int, int]]
+
+
+def _compared_ways(a: ReadProgram, b: ReadProgram) -> Compared:
+    """The ways of two heads with a tool on, move by move."""
+    from beamcam.simulate.program import simulate_program
+
+    both: list[dict[Move, int]] = []
+    for program in (a, b):
+        trace = simulate_program(
+            program.data, program.machine, program.name, program.style, program.parts
+        ).trace
+        on = np.array([bool(s.process) for s in trace.states])[trace.state]
+        lines = trace.line[on]
+        places = np.rint(trace.positions[:, :2] / ROUND).astype(np.int64)
+        both.append(dict(_blocks(places[:-1][on], places[1:][on], lines)))
+    first, second = both
+    points = [p for way in both for move in way for p in move] or [(0, 0), (1, 1)]
+    low, high = np.min(points, axis=0) * ROUND, np.max(points, axis=0) * ROUND
+    box = (float(low[0]), float(low[1]), float(high[0]), max(float(high[1]), float(low[1]) + 1.0))
+    lines_ = _names(a.name, a.sha256, b.name, b.sha256)
+    paper = laid_out((View("way", "", box),), head_height(lines_))
+    frame = paper.frames["way"]
+    same = [m for m in second if m in first]
+    gone = [m for m in first if m not in second]
+    new = [m for m in second if m not in first]
+    drawn: list[Shape] = [*heading(lines_)]
+    for style, moves, line_of in (("same", same, second), ("gone", gone, first),
+                                  ("new", new, second)):  # fmt: skip
+        drawn += _chains(style, moves, line_of, frame)
+    scene = _scene("two programs", lines_, drawn, paper, f"{len(gone)} gone, {len(new)} new")
+    return Compared(scene, len(same), 0, len(gone), len(new))
+
+
+def _blocks(starts: Counts, ends: Counts, lines: Counts) -> Iterator[tuple[Move, int]]:
+    """The straight moves of a way with their lines: intervals that go straight on are one.
+
+    A stretch that is passed at several speeds has as many intervals; another program may pass it
+    at others.
+    """
+    begin: tuple[int, int] | None = None
+    end: tuple[int, int] = (0, 0)
+    line = 0
+    rows = zip(starts.tolist(), ends.tolist(), lines.tolist(), strict=True)
+    for (x0, y0), (x1, y1), number in rows:
+        if (x0, y0) == (x1, y1):
+            continue
+        if begin is not None:
+            goes_on = end == (x0, y0) and number == line and _straight(begin, end, (x1, y1))
+            if goes_on:
+                end = (x1, y1)
+                continue
+            yield (begin, end), line
+        begin, end, line = (x0, y0), (x1, y1), number
+    if begin is not None:
+        yield (begin, end), line
+
+
+def _straight(a: tuple[int, int], b: tuple[int, int], c: tuple[int, int]) -> bool:
+    """Whether c lies straight on behind b, to a thousandth or two."""
+    ux, uy, vx, vy = b[0] - a[0], b[1] - a[1], c[0] - b[0], c[1] - b[1]
+    return abs(ux * vy - uy * vx) <= 2.0 * max(abs(ux) + abs(uy), abs(vx) + abs(vy)) and (
+        ux * vx + uy * vy > 0
+    )
+
+
+def _chains(
+    style: str, moves: Sequence[Move], line_of: dict[Move, int], frame: Frame
+) -> Iterator[Polyline]:
+    """Moves as chains, as long as each begins where the one before it ends."""
+    run: list[tuple[int, int]] = []
+    first = 0
+    for start, end in moves:
+        if run and run[-1] == start:
+            run.append(end)
+            continue
+        if run:
+            yield _chain(style, run, first, frame)
+        run, first = [start, end], line_of[start, end]
+    if run:
+        yield _chain(style, run, first, frame)
+
+
+def _chain(style: str, run: Sequence[tuple[int, int]], line: int, frame: Frame) -> Polyline:
+    points = frame.all([(x * ROUND, y * ROUND) for x, y in run])
+    return Polyline(f"{style} way-of", points, False, f"line {line} of {'BA'[style == 'gone']}")
+
+
+def _done(
+    title: str, lines: Sequence[str], drawn: list[Shape], paper: Paper, pairs: Sequence[Pair]
+) -> Compared:
+    same = sum(pair.is_same for pair in pairs)
+    gone = sum(pair.b is None for pair in pairs)
+    new = sum(pair.a is None for pair in pairs)
+    changed = len(pairs) - same - gone - new
+    about = f"{same} the same, {changed} changed, {gone} gone, {new} new"
+    scene = _scene(title, lines, drawn, paper, about)
+    return Compared(scene, same, changed, gone, new)
+
+
+def _scene(title: str, lines: Sequence[str], drawn: list[Shape], paper: Paper, about: str) -> Scene:
+    y = paper.bottom + 8.0
+    x = SIDE
+    for style, text in (("same", "as it was"), ("gone", "in A"), ("new", "in B"),
+                        ("moved", "moved")):  # fmt: skip
+        drawn.append(Polyline(f"{style} legend", ((x, y), (x + 18.0, y))))
+        drawn.append(Text("label", (x + 23.0, y + 4.0), text))
+        x += 100.0
+    drawn += footing([about], y + 10.0)
+    return Scene(title, about, WIDTH, y + 40.0, tuple(drawn))
