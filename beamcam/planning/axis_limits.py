@@ -72,11 +72,9 @@ class Room(Struct, frozen=True):
 _UNKNOWN = Beyond(ControlledAxis("", "X", 0.0, 0.0), 0.0, "v")  #: not looked at yet
 
 
-def _no_rooms(_: Machine) -> BoundedCache[Profile, Room]:
-    return BoundedCache("planning.sections")
-
-
-_rooms = PerObject("planning.machines", _no_rooms)
+_rooms: PerObject[Machine, BoundedCache[Profile, Room]] = PerObject(
+    "planning.machines", lambda _: BoundedCache("planning.sections")
+)
 
 
 def refuse_jobs(part: Part, machine: Machine, drill: Drill, jobs: Sequence[Job]) -> Iterator[Said]:

@@ -19,11 +19,9 @@ TOO_FAST = 1.2  #: times the speed of the data at which a tool is warned of
 Remarks = tuple[Diagnostic, ...]
 
 
-def _nothing_known(_: Machine) -> BoundedCache[object, Remarks]:
-    return BoundedCache("planning.remarks")
-
-
-_known_of = PerObject("planning.machines", _nothing_known)
+_known_of: PerObject[Machine, BoundedCache[object, Remarks]] = PerObject(
+    "planning.machines", lambda _: BoundedCache("planning.remarks")
+)
 
 
 def cutting_remarks(

@@ -14,7 +14,6 @@ that exchange alone would mirror it, so that the determinant of the whole is alw
 A mirrored part is another part: no sequence of these turns gives it.
 """
 
-from collections.abc import Iterator
 from math import isclose
 
 from msgspec import Struct
@@ -60,13 +59,6 @@ class Turn(Struct, frozen=True):
         if self.swap:
             return (x, 0.0, 0.0), (0.0, 0.0, z), (0.0, y, 0.0)
         return (x, 0.0, 0.0), (0.0, y, 0.0), (0.0, 0.0, z)
-
-    @property
-    def undo(self) -> "Turn":
-        """The turn that brings the part back."""
-        if self.swap and self.reverse_y != self.reverse_z:
-            return next(t for t in TURNS if t.swap and t.reverse_y != t.reverse_z and t is not self)
-        return self
 
 
 TURNS = (
@@ -325,10 +317,3 @@ class _Mapper:
 def _mapped(matrix: Matrix, point: Point) -> Point:
     (a, _, c), (_, e, f) = matrix
     return a * point[0] + c, e * point[1] + f
-
-
-def turns_of(part: Part) -> Iterator[tuple[Turn, Part]]:
-    """The turns in which a part lies on the rollers, and how it stands then."""
-    for turn in TURNS:
-        if lies(part.profile, turn):
-            yield turn, turned(part, turn)

@@ -29,10 +29,6 @@ RULES = (COPE, CUTOUT)
 BEVEL_TOLERANCE_DEG = 0.2  #: between a bevel and the end cut that leaves it
 
 
-def _is_cut(feature: object) -> bool:
-    return isinstance(feature, Contour) and feature.process == "cut"
-
-
 def _needs(contour: Contour, _: Bench) -> Diagnostic | None:
     """A torch, unless the contour is the outer one."""
     if contour.kind == "outer":
@@ -70,4 +66,10 @@ def _steps(contours: Sequence[tuple[int, Contour]], _: Bench) -> Iterator[Found]
     return (Settled(f, "made", "saw") for f, _ in contours)
 
 
-CONTOUR = Kind("contour", _is_cut, _needs, _refusals, _steps)
+CONTOUR = Kind(
+    "contour",
+    lambda feature: isinstance(feature, Contour) and feature.process == "cut",
+    _needs,
+    _refusals,
+    _steps,
+)

@@ -41,8 +41,6 @@ class End(Struct, frozen=True):
     @property
     def slant(self) -> float:
         """Length along the part of a plate of thickness 1 that is parallel to the end."""
-        if self.is_square:
-            return 1.0
         return hypot(1.0, tan(radians(self.web_deg)), tan(radians(self.flange_deg)))
 
     def x(self, y: float, z: float = 0.0) -> float:

@@ -104,11 +104,9 @@ class Along(Struct, frozen=True):
         return start, end
 
 
-def _no_walls(_: Machine) -> BoundedCache[tuple[Profile, Face], Across]:
-    return BoundedCache("planning.walls")
-
-
-_walls = PerObject("planning.machines", _no_walls)
+_walls: PerObject[Machine, BoundedCache[tuple[Profile, Face], Across]] = PerObject(
+    "planning.machines", lambda _: BoundedCache("planning.walls")
+)
 
 
 class FinishedPart:

@@ -65,10 +65,6 @@ _NO_REASONS: tuple[str, ...] = ()
 SUNK = ("through", "blind", "thread", "left-thread")  #: kinds of holes that a sink stands on
 
 
-def _is_hole(feature: object) -> bool:
-    return isinstance(feature, Hole)
-
-
 def _needs(hole: Hole, bench: Bench) -> Diagnostic | None:
     """A spindle on its face; which tools it takes follows with its partner on the other flange."""
     if hole.face in bench.reached:
@@ -265,4 +261,6 @@ def _missed_merges(op: DrillOp, plan: Plan, machine: Machine, rack: Rack) -> Ite
                     yield f"both flanges at once ({other.source}, feature {f + 1}): {because}"
 
 
-HOLE = Kind("hole", _is_hole, _needs, _refusals, _steps, REASONS, _rejected)
+HOLE = Kind(
+    "hole", lambda feature: isinstance(feature, Hole), _needs, _refusals, _steps, REASONS, _rejected
+)

@@ -119,17 +119,13 @@ def _too_near(holes: Group, resolution: float) -> Iterator[tuple[Placed, Placed]
             continue
         seen: list[Placed] = []
         for placed in sorted(run, key=itemgetter(1)):
-            _, _, hole = placed
-            near = (p for p in seen if 0.0 < _apart(p[2], hole) <= limit)
-            first = next((p for p in near if _is_of_one_size(p[2], hole)), None)
+            first = next((p for p in seen if _is_hard_to_tell(p[2], placed[2], limit)), None)
             if first is not None:
                 yield placed, first
             seen.append(placed)
 
 
-def _apart(a: Hole, b: Hole) -> float:
-    return max(abs(a.x - b.x), abs(a.y - b.y))
-
-
-def _is_of_one_size(a: Hole, b: Hole) -> bool:
-    return (a.face, a.diameter) == (b.face, b.diameter)
+def _is_hard_to_tell(a: Hole, b: Hole, limit: float) -> bool:
+    """Whether two holes are of one size, near each other and not at the very same place."""
+    alike = (a.face, a.diameter) == (b.face, b.diameter)
+    return alike and 0.0 < max(abs(a.x - b.x), abs(a.y - b.y)) <= limit

@@ -30,10 +30,6 @@ def can_scribe(face: Face, bench: Bench) -> bool:
     return face in bench.reached and bool(bench.rack.of_kind("scribe", (face,)))
 
 
-def _is_line(feature: object) -> bool:
-    return isinstance(feature, Contour) and feature.process != "cut"
-
-
 def _length(line: Contour) -> str:
     return f"{sum(curve.length for curve in line.curves):g} mm of line"
 
@@ -79,4 +75,11 @@ def _steps(lines: Sequence[tuple[int, Contour]], bench: Bench) -> Iterator[Found
             yield f, LINE_BEYOND.at(line.source, face=line.face, out=f"{-left:.3g}", where=place)
 
 
-LINE = Kind("mark", _is_line, _needs, _refusals, _steps, REASONS)
+LINE = Kind(
+    "mark",
+    lambda feature: isinstance(feature, Contour) and feature.process != "cut",
+    _needs,
+    _refusals,
+    _steps,
+    REASONS,
+)

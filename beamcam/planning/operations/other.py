@@ -9,12 +9,8 @@ from beamcam.planning.operations.kind import Kind
 NAMES = {Bend: "a bend", EndPlane: "an end plane", Camber: "a camber"}
 
 
-def _is_other(feature: object) -> bool:
-    return type(feature) in NAMES
-
-
 def _needs(feature: Bend | EndPlane | Camber, _: Bench) -> Diagnostic:
     return rules.OTHER.at(feature.source, found=NAMES[type(feature)])
 
 
-OTHER = Kind("other", _is_other, _needs)
+OTHER = Kind("other", lambda feature: type(feature) in NAMES, _needs)

@@ -13,7 +13,7 @@ machine last (and drilled before, where a slot's ends are drilled), and comes ba
 """
 
 from collections.abc import Iterable, Iterator, Sequence
-from math import acos, ceil, cos, hypot, pi, sin
+from math import acos, ceil, cos, dist, pi, sin
 
 from beamcam.geometry.curves import Curve, Line, Point
 from beamcam.geometry.plane import unit_vector
@@ -51,7 +51,7 @@ def pocket_path(
     entry = max((centre[0] + c * x - s * y, centre[1] + s * x + c * y) for x, y in ends)
     points = [entry]
     for ring in placed:
-        nearest = min(range(len(ring)), key=lambda i: (_distance(ring[i], points[-1]), i))
+        nearest = min(range(len(ring)), key=lambda i: (dist(ring[i], points[-1]), i))
         points += [*ring[nearest:], *ring[:nearest], ring[nearest]]
     points.append(entry)
     return tuple(_without_repeats(points))
@@ -87,13 +87,9 @@ def arc_steps(radius: float, sweep_rad: float, tolerance: float) -> int:
 def _without_repeats(points: Iterable[Point]) -> Iterator[Point]:
     last: Point | None = None
     for point in points:
-        if last is None or _distance(point, last) > MIN_RADIUS:
+        if last is None or dist(point, last) > MIN_RADIUS:
             yield point
             last = point
-
-
-def _distance(a: Point, b: Point) -> float:
-    return hypot(b[0] - a[0], b[1] - a[1])
 
 
 def line_points(curves: Sequence[Curve], tolerance: float) -> tuple[Point, ...]:
@@ -125,7 +121,7 @@ def _halved(curve: Curve, low: float, high: float, tolerance: float, depth: int)
 
 
 def _off_chord(point: Point, a: Point, b: Point) -> float:
-    length = _distance(a, b)
+    length = dist(a, b)
     if length <= MIN_RADIUS:
-        return _distance(point, a)
+        return dist(point, a)
     return abs((b[0] - a[0]) * (point[1] - a[1]) - (b[1] - a[1]) * (point[0] - a[0])) / length

@@ -43,11 +43,9 @@ class Reach(Struct, frozen=True):
 Reached = Mapping[Face, Reach]
 
 
-def _no_reaches(_: Machine) -> BoundedCache[Profile, Reached]:
-    return BoundedCache("planning.reaches")
-
-
-_reaches = PerObject("planning.machines", _no_reaches)
+_reaches: PerObject[Machine, BoundedCache[Profile, Reached]] = PerObject(
+    "planning.machines", lambda _: BoundedCache("planning.reaches")
+)
 
 
 def reach_of(profile: Profile, machine: Machine) -> Reached:

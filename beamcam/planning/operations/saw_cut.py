@@ -76,11 +76,6 @@ NOTHING_LEFT = 1e-6  #: mm
 SAME_ANGLE_DEG = 0.01  #: ends that differ by no more share a cut
 
 
-def _is_feature(_: object) -> bool:
-    """No feature of a part is a cut: its ends are, which `work` asks about."""
-    return False
-
-
 def _needs(end: End, bench: Bench) -> Diagnostic | None:
     """What the saw cannot do for one end; None if it can."""
     if end.is_square:
@@ -227,4 +222,5 @@ def saw_angles(end: End, saw: Saw) -> tuple[float, float]:
     return angle, saw.tilt_sign * tilt
 
 
-SAW_CUT = Kind("saw cut", _is_feature, _needs, _refusals, nothing, REASONS)
+#: No feature of a part is a cut: its ends are, which `work` asks about.
+SAW_CUT = Kind("saw cut", lambda _: False, _needs, _refusals, nothing, REASONS)

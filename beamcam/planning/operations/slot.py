@@ -28,10 +28,6 @@ REASONS = {
 Shape = tuple[int, Hole | Slot]  #: index of the feature, on the face that it is made from
 
 
-def _is_slot(feature: object) -> bool:
-    return isinstance(feature, Slot)
-
-
 def _needs(slot: Slot, bench: Bench) -> Diagnostic | None:
     """A mill that is no wider, and a spindle on its face."""
     size = f"{slot.length + slot.diameter:g} x {slot.height + slot.diameter:g}"
@@ -154,4 +150,4 @@ def _cross(one: tuple[Point, Point], other: tuple[Point, Point]) -> bool:
     return side(a, b, c) * side(a, b, d) < 0 and side(c, d, a) * side(c, d, b) < 0
 
 
-SLOT = Kind("slot", _is_slot, _needs, _refusals, _steps, REASONS)
+SLOT = Kind("slot", lambda feature: isinstance(feature, Slot), _needs, _refusals, _steps, REASONS)

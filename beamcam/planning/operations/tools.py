@@ -171,11 +171,6 @@ def nearest(fitting: Tools, diameters: tuple[float, ...], twin: float) -> Tools:
     return tuple(fitting[i] for distance, _, i in ranked if distance <= limit)
 
 
-def choose_drill(diameter: float, machine: Machine, face: Face = "v") -> Tool | None:
-    """The drill nearest to a hole's diameter within the machine's fit; None if there is none."""
-    return next(iter(rack_of(machine).drills((diameter,), (face,))), None)
-
-
 def settle(choices: Iterable[Tools]) -> dict[Tools, Tool]:
     """For each choice of equally good tools the one to take, so that few tools are needed.
 

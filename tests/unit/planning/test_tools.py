@@ -8,7 +8,7 @@ from msgspec.structs import replace
 from beamcam.machine import load
 from beamcam.machine.tools import Tool, ToolSet
 from beamcam.model.plan import DrillOp, PathOp, Plan, SpindleOp
-from beamcam.planning.operations.tools import Tools, choose_drill, rack_of, settle
+from beamcam.planning.operations.tools import Tools, rack_of, settle
 from tests.unit.planning.shop import hole, part, plan, pusher
 
 
@@ -25,8 +25,8 @@ def strokes(found: Plan) -> list[SpindleOp]:
     ],
 )  # fmt: skip
 def test_the_nearest_drill_within_the_tolerance(diameter: float, drill: float | None) -> None:
-    found = choose_drill(diameter, load("beamline"))
-    assert (found.diameter if found else None) == drill
+    found = rack_of(load("beamline")).drills((diameter,), ("v",))
+    assert (found[0].diameter if found else None) == drill
 
 
 def test_inch_and_millimetre_twins_are_one_tool() -> None:
@@ -149,8 +149,8 @@ def test_a_punch_mark() -> None:
 def test_a_tool_stands_only_where_its_file_says() -> None:
     web_only = tuple(replace(t, faces=("v",)) for t in pusher().tools)
     machine = pusher(tools=web_only)
-    assert choose_drill(18.0, machine, "v") == Tool("drill", 18.0)
-    assert choose_drill(18.0, machine, "o") is None
+    assert rack_of(machine).drills((18.0,), ("v",))[0] == Tool("drill", 18.0)
+    assert rack_of(machine).drills((18.0,), ("o",)) == ()
     assert rack_of(machine).drills((18.0,), ("o", "u")) == ()
 
 
