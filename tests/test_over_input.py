@@ -46,7 +46,8 @@ def work(tmp_path: Path) -> Path:
     """A folder with a part, a sheet, a program, a configuration and a machine on another one."""
     folder = tmp_path / "work"
     folder.mkdir()
-    (folder / "M.nc1").write_text(part("M"))
+    for name in ("M.nc1", "M.txt"):  # the second has a name that an output may have too
+        (folder / name).write_text(part("M"))
     shutil.copy(SAMPLES / "dstv" / "gusset.nc1", folder / "gusset.nc1")
     (folder / "job.toml").write_text('job = "A"\n')
     (folder / "base.toml").write_text('base = "beamline"\n')
@@ -66,32 +67,46 @@ def refused(folder: Path, output: str, *words: str) -> None:
 
 @pytest.mark.parametrize("name", NAMES)
 def test_post(work: Path, name: Callable[[Path], str]) -> None:
-    refused(work, name(work / "M.nc1"), "post", str(work / "M.nc1"))
+    refused(work, name(work / "M.txt"), "post", str(work / "M.txt"))
 
 
 @pytest.mark.parametrize("file", ["job.toml", "mine.toml", "base.toml"])
 @pytest.mark.parametrize("command", ["post", "plan"])
 def test_configuration_and_machine(work: Path, command: str, file: str) -> None:
     asked = ("--config", str(work / "job.toml"), "--machine", str(work / "mine.toml"))
-    refused(work, hard(work / file), command, str(work / "M.nc1"), *asked)
+    os.link(work / file, work / "hard.txt")
+    refused(work, str(work / "hard.txt"), command, str(work / "M.nc1"), *asked)
 
 
 def test_the_configuration_that_was_found(work: Path) -> None:
     shutil.copy(work / "job.toml", work / "beamcam.toml")
-    refused(work, str(work / "beamcam.toml"), "post", str(work / "M.nc1"))
+    os.link(work / "beamcam.toml", work / "hard.txt")
+    refused(work, str(work / "hard.txt"), "post", str(work / "M.nc1"))
 
 
 def test_the_second_input(work: Path) -> None:
-    shutil.copy(work / "M.nc1", work / "N.nc1")
-    refused(work, str(work / "N.nc1"), "post", str(work / "M.nc1"), str(work / "N.nc1"))
+    shutil.copy(work / "M.nc1", work / "N.txt")
+    refused(work, str(work / "N.txt"), "post", str(work / "M.nc1"), str(work / "N.txt"))
+
+
+@pytest.mark.parametrize("file", ["M.nc1", "mine.toml"])
+@pytest.mark.parametrize("command", ["post", "plan"])
+def test_what_is_called_as_no_output_is(work: Path, command: str, file: str) -> None:
+    """It is refused before anything is read, by its name alone."""
+    before = (work / file).read_bytes()
+    words = [command, str(work / "M.nc1"), "--machine", str(work / "mine.toml")]
+    result = CliRunner().invoke(main, [*words, "-o", str(work / file)])
+    assert result.exit_code == 2
+    assert (work / file).read_bytes() == before
 
 
 @pytest.mark.parametrize("name", NAMES)
 def test_the_other_commands(work: Path, name: Callable[[Path], str]) -> None:
     program = work / "M.gcode"
-    refused(work, name(work / "M.nc1"), "plan", str(work / "M.nc1"))
+    refused(work, name(work / "M.txt"), "plan", str(work / "M.txt"))
     refused(work, str(work / "M.nc1"), "convert", str(work / "M.nc1"))
-    refused(work, str(program), "simulate", str(program))
+    os.link(program, work / "trace.csv")
+    refused(work, str(work / "trace.csv"), "simulate", str(program))
 
 
 def test_a_unit_beside_the_program(work: Path) -> None:
