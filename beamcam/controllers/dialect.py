@@ -8,7 +8,7 @@ those that stand in a template are words of the machine.
 
 import re
 from bisect import bisect_left
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from typing import Literal
 
 from msgspec import Struct
@@ -16,7 +16,8 @@ from msgspec import Struct
 from beamcam.caches import PerObject
 from beamcam.controllers.codesys.blocks import LETTERS
 from beamcam.controllers.rules import BY_STOCK, ProgramRules
-from beamcam.machine.machine import Machine
+from beamcam.machine.machine import CodeMeaning, Machine
+from beamcam.machine.tools import tool_numbers
 
 Role = Literal[
     "saw", "choose", "section", "on", "coolant-on", "coolant-off", "off", "end", "change", "other"
@@ -29,7 +30,7 @@ DOCUMENTED: dict[int, Role] = {
 }  # fmt: skip
 WRITTEN = 0.0006  #: mm; diameters are written to 0.001
 _SAYS: dict[str, Role] = {
-    "angle": "saw", "spindle": "choose", "section": "section", "width": "section",
+    "angle": "saw", "spindle": "choose", "tool": "choose", "section": "section", "width": "section",
     "height": "section",
 }  # fmt: skip
 _COMMAND = re.compile(r"\s*([GM])0*(\d+)\b")
@@ -72,6 +73,10 @@ class Dialect(Struct, frozen=True):
     feeds: bool  #: whether its programs carry feeds
     changes: bool  #: whether they stop for a tool that is changed by hand
     sizes: tuple[float, ...]  #: diameters of the shop's tools
+    codes: Mapping[str, CodeMeaning]  #: G words of the machine's own
+    numbered: Mapping[int, tuple[str, float]]  #: number of a tool -> its kind and size
+    cycles: Mapping[str, Cycle]  #: how it works with each kind of tool
+    only_spindle: int | None  #: that needs no choice, as there is no other
 
     def size(self, diameter: float) -> float:
         """The shop's tool that a diameter means: programs write three decimals of an inch size."""
@@ -88,8 +93,9 @@ def _dialect_of(machine: Machine) -> Dialect:
     m_words: dict[int, MWord] = {30: MWord("end", ())}
     letters = set(LETTERS)
     feeding: set[str] = set()
+    cycles: dict[str, Cycle] = {}
     for name, lines in _templates(machine):
-        cycle = _cycle(name, lines)
+        cycle = cycles[name] = _cycle(name, lines)
         for line in lines:
             carried = tuple(FIELD.findall(line))
             letters.update(letter for letter, _ in carried)
@@ -119,6 +125,10 @@ def _dialect_of(machine: Machine) -> Dialect:
         bool(feeding),
         changes,
         sizes,
+        machine.codes,
+        {number: tool for tool, number in tool_numbers(machine.tools).items()},
+        cycles,
+        machine.spindles[0].number if len(machine.spindles) == 1 else None,
     )
 
 

@@ -12,8 +12,9 @@ from collections.abc import Callable
 from math import inf, isnan, nan
 from typing import Any, Protocol
 
+from beamcam.controllers import cycles
 from beamcam.controllers.dialect import Dialect
-from beamcam.controllers.events import BarEvent, Curve, Move, Other, Place, Switch
+from beamcam.controllers.events import BarEvent, Curve, Move, Other, Pause, Place, Switch
 from beamcam.errors import Diagnostic, Rule, Source
 from beamcam.geometry.plane import Point
 
@@ -73,6 +74,9 @@ class Interpreter(ABC):
         self._flat = len(dialect.axes) == 2  #: a table, whose head moves in X and Y
         self._motion = -1
         self._absolute = True
+        self._cycle: Words | None = None  #: of a canned cycle that holds
+        self._before_cycle = nan  #: Z where it began
+        self._back_to_near = False  #: whether it draws back to R only (G99)
         self._row = 0  #: blocks since the last move that a controller limits, such as M words
         self._over = False
 
@@ -83,6 +87,28 @@ class Interpreter(ABC):
     @abstractmethod
     def _carry_out(self, line: int, motion: int, words: Words) -> None:
         """Carries out a block that is a motion and its words."""
+
+    def _drill(self, line: int, words: Words, dwell: bool, own_feed: bool) -> None:
+        """Carries out a canned cycle of drilling, whose words hold until it ends."""
+        x, y, z = self._place
+        if self._cycle is None:
+            self._before_cycle = z
+        self._cycle = said = {**(self._cycle or {}), **words}
+        missing = [letter for letter in "ZR" if letter not in said]
+        if missing or not self._absolute or self._flat:
+            expected = "absolute places (G90) of a cell, and Z and R"
+            self._wrong(line, "a drilling cycle that is not whole", expected)
+            return
+        bottom, near = said["Z"], said["R"]
+        clear = cycles.clear_place(self._before_cycle, near, bottom, self._back_to_near)
+        place = said.get("X", x), said.get("Y", y)
+        for rapid, end in cycles.steps(self._place, *place, bottom, near, clear):
+            self._go(line, 0 if rapid else 1, dict(zip("XYZ", end, strict=True)), own_feed)
+            if not rapid and dwell:
+                self._event(Pause(line, said.get("P", 0.0)))
+
+    def _end_cycle(self) -> None:
+        self._cycle = None
 
     @abstractmethod
     def curve(self, motion: int, start: Point, end: Point, words: Words) -> Curve | str:

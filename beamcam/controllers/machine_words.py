@@ -18,6 +18,7 @@ from beamcam.machine import rules
 from beamcam.machine.faults import ALONG_A_PATH, TABLE_CONTROLLERS
 from beamcam.machine.load import load, source_in
 from beamcam.machine.machine import Machine
+from beamcam.model.part_data import PART_DATA
 
 #: Of the tools of a bar; `scribe` and `punch` do not turn.
 _TOOLS = ("drill", "tap", "countersink", "mill", "punch", "scribe")
@@ -27,8 +28,13 @@ _PROCESSES = ("cut", "mark", "engrave")
 _STROKE = {
     "y": "11", "z": "12", "near_y": "21", "near_z": "22", "bottom_y": "33", "bottom_z": "44",
 }  # fmt: skip
+#: The other way round, where Z grows out of the steel, as RS274 has it for its cycles.
+_STROKE_DOWN = {
+    "y": "44", "z": "43", "near_y": "33", "near_z": "32", "bottom_y": "12", "bottom_z": "11",
+}  # fmt: skip
 _FIGURES = {
-    "job": "JOB", "text": "TEXT", "section": "1", "width": "100", "height": "200", "spindle": "1",
+    **PART_DATA, "job": "JOB", "text": "TEXT", "tool": "1",
+    "section": "1", "width": "100", "height": "200", "spindle": "1",
     "station": "1", "diameter": "20", "pitch": "2", "angle": "30", "tilt": "0", "feed": "600",
     "speed": "300", "power": "1", "pierce": "0.5", "kerf": "1.5", "half_kerf": "0.75",
     "acceleration": "100", "ratio": "0.5",
@@ -90,10 +96,11 @@ def _filled(machine: Machine, key: str, **more: str) -> Iterator[Line]:
 
 
 def _bar_faults(machine: Machine) -> Iterator[WordFault]:
+    stroke = _stroke(machine)
     lines = [*_filled(machine, "header"), *_filled(machine, "comment")]
     for tool in _TOOLS:
         for key in _keys(tool):
-            lines += _filled(machine, key, x="100", **_STROKE)
+            lines += _filled(machine, key, x="100", **stroke)
     lines += (*_filled(machine, "change"), *_filled(machine, "saw", x="200"))
     lines += _filled(machine, "footer")
     dialect = dialect_of(machine)
@@ -109,9 +116,9 @@ def _bar_faults(machine: Machine) -> Iterator[WordFault]:
         if getattr(machine.words, tool):
             own = [event for key in _keys(tool) for event in of.get(key, [])]
             first, last = _keys(tool)[0], _keys(tool)[-1]
-            for found, expected in _begin_faults(own, dialect, tool in _STANDING):
+            for found, expected in _begin_faults(own, dialect, tool in _STANDING, stroke):
                 yield f"words.{first}", "", found, expected
-            for found, expected in _end_faults(own, dialect):
+            for found, expected in _end_faults(own, dialect, stroke):
                 yield f"words.{last}", "", found, expected
     if machine.saw is not None and not _with_role(of.get("saw", []), dialect, "saw"):
         yield "words.saw", "", "no cut", "an M word with {angle}"
@@ -142,12 +149,16 @@ def _role(event: Switch, dialect: Dialect) -> str:
     return word.role if word else DOCUMENTED.get(event.number, "other")
 
 
-def _in_steel(event: Move[Place]) -> bool:
-    return not {*event.end[1:]}.isdisjoint((float(_STROKE["bottom_y"]), float(_STROKE["bottom_z"])))
+def _stroke(machine: Machine) -> dict[str, str]:
+    return _STROKE_DOWN if machine.controller == "linuxcnc" else _STROKE
+
+
+def _in_steel(event: Move[Place], stroke: dict[str, str]) -> bool:
+    return not {*event.end[1:]}.isdisjoint((float(stroke["bottom_y"]), float(stroke["bottom_z"])))
 
 
 def _begin_faults(
-    events: list[BarEvent], dialect: Dialect, stands: bool
+    events: list[BarEvent], dialect: Dialect, stands: bool, stroke: dict[str, str]
 ) -> Iterator[tuple[str, str]]:
     """What the blocks of one tool do not do before they feed, or at all."""
     turns = fed = False
@@ -155,17 +166,24 @@ def _begin_faults(
         if isinstance(event, Switch):
             role = _role(event, dialect)
             turns = role == "on" or (turns and role != "off")
-        elif isinstance(event, Move) and not event.rapid and _in_steel(event):
+        elif isinstance(event, Move) and not event.rapid and _in_steel(event, stroke):
             fed = True
             if not (turns or stands):
                 yield "a feed with the spindle at rest", "M03 or M04 before it"
-    if not _with_role(events, dialect, "choose"):
-        yield "no choice of a spindle", "an M word with {spindle}"
+    chosen = [dialect.m_words[e.number] for e in _with_role(events, dialect, "choose")]
+    if not chosen:
+        yield "no choice of a spindle", "an M word with {spindle}, or {tool} of the only spindle"
+    elif dialect.only_spindle is None and not any(
+        field == "spindle" for word in chosen for _, field in word.fields
+    ):
+        yield "no choice of a spindle", "an M word with {spindle}, as there are several"
     if not fed:
         yield "no feed into the steel", "G01 with {bottom_y} and {bottom_z}"
 
 
-def _end_faults(events: list[BarEvent], dialect: Dialect) -> Iterator[tuple[str, str]]:
+def _end_faults(
+    events: list[BarEvent], dialect: Dialect, stroke: dict[str, str]
+) -> Iterator[tuple[str, str]]:
     """What the blocks of one tool leave as it should not be."""
     deep = turns = cools = False
     for event in events:
@@ -176,7 +194,7 @@ def _end_faults(events: list[BarEvent], dialect: Dialect) -> Iterator[tuple[str,
             turns = role == "on" or (turns and role != "off")
             cools = role == "coolant-on" or (cools and role != "coolant-off")
         elif isinstance(event, Move):
-            deep = _in_steel(event)
+            deep = _in_steel(event, stroke)
     if deep:
         yield "the tool left in the steel", "a move to {y} and {z} at the end"
     if turns:

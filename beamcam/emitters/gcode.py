@@ -4,7 +4,9 @@ from collections.abc import Iterable, Iterator
 
 from beamcam.emitters.numbers import number
 from beamcam.machine.machine import Machine, NumberFormat
+from beamcam.machine.tools import ToolNumbers, tool_numbers
 from beamcam.machine.words import Words
+from beamcam.model.part_data import PART_DATA
 from beamcam.model.program import (
     ChangeTool,
     Comment,
@@ -46,13 +48,14 @@ def _numbered(blocks: Iterable[str]) -> Iterator[str]:
 def _blocks(program: Program, machine: Machine) -> Iterator[str]:
     """Blocks, and whole cycles and cuts in one."""
     words, form = machine.words, machine.format
+    numbers = tool_numbers(machine.tools)
     strokes: dict[SpindleStroke, Values] = {}  #: most strokes are like one before, at another X
     started = False
     for command in program.commands:
         match command:
             case DrillCycle(stroke=stroke):
                 if stroke not in strokes:
-                    strokes[stroke] = _stroke_values(stroke, form)
+                    strokes[stroke] = _stroke_values(stroke, form, numbers)
                 x = number(command.x, form.length_decimals)
                 yield _filled(getattr(words, stroke.kind), {**strokes[stroke], "x": x})
             case SawStroke() if words.saw:
@@ -60,9 +63,9 @@ def _blocks(program: Program, machine: Machine) -> Iterator[str]:
             case StartBar():
                 started = True
                 if words.header:
-                    yield _header(program.job, command, words, form)
+                    yield _header(program, command, words, form)
             case PathCycle():
-                yield from _path_blocks(command, words, form)
+                yield from _path_blocks(command, words, form, numbers)
             case ChangeTool() if words.change:
                 yield _change(command, words)
             case Comment():
@@ -71,10 +74,12 @@ def _blocks(program: Program, machine: Machine) -> Iterator[str]:
         yield from words.footer
 
 
-def _header(job: str, command: StartBar, words: Words, form: NumberFormat) -> str:
+def _header(program: Program, command: StartBar, words: Words, form: NumberFormat) -> str:
     """The text before the work."""
     values = {
-        "job": comment_text(job),
+        **dict.fromkeys(PART_DATA, ""),
+        **{name: comment_text(text) for name, text in program.about.items()},
+        "job": comment_text(program.job),
         "section": str(command.section),
         "width": number(command.width, form.length_decimals),
         "height": number(command.height, form.length_decimals),
@@ -111,9 +116,10 @@ def _cut_values(command: SawStroke, x: str, form: NumberFormat) -> Values:
     }
 
 
-def _stroke_values(stroke: SpindleStroke, form: NumberFormat) -> Values:
+def _stroke_values(stroke: SpindleStroke, form: NumberFormat, numbers: ToolNumbers) -> Values:
     return {
         **_place_values(stroke, form),
+        "tool": _tool(stroke.kind, stroke.diameter, numbers),
         "spindle": str(stroke.spindle),
         "diameter": number(stroke.diameter, 3),
         "feed": _feed(stroke.feed_mm_min, form),
@@ -122,11 +128,20 @@ def _stroke_values(stroke: SpindleStroke, form: NumberFormat) -> Values:
     }
 
 
-def _path_blocks(command: PathCycle, words: Words, form: NumberFormat) -> Iterator[str]:
+def _tool(kind: str, diameter: float, numbers: ToolNumbers) -> str:
+    """What the machine calls a tool; "" where its tools have no numbers."""
+    found = numbers.get((kind, diameter))
+    return "" if found is None else str(found)
+
+
+def _path_blocks(
+    command: PathCycle, words: Words, form: NumberFormat, numbers: ToolNumbers
+) -> Iterator[str]:
     """The words of a mill or scribe: down at the first point, to each other one, and up."""
     down, along, up = (getattr(words, command.kind + end) for end in ("", "_to", "_end"))
     values = {
         "spindle": str(command.spindle),
+        "tool": _tool(command.kind, command.diameter, numbers),
         "diameter": number(command.diameter, 3),
         "feed": _feed(command.feed_mm_min, form),
         "speed": number(command.speed_rpm, 0),

@@ -50,6 +50,32 @@ def tool_faults(machine: Machine) -> Iterator[Fault]:
             yield "drill.cutting", tools.kind, f"a row with kind = {tools.kind!r}"
 
 
+#: G words that mean the same on every controller of a family, whatever a file says.
+_DOCUMENTED = frozenset(range(7)) | {8, 9, 17, 20, 21, 40, 41, 42, 64, 75, 90, 91, 98, 99}
+_CODE = re.compile(r"G(\d{1,3})(?:\.\d)?")
+
+
+def code_faults(machine: Machine) -> Iterator[Fault]:
+    """Each G word of the machine's own that is none, or another's; each tool without a number."""
+    for code in machine.codes:
+        match = _CODE.fullmatch(code)
+        if match is None:
+            yield f"codes.{code}", code, "a G word such as G81"
+        elif int(match[1]) in _DOCUMENTED:
+            yield f"codes.{code}", code, "another word, as the controller gives that one a meaning"
+        elif machine.stock == "sheet" and machine.codes[code] != "none":
+            yield f"codes.{code}", machine.codes[code], "none, a table does not drill"
+    for index, tools in enumerate(machine.tools):
+        key = f"tools.{index}.numbers"
+        if tools.numbers and len(tools.numbers) != len(tools.sizes):
+            yield key, list(tools.numbers), f"{len(tools.sizes)}, one for each diameter"
+        if not tools.numbers and _names(getattr(machine.words, tools.kind), "tool"):
+            yield key, [], f"one for each diameter, since words.{tools.kind} has {{tool}}"
+    numbers = [number for tools in machine.tools for number in tools.numbers]
+    if len(numbers) != len(set(numbers)):
+        yield "tools", sorted(n for n in set(numbers) if numbers.count(n) > 1), "a number once"
+
+
 def _names(template: tuple[str, ...], name: str) -> bool:
     return any("{" + name + "}" in line for line in template)
 

@@ -12,7 +12,13 @@ from beamcam.conversion import Fault, converted, nearest
 from beamcam.errors import Diagnostic, MachineError, Source
 from beamcam.geometry.plane import MAX_COORDINATE
 from beamcam.machine import rules
-from beamcam.machine.faults import pair_faults, spindle_faults, tool_faults, torch_faults
+from beamcam.machine.faults import (
+    code_faults,
+    pair_faults,
+    spindle_faults,
+    tool_faults,
+    torch_faults,
+)
 from beamcam.machine.former_keys import KeyTwice, with_present_keys
 from beamcam.machine.formula import as_formula
 from beamcam.machine.machine import Machine, MachineFile
@@ -243,7 +249,14 @@ def _find(name: str, below: Path | None) -> Path:
 
 def _check(machine: Machine, place: Place) -> None:
     """Raise MachineError for what no field can tell by itself."""
-    for faults in (template_faults, spindle_faults, tool_faults, pair_faults, torch_faults):
+    for faults in (
+        template_faults,
+        code_faults,
+        spindle_faults,
+        tool_faults,
+        pair_faults,
+        torch_faults,
+    ):
         for key, found, expected in faults(machine):
             source = place.child(key).source
             said = rules.WRONG_VALUE.at(source, key=key, found=repr(found), expected=expected)

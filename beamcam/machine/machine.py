@@ -89,6 +89,10 @@ class ControlledAxis(Keys, frozen=True):
         return -inf if self.min is None else self.min, inf if self.max is None else self.max
 
 
+#: What a G word of a machine's own does: nothing, a canned cycle of drilling, or its end.
+CodeMeaning = Literal["none", "drill-cycle", "drill-cycle-dwell", "end-cycle"]
+
+
 class MachineFile(Keys, frozen=True):
     """What a machine's file may say; the fields are its keys."""
 
@@ -113,6 +117,8 @@ class MachineFile(Keys, frozen=True):
     triggers: Triggers | None = None
     stepper: Stepper | None = None
     sections: Mapping[str, int] = field(default_factory=dict)  #: the program's section codes
+    #: G words that the controller of this machine takes besides those of its family, as "G81"
+    codes: Mapping[str, CodeMeaning] = field(default_factory=dict)
 
 
 class Machine(MachineFile, frozen=True):

@@ -1,5 +1,6 @@
 """The tools of a line: each by itself, and the sets that a machine file lists."""
 
+from collections.abc import Iterable
 from fractions import Fraction
 from math import radians, tan
 from typing import Literal
@@ -61,11 +62,25 @@ class ToolSet(Keys, frozen=True):
     hand: Literal["right", "left"] = "right"
     largest_hole: NotNegative = 0.0  #: of mills: largest that may be milled as a circle
     tool_material: ToolMaterial = "hss"  #: high-speed steel or cemented carbide
+    numbers: tuple[int, ...] = ()  #: what {tool} of the words calls them, one for each size
 
     @property
     def sizes(self) -> tuple[float, ...]:
         """All diameters in mm, the inch sizes behind the metric ones."""
         return self.diameters + tuple(inch_size(text) for text in self.inches)
+
+
+#: Kind and size of a tool -> what the machine calls it.
+ToolNumbers = dict[tuple[str, float], int]
+
+
+def tool_numbers(sets: Iterable[ToolSet]) -> ToolNumbers:
+    """The numbers of the tools that have some."""
+    return {
+        (tools.kind, size): number
+        for tools in sets
+        for size, number in zip(tools.sizes, tools.numbers, strict=False)
+    }
 
 
 def inch_size(text: str) -> float:

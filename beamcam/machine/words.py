@@ -43,8 +43,8 @@ class Words(Keys, frozen=True):
 
 _STROKE_NAMES = frozenset(
     {
-        "spindle", "diameter", "x", "y", "z", "near_y", "near_z", "bottom_y", "bottom_z", "feed",
-        "speed",
+        "spindle", "tool", "diameter", "x", "y", "z", "near_y", "near_z", "bottom_y", "bottom_z",
+        "feed", "speed",
     }
 )  # fmt: skip
 
@@ -56,7 +56,22 @@ _SIDE_NAMES = frozenset({"kerf", "half_kerf"})
 
 #: What each template of `Words` may name.
 WORD_NAMES: dict[str, frozenset[str]] = {
-    "header": frozenset({"job", "section", "width", "height"}),
+    "header": frozenset(
+        {
+            "job",
+            "section",
+            "width",
+            "height",
+            "mark",
+            "profile",
+            "grade",
+            "length",
+            "quantity",
+            "order",
+            "drawing",
+            "phase",
+        }
+    ),
     "footer": frozenset(),
     "saw": frozenset({"x", "angle", "tilt", "feed"}),
     "drill": _STROKE_NAMES,

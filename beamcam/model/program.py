@@ -4,6 +4,7 @@ Commands are named after the canonical machining functions of LinuxCNC where it 
 Lengths are mm in machine coordinates, feeds mm/min, speeds rpm.
 """
 
+from collections.abc import Mapping
 from typing import Literal, NamedTuple
 
 from msgspec import Struct
@@ -179,3 +180,5 @@ class Program(Struct, frozen=True):
 
     job: str
     commands: tuple[Command, ...]
+    #: of its parts, by the names of `part_data.PART_DATA`, for words of the head
+    about: Mapping[str, str] = {}

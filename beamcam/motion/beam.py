@@ -10,6 +10,7 @@ from beamcam.machine.cutting import speed_and_feed
 from beamcam.machine.drill import Axis, Drill
 from beamcam.machine.machine import Machine
 from beamcam.model.part import Profile
+from beamcam.model.part_data import part_data
 from beamcam.model.plan import AS_GIVEN, DrillOp, PathOp, Plan, SawOp, SpindleOp, ToolLoad
 from beamcam.model.program import (
     ChangeTool,
@@ -49,7 +50,8 @@ def _section_of(profile: Profile, machine: Machine) -> Section:
 
 def beam_program(plan: Plan, machine: Machine, job: str) -> Program:
     """The commands that carry out a plan, in its order."""
-    return Program(job, tuple(_commands(plan, machine)))
+    about = part_data([piece.part for piece in plan.pieces])
+    return Program(job, tuple(_commands(plan, machine)), about)
 
 
 def _commands(plan: Plan, machine: Machine) -> Iterator[Command]:

@@ -51,6 +51,9 @@ class Codesys(Interpreter):
         #: A cell's programs may count on G90 as the default, those of a table have to say it.
         self._counting_said = dialect.stock == "beam"
         self._letters = {motion: own | set(dialect.axes) for motion, own in _TRAVEL.items()}
+        self._own = {int(code[1:]): meaning for code, meaning in dialect.codes.items()
+                     if code[1:].isdigit()}  # fmt: skip
+        self._dwells = False
         if dialect.stock == "sheet":
             self._letters[0] = frozenset(dialect.axes)
 
@@ -73,9 +76,11 @@ class Codesys(Interpreter):
         if command == "M":
             self._m_word(line, number, words)
         elif not command:
-            self._carry_out(line, self._motion, words)
+            self._go_on(line, words)
         elif number in _TRAVEL:
             self._carry_out(line, number, words)
+        elif number in self._own:
+            self._own_code(line, number, words)
         else:
             self._setting(line, number, words)
 
@@ -131,8 +136,38 @@ class Codesys(Interpreter):
         if stray:
             self._wrong(line, f"{min(stray)} behind G{number:02}", "no word there")
 
+    def _go_on(self, line: int, words: Words) -> None:
+        """A block without a command."""
+        if self._cycle is not None:
+            self._drilled(line, words)
+        else:
+            self._carry_out(line, self._motion, words)
+
+    def _own_code(self, line: int, number: int, words: Words) -> None:
+        """A G word of the machine's own, which means what its file says."""
+        meaning = self._own[number]
+        if meaning.startswith("drill-cycle"):
+            self._dwells = meaning == "drill-cycle-dwell"
+            self._drilled(line, words)
+            return
+        if meaning == "end-cycle":
+            self._end_cycle()
+        if words:
+            self._wrong(line, f"{min(words)} behind G{number:02}", "no word there")
+
+    def _drilled(self, line: int, words: Words) -> None:
+        stray = words.keys() - set("XYZRF") - (set("P") if self._dwells else set())
+        if stray:
+            self._wrong(line, f"{min(stray)} behind a drilling cycle", "no such word there")
+        fed = "F" in words
+        if fed:
+            self._feed = words["F"]
+        place = {letter: value for letter, value in words.items() if letter != "F"}
+        self._drill(line, place, self._dwells, fed)
+
     def _carry_out(self, line: int, motion: int, words: Words) -> None:
         self._motion = motion
+        self._end_cycle()
         if motion < 0:
             self._wrong(line, "words without a command", "G or M")
             return

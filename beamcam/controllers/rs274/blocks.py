@@ -8,6 +8,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping
 
 from msgspec import Struct
 
+from beamcam.controllers import cycles
 from beamcam.controllers.events import Compensation, Other, Pause, Side, Switch
 from beamcam.geometry.plane import Point
 
@@ -16,6 +17,8 @@ _WORD = re.compile(rf"([A-Z])({_NUMBER})")
 _COMMENT = re.compile(r"\([^()]*\)|;.*")
 
 MOTIONS = {"G0": 0, "G1": 1, "G2": 2, "G3": 3}
+#: Canned cycles, and their end, of a controller that knows them.
+CYCLES = {"G80": cycles.END, "G81": cycles.DRILL, "G82": cycles.DRILL_AND_DWELL}
 ENDS = (2, 30)
 
 
@@ -30,6 +33,7 @@ class Variant(Struct, frozen=True):
     switches: dict[int, frozenset[str]]  #: M words and the letters that belong to them
     own_switches: range  #: M words that a machine may give a meaning, and
     own_letters: frozenset[str]  #: what they may carry
+    cycles: bool  #: whether it knows G80 to G82, and where they draw back to by G98 and G99
     sides: dict[str, Side]  #: G words of cutter compensation
     arc_fault: Callable[[Point, Point, Point, bool], str | None]  #: start, end, centre, clockwise
 
@@ -55,8 +59,13 @@ class Block(Struct, frozen=True):
     percent: bool = False
 
 
-def read_block(text: str, variant: Variant, switches: Mapping[int, frozenset[str]]) -> Block:
-    """What the words of a block say; `switches` are the M words with their letters."""
+def read_block(
+    text: str, variant: Variant, switches: Mapping[int, frozenset[str]], own: Mapping[str, str]
+) -> Block:
+    """What the words of a block say.
+
+    `switches` are the M words with their letters, `own` the G words of the machine's own.
+    """
     bare = _COMMENT.sub(" ", text).upper().strip()
     if bare == "%":
         return Block(percent=True)
@@ -66,7 +75,7 @@ def read_block(text: str, variant: Variant, switches: Mapping[int, frozenset[str
     words = _WORD.findall(squeezed)
     if "".join(letter + digits for letter, digits in words) != squeezed:
         return Block("letters with a number each")
-    return _Words(words, variant, switches).block() if words else Block(blank=True)
+    return _Words(words, variant, switches, own).block() if words else Block(blank=True)
 
 
 class _Words:
@@ -77,8 +86,9 @@ class _Words:
         words: list[tuple[str, str]],
         variant: Variant,
         switches: Mapping[int, frozenset[str]],
+        own: Mapping[str, str],
     ) -> None:
-        self._variant, self._switches = variant, switches
+        self._variant, self._switches, self._own = variant, switches, own
         self._faults: list[tuple[str, str]] = []
         self._values: dict[str, float] = {}
         self._codes: list[str] = []
@@ -108,9 +118,10 @@ class _Words:
     def block(self) -> Block:
         """What they say."""
         feed = self._values.pop("F", None)
-        settings = tuple(code for code in self._codes if code not in MOTIONS)
+        known = {**MOTIONS, **CYCLES} if self._variant.cycles else MOTIONS
+        settings = tuple(code for code in self._codes if code not in known)
         events = (*self._m_events(), *self._settings(settings))
-        motions = [MOTIONS[code] for code in self._codes if code in MOTIONS]
+        motions = [known[code] for code in self._codes if code in known]
         if len(motions) > 1:
             self._wrong("two motions in a block", "one")
         ends = [number for number in self._m_words if number in ENDS]
@@ -149,5 +160,7 @@ class _Words:
             elif code == "G64" and code in variant.settings:
                 values.pop("P", None)
                 values.pop("Q", None)
+            elif (code in ("G98", "G99") and variant.cycles) or self._own.get(code) == "none":
+                continue
             elif code not in ("G90", "G91") and code not in variant.settings:
                 self._wrong(code, f"a G word that {variant.name} knows here: {variant.codes}")

@@ -45,6 +45,7 @@ GRBL = Variant(
         3: frozenset("S"), 4: frozenset("S"), 5: frozenset(), 7: frozenset(), 8: frozenset(),
         9: frozenset(),
     },
+    cycles=False,
     own_switches=range(0),
     own_letters=frozenset(),
     sides={},

@@ -8,12 +8,15 @@ A block's words act in a fixed order: feed, speed, M words, dwell, settings, mot
 modal. Source: LinuxCNC documentation, "G-Code Overview".
 """
 
+from beamcam.controllers import cycles
 from beamcam.controllers.arcs import arc_of
 from beamcam.controllers.dialect import Dialect
 from beamcam.controllers.events import Curve, Other, Switch
 from beamcam.controllers.interpreter import Interpreter, Words
 from beamcam.controllers.rs274.blocks import Block, Variant, read_block
 from beamcam.geometry.plane import Point
+
+_STOPS = (0, 1)  #: M words that a machine may stop with, for a tool that is changed by hand
 
 
 class Rs274(Interpreter):
@@ -32,7 +35,7 @@ class Rs274(Interpreter):
             **{
                 number: frozenset(letter for letter, _ in word.fields) & variant.own_letters
                 for number, word in dialect.m_words.items()
-                if number in variant.own_switches
+                if number in variant.own_switches or number in _STOPS
             },
         }
         self._percents: list[int] = []  #: lines
@@ -48,7 +51,9 @@ class Rs274(Interpreter):
             self._syntax(line, text, f"at most {self._variant.longest_line} characters")
         block = self._known.get(text)
         if block is None:
-            self._known[text] = block = read_block(text, self._variant, self._switches)
+            self._known[text] = block = read_block(
+                text, self._variant, self._switches, self._dialect.codes
+            )
         if block.percent:
             self._percent(line, text, outermost)
         elif block.syntax:
@@ -76,6 +81,8 @@ class Rs274(Interpreter):
         for code in block.settings:
             if code in ("G90", "G91"):
                 self._absolute = code == "G90"
+            elif code in ("G98", "G99"):
+                self._back_to_near = code == "G99"
             self._seen.add(code)
         if block.motion is not None or block.values:
             self._travel(line, block)
@@ -89,6 +96,11 @@ class Rs274(Interpreter):
         """The move of a block."""
         values, axes = block.values, self._dialect.axes
         motion = self._motion if block.motion is None else block.motion
+        if motion >= cycles.END:
+            self._cycle_block(line, motion, values, block.feed is not None)
+            return
+        if block.motion is not None:
+            self._end_cycle()
         places = values.keys() & set(axes)
         used = places | (values.keys() & {"I", "J"} if places and motion > 1 else set())
         if places and motion < 0:
@@ -103,6 +115,26 @@ class Rs274(Interpreter):
         if values.keys() - used:
             stray = min(values.keys() - used)
             self._wrong(line, f"the letter {stray} in that block", "no such word there")
+
+    def _cycle_block(self, line: int, motion: int, values: Words, own_feed: bool) -> None:
+        """A block of a canned cycle, or its end."""
+        self._motion = motion
+        stray = values.keys() - set("XYZRP" if motion == cycles.DRILL_AND_DWELL else "XYZR")
+        if motion == cycles.END:
+            self._end_cycle()
+            self._motion, stray = -1, set(values)
+        elif not stray:
+            self._check_settings(line)
+            if self._seen.isdisjoint(("G98", "G99")):  # versions differ in what holds without
+                self._say(line, self._rules.setting, found="G98 or G99")
+                self._seen.add("G98")
+            said = {**(self._cycle or {}), **values}
+            if said.get("R", 0.0) < said.get("Z", 0.0):
+                self._wrong(line, "R below Z", "R above Z, or the controller stops")
+                return
+            self._drill(line, dict(values), motion == cycles.DRILL_AND_DWELL, own_feed)
+        if stray:
+            self._wrong(line, f"the letter {min(stray)} in that block", "no such word there")
 
     def _check_settings(self, line: int) -> None:
         """Says once what is not set when the first move comes."""

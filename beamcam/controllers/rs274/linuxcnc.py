@@ -39,6 +39,7 @@ LINUXCNC = Variant(
         8: frozenset(), 9: frozenset(), 62: frozenset("P"), 63: frozenset("P"),
         64: frozenset("P"), 65: frozenset("P"),
     },
+    cycles=True,
     own_switches=range(100, 200),  # "User Defined Commands M100-M199"
     own_letters=frozenset("PQ"),
     sides={"G41.1": "left", "G42.1": "right"},

@@ -185,16 +185,33 @@ class CellState:
 
     def _choose(self, switch: Switch, values: Values, cycle: Cycle | None) -> None:
         self.at_rest(switch.line, "the choice of a spindle")
-        number = values["spindle"]
-        self.choice = self.choices.get(int(number)) if number == int(number) else None
+        number = values.get("spindle", self.dialect.only_spindle)
+        if number is None:
+            number = nan
+        self.choice = self.choices.get(int(number)) if number == number // 1 else None
         self.peck = None
         self.diameter = self.dialect.size(values.get("diameter", 0.0))
         self.cycle, self.pitch = cycle or _NO_CYCLE, values.get("pitch", 0.0)
+        if "tool" in values:
+            self._take_numbered(switch.line, values)
         if self.choice is None:
             numbers = ", ".join(str(n) for n in self.choices)
             self.say(WORD, switch.line, found=f"spindle {number:g}", expected=f"one of {numbers}")
             return
         self.tools.append(Chosen(switch.line, self.choice.number, (self.cycle.kind, self.diameter)))
+
+    def _take_numbered(self, line: int, values: Values) -> None:
+        """The tool that a number means, which has to be of the size that is said beside it."""
+        found = self.dialect.numbered.get(int(values["tool"]))
+        if found is None:
+            known = ", ".join(map(str, sorted(self.dialect.numbered)))
+            self.say(WORD, line, found=f"tool {values['tool']:g}", expected=f"one of {known}")
+            return
+        kind, size = found
+        if "diameter" in values and self.diameter != size:
+            expected = f"{size:g}, the size of tool {values['tool']:g}"
+            self.say(WORD, line, found=f"diameter {self.diameter:g}", expected=expected)
+        self.diameter, self.cycle = size, self.dialect.cycles.get(kind, _NO_CYCLE)
 
     def _change(self, switch: Switch, values: Values, cycle: Cycle | None) -> None:
         self.at_rest(switch.line, "a change of tool by hand")
