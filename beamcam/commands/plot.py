@@ -1,5 +1,6 @@
 """`beamcam plot`: a part, or what a program makes, as a picture."""
 
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import click
@@ -10,8 +11,10 @@ from beamcam.commands.grouped import Grouped
 from beamcam.commands.jobs import one_program, posted_job, read_program
 from beamcam.commands.parts import part_options, read_parts
 from beamcam.commands.pictures import picture, picture_suffix, unit
-from beamcam.commands.settings import files_read, settled
+from beamcam.commands.settings import files_read, machine_for, settled
+from beamcam.config.values import Config
 from beamcam.errors import BeamcamError, Diagnostic
+from beamcam.model.part import Part
 from beamcam.model.plan import Order
 
 
@@ -76,10 +79,19 @@ def command(
             if len(parts) != 1 and suffix != ".pdf":
                 found = f"found {len(parts)} parts for {output!r}"
                 raise click.UsageError(f"{found}; expected one, or a .pdf of many pages")
-            scenes = [part_scene(part, unit) for part in parts]
+            table = _processes(config, parts, output)
+            scenes = [part_scene(part, unit, table) for part in parts]
         drawn = picture(scenes, suffix)
     except BeamcamError as error:
         voice.stop((*said, *error.diagnostics))
     voice.did(f"drew {len(scenes)} picture(s)")
     write(output, drawn, voice, files_read(config, inputs))
     voice.say(said)
+
+
+def _processes(config: Config, parts: Sequence[Part], output: str) -> Mapping[str, str] | None:
+    """What the machine does with the colours and layers of drawings; None where there are none."""
+    if all(part.measures is None for part in parts):
+        return None
+    torch = machine_for(config, parts, output).torch
+    return None if torch is None else torch.colours

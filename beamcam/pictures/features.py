@@ -66,12 +66,18 @@ def _hole_tip(hole: Hole) -> str:
 
 def _contour(contour: Contour, frame: Frame) -> Polyline:
     """A contour: filled where it encloses steel or a cut-out, else a line of its process."""
+    closed = contour.closed and contour.process == "cut" and contour.kind != "open"
+    return contour_line(contour, frame, contour.kind if closed else None, contour.process)
+
+
+def contour_line(contour: Contour, frame: Frame, style: str | None, process: str) -> Polyline:
+    """A contour as a line of a style, by default that of its process."""
     points = chain_points(contour.curves, frame)
-    style: str = contour.kind
-    if not (contour.closed and contour.process == "cut" and contour.kind != "open"):
-        style = "open" if contour.process == "cut" else contour.process
-    tip = f"{contour.kind} contour {contour.face}, {contour.process}, {len(contour.curves)} curves"
-    return Polyline(f"{style} contour by-{contour.process}", points, contour.closed, tip)
+    tip = f"{contour.kind} contour {contour.face}, {process}, {len(contour.curves)} curves"
+    if contour.layer is not None:
+        tip += f", layer {contour.layer}, {contour.colour or 'no colour'}"
+    style = style or ("open" if process == "cut" else process)
+    return Polyline(f"{style} contour by-{process}", points, contour.closed, tip)
 
 
 def chain_points(curves: Sequence[Curve], frame: Frame) -> tuple[Point, ...]:

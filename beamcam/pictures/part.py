@@ -6,12 +6,13 @@ v  web
 u  bottom flange
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from math import radians, tan
 
 from msgspec.structs import replace
 
 from beamcam.geometry.curves import join_boxes
+from beamcam.model.colour import process_of
 from beamcam.model.part import (
     Camber,
     Contour,
@@ -48,14 +49,17 @@ MAX_SMALL_SHAPES = 120
 SECTION_SIDE = 70.0  #: of the picture of the section
 
 
-def part_scene(part: Part, unit: Unit = "mm") -> Scene:
-    """The faces of a part with all its features."""
+Processes = Mapping[str, str]  #: of a machine, by colour or layer
+
+
+def part_scene(part: Part, unit: Unit = "mm", processes: Processes | None = None) -> Scene:
+    """The faces of a part with all its features; a drawing by the processes of a machine."""
     lines = [line for line in _head(part, unit) if line]
     views = tuple(view_of(part, face) for face in faces_of(part))
     paper = laid_out(views, head_height(lines))
     drawn: list[Shape] = [*heading(lines), *_section(part.profile), *titles(views, paper)]
     for view in views:
-        drawn += _face(part, view, paper)
+        drawn += _face(part, view, paper, processes)
         drawn += figures(view, paper, unit)
     last = views[-1]
     frame = paper.frames[last.name]
@@ -64,9 +68,10 @@ def part_scene(part: Part, unit: Unit = "mm") -> Scene:
     drawn += measured((left, y), (right, y), last.box[2] - last.box[0], unit)
     notes = list(_notes(part))
     drawn += footing(notes, y + 8.0)
+    drawn += _legend(drawn, y + 24.0 + 13.0 * len(notes)) if part.measures is not None else ()
     title = f"{part.mark or 'part'} {part.profile.name}".strip()
     about = f"faces of {title}, {len(part.features)} features, lengths in {unit}"
-    return Scene(title, about, WIDTH, y + 24.0 + 13.0 * len(notes), tuple(drawn))
+    return Scene(title, about, WIDTH, y + 44.0 + 13.0 * len(notes), tuple(drawn))
 
 
 def small_scene(part: Part) -> Scene:
@@ -144,7 +149,29 @@ def view_of(part: Part, face: Face) -> View:
     return View(face, title, box, tuple(places), tuple(heights))
 
 
-def _face(part: Part, view: View, paper: Paper) -> Iterator[Shape]:
+def _legend(drawn: Sequence[Shape], y: float) -> Iterator[Shape]:
+    """The processes of a drawing."""
+    x = SIDE
+    styles = {s.classes.split("by-")[1]: s.classes.split()[0] for s in drawn if " by-" in s.classes}
+    for process, style in styles.items():
+        yield Polyline(f"{style} legend", ((x, y), (x + 18.0, y)))
+        yield Text("label", (x + 23.0, y + 4.0), process)
+        x += 46.0 + 6.2 * len(process)
+
+
+def _drawn_line(contour: Contour, frame: Frame, processes: Processes | None) -> Shape:
+    """A line of a drawing: nothing is filled, as nobody knows yet what is steel."""
+    process: str = contour.process
+    if processes is not None and (contour.layer, contour.colour) != (None, None):
+        process = process_of(contour, processes) or "ignored"  # type: ignore[arg-type]
+    if process in ("ignore", "ignored"):
+        return shapes.contour_line(contour, frame, "ignored", "ignored")
+    return shapes.contour_line(contour, frame, None, process)
+
+
+def _face(
+    part: Part, view: View, paper: Paper, processes: Processes | None = None
+) -> Iterator[Shape]:
     """A face with its features, what is largest first so that nothing is hidden."""
     face, frame = view.name, paper.frames[view.name]
     own = [f for f in part.features if face_of(f) == face]
@@ -152,7 +179,10 @@ def _face(part: Part, view: View, paper: Paper) -> Iterator[Shape]:
     if not outlined and face in FACE_NAMES and part.measures is None:
         yield Polyline("face", _outline(part, face, frame), True, f"face {face}")
     for feature in sorted(own, key=_depth):
-        yield from shapes.feature_shapes(feature, frame)
+        if part.measures is not None and isinstance(feature, Contour):
+            yield _drawn_line(feature, frame, processes)
+        else:
+            yield from shapes.feature_shapes(feature, frame)
     if face == "v" and part.profile.code != "B":
         yield from _end_cuts(part, frame)
 

@@ -56,6 +56,7 @@ STYLES: dict[str, Style] = {
     "engrave": _line("#7a3b12", "#c98a5c", 1.0),
     "punch": _line("#00795a", "#2ec4a0", 1.0, (1.5, 2.0)),
     "powder": _line("#7a5af0", "#b5a4ff", 1.0, (4.0, 2.0)),
+    "ignored": _line("#8d99a6", "#75828f", 0.8, (2.0, 3.0)),
     "bend": _line("#7a5af0", "#b5a4ff", 1.0, (8.0, 3.0, 2.0, 3.0)),
     "cut": _line("#b3261e", "#ff8a80", 1.8),
     "cut-edge": _line("#b3261e", "#ff8a80", 1.0),

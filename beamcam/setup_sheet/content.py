@@ -11,6 +11,7 @@ from beamcam.model.plan import Plan, SheetPlan
 from beamcam.pictures.bar import BarMade
 from beamcam.pictures.program import ReadProgram
 from beamcam.pictures.scene import Scene, Unit
+from beamcam.report.hand_list import HandRow, hand_rows
 from beamcam.report.ledger import ledger_of
 from beamcam.setup_sheet.operations import Operation, operations_of, table_operations
 from beamcam.simulate.program import simulate_program
@@ -47,6 +48,7 @@ class Content(Struct, frozen=True):
     tools: tuple[ToolRow, ...]
     bar: tuple[Stretch, ...]
     left_out: tuple[str, ...]
+    hand: tuple[HandRow, ...]  #: marks on the list for the hand
     messages: tuple[Diagnostic, ...]  #: of readers, planner and read-back
     ledger: str  #: blank where no part is known
     verdict: Literal["made", "alone", "wrong"]
@@ -78,7 +80,9 @@ def content_of(source: Source, unit: Unit = "mm") -> Content:
         program.data, machine, program.name, program.style, program.parts
     ).trace
     parts = tuple(dict.fromkeys(program.parts))
-    pictures = (program_scene(program, unit, trace), *(part_scene(part, unit) for part in parts))
+    table = machine.torch.colours if machine.torch is not None else None
+    drawn = [part_scene(part, unit, table) for part in parts]
+    pictures = (program_scene(program, unit, trace), *drawn)
     bar: tuple[Stretch, ...] = ()
     if machine.stock == "beam":
         made = bar_made(program)
@@ -95,6 +99,7 @@ def content_of(source: Source, unit: Unit = "mm") -> Content:
     return Content(
         program, unit, trace, tuple(_header(program, trace)), pictures, operations, tools, bar,
         tuple(f"{d.source}: {d.message}" for d in messages if d.code in LEFT_OUT),
+        tuple(hand_rows(source.plan)) if source.plan is not None else (),
         tuple(d for d in messages if d.severity is not Severity.NOTE or d.code not in LEFT_OUT),
         ledger_of(source.plan.outcomes) if source.plan is not None else "",
         verdict,

@@ -110,11 +110,27 @@ def _top(content: Content) -> Iterator[str]:
         'checked in this page.</span> <span id="program-check"><label>Compare a file with it: '
         '<input type="file" id="program-file"></label></span></div>\n'
     )
-    if content.left_out:
+    if content.left_out or content.hand:
         items = "".join(f"<li>{shown(line)}</li>" for line in content.left_out)
-        yield f'<section><h2>Left for the hand</h2><ul class="hand">{items}</ul></section>\n'
+        rows_ = _hand(content) if content.hand else ""
+        yield (
+            f'<section><h2>Left for the hand</h2><ul class="hand">{items}</ul>{rows_}</section>\n'
+        )
     if content.messages:
         yield f"<section><h2>Warnings and remarks</h2>{messages(content.messages)}</section>\n"
+
+
+def _hand(content: Content) -> str:
+    """The marks that somebody makes beside the machine."""
+    heads = (("Part", False), ("Mark", False), ("Face", False), (f"X, {_UNIT}", True),
+             (f"Y, {_UNIT}", True), (f"Height, {_UNIT}", True), ("Pieces", True))  # fmt: skip
+    rows = (
+        row([shown(h["mark"]), shown(f"{h['kind']} {h['text']}".strip()), shown(h["face"]),
+             length(h["x"]), length(h["y"]), length(h["height"]) if h["height"] else "",
+             str(h["pieces"])])
+        for h in content.hand
+    )  # fmt: skip
+    return table("hand", heads, rows)
 
 
 def _playback(content: Content) -> str:

@@ -55,9 +55,10 @@ def _story(content: Content) -> Iterator[Any]:
     yield _text(VERDICTS[content.verdict], 10, colour, bold=True)
     if content.ledger:
         yield _text(content.ledger)
-    if content.left_out:
+    if content.left_out or content.hand:
         yield _title("Left for the hand")
         yield from (_text(line, bold=True) for line in content.left_out)
+        yield from _hand(content)
     if content.messages:
         yield _title("Warnings and remarks")
         yield from (_text(message_line(as_message(d)), 8) for d in content.messages)
@@ -65,6 +66,16 @@ def _story(content: Content) -> Iterator[Any]:
     for scene in content.pictures:
         yield _picture(scene)
     yield from _tables(content)
+
+
+def _hand(content: Content) -> Iterator[Any]:
+    """The marks that somebody makes beside the machine."""
+    if content.hand:
+        unit = content.unit
+        rows = [[h["mark"], f"{h['kind']} {h['text']}", h["face"], shown(h["x"], unit),
+                 shown(h["y"], unit), str(h["pieces"])] for h in content.hand]  # fmt: skip
+        head = ["Part", "Mark", "Face", f"X, {unit}", f"Y, {unit}", "Pieces"]
+        yield _table([head, *rows], [90, 200, 40, 70, 70, 60], (3, 4, 5), True)
 
 
 def _tables(content: Content) -> Iterator[Any]:

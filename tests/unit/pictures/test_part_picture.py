@@ -146,3 +146,15 @@ def test_kinds_of_features_are_all_known() -> None:
     assert [found.count(c) for c in ("hole", "thread", "slot", "text", "contour")] == [
         3, 2, 1, 1, 2,
     ]  # fmt: skip
+
+
+def test_a_drawing_is_drawn_by_the_processes_of_its_machine() -> None:
+    part = part_of(SAMPLES / "svg" / "corel-x6.svg")
+    red, blue = "#ed3237", "#0000ff"
+    assert sorted(c.colour or "" for c in part.contours) == [blue, red, red, red]
+    table = {"red": "cut", "blue": "mark"}
+    found = Drawing(to_svg(part_scene(part, processes=table)))
+    assert [found.count("contour", f"by-{p}") for p in ("cut", "mark", "ignored")] == [3, 1, 0]
+    found = Drawing(to_svg(part_scene(part, processes={"red": "engrave", "blue": "ignore"})))
+    assert [found.count("contour", f"by-{p}") for p in ("engrave", "ignored")] == [3, 1]
+    assert {"engrave", "ignored"} <= set(found.texts)

@@ -164,6 +164,17 @@ def test_what_is_left_for_the_hand_is_listed(tmp_path: Path) -> None:
     assert "slot" in hand
 
 
+def test_marks_for_the_hand_are_listed_with_their_place(tmp_path: Path) -> None:
+    source, page = tmp_path / "t.nc1", tmp_path / "t.html"
+    text = Path(DSTV[0]).read_text()
+    source.write_text(text.replace("EN\n", "SI\n  v    500.00u    100.00   0.00  10r M1-A\nEN\n"))
+    report(str(source), "-o", str(page))
+    hand = page.read_text().partition("Left for the hand")[2].partition("</section>")[0]
+    assert "text M1-A" in hand
+    assert 'value="500"' in hand
+    report(str(source), "-o", str(tmp_path / "t.pdf"))
+
+
 def test_odd_names_cannot_break_the_page() -> None:
     part = read_file(DSTV[0]).parts[0]
     part = replace(part, mark="</script><b>\u2028", grade="<i>")
