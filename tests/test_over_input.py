@@ -109,6 +109,26 @@ def test_the_other_commands(work: Path, name: Callable[[Path], str]) -> None:
     refused(work, str(work / "trace.csv"), "simulate", str(program))
 
 
+@pytest.mark.parametrize("link", [os.link, os.symlink])
+@pytest.mark.parametrize(
+    ("command", "source", "suffix"),
+    [
+        ("post", "M.nc1", ".ngc"), ("plan", "M.nc1", ".txt"), ("convert", "M.nc1", ".dxf"),
+        ("convert", "M.nc1", ".json"), ("plot", "M.nc1", ".png"), ("report", "M.nc1", ".html"),
+        ("list", "M.nc1", ".csv"), ("labels", "M.nc1", ".pdf"), ("simulate", "M.gcode", ".csv"),
+        ("recover", "M.gcode", ".nc1"),
+    ],
+)  # fmt: skip
+def test_each_command(
+    work: Path, command: str, source: str, suffix: str, link: Callable[[Path, Path], None]
+) -> None:
+    """The output is the input by another name, with the suffix of what the command writes."""
+    output = work / f"out{suffix}"
+    link(work / source, output)
+    more = ("--profile", "UPN200") if command == "recover" else ()
+    refused(work, str(output), command, str(work / source), *more)
+
+
 def test_a_unit_beside_the_program(work: Path) -> None:
     """A trigger program of several units is refused before the first of them is written."""
     source = work / "unit_x_1.st"
