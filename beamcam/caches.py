@@ -54,6 +54,8 @@ CACHES = {
     "curves.extremes": Kept(1024, "planning asks for the box of a curve several times"),
     "curves.spline": Kept(256, "planning asks for the pieces of a spline several times"),
     "curves.division": Kept(64, "matrices of one degree and number of parts serve all curves"),
+    "geometry.font": Kept(2, "the letters are read from their file, 1 ms"),
+    "geometry.glyph": Kept(512, "a text has most of its characters several times"),
     "numbers.places": Kept(8, "all texts of so many decimals; up to 10,000 of them"),
     "planning.rack": Kept(16, "the tools of a machine, sorted"),
     "planning.drills": Kept(4096, _OF_A_BUILDING),

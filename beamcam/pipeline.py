@@ -6,6 +6,7 @@
 Which planner, motion step, emitter and read-back belong together stands in `posts`.
 """
 
+import re
 from collections import Counter
 from collections.abc import Callable, Collection, Generator, Iterable, Iterator, Sequence
 from typing import Literal
@@ -28,13 +29,15 @@ from beamcam.machine.machine import Machine
 from beamcam.model.part import Part
 from beamcam.model.plan import Order, Plan, SheetPlan
 from beamcam.model.work_time import WorkTime
+from beamcam.planning.by_hand import TEXT_MOVED
 from beamcam.planning.left_out import BY_HAND, LEFT_OUT, by_hand_sources, left_out_sources, told
 from beamcam.planning.rules import named_skips
 from beamcam.posts import Job, Request, Written, carries_head, head_lines, post_of
 from beamcam.readers.content import content, shown_name
 from beamcam.readers.reading import Reading
 from beamcam.verify.by_hand import BY_HAND as FOR_HAND
-from beamcam.verify.left_out import LEDGER
+from beamcam.verify.by_hand import TEXT_MOVED as MOVED
+from beamcam.verify.left_out import LEDGER, TEXT_TOLD
 from beamcam.verify.left_out import LEFT_OUT as MISSING
 
 Stage = Callable[[str], None]  #: is told what has been done
@@ -46,6 +49,9 @@ def untold(stage: str) -> None:
 
 #: What is told of features that a program does not make, by leave or as the machine's file says.
 NOT_MADE = (LEFT_OUT.code, BY_HAND.code)
+
+
+_PLACE = re.compile(r"at x \S+, y \S+, \S+ mm high")
 
 
 class Posted(Struct, frozen=True):
@@ -239,14 +245,22 @@ def _other_than_planned(
     """
     missing: Counter[tuple[str, Source]] = Counter()
     refused = False
+    moved: Counter[tuple[Source, str]] = Counter()
     for said in found:
         if said.code in (MISSING.code, FOR_HAND.code):
             missing[said.code, said.source] += 1
+        elif said.code == MOVED.code:
+            moved[said.source, _lettered_at(said)] += 1
         else:
             refused = refused or said.severity is Severity.ERROR
             yield said
     if refused:  # what is missing may not have been looked for
         return
+    told = Counter((d.source, _lettered_at(d)) for d in plan.remarks if d.code == TEXT_MOVED.code)
+    for source, place in moved.keys() ^ told.keys():
+        is_found = (source, place) in moved
+        places = (place, "elsewhere") if is_found else ("elsewhere", place)
+        yield TEXT_TOLD.at(source, found=places[0], expected=places[1])
     named = [(MISSING.code, source) for source in left_out_sources(plan)]
     named += [(FOR_HAND.code, source) for source in by_hand_sources(plan)]
     if not missing and not named:  # as of nearly every plan
@@ -255,6 +269,12 @@ def _other_than_planned(
     for code, source in (missing - planned) + (planned - missing):
         one = code, source
         yield LEDGER.at(source, found=missing[one], expected=planned[one])
+
+
+def _lettered_at(said: Diagnostic) -> str:
+    """The place and height that a message about a text gives it."""
+    found = _PLACE.search(said.message)
+    return found[0] if found else ""
 
 
 def _head_faults(job: Job, written: Written, by_hand: int) -> Iterable[Diagnostic]:

@@ -12,11 +12,13 @@ import pytest
 from beamcam.controllers import cell_events, table_events
 from beamcam.controllers.events import Compensation, HeadMove, Move
 from beamcam.machine import load
+from beamcam.model.part import TextMark
 from beamcam.pipeline import post, read_file
 from beamcam.verify.sheets.compensation import CompensationError, compensated
 from tests.conftest import GOLDEN, SAMPLES
+from tests.letters import Lines, read
 from tests.linuxcnc_cell import linuxcnc_cell
-from tests.unit.sheets.parts import NESTED, table
+from tests.unit.sheets.parts import NESTED, S, plate, table
 
 RS274 = shutil.which("rs274")
 PROGRAMS = sorted((GOLDEN / "plate-linuxcnc").glob("*.ngc"))
@@ -29,15 +31,27 @@ pytestmark = pytest.mark.skipif(
 
 def moves_of(path: Path) -> list[tuple[str, list[float]]]:
     """The canonical moves that the interpreter prints. Fails if it stops with an error."""
+    return [
+        (name, [float(v) for v in values.split(",")])
+        for name, values in _CALL.findall(canonical(path))
+    ]
+
+
+#: Of the machine, as QtPlasmaC has it: the torch, the scribe and the spotting of centres.
+INI = "[TRAJ]\nSPINDLES = 3\n[RS274NGC]\nPARAMETER_FILE = rs274.var\n"
+
+
+def canonical(path: Path) -> str:
+    """What the interpreter prints. Fails if it stops with an error."""
     assert RS274 is not None
     with tempfile.TemporaryDirectory() as own:  # two of them at once write one file of parameters
+        (Path(own) / "plate.ini").write_text(INI)
         run = subprocess.run(
-            [RS274, "-g", str(path.resolve())], capture_output=True, text=True, timeout=60, cwd=own
-        )
+            [RS274, "-i", "plate.ini", "-g", str(path.resolve())],
+            capture_output=True, text=True, timeout=60, cwd=own,
+        )  # fmt: skip
     assert run.returncode == 0, run.stderr
-    return [
-        (name, [float(v) for v in values.split(",")]) for name, values in _CALL.findall(run.stdout)
-    ]
+    return run.stdout
 
 
 def ends_as_we_say(path: Path) -> int:
@@ -148,3 +162,43 @@ def test_a_cell(name: str, tmp_path: Path) -> None:
         assert kind == ("STRAIGHT_TRAVERSE" if move.rapid else "STRAIGHT_FEED")
         named = [0.0 if isnan(at) else at for at in move.end]  # they begin at 0, ours anywhere
         assert values == pytest.approx(named, abs=1e-4), move
+
+
+_TRACED = re.compile(
+    r"(START_SPINDLE\w+|STOP_SPINDLE\w+|STRAIGHT_TRAVERSE|STRAIGHT_FEED)\(([^)]*)\)"
+)
+
+
+def traced(path: Path) -> Lines:
+    """The lines along which the interpreter moves with the second spindle on."""
+    found: Lines = []
+    place, marks = (0.0, 0.0), False
+    for name, values in _TRACED.findall(canonical(path)):
+        numbers = [float(v) for v in values.split(",")]
+        if name.startswith("START"):
+            marks = numbers[0] == 1.0
+        elif name.startswith("STOP"):
+            marks = marks and numbers[0] != 1.0
+        else:
+            end = numbers[0], numbers[1]
+            if marks and name == "STRAIGHT_FEED":
+                found.append((place, end))
+            place = end
+    return found
+
+
+def test_the_interpreter_traces_the_text() -> None:
+    """Both texts of the sample, the first at the place that it was moved to."""
+    lines = traced(GOLDEN / "plate-linuxcnc" / "lettered.ngc")
+    low = [line for line in lines if line[0][1] < 80 + 10]
+    high = [line for line in lines if line[0][1] > 80 + 10]
+    assert read(low, 10.0) == "L-7/b"
+    assert read(high, 12.0) == "Part_7"
+
+
+@pytest.mark.parametrize("angle", [0.0, 90.0, 205.0])
+def test_the_interpreter_traces_a_text_along_its_angle(angle: float, tmp_path: Path) -> None:
+    path = tmp_path / "text.ngc"
+    part = plate(TextMark("v", 100.0, 50.0, angle, 8.0, "X17", S))
+    path.write_text(post([part], load("plate-linuxcnc")).text)
+    assert read(traced(path), 8.0, angle) == "X17"

@@ -1,11 +1,17 @@
 """Lettering and marks as machine data: what the machine makes of them, and what is left to hand."""
 
+from collections.abc import Mapping
 from typing import Literal
 
-from beamcam.conversion import Keys
+from msgspec import field
+
+from beamcam.conversion import Keys, NotNegative, Positive
 
 #: What becomes of a kind of mark: made by the machine, put on the list for the hand, or refused.
 Policy = Literal["make", "list", "refuse"]
+#: What letters: a needle or milling point, a torch at low power and a laser draw strokes of a
+#: single-line font; stamps and printers are told the text.
+MarkingUnit = Literal["none", "scribe", "plasma", "laser", "stamp", "printer"]
 
 
 class Marks(Keys, frozen=True):
@@ -18,3 +24,9 @@ class Marks(Keys, frozen=True):
     text: Policy = "list"
     points: Policy = "make"
     contours: Policy = "make"  #: lines to scribe or to punch
+    unit: MarkingUnit = "none"  #: what letters
+    height_of: Literal["capital", "body"] = "capital"  #: what the height of a text is that of
+    min_height: Positive = 3.0  #: of a capital
+    min_distance: NotNegative = 3.0  #: of letters from holes, edges and ends
+    spacing: Positive = 1.0  #: from letter to letter; 1 as the font has it
+    replace: Mapping[str, str] = field(default_factory=dict)  #: for characters that a font lacks

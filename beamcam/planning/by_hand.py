@@ -1,20 +1,47 @@
-"""Marks that a machine's file leaves to the hand, or refuses."""
+"""Marks that a machine's file leaves to the hand or refuses, and what is said of texts."""
 
-from beamcam.errors import Diagnostic
+from beamcam.errors import Diagnostic, Rule, Severity
 from beamcam.machine.marking import Marks
 from beamcam.model.marks import mark_kind, policy_on
 from beamcam.model.part import Contour, Feature, TextMark
 from beamcam.planning import rules
 
-BY_POLICY = "marks"  #: in the ledger: listed for the hand, as the machine file says
+TEXT_MOVED = Rule(
+    "plan-text-moved",
+    Severity.WARNING,
+    "the text {text!r} is lettered at x {x}, y {y}, {height} mm high; "
+    "found no room {distance} mm clear at x {wanted_x}, y {wanted_y}, {wanted_height} mm high",
+    "Letters on an edge or over a hole cannot be read. `marks.min_distance` and `marks.min_height` "
+    "of the machine file say how much room is kept, and how small letters may be.",
+)
+TEXT_SIGN = Rule(
+    "plan-text-sign",
+    Severity.WARNING,
+    "found {sign!r} in the text {text!r}; expected a character of the font, {other!r} is written",
+    "`marks.replace` of the machine file says what is written for a character that no letter of "
+    "the font stands for.",
+)
+RULES = (TEXT_MOVED, TEXT_SIGN)
+
 #: Why a mark is left to the hand, by its name in the ledger.
-REASONS = {BY_POLICY: "the machine's file leaves such marks to the hand"}
+BY_POLICY, NO_UNIT = "marks", "no-unit"
+NO_ROOM, TOO_SMALL, BLANK, FACE = "no-room", "too-small", "blank", "face"
+REASONS = {
+    BY_POLICY: "the machine's file leaves such marks to the hand",
+    NO_UNIT: "the machine has no unit that letters",
+    NO_ROOM: "there is no room for it on its face",
+    TOO_SMALL: "the machine does not letter as small",
+    BLANK: "nothing of it can be seen",
+    FACE: "what letters does not come to that face",
+}
 
 
-def is_listed(feature: Feature, marks: Marks) -> bool:
-    """Whether the machine's file leaves a feature to the hand."""
+def listed_by(feature: Feature, marks: Marks) -> str | None:
+    """Why a mark is left to the hand whatever its place; None where that is not so."""
     policy = policy_on(feature, marks)
-    return policy == "list" or (policy == "make" and isinstance(feature, TextMark))
+    if policy == "make" and isinstance(feature, TextMark) and marks.unit == "none":
+        return NO_UNIT
+    return BY_POLICY if policy == "list" else None
 
 
 def refuse_mark(feature: Feature, marks: Marks) -> Diagnostic | None:

@@ -1,4 +1,4 @@
-"""What a program leaves to the hand as the machine's file says: told mark by mark."""
+"""Marks that a program leaves to the hand or makes elsewhere, told one by one."""
 
 from collections.abc import Iterator
 
@@ -15,19 +15,33 @@ BY_HAND = Rule(
     "`[marks]` in the machine's file says which kinds of marks are made by the machine, and which "
     "are left to the hand.",
 )
-RULES = (BY_HAND,)
+TEXT_MOVED = Rule(
+    "verify-text-moved",
+    Severity.WARNING,
+    "found the text {text!r} at x {x}, y {y}, {height} mm high; at x {wanted_x}, y {wanted_y}, "
+    "{wanted_height} mm high it would not be clear",
+    "A text that would stand on an edge or over a hole is moved, or made smaller.",
+)
+RULES = (BY_HAND, TEXT_MOVED)
 
 
 def is_by_hand(feature: Feature, machine: Machine) -> bool:
     """Whether a feature is no work of the machine."""
     policy = policy_on(feature, machine.marks)
-    return policy == "list" or (policy == "make" and isinstance(feature, TextMark))
+    if policy == "make" and isinstance(feature, TextMark):
+        return machine.marks.unit == "none"
+    return policy == "list"
 
 
 def left_to_hand(part: Part, machine: Machine) -> Iterator[Diagnostic]:
     """A warning for each feature of a part that is no work of the machine."""
     for feature in part.features:
         if is_by_hand(feature, machine):
-            yield BY_HAND.at(
-                feature.source, what=description(feature), mark=part.mark, machine=machine.name
-            )
+            yield by_hand(feature, part, machine)
+
+
+def by_hand(feature: Feature, part: Part, machine: Machine) -> Diagnostic:
+    """That a feature is left to the hand."""
+    return BY_HAND.at(
+        feature.source, what=description(feature), mark=part.mark, machine=machine.name
+    )

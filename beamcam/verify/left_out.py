@@ -20,7 +20,14 @@ LEDGER = Rule(
     "What is missing from a program has to be what the plan left out by name, and nothing else. It "
     "is a fault of beamcam; send in the part.",
 )
-RULES = (LEFT_OUT, LEDGER)
+TEXT_TOLD = Rule(
+    "verify-text-told",
+    Severity.ERROR,
+    "found a text lettered {found}; expected it {expected}, as was told",
+    "Where a text is moved to, or made smaller, is told by the plan and found in the program, and "
+    "both have to be the same. It is a fault of beamcam; send in the part.",
+)
+RULES = (LEFT_OUT, LEDGER, TEXT_TOLD)
 
 
 def left_out(part: Part, features: Iterable[int]) -> Iterator[Diagnostic]:

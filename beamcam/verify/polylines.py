@@ -30,6 +30,7 @@ def compare_polylines(
     from beamcam.verify.sheets.compare import compare
     from beamcam.verify.sheets.need import need_of, rows_of, shift_of
     from beamcam.verify.sheets.strokes import Stroke, Strokes
+    from beamcam.verify.sheets.texts import add_texts
 
     torch = machine.torch
     if torch is None:
@@ -47,8 +48,9 @@ def compare_polylines(
             last = count + int(moved.sum())
             strokes.append(Stroke(number, rows[process], "on", 0.0, count, last))
             count = last
+    done = Strokes(strokes, straight_moves(chains))
+    loose = replace(torch, tolerance=torch.tolerance + slack)
+    add_texts(need, part, machine, loose, done)
     if not need.curves and not strokes:
         return need.said
-    loose = replace(torch, tolerance=torch.tolerance + slack)
-    done = Strokes(strokes, straight_moves(chains))
     return need.said + compare(done, need, machine, loose, shift_of(need, torch), name)

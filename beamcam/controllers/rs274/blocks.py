@@ -13,7 +13,7 @@ from beamcam.controllers.events import Compensation, Other, Pause, Side, Switch
 from beamcam.geometry.plane import Point
 
 _NUMBER = r"[+-]?(?:\d+\.?\d*|\.\d+)"
-_WORD = re.compile(rf"([A-Z])({_NUMBER})")
+_WORD = re.compile(rf"([A-Z$])({_NUMBER})")
 _COMMENT = re.compile(r"\([^()]*\)|;.*")
 
 MOTIONS = {"G0": 0, "G1": 1, "G2": 2, "G3": 3}

@@ -35,8 +35,8 @@ LINUXCNC = Variant(
     settings=frozenset({"G17", "G21", "G61", "G61.1", "G64", "G90", "G91.1", "G94"}),
     needed=("G17", "G21", "G40", "G90", "G91.1", "G94"),
     switches={
-        3: frozenset("S"), 4: frozenset("S"), 5: frozenset(), 6: frozenset("T"), 7: frozenset(),
-        8: frozenset(), 9: frozenset(), 62: frozenset("P"), 63: frozenset("P"),
+        3: frozenset("S$"), 4: frozenset("S$"), 5: frozenset("$"), 6: frozenset("T"),
+        7: frozenset(), 8: frozenset(), 9: frozenset(), 62: frozenset("P"), 63: frozenset("P"),
         64: frozenset("P"), 65: frozenset("P"),
     },
     cycles=True,

@@ -2,16 +2,19 @@
 
 from collections import Counter
 from collections.abc import Collection, Iterator, Mapping
+from itertools import pairwise
 from typing import Literal, cast
 
 from msgspec import Struct, field
 
 from beamcam.errors import Diagnostic, Source
 from beamcam.geometry.curves import Arc, Curve, Line, unit_vector
-from beamcam.geometry.plane import Point
+from beamcam.geometry.plane import Point, join_boxes
 from beamcam.machine.machine import Machine
+from beamcam.machine.marking import Marks
 from beamcam.machine.torch import Torch, TorchProcess
 from beamcam.model.colour import colour_name, process_of
+from beamcam.model.marks import policy_on
 from beamcam.model.part import (
     Bend,
     Camber,
@@ -25,13 +28,15 @@ from beamcam.model.part import (
     TextMark,
 )
 from beamcam.planning import rules as bar_rules
-from beamcam.planning.by_hand import BY_POLICY, is_listed, refuse_mark
+from beamcam.planning.by_hand import FACE, listed_by, refuse_mark
 from beamcam.planning.contours import rules
+from beamcam.planning.lettering import Room, place_text, remarks
 
 Meaning = Literal["cut", "mark", "engrave", "ignore"]
 
 #: The faces of a plate: through features stand in the same numbers on both.
 PLATE_FACES = ("v", "h")
+TOP_FACES = ("v",)  #: that a head comes to
 OUTLINE = -1  #: stands for the rectangle of a plate that has no contour of its own
 
 #: What a table does for the processes of DSTV: a punched or powdered line is marked.
@@ -71,6 +76,8 @@ def assign_processes(
     for index, feature in enumerate(part.features):
         if _is_out(index, feature, torch, machine, skips, found):
             continue
+        if isinstance(feature, TextMark):
+            continue  # its place follows from all else that is cut
         if isinstance(feature, Contour):
             look = feature.layer, feature.colour
             meaning = meanings(feature)
@@ -93,6 +100,7 @@ def assign_processes(
         found.refusals.append(_unmapped(look, count, first[look], torch.colours))
     if _needs_outline(part):
         found.wanted += (Wanted(c, "cut", OUTLINE, part.source) for c in _rectangle(part))
+    letter(part, machine.marks, found)
     found.refusals += _unknown_processes(found.wanted, torch, machine.name)
     return found
 
@@ -102,8 +110,9 @@ def _is_out(
     found: Assigned,
 ) -> bool:  # fmt: skip
     """Whether a feature is refused, left out or left to the hand; `found` is told why."""
-    if is_listed(feature, machine.marks):
-        found.listed[index] = BY_POLICY
+    why = listed_by(feature, machine.marks)
+    if why is not None:
+        found.listed[index] = why
         return True
     said = refuse_mark(feature, machine.marks) or _refusal(feature, torch)
     if said is None:
@@ -135,6 +144,37 @@ class _Meanings:
         if look not in self._known:
             self._known[look] = cast("Meaning | None", process_of(contour, self._table))
         return self._known[look]
+
+
+def letter(part: Part, marks: Marks, found: Assigned) -> None:
+    """Add the strokes of the texts, each where it is clear of what is cut and of the others."""
+    texts = [
+        (index, feature) for index, feature in enumerate(part.features)
+        if isinstance(feature, TextMark)
+        and index not in found.listed and policy_on(feature, marks) == "make"
+    ]  # fmt: skip
+    if not texts:
+        return
+    by_feature: dict[int, list[Curve]] = {}
+    for wanted in found.wanted:
+        if wanted.process == "cut":
+            by_feature.setdefault(wanted.feature, []).append(wanted.curve)
+    boxes = [curve.bbox for curves in by_feature.values() for curve in curves]
+    room = Room(join_boxes(boxes) or (0.0, 0.0, part.length, part.profile.height))
+    for curves in by_feature.values():
+        room.add(curves)
+    process: TorchProcess = "engrave" if marks.unit == "laser" else "mark"
+    for index, text in texts:
+        lettered = place_text(text, marks, room) if text.face in TOP_FACES else FACE
+        if isinstance(lettered, str):
+            found.listed[index] = lettered
+            continue
+        found.remarks += remarks(text, lettered, marks)
+        found.wanted += [
+            Wanted(Line(a, b), process, index, text.source)
+            for stroke in lettered.strokes
+            for a, b in pairwise(stroke)
+        ]
 
 
 def _unmapped(
@@ -186,10 +226,7 @@ def _refusal(feature: Feature, torch: Torch) -> Diagnostic | None:
         case Slot():
             return _refuse_slot(feature, torch)
         case TextMark():
-            return bar_rules.MARK.at(
-                feature.source, found=f"the text {feature.text!r}", face=feature.face,
-                why=bar_rules.no_unit("stamp"),
-            )  # fmt: skip
+            return None
         case Bend() | EndPlane() | Camber():
             names = {Bend: "a bend", EndPlane: "an end plane", Camber: "a camber"}
             return bar_rules.OTHER.at(feature.source, found=names[type(feature)])

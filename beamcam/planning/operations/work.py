@@ -15,7 +15,7 @@ from beamcam.machine.tools import Tool
 from beamcam.model.part import Part
 from beamcam.model.plan import DrillOp, FeatureRef, PathOp, Piece, SpindleOp
 from beamcam.planning.axis_limits import refuse_jobs
-from beamcam.planning.by_hand import BY_POLICY, is_listed, refuse_mark
+from beamcam.planning.by_hand import listed_by, refuse_mark
 from beamcam.planning.operations.bench import Bench
 from beamcam.planning.operations.ends import SQUARE, Ends, ends_of
 from beamcam.planning.operations.job import Job, Settled, Tooling
@@ -73,8 +73,9 @@ def _put_features(bench: Bench) -> None:
     """Put each feature that can be made to those of its kind, and refuse the others."""
     marks = bench.line.machine.marks
     for f, given in enumerate(bench.part.features):
-        if is_listed(given, marks):
-            bench.settled[f] = Settled(f, "listed", BY_POLICY)
+        why = listed_by(given, marks)
+        if why is not None:
+            bench.settled[f] = Settled(f, "listed", why)
             continue
         said_of_mark = refuse_mark(given, marks)
         if said_of_mark is not None:

@@ -31,6 +31,7 @@ def verify_sheet(
     from beamcam.verify.sheets.contour_names import with_contours
     from beamcam.verify.sheets.need import need_of, rows_of, shift_of
     from beamcam.verify.sheets.strokes import strokes_of
+    from beamcam.verify.sheets.texts import add_texts
 
     torch = machine.torch
     if torch is None:
@@ -49,6 +50,7 @@ def verify_sheet(
     )
     said += more
     need = need_of(part, machine, torch, skips)
+    add_texts(need, part, machine, torch, strokes)
     said += need.said
     if not need.curves and not strokes.each:
         return tuple(said)

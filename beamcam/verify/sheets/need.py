@@ -77,7 +77,10 @@ def need_of(part: Part, machine: Machine, torch: Torch, skips: Collection[str]) 
             )
         if is_by_hand(feature, machine):
             continue
-        refused = policy_on(feature, machine.marks) == "refuse"
+        policy = policy_on(feature, machine.marks)
+        if isinstance(feature, TextMark) and policy == "make":
+            continue  # where it stands is told by the program: see texts.py
+        refused = policy == "refuse"
         lack = "mark" if refused else lack_of(feature, torch)
         if lack is not None and lack not in skips:
             _not_made(need, part, feature, lack)

@@ -2,7 +2,7 @@
 N1 G90
 N2 G99
 N3 G40
-(BEAMCAM 1 MACHINE plate-codesys 3e8fa7f8)
+(BEAMCAM 1 MACHINE plate-codesys 929bc1eb)
 N4 G00 X10 Y10.072
 N5 M03
 N6 G04 T0.5

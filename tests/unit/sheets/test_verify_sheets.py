@@ -131,7 +131,7 @@ def last_first(text: str) -> str:
 
 
 def mark_last(text: str) -> str:
-    block = re.search(r"^G0 X\S+ Y\S+\nM64.*?M65 P1\n", text, re.M | re.S)
+    block = re.search(r"^G0 X\S+ Y\S+\nM3 \$1.*?M5 \$1\n", text, re.M | re.S)
     assert block
     return text.replace(block[0], "").replace("G0 X0 Y0", block[0] + "G0 X0 Y0")
 
@@ -349,7 +349,7 @@ def test_marks_of_a_plate_are_read_back(name: str) -> None:
     machine = table(name)
     text = post([MARKED], machine).text
     assert verify_sheet(text, [MARKED], machine) == ()
-    begins = [k for k, line in enumerate(text.split("\n")) if re.search(r"M64 P1$|M13$", line)]
+    begins = [k for k, line in enumerate(text.split("\n")) if re.search(r"M3 \$1 S1$|M13$", line)]
     assert len(begins) == 6
     lines_of = text.split("\n")
     for k in begins:

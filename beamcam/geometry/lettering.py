@@ -1,0 +1,157 @@
+"""Letters as strokes: a single-line font, and how a text is spelled in it.
+
+The font is frozen: Hershey's Roman simplex of 95 characters, in `hershey.json` with its notice.
+Letters with accents are put together of their base and their accents, as Unicode takes them apart.
+Glyphs are fixed truth, which planning and the read-back share; each lays them out by itself.
+"""
+
+from collections.abc import Iterator, Mapping
+from importlib.resources import files
+from itertools import pairwise
+from unicodedata import name, normalize
+
+import msgspec
+from msgspec import Struct, field
+
+from beamcam.caches import cached
+from beamcam.geometry.plane import Point
+
+Strokes = tuple[tuple[Point, ...], ...]
+
+STACKED = 5.0  #: between two accents on one letter, in units of the font's file
+GAP = 2.0  #: between a letter and its accent
+
+
+class Glyph(Struct, frozen=True):
+    """A character: its strokes, and how far the next one stands from it.
+
+    Coordinates are in heights of a capital: x from where the character begins, y from the baseline.
+    """
+
+    advance: float
+    strokes: Strokes
+
+    @property
+    def segments(self) -> Iterator[tuple[Point, Point]]:
+        """The straight pieces of all strokes."""
+        for stroke in self.strokes:
+            yield from pairwise(stroke)
+
+
+class Spelling(Struct, frozen=True):
+    """A text in characters that the font has."""
+
+    text: str
+    replaced: tuple[tuple[str, str], ...] = ()  #: characters that it has not, and what stands there
+
+
+class _Font(Struct, frozen=True):
+    """The font's file, in its own units."""
+
+    source: str
+    capital: float  #: height of a capital
+    body: float  #: of a line: accents, capital and descender
+    small: float  #: of a small letter
+    glyphs: Mapping[str, tuple[float, Strokes]]
+    own: Mapping[str, tuple[float, Strokes]]
+    above: Mapping[str, Strokes] = field(default_factory=dict)  #: accents, their feet at y 0
+    below: Mapping[str, Strokes] = field(default_factory=dict)
+    same: Mapping[str, str] = field(default_factory=dict)  #: characters written as others
+
+
+@cached("geometry.font")
+def _font(name: str) -> _Font:
+    data = files("beamcam.geometry").joinpath(f"{name}.json").read_bytes()
+    return msgspec.json.decode(data, type=_Font)
+
+
+def font_notice() -> str:
+    """Where the font comes from, as its makers ask that it be told."""
+    return _font("hershey").source
+
+
+def body_share() -> float:
+    """Height of a capital as a share of the body that it stands in."""
+    font = _font("hershey")
+    return font.capital / font.body
+
+
+@cached("geometry.glyph")
+def glyph_of(sign: str) -> Glyph | None:
+    """The glyph of one character; None where the font has none, and it cannot be put together."""
+    font = _font("hershey")
+    found = _raw(sign, font)
+    if found is None:
+        return None
+    advance, strokes = found
+    scale = 1.0 / font.capital
+    scaled = tuple(tuple((x * scale, y * scale) for x, y in stroke) for stroke in strokes)
+    return Glyph(advance * scale, scaled)
+
+
+def _raw(sign: str, font: _Font) -> tuple[float, Strokes] | None:
+    """Advance and strokes of a character in the font's units."""
+    known = font.own.get(sign) or font.glyphs.get(sign)
+    if known is not None:
+        return known
+    apart = normalize("NFD", sign)
+    base, marks = apart[0], apart[1:]
+    if not marks or any(mark not in font.above and mark not in font.below for mark in marks):
+        return None
+    if base in "ij" and any(mark in font.above for mark in marks):
+        base = {"i": "ı", "j": "ȷ"}[base]  # the accent takes the place of the dot
+    known = font.own.get(base) or font.glyphs.get(base)
+    if known is None:
+        return None
+    advance, strokes = known
+    return advance, (*strokes, *_accents(strokes, marks, font))
+
+
+def _accents(strokes: Strokes, marks: str, font: _Font) -> Iterator[tuple[Point, ...]]:
+    """The accents of a letter, over its middle and under it."""
+    xs = [x for stroke in strokes for x, _ in stroke]
+    top = max(y for stroke in strokes for _, y in stroke)
+    middle = (min(xs) + max(xs)) / 2
+    foot = (font.small if top <= font.small else max(top, font.capital)) + GAP
+    for mark in marks:
+        if mark in font.above:
+            yield from _moved(font.above[mark], middle, foot)
+            foot += STACKED
+        else:
+            yield from _moved(font.below[mark], middle, 0.0)
+
+
+def _moved(strokes: Strokes, x: float, y: float) -> Iterator[tuple[Point, ...]]:
+    for stroke in strokes:
+        yield tuple((x + a, y + b) for a, b in stroke)
+
+
+def spelled(text: str, replace: Mapping[str, str]) -> Spelling:
+    """A text in characters of the font.
+
+    A character that it has not is written as `replace` says, else by those that it stands for, else
+    by its name in brackets; all that is told. Signs that look the same, such as dashes, are written
+    as the one that there is.
+    """
+    font = _font("hershey")
+    words: list[str] = []
+    replaced: dict[str, str] = {}
+    for sign in normalize("NFC", text):
+        plain = font.same.get(sign, sign)
+        other = replace.get(sign, "")
+        if not other or not _has(other):
+            other = plain if _has(plain) else _by_others(sign, font)
+        if other != plain:
+            replaced[sign] = other
+        words.append(other)
+    return Spelling("".join(words), tuple(replaced.items()))
+
+
+def _has(text: str) -> bool:
+    return all(glyph_of(sign) is not None for sign in text)
+
+
+def _by_others(sign: str, font: _Font) -> str:
+    """A character by those that it stands for, as a ligature does, or by its name in brackets."""
+    others = "".join(font.same.get(each, each) for each in normalize("NFKC", sign))
+    return others if _has(others) else f"[{name(sign, f'U+{ord(sign):04X}')}]"

@@ -1,0 +1,325 @@
+"""Texts looked for in what a program draws, and judged where they stand.
+
+A text is found by its longest straight piece: each piece that was drawn in that direction says
+where the text would stand and how high, and all its other pieces have to be there too. Where it may
+stand is told from the steel and the machine's file; nothing is known of where it was planned.
+"""
+
+from collections.abc import Iterator, Sequence
+from itertools import pairwise
+from math import cos, hypot, inf, radians, sin
+from typing import TYPE_CHECKING
+
+from msgspec import Struct
+
+from beamcam.errors import Diagnostic, Rule, Severity
+from beamcam.geometry.array_types import Floats
+from beamcam.geometry.lettering import body_share, glyph_of, spelled
+from beamcam.geometry.plane import Point
+from beamcam.machine.marking import Marks
+from beamcam.model.part import MIRRORED_FACES, TextMark
+from beamcam.verify.by_hand import TEXT_MOVED
+
+if TYPE_CHECKING:
+    from shapely import Geometry, Polygon
+
+TEXT = Rule(
+    "verify-text",
+    Severity.ERROR,
+    "found the text {text!r} at x {x}, y {y}, {height} mm high; expected {expected}",
+    "A text stands where the part has it, or where it is clear of holes, edges and other texts.",
+)
+RULES = (TEXT,)
+
+Segment = tuple[Point, Point]
+
+NEAR = 0.03  #: mm that the ends of a piece may be from where the font has them
+EXACT = 0.02  #: mm within which a text stands where the part has it
+SURE = 0.15  #: mm by which a place is more than clear, or a room wide enough
+RATIO = 0.02  #: sine of the angle between a piece and its like in the font
+
+
+class Found(Struct, frozen=True):
+    """A text that a program draws."""
+
+    x: float
+    y: float
+    height: float  #: of a capital
+    pieces: tuple[Segment, ...]  #: as the font has them there
+    taken: tuple[int, ...]  #: of the drawn pieces, by their numbers
+
+
+class Steel(Struct, frozen=True):
+    """Where there is steel on a face, and what letters keep clear of."""
+
+    edges: "Geometry"  #: of the steel and its holes
+    pieces: Floats  #: the same as straight pieces, (n, 2, 2)
+
+    def holds(self, box: "Polygon") -> bool:
+        """Whether steel lies under a box that no edge passes.
+
+        Around steel lies an odd number of edges: most rays from the box cross so many, whatever
+        gap between two curves one of them may slip through.
+        """
+        x, y = box.centroid.x, box.centroid.y
+        places = [(x, y), *box.exterior.coords[:4]]
+        return sum(map(self._is_in, places)) * 2 > len(places)
+
+    def _is_in(self, place: Point) -> bool:
+        a, b = self.pieces[:, 0], self.pieces[:, 1]
+        passed = (a[:, 1] > place[1]) != (b[:, 1] > place[1])
+        a, b = a[passed], b[passed]
+        at = a[:, 0] + (place[1] - a[:, 1]) * (b[:, 0] - a[:, 0]) / (b[:, 1] - a[:, 1])
+        return int((at > place[0]).sum()) % 2 == 1
+
+
+def steel_within(pieces: Sequence[Segment]) -> Steel:
+    """The steel that edges lie around, given as straight pieces in any order."""
+    import numpy as np
+    import shapely
+
+    ends = np.array(pieces, dtype=np.float64)
+    return Steel(shapely.multilinestrings(shapely.linestrings(ends)), ends)
+
+
+class Wanted(Struct, frozen=True):
+    """A text as it is asked for."""
+
+    feature: TextMark
+    text: str  #: as the font spells it
+    height: float  #: of a capital
+    pieces: tuple[Segment, ...]  #: of height 1, from where it begins, turned as it stands
+
+    def at(self, x: float, y: float, height: float) -> tuple[Segment, ...]:
+        """Its pieces at a place."""
+        return tuple(
+            ((x + height * a, y + height * b), (x + height * c, y + height * d))
+            for (a, b), (c, d) in self.pieces
+        )
+
+
+def wanted(feature: TextMark, marks: Marks) -> Wanted:
+    """What a text asks to be drawn."""
+    text = spelled(feature.text, marks.replace).text
+    share = body_share() if marks.height_of == "body" else 1.0
+    pieces = tuple(_turned(_in_a_row(text, marks.spacing), feature))
+    return Wanted(feature, text, feature.height * share, pieces)
+
+
+def _in_a_row(text: str, spacing: float) -> Iterator[Segment]:
+    """The pieces of a text along a line, letter behind letter."""
+    begin = 0.0
+    for sign in text:
+        glyph = glyph_of(sign)
+        if glyph is None:
+            raise AssertionError(f"the font has no {sign!r}")
+        for (a, b), (c, d) in glyph.segments:
+            yield (begin + a, b), (begin + c, d)
+        begin += spacing * glyph.advance
+
+
+def _turned(pieces: Iterator[Segment], feature: TextMark) -> Iterator[Segment]:
+    """Pieces turned to the angle of a text; on faces that are seen mirrored they are mirrored."""
+    up = -1.0 if feature.face in MIRRORED_FACES else 1.0
+    c, s = cos(radians(feature.angle)), sin(radians(feature.angle))
+
+    def turn(p: Point) -> Point:
+        return p[0] * c - up * p[1] * s, p[0] * s + up * p[1] * c
+
+    for a, b in pieces:
+        yield turn(a), turn(b)
+
+
+class Drawn:
+    """The straight pieces that a program draws, of which texts take theirs."""
+
+    def __init__(self, pieces: Sequence[Segment], near: float = NEAR) -> None:
+        self.pieces, self.near = pieces, near
+        self.free = set(range(len(pieces)))
+        self._by_middle: dict[tuple[int, int], list[int]] = {}
+        for k, (a, b) in enumerate(pieces):
+            self._by_middle.setdefault(self._cell(_middle(a, b)), []).append(k)
+
+    @staticmethod
+    def _cell(p: Point) -> tuple[int, int]:
+        return round(p[0]), round(p[1])
+
+    def like(self, a: Point, b: Point) -> int | None:
+        """The piece from one point to the other, in either direction; None if there is none."""
+        x, y = self._cell(_middle(a, b))
+        for cell in ((x + i, y + j) for i in (-1, 0, 1) for j in (-1, 0, 1)):
+            for k in self._by_middle.get(cell, ()):
+                if k in self.free:
+                    p, q = self.pieces[k]
+                    apart = min(max(_apart(p, a), _apart(q, b)), max(_apart(p, b), _apart(q, a)))
+                    if apart <= self.near:
+                        return k
+        return None
+
+    def find(self, text: Wanted, marks: Marks) -> Found | None:
+        """The text, nearest to where the part has it; its pieces are taken."""
+        if not text.pieces:
+            return None
+        anchor = max(text.pieces, key=_length)
+        best, key = None, (inf, inf)
+        for k in sorted(self.free):
+            for a, b in (self.pieces[k], self.pieces[k][::-1]):
+                height = _scale(anchor, a, b)
+                if height is None or not (
+                    marks.min_height - EXACT <= height <= text.height + EXACT
+                ):
+                    continue
+                x, y = a[0] - height * anchor[0][0], a[1] - height * anchor[0][1]
+                away = _apart((x, y), (text.feature.x, text.feature.y)), text.height - height
+                if away < key and (found := self._all(text, x, y, height)) is not None:
+                    best, key = found, away
+        if best is not None:
+            self.free -= {*best.taken}
+        return best
+
+    def _all(self, text: Wanted, x: float, y: float, height: float) -> Found | None:
+        """The text at a place, if all its pieces are drawn there."""
+        taken = []
+        for a, b in text.at(x, y, height):
+            k = self.like(a, b)
+            if k is None:
+                return None
+            taken.append(k)
+        x, y, height = self._fitted(text, taken, (x, y, height))
+        return Found(x, y, height, text.at(x, y, height), tuple(taken))
+
+    def _fitted(
+        self, text: Wanted, taken: Sequence[int], near: tuple[float, float, float]
+    ) -> tuple[float, float, float]:
+        """Place and height that fit all pieces best (least squares of a shift and a scale)."""
+        pairs: list[tuple[Point, Point]] = []
+        for unit, (a, b), k in zip(text.pieces, text.at(*near), taken, strict=True):
+            p, q = self.pieces[k]
+            if _apart(p, a) + _apart(q, b) > _apart(q, a) + _apart(p, b):
+                p, q = q, p
+            pairs += [(unit[0], p), (unit[1], q)]
+        n = len(pairs)
+        ux, uy = sum(u[0] for u, _ in pairs) / n, sum(u[1] for u, _ in pairs) / n
+        px, py = sum(p[0] for _, p in pairs) / n, sum(p[1] for _, p in pairs) / n
+        up = sum((u[0] - ux) * (p[0] - px) + (u[1] - uy) * (p[1] - py) for u, p in pairs)
+        uu = sum((u[0] - ux) ** 2 + (u[1] - uy) ** 2 for u, _ in pairs)
+        height = up / uu
+        return px - height * ux, py - height * uy, height
+
+
+def _scale(anchor: Segment, a: Point, b: Point) -> float | None:
+    """How much longer a piece is than its like in the font; None if it points elsewhere."""
+    ux, uy = anchor[1][0] - anchor[0][0], anchor[1][1] - anchor[0][1]
+    vx, vy = b[0] - a[0], b[1] - a[1]
+    length, own = hypot(vx, vy), hypot(ux, uy)
+    if length == 0.0 or ux * vx + uy * vy <= 0.0 or abs(ux * vy - uy * vx) > RATIO * length * own:
+        return None
+    return length / own
+
+
+def _middle(a: Point, b: Point) -> Point:
+    return (a[0] + b[0]) / 2, (a[1] + b[1]) / 2
+
+
+def _apart(a: Point, b: Point) -> float:
+    return hypot(a[0] - b[0], a[1] - b[1])
+
+
+def _length(piece: Segment) -> float:
+    return _apart(*piece)
+
+
+def box_of(text: Wanted, x: float, y: float, height: float) -> "Polygon":
+    """The box around a text along its line."""
+    import shapely
+    from shapely.affinity import rotate
+
+    turned = shapely.MultiLineString([[a, b] for a, b in text.at(x, y, height)])
+    angle = text.feature.angle
+    level = rotate(turned, -angle, origin=(x, y))
+    return rotate(shapely.box(*level.bounds), angle, origin=(x, y))
+
+
+def is_clear(box: "Polygon", steel: Steel, others: Sequence["Polygon"], distance: float) -> bool:
+    """Whether a text's box lies in the steel, so far from its edges and beside other texts."""
+    return (
+        steel.edges.distance(box) >= max(distance, 1e-9)
+        and steel.holds(box)
+        and not any(box.intersects(other) for other in others)
+    )
+
+
+def judge(
+    text: Wanted, found: Found, steel: Steel, others: Sequence["Polygon"], marks: Marks
+) -> Iterator[Diagnostic]:
+    """What is wrong with the place of a text, or that it is another than the part's."""
+    feature = text.feature
+    box = box_of(text, found.x, found.y, found.height)
+    said = {
+        "text": text.text, "x": f"{found.x:.1f}", "y": f"{found.y:.1f}",
+        "height": f"{found.height:.1f}",
+    }  # fmt: skip
+    exact = (
+        abs(found.x - feature.x) <= EXACT
+        and abs(found.y - feature.y) <= EXACT
+        and abs(found.height - text.height) <= EXACT
+    )
+    if not is_clear(box, steel, others, marks.min_distance - EXACT):
+        expected = f"it {marks.min_distance:g} mm clear of edges and holes, beside other texts"
+        yield TEXT.at(feature.source, expected=expected, **said)
+    elif exact:
+        return
+    elif feature.option == "z" or _is_surely_clear(text, steel, others, marks):
+        expected = f"it at x {feature.x:g}, y {feature.y:g}, {text.height:g} mm high"
+        yield TEXT.at(feature.source, expected=expected, **said)
+    else:
+        yield TEXT_MOVED.at(
+            feature.source, wanted_x=f"{feature.x:g}", wanted_y=f"{feature.y:g}",
+            wanted_height=f"{text.height:g}", **said,
+        )  # fmt: skip
+
+
+def _is_surely_clear(text: Wanted, steel: Steel, others: Sequence["Polygon"], marks: Marks) -> bool:
+    feature = text.feature
+    box = box_of(text, feature.x, feature.y, text.height)
+    apart = [other.buffer(SURE) for other in others]
+    return is_clear(box, steel, apart, marks.min_distance + SURE)
+
+
+def has_place(text: Wanted, steel: Steel, others: Sequence["Polygon"], marks: Marks) -> bool:
+    """Whether a text that was not drawn might have been: where the part has it, or elsewhere."""
+    if not text.pieces or text.height < marks.min_height:
+        return False
+    if _is_surely_clear(text, steel, others, marks):
+        return True
+    return text.feature.option != "z" and _has_room(text, steel, others, marks)
+
+
+def _has_room(text: Wanted, steel: Steel, others: Sequence["Polygon"], marks: Marks) -> bool:
+    """Whether there is room for the smallest box of a text, with something to spare.
+
+    The middle of a box that is clear lies in the steel, and outside of what the box sweeps when it
+    is led along all edges (their Minkowski sum).
+    """
+    import shapely
+    from shapely.affinity import translate
+
+    box = box_of(text, 0.0, 0.0, marks.min_height)
+    low_x, low_y, high_x, high_y = box.bounds
+    centred = translate(box, -(low_x + high_x) / 2, -(low_y + high_y) / 2)
+    grown = centred.buffer(marks.min_distance + SURE, quad_segs=4)
+    walls = [*_pieces_of(steel.edges), *(p for other in others for p in _pieces_of(other.exterior))]
+    swept = [shapely.union_all([translate(grown, *p) for p in ends]).convex_hull for ends in walls]
+    around = shapely.box(*steel.edges.bounds)
+    middles = around.difference(shapely.union_all([*swept, *others])).buffer(-0.5)
+    parts = [part for part in shapely.get_parts(middles) if not part.is_empty]
+    places = (part.representative_point() for part in parts)
+    return any(steel.holds(translate(centred, p.x, p.y)) for p in places)
+
+
+def _pieces_of(lines: "Geometry") -> Iterator[Segment]:
+    import shapely
+
+    for line in getattr(lines, "geoms", (lines,)):
+        points = [tuple(p) for p in shapely.get_coordinates(line).tolist()]
+        yield from pairwise(points)

@@ -1,0 +1,100 @@
+"""The texts of a sheet, found in the strokes of a program and added to what it needs."""
+
+from collections.abc import Iterator, Sequence
+from itertools import pairwise
+from math import ceil
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from beamcam.geometry.curves import Curve, Line
+from beamcam.geometry.plane import Point
+from beamcam.machine.machine import Machine
+from beamcam.machine.torch import Torch, TorchProcess
+from beamcam.model.marks import policy_on
+from beamcam.model.part import Part, TextMark
+from beamcam.verify.by_hand import by_hand, is_by_hand
+from beamcam.verify.lettering import (
+    Drawn,
+    Wanted,
+    box_of,
+    has_place,
+    judge,
+    steel_within,
+    wanted,
+)
+from beamcam.verify.sheets.need import Need, shift_of
+
+if TYPE_CHECKING:
+    from beamcam.verify.sheets.strokes import Strokes
+
+FACES = ("v",)  #: that a head over a sheet comes to
+CHORD = 0.5  #: mm, of the edges of the steel
+
+
+def add_texts(need: Need, part: Part, machine: Machine, torch: Torch, strokes: "Strokes") -> None:
+    """Add the texts of a part where a program draws them, and what is wrong with their places.
+
+    One that it does not draw is needed where the part has it, unless it can stand nowhere: then
+    it is left to the hand.
+    """
+    texts = [
+        (index, feature) for index, feature in enumerate(part.features)
+        if isinstance(feature, TextMark) and policy_on(feature, machine.marks) == "make"
+        and not is_by_hand(feature, machine)
+    ]  # fmt: skip
+    if not texts:
+        return
+    marks = machine.marks
+    process: TorchProcess = "engrave" if marks.unit == "laser" else "mark"
+    asked = [(index, wanted(feature, marks)) for index, feature in texts]
+    if not need.curves.get("cut"):  # a sheet that is only marked lies where its marks do
+        for index, text in asked:
+            _need(need, process, index, text, text.feature.x, text.feature.y, text.height)
+        need.drawn.clear()
+        return
+    steel = steel_within([piece for curve in need.curves["cut"] for piece in _chords(curve)])
+    drawn = Drawn(_pieces(strokes, process, shift_of(need, torch)), max(0.03, torch.tolerance))
+    found = {index: drawn.find(text, marks) for index, text in asked if text.feature.face in FACES}
+    boxes = {
+        index: box_of(text, one.x, one.y, one.height)
+        for index, text in asked
+        if (one := found.get(index)) is not None
+    }
+    for index, text in asked:
+        others = [box for other, box in boxes.items() if other != index]
+        there, feature = found.get(index), text.feature
+        if there is not None:
+            need.said += judge(text, there, steel, others, marks)
+            _need(need, process, index, text, there.x, there.y, there.height)
+        elif feature.face in FACES and has_place(text, steel, others, marks):
+            _need(need, process, index, text, feature.x, feature.y, text.height)
+        else:
+            need.said.append(by_hand(feature, part, machine))
+    need.drawn.clear()
+
+
+def _need(
+    need: Need, process: TorchProcess, index: int, text: Wanted, x: float, y: float, height: float
+) -> None:
+    lines = [Line(a, b) for a, b in text.at(x, y, height)]
+    need.add(process, lines, index, text.feature.source)
+
+
+def _pieces(
+    strokes: "Strokes", process: TorchProcess, shift: Point
+) -> Sequence[tuple[Point, Point]]:
+    """The straight moves of a process, in the numbers of the part."""
+    moves = strokes.moves
+    found: list[tuple[Point, Point]] = []
+    for stroke in strokes.each:
+        if stroke.process == process:
+            rows = slice(stroke.first, stroke.last)
+            ends = np.hstack((moves.start[rows] - shift, moves.end[rows] - shift)).tolist()
+            found += [((a, b), (c, d)) for a, b, c, d in ends]
+    return found
+
+
+def _chords(curve: Curve) -> Iterator[tuple[Point, Point]]:
+    count = 1 if isinstance(curve, Line) else min(1024, max(16, ceil(curve.length / CHORD)))
+    yield from pairwise([curve.point(k / count) for k in range(count + 1)])
