@@ -90,17 +90,44 @@ class Dialect(Struct, frozen=True):
 
 
 def _dialect_of(machine: Machine) -> Dialect:
+    m_words, letters, feeding, cycles = _own_words(machine)
+    said = {name for w in m_words.values() if w.role == "section" for _, name in w.fields}
+    # RS274 counts in mm/min (G94), whatever the templates of a machine are filled with.
+    by_second = machine.controller == "codesys" and machine.format.feed_unit == "mm/s"
+    return Dialect(
+        stock=machine.stock,
+        axes="XYZ" if machine.stock == "beam" else "XY",
+        resolution=machine.format.resolution,
+        per_minute=60.0 if by_second else 1.0,
+        rules=BY_STOCK[machine.stock],
+        m_words=m_words,
+        letters=letters,
+        section_fields=frozenset(said),
+        feeds=feeding,
+        changes=any(word.role == "change" for word in m_words.values()),
+        sizes=tuple(sorted({d for tools in machine.tools for d in tools.sizes})),
+        codes=machine.codes,
+        numbered={number: tool for tool, number in tool_numbers(machine.tools).items()},
+        cycles=cycles,
+        only_spindle=machine.spindles[0].number if len(machine.spindles) == 1 else None,
+    )
+
+
+def _own_words(
+    machine: Machine,
+) -> tuple[dict[int, MWord], frozenset[str], bool, dict[str, Cycle]]:
+    """The M words of the templates, the letters of all words, whether any carries a feed, and how
+    the machine works with each kind of tool."""
     m_words: dict[int, MWord] = {30: MWord("end", ())}
     letters = set(LETTERS)
-    feeding: set[str] = set()
+    feeding = False
     cycles: dict[str, Cycle] = {}
     for name, lines in _templates(machine):
         cycle = cycles[name] = _cycle(name, lines)
         for line in lines:
             carried = tuple(FIELD.findall(line))
             letters.update(letter for letter, _ in carried)
-            if any(field == "feed" for _, field in carried):
-                feeding.add(name)
+            feeding = feeding or any(field == "feed" for _, field in carried)
             number, role = role_of(line, name == "change")
             if number is None:
                 continue
@@ -108,28 +135,7 @@ def _dialect_of(machine: Machine) -> Dialect:
             fields_ = tuple(dict.fromkeys((*before.fields, *carried)))
             chooses = cycle if role == "choose" and before.cycle is None else before.cycle
             m_words[number] = MWord(role, fields_, chooses)
-    said = {name for w in m_words.values() if w.role == "section" for _, name in w.fields}
-    sizes = tuple(sorted({d for tools in machine.tools for d in tools.sizes}))
-    changes = any(word.role == "change" for word in m_words.values())
-    # RS274 counts in mm/min (G94), whatever the templates of a machine are filled with.
-    by_second = machine.controller == "codesys" and machine.format.feed_unit == "mm/s"
-    return Dialect(
-        machine.stock,
-        "XYZ" if machine.stock == "beam" else "XY",
-        machine.format.resolution,
-        60.0 if by_second else 1.0,
-        BY_STOCK[machine.stock],
-        m_words,
-        frozenset(letters),
-        frozenset(said),
-        bool(feeding),
-        changes,
-        sizes,
-        machine.codes,
-        {number: tool for tool, number in tool_numbers(machine.tools).items()},
-        cycles,
-        machine.spindles[0].number if len(machine.spindles) == 1 else None,
-    )
+    return m_words, frozenset(letters), feeding, cycles
 
 
 #: The dialect of a machine, read off its file.

@@ -66,12 +66,12 @@ def paths_along(
     owner, begin, moves = _moves(table, written, numbers)
     for k in table.free():
         own = by_word((float(written[k, 0]), float(written[k, 1])), table.curves[k])
-        owner += [k] * len(own)
-        begin += range(len(own))
+        owner = np.concatenate((owner, np.full(len(own), k)))
+        begin = np.concatenate((begin, np.arange(len(own))))
         moves += own
     order = np.lexsort((begin, owner))
     moves = [moves[k] for k in order.tolist()]
-    bounds = np.searchsorted(np.array(owner)[order], np.concatenate((firsts, lasts[-1:])))
+    bounds = np.searchsorted(owner[order], np.concatenate((firsts, lasts[-1:]))).tolist()
     starts = written[firsts, :2].tolist()
     for k, (x, y) in enumerate(starts):
         yield Path((x, y), moves[bounds[k] : bounds[k + 1]])
@@ -79,7 +79,7 @@ def paths_along(
 
 def _moves(
     table: CurveTable, written: Floats, numbers: Numbers
-) -> tuple[list[int], list[float], list[Movement]]:
+) -> tuple[Counts, Floats, list[Movement]]:
     """The moves along lines and arcs: of each its curve, how far on it, and itself."""
     lines, arcs = table.where(Line), table.where(Arc)
     lines = lines[_is_move(written[lines])]
@@ -107,7 +107,7 @@ def _moves(
         owner.append(which)
         begin.append(at)
         moves += map(Feed, *end.T.tolist())
-    return np.concatenate(owner).tolist(), np.concatenate(begin).tolist(), moves
+    return np.concatenate(owner), np.concatenate(begin), moves
 
 
 def _is_move(ends: Floats) -> Flags:
@@ -124,6 +124,8 @@ class _Arcs(Struct, frozen=True):
     ends: Floats  #: written start and end, (n, 4)
 
     def take(self, rows: Flags) -> "_Arcs":
+        if rows.all():  # as most are
+            return self
         return _Arcs(self.owner[rows], self.begin[rows], self.arcs[rows], self.ends[rows])
 
     def is_wide(self) -> Flags:

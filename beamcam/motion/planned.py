@@ -56,11 +56,53 @@ def cut_phases(
     points: Floats, lengths: Floats, along: Floats, moving: list[SpeedSection], speeds: Floats
 ) -> PlannedPath:
     """Phases of all stretches, cut at the ends of segments."""
+    ramps = _ramps_of(moving, speeds)
+    first = np.array([s.first for s in moving])
+    before = np.cumsum(lengths) - lengths
+    stretch, phase, time, is_segment = _starts(ramps, moving, first, before)
+    segment = first[stretch] + _count_within(is_segment, stretch)
+    last = np.append(stretch[1:] != stretch[:-1], True)
+    end_t = ramps.end_t
+    until = np.where(last, end_t[stretch, 6], np.append(time[1:], 0.0))
+    spent = until - time
+    at = stretch, phase
+    s = np.maximum(0.0, time - ramps.start_t[at])
+    a = ramps.start_a[at] + s * ramps.held_j[at]
+    speed = ramps.v[at] + s * (ramps.start_a[at] + s * ramps.held_j[at] / 2)
+    came = ramps.x[at] + s * (ramps.v[at] + s * (ramps.start_a[at] / 2 + s * ramps.held_j[at] / 6))
+    came = np.maximum(0.0, came - (before[segment] - before[first[stretch]]))
+    kept = spent > 0.0
+    opens = np.flatnonzero(is_segment == 1)
+    entry = np.empty(len(lengths))
+    entry[first] = speeds[:-1]
+    entry[segment[opens]] = speed[opens]
+    exits = np.append(entry[1:], speeds[-1])
+    base = np.cumsum(end_t[:, 6]) - end_t[:, 6]
+    return PlannedPath(
+        points, lengths, along, entry, exits, float(np.sum(end_t[:, 6])),
+        segment[kept], (base[stretch] + time)[kept], spent[kept], came[kept],
+        np.maximum(0.0, speed[kept]), a[kept], ramps.held_j[at][kept],
+    )  # fmt: skip
+
+
+class _Ramps(Struct, frozen=True):
+    """The seven phases (n, 7) of each stretch: up, cruise and down."""
+
+    duration: Floats
+    start_a: Floats
+    held_j: Floats
+    v: Floats  #: at the start of each
+    x: Floats  #: from the stretch's start to that of each
+    gone: Floats  #: in each
+    start_t: Floats
+    end_t: Floats
+
+
+def _ramps_of(moving: list[SpeedSection], speeds: Floats) -> _Ramps:
     way = np.array([s.length for s in moving])
     limit = np.array([s.limit for s in moving])
     acceleration = np.array([s.acceleration for s in moving])
     jerk = np.array([s.jerk for s in moving])
-    first = np.array([s.first for s in moving])
     v0, v1 = speeds[:-1], speeds[1:]
     low, high = np.minimum(v0, v1), np.maximum(v0, v1)
     rise = peak_rises(way, low, high, limit, acceleration, jerk)
@@ -74,53 +116,44 @@ def cut_phases(
     start_a = np.concatenate((up[1], still, down[1]), axis=1)
     held_j = np.concatenate((up[2], still, down[2]), axis=1)
     # State at the start of each phase, from the stretch's start.
-    t = np.cumsum(duration, axis=1)
+    end_t = np.cumsum(duration, axis=1)
     gain = duration * (start_a + duration * held_j / 2)
     v = v0[:, None] + np.cumsum(gain, axis=1) - gain
     gone = duration * (v + duration * (start_a / 2 + duration * held_j / 6))
     x = np.cumsum(gone, axis=1) - gone
-    start_t = np.concatenate((still, t[:, :-1]), axis=1)
+    start_t = np.concatenate((still, end_t[:, :-1]), axis=1)
+    return _Ramps(duration, start_a, held_j, v, x, gone, start_t, end_t)
+
+
+def _starts(
+    ramps: _Ramps, moving: list[SpeedSection], first: Counts, before: Floats
+) -> tuple[Counts, Counts, Floats, Counts]:
+    """All starts of phases and of segments in order: stretch, phase and time of each, and whether
+    it is that of a segment (1 or 0).
+
+    `first` is the first segment of each stretch, `before` the length before each segment.
+    """
     # Where segments begin inside a stretch, and when that is.
     which = np.repeat(np.arange(len(moving)), [s.last - s.first for s in moving])
-    before = np.cumsum(lengths) - lengths
-    inside = np.flatnonzero(np.arange(len(lengths)) != first[which])
+    inside = np.flatnonzero(np.arange(len(before)) != first[which])
     run = which[inside]
     offset = before[inside] - before[first[run]]
     # Stretches shrink to their phases, which rounding leaves a hair shorter or longer.
-    offset = offset * (x[run, -1] + gone[run, -1]) / way[run]
-    k = np.clip(np.sum(offset[:, None] >= x[run], axis=1) - 1, 0, 6)
+    way = np.array([s.length for s in moving])
+    offset = offset * (ramps.x[run, -1] + ramps.gone[run, -1]) / way[run]
+    k = np.clip(np.sum(offset[:, None] >= ramps.x[run], axis=1) - 1, 0, 6)
     at = run, k
-    local = _time_at(offset - x[at], v[at], start_a[at], held_j[at], duration[at])
-    # All starts of phases and of segments in order; of one time the phase comes first.
-    stretch = np.concatenate((np.repeat(np.arange(len(moving)), 7), run))
-    time = np.concatenate((start_t.reshape(-1), np.minimum(start_t[at] + local, t[at])))
-    phase = np.concatenate((np.tile(np.arange(7), len(moving)), k))
-    segment_starts = np.concatenate((np.zeros(7 * len(moving), int), np.ones(len(run), int)))
-    order = np.lexsort((segment_starts, time, phase, stretch))
-    stretch, time, phase = stretch[order], time[order], phase[order]
-    segment = first[stretch] + _count_within(segment_starts[order], stretch)
-    last = np.append(stretch[1:] != stretch[:-1], True)
-    until = np.where(last, t[stretch, 6], np.append(time[1:], 0.0))
-    spent = until - time
-    s = np.maximum(0.0, time - start_t[stretch, phase])
-    a = start_a[stretch, phase] + s * held_j[stretch, phase]
-    speed = v[stretch, phase] + s * (start_a[stretch, phase] + s * held_j[stretch, phase] / 2)
-    came = x[stretch, phase] + s * (
-        v[stretch, phase] + s * (start_a[stretch, phase] / 2 + s * held_j[stretch, phase] / 6)
+    local = _time_at(
+        offset - ramps.x[at], ramps.v[at], ramps.start_a[at], ramps.held_j[at], ramps.duration[at]
     )
-    came = np.maximum(0.0, came - (before[segment] - before[first[stretch]]))
-    kept = spent > 0.0
-    opens = np.flatnonzero(segment_starts[order] == 1)
-    entry = np.empty(len(lengths))
-    entry[first] = v0
-    entry[segment[opens]] = speed[opens]
-    exits = np.append(entry[1:], v1[-1])
-    base = np.cumsum(t[:, 6]) - t[:, 6]
-    return PlannedPath(
-        points, lengths, along, entry, exits, float(np.sum(t[:, 6])),
-        segment[kept], (base[stretch] + time)[kept], spent[kept], came[kept],
-        np.maximum(0.0, speed[kept]), a[kept], held_j[stretch, phase][kept],
-    )  # fmt: skip
+    stretch = np.concatenate((np.repeat(np.arange(len(moving)), 7), run))
+    inner = np.minimum(ramps.start_t[at] + local, ramps.end_t[at])
+    time = np.concatenate((ramps.start_t.reshape(-1), inner))
+    phase = np.concatenate((np.tile(np.arange(7), len(moving)), k))
+    is_segment = np.concatenate((np.zeros(7 * len(moving), int), np.ones(len(run), int)))
+    # Of one time the phase comes first.
+    order = np.lexsort((is_segment, time, phase, stretch))
+    return stretch[order], phase[order], time[order], is_segment[order]
 
 
 def _count_within(flags: Counts, groups: Counts) -> Counts:
