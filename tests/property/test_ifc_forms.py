@@ -9,7 +9,16 @@ from beamcam.errors import Severity
 from beamcam.model.part import Contour, Hole, Part
 from beamcam.readers.ifc import Options, read
 from beamcam.readers.reading import Reading
-from tests.property.ifc_cuts import kernel_volume, same
+from tests.property.ifc_cuts import (
+    SIZES,
+    Bar,
+    Box,
+    Round,
+    kernel_volume,
+    meshed,
+    model_of,
+    same,
+)
 from tests.unit.readers.ifc.models import Small
 
 CHECKED = Options(kernel=True)
@@ -76,6 +85,41 @@ def test_an_i_section_of_two_flanges_has_its_outline(seed: int) -> None:
     true = kernel_volume(m.data)
     assert true is not None
     assert same(true, outline_area(part) * 3.0)
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_so_has_its_mesh(seed: int) -> None:
+    """Of any special section that is the same all along."""
+    random = Random(seed)
+    a, b, t = random.uniform(60, 200), random.uniform(60, 200), random.uniform(3, 12)
+    ring = [(0.0, 0.0), (a, 0.0), (a, b / 2), (a - t, b / 2), (a - t, t), (t, t), (t, b), (0.0, b)]
+    m = Small()
+    m.element(m.extruded(m.polygon(*ring), 2000.0))
+    found = read(meshed(m.data), "m.ifc", options=CHECKED)
+    (part,) = found.parts
+    assert [d for d in found.diagnostics if d.severity is not Severity.NOTE] == []
+    assert part.profile.code == "SO"
+    true = kernel_volume(m.data)
+    assert true is not None
+    assert same(true, outline_area(part) * 2.0)
+
+
+@pytest.mark.parametrize("mesh", [False, True])
+def test_a_round_bar_with_a_flat_is_no_plate(mesh: bool) -> None:
+    bar = Bar("RU", 2000.0, SIZES["RU"])
+    data = model_of(bar, [Box((-9.0, 45.0, -9.0), (100.0, 99.0, 99.0))])
+    found = read(meshed(data) if mesh else data, "m.ifc", options=CHECKED)
+    assert found.refused
+    assert found.parts == ()
+
+
+@pytest.mark.parametrize("kernel", [False, True])
+def test_a_hole_to_the_middle_of_a_round_bar_is_none_through_it(kernel: bool) -> None:
+    bar = Bar("RU", 900.0, SIZES["RU"])
+    data = model_of(bar, [Round((400.0, 30.0, 30.0), 2, 14.0, 80.0)])
+    found = read(data, "m.ifc", options=Options(kernel=kernel))
+    assert found.parts == ()
+    assert any("a blind hole in a round section" in d.message for d in found.diagnostics)
 
 
 @pytest.mark.parametrize("seed", SEEDS)

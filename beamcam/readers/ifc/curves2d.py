@@ -1,7 +1,7 @@
 """The curves of profiles and of cuts' outlines, exact: lines and arcs in mm."""
 
 import itertools
-from math import degrees, hypot, pi
+from math import atan2, degrees, hypot, pi
 from typing import Any
 
 from beamcam.geometry.curves import Arc, Curve, Line, Point
@@ -58,7 +58,7 @@ def _curve(model: Model, entity: Entity) -> list[Curve]:
         return _long([_trimmed(model, entity)])
     if kind == "IfcCircle":
         frame = model.axes(entity.Position)
-        start, radius = degrees(_angle(frame.x[0], frame.x[1])), entity.Radius * model.mm
+        start, radius = degrees(atan2(frame.x[1], frame.x[0])), entity.Radius * model.mm
         if not radius > 0.0:
             raise Unreadable(f"a circle of radius {radius:g}")
         return _long([Arc((frame.o[0], frame.o[1]), radius, start, 360.0)])
@@ -95,15 +95,9 @@ def arc_by_points(a: Point, b: Point, c: Point) -> Curve:
         return Line(a, c)
     ux = (cy * (bx * bx + by * by) - by * (cx * cx + cy * cy)) / d
     uy = (bx * (cx * cx + cy * cy) - cx * (bx * bx + by * by)) / d
-    start, end = _angle(-ux, -uy), _angle(cx - ux, cy - uy)
+    start, end = atan2(-uy, -ux), atan2(cy - uy, cx - ux)
     turn = (end - start) % (2 * pi) if d > 0 else -((start - end) % (2 * pi))
     return Arc((a[0] + ux, a[1] + uy), hypot(ux, uy), degrees(start), degrees(turn))
-
-
-def _angle(x: float, y: float) -> float:
-    from math import atan2
-
-    return atan2(y, x)
 
 
 def _trimmed(model: Model, entity: Entity) -> Curve:
@@ -121,13 +115,13 @@ def _trimmed(model: Model, entity: Entity) -> Curve:
             angles.append(end * model.radians)
             continue
         dx, dy = end[0] - frame.o[0], end[1] - frame.o[1]
-        angles.append(_angle(dx * frame.x[0] + dy * frame.x[1], dx * frame.y[0] + dy * frame.y[1]))
+        angles.append(atan2(dx * frame.y[0] + dy * frame.y[1], dx * frame.x[0] + dy * frame.x[1]))
     start, end = angles
     sense = entity.values[3]
     turn = (end - start) % (2 * pi) if sense else -((start - end) % (2 * pi))
     if abs(turn) < 1e-9:
         turn = 2 * pi if sense else -2 * pi
-    tilt = _angle(frame.x[0], frame.x[1])
+    tilt = atan2(frame.x[1], frame.x[0])
     return Arc((frame.o[0], frame.o[1]), radius, degrees(start + tilt), degrees(turn))
 
 

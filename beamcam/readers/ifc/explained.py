@@ -28,7 +28,7 @@ KERNEL_SLACK = 0.13  #: mm, half of what the kernel's facets may be off
 SHOWN = 3  #: lumps that a message names
 LEVEL_REACH = 0.15  #: thicknesses of a wall that a level may lie inside it
 LEAN_REACH = 2.0  #: thicknesses of a wall that an edge may lean through it
-GROSS = 0.005  #: share of a volume from which on it is an error that no lump explains
+GROSS = 0.005  #: share of a volume from which on it is an error that no lump explains, or leans
 
 
 class Difference(Struct, frozen=True):
@@ -83,6 +83,8 @@ def difference(
     fillets = tuple(one for one in found if one.face == "the root fillet")
     rest = [one for one in found if one.face != "the root fillet"]
     leaning = tuple(one for one in rest if _leans(one, shaped))
+    if volume is not None and sum(one.volume for one in leaning) > GROSS * volume:
+        leaning = ()  # too much for a cut whose edge leans
     rest = [one for one in rest if one not in leaning]
     if sum(one.volume for one in rest) <= bound:
         rest = []

@@ -125,7 +125,7 @@ def _readings(
     along = longest_direction(shell)
     for axis in (along, *other_axes(shell, along)):
         stock = rolled_stock(shell, axis)
-        if stock is None or (stock.section.code == "B" and _is_on_edge(stock)):
+        if stock is None or _is_on_edge(stock):
             continue
         try:
             made = _member(shell, cutters, stock, source)
@@ -136,8 +136,14 @@ def _readings(
 
 
 def _is_on_edge(stock: Rolled) -> bool:
-    """Whether a flat bar is shorter than it is thick: then another side is its thickness."""
-    return stock.x1 - stock.x0 < stock.section.width
+    """Whether a flat bar is shorter than it is thick: then another side is its thickness.
+
+    And whether a special section is wider than the bar is long, as that of a bent bar is.
+    """
+    section, length = stock.section, stock.x1 - stock.x0
+    if section.code == "SO":
+        return length < max(section.height, section.width)
+    return section.code == "B" and length < section.width
 
 
 def _unexplained(
@@ -183,7 +189,7 @@ def _member(shell: Shell, cutters: Sequence[Cutter], stock: Rolled, source: Sour
     walls = walls_of(stock.section)
     if not walls:
         if taken:
-            raise Unreadable("cuts in a faceted round section")
+            raise Unreadable("cuts in a faceted round or special section")
         return _round(local, stock, source)
     circles = Circles()
     regions: Regions = {}
@@ -343,12 +349,12 @@ def _plate(shell: Shell, cutters: Sequence[Cutter], source: Source) -> Shaped | 
 
 
 def _round(local: Shell, stock: Rolled, source: Source) -> Shaped:
-    """A round bar or pipe by its shell: two plane ends, nothing else."""
+    """A round bar or pipe, or a special section, by its shell: two plane ends, nothing else."""
     ends = [_flat_end(local, side) for side in (-1, 1)]
     start, end = ends
     x0, x1 = reach(stock.section, start, end)
-    middle = stock.section.height / 2
-    length = end.x(middle, middle) - start.x(middle, middle)
+    middle = stock.section.height / 2, stock.section.width / 2
+    length = end.x(*middle) - start.x(*middle)
     return Shaped(
         stock.section,
         x1 - x0,

@@ -191,6 +191,8 @@ def _radial(
             found.append(Hole("v", start[0], angle * r, diameter, source))
         elif min(last, high) - max(first, low) > TOUCH:
             raise Unreadable("a blind hole in a round section")
-    if section.code == "RU" and len(found) == 2:
+    if section.code == "RU" and found:
+        if len(found) == 1:
+            raise Unreadable("a blind hole in a round section")
         found.pop()  # a solid bar is drilled from one side
     return found

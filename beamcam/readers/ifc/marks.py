@@ -40,15 +40,18 @@ _PROFILE = re.compile(r"^[A-Za-z]{1,8}[ _.\-]?\d|^\d[\d./xX*]*[ ]?[A-Za-z]{1,4}"
 class Data(Struct, frozen=True, gc=False):
     """The property sets of a member that matter here, by set and property."""
 
-    sets: dict[str, dict[str, Value]] = field(default_factory=dict)
+    sets: tuple[str, ...] = ()
+    rows: dict[str, list[tuple[str, Value]]] = field(default_factory=dict)  #: set, value; by name
 
     def text(self, *names: str) -> str:
         """The first of the properties `names` that some set has and that is not empty."""
+        if self.rows.keys().isdisjoint(names):
+            return ""
         for name in names:
-            for values in self.sets.values():
-                value = values.get(name)
-                if value is not None and str(value).strip():
-                    return str(value).strip()
+            for _, value in self.rows.get(name, ()):
+                text = str(value).strip()
+                if text:
+                    return text
         return ""
 
     def has(self, word: str) -> str | None:
@@ -57,9 +60,10 @@ class Data(Struct, frozen=True, gc=False):
 
     def number(self, *names: str) -> tuple[str, float] | None:
         """The first of the properties that is a number above 0, and where it stands."""
+        if self.rows.keys().isdisjoint(names):
+            return None
         for name in names:
-            for of, values in self.sets.items():
-                value = values.get(name)
+            for of, value in self.rows.get(name, ()):
                 if isinstance(value, (int, float)) and value > 0:
                     return f"{of}.{name}", float(value)
         return None
@@ -67,14 +71,18 @@ class Data(Struct, frozen=True, gc=False):
 
 def data_of(model: Model, element: Entity) -> Data:
     """The property sets and quantities of an element."""
-    found: dict[str, dict[str, Value]] = {}
+    sets: list[str] = []
+    rows: dict[str, list[tuple[str, Value]]] = {}
     for name in tied(element, "definitions"):
         known = model.psets.get(name)
         if known is None:
             known = model.psets[name] = _set_of(model, model.file.entity(name))
-        if known[1] or CUTOUTS in known[0].lower():
-            found.setdefault(*known)
-    return Data(found)
+        of, values = known
+        if of not in sets and (values or CUTOUTS in of.lower()):
+            sets.append(of)
+            for key, value in values.items():
+                rows.setdefault(key, []).append((of, value))
+    return Data(tuple(sets), rows)
 
 
 def _set_of(model: Model, definition: Entity) -> tuple[str, dict[str, Value]]:
@@ -91,12 +99,13 @@ def _matters(name: str) -> bool:
 def _values(model: Model, definition: Entity) -> Iterator[tuple[str, Value]]:
     if definition.is_a("IfcPropertySet"):
         # Most properties are of no interest, and stay unread; many of the others are alike.
-        wanted = _wanted(model)
-        for inner in (wanted[n] for n in definition.listed if n in wanted):
-            if inner not in model.properties:
-                model.properties[inner] = _property(model, inner)
-            if model.properties[inner] is not None:
-                yield model.properties[inner]
+        wanted, known = _wanted(model).get, model.properties
+        for inner in filter(None, map(wanted, definition.listed)):
+            if inner not in known:
+                known[inner] = _property(model, inner)
+            row = known[inner]
+            if row is not None:
+                yield row
     elif definition.is_a("IfcElementQuantity"):
         for one in definition.Quantities:
             if one.is_a("IfcQuantityLength"):

@@ -198,7 +198,7 @@ def _slotted(centres: list[Point], diameter: float) -> Slotted | None:
     return Slotted(middle, diameter, length, height if height > 1e-6 else 0.0, angle)
 
 
-class Corner(Struct, frozen=True):
+class Corner(Struct, frozen=True, gc=False):
     """A corner of a polygon, counter-clockwise, and the rounding it had."""
 
     at: Point
@@ -268,18 +268,16 @@ def corners_of(curves: Chain) -> tuple[Corner, ...] | None:
     The chain has its arcs already. Chamfers at inner corners, as coarse tessellations have them,
     count as roundings.
     """
-    if not all(isinstance(c, (Line, Arc)) for c in curves):
+    kinds = [type(c) for c in curves]
+    if Line not in kinds or kinds.count(Line) + kinds.count(Arc) != len(kinds):
         return None
-    start = next((i for i, c in enumerate(curves) if isinstance(c, Line)), None)
-    if start is None:
-        return None
+    start = kinds.index(Line)
     curves = curves[start:] + curves[:start]
     sides: list[_Side] = []
     for i, curve in enumerate(curves):
-        if isinstance(curve, Line):
+        if not isinstance(curve, Arc):
             sides.append(_Side(curve.start, curve.tangent(0.5)))
             continue
-        assert isinstance(curve, Arc)
         # A toe as round as the leg is thick starts at a sharp edge: its tip is a side of length 0.
         if abs(turn(curves[i - 1], curve)) > SHARP_RAD:
             sides.append(_Side(curve.start, curve.tangent(0.0)))
@@ -295,7 +293,7 @@ def corners_of(curves: Chain) -> tuple[Corner, ...] | None:
     return _unchamfered(_oriented(points, [s.radius for s in sides]))
 
 
-class _Side(Struct):
+class _Side(Struct, gc=False):
     """A side of a polygon, and the radius of the rounding that follows it."""
 
     at: Point
@@ -319,16 +317,16 @@ def _meet(a: _Side, b: _Side) -> Point | None:
 
 
 def _oriented(points: list[Point], radii: list[float]) -> list[Corner]:
-    n = len(points)
-    area = sum(points[i - 1][0] * points[i][1] - points[i - 1][1] * points[i][0] for i in range(n))
+    before, after = [points[-1], *points[:-1]], [*points[1:], points[0]]
+    bends = [
+        (x - ax) * (by - y) - (y - ay) * (bx - x)
+        for (ax, ay), (x, y), (bx, by) in zip(before, points, after, strict=True)
+    ]
+    area = sum(ax * y - ay * x for (ax, ay), (x, y) in zip(before, points, strict=True))
     if area < 0:
-        points, radii = points[::-1], radii[::-1]
-    out = []
-    for i, (p, r) in enumerate(zip(points, radii, strict=True)):
-        a, b = points[i - 1], points[(i + 1) % n]
-        bend = (p[0] - a[0]) * (b[1] - p[1]) - (p[1] - a[1]) * (b[0] - p[0])
-        out.append(Corner(p, r, bend < 0))
-    return out
+        found = [Corner(p, r, b > 0) for p, r, b in zip(points, radii, bends, strict=True)]
+        return found[::-1]
+    return [Corner(p, r, b < 0) for p, r, b in zip(points, radii, bends, strict=True)]
 
 
 def _unchamfered(corners: list[Corner]) -> tuple[Corner, ...]:

@@ -150,6 +150,7 @@ class File:
         }
         #: What stands for each record, and whether it was met yet.
         self._things, self._met = tuples(self._records)
+        self._numbers = self._met.copy()  #: which of them are points and directions
         #: Classes of points, directions and placements that are to be looked at one by one.
         self._unusual = {
             number
@@ -164,7 +165,7 @@ class File:
     def close(self) -> None:
         """Let go of all entities, they of the file and of one another: the collector knows none."""
         self._openings = None
-        for thing in self._things[self._met].tolist():
+        for thing in self._things[self._met & ~self._numbers].tolist():
             if isinstance(thing, Entity):
                 thing.values = ()  # which may lead back to it
         del self.tokens, self._things

@@ -23,6 +23,7 @@ FLAT = 0.6  #: share of its box that a flat bar with bevelled edges fills
 FLATTER = 1.5  #: times as wide as thick is a flat bar, at least
 CONVEX = 1e-4  #: share of its area by which a section may be hollowed
 WHOLE = 0.05  #: mm that a section may be less than its shell
+SAME_AREA = 1.0005  #: times the area of a section that another has to have to be a fuller one
 SAME = 1e-9  #: mm between the lines of one section at two stations, from rounding
 
 
@@ -53,13 +54,18 @@ def rolled_stock(shell: Shell, axis: Vec) -> Rolled | None:
     v = cross(axis, u)
     low, high = extent(shell, axis)
     best: tuple[float, Section, Chain, Any, Any] | None = None
+    special: tuple[float, Section, Chain, Any, Any] | None = None
     seen: list[Segments] = []
+    areas: list[float] = []  #: of the special sections of the stations
+    last = 0.0
     for share in STATIONS:
         at = low + share * (high - low)
         lines = segments(shell, scale(axis, at), axis, u, v)
         if any(_same(lines, other) for other in seen):
+            areas.append(last)  # most of a member shows one section
             continue
         seen.append(lines)
+        last = 0.0
         pieces = pieces_of(region_within(lines))
         if len(pieces) != 1:
             continue
@@ -68,12 +74,19 @@ def rolled_stock(shell: Shell, axis: Vec) -> Rolled | None:
         told = _told(outer, inner, pieces[0]) if outer else None
         if told is not None and told.code == "SO":
             box = (*extent(shell, u), *extent(shell, v))
+            last = told.area
+            areas.append(last)
+            if special is None or told.area > special[0] * SAME_AREA:
+                special = told.area, told, outer, pieces[0], pieces[0]
             told = _flat(pieces[0]) if _reaches(pieces[0], box) else None
         if told is None or (told.code == "B" and told.width > 200):
             continue
-        if best is None or told.area > best[0] * 1.0005:
+        if best is None or told.area > best[0] * SAME_AREA:
             exact = polygon_of(outer, inner, Circles()) if circles else pieces[0]
             best = (told.area, told, outer, exact, pieces[0])
+    if best is None and special is not None:
+        alike = sum(area * SAME_AREA >= special[0] for area in areas)
+        best = special if alike > len(STATIONS) // 2 else None
     if best is None:
         return None
     found = best[1]
