@@ -26,6 +26,13 @@ _UNIT = '<span class="unit">mm</span>'
 _RATE = '<span class="unit" data-per="min">mm/min</span>'
 
 
+def verdict_of(content: Content) -> str:
+    """What the read-back found, in a sentence."""
+    if content.verdict == "made" and (content.left_out or content.hand):
+        return "Read back: the program makes these parts, but for what is left for the hand."
+    return VERDICTS[content.verdict]
+
+
 def setup_page(content: Content) -> str:
     """The page; the same program gives the same bytes."""
     program = content.program
@@ -100,7 +107,7 @@ def _top(content: Content) -> Iterator[str]:
         '<label id="unit-choice">Unit <select id="unit"><option>mm</option><option>inch</option>'
         "</select></label></div>\n"
         f"<dl>{rows}<dt>SHA-256</dt><dd><code>{program.sha256}</code></dd></dl>\n"
-        f'<div class="verdict {content.verdict}">{VERDICTS[content.verdict]}'
+        f'<div class="verdict {content.verdict}">{verdict_of(content)}'
     )
     if content.ledger:
         yield f"<br>{shown(content.ledger)}"
@@ -217,19 +224,24 @@ def _operations(content: Content) -> str:
              *([(f"Depth, {_UNIT}", True)] if is_bar else [(f"Length, {_UNIT}", True)]),
              (f"Feed, {_RATE}", True), *([("Speed, rpm", True)] if is_bar else []),
              ("Time, s", True)]  # fmt: skip
-    rows = [_operation(op, is_bar) for op in content.operations[:MAX_ROWS]]
+    cells = [_operation(op, is_bar) for op in content.operations[:MAX_ROWS]]
+    used = [k for k in range(len(heads)) if any(line[k] for line in cells)]
+    rows = [
+        row([line[k] for k in used], f" data-line={op.line}")
+        for line, op in zip(cells, content.operations, strict=False)
+    ]
     more = len(content.operations) - len(rows)
     note = f"<p>{more} more operations are not listed.</p>" if more > 0 else ""
     return (
         f"<section><h2>Operations ({len(content.operations)}, {clock(content.seconds)})</h2>"
-        f"{table('operations', heads, rows)}{note}</section>\n"
+        f"{table('operations', [heads[k] for k in used], rows)}{note}</section>\n"
     )
 
 
-def _operation(op: Operation, is_bar: bool) -> str:
+def _operation(op: Operation, is_bar: bool) -> list[str]:
+    """The cells of an operation; columns that are empty in all rows are left out."""
     button = f"<button data-line={op.line}>{op.number}</button>"
-    cells = [button, shown(op.what), *([", ".join(op.faces)] if is_bar else []), length(op.x),
+    return [button, shown(op.what), *([", ".join(op.faces)] if is_bar else []), length(op.x),
              length(op.y), length(op.depth) if is_bar else length(op.length),
              length(op.feed_mm_min),
              *([number(op.speed_rpm)] if is_bar else []), number(op.seconds, "s")]  # fmt: skip
-    return row(cells, f" data-line={op.line}")

@@ -12,7 +12,7 @@ from beamcam.plain_text import terminal_text
 from beamcam.report.run import as_message, message_line
 from beamcam.setup_sheet.content import Content, clock
 from beamcam.setup_sheet.operations import Operation
-from beamcam.setup_sheet.page import MAX_ROWS, VERDICTS
+from beamcam.setup_sheet.page import MAX_ROWS, verdict_of
 
 BODY = 9.0
 ROOM = 539.0  #: points between the margins of an A4 page
@@ -52,7 +52,7 @@ def _story(content: Content) -> Iterator[Any]:
     rows = [[label, value] for label, value in content.header if label != "Program"]
     yield _table([*rows, ["SHA-256", program.sha256]], [70, ROOM - 70], ())
     colour = {"made": "#176b2c", "alone": "#7a5000", "wrong": "#b3261e"}[content.verdict]
-    yield _text(VERDICTS[content.verdict], 10, colour, bold=True)
+    yield _text(verdict_of(content), 10, colour, bold=True)
     if content.ledger:
         yield _text(content.ledger)
     if content.left_out or content.hand:

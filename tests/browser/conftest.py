@@ -1,4 +1,4 @@
-"""A headless Chromium, one for each module that asks for it."""
+"""A headless Chromium, one for each worker that asks for it."""
 
 import json
 import shutil
@@ -60,9 +60,9 @@ class Browser:
         return [url for url in urls if not url.startswith("data:")]
 
 
-@pytest.fixture(scope="module")
+@pytest.fixture(scope="session")
 def browser() -> Iterator[Browser]:
-    """A browser for the tests of a module."""
+    """A browser for all tests."""
     if CHROMIUM is None or DRIVER is None:
         pytest.skip("chromium and chromedriver are not installed (Debian: chromium-driver)")
     from selenium import webdriver

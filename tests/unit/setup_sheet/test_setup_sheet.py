@@ -19,6 +19,7 @@ from beamcam.setup_sheet.page import setup_page
 from beamcam.setup_sheet.paper import setup_pdf
 from beamcam.setup_sheet.playback import trace_data
 from beamcam.verify.bars import run
+from tests.unit.pictures.test_formats import contrast
 
 SAMPLES = Path(__file__).resolve().parents[3] / "samples"
 DSTV = [str(SAMPLES / "dstv" / f"{name}.nc1") for name in ("channel", "tie", "channel")]
@@ -171,6 +172,7 @@ def test_marks_for_the_hand_are_listed_with_their_place(tmp_path: Path) -> None:
     report(str(source), "-o", str(page))
     hand = page.read_text().partition("Left for the hand")[2].partition("</section>")[0]
     assert "text M1-A" in hand
+    assert "but for what is left for the hand" in page.read_text()
     assert 'value="500"' in hand
     report(str(source), "-o", str(tmp_path / "t.pdf"))
 
@@ -199,3 +201,16 @@ def test_inches_and_both_formats(tmp_path: Path, suffix: str) -> None:
 
 def test_another_suffix_is_wrong_usage(tmp_path: Path) -> None:
     report(DSTV[0], "-o", str(tmp_path / "x.docx"), code=2)
+
+
+@pytest.mark.parametrize("path", ["setup_sheet/static/page.css", "report/static/run.css"])
+def test_texts_of_the_pages_can_be_told_from_their_ground(path: str) -> None:
+    """4.5 to 1, as WCAG asks of texts, in the light and in the dark."""
+    text = (SAMPLES.parent / "beamcam" / path).read_text()
+    for block in re.findall(r":root \{(.*?)\}", text, re.DOTALL):
+        colours = dict(re.findall(r"--(\w+): (#[0-9a-f]{3,6})", block))
+        full = {k: v if len(v) == 7 else "#" + "".join(2 * c for c in v[1:])
+                for k, v in colours.items()}  # fmt: skip
+        for ink in ("ink", "soft", "good", "bad", "warn", "tool"):
+            for ground in ("paper", "ground"):
+                assert contrast(full[ink], full[ground]) >= 4.5, (path, ink, ground)
