@@ -32,6 +32,8 @@ def tool_faults(machine: Machine) -> Iterator[Fault]:
         yield "saw.min_tilt", saw.min_tilt, "at most saw.max_tilt"
     if saw and saw.min_tilt != saw.max_tilt and not _names(machine.words.saw, "tilt"):
         yield "words.saw", list(machine.words.saw), "a word with {tilt}, since the blade tilts"
+    if drill is None and machine.stock == "beam" and machine.tools:
+        yield "tools", len(machine.tools), "none, or a [drill] table for them"
     for index, axis in enumerate(machine.axes):
         if axis.min is not None and axis.max is not None and axis.min > axis.max:
             yield f"axes.{index}.min", axis.min, "at most max"
@@ -55,8 +57,14 @@ _DOCUMENTED = frozenset(range(7)) | {8, 9, 17, 20, 21, 40, 41, 42, 64, 75, 90, 9
 _CODE = re.compile(r"G(\d{1,3})(?:\.\d)?")
 
 
+#: Controllers that run a saw and drilling line; a cutting table may have any.
+_OF_LINES = ("codesys", "linuxcnc")
+
+
 def code_faults(machine: Machine) -> Iterator[Fault]:
-    """Each G word of the machine's own that is none, or another's; each tool without a number."""
+    """A controller of another kind of machine, G words that are none, tools without a number."""
+    if machine.stock == "beam" and machine.controller not in _OF_LINES:
+        yield "controller", machine.controller, f"{' or '.join(_OF_LINES)}, which run a line"
     for code in machine.codes:
         match = _CODE.fullmatch(code)
         if match is None:

@@ -267,6 +267,8 @@ def _check(machine: Machine, place: Place) -> None:
             source = place.child(key).source
             said = rules.WRONG_VALUE.at(source, key=key, found=repr(value), expected=expected)
             raise MachineError(said)
-    for table in ("saw", "drill", "layout") if machine.stock == "beam" else ("torch",):
+    for table in ("layout",) if machine.stock == "beam" else ("torch",):
         if getattr(machine, table) is None:
             raise MachineError(rules.MISSING_KEY.at(place.source, expected=table))
+    if machine.stock == "beam" and machine.saw is None and machine.drill is None:
+        raise MachineError(rules.MISSING_KEY.at(place.source, expected="saw"))

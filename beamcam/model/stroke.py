@@ -2,6 +2,7 @@
 
 from msgspec import Struct
 
+from beamcam.machine.absent import drill_of
 from beamcam.machine.drill import Axis, Drill, Spindle
 from beamcam.machine.machine import Machine
 from beamcam.model.part import Face, Profile
@@ -18,14 +19,12 @@ class Stroke(Struct, frozen=True):
 
 
 class Strokes:
-    """The strokes of a machine's spindles on one section. Raises TypeError without a drill."""
+    """The strokes of a machine's spindles on one section."""
 
     def __init__(self, profile: Profile, machine: Machine) -> None:
-        if machine.drill is None:
-            raise TypeError(f"{machine.name} has no drill")
-        self._drill = machine.drill
+        self._drill = drill = drill_of(machine)
         self.spindles: dict[Face, Spindle] = {s.face: s for s in machine.spindles}
-        self._values = {face: _values(profile, face, machine.drill) for face in self.spindles}
+        self._values = {face: _values(profile, face, drill) for face in self.spindles}
 
     def spindle(self, op: SpindleOp) -> Spindle:
         """The spindle that an operation is counted by: the first of a pair."""

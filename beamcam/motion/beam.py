@@ -6,6 +6,7 @@ from typing import cast
 from msgspec import Struct
 
 from beamcam.caches import BoundedCache, PerObject
+from beamcam.machine.absent import drill_of, saw_of
 from beamcam.machine.cutting import speed_and_feed
 from beamcam.machine.drill import Axis, Drill
 from beamcam.machine.machine import Machine
@@ -55,9 +56,7 @@ def beam_program(plan: Plan, machine: Machine, job: str) -> Program:
 
 
 def _commands(plan: Plan, machine: Machine) -> Iterator[Command]:
-    saw, drill = machine.saw, machine.drill
-    if saw is None or drill is None:
-        raise TypeError(f"{machine.name} has no saw and drill")
+    saw, drill = saw_of(machine), drill_of(machine)
     profile = plan.profile
     yield StartBar(machine.sections[profile.code], profile.width, profile.height)
     for index, piece in enumerate(plan.pieces):

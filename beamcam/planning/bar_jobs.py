@@ -37,6 +37,8 @@ def bar_jobs(
     said = [replace(part, quantity=1) for part in parts]  # the job has said how many
     if machine.stock == "sheet":
         return (BarJob(tuple(said), ()),)
+    if machine.saw is None:  # each is a bar by itself, and its program is run so often
+        return tuple(BarJob((part,), ()) for part in parts)
     from beamcam.planning.stock_bars import copies, first_fit
 
     pieces = copies(said, (wanted(part, quantity) for part in parts))

@@ -27,6 +27,7 @@ from beamcam.model.plan import (
 )
 from beamcam.planning import rules
 from beamcam.planning.axis_limits import refuse_bar
+from beamcam.planning.cut_parts import lay_cut_part
 from beamcam.planning.cutting_data import cutting_remarks
 from beamcam.planning.magazine import reloads
 from beamcam.planning.nesting import best_order, lay_on_bar
@@ -71,16 +72,21 @@ def plan_bar(
     told += _part_remarks(lying)
     works = [each.work for each in lying]
     ends = [work.ends for work in works]
-    (starts, account), said = lay_on_bar(
-        [each.part for each in lying], ends, line.layout, line.saw, bar
-    )
+    lain = [each.part for each in lying]
+    if machine.saw is None:
+        (starts, account), said = lay_cut_part(lain, line)
+    else:
+        (starts, account), said = lay_on_bar(lain, ends, line.layout, line.saw, bar)
     told += said
     pieces = tuple(
         Piece(each.part, start, each.given, each.turn)
         for each, start in zip(lying, starts, strict=True)
     )
     strokes = [*spindle_operations(pieces, works, line)]
-    operations: list[Operation] = [*cuts_of(pieces, ends, line.saw, account), *strokes]
+    cuts = () if machine.saw is None else cuts_of(pieces, ends, line.saw, account)
+    operations: list[Operation] = [*cuts, *strokes]
+    if not operations:
+        raise PlanError(rules.NO_WORK.at(parts[0].source, machine=machine.name))
     told += _accepted(refuse_bar(operations, pieces, machine))
     ordered = sort_along_x(operations, machine.format.resolution, line.layout.order, machine.times)
     by_hand, said = reloads(ordered, machine, parts[0].source)
@@ -88,7 +94,7 @@ def plan_bar(
     told += cutting_remarks(pieces, strokes, machine)
     outcomes = tuple(_outcomes(works, strokes))
     plan = Plan(pieces[0].part.profile, pieces, account, ordered, outcomes, tuple(told), by_hand)
-    _balance(plan)
+    _balance(plan, machine)
     return plan
 
 
@@ -177,7 +183,7 @@ def _outcomes(works: Sequence[Work], operations: Sequence[SpindleOp]) -> list[Ou
     return outcomes
 
 
-def _balance(plan: Plan) -> None:
+def _balance(plan: Plan, machine: Machine) -> None:
     """Raise AssertionError unless every feature has exactly one outcome and the bar adds up.
 
     That would be a fault of the planner and not of the part, and no program may come of it.
@@ -188,6 +194,8 @@ def _balance(plan: Plan) -> None:
         raise AssertionError("the ledger of the plan does not balance")
     if abs(plan.bar.total - plan.bar.length) > LEDGER_TOLERANCE:
         raise AssertionError("the account of the bar does not balance")
+    if machine.saw is None:
+        return
     sawn = [op for op in plan.operations if isinstance(op, SawOp)]
     if {p for op in sawn for p in op.pieces} != set(range(len(plan.pieces))):
         raise AssertionError("a piece has no cut")

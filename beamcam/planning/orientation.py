@@ -77,7 +77,8 @@ def _seconds(part: Part, work: Work, line: Line) -> float:
     """Time of the work on a part alone."""
     pieces = (Piece(part, line.layout.front_trim),)
     operations: list[Operation] = [
-        *cuts_of(pieces, [work.ends], line.saw), *spindle_operations(pieces, [work], line)
+        *(() if line.machine.saw is None else cuts_of(pieces, [work.ends], line.saw)),
+        *spindle_operations(pieces, [work], line),
     ]  # fmt: skip
     machine = line.machine
     ordered = sort_along_x(operations, machine.format.resolution, line.layout.order, machine.times)

@@ -65,6 +65,25 @@ BAR_LONG = Rule(
     "found a bar of {found} mm; expected at most {expected} mm",
     "The rollers or the stop do not reach further.",
 )
+NO_SAW = Rule(
+    "plan-no-saw",
+    _E,
+    "found {found} parts for one bar; expected one, {machine} has no saw and takes parts that are "
+    "cut",
+    "Without a saw nothing parts them. Post them one by one.",
+)
+NO_WORK = Rule(
+    "plan-no-work",
+    _E,
+    "found no work on the part; expected a hole or another feature, {machine} has no saw",
+    "A line without a saw has nothing to do with it.",
+)
+COMES_CUT = Rule(
+    "plan-comes-cut",
+    _N,
+    "the part comes in cut to {found} mm with its ends as they should be; {machine} has no saw",
+    "Neither the program nor its read-back says anything of the part's length and ends.",
+)
 BAR_FULL = Rule(
     "plan-bar-full",
     _E,
@@ -192,7 +211,8 @@ OTHER = Rule(
 
 RULES = (
     NO_PARTS, STOCK, MIXED_PROFILES, SECTION_SIZE, SECTION_SHAPE, CUT_DENIED,
-    CUT_FROM_CONTOUR, BAR_SHORT, BAR_LONG, BAR_FULL, BAR_LEFT, PART_SHORT, REMNANT, QUANTITY,
+    CUT_FROM_CONTOUR, BAR_SHORT, BAR_LONG, NO_SAW, NO_WORK, COMES_CUT, BAR_FULL, BAR_LEFT, PART_SHORT,
+    REMNANT, QUANTITY,
     TURNED, TURN_HELPS, ORDER, RELOAD, UNNAMED_GRADE, CUTTING_SPEED, NO_CHANGE_WORD, NO_TOOL,
     NO_SPINDLE, SLOT, MARK, BEVEL, OTHER,
 )  # fmt: skip

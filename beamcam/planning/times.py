@@ -19,6 +19,7 @@ from typing import Literal, cast
 from msgspec import Struct
 from msgspec.structs import replace
 
+from beamcam.machine.absent import drill_of, saw_of
 from beamcam.machine.cutting import speed_and_feed
 from beamcam.machine.drill import Axis, Drill
 from beamcam.machine.machine import ControlledAxis, Machine
@@ -81,7 +82,9 @@ def time_of(
 
 def with_axes(machine: Machine, drill: Drill) -> Machine:
     """The machine with usual axes in place of those that its file does not have."""
-    needed: list[tuple[str, int | None]] = [("X", None), ("angle", None), ("saw", None)]
+    needed: list[tuple[str, int | None]] = [("X", None)]
+    if machine.saw is not None:
+        needed += [("angle", None), ("saw", None)]
     for spindle in machine.spindles:
         needed += [(spindle.across.axis, spindle.number), (spindle.stroke.axis, spindle.number)]
     known = {(axis.moves, axis.spindle) for axis in machine.axes}
@@ -100,9 +103,7 @@ class _Clock:
     """The machine as it stands while the operations go by."""
 
     def __init__(self, profile: Profile, grades: Sequence[str], machine: Machine) -> None:
-        if machine.saw is None or machine.drill is None:
-            raise TypeError(f"{machine.name} has no saw and drill")
-        self._machine, self._saw, self._drill = machine, machine.saw, machine.drill
+        self._machine, self._saw, self._drill = machine, saw_of(machine), drill_of(machine)
         # What a program does not say of the section its simulation does not know either.
         machine = with_axes(machine, self._drill)
         says_width = any("{width}" in line for line in machine.words.header)

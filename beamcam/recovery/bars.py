@@ -9,6 +9,7 @@ skew end; what lies before the first cut is trim, what lies behind the last the 
 from collections.abc import Sequence
 
 from beamcam.errors import Diagnostic, Source, errors_in
+from beamcam.machine.absent import drill_of
 from beamcam.machine.machine import Machine
 from beamcam.machine.saw import Saw
 from beamcam.model.part import EndCuts, Face, Feature, Part, Profile
@@ -29,9 +30,9 @@ NEAR_NOTHING = 2  #: resolutions; a piece as short as that at a corner is a wedg
 
 def recover_bars(text: str, machine: Machine, name: str, stock: Stock) -> Recovered:
     """The parts of a bar, in their order along it."""
-    saw, drill = machine.saw, machine.drill
-    if saw is None or drill is None:
-        raise TypeError(f"{machine.name} has no saw and drill")
+    saw, drill = machine.saw, drill_of(machine)
+    if saw is None:  # the parts come in cut, so that no program says where they end
+        return Recovered((), (rules.NO_PIECE.at(Source(name), cuts=0),))
     told: list[Diagnostic] = []
     profile = stock.profile
     if profile is None:

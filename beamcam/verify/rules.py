@@ -149,6 +149,12 @@ CUT_ANGLE = Rule(
     "found a cut of {found} degrees for the {end} of {mark}; expected {expected}",
     "The end would be askew.",
 )
+ONE_PART = Rule(
+    "verify-no-saw",
+    _E,
+    "found the part {mark} beside another one; expected one part, the machine has no saw",
+    "A line without a saw takes parts that are cut, one by one.",
+)
 CUT_EXTRA = Rule(
     "verify-cut-extra",
     _E,
@@ -223,6 +229,6 @@ RULES = (
     *BAR_RULES, LIMIT, STOP_BACK, CUT_OFF, NO_SPINDLE, SPINDLE_OFF, SPINDLE_ON,
     SPINDLE_STOPPED, SPINDLE_IDLE,
     SPEED, COOLANT, RAPID, CLEARANCE, UNSEEN, UNKNOWN_STEEL, SIDEWAYS, TOOL_CHANGE, NO_FEED, FEED,
-    FEED_LIMIT, SECTION, CUT_MISSING, CUT_PLACE, CUT_ANGLE, CUT_EXTRA, OUTLINE, HOLE_MISSING,
-    HOLE_PLACE, HOLE_EXTRA, DEPTH, TOOL, TURN, PATH, PATH_EXTRA, NOT_MADE,
+    FEED_LIMIT, SECTION, CUT_MISSING, CUT_PLACE, CUT_ANGLE, ONE_PART, CUT_EXTRA, OUTLINE,
+    HOLE_MISSING, HOLE_PLACE, HOLE_EXTRA, DEPTH, TOOL, TURN, PATH, PATH_EXTRA, NOT_MADE,
 )  # fmt: skip

@@ -1,7 +1,8 @@
-"""A saw and drilling line: a machine file of which saw, drill and layout are known to be there."""
+"""A saw and drilling line, of which a station that is not there is one that does nothing."""
 
 from msgspec import Struct
 
+from beamcam.machine.absent import drill_of, saw_of
 from beamcam.machine.drill import Drill
 from beamcam.machine.machine import Layout, Machine
 from beamcam.machine.saw import Saw
@@ -19,8 +20,8 @@ class Line(Struct, frozen=True):
 
 
 def line_of(machine: Machine) -> Line:
-    """The line of a machine. Raises TypeError if it has no saw, drill and layout."""
-    saw, drill, layout = machine.saw, machine.drill, machine.layout
-    if saw is None or drill is None or layout is None:
-        raise TypeError(f"{machine.name} has no saw, drill and layout")
-    return Line(machine, saw, drill, layout, rack_of(machine))
+    """The line of a machine. Raises TypeError if it has no layout."""
+    if machine.layout is None:
+        raise TypeError(f"{machine.name} has no layout")
+    rack = rack_of(machine)
+    return Line(machine, saw_of(machine), drill_of(machine), machine.layout, rack)

@@ -12,6 +12,7 @@ is settled over the whole bar, so that it needs as few tools as it can:
 from collections.abc import Iterable
 
 from beamcam.caches import BoundedCache, PerObject
+from beamcam.machine.absent import drill_of
 from beamcam.machine.drill import Drill, Fit
 from beamcam.machine.machine import Machine
 from beamcam.machine.tools import Tool, ToolKind, ToolSet
@@ -128,14 +129,12 @@ class Rack:
 
 
 def rack_of(machine: Machine) -> Rack:
-    """The tools of a machine that drills. Raises TypeError if it does not."""
+    """The tools of a machine; none of one that does not drill."""
     return _racks(machine)
 
 
 def _rack(machine: Machine) -> Rack:
-    if machine.drill is None:
-        raise TypeError(f"{machine.name} has no drill")
-    return Rack(machine.tools, machine.drill)
+    return Rack(machine.tools, drill_of(machine))
 
 
 _racks = PerObject("planning.rack", _rack)

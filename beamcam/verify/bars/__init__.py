@@ -15,6 +15,7 @@ from beamcam.controllers import cell_events
 from beamcam.controllers.dialect import Dialect, dialect_of
 from beamcam.controllers.events import BarEvent, Switch
 from beamcam.errors import Diagnostic, Source, VerifyError, errors_in
+from beamcam.machine.absent import drill_of
 from beamcam.machine.machine import Machine
 from beamcam.model.part import Part, Profile
 from beamcam.verify import rules
@@ -47,12 +48,10 @@ class _Known:
     """What is worked out once for a machine and a section."""
 
     def __init__(self, machine: Machine) -> None:
-        if machine.drill is None or machine.saw is None:
-            raise TypeError(f"{machine.name} has no saw and drill")
         self.machine = machine
         self.dialect = dialect_of(machine)
-        self.shop = Shop(machine, machine.drill)
-        grades = {row.grade for row in machine.drill.cutting}
+        self.shop = Shop(machine, drill_of(machine))
+        grades = {row.grade for row in self.shop.drill.cutting}
         self.depends_on_grade = self.dialect.feeds and len(grades) > 1
         self._choices: BoundedCache[Profile | None, dict[int, Choice]]
         self._choices = BoundedCache("verify.stations")
@@ -87,7 +86,7 @@ def run(
     """
     known = _known_of(machine)
     events, said = cell_events(text, machine, name)
-    if profile is None:
+    if profile is None and known.dialect.section_fields:
         profile = section_said(events, known.dialect, machine)
     choices = known.choices(profile)
     cell = Cell(machine, known.dialect, choices, known.data(grades), name)

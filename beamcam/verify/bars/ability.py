@@ -7,6 +7,7 @@ under a name that the user gave.
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from math import cos, radians, sin
 
+from beamcam.machine.absent import drill_of, saw_of
 from beamcam.machine.drill import Spindle
 from beamcam.machine.machine import Machine
 from beamcam.model.part import Contour, Hole, Part, Slot
@@ -39,10 +40,8 @@ def skippable(
 
     Raises TypeError for a machine without saw and drill.
     """
-    saw, drill = machine.saw, machine.drill
-    if saw is None or drill is None:
-        raise TypeError(f"{machine.name} has no saw and drill")
-    shop = Shop(machine, drill)
+    saw = saw_of(machine)
+    shop = Shop(machine, drill_of(machine))
     return frozenset(
         (p, f)
         for p, part in enumerate(parts)

@@ -226,7 +226,7 @@ class CellState:
         spindles = self.machine.spindles
         tools = {one.tool for one in self.tools if isinstance(one, Chosen)}
         stops = any(isinstance(one, Changed) for one in self.tools)
-        if not stops and len(tools) <= min(s.stations for s in spindles):
+        if not stops and len(tools) <= min((s.stations for s in spindles), default=0):
             return
         for spindle in spindles:
             for one in wrong_changes(self._of_spindle(spindle.number), spindle.stations):

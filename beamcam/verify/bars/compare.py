@@ -9,6 +9,7 @@ from math import isnan
 from msgspec import Struct
 
 from beamcam.errors import Diagnostic, Source
+from beamcam.machine.absent import saw_of
 from beamcam.machine.machine import Machine
 from beamcam.model.part import Part, Profile
 from beamcam.verify import rules
@@ -28,6 +29,7 @@ from beamcam.verify.bars.targets import (
     Target,
     targets_of,
 )
+from beamcam.verify.bars.turned import standing
 from beamcam.verify.by_hand import left_to_hand
 from beamcam.verify.left_out import left_out
 
@@ -49,10 +51,7 @@ class Comparison:
         self, made: Made, asked: Asked, shop: Shop, profile: Profile,
         choices: dict[int, Choice], name: str,
     ) -> None:  # fmt: skip
-        saw = shop.machine.saw
-        if saw is None:
-            raise TypeError(f"{shop.machine.name} has no saw")
-        self.made, self.asked, self.shop, self.saw = made, asked, shop, saw
+        self.made, self.asked, self.shop, self.saw = made, asked, shop, saw_of(shop.machine)
         self.machine: Machine = shop.machine
         self.profile, self.name = profile, name
         self.targets: dict[int, list[Target]] = {}
@@ -112,6 +111,8 @@ class Comparison:
 
     def _lay_out(self) -> list[Laid]:
         """The parts on the bar; what is wrong with its cuts is said."""
+        if self.machine.saw is None:
+            return self._come_cut()
         asked, saw = self.asked, self.saw
         cuts = planes(self.made.cuts, saw, self.profile)
         found = pieces(cuts, asked.bar)
@@ -125,6 +126,20 @@ class Comparison:
             if whole and not overlapping(cuts):
                 return laid
         return self._complain_of_cuts(laid)
+
+    def _come_cut(self) -> list[Laid]:
+        """The parts on a line without a saw: the only one begins where the bar does."""
+        asked = self.asked
+        for cut in self.made.cuts:
+            source = Source(self.name, cut.line)
+            self.said.append(rules.CUT_EXTRA.at(source, angle=f"{cut.angle:g}", x=f"{cut.x:g}"))
+        for part in asked.parts[1:]:
+            self.said.append(rules.ONE_PART.at(part.source, mark=part.mark))
+        first = asked.parts[0]
+        ways = [part for part in standing(first) if part.profile == self.profile]
+        meant = [Candidate(p, 0, ends_of(p, self.saw)) for p in (ways if asked.turn else [first])]
+        part, _, ends = min(meant, key=lambda candidate: self._faults(candidate, 0.0))
+        return [Laid(part, 0, ends, 0.0, None)]
 
     def _complain_of_cuts(self, laid: Sequence[Laid]) -> list[Laid]:
         """The parts where their cuts come nearest; what is wrong with the cuts is said."""

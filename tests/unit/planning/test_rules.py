@@ -57,6 +57,12 @@ CASES: tuple[Case, ...] = (
     ("plan-section", "beamline", (part(profile=replace(BEAM, height=1005.0)),), {},
      "found a section of 1005 x 150 mm; expected at most 1000 x 500 mm (height x width), "
      "which the drill takes"),
+    ("plan-no-saw", "uncut", (part(), part()), {},
+     "found 2 parts for one bar; expected one, uncut has no saw and takes parts that are cut"),
+    ("plan-no-work", "uncut", (part(),), {},
+     "found no work on the part; expected a hole or another feature, uncut has no saw"),
+    ("plan-comes-cut", "uncut", (part(hole(500)),), {},
+     "the part comes in cut to 2000.000 mm with its ends as they should be; uncut has no saw"),
     ("plan-saw-angle", "beamline", (part(cuts=EndCuts(web_end=-50.0)),), {},
      "found a cut of -50 degrees at the end; expected one from -45 to 60, as far as the saw turns"),
     ("plan-flange-cut", "beamline", (part(cuts=EndCuts(flange_start=10.0)),), {},
@@ -247,7 +253,10 @@ CASES: tuple[Case, ...] = (
 )  # fmt: skip
 
 #: Machines that are the beamline but for what becomes of marks.
-MARKS = {"unit-less": Marks(), "silent": Marks(text="refuse"), "wordless": Marks()}
+MARKS = {
+    "unit-less": Marks(), "silent": Marks(text="refuse"), "wordless": Marks(),
+    "uncut": Marks(),
+}  # fmt: skip
 
 
 def said(case: Case) -> list[tuple[str, str]]:
@@ -265,6 +274,8 @@ def said(case: Case) -> list[tuple[str, str]]:
         machine = replace(machine, name=name, marks=MARKS[name])
     if name == "wordless":
         machine = replace(machine, name=name, words=replace(machine.words, change=()))
+    if name == "uncut":
+        machine = replace(machine, saw=None)
     if name == "simple":
         assert machine.saw is not None
         machine = replace(machine, saw=replace(machine.saw, compound=False))
