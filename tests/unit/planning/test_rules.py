@@ -62,7 +62,7 @@ CASES: tuple[Case, ...] = (
     ("plan-no-work", "uncut", (part(),), {},
      "found no work on the part; expected a hole or another feature, uncut has no saw"),
     ("plan-comes-cut", "uncut", (part(hole(500)),), {},
-     "the part comes in cut to 2000.000 mm with its ends as they should be; uncut has no saw"),
+     "the part comes in cut to 3000.000 mm with its ends as they should be; uncut has no saw"),
     ("plan-saw-angle", "beamline", (part(cuts=EndCuts(web_end=-50.0)),), {},
      "found a cut of -50 degrees at the end; expected one from -45 to 60, as far as the saw turns"),
     ("plan-flange-cut", "beamline", (part(cuts=EndCuts(flange_start=10.0)),), {},
