@@ -39,6 +39,10 @@ class Unreadable(Exception):
     """Something in a member's geometry that the reader does not take; the text says what."""
 
 
+class OddCut(Unreadable):
+    """A cut that a part of a round or special section cannot hold."""
+
+
 class NoSection(Unreadable):
     """A profile that is no section, which its solid would not be either."""
 

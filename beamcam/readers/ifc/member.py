@@ -21,6 +21,7 @@ from beamcam.readers.ifc.entities import (
     Kinked,
     Model,
     NoSection,
+    OddCut,
     Unreadable,
 )
 from beamcam.readers.ifc.finish import Shaped
@@ -225,6 +226,9 @@ class Members(Struct):
             self._refuse(rules.KINKED, source, str(kink))
             return None
         except Unreadable as second:
+            if isinstance(reason, OddCut):
+                self._refuse(rules.ODD_CUT, source, str(reason))
+                return None
             text = (
                 str(reason) if str(reason) == str(second) else f"{reason}; by the kernel {second}"
             )
@@ -238,7 +242,9 @@ class Members(Struct):
     def _denied(self, found: Shaped, source: Source, reason: Unreadable) -> bool:
         """Refuse a member whose definition is not understood and whose solid is not explained."""
         denied = [d for d in found.said if d.severity is Severity.ERROR]
-        if denied:
+        if denied and isinstance(reason, OddCut):
+            self._refuse(rules.ODD_CUT, source, str(reason))
+        elif denied:
             text = denied[0].message.removeprefix("found ").split(" than the features")[0]
             rule = rules.SECTION if "section" in str(reason) else rules.GEOMETRY
             self._refuse(rule, source, f"{reason}; by the kernel {text} than was read")

@@ -75,6 +75,14 @@ SECTION = Rule(
     "found {found}; expected a rolled section, a tube or a plate",
     "A casting, a welded group or a coarse mesh has no section that a bar of stock could have.",
 )
+ODD_CUT = Rule(
+    "ifc-odd-cut",
+    _E,
+    "found {found}; expected saw cuts and holes through its axis, for anything else there is no "
+    "form in DSTV: cut the member on a tube laser, or by hand from the model",
+    "Slots, saddles and windows of round tubes have no face to lie on, nor have holes in a special "
+    "section.",
+)
 OUTLINE = Rule(
     "ifc-outline",
     _E,
@@ -231,10 +239,10 @@ BOLT_SKEW = Rule(
 
 RULES = (
     SYNTAX, SCHEMA, NO_MEMBERS, NOT_FOUND, LEDGER, LEFT_OUT, OTHER_CLASSES, CURVED, TAPERED,
-    GEOMETRY, SECTION, OUTLINE, PROFILE_NAME, LENGTH, WEIGHT, WEIGHT_NEAR, NET_VOLUME, CUTOUT,
-    KERNEL, KERNEL_LOG, KERNEL_DIED, KERNEL_DENIED, FITTED, UNEXPLAINED, SECTION_AREA, KINKED,
-    ROOT_FILLET, LEANING, VOLUME, VOLUME_OFF, PIECES, BOLT_HOLES, BOLT_AIR, BOLT_SHANK, BOLTS,
-    BOLT_SKEW,
+    GEOMETRY, SECTION, ODD_CUT, OUTLINE, PROFILE_NAME, LENGTH, WEIGHT, WEIGHT_NEAR, NET_VOLUME,
+    CUTOUT, KERNEL, KERNEL_LOG, KERNEL_DIED, KERNEL_DENIED, FITTED, UNEXPLAINED, SECTION_AREA,
+    KINKED, ROOT_FILLET, LEANING, VOLUME, VOLUME_OFF, PIECES, BOLT_HOLES, BOLT_AIR, BOLT_SHANK,
+    BOLTS, BOLT_SKEW,
 )  # fmt: skip
 
 

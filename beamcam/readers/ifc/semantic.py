@@ -17,7 +17,7 @@ from beamcam.model.part import Hole, Slot
 from beamcam.readers.ifc.body import Body, Swept
 from beamcam.readers.ifc.cutters import Box3, Cutter, HalfSpace, Prism
 from beamcam.readers.ifc.ends import End, of_plane, trim
-from beamcam.readers.ifc.entities import Entity, Model, Unreadable
+from beamcam.readers.ifc.entities import Entity, Model, OddCut, Unreadable
 from beamcam.readers.ifc.features import shifted, sorted_features
 from beamcam.readers.ifc.finish import (
     Levels,
@@ -132,7 +132,7 @@ def cut(stock: Stock, cutters: Sequence[Cutter], source: Source) -> Shaped:
     if plain and start.sole is not None and end.sole is not None:
         return _sawn(section, start.sole, end.sole, holes, source, gross)
     if not walls:
-        raise Unreadable(f"cuts other than saw cuts and holes in a section of code {section.code}")
+        raise OddCut(f"cuts other than saw cuts and holes in a section of code {section.code}")
     circles = Circles()
     regions: Regions = {}
 

@@ -9,6 +9,7 @@ import pytest
 from beamcam.errors import Severity
 from beamcam.readers.ifc import Options, Selection, looks_like, read
 from beamcam.readers.ifc.rules import RULES
+from tests.property.ifc_cuts import SIZES, Bar, Box, model_of
 from tests.unit.readers.ifc.models import ORIGIN, Small
 
 
@@ -57,6 +58,12 @@ def askew() -> bytes:
     z = (0.0, 0.9396926207859084, 0.3420201433256687)
     m.element(m.minus(m.extruded(m.ipe300(), 2000.0), m.hole((500, -40, -15), z, 18, 80)))
     return m.data
+
+
+def slotted_tube() -> bytes:
+    """A round tube with a slot for a gusset at its end."""
+    box = Box((-9.0, -9.0, 80.0), (150.0, 180.0, 90.0))
+    return model_of(Bar("RO", 900.0, SIZES["RO"]), [box])
 
 
 def no_section() -> bytes:
@@ -250,6 +257,7 @@ CASES: dict[str, Callable[[], bytes]] = {
     "ifc-tapered": tapered,
     "ifc-geometry": askew,
     "ifc-section": no_section,
+    "ifc-odd-cut": slotted_tube,
     "ifc-profile-name": wrong_name,
     "ifc-length": wrong_length,
     "ifc-weight": wrong_weight,
