@@ -189,7 +189,7 @@ class Interpreter(ABC):
         self._place = end
         if start != end:
             self._row = 0
-        if self._is_lost(line, motion, start, end, words):
+        if (self._flat or not self._absolute) and self._is_lost(line, motion, start, end, words):
             return
         curve = None
         if motion > 1:

@@ -171,7 +171,7 @@ class Codesys(Interpreter):
         if motion < 0:
             self._wrong(line, "words without a command", "G or M")
             return
-        if not words.keys() <= self._letters[motion]:
+        if not self._letters[motion].issuperset(words):
             stray = min(words.keys() - self._letters[motion])
             self._wrong(line, f"{stray} behind G{motion:02}", "no such word there")
         fed = "F" in words
