@@ -73,17 +73,17 @@ def posted_job(
         )  # fmt: skip
 
     posted = from_store(made, config.stock_lengths, max((p.length for p in parts), default=0.0))
-    return Job(parts, said, posted, _program(posted, machine, parts, config))
+    # One part's program is called after its file, as a batch would; `post` is told a name.
+    stem = PurePath(shown_name(inputs[0])).stem if len(inputs) == 1 else config.job
+    return Job(parts, said, posted, _program(posted, machine, parts, stem))
 
 
-def _program(
-    posted: Posted, machine: Machine, parts: Sequence[Part], config: Config
-) -> ReadProgram:
+def _program(posted: Posted, machine: Machine, parts: Sequence[Part], stem: str) -> ReadProgram:
 
     plan = posted.plan
     is_bar = isinstance(plan, Plan)
     return ReadProgram(
-        b"".join(posted.pieces()), machine, f"{config.job}{machine.suffix}", machine.suffix,
+        b"".join(posted.pieces()), machine, f"{stem}{machine.suffix}", machine.suffix,
         tuple(piece.part for piece in plan.pieces) if is_bar else tuple(parts),
         plan.bar.length if isinstance(plan, Plan) else None,
     )  # fmt: skip

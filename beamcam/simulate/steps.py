@@ -20,7 +20,7 @@ from beamcam.verify.steps.velocities import TableRow
 
 SAMPLE_S = 0.005
 MICROSECONDS = 1e6
-SLACK_STEPS = 0.5  #: of the thinned lines from the samples
+SLACK_STEPS = 1.0  #: of the thinned lines from the samples; less keeps the jitter of whole steps
 LASER = State(process="cut")
 
 
