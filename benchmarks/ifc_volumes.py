@@ -376,6 +376,8 @@ def outcome(bar: Bar, data: bytes, written: bytes, reading: Reading) -> str:
     (part,) = reading.parts
     if part.profile.code == "C":
         return "read, its lips are no measures"
+    if part.profile.code == "L" and part.profile.flange_thickness != part.profile.web_thickness:
+        return "read, IFC has no angle of two thicknesses to measure it by"
     again = rebuilt(part, bar)
     pairs = [pair for one in (data, written) if (pair := volumes(one, again)) is not None]
     if not pairs:
