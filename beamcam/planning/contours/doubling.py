@@ -1,13 +1,15 @@
 """Free curves that turn round and run back along themselves."""
 
 from collections.abc import Iterator, Sequence
+from itertools import pairwise
+from math import hypot
 
 import numpy as np
 from msgspec import Struct
 
 from beamcam.errors import Diagnostic
 from beamcam.geometry.array_types import Floats
-from beamcam.geometry.curves import Curve
+from beamcam.geometry.curves import Bezier, BSpline, Curve
 from beamcam.geometry.plane import Point
 from beamcam.geometry.polylines import polylines
 from beamcam.planning.contours import rules
@@ -31,6 +33,7 @@ class Doubling(Struct, frozen=True):
 
 def doublings(curves: Sequence[Curve], which: Sequence[int]) -> Iterator[Doubling]:
     """Where some of the curves turn round and run back along themselves."""
+    which = [k for k in which if _may_turn_round(curves[k])]
     if not which:
         return
     drawn = polylines([curves[k] for k in which], FINE)
@@ -45,6 +48,31 @@ def doublings(curves: Sequence[Curve], which: Sequence[int]) -> Iterator[Doublin
             if length > MIN_LENGTH:
                 x, y = drawn.points[at].tolist()
                 yield Doubling(which[own], (x, y), length)
+
+
+def _may_turn_round(curve: Curve) -> bool:
+    """Whether the directions of neighbouring sides of its control polygon fill half a circle.
+
+    The derivative of a polynomial lies between as many of them as its degree, so that it goes
+    through 0 nowhere else, and at a knot a curve turns no farther than they do.
+    """
+    if isinstance(curve, BSpline):
+        points, degree = curve.control, curve.degree
+    elif isinstance(curve, Bezier):
+        points, degree = curve.points, len(curve.points) - 1
+    else:
+        return True
+    sides = []
+    for (x0, y0), (x1, y1) in pairwise(points):
+        length = hypot(x1 - x0, y1 - y0)
+        if length > 0.0:
+            sides.append(((x1 - x0) / length, (y1 - y0) / length))
+    for k in range(max(len(sides) - degree, 0) + 1):
+        some = sides[k : k + degree]
+        x, y = sum(u for u, _ in some), sum(v for _, v in some)
+        if any(u * x + v * y <= 0.0 for u, v in some):
+            return True
+    return False
 
 
 def _together(one: Floats, other: Floats) -> float:

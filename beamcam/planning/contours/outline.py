@@ -17,7 +17,7 @@ def outlines(chains: Sequence[Sequence[Curve]], tolerance: float) -> "NDArray[An
     import numpy as np
     import shapely
 
-    points, owner = _points(chains, tolerance)
+    points, owner = points_of(chains, tolerance)
     # A ring needs four points: chains of two curves that flatten to chords get their ends again.
     counts = np.bincount(owner, minlength=len(chains))
     short = np.flatnonzero(counts < 4)
@@ -36,7 +36,7 @@ def ways(chains: Sequence[Sequence[Curve]], tolerance: float) -> "NDArray[Any]":
     """The polyline of each chain, an array of shapely lines."""
     import shapely
 
-    points, owner = _points(chains, tolerance)
+    points, owner = points_of(chains, tolerance)
     found: NDArray[Any] = shapely.linestrings(points, indices=owner)
     return found
 
@@ -79,7 +79,7 @@ def valid(rings: "NDArray[Any]", bad: Sequence[int]) -> "NDArray[Any]":
     return found
 
 
-def _points(
+def points_of(
     chains: Sequence[Sequence[Curve]], tolerance: float
 ) -> "tuple[Floats, NDArray[np.int64]]":
     """Points of all chains, and the chain of each."""
