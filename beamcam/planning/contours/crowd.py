@@ -29,6 +29,8 @@ def refuse_crowds(shapes: Sequence[Shape], tolerance: float) -> None:
     points, owner = points_of([shape.curves for shape in shapes], tolerance / 4)
     along = owner[1:] == owner[:-1]
     starts, ends, owner = points[:-1][along], points[1:][along], owner[1:][along]
+    if not len(starts):
+        return
     every = -(-len(starts) // MAX_ASKED)
     asked = np.arange(0, len(starts), max(every, 1))
     places = (starts[asked] + ends[asked]) / 2
@@ -39,7 +41,7 @@ def refuse_crowds(shapes: Sequence[Shape], tolerance: float) -> None:
     near, place = shapely.STRtree(middles).query(stretches, "dwithin", distance=tolerance)
     lengths = np.minimum(np.hypot(*(ends - starts).T), 2 * tolerance)
     passes = np.bincount(place, lengths[near], len(asked)) / (2 * tolerance)
-    if len(asked) and passes.mean() > MAX_PASSES:
+    if passes.mean() > MAX_PASSES:
         worst = int(np.argmax(passes))
         x, y = shapely.get_coordinates(middles[worst])[0].tolist()
         raise PlanError(
