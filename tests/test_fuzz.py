@@ -1,5 +1,6 @@
 """Damaged inputs end in a program or in an error of our own, in bounds of time and memory."""
 
+import os
 import random
 import time
 from pathlib import Path
@@ -12,7 +13,7 @@ from tests.conftest import ROOT
 
 FILES = {kind: fuzz.samples(kind) for kind in fuzz.FORMATS}
 #: Numbers that did not hold once, and the first ones of a seed that no run before had.
-SEED, FEW = 3, 150
+SEED, FEW = 3, 100
 
 
 @pytest.mark.parametrize("kind", fuzz.FORMATS)
@@ -71,6 +72,18 @@ def test_a_worker_that_does_not_answer_is_ended(monkeypatch: pytest.MonkeyPatch)
     late = worker.too_late()
     assert late is not None
     assert (late.how, late.index, ended) == ("hang", 7, ["end", "begin"])
+
+
+def test_a_worker_that_waits_for_the_processor_is_not_ended(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """On a busy machine an input may take long by the clock and little of the processor."""
+    monkeypatch.setattr(fuzz, "PATIENCE", 1.0)
+    worker = fuzz.Worker.__new__(fuzz.Worker)
+    worker.index, worker.since = 7, time.monotonic() - 60.0
+    worker._process = SimpleNamespace(pid=os.getpid())  # type: ignore[assignment]
+    worker._before = fuzz.processor_s(os.getpid())
+    assert worker.too_late() is None
 
 
 def test_without_bounds_of_the_system(monkeypatch: pytest.MonkeyPatch) -> None:
