@@ -64,14 +64,15 @@ def drawn_over(
         compared = [compared_parts(a, b) for a, b in zip(*both, strict=False)]
     else:
         programs = [
-            ReadProgram(content, machine, name, PurePath(name).suffix.lower())
+            ReadProgram(content, machine, PurePath(name).name, PurePath(name).suffix.lower())
             for name, content in data
         ]
         compared = [compared_programs(*programs)]
     if suffix == ".html":
         from beamcam.setup_sheet.diff_page import diff_page
 
-        return diff_page((data[0][0], data[1][0]), compared, found)
+        names = PurePath(data[0][0]).name, PurePath(data[1][0]).name
+        return diff_page(names, compared, found)
     return picture([one.scene for one in compared], suffix)
 
 

@@ -41,7 +41,7 @@ def one_program(inputs: Sequence[str]) -> bytes | None:
 def read_program(data: bytes, path: str, config: Config) -> ReadProgram:
     """A program that is a file. Raises MachineError."""
 
-    name = shown_name(path)
+    name = PurePath(shown_name(path)).name  # a picture is the same in each folder
     machine = machine_for_program(config, path)
     bar = config.stock_lengths[0] if config.stock_lengths else None
     return ReadProgram(data, machine, name, PurePath(name).suffix.lower(), bar=bar)

@@ -106,7 +106,7 @@ def _of_program(
     parts, said = read_parts(inputs[1:], config, asked, voice) if inputs[1:] else ((), ())
     program = replace(read_program(data, inputs[0], config), parts=parts)
     request = Request(
-        parts, program.machine, config.allow_skips, program.name, bar=program.bar,
+        parts, program.machine, config.allow_skips, shown_name(inputs[0]), bar=program.bar,
         style=program.style,
     )  # fmt: skip
     return Source(program, None, said, read_back(data, request))

@@ -9,6 +9,7 @@ moved   violet     from where A has a thing to where B has it
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from functools import partial
 from math import dist
+from pathlib import PurePath
 from typing import Any
 
 import numpy as np
@@ -55,7 +56,8 @@ def compared_parts(a: Part, b: Part) -> Compared:
     """The features of two parts over each other."""
     faces = [f for f in ("h", "o", "v", "u") if f in {*faces_of(a), *faces_of(b)}]
     views = tuple(_joined(view_of(a, face), view_of(b, face)) for face in faces)
-    lines = [f"{a.mark or 'A'} and {b.mark or 'B'}", f"A {a.source.file}", f"B {b.source.file}"]
+    files = [PurePath(part.source.file).name for part in (a, b)]
+    lines = [f"{a.mark or 'A'} and {b.mark or 'B'}", f"A {files[0]}", f"B {files[1]}"]
     paper = laid_out(views, head_height(lines))
     pairs = list(part_pairs(a, b))
     drawn: list[Shape] = [*heading(lines), *titles(views, paper)]

@@ -8,6 +8,7 @@ u  bottom flange
 
 from collections.abc import Iterator, Mapping, Sequence
 from math import radians, tan
+from pathlib import PurePath
 
 from msgspec.structs import replace
 
@@ -101,7 +102,7 @@ def _notes(part: Part) -> Iterator[str]:
     planes = [f for f in part.features if isinstance(f, EndPlane)]
     if planes:
         yield f"{len(planes)} cutting planes are not drawn"
-    yield f"{part.source.file}"
+    yield PurePath(part.source.file).name
 
 
 def faces_of(part: Part) -> tuple[Face, ...]:

@@ -1,9 +1,11 @@
 """What a setup sheet says, as data."""
 
 from collections.abc import Iterable, Iterator, Sequence
+from pathlib import PurePath
 from typing import Literal
 
 from msgspec import Struct
+from msgspec.structs import replace
 
 from beamcam.errors import Diagnostic, Severity, errors_in
 from beamcam.model.part import Part
@@ -92,7 +94,7 @@ def content_of(source: Source, unit: Unit = "mm") -> Content:
     else:
         operations = table_operations(program, trace)
         tools = tuple(ToolRow("head", "", p) for p in dict.fromkeys(o.what for o in operations))
-    messages = (*source.said, *source.found)
+    messages = tuple(map(_without_folder, (*source.said, *source.found)))
     verdict: Literal["made", "alone", "wrong"] = "made" if program.parts else "alone"
     if errors_in(source.found) or not source.compared:
         verdict = "wrong"
@@ -104,6 +106,11 @@ def content_of(source: Source, unit: Unit = "mm") -> Content:
         ledger_of(source.plan.outcomes) if source.plan is not None else "",
         verdict,
     )  # fmt: skip
+
+
+def _without_folder(said: Diagnostic) -> Diagnostic:
+    """A message that is the same in each folder."""
+    return replace(said, source=replace(said.source, file=PurePath(said.source.file).name))
 
 
 def _header(program: ReadProgram, trace: Trace) -> Sequence[tuple[str, str]]:

@@ -40,9 +40,6 @@ def draw(folder: Path) -> None:
             done = CliRunner().invoke(main, [*words, "-o", str(folder / name)])
             if not (folder / name).exists():
                 raise SystemExit(f"{call}\n{done.output}")
-            text = (folder / name).read_text(encoding="utf-8")
-            text = text.replace(str(other), "revised.nc1").replace(f"{ROOT.as_posix()}/", "")
-            (folder / name).write_text(text, encoding="utf-8", newline="\n")
 
 
 def revised(text: str) -> str:

@@ -214,3 +214,16 @@ def test_texts_of_the_pages_can_be_told_from_their_ground(path: str) -> None:
         for ink in ("ink", "soft", "good", "bad", "warn", "tool"):
             for ground in ("paper", "ground"):
                 assert contrast(full[ink], full[ground]) >= 4.5, (path, ink, ground)
+
+
+def test_a_sheet_is_the_same_in_each_folder(tmp_path: Path) -> None:
+    pages = []
+    for folder in (tmp_path / "a", tmp_path / "b" / "c"):
+        folder.mkdir(parents=True)
+        source = folder / "tie.nc1"
+        source.write_bytes(Path(DSTV[1]).read_bytes())
+        for suffix in (".html", ".pdf"):
+            report(str(source), "-o", str(folder / f"tie{suffix}"))
+        pages.append([(folder / f"tie{suffix}").read_bytes() for suffix in (".html", ".pdf")])
+    assert pages[0] == pages[1]
+    assert b"plan-quantity" in pages[0][0]
