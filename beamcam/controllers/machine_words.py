@@ -101,7 +101,9 @@ def _bar_faults(machine: Machine) -> Iterator[WordFault]:
     for tool in _TOOLS:
         for key in _keys(tool):
             lines += _filled(machine, key, x="100", **stroke)
-    lines += (*_filled(machine, "change"), *_filled(machine, "saw", x="200"))
+    lines += _filled(machine, "change")
+    if machine.saw is not None:
+        lines += _filled(machine, "saw", x="200")
     lines += _filled(machine, "footer")
     dialect = dialect_of(machine)
     events, said = cell_events(_text(lines), machine, "")

@@ -2,18 +2,25 @@
 
 import re
 from pathlib import Path
+from xml.etree import ElementTree
 
 import pytest
 from click.testing import CliRunner, Result
 
 from beamcam.cli import main
+from beamcam.controllers.machine_words import load_machine
 from beamcam.errors import MachineError
 from beamcam.machine import load, shipped
 from beamcam.machine.load import files_of_machine, merged
 from beamcam.machine.names import machine_folders, own_machines, resolved
 from beamcam.machine.starting_file import starting_file
+from beamcam.machine.words import WORD_NAMES
+from tests.conftest import ROOT, SAMPLES
 from tests.runs import batch, counts, fill
 
+TOOL_WORDS = {"drill", "tap", "countersink", "punch"} | {
+    kind + end for kind in ("mill", "scribe") for end in ("", "_to", "_end")
+}
 PROSE = re.compile(r"^##.*$", re.MULTILINE)
 COMMENTED = re.compile(r"^# ", re.MULTILINE)
 
@@ -143,3 +150,37 @@ def test_false_takes_a_table_of_the_base_away(shop: Path) -> None:
     done = call("machines", "show", "./mine.toml")
     assert done.exit_code == 1
     assert "error machine-missing: found no key 'torch'" in done.stderr
+
+
+PAGE = (ROOT / "docs" / "my-machine.md").read_text(encoding="utf-8")
+
+
+def test_the_page_shows_the_file_that_comes_with_the_samples() -> None:
+    blocks = re.findall(r"^```toml\n(.*?)^```", PAGE, re.MULTILINE | re.DOTALL)
+    assert blocks[0] == (SAMPLES / "machines" / "hall-drill.toml").read_text(encoding="utf-8")
+
+
+def test_every_machine_of_the_page_is_one(tmp_path: Path) -> None:
+    blocks = re.findall(r"^```toml\n(# (\S+)\n.*?)^```", PAGE, re.MULTILINE | re.DOTALL)
+    named = {name: text for text, name in blocks if name.endswith(".toml")}
+    assert set(named) == {"saw.toml", "cycles.toml", "codes.toml"}
+    for name, text in named.items():
+        (tmp_path / name).write_text(text)
+        assert load_machine(str(tmp_path / name)).controller == "codesys"
+
+
+def test_the_page_names_every_placeholder_and_where_it_stands() -> None:
+    rows = dict(re.findall(r"^\| `\{(\w+)\}` \|.*\| ([^|]*) \|$", PAGE, re.MULTILINE))
+    assert set(rows) == {name for names in WORD_NAMES.values() for name in names}
+    for name, where in rows.items():
+        told = set(re.findall(r"`(\w+)`", where))
+        if "tools" in where:
+            told |= TOOL_WORDS
+        assert told == {word for word, names in WORD_NAMES.items() if name in names}, name
+
+
+def test_the_picture_of_the_faces_shows_each() -> None:
+    root = ElementTree.parse(ROOT / "docs" / "pictures" / "faces.svg").getroot()
+    texts = [e.text for e in root.iter() if e.tag.endswith("text")]
+    assert all(texts.count(face) == 2 for face in "vouh")  # on the section, and by itself
+    assert texts.count("x") == texts.count("y") == 4
