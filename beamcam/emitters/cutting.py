@@ -8,6 +8,7 @@ import numpy as np
 from beamcam.emitters.columns import lines
 from beamcam.emitters.numbers import number
 from beamcam.machine.machine import Machine
+from beamcam.model.part_data import PART_DATA
 from beamcam.model.program import (
     ArcFeed,
     Command,
@@ -141,7 +142,9 @@ class _Writer:
             case Comment():
                 return [words.comment.format(text=comment_text(command.text))]
             case StartSheet():
-                return _filled(words.header, job=comment_text(self._program.job))
+                about = {**dict.fromkeys(PART_DATA, ""), **self._program.about}
+                texts = {name: comment_text(text) for name, text in about.items()}
+                return _filled(words.header, job=comment_text(self._program.job), **texts)
         return []
 
     def _curve(self, command: ParabolaFeed | EllipseFeed) -> list[str]:

@@ -11,6 +11,8 @@ from beamcam.machine.words import WORD_NAMES
 
 #: How a value may be set in a template; a greater width would fill the memory with blanks.
 _FIELD_FORM = re.compile(r"[^{}]?[<>^]?[0-9]{0,2}")
+#: What the head of a sheet's program cannot say.
+_OF_BARS = frozenset({"section", "width", "height"})
 
 
 def template_faults(machine: Machine) -> Iterator[Fault]:
@@ -19,6 +21,8 @@ def template_faults(machine: Machine) -> Iterator[Fault]:
     Decimals are those of [format], so that a program is read back as it was rounded.
     """
     for key, names in WORD_NAMES.items():
+        if key == "header" and machine.stock == "sheet":
+            names = names - _OF_BARS
         template = getattr(machine.words, key)
         for line in (template,) if isinstance(template, str) else template:
             for found, expected in _line_faults(line, names):

@@ -13,6 +13,7 @@ from beamcam.geometry.plane import Point
 from beamcam.machine.machine import Machine
 from beamcam.machine.path_limits import path_limits
 from beamcam.machine.words import Words
+from beamcam.model.part_data import part_data
 from beamcam.model.plan import ContourOp, SheetPlan
 from beamcam.model.program import (
     Command,
@@ -46,7 +47,7 @@ def sheet_program(plan: SheetPlan, machine: Machine, job: str) -> Program:
     for op in plan.operations:
         for _ in op.passes:
             commands += _pass(op, next(paths), pen)
-    return Program(job, tuple(commands))
+    return Program(job, tuple(commands), part_data([piece.part for piece in plan.pieces]))
 
 
 def _pass(op: ContourOp, path: Path, pen: "Pen") -> Iterator[Command]:
