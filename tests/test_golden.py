@@ -38,9 +38,11 @@ def test_program(
 
 @pytest.mark.parametrize("path", BAD, ids=lambda p: p.name)
 def test_message(path: Path, golden: Golden, monkeypatch: pytest.MonkeyPatch) -> None:
-    """What is said about a bad input, on the machine that is the default."""
+    """What is said about a bad input, on the machine that is the first choice."""
     monkeypatch.chdir(ROOT)
-    run = CliRunner().invoke(main, ["post", str(path.relative_to(ROOT)), "-o", "-"])
+    machine = "plate-linuxcnc" if path.stem.startswith("plate") else "beamline"
+    words = ["post", str(path.relative_to(ROOT)), "--machine", machine, "-o", "-"]
+    run = CliRunner().invoke(main, words)
     assert run.exit_code == 1
     assert run.stdout == ""
     golden.check(GOLDEN / "messages" / f"{path.stem}.txt", run.stderr)

@@ -32,7 +32,7 @@ STEPS = (
     ("asked", "posts", "diff", "recovery", "simulate"),
     ("pictures",),
     ("setup_sheet",),
-    ("pipeline",),
+    ("pipeline", "machine_choice"),
     ("batch", "api"),
     ("watch",),
     ("commands",),

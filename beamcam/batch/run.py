@@ -312,7 +312,7 @@ class _Run:
         if self._shop.name is not None:
             return  # without the part there is no name to look for
         tree = os.path.basename(slot.input.tree) if self._flat else slot.input.tree
-        machines = (self._shop.machine, self._shop.sheets)
+        machines = (self._shop.machine, self._shop.sheets, *self._shop.more)
         for suffix in dict.fromkeys(machine.suffix for machine in machines if machine is not None):
             output = os.path.splitext(tree)[0] + suffix
             stands = False

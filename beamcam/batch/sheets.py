@@ -7,21 +7,23 @@ that stands in the folder is that very one.
 import os
 from collections.abc import Iterable, Iterator
 from contextlib import suppress
+from functools import partial
 from hashlib import sha256
 from pathlib import PurePosixPath
 
 from msgspec import Struct
 
-from beamcam.batch.work import Shop, post_job, thaw
+from beamcam.batch.work import PlannedJob, Shop, planned_jobs, posted_job, thaw
 from beamcam.errors import BeamcamError
 from beamcam.files import write_whole
 from beamcam.machine.machine import Machine
+from beamcam.machine_choice import first_that_makes
 from beamcam.pictures.part import small_scene
 from beamcam.pictures.program import ReadProgram
 from beamcam.pictures.styles import css
 from beamcam.pictures.svg import inline_svg
 from beamcam.pipeline import Posted, counted, sound
-from beamcam.planning.bar_jobs import BarJob, bar_jobs
+from beamcam.planning.bar_jobs import BarJob
 from beamcam.processes import Died, Pool
 from beamcam.readers import read
 from beamcam.report.run import Row
@@ -120,19 +122,21 @@ def _sheets(programs: Programs, shop: Shop) -> Iterator[Sheet]:
         reading = read(file.read(), programs.path, **shop.reading)
     left = list(programs.outputs)
     for part in counted(sound(reading)):
-        machine = shop.machine_for(part)
         with suppress(BeamcamError):
-            for job in bar_jobs((part,), machine, shop.quantity, shop.stock_lengths):
-                posted = _posted(job, machine, shop)
+            machine, planned, _ = first_that_makes(
+                shop.machines_for(part), partial(planned_jobs, part, shop), part.source
+            )
+            for each in planned:
+                posted = _posted(each, shop)
                 digest = sha256(posted.text.encode("utf-8")).hexdigest()
                 output = next((name for name, known in left if known == digest), None)
                 if output is not None:
                     left.remove((output, digest))
-                    yield _sheet(job, posted, output, machine, shop)
+                    yield _sheet(each.job, posted, output, machine, shop)
 
 
-def _posted(job: BarJob, machine: Machine, shop: Shop) -> Posted:
-    stages = post_job(job, machine, shop)
+def _posted(planned: PlannedJob, shop: Shop) -> Posted:
+    stages = posted_job(planned, shop)
     while True:
         try:
             next(stages)

@@ -8,6 +8,7 @@ once, frozen.
 import os
 from collections import Counter
 from collections.abc import Callable, Generator, Iterable, Mapping, Sequence
+from functools import partial
 from hashlib import sha256
 from typing import cast
 
@@ -21,6 +22,7 @@ from beamcam.caches import cached
 from beamcam.errors import BeamcamError, PlanError, ReadError, Source, errors_in
 from beamcam.files import REFUSED_SUFFIX
 from beamcam.machine.machine import Machine
+from beamcam.machine_choice import first_that_makes
 from beamcam.model.part import Part
 from beamcam.model.plan import ContourOp, Plan
 from beamcam.pipeline import (
@@ -57,6 +59,7 @@ class Shop(Struct, frozen=True):
     version: str = __version__
     timed: bool = True  #: whether the machine's time is worked out
     clock: Callable[[], float] | None = None
+    more: tuple[Machine, ...] = ()  #: machines of either stock that are tried after the first
 
     @property
     def freeze(self) -> bytes:
@@ -75,8 +78,17 @@ class Shop(Struct, frozen=True):
         form = " ".join(PartRow.__annotations__)
         return f"{plain} {form} ".encode("utf-8", "backslashreplace") + told
 
-    def machine_for(self, part: Part) -> Machine:
-        """The machine that makes a part, by the stock that it is made of."""
+    def machines_for(self, part: Part) -> tuple[Machine, ...]:
+        """The machines that may make a part, by its stock, in the order they are tried in."""
+        first = self._first_for(part)
+        return (first, *(machine for machine in self.more if machine.stock == first.stock))
+
+    def machine_named(self, name: str) -> Machine:
+        """The machine of that name; that of bars where there is none."""
+        known = (self.machine, *(() if self.sheets is None else (self.sheets,)), *self.more)
+        return next((machine for machine in known if machine.name == name), self.machine)
+
+    def _first_for(self, part: Part) -> Machine:
         if self.sheets is not None and stock_of((part,)) == "sheet":
             return self.sheets
         return self.machine
@@ -190,20 +202,48 @@ def _post_all(
     stem = os.path.splitext(os.path.basename(task.name))[0]
     names = Names()
     for number, part in enumerate(parts, 1):
-        machine = shop.machine_for(part)
-        name = output_name(shop.name, stem, part, number, len(parts) > 1, machine)
         try:
-            jobs = bar_jobs((part,), machine, shop.quantity, shop.stock_lengths)
+            machine, planned, choice = first_that_makes(
+                shop.machines_for(part), partial(planned_jobs, part, shop), part.source
+            )
         except BeamcamError as error:
             row["status"] = "refused"
             row["messages"] += map(as_message, error.diagnostics)
             continue
-        for job, called in zip(jobs, numbered(name, len(jobs)), strict=True):
-            yield from _post_job(job, called, machine, shop, row, names, outputs, refused)
+        yield "planned"
+        row["messages"] += map(as_message, choice)
+        name = output_name(shop.name, stem, part, number, len(parts) > 1, machine)
+        for each, called in zip(planned, numbered(name, len(planned)), strict=True):
+            yield from _post_job(each, called, machine, shop, row, names, outputs, refused)
+
+
+class PlannedJob(Struct, frozen=True):
+    """A job that a machine can make, and the stages of its post behind the plan."""
+
+    job: BarJob
+    stages: Generator[str, None, Posted]
+
+
+def planned_jobs(part: Part, shop: Shop, machine: Machine) -> list[PlannedJob]:
+    """The jobs of a part on a machine, planned, each on the shortest bar in stock that takes it.
+
+    Raises PlanError as `post` does; of bars that are all too short for the longest.
+    """
+    jobs = bar_jobs((part,), machine, shop.quantity, shop.stock_lengths)
+    return [PlannedJob(job, _planned(job, machine, shop)) for job in jobs]
+
+
+def _planned(job: BarJob, machine: Machine, shop: Shop) -> Generator[str, None, Posted]:
+    def planned(bar: float | None) -> Generator[str, None, Posted]:
+        stages = posting(Job(job.parts, machine, shop.job, bar, shop.skips), shop.read_back)
+        next(stages)  # the plan, which is all that a bar can be too short for
+        return stages
+
+    return from_store(planned, job.lengths, job.parts[0].length)
 
 
 def _post_job(
-    job: BarJob,
+    planned: PlannedJob,
     name: str,
     machine: Machine,
     shop: Shop,
@@ -213,9 +253,9 @@ def _post_job(
     refused: list[tuple[str, bytes]],
 ) -> Generator[str, None, None]:
     """Add the program of a part, or of the pieces of it that lie on one bar."""
-    part = job.parts[0]
+    part = planned.job.parts[0]
     try:
-        posted = yield from post_job(job, machine, shop)
+        posted = yield from posted_job(planned, shop)
     except BeamcamError as error:
         if isinstance(error, RefusedProgram):
             kept = names.take(name + REFUSED_SUFFIX, part.mark)
@@ -233,23 +273,15 @@ def _post_job(
     name = names.take(name, part.mark)
     content = posted.text.encode("utf-8")
     outputs.append((name, content))
-    row["parts"].append(_part_row(job, posted, name, content, machine, shop.timed))
+    row["parts"].append(_part_row(planned.job, posted, name, content, machine, shop.timed))
 
 
-def post_job(job: BarJob, machine: Machine, shop: Shop) -> Generator[str, None, Posted]:
-    """The program of a job, stage by stage, from the shortest bar in stock that takes it.
+def posted_job(planned: PlannedJob, shop: Shop) -> Generator[str, None, Posted]:
+    """The program of a planned job, stage by stage.
 
-    Raises PlanError and VerifyError as `post` does; of bars that are all too short for the longest.
+    Raises VerifyError as `post` does, and PlanError for a warning where they refuse.
     """
-
-    def planned(bar: float | None) -> Generator[str, None, Posted]:
-        stages = posting(Job(job.parts, machine, shop.job, bar, shop.skips), shop.read_back)
-        next(stages)  # the plan, which is all that a bar can be too short for
-        return stages
-
-    stages = from_store(planned, job.lengths, job.parts[0].length)
-    yield "planned"
-    posted = yield from stages
+    posted = yield from planned.stages
     if shop.strict:
         remarks = tuple(map(as_error, posted.remarks))
         if errors_in(remarks):

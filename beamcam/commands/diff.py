@@ -63,8 +63,8 @@ def command(a: str, b: str, output: str | None, as_json: bool, voice: Voice, **a
         raise click.UsageError("found - twice; expected it once, standard input is read once.")
     try:
         config = settled(asked, (a, b))
-        machine = machine_for_program(config, a)
         data = [(shown_name(path), input_bytes(path)) for path in (a, b)]
+        machine = machine_for_program(config, a, data[0][1])
         voice.did(f"read {data[0][0]} and {data[1][0]}, programs as those of {machine.name}")
         found, said = differences_of(data, machine, config.strict)
         if output is not None:

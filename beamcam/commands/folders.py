@@ -25,7 +25,7 @@ def diff_folders(a: Path, b: Path, as_json: bool, voice: Voice, asked: Mapping[s
         first, second = _files(a, recorded), _files(b, recorded)
         results = []
         for name in sorted(first.keys() & second.keys()):
-            machine = _machine(config, name, recorded)
+            machine = _machine(config, name, first[name].read_bytes(), recorded)
             results.append(_compared(first[name], second[name], machine, config))
             voice.did(f"{name}: {results[-1].result}")
     except BeamcamError as error:
@@ -71,11 +71,11 @@ def _files(folder: Path, recorded: Mapping[str, Machine]) -> dict[str, Path]:
     return found
 
 
-def _machine(config: Config, name: str, recorded: Mapping[str, Machine]) -> Machine:
+def _machine(config: Config, name: str, data: bytes, recorded: Mapping[str, Machine]) -> Machine:
     """The machine that a program is for: what is asked for, else what the record says."""
     if name in recorded and config.sources.get("machine") != COMMAND_LINE:
         return recorded[name]
-    return machine_for_program(config, name)
+    return machine_for_program(config, name, data)
 
 
 def _compared(first: Path, second: Path, machine: Machine, config: Config) -> Checked:

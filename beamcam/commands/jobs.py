@@ -11,10 +11,11 @@ from beamcam.commands.common import STANDARD, Voice
 from beamcam.commands.comparison import is_part
 from beamcam.commands.parts import read_parts
 from beamcam.commands.programs import input_bytes
-from beamcam.commands.settings import machine_for, machine_for_program
+from beamcam.commands.settings import machine_for_program, machines_for
 from beamcam.config.values import Config
-from beamcam.errors import Diagnostic
+from beamcam.errors import Diagnostic, Source
 from beamcam.machine.machine import Machine
+from beamcam.machine_choice import first_that_makes
 from beamcam.model.part import Part
 from beamcam.model.plan import Order, Plan
 from beamcam.pictures.program import ReadProgram
@@ -42,7 +43,7 @@ def read_program(data: bytes, path: str, config: Config) -> ReadProgram:
     """A program that is a file. Raises MachineError."""
 
     name = PurePath(shown_name(path)).name  # a picture is the same in each folder
-    machine = machine_for_program(config, path)
+    machine = machine_for_program(config, path, data)
     bar = config.stock_lengths[0] if config.stock_lengths else None
     return ReadProgram(data, machine, name, PurePath(name).suffix.lower(), bar=bar)
 
@@ -64,15 +65,21 @@ def posted_job(
     from beamcam.planning.stock import from_store
 
     parts, said = read_parts(inputs, config, asked, voice)
-    machine = machine_for(config, parts, output)
 
-    def made(bar: float | None) -> Posted:
-        return post(
-            parts, machine, config.job, bar, config.allow_skips, True, order, turn,
-            config.strict, None, voice.did if voice.verbose else untold,
-        )  # fmt: skip
+    def posted_on(machine: Machine) -> Posted:
+        def made(bar: float | None) -> Posted:
+            return post(
+                parts, machine, config.job, bar, config.allow_skips, True, order, turn,
+                config.strict, None, voice.did if voice.verbose else untold,
+            )  # fmt: skip
 
-    posted = from_store(made, config.stock_lengths, max((p.length for p in parts), default=0.0))
+        return from_store(made, config.stock_lengths, max((p.length for p in parts), default=0.0))
+
+    source = parts[0].source if parts else Source("beamcam")
+    machine, posted, choice = first_that_makes(
+        machines_for(config, parts, output), posted_on, source
+    )
+    said += choice
     # One part's program is called after its file, as a batch would; `post` is told a name.
     stem = PurePath(shown_name(inputs[0])).stem if len(inputs) == 1 else config.job
     return Job(parts, said, posted, _program(posted, machine, parts, stem))

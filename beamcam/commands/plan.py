@@ -11,11 +11,12 @@ from beamcam.commands.common import as_json as json_of
 from beamcam.commands.grouped import Grouped
 from beamcam.commands.kinds import of_kind
 from beamcam.commands.parts import looking_options, read_parts
-from beamcam.commands.settings import files_read, machine_for, settled
+from beamcam.commands.settings import files_read, machines_for, settled
 from beamcam.config.values import Config
-from beamcam.errors import BeamcamError, Diagnostic, PlanError, errors_in
+from beamcam.errors import BeamcamError, Diagnostic, PlanError, Source, errors_in
 from beamcam.files import FilesRead
 from beamcam.machine.machine import Machine
+from beamcam.machine_choice import first_that_makes
 from beamcam.model.part import Part
 from beamcam.model.plan import NOT_MADE, Order, Plan, SheetPlan, ToolLoad
 from beamcam.pipeline import as_error
@@ -67,18 +68,28 @@ def command(
     try:
         config = settled(asked, inputs)
         parts, said = read_parts(inputs, config, asked, voice)
-        machine = machine_for(config, parts, output)
-        if machine.stock == "sheet":
-            sheet = _planned_sheet(parts, said, machine, config)
+        machines = machines_for(config, parts, output)
+        source = parts[0].source if parts else Source("beamcam")
+        if machines[0].stock == "sheet":
+            machine, sheet, choice = first_that_makes(
+                machines, lambda m: _planned_sheet(parts, said, m, config), source
+            )
+            voice.remark(choice)
             voice.did(f"planned a sheet on {machine.name}")
             _print(output, files_read(config, inputs), voice, as_json, *sheet)
             return
         skips = config.allow_skips
-        plan = from_store(
-            lambda bar: plan_bar(parts, machine, bar, skips, order, turn),
-            config.stock_lengths,
-            max((part.length for part in parts), default=0.0),
-        )
+        longest = max((part.length for part in parts), default=0.0)
+
+        def planned(machine: Machine) -> Plan:
+            return from_store(
+                lambda bar: plan_bar(parts, machine, bar, skips, order, turn),
+                config.stock_lengths,
+                longest,
+            )
+
+        machine, plan, choice = first_that_makes(machines, planned, source)
+        voice.remark(choice)
         remarks = (*plan.remarks, *told(plan))
         if config.strict and errors_in(refused := tuple(map(as_error, remarks))):
             raise PlanError(refused)

@@ -11,15 +11,15 @@ from beamcam.commands.grouped import Grouped
 from beamcam.commands.kinds import program
 from beamcam.commands.parts import part_options, read_parts
 from beamcam.commands.quantities import program_names, quantity
-from beamcam.commands.settings import files_read, machine_for, map_remarks, settled
+from beamcam.commands.settings import files_read, machines_for, map_remarks, settled
 from beamcam.commands.tables import job_name, outputs, table_style, write_list
-from beamcam.errors import BeamcamError, Diagnostic
+from beamcam.errors import BeamcamError, Diagnostic, Source
 from beamcam.files import FilesRead
 from beamcam.machine.machine import Machine
-from beamcam.model.part import Part
+from beamcam.machine_choice import first_that_makes
 from beamcam.model.plan import Order
 from beamcam.pipeline import Posted, RefusedProgram, post, untold
-from beamcam.planning.bar_jobs import bar_jobs
+from beamcam.planning.bar_jobs import BarJob, bar_jobs
 from beamcam.planning.stock import from_store
 
 
@@ -62,9 +62,10 @@ def command(
     Several INPUTs are laid on one bar in the order given; an input named twice is made twice. With
     --quantity each is made as often as its file or the option says, on as many bars as they need
     (first fit), a program each: NAME-1, NAME-2, and so on. A sheet takes one part. Without
-    --machine bars go to beamline, sheets by the suffix of the output to plate-linuxcnc (.ngc),
-    plate-codesys (.gcode), laser-grbl (.nc), table-simotion (.st) or laser-stepper (.steps, .csv,
-    .bin, .h). Nothing is written unless all of it can be made.
+    --machine the first takes them that makes all of them: of bars beamline, then beamline-pusher;
+    of sheets by the suffix of the output plate-linuxcnc (.ngc), plate-codesys (.gcode), laser-grbl
+    (.nc), table-simotion (.st) or laser-stepper (.steps, .csv, .bin, .h). Nothing is written unless
+    all of it can be made.
 
     \b
     beamcam post gasket.dxf -o gasket.ngc --map blue=cut --thickness 3
@@ -78,25 +79,31 @@ def command(
     try:
         config = settled(asked, inputs)
         parts, said = read_parts(inputs, config, asked, voice)
-        machine = machine_for(config, parts, output)
-        said += map_remarks(config, parts, machine)
-        style = table_style(machine, output, style)
-        job = job_name(config, machine, output)
+        machines = machines_for(config, parts, output)
+        said += map_remarks(config, parts, machines[0])
 
-        jobs = bar_jobs(parts, machine, config.quantity, config.stock_lengths)
-        names = program_names(output, len(jobs))
-        made: list[tuple[str, Posted]] = []
-        for name, each in zip(names, jobs, strict=True):
+        def posted_on(machine: Machine) -> list[tuple[str, Posted]]:
+            told = table_style(machine, output, style)
+            job = job_name(config, machine, output)
+            jobs = bar_jobs(parts, machine, config.quantity, config.stock_lengths)
+            return [
+                (name, _posted(each, machine, job, told))
+                for name, each in zip(program_names(output, len(jobs)), jobs, strict=True)
+            ]
 
-            def posted(bar: float | None, parts: tuple[Part, ...] = each.parts) -> Posted:
+        def _posted(each: BarJob, machine: Machine, job: str, told: str | None) -> Posted:
+            def made(bar: float | None) -> Posted:
                 return post(
-                    parts, machine, job, bar, config.allow_skips, not no_verify, order, turn,
-                    config.strict, style, voice.did if voice.verbose else untold,
+                    each.parts, machine, job, bar, config.allow_skips, not no_verify, order, turn,
+                    config.strict, told, voice.did if voice.verbose else untold,
                 )  # fmt: skip
 
             longest = max((p.length for p in each.parts), default=0.0)
-            output = name  # of which a refused program is kept
-            made.append((name, from_store(posted, each.lengths, longest)))
+            return from_store(made, each.lengths, longest)
+
+        source = parts[0].source if parts else Source("beamcam")
+        machine, made, choice = first_that_makes(machines, posted_on, source)
+        said += choice
     except RefusedProgram as error:
         kept = keep_refused(output, error.pieces(), files_read(config, inputs))
         voice.stop((*said, *error.diagnostics, *kept))

@@ -185,11 +185,7 @@ def accept(results: Sequence[Checked]) -> tuple[Checked, ...]:
 
 def machines_of(row: Row, shop: Shop) -> list[Machine]:
     """The machine of each program of an input."""
-    sheets = shop.sheets
-    return [
-        sheets if sheets is not None and part["machine"] == sheets.name else shop.machine
-        for part in row["parts"]
-    ]
+    return [shop.machine_named(part["machine"]) for part in row["parts"]]
 
 
 def _refused(path: str, said: Sequence[Diagnostic]) -> Checked:

@@ -65,7 +65,8 @@ def command(
     try:
         config = settled(asked, (program,))
         target = target_of(output, to)
-        machine = machine_for_program(config, program)
+        text = program_text(program)
+        machine = machine_for_program(config, program, text)
         if machine.controller not in READ_BY:
             raise click.UsageError(
                 f"found the machine {machine.name}; expected one for bars, or a table that is told "
@@ -73,7 +74,7 @@ def command(
             )
         stock, said = _stock(profile, config, voice)
         name = shown_name(program)
-        found = recover(program_text(program), machine, name, stock)
+        found = recover(text, machine, name, stock)
         said = (*said, *found.said)
         if config.strict:
             said = tuple(map(as_error, said))

@@ -19,7 +19,7 @@ from beamcam.commands.common import Voice, say_lines
 from beamcam.commands.kinds import KINDS, expected
 from beamcam.commands.members import member_choice, selection_options
 from beamcam.commands.quantities import quantity
-from beamcam.commands.settings import machine_of_stock
+from beamcam.commands.settings import machines_of_stock
 from beamcam.commands.sheets import drawing_choice, drawing_options, torch_options
 from beamcam.config.rules import UNUSED
 from beamcam.config.values import Config
@@ -85,9 +85,11 @@ def shop_of(config: Config, asked: Mapping[str, Any], timed: bool = False) -> Sh
     """
     name = config.name or ""
     check_asked(config.job, None, config.allow_skips)
-    bars = machine_of_stock(config, "beam", name, is_one_of_two=True)
-    sheets = machine_of_stock(config, "sheet", name, is_one_of_two=bars.torch is not None)
-    for machine in (bars, sheets):
+    bars, *more_bars = machines_of_stock(config, "beam", name, is_one_of_two=True)
+    sheets, *more_sheets = machines_of_stock(
+        config, "sheet", name, is_one_of_two=bars.torch is not None
+    )
+    for machine in (bars, sheets, *more_bars, *more_sheets):
         _check_suffix(name, machine)
     return Shop(
         bars,
@@ -102,6 +104,7 @@ def shop_of(config: Config, asked: Mapping[str, Any], timed: bool = False) -> Sh
         drawing_choice(asked) | member_choice(asked, kernel=True, workers=1),
         timed=timed,
         clock=perf_counter,
+        more=(*more_bars, *more_sheets),
     )
 
 

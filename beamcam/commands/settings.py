@@ -15,7 +15,7 @@ from beamcam.controllers.machine_words import load_machine
 from beamcam.errors import Diagnostic, MachineError, PlanError, Source
 from beamcam.files import FilesRead
 from beamcam.machine import Machine
-from beamcam.machine.defaults import default_machine, is_of_sheets
+from beamcam.machine.defaults import default_machines, is_of_sheets
 from beamcam.machine.rules import UNKNOWN_MACHINE
 from beamcam.model.part import Part
 from beamcam.pipeline import stock_of
@@ -54,7 +54,10 @@ def _with_own_machines(config: Config) -> Config:
     from beamcam.machine.names import resolved
 
     machine = config.machine and resolved(config.machine, config.file)
-    machines = {stock: resolved(name, config.file) for stock, name in config.machines.items()}
+    machines = {
+        stock: tuple(resolved(name, config.file) for name in config.machine_names(stock))
+        for stock in config.machines
+    }
     return replace(config, machine=machine, machines=machines)
 
 
@@ -69,9 +72,8 @@ def _files_read(config: Config, inputs: Iterable[str]) -> Iterator[str]:
     yield from inputs
     if config.file is not None:
         yield config.file
-    for name in (config.machine, *config.machines.values()):
-        if name is not None:
-            yield from files_of(name)
+    for name in {*config.machine_names("beam"), *config.machine_names("sheet")}:
+        yield from files_of(name)
 
 
 def _config(file: str | None, inputs: Iterable[str] | None) -> Config:
@@ -93,13 +95,18 @@ def _wanted(asked: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def machine_for(config: Config, parts: Sequence[Part], output: str) -> Machine:
-    """The machine that makes `parts`, as the job wants it; `output` is the program's name.
+    """The first of `machines_for`."""
+    return machines_for(config, parts, output)[0]
 
-    Where none is asked for it is that for their kind of stock, and of sheets by the suffix of
-    `output`. Raises MachineError, ConfigError and PlanError.
+
+def machines_for(config: Config, parts: Sequence[Part], output: str) -> tuple[Machine, ...]:
+    """The machines that may make `parts`, as the job wants them, in the order they are tried in.
+
+    `output` is the program's name. Where none is asked for they are those for the kind of stock,
+    and of sheets by the suffix of `output`. Raises MachineError, ConfigError and PlanError.
     """
     _agree_on_sheet(config, parts)
-    return machine_of_stock(config, stock_of(parts), output)
+    return machines_of_stock(config, stock_of(parts), output)
 
 
 def _agree_on_sheet(config: Config, parts: Sequence[Part]) -> None:
@@ -177,20 +184,49 @@ def _is_asked(config: Config, key: str) -> bool:
     return config.sources.get(f"map.{key}") == COMMAND_LINE
 
 
-def machine_for_program(config: Config, program: str) -> Machine:
-    """The machine that a program of that name is for; `machine_for` where its parts are unknown."""
-    return machine_of_stock(config, "sheet" if is_of_sheets(program) else "beam", program)
+def machine_for_program(config: Config, program: str, data: bytes | str = b"") -> Machine:
+    """The machine that a program is for: of those that its name allows the one that its head names.
+
+    `data` is what stands in it, where that is known.
+    """
+    stock: Stock = "sheet" if is_of_sheets(program) else "beam"
+    return machine_named_by(data, machines_of_stock(config, stock, program))
+
+
+def machine_named_by(data: bytes | str, machines: Sequence[Machine]) -> Machine:
+    """The machine that the head of a program names; the first where it names none of them."""
+    from beamcam.verify.head import head_of
+
+    head = head_of(data.decode("utf-8", "replace") if isinstance(data, bytes) else data)
+    named = (machine for machine in machines if head is not None and machine.name == head.machine)
+    return next(named, machines[0])
 
 
 def machine_of_stock(
     config: Config, stock: Stock, output: str, is_one_of_two: bool = False
 ) -> Machine:
-    """The machine for a kind of stock, as `machine_for`.
+    """The first of `machines_of_stock`."""
+    return machines_of_stock(config, stock, output, is_one_of_two)[0]
 
-    `is_one_of_two` says that there is one for the other kind, which may be who can do what the
+
+def machines_of_stock(
+    config: Config, stock: Stock, output: str, is_one_of_two: bool = False
+) -> tuple[Machine, ...]:
+    """The machines for a kind of stock, as `machines_for`.
+
+    `is_one_of_two` says that there are some for the other kind, which may be who can do what the
     command line asks for.
     """
-    machine = _named_machine(config, stock) or load_machine(default_machine(stock, output))
+    names = config.machine_names(stock)
+    if names:
+        found = [_named_machine(config, stock, name) for name in names]
+    else:
+        found = [load_machine(name) for name in default_machines(stock, output)]
+    return tuple(_as_asked(machine, config, is_one_of_two) for machine in found)
+
+
+def _as_asked(machine: Machine, config: Config, is_one_of_two: bool) -> Machine:
+    """A machine with the tolerances, the map and the sheet of the job."""
     remark(machine.remarks)
     if config.tolerances:
         from beamcam.config.apply import with_tolerances
@@ -201,15 +237,12 @@ def machine_of_stock(
     return _with_sheet(machine, config)
 
 
-def _named_machine(config: Config, stock: Stock) -> Machine | None:
-    """The machine that is named for a kind of stock, by the configuration or the command line.
+def _named_machine(config: Config, stock: Stock, named: str) -> Machine:
+    """A machine that is named for a kind of stock, by the configuration or the command line.
 
     Raises MachineError; ConfigError where a configuration names one that is not there.
     """
     key = f"machines.{stock}" if stock in config.machines else "machine"
-    named = config.machines.get(stock) or config.machine
-    if named is None:
-        return None
     try:
         return load_machine(named)
     except MachineError as error:

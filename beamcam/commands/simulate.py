@@ -86,10 +86,11 @@ def command(
         raise click.UsageError("Say where the trace goes: -o FILE or --modbus HOST:PORT.")
     try:
         config = settled(asked, (program,))
-        machine = machine_for_program(config, program)
+        text = program_text(program)
+        machine = machine_for_program(config, program, text)
         if machine.stock != "beam":
             raise click.UsageError(f"{machine.name} is no cell; simulate runs programs for bars.")
-        done = run(program_text(program), machine, None, shown_name(program))
+        done = run(text, machine, None, shown_name(program))
         if errors_in(done.diagnostics):
             raise VerifyError(done.diagnostics)
         course = stretches(done.events, done.dialect, dict(done.made.section), machine)

@@ -10,7 +10,7 @@ from beamcam.commands.common import REFUSED, STANDARD, Voice, say_json
 from beamcam.commands.grouped import Grouped
 from beamcam.commands.parts import looking_options, read_parts
 from beamcam.commands.programs import input_bytes
-from beamcam.commands.settings import machine_for, machine_for_program, settled
+from beamcam.commands.settings import machine_for_program, machine_named_by, machines_for, settled
 from beamcam.config.values import Config
 from beamcam.errors import BeamcamError, Diagnostic, errors_in
 from beamcam.pipeline import read_back
@@ -69,9 +69,9 @@ def command(
         wanted, said = read_parts(parts, config, asked, voice)
         data = input_bytes(program)
         if wanted:
-            machine = machine_for(config, wanted, program)
+            machine = machine_named_by(data, machines_for(config, wanted, program))
         else:
-            machine = machine_for_program(config, program)
+            machine = machine_for_program(config, program, data)
         name, style = shown_name(program), PurePath(program).suffix.lower()
         head = head_of(data.decode("utf-8", "replace") if isinstance(data, bytes) else data)
         skips = _allowed(config, head)

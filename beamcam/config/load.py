@@ -38,7 +38,12 @@ def load(path: str | Path) -> Config:
     if read.machine:
         values["machine"] = _from(folder, read.machine)
     if read.machines:
-        values["machines"] = {k: _from(folder, name) for k, name in read.machines.items()}
+        values["machines"] = {
+            stock: _from(folder, named)
+            if isinstance(named, str)
+            else tuple(_from(folder, name) for name in named)
+            for stock, named in read.machines.items()
+        }
     values["stock_lengths"] = tuple(sorted(set(read.stock_lengths)))
     return Config(**values, file=str(path), sources=_sources(table, place))
 

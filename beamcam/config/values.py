@@ -53,7 +53,8 @@ class ConfigFile(Keys, frozen=True):
     """What a configuration may say; the fields are the keys of the file."""
 
     machine: Text | None = None  #: machine of --machine: a name or a TOML file
-    machines: Mapping[Stock, Text] = field(default_factory=dict)  #: by stock, before `machine`
+    #: by stock, before `machine`: one, or several that are tried in order
+    machines: Mapping[Stock, Text | tuple[Text, ...]] = field(default_factory=dict)
     stock_lengths: tuple[Positive, ...] = ()  #: bars in store, mm; the shortest that will do
     allow_skips: tuple[str, ...] = ()  #: kinds of features that may be left out
     strict: bool = False  #: whether warnings refuse a part
@@ -74,6 +75,11 @@ class Config(ConfigFile, frozen=True):
 
     file: str | None = None  #: None where there is no file
     sources: Mapping[str, Source] = field(default_factory=dict)  #: by dotted key
+
+    def machine_names(self, stock: Stock) -> tuple[str, ...]:
+        """The machines that are named for a kind of stock, in the order in which they are tried."""
+        named = self.machines.get(stock) or self.machine
+        return () if named is None else (named,) if isinstance(named, str) else tuple(named)
 
     def rows(self, table: str) -> Mapping[str, Any]:
         """The rows of a key that is a table, by their names."""

@@ -8,27 +8,28 @@ Stock = Literal["beam", "sheet"]
 
 ANY_SUFFIX = "*"
 
-#: Stock and suffix of the output -> machine, from the key `default_for` of the shipped files. It
-#: stands here since reading all of them takes longer than posting a small part; a test compares.
-DEFAULTS: Mapping[tuple[Stock, str], str] = {
-    ("beam", "*"): "beamline",
-    ("beam", ".gcode"): "beamline",
-    ("sheet", "*"): "plate-linuxcnc",
-    ("sheet", ".bin"): "laser-stepper",
-    ("sheet", ".csv"): "laser-stepper",
-    ("sheet", ".gcode"): "plate-codesys",
-    ("sheet", ".h"): "laser-stepper",
-    ("sheet", ".nc"): "laser-grbl",
-    ("sheet", ".ngc"): "plate-linuxcnc",
-    ("sheet", ".st"): "table-simotion",
-    ("sheet", ".steps"): "laser-stepper",
+#: Stock and suffix of the output -> machines in the order in which they are tried, from the keys
+#: `default_for` and `choice` of the shipped files. It stands here since reading all of them takes
+#: longer than posting a small part; a test compares.
+DEFAULTS: Mapping[tuple[Stock, str], tuple[str, ...]] = {
+    ("beam", "*"): ("beamline", "beamline-pusher"),
+    ("beam", ".gcode"): ("beamline", "beamline-pusher"),
+    ("sheet", "*"): ("plate-linuxcnc", "plate-codesys"),
+    ("sheet", ".bin"): ("laser-stepper",),
+    ("sheet", ".csv"): ("laser-stepper",),
+    ("sheet", ".gcode"): ("plate-codesys",),
+    ("sheet", ".h"): ("laser-stepper",),
+    ("sheet", ".nc"): ("laser-grbl",),
+    ("sheet", ".ngc"): ("plate-linuxcnc",),
+    ("sheet", ".st"): ("table-simotion",),
+    ("sheet", ".steps"): ("laser-stepper",),
 }
 
-DEFAULT_MACHINE = DEFAULTS["beam", ANY_SUFFIX]
+DEFAULT_MACHINE = DEFAULTS["beam", ANY_SUFFIX][0]
 
 
-def default_machine(stock: Stock, output: str = "") -> str:
-    """The machine for that stock where none is named, by the name of the output."""
+def default_machines(stock: Stock, output: str = "") -> tuple[str, ...]:
+    """The machines for that stock where none is named, by the name of the output, in order."""
     suffix = PurePath(output).suffix.lower()
     return DEFAULTS.get((stock, suffix), DEFAULTS[stock, ANY_SUFFIX])
 

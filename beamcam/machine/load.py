@@ -27,6 +27,8 @@ from beamcam.machine.toml import Place, TomlError, TomlFile, line_of, toml_text
 from beamcam.system import portable_path
 
 MAX_BASES = 8  #: machine files laid over each other
+#: Keys that say how a file is found, and nothing of the machine.
+_NOT_INHERITED = ("name", "default_for", "choice")
 SHIPPED = Path(__file__).resolve().parent.parent / "machines"
 
 
@@ -103,7 +105,7 @@ def _checksum(table: dict[str, Any]) -> str:
     They tell that a machine has changed since, whatever it is called. They are no protection
     against forgery.
     """
-    values = {key: value for key, value in table.items() if key not in ("name", "default_for")}
+    values = {key: value for key, value in table.items() if key not in _NOT_INHERITED}
     return f"{crc32(json.encode(values, order='deterministic')):08x}"
 
 
@@ -201,7 +203,8 @@ def merged(
         own = {"name": file.path.stem, **_present(file)[0]}
         own.pop("base", None)
         if file is not files[0]:
-            own.pop("default_for", None)
+            for key in ("default_for", "choice"):
+                own.pop(key, None)
         origin = file.shown, file.text
         _overlay(table, own, places, origin, "")
         places[""] = origin

@@ -10,7 +10,7 @@ from typing import Annotated, Literal
 
 from msgspec import Meta, field
 
-from beamcam.conversion import Keys, NotNegative, Positive
+from beamcam.conversion import Keys, NotNegative, Positive, PositiveCount
 from beamcam.errors import Diagnostic
 from beamcam.machine.drill import Drill, Pair, Spindle
 from beamcam.machine.marking import Marks
@@ -104,6 +104,7 @@ class MachineFile(Keys, frozen=True):
     words: Words = Words()
     suffix: str = ".gcode"
     default_for: tuple[str, ...] = ()  #: suffixes of outputs for which it is taken; not inherited
+    choice: PositiveCount = 1  #: place among those tried for such an output; not inherited
     layout: Layout | None = None
     saw: Saw | None = None
     drill: Drill | None = None

@@ -33,7 +33,7 @@ title = {title}
 def starting_file(name: str, base: str) -> str:
     """The text of a file for the machine `name`, over the machine `base`. Raises MachineError."""
     table, _ = merged(files_of_machine(base))
-    for key in ("name", "default_for"):
+    for key in ("name", "default_for", "choice"):
         table.pop(key, None)
     title = json.dumps(f"{table.pop('title')} ({name})", ensure_ascii=False)
     head = _HEAD.format(name=name, base=base, title=title, suffix=table.get("suffix", ""))

@@ -8,20 +8,21 @@ from beamcam.machine import load, shipped
 from beamcam.machine.defaults import (
     DEFAULT_MACHINE,
     DEFAULTS,
-    default_machine,
+    default_machines,
     is_of_programs,
     is_of_sheets,
 )
 
 
 def test_the_table_is_that_of_the_machine_files() -> None:
-    rows = [
-        ((machine.stock, suffix), machine.name)
-        for machine in map(load, shipped())
-        for suffix in machine.default_for
-    ]
-    assert len(rows) == len(dict(rows)), "two machines are the default of one suffix"
-    assert dict(rows) == DEFAULTS
+    places: dict[tuple[str, str], dict[int, str]] = {}
+    for machine in map(load, shipped()):
+        for suffix in machine.default_for:
+            rows = places.setdefault((machine.stock, suffix), {})
+            assert machine.choice not in rows, f"two machines have one place for {suffix}"
+            rows[machine.choice] = machine.name
+    found = {key: tuple(rows[n] for n in sorted(rows)) for key, rows in places.items()}
+    assert found == DEFAULTS
 
 
 def test_a_machine_of_ones_own_is_no_default(tmp_path: Path) -> None:
@@ -30,7 +31,7 @@ def test_a_machine_of_ones_own_is_no_default(tmp_path: Path) -> None:
     path.write_text('base = "plate-linuxcnc"\n')
     mine, base = load(str(path)), load("plate-linuxcnc")
     assert base.default_for
-    assert mine.default_for == ()
+    assert (mine.default_for, mine.choice) == ((), 1)
     assert mine.checksum == base.checksum
 
 
@@ -44,7 +45,7 @@ def test_a_machine_of_ones_own_is_no_default(tmp_path: Path) -> None:
     ],
 )  # fmt: skip
 def test_by_stock_and_suffix(stock: str, output: str, name: str) -> None:
-    assert default_machine("sheet" if stock == "sheet" else "beam", output) == name
+    assert default_machines("sheet" if stock == "sheet" else "beam", output)[0] == name
 
 
 def test_what_a_suffix_tells() -> None:

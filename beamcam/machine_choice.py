@@ -1,0 +1,68 @@
+"""The machine that makes parts, of those in a shop: the first in order that makes all of them."""
+
+from collections.abc import Callable, Iterable, Sequence
+from typing import TypeVar
+
+from beamcam.errors import Diagnostic, PlanError, Rule, Severity, Source, errors_in
+from beamcam.machine.machine import Machine
+
+Made = TypeVar("Made")
+
+CHOSEN = Rule(
+    "plan-machine",
+    Severity.NOTE,
+    "made on {found}; {others}",
+    "Where no machine is named, those of the configuration, or else the shipped ones, are tried in "
+    "their order. The first that makes all of a part takes it. --machine names one.",
+)
+NONE_MAKES_IT = Rule(
+    "plan-no-machine",
+    Severity.ERROR,
+    "found no machine that makes all of it ({found}); expected one",
+    "Each machine that was tried is named with the codes of what it cannot make. Above stands what "
+    "the one says that lacks least. `beamcam codes CODE` explains a code and the ways out.",
+)
+RULES = (CHOSEN, NONE_MAKES_IT)
+
+
+def first_that_makes(
+    machines: Sequence[Machine], attempt: Callable[[Machine], Made], source: Source
+) -> tuple[Machine, Made, tuple[Diagnostic, ...]]:
+    """The first machine that `attempt` is not refused on, what it gave, and a note of the choice.
+
+    Only what a machine cannot make (PlanError) has the next one tried. Where none makes it the
+    PlanError has what the one said that lacks least, and for each machine why.
+    """
+    refused: list[tuple[Machine, tuple[Diagnostic, ...]]] = []
+    for machine in machines:
+        try:
+            made = attempt(machine)
+        except PlanError as error:
+            refused.append((machine, tuple(error.diagnostics)))
+            continue
+        said = (chosen(machine, refused, source),) if refused else ()
+        return machine, made, said
+    raise PlanError(none_makes_it(refused, source))
+
+
+def chosen(
+    machine: Machine, refused: Iterable[tuple[Machine, Sequence[Diagnostic]]], source: Source
+) -> Diagnostic:
+    """The note that a later machine in the order takes a part."""
+    others = "; ".join(f"{m.name} cannot: {_codes(said)}" for m, said in refused)
+    return CHOSEN.at(source, found=machine.name, others=others)
+
+
+def none_makes_it(
+    refused: Sequence[tuple[Machine, Sequence[Diagnostic]]], source: Source
+) -> tuple[Diagnostic, ...]:
+    """What is said where every machine refuses: as it is of one machine, and more of several."""
+    least = min(refused, key=lambda one: len(errors_in(one[1])))[1]
+    if len(refused) == 1:
+        return tuple(least)
+    found = "; ".join(f"{machine.name}: {_codes(said)}" for machine, said in refused)
+    return (*least, NONE_MAKES_IT.at(source, found=found))
+
+
+def _codes(said: Iterable[Diagnostic]) -> str:
+    return ", ".join(dict.fromkeys(one.code for one in errors_in(said)))
