@@ -17,12 +17,12 @@ HEAD = (
 
 
 def part(mark: str, length: float = 2000.0, quantity: int = 1, diameter: float = 18.0) -> str:
-    """The text of a DSTV file with one hole; of diameter 65 no machine here has a tool for it."""
+    """The text of a DSTV file with one hole; of diameter 7.2 no machine here has a tool for it."""
     head = HEAD.format(mark=mark, quantity=quantity, length=length)
     return f"{head}BO\n  v  100.00u   60.00  {diameter:7.2f}\nEN\n"
 
 
-BAD = part("BAD", diameter=65.0)
+BAD = part("BAD", diameter=7.2)
 
 
 def fill(folder: Path, count: int, bad: int | None = None) -> None:

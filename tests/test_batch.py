@@ -38,7 +38,7 @@ def test_one_bad_file_stops_no_other(tmp_path: Path) -> None:
     assert names == [str(tmp_path / "in" / f"P{k:03d}.nc1") for k in range(200)]
     (bad,) = (row for row in data["files"] if row["status"] != "posted")
     assert bad["file"].endswith("P077.nc1")
-    assert [m["code"] for m in bad["messages"]] == ["plan-tool"]
+    assert [m["code"] for m in bad["messages"]] == ["plan-tool", "plan-no-machine"]
     assert bad["messages"][0]["line"] == 28
     assert f"{bad['file']}:28: error plan-tool" in result.stderr
 
@@ -276,7 +276,7 @@ def test_reports(jobs: Path, tmp_path: Path) -> None:
     assert [r["status"] for r in rows] == ["posted", "posted", "refused", "posted", "posted"]
     assert rows[0]["tools"] == "drill-18 saw"
     assert float(rows[0]["machine_time_s"]) == pytest.approx(first["machine_time_s"], abs=0.06)
-    assert rows[2]["errors"] == "1"
+    assert rows[2]["errors"] == "2"  # and that no other machine makes it
     assert "plan-tool" in rows[2]["messages"]
     page = Page(made["html"])
     assert page.cells.count("posted") == 4
@@ -319,7 +319,7 @@ def test_what_is_printed(jobs: Path, tmp_path: Path) -> None:
     (jobs / "A" / "bad.nc1").write_text(BAD)
     plain = batch(jobs, "-o", tmp_path / "1")
     assert plain.stdout == ""
-    assert len(plain.stderr.splitlines()) == 4
+    assert len(plain.stderr.splitlines()) == 5
     assert plain.stderr.count("warning plan-quantity") == 2
     assert "warning plan-quantity: 1 more; --verbose or the report shows them" in plain.stderr
     assert plain.stderr.splitlines()[-1] == "4 posted, 0 unchanged, 1 refused, 0 failed"

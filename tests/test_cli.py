@@ -70,7 +70,9 @@ def test_every_command_with_messages_is_tried() -> None:
     def has_voice(command: click.Command) -> bool:
         return any("--quiet" in param.opts for param in command.params)
 
-    assert {words for words, command in WORDS.items() if has_voice(command)} == set(CALLS)
+    assert {words for words, command in WORDS.items() if has_voice(command)} == {
+        *CALLS, "machines new",  # which writes no file twice
+    }  # fmt: skip
     assert set(COMMANDS) - set(CALLS) == {
         "machines", "config", "completion", "codes", "doctor",
     }  # fmt: skip

@@ -25,6 +25,7 @@ job = "NIGHT"
 jobs = 2
 name = "{mark}{suffix}"
 flat = true
+quantity = "file"
 
 [tolerances]
 merge = 0.25
@@ -58,8 +59,9 @@ def test_every_key_is_read_and_knows_its_line(tmp_path: Path) -> None:
     where = {row.key: row.source and row.source.line for row in config.settings()}
     assert where == {
         "machine": 2, "machines.sheet": 3, "stock_lengths": 4, "allow_skips": 5, "strict": 6,
-        "job": 7, "jobs": 8, "name": 9, "flat": 10, "tolerances.merge": 13,
-        "sheet.thickness": 16, "sheet.lead": 17, "map.#F00": 20, "map.ENGRAVE": 21,
+        "job": 7, "jobs": 8, "name": 9, "flat": 10, "quantity": 11,
+        "tolerances.merge": 14, "sheet.thickness": 17, "sheet.lead": 18, "map.#F00": 21,
+        "map.ENGRAVE": 22,
     }  # fmt: skip
 
 

@@ -74,6 +74,10 @@ CASES = {
         'name = "one{suffix}"', 'name = "two{suffix}"', "--name three{suffix}",
         ("<g.gcode>", "<one.gcode>", "<two.gcode>", "<three.gcode>"), ("batch", "watch"),
     ),
+    "quantity": Case(
+        "quantity = 2", 'quantity = 3', "--quantity 4",
+        (" 5 read", " 10 read", " 15 read", " 20 read"), MAKING,
+    ),
     "tolerances": Case(
         "tolerances.merge = 0.3", "tolerances.merge = 0.5", "",
         ("read = 5 made", "1 merged", "2 merged", ""), ("post", "plan", "batch", "watch"),

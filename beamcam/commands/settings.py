@@ -55,8 +55,10 @@ def _with_own_machines(config: Config) -> Config:
 
     machine = config.machine and resolved(config.machine, config.file)
     machines = {
-        stock: tuple(resolved(name, config.file) for name in config.machine_names(stock))
-        for stock in config.machines
+        stock: resolved(named, config.file)
+        if isinstance(named, str)
+        else tuple(resolved(name, config.file) for name in named)
+        for stock, named in config.machines.items()
     }
     return replace(config, machine=machine, machines=machines)
 

@@ -87,7 +87,7 @@ def _holds(kind: Any) -> type | None:
     if origin is tuple:
         return list
     is_record = isinstance(kind, type) and issubclass(kind, Struct)
-    return dict if is_record or (origin and issubclass(origin, Mapping)) else None
+    return dict if is_record or (isinstance(origin, type) and issubclass(origin, Mapping)) else None
 
 
 def inner_hint(hint: Any, name: str) -> Any:
