@@ -279,7 +279,7 @@ def test_reports(jobs: Path, tmp_path: Path) -> None:
     assert rows[2]["errors"] == "2"  # and that no other machine makes it
     assert "plan-tool" in rows[2]["messages"]
     page = Page(made["html"])
-    assert page.cells.count("posted") == 4
+    assert page.cells.count("posted") == 5  # and in the filter
     assert page.cells.count("beamline") == 4
     assert page.cells.count("1 read = 1 made") == 4
     times = [float(r["machine_time_s"]) * int(r["quantity"]) for r in rows if r["machine_time_s"]]
@@ -325,7 +325,7 @@ def test_what_is_printed(jobs: Path, tmp_path: Path) -> None:
     assert plain.stderr.splitlines()[-1] == "4 posted, 0 unchanged, 1 refused, 0 failed"
     assert "\x1b" not in plain.stderr
     quiet = batch(jobs, "-o", tmp_path / "2", "--quiet")
-    assert len(quiet.stderr.splitlines()) == 1
+    assert len(quiet.stderr.splitlines()) == 2
     assert "plan-tool" in quiet.stderr
     verbose = batch(jobs, "-o", tmp_path / "3", "--verbose")
     assert f"{jobs}/A/P001.nc1: posted A/P001.gcode" in verbose.stderr
