@@ -280,7 +280,7 @@ def test_reports(jobs: Path, tmp_path: Path) -> None:
     assert "plan-tool" in rows[2]["messages"]
     page = Page(made["html"])
     assert page.cells.count("posted") == 5  # and in the filter
-    assert page.cells.count("beamline") == 4
+    assert page.cells.count("beamline") == 6  # and in the filter and the totals
     assert page.cells.count("1 read = 1 made") == 4
     times = [float(r["machine_time_s"]) * int(r["quantity"]) for r in rows if r["machine_time_s"]]
     minutes, seconds = page.cells[page.cells.index("all") + 1].split()[0].split(":")
