@@ -87,10 +87,11 @@ def _totals(rows: Iterable[Row]) -> str:
     for row in rows:
         for part in row["parts"]:
             total = found.setdefault(part["machine"], _Total(tools=Counter()))
-            total.seconds += (part["machine_time_s"] or 0.0) * part["quantity"]
+            runs = part["quantity"] / part["pieces"]
+            total.seconds += (part["machine_time_s"] or 0.0) * runs
             total.programs += 1
             total.pieces += part["quantity"]
-            total.stock += part["bar"] * part["quantity"]
+            total.stock += part["bar"] * runs
             total.tools.update(part["tools"])
     if not found:
         return ""

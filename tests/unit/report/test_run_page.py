@@ -14,9 +14,9 @@ from beamcam.report.run_page import Extra, as_html
 SAMPLES = Path(__file__).resolve().parents[3] / "samples"
 
 
-def part(mark: str, machine: str, quantity: int = 1) -> PartRow:
+def part(mark: str, machine: str, quantity: int = 1, pieces: int = 1) -> PartRow:
     return {
-        "mark": mark, "quantity": quantity, "profile": "IPE300", "length": 4000.0,
+        "mark": mark, "quantity": quantity, "pieces": pieces, "profile": "IPE300", "length": 4000.0,
         "machine": machine, "output": f"{mark}.gcode", "sha256": "", "bar": 6000.0,
         "ledger": {"read": 1, "made": 1, "merged": 0, "duplicate": 0, "listed": 0, "skipped": 0},
         "by_hand": [], "skipped_by": {}, "mapped": {}, "tools": ["drill 18", "saw"],
@@ -32,7 +32,7 @@ def row(name: str, status: str, *parts: PartRow) -> Row:
 
 
 ROWS = [
-    row("a.nc1", "posted", part("A", "beamline", 3)), row("b.nc1", "refused"),
+    row("a.nc1", "posted", part("A", "beamline", 6, 2)), row("b.nc1", "refused"),
     row("c.nc1", "unchanged", part("C", "pusher"), part("<D>", "beamline")),
     row("d.nc1", "failed"),
 ]  # fmt: skip
@@ -56,8 +56,8 @@ def test_totals_count_pieces_time_and_stock_by_machine() -> None:
     rows = dict(re.findall(r"<tr><td>(beamline|pusher|all)(<td class=\"n\">.*?)</tr>", text))
     figures = {name: re.findall(r'"n">([^<]+)', cells) for name, cells in rows.items()}
     assert figures == {
-        "beamline": ["4:00 min", "2", "4", "24.00"], "pusher": ["1:00 min", "1", "1", "6.00"],
-        "all": ["5:00 min", "3", "5", "30.00"],
+        "beamline": ["4:00 min", "2", "7", "24.00"], "pusher": ["1:00 min", "1", "1", "6.00"],
+        "all": ["5:00 min", "3", "8", "30.00"],
     }  # fmt: skip
     assert "drill 18 (2), saw (2)" in text
 
