@@ -99,9 +99,9 @@ def _head(part: Part, unit: Unit) -> Iterator[str]:
 
 
 def _notes(part: Part) -> Iterator[str]:
-    planes = [f for f in part.features if isinstance(f, EndPlane)]
+    planes = sum(isinstance(f, EndPlane) and not f.normal[0] for f in part.features)
     if planes:
-        yield f"{len(planes)} cutting planes are not drawn"
+        yield f"{planes} cutting planes along the part are not drawn"
     yield PurePath(part.source.file).name
 
 
@@ -186,6 +186,8 @@ def _face(
             yield from shapes.feature_shapes(feature, frame)
     if face == "v" and part.profile.code != "B":
         yield from _end_cuts(part, frame)
+    if face == "v":
+        yield from _planes(part, frame)
 
 
 def _depth(feature: Feature) -> int:
@@ -241,6 +243,16 @@ def _end_cuts(part: Part, frame: Frame) -> Iterator[Polyline]:
     ):  # fmt: skip
         angles = f"web {web:g}, flange {flange:g} degrees"
         yield Polyline("cut", frame.all(line), False, f"{'end' if k else 'start'} cut, {angles}")
+
+
+def _planes(part: Part, frame: Frame) -> Iterator[Polyline]:
+    """The cutting planes, where they cross the web at the depth of their point."""
+    for plane in part.features:
+        if isinstance(plane, EndPlane) and plane.normal[0]:
+            (px, py, _), (nx, ny, nz) = plane.point, plane.normal
+            line = [(px - (y - py) * ny / nx, y) for y in (0.0, part.profile.height)]
+            tip = f"cutting plane, normal {nx:g}, {ny:g}, {nz:g}"
+            yield Polyline("cut", frame.all(line), False, tip)
 
 
 def _section(profile: Profile) -> Sequence[Shape]:

@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from msgspec.structs import replace
 
-from beamcam.model.part import Contour, Hole, Part, Slot, TextMark
+from beamcam.model.part import Contour, EndPlane, Hole, Part, Slot, TextMark
 from beamcam.pictures.part import faces_of, part_scene
 from beamcam.pictures.scene import Polyline
 from beamcam.pictures.svg import to_svg
@@ -47,7 +47,8 @@ def test_each_feature_is_drawn_once(path: Path) -> None:
         wanted = sum(1 for c in part.contours if c.process == process)
         assert found.count("contour", f"by-{process}") == wanted
     is_bar = part.profile.code != "B" and part.measures is None
-    assert found.count("cut") == (2 if is_bar else 0)
+    planes = sum(isinstance(f, EndPlane) for f in part.features)
+    assert found.count("cut") == (2 if is_bar else 0) + planes
     texts = " ".join(found.texts)
     assert part.mark in texts
     assert part.profile.name in texts
@@ -158,3 +159,15 @@ def test_a_drawing_is_drawn_by_the_processes_of_its_machine() -> None:
     found = Drawing(to_svg(part_scene(part, processes={"red": "engrave", "blue": "ignore"})))
     assert [found.count("contour", f"by-{p}") for p in ("engrave", "ignored")] == [3, 1]
     assert {"engrave", "ignored"} <= set(found.texts)
+
+
+def test_cutting_planes_are_drawn_where_they_cross_the_web() -> None:
+    part = part_of(SAMPLES / "dstv" / "channel.nc1")
+    plane = EndPlane((1000.0, 0.0, 0.0), (1.0, 0.5, 0.0), part.source)
+    along = EndPlane((0.0, 100.0, 0.0), (0.0, 1.0, 0.0), part.source)
+    found = drawn(replace(part, features=(plane, along)))
+    start, end, cut = (corners(e) for e in found.all("cut"))
+    scale = (end[0][0] - start[1][0]) / part.length
+    assert (cut[0][0] - start[1][0]) / scale == pytest.approx(1000.0, abs=0.1)
+    assert (cut[0][0] - cut[1][0]) / scale == pytest.approx(part.profile.height / 2, abs=0.1)
+    assert "1 cutting planes along the part are not drawn" in found.texts
