@@ -261,7 +261,12 @@ def table_faults(machine: Machine) -> Iterator[Fault]:
         yield "stepper.sequence", list(stepper.sequence), "each of 00, 01, 10, 11 once"
 
 
+MIN_CYCLE_S = 0.0005  #: no task of such a controller comes round sooner
+
+
 def _trigger_faults(triggers: Triggers, machine: Machine) -> Iterator[Fault]:
+    if triggers.cycle_s < MIN_CYCLE_S:
+        yield "triggers.cycle_s", triggers.cycle_s, f"at least {MIN_CYCLE_S:g} s"
     if triggers.arrival_window < triggers.count:
         expected = f"a count of the encoder or more, {triggers.count:.4f} mm"
         yield "triggers.arrival_window", triggers.arrival_window, expected

@@ -20,6 +20,7 @@ MOTIONS = {"G0": 0, "G1": 1, "G2": 2, "G3": 3}
 #: Canned cycles, and their end, of a controller that knows them.
 CYCLES = {"G80": cycles.END, "G81": cycles.DRILL, "G82": cycles.DRILL_AND_DWELL}
 ENDS = (2, 30)
+MAX_NUMBER = 1e9  #: of an M word, which has three digits at most
 
 
 class Variant(Struct, frozen=True):
@@ -106,6 +107,8 @@ class _Words:
                 self._wrong(f"N{digits}", "it at the beginning of a block")
         elif letter == "G":
             self._codes.append(f"G{value:g}")
+        elif letter == "M" and value > MAX_NUMBER:
+            self._wrong(f"M{digits}", "a number of a few digits")
         elif letter == "M":
             self._m_words.append(int(value))
             if value != int(value):

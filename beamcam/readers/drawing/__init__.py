@@ -88,7 +88,7 @@ def is_in_bounds(curve: Curve) -> bool:
         case Bezier():
             values = chained.from_iterable(curve.points)
         case BSpline():
-            values = chained(chained.from_iterable(curve.control), curve.weights or ())
+            values = chained(chained.from_iterable(curve.control), curve.knots, curve.weights or ())
         case NewtonCurve():
             values = chained.from_iterable(curve.nodes)
     # Of nan the comparison is false.
