@@ -33,7 +33,7 @@ STEPS = (
     ("pictures",),
     ("setup_sheet",),
     ("pipeline", "machine_choice"),
-    ("batch", "api"),
+    ("batch", "api", "remainder"),
     ("watch",),
     ("commands",),
     ("cli",),

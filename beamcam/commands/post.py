@@ -17,7 +17,7 @@ from beamcam.errors import BeamcamError, Diagnostic, Source
 from beamcam.files import FilesRead
 from beamcam.machine.machine import Machine
 from beamcam.machine_choice import first_that_makes
-from beamcam.model.plan import Order
+from beamcam.model.plan import Order, Plan
 from beamcam.pipeline import Posted, RefusedProgram, post, untold
 from beamcam.planning.bar_jobs import BarJob, bar_jobs
 from beamcam.planning.stock import from_store
@@ -40,6 +40,13 @@ from beamcam.planning.stock import from_store
     help="How a trigger program is written; by default as the machine and its length ask for.",
 )
 @options.turn
+@click.option(
+    "--from-operation",
+    "first",
+    type=click.IntRange(min=2),
+    metavar="N",
+    help="Only the rest of the program, from the operation that `plan` calls N.",
+)
 @part_options
 @options.no_verify
 @options.strict
@@ -51,6 +58,7 @@ def command(
     order: Order,
     style: str | None,
     turn: bool,
+    first: int | None,
     no_verify: bool,
     exit_left_out: int | None,
     as_json: bool,
@@ -67,6 +75,9 @@ def command(
     (.nc), table-simotion (.st) or laser-stepper (.steps, .csv, .bin, .h). Nothing is written unless
     all of it can be made.
 
+    After a stop in mid bar --from-operation makes the rest of the program: what has to be true at
+    the machine stands in its head, and it is read back behind what was done.
+
     \b
     beamcam post gasket.dxf -o gasket.ngc --map blue=cut --thickness 3
     beamcam post M58.nc1 -o job.gcode
@@ -74,6 +85,7 @@ def command(
     beamcam post M58.nc1 --bar 12000 -o - | less
     beamcam post M74.nc1 M58.nc1 --quantity file --bar 12000 -o job.gcode
     beamcam post model.ifc --mark B12 -o b12.gcode
+    beamcam post M58.nc1 --from-operation 7 -o rest.gcode
     """
     said: tuple[Diagnostic, ...] = ()
     try:
@@ -104,6 +116,9 @@ def command(
         source = parts[0].source if parts else Source("beamcam")
         machine, made, choice = first_that_makes(machines, posted_on, source)
         said += choice
+        if first is not None:
+            jobs = bar_jobs(parts, machine, config.quantity, config.stock_lengths)
+            made = [(output, _rest(made, jobs, machine, config.allow_skips, order, turn, first))]
     except RefusedProgram as error:
         kept = keep_refused(output, error.pieces(), files_read(config, inputs))
         voice.stop((*said, *error.diagnostics, *kept))
@@ -113,6 +128,25 @@ def command(
     voice.say((*said, *dict.fromkeys(one for _, each in made for one in each.remarks)))
     if exit_left_out is not None and any(each.leaves_out for _, each in made):
         raise SystemExit(exit_left_out)
+
+
+def _rest(
+    made: Sequence[tuple[str, Posted]], jobs: Sequence[BarJob], machine: Machine,
+    skips: Sequence[str], order: Order, turn: bool, first: int,
+) -> Posted:  # fmt: skip
+    """The rest of the only program, from an operation on. Raises PlanError and RefusedProgram."""
+    from beamcam.planning.rules import named_skips
+    from beamcam.posts import Request
+    from beamcam.remainder import rest_of
+
+    if machine.stock != "beam" or len(made) != 1:
+        raise click.UsageError("--from-operation is for the program of one bar.")
+    ((_, posted),) = made
+    length = posted.plan.bar.length if isinstance(posted.plan, Plan) else None
+    request = Request(
+        jobs[0].parts, machine, named_skips(skips), order=order, turn=turn, bar=length
+    )
+    return rest_of(posted, request, first)
 
 
 def _write(

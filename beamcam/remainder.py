@@ -1,0 +1,128 @@
+"""The rest of a program after a stop in mid bar: from one of its operations to the end.
+
+    whole program   head | 1 | 2 | 3 | 4 | 5 | foot
+    done            head | 1 | 2 | 3 |                 what was made when the line stopped
+    rest                      head, what has to be true | 4 | 5 | foot
+
+What was done and the rest, one behind the other, are read back against the parts as the whole was,
+and the rest by itself: nothing in it may count on what was said before.
+"""
+
+from collections.abc import Iterator, Sequence
+
+from msgspec.structs import replace
+
+from beamcam.emitters import gcode
+from beamcam.errors import Diagnostic, PlanError, Rule, Severity, VerifyError, errors_in
+from beamcam.machine.machine import Machine
+from beamcam.model.part import Part
+from beamcam.model.plan import Operation, Plan, SawOp
+from beamcam.model.program import (
+    Command,
+    Comment,
+    DrillCycle,
+    PathCycle,
+    Program,
+    SawStroke,
+    StartBar,
+)
+from beamcam.pipeline import Posted, RefusedProgram, read_back
+from beamcam.planning.magazine import tool_loads
+from beamcam.posts import Request
+from beamcam.verify.bars import run
+from beamcam.verify.rules import TOOL_CHANGE
+
+OPERATION = Rule(
+    "plan-operation",
+    Severity.ERROR,
+    "found operation {found} to begin with; expected 2 to {expected}, as `beamcam plan` counts",
+    "Operation 1 begins the whole program.",
+)
+RULES = (OPERATION,)
+_WORK = (SawStroke, DrillCycle, PathCycle)
+
+
+def rest_of(posted: Posted, request: Request, first: int) -> Posted:
+    """The program from operation `first` on, of one that was posted for a bar.
+
+    Raises PlanError if there is no such operation, RefusedProgram if what was done and the rest do
+    not make the parts.
+    """
+    plan, whole, machine = posted.plan, posted.program, request.machine
+    if not isinstance(plan, Plan) or not isinstance(whole, Program):
+        raise TypeError(f"{machine.name} works on no bars")
+    source = request.parts[0].source
+    count = len(plan.operations)
+    if not 2 <= first <= count:
+        raise PlanError(OPERATION.at(source, found=first, expected=count))
+    head, done, rest = _parted(whole.commands, first)
+    notes = map(Comment, what_has_to_be_true(plan, first, machine))
+    before = gcode.emit(replace(whole, commands=done), machine)
+    text = gcode.emit(replace(whole, commands=(*head, *notes, *rest)), machine)
+    wrong = (*_alone(text, request), *read_back(_joined(before, text, machine), request))
+    if errors_in(wrong):
+        raise RefusedProgram(wrong, text)
+    return replace(posted, written=text)
+
+
+def _parted(
+    commands: Sequence[Command], first: int
+) -> tuple[tuple[Command, ...], tuple[Command, ...], tuple[Command, ...]]:
+    """The head of a program, its commands before an operation, and the others."""
+    work = [k for k, command in enumerate(commands) if isinstance(command, _WORK)]
+    begin = next(k for k, c in enumerate(commands) if not isinstance(c, StartBar | Comment))
+    if not isinstance(commands[begin], _WORK):
+        begin -= 1  # the comment on a change of tool belongs to it
+    cut = work[first - 2] + 1
+    return tuple(commands[:begin]), tuple(commands[:cut]), tuple(commands[cut:])
+
+
+def _joined(before: str, rest: str, machine: Machine) -> str:
+    """What was done, without its foot, and the rest behind it, as one program."""
+    footer = sum(line.count("\n") + 1 for line in machine.words.footer)
+    lines = before.splitlines()
+    lines = lines[: len(lines) - footer]
+    begun = rest.splitlines()
+    return "\n".join([*lines, *(begun[1:] if begun[0].startswith("%") else begun)]) + "\n"
+
+
+def _alone(text: str, request: Request) -> tuple[Diagnostic, ...]:
+    """What is wrong with the rest by itself; which tools are in their stations it does not know."""
+    parts: Sequence[Part] = request.parts
+    grades = tuple(dict.fromkeys(part.grade for part in parts))
+    try:
+        done = run(text, request.machine, parts[0].profile, request.name, grades)
+    except VerifyError as error:
+        return error.diagnostics
+    return tuple(said for said in done.diagnostics if said.code != TOOL_CHANGE.code)
+
+
+def what_has_to_be_true(plan: Plan, first: int, machine: Machine) -> Iterator[str]:
+    """What whoever starts the rest of a program has to see to, line by line."""
+    done, left = plan.operations[: first - 1], plan.operations[first - 1 :]
+    last = done[-1]
+    yield f"REST FROM OPERATION {first} OF {len(plan.operations)}. START ONLY IF ALL THIS IS TRUE:"
+    yield f"- OPERATIONS 1 TO {first - 1} ARE DONE, THE LAST ONE AT X {last.x:.3f}: {_called(last)}"
+    if machine.saw is not None:
+        off = [plan.pieces[p].part.mark for p in _parted_off(plan, left)]
+        yield f"- PARTED OFF: {', '.join(off) if off else 'NOTHING YET'}"
+    yield f"- THE BAR IS CLAMPED AS IT WAS AND STANDS AT X {last.x:.3f} BY THE SAME REFERENCE"
+    yield "- ALL TOOLS ARE DRAWN BACK, SPINDLES AND COOLANT ARE OFF"
+    held: dict[tuple[str, int], str] = {}
+    for load in tool_loads(plan.operations, machine):
+        if load.out is None or load.before < first - 1:
+            held[load.spindle, load.station] = load.tool.name
+    for (spindle, station), tool in sorted(held.items()):
+        yield f"- {spindle} STATION {station} HOLDS {tool}"
+
+
+def _called(operation: Operation) -> str:
+    if isinstance(operation, SawOp):
+        return f"SAW CUT AT {operation.angle:g} DEG"
+    return f"{operation.tool.name} ON FACE {' AND '.join(operation.faces)}"
+
+
+def _parted_off(plan: Plan, left: Sequence[Operation]) -> list[int]:
+    """The pieces whose ends are cut."""
+    to_cut = {op.pieces[0] for op in left if isinstance(op, SawOp) and op.at == "end"}
+    return [p for p in range(len(plan.pieces)) if p not in to_cut]

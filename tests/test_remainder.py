@@ -1,0 +1,144 @@
+"""The rest of a program after a stop in mid bar: what it says, and that it makes what is left."""
+
+import re
+from pathlib import Path
+
+import pytest
+from click.testing import CliRunner, Result
+
+from beamcam import remainder
+from beamcam.cli import main
+from beamcam.errors import PlanError
+from beamcam.machine import load
+from beamcam.model.part import Part
+from beamcam.model.plan import Plan
+from beamcam.model.program import Command
+from beamcam.pipeline import Posted, RefusedProgram, post
+from beamcam.posts import Request
+from beamcam.readers import read
+from beamcam.remainder import rest_of, what_has_to_be_true
+from tests.conftest import SAMPLES
+
+CHANNEL, STRUT = SAMPLES / "dstv" / "channel.nc1", SAMPLES / "dstv" / "strut.nc1"
+MACHINES = ("beamline", "beamline-annex", "beamline-pusher")
+HALL = str(SAMPLES / "machines" / "hall-drill.toml")
+
+
+def parts(path: Path, count: int = 1) -> tuple[Part, ...]:
+    return read(path.read_bytes(), path.name).parts * count
+
+
+def whole(path: Path, machine: str, count: int = 1) -> tuple[Posted, Request]:
+    made = parts(path, count)
+    posted = post(made, load(machine))
+    assert isinstance(posted.plan, Plan)
+    return posted, Request(made, load(machine), bar=posted.plan.bar.length)
+
+
+def blocks(text: str) -> list[str]:
+    """The blocks of a program without their numbers and comments."""
+    found = (re.sub(r"^N\d+ ", "", line) for line in text.splitlines())
+    return [line for line in found if not line.startswith(("(", "%"))]
+
+
+@pytest.mark.parametrize("machine", MACHINES)
+def test_each_rest_is_the_end_of_the_whole_and_reads_back(machine: str) -> None:
+    posted, request = whole(CHANNEL, machine, 2)
+    assert isinstance(posted.plan, Plan)
+    all_blocks = blocks(posted.text)
+    header = blocks("\n".join(load(machine).words.header))
+    lengths = []
+    for first in range(2, len(posted.plan.operations) + 1):
+        text = rest_of(posted, request, first).text
+        rest = blocks(text)[len(header) :]
+        assert rest == all_blocks[-len(rest) :]
+        assert f"REST FROM OPERATION {first} OF {len(posted.plan.operations)}" in text
+        lengths.append(len(rest))
+    assert lengths == sorted(lengths, reverse=True)
+    assert len(set(lengths)) == len(lengths)
+
+
+def test_on_a_line_of_ones_own() -> None:
+    posted, request = whole(STRUT, HALL)
+    assert isinstance(posted.plan, Plan)
+    text = rest_of(posted, request, 2).text
+    assert text.startswith("%\n")
+    assert text.endswith("M30\n%\n")
+    assert "PARTED OFF" not in text
+
+
+def test_the_head_says_what_has_to_be_true() -> None:
+    posted, request = whole(CHANNEL, "beamline", 2)
+    assert isinstance(posted.plan, Plan)
+    said = [*what_has_to_be_true(posted.plan, 18, request.machine)]
+    assert said[:5] == [
+        "REST FROM OPERATION 18 OF 24. START ONLY IF ALL THIS IS TRUE:",
+        "- OPERATIONS 1 TO 17 ARE DONE, THE LAST ONE AT X 5002.743: drill 14 ON FACE o AND u",
+        "- PARTED OFF: C1",
+        "- THE BAR IS CLAMPED AS IT WAS AND STANDS AT X 5002.743 BY THE SAME REFERENCE",
+        "- ALL TOOLS ARE DRAWN BACK, SPINDLES AND COOLANT ARE OFF",
+    ]
+    assert "- web STATION 2 HOLDS drill 14" in said
+    early = [*what_has_to_be_true(posted.plan, 2, request.machine)]
+    assert early[2] == "- PARTED OFF: NOTHING YET"
+    text = rest_of(posted, request, 18).text
+    for line in said:
+        assert f"({line})" in text
+
+
+@pytest.mark.parametrize("first", [1, 0, 99])
+def test_an_operation_that_is_none(first: int) -> None:
+    posted, request = whole(STRUT, "beamline")
+    assert isinstance(posted.plan, Plan)
+    count = len(posted.plan.operations)
+    with pytest.raises(PlanError, match=f"plan-operation: found operation {first} to begin with; "
+                                        f"expected 2 to {count}, as"):  # fmt: skip
+        rest_of(posted, request, first)
+
+
+@pytest.mark.parametrize("fault", ["dropped", "doubled", "swapped", "no header"])
+def test_a_rest_that_is_not_the_rest_is_refused(
+    monkeypatch: pytest.MonkeyPatch, fault: str
+) -> None:
+    """Whatever goes wrong in parting it: the read-back of both together finds it."""
+    parted = remainder._parted
+    Commands = tuple[Command, ...]
+
+    def broken(commands: Commands, first: int) -> tuple[Commands, Commands, Commands]:
+        head, done, rest = parted(commands, first)
+        if fault == "dropped":
+            rest = rest[1:]
+        elif fault == "doubled":
+            rest = (done[-1], *rest)
+        elif fault == "swapped":
+            rest = (rest[-1], *rest[:-1])
+        else:
+            head = ()
+        return head, done, rest
+
+    posted, request = whole(CHANNEL, "beamline")
+    assert rest_of(posted, request, 8).text
+    monkeypatch.setattr(remainder, "_parted", broken)
+    with pytest.raises(RefusedProgram, match="error verify-"):
+        rest_of(posted, request, 8)
+
+
+def call(*words: object) -> Result:
+    done = CliRunner().invoke(main, [str(word) for word in words])
+    assert done.exception is None or isinstance(done.exception, SystemExit), done.exception
+    return done
+
+
+def test_the_command(tmp_path: Path) -> None:
+    out = tmp_path / "rest.gcode"
+    assert call("post", CHANNEL, "--from-operation", 5, "-o", out).exit_code == 0
+    assert "REST FROM OPERATION 5 OF" in out.read_text()
+    done = call("post", CHANNEL, "--from-operation", 500, "-o", tmp_path / "x.gcode")
+    assert done.exit_code == 1
+    assert "error plan-operation" in done.stderr
+    assert not (tmp_path / "x.gcode").exists()
+    assert call("post", CHANNEL, "--from-operation", 1, "-o", out).exit_code == 2
+    sheet = SAMPLES / "dstv" / "gusset.nc1"
+    done = call("post", sheet, "--from-operation", 2, "-o", tmp_path / "x.ngc")
+    assert done.exit_code == 2
+    assert "--from-operation is for the program of one bar." in done.stderr
