@@ -129,12 +129,18 @@ def test_colours_are_for_terminals(
 def test_the_severity_of_a_message_is_coloured(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("FORCE_COLOR", "1")
     wrong = SAMPLES / "bad" / "slot.nc1"
-    done = CliRunner().invoke(main, ["post", str(wrong), "-o", "-"], color=True)
+    done = CliRunner().invoke(
+        main, ["post", str(wrong), "-o", "-", "--machine", "beamline"], color=True
+    )
     assert f"{wrong}:27: \x1b[31m\x1b[1merror\x1b[0m plan-slot: found a slot" in done.stderr
     monkeypatch.setenv("NO_COLOR", "1")
-    plain = CliRunner().invoke(main, ["post", str(wrong), "-o", "-"], color=True)
+    plain = CliRunner().invoke(
+        main, ["post", str(wrong), "-o", "-", "--machine", "beamline"], color=True
+    )
     assert plain.stderr == click.unstyle(done.stderr)
-    as_json = CliRunner().invoke(main, ["post", str(wrong), "-o", "-", "--json"], color=True)
+    as_json = CliRunner().invoke(
+        main, ["post", str(wrong), "-o", "-", "--json", "--machine", "beamline"], color=True
+    )
     assert json.loads(as_json.stderr)
 
 
