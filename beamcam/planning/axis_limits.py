@@ -106,6 +106,21 @@ def _refuse_beyond(part: Part, machine: Machine, jobs: Sequence[Job]) -> Iterato
                     yield f, _refusal(part.features[f], beyond)
 
 
+def within_axes(
+    how: Tooling, part: Part, machine: Machine, sides: tuple[float, float]
+) -> tuple[float, float] | None:
+    """Those y between two sides of a face to which the axes bring a tool; None if there are none.
+
+    They are looked for in steps of a millimetre.
+    """
+    strokes = Strokes(part.profile, machine)
+    low, high = sides
+    count = int(high - low)
+    ys = [*(low + k for k in range(count + 1)), high]
+    found = [y for y in ys if _beyond(how, y, part, machine, strokes) is None]
+    return _min_and_max(found) if len(found) > 1 else None
+
+
 def _beyond(
     how: Tooling, y: float, part: Part, machine: Machine, strokes: Strokes
 ) -> Beyond | None:

@@ -146,6 +146,10 @@ def _placed(lettered: Lettered, is_bound: bool, marks: Marks, room: Room) -> Let
     if is_bound:
         return None
     height = lettered.height
+    widest = max(room.box[2] - room.box[0], room.box[3] - room.box[1])
+    length = lettered.extent[2] - lettered.extent[0]
+    if height * length > 1.5 * widest:  # longer than the diagonal
+        height = max(marks.min_height, _rounded(1.5 * widest / length))
     while True:
         found = _nearest(replace(lettered, height=height), marks.min_distance, room)
         if found is not None or height <= marks.min_height:
@@ -166,7 +170,12 @@ def _nearest(wanted: Lettered, distance: float, room: Room) -> Lettered | None:
         return replace(wanted, x=_rounded(x + away[0]), y=_rounded(y + away[1]))
 
     place = _search(middle, room.box, distance, lambda x, y: _clearance(at(x, y), room))
-    return None if place is None else at(*place)
+    if place is None:
+        return None
+    found = at(*place)
+    # Along or across alone is as near, as far as the squares tell, and looks meant.
+    straight = (replace(found, y=wanted.y), replace(found, x=wanted.x))
+    return next((one for one in straight if _clearance(one, room) >= distance), found)
 
 
 def _search(
@@ -216,7 +225,10 @@ def _middle(one: Lettered) -> Point:
 
 
 def _clearance(one: Lettered, room: Room) -> float:
-    """How far the box of a text is from what it has to keep clear of; negative beside the steel."""
+    """How far the box of a text is from what it has to keep clear of; negative where it is not.
+
+    It changes by no more than a text is moved, so that it bounds the places around.
+    """
     u, v = _axes(one.angle, one.mirrored)
     x, y = _middle(one)
     low_x, low_y, high_x, high_y = (one.height * side for side in one.extent)
@@ -226,14 +238,18 @@ def _clearance(one: Lettered, room: Room) -> float:
         a, b = p[0] - x, p[1] - y
         return a * u[0] + b * u[1], a * v[0] + b * v[1]
 
+    inner = min(half_x, half_y)  # of the circle inside the box
     clear = inf
     for centre, radius in room.holes:
         a, b = local(centre)
-        away = hypot(max(abs(a) - half_x, 0.0), max(abs(b) - half_y, 0.0)) - radius
-        clear = min(clear, away)
-    edges = (_box_distance(half_x, half_y, local(p), local(q)) for p, q in room.edges)
-    edge = min(edges, default=inf)
-    if edge > 0.0 and not room.is_steel(x, y):
+        away = hypot(max(abs(a) - half_x, 0.0), max(abs(b) - half_y, 0.0))
+        clear = min(clear, (away or min(0.0, hypot(a, b) - inner)) - radius)
+    edges = [(local(p), local(q)) for p, q in room.edges]
+    edge = min((_box_distance(half_x, half_y, p, q) for p, q in edges), default=inf)
+    if edge <= 0.0:
+        deep = min(_to_segment((0.0, 0.0), p, q) for p, q in edges) - inner
+        return min(0.0, deep, clear)
+    if not room.is_steel(x, y):
         return -edge
     for p, q in room.texts:
         if _box_distance(half_x, half_y, local(p), local(q)) <= 0.0:

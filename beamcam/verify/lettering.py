@@ -6,7 +6,7 @@ stand is told from the steel and the machine's file; nothing is known of where i
 """
 
 from collections.abc import Iterator, Sequence
-from itertools import pairwise
+from itertools import islice, pairwise
 from math import cos, hypot, inf, radians, sin
 from typing import TYPE_CHECKING
 
@@ -34,6 +34,7 @@ RULES = (TEXT,)
 Segment = tuple[Point, Point]
 
 NEAR = 0.03  #: mm that the ends of a piece may be from where the font has them
+MOST_OFF = 0.9  #: mm that a piece may be from where the anchor alone has it
 EXACT = 0.02  #: mm within which a text stands where the part has it
 SURE = 0.15  #: mm by which a place is more than clear, or a room wide enough
 RATIO = 0.02  #: sine of the angle between a piece and its like in the font
@@ -89,6 +90,7 @@ class Wanted(Struct, frozen=True):
     text: str  #: as the font spells it
     height: float  #: of a capital
     pieces: tuple[Segment, ...]  #: of height 1, from where it begins, turned as it stands
+    counts: tuple[int, ...] = ()  #: pieces of each stroke, one stroke behind the other
 
     def at(self, x: float, y: float, height: float) -> tuple[Segment, ...]:
         """Its pieces at a place."""
@@ -97,13 +99,21 @@ class Wanted(Struct, frozen=True):
             for (a, b), (c, d) in self.pieces
         )
 
+    def strokes(self, x: float, y: float, height: float) -> Iterator[tuple[Segment, ...]]:
+        """The pieces of each of its strokes at a place."""
+        pieces = iter(self.at(x, y, height))
+        for count in self.counts:
+            yield tuple(islice(pieces, count))
+
 
 def wanted(feature: TextMark, marks: Marks) -> Wanted:
     """What a text asks to be drawn."""
     text = spelled(feature.text, marks.replace).text
     share = body_share() if marks.height_of == "body" else 1.0
     pieces = tuple(_turned(_in_a_row(text, marks.spacing), feature))
-    return Wanted(feature, text, feature.height * share, pieces)
+    glyphs = (glyph_of(sign) for sign in text)
+    counts = tuple(len(s) - 1 for glyph in glyphs if glyph is not None for s in glyph.strokes)
+    return Wanted(feature, text, feature.height * share, pieces, counts)
 
 
 def _in_a_row(text: str, spacing: float) -> Iterator[Segment]:
@@ -144,17 +154,15 @@ class Drawn:
     def _cell(p: Point) -> tuple[int, int]:
         return round(p[0]), round(p[1])
 
-    def like(self, a: Point, b: Point) -> int | None:
-        """The piece from one point to the other, in either direction; None if there is none."""
+    def like(self, a: Point, b: Point, near: float) -> int | None:
+        """The piece nearest to one between two points, whichever way round; None if none is."""
         x, y = self._cell(_middle(a, b))
+        best, apart = None, near
         for cell in ((x + i, y + j) for i in (-1, 0, 1) for j in (-1, 0, 1)):
             for k in self._by_middle.get(cell, ()):
-                if k in self.free:
-                    p, q = self.pieces[k]
-                    apart = min(max(_apart(p, a), _apart(q, b)), max(_apart(p, b), _apart(q, a)))
-                    if apart <= self.near:
-                        return k
-        return None
+                if k in self.free and (away := _piece_apart(self.pieces[k], a, b)) <= apart:
+                    best, apart = k, away
+        return best
 
     def find(self, text: Wanted, marks: Marks) -> Found | None:
         """The text, nearest to where the part has it; its pieces are taken."""
@@ -171,22 +179,35 @@ class Drawn:
                     continue
                 x, y = a[0] - height * anchor[0][0], a[1] - height * anchor[0][1]
                 away = _apart((x, y), (text.feature.x, text.feature.y)), text.height - height
-                if away < key and (found := self._all(text, x, y, height)) is not None:
+                if away < key and (found := self._all(text, x, y, height, anchor)) is not None:
                     best, key = found, away
         if best is not None:
             self.free -= {*best.taken}
         return best
 
-    def _all(self, text: Wanted, x: float, y: float, height: float) -> Found | None:
-        """The text at a place, if all its pieces are drawn there."""
+    def _all(
+        self, text: Wanted, x: float, y: float, height: float, anchor: Segment
+    ) -> Found | None:
+        """The text at a place, if all its pieces are drawn there.
+
+        The place follows from one piece, so that others may be off by more the further they are;
+        where all of them together have it they have to be near.
+        """
+        begin = _middle(*anchor)
+        share = 2 * self.near / _length(anchor)
         taken = []
-        for a, b in text.at(x, y, height):
-            k = self.like(a, b)
+        for unit, (a, b) in zip(text.pieces, text.at(x, y, height), strict=True):
+            slack = self.near + share * _apart(begin, _middle(*unit))
+            k = self.like(a, b, min(slack, MOST_OFF))
             if k is None:
                 return None
             taken.append(k)
         x, y, height = self._fitted(text, taken, (x, y, height))
-        return Found(x, y, height, text.at(x, y, height), tuple(taken))
+        pieces = text.at(x, y, height)
+        for k, (a, b) in zip(taken, pieces, strict=True):
+            if _piece_apart(self.pieces[k], a, b) > self.near:
+                return None
+        return Found(x, y, height, pieces, tuple(taken))
 
     def _fitted(
         self, text: Wanted, taken: Sequence[int], near: tuple[float, float, float]
@@ -225,6 +246,12 @@ def _apart(a: Point, b: Point) -> float:
     return hypot(a[0] - b[0], a[1] - b[1])
 
 
+def _piece_apart(piece: Segment, a: Point, b: Point) -> float:
+    """How far the ends of a piece are from two points, in the better order."""
+    p, q = piece
+    return min(max(_apart(p, a), _apart(q, b)), max(_apart(p, b), _apart(q, a)))
+
+
 def _length(piece: Segment) -> float:
     return _apart(*piece)
 
@@ -250,9 +277,13 @@ def is_clear(box: "Polygon", steel: Steel, others: Sequence["Polygon"], distance
 
 
 def judge(
-    text: Wanted, found: Found, steel: Steel, others: Sequence["Polygon"], marks: Marks
-) -> Iterator[Diagnostic]:
-    """What is wrong with the place of a text, or that it is another than the part's."""
+    text: Wanted, found: Found, steel: Steel, others: Sequence["Polygon"], marks: Marks,
+    sure: Steel | None = None,
+) -> Iterator[Diagnostic]:  # fmt: skip
+    """What is wrong with the place of a text, or that it is another than the part's.
+
+    `sure` is the steel to which what letters comes for sure, where that is not all of it.
+    """
     feature = text.feature
     box = box_of(text, found.x, found.y, found.height)
     said = {
@@ -269,7 +300,7 @@ def judge(
         yield TEXT.at(feature.source, expected=expected, **said)
     elif exact:
         return
-    elif feature.option == "z" or _is_surely_clear(text, steel, others, marks):
+    elif feature.option == "z" or _is_surely_clear(text, sure or steel, others, marks):
         expected = f"it at x {feature.x:g}, y {feature.y:g}, {text.height:g} mm high"
         yield TEXT.at(feature.source, expected=expected, **said)
     else:

@@ -1,21 +1,102 @@
-"""A text on a face: no line can write one yet."""
+"""A text on a face: a scribe is led along its strokes, where it is clear of holes, edges and ends.
 
-from beamcam.errors import Diagnostic
-from beamcam.model.part import TextMark
+One that finds no place, or stands where no scribe comes to, is left to the hand.
+"""
+
+from collections import defaultdict
+from collections.abc import Iterator, Sequence
+from itertools import pairwise
+
+from beamcam.model.part import Face, Hole, Slot, TextMark
+from beamcam.model.section import OTHER_SIDE
+from beamcam.planning.axis_limits import within_axes
+from beamcam.planning.by_hand import FACE
+from beamcam.planning.lettering import Lettered, Room, place_text, remarks
 from beamcam.planning.operations.bench import Bench
+from beamcam.planning.operations.finished_part import OUTSIDE
+from beamcam.planning.operations.job import Found, Job, Settled, Tooling
 from beamcam.planning.operations.kind import Kind
 from beamcam.planning.operations.mark import can_scribe
-from beamcam.planning.rules import MARK, no_unit
+from beamcam.planning.operations.slot import slot_ends
+
+REASONS = {"letter": "a text lettered by strokes"}
 
 
 def _is_text(feature: object) -> bool:
     return isinstance(feature, TextMark)
 
 
-def _needs(text: TextMark, bench: Bench) -> Diagnostic | None:
-    """The tool that is missing for a text; a scribe alone writes none."""
-    why = no_unit("stamp" if can_scribe(text.face, bench) else "scribe")
-    return MARK.at(text.source, found=f"the text {text.text!r}", face=text.face, why=why)
+def _needs(text: TextMark, bench: Bench) -> None:
+    """Nothing: what the machine cannot letter is left to the hand."""
 
 
-TEXT = Kind("text", _is_text, _needs)
+def _steps(texts: Sequence[tuple[int, TextMark]], bench: Bench) -> Iterator[Found]:
+    by_face: dict[Face, list[tuple[int, TextMark]]] = defaultdict(list)
+    for f, text in texts:
+        by_face[text.face].append((f, text))
+    for face, group in by_face.items():
+        room = _room(face, bench) if can_scribe(face, bench) else None
+        for f, text in group:
+            lettered = FACE if room is None else place_text(text, bench.machine.marks, room)
+            if isinstance(lettered, str):
+                yield Settled(f, "listed", lettered)
+                continue
+            yield from ((f, said) for said in remarks(text, lettered, bench.machine.marks))
+            yield from _jobs(f, text, lettered, bench)
+
+
+def _jobs(f: int, text: TextMark, lettered: Lettered, bench: Bench) -> Iterator[Job]:
+    how = _tooling(text.face, bench)
+    for stroke in lettered.strokes:
+        yield Job(*stroke[0], how, (f,), text.source, stroke)
+
+
+def _tooling(face: Face, bench: Bench) -> Tooling:
+    faces = (face,)
+    scribes = bench.rack.of_kind("scribe", faces)[:1]
+    return Tooling(bench.number(faces), scribes, faces, bench.rack.drill.mark_depth, ("letter",))
+
+
+def _room(face: Face, bench: Bench) -> Room | None:
+    """Where a text may stand on a face: between ends, edges and fillets, where the axes come to."""
+    across, along = bench.finished.across(face), bench.finished.along(face)
+    reach = bench.reached[face]
+    low, high = max(0.0, reach.least), min(across.width, reach.greatest)
+    if face not in OUTSIDE:
+        for wall in across.walls:
+            if wall.least <= low:
+                low = max(low, wall.greatest + wall.radius)
+            if wall.greatest >= high:
+                high = min(high, wall.least - wall.radius)
+    bounds = within_axes(_tooling(face, bench), bench.part, bench.machine, (low, high))
+    if bounds is None:
+        return None
+    low, high = bounds
+    outline = [
+        (along.start_x0 - low * along.start_slope, low),
+        (along.end_x0 - low * along.end_slope, low),
+        (along.end_x0 - high * along.end_slope, high),
+        (along.start_x0 - high * along.start_slope, high),
+    ]
+    xs = [x for x, _ in outline]
+    room = Room((min(xs), low, max(xs), high))
+    room.edges += pairwise([*outline, outline[0]])
+    behind = OTHER_SIDE.get(bench.part.profile.code, {}).get(face)
+    for feature in bench.part.features:
+        if isinstance(feature, (Hole, Slot)) and feature.face in (face, behind):
+            centres = slot_ends(feature) if isinstance(feature, Slot) else ((feature.x, feature.y),)
+            room.holes += ((centre, feature.diameter / 2) for centre in centres)
+            if isinstance(feature, Slot):
+                room.edges += pairwise(_around(feature))
+    return room
+
+
+def _around(slot: Slot) -> list[tuple[float, float]]:
+    """The corners of the box around a slot, along its angle; the first one twice."""
+    half_x, half_y = (slot.length + slot.diameter) / 2, (slot.height + slot.diameter) / 2
+    box = Slot(slot.face, slot.x, slot.y, 0.0, 2 * half_x, 2 * half_y, slot.angle, slot.source)
+    a, b, c, d = slot_ends(box)
+    return [a, b, d, c, a]
+
+
+TEXT = Kind("text", _is_text, _needs, steps=_steps, reasons=REASONS)

@@ -186,7 +186,7 @@ def _off_axis(
         depth, tip = _depth_and_tip(target, part.profile.thickness(face), shop)
         values = stroke_values(shop.machine, part.profile, face) | {"depth": depth, "tip": tip}
         for y in _places(target, shop):
-            if not _is_within(values | {"y": y}, spindles[face], stations[face], shop.machine):
+            if not is_within(values | {"y": y}, spindles[face], stations[face], shop.machine):
                 yield target.feature
 
 
@@ -240,7 +240,7 @@ def _places(target: Round | Pocket | Course, shop: Shop) -> tuple[float, ...]:
     return target.y - half, target.y + half
 
 
-def _is_within(
+def is_within(
     values: dict[str, float], spindle: Spindle, station: Station, machine: Machine
 ) -> bool:
     """Whether the axes of a spindle come to all places of a stroke."""

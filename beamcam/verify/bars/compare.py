@@ -11,7 +11,7 @@ from msgspec import Struct
 from beamcam.errors import Diagnostic, Source
 from beamcam.machine.absent import saw_of
 from beamcam.machine.machine import Machine
-from beamcam.model.part import Part, Profile
+from beamcam.model.part import Part, Profile, TextMark
 from beamcam.verify import rules
 from beamcam.verify.bars.ability import may_be_missing, repeats
 from beamcam.verify.bars.cut_faults import CutFaults
@@ -68,6 +68,8 @@ class Comparison:
         missing: set[tuple[int, int]] = set()  #: those that are
         for p, one in enumerate(laid):
             self.said += left_to_hand(one.part, self.machine)
+            if any(isinstance(feature, TextMark) for feature in one.part.features):
+                self._find_texts(p, one, led)
             targets = self._targets_of(one.part, one.ends)
             spare = may_be_missing(one.part, targets, self.shop, self.asked.skips)
             optional.update(dict.fromkeys((p, f) for f in spare))
@@ -102,6 +104,15 @@ class Comparison:
         if self.machine.layout is not None and self.machine.layout.order == "drill-saw":
             self.said += self._after_its_cut(laid)
         return tuple(self.said)
+
+    def _find_texts(self, p: int, one: Laid, led: list[Led]) -> None:
+        """Add the strokes of a part's texts, and what is wrong with their places."""
+        from beamcam.verify.bars.texts import texts_of
+
+        from_x = self.shop.drill.x + one.start
+        found, said = texts_of(one.part, one.ends, self.made.trails, from_x, self.shop)
+        led += (Led(p, target, from_x) for target in found)
+        self.said += said
 
     def _targets_of(self, part: Part, ends: tuple[End, End]) -> list[Target]:
         known = self.targets.get(id(part))

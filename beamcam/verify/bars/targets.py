@@ -88,7 +88,7 @@ class Course(NamedTuple):
     feature: int
     face: Face
     curves: tuple[Curve, ...]
-    source: Contour
+    source: Contour | TextMark
     what: str = "line to mark"
 
 
@@ -196,7 +196,7 @@ def _targets(
             else:
                 yield Lack(f, "the line to mark", "mark", feature)
         case TextMark():
-            yield Lack(f, f"the text {feature.text!r}", "mark", feature)
+            return  # where it stands is told by the program: see texts.py
         case Bend():
             yield Lack(f, "the bend", "other", feature)
         case EndPlane():

@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterable
 import pytest
 import shapely
 import shapely.affinity
-from hypothesis import given, settings
+from hypothesis import Phase, given, settings
 from hypothesis import strategies as st
 from msgspec.structs import replace
 
@@ -79,7 +79,7 @@ def test_a_text_that_stands_free_stands_where_the_part_has_it(angle: float) -> N
     st.floats(-20, 220), st.floats(-20, 120), st.sampled_from([0.0, 90.0, 180.0, 17.0]),
     st.floats(4.0, 30.0), st.lists(st.tuples(st.floats(20, 180), st.floats(20, 80)), max_size=3),
 )  # fmt: skip
-@settings(max_examples=25)
+@settings(max_examples=8, phases=[Phase.explicit, Phase.generate])
 def test_a_text_is_read_and_clear_wherever_it_is_wanted(
     words: str, x: float, y: float, angle: float, height: float, holes: list[tuple[float, float]]
 ) -> None:

@@ -1,0 +1,152 @@
+"""Texts on bars: lettered by a scribe, and read back stroke by stroke."""
+
+from collections.abc import Callable
+from itertools import pairwise
+
+import pytest
+from hypothesis import Phase, given, settings
+from hypothesis import strategies as st
+from msgspec.structs import replace
+
+from beamcam.errors import Diagnostic, errors_in
+from beamcam.machine import load
+from beamcam.model.part import EndCuts, Feature, Part, Slot, TextMark
+from beamcam.pipeline import Posted, post, read_back
+from beamcam.posts import Request
+from beamcam.verify.bars import run
+from tests.letters import Lines, read
+from tests.unit.planning.shop import CHANNEL, SOURCE, TUBE, hole, part
+
+PUSHER = load("beamline-pusher")
+SKEW = EndCuts(web_start=20.0, web_end=-30.0)
+
+
+def text(
+    words: str, x: float = 500.0, y: float = 70.0, angle: float = 0.0, height: float = 10.0,
+    face: str = "v", **more: str,
+) -> TextMark:  # fmt: skip
+    return TextMark(face, x, y, angle, height, words, SOURCE, **more)  # type: ignore[arg-type]
+
+
+def lettered(program: str, one: Part, face: str) -> Lines:
+    """The lines that the scribe draws on a face, as they are seen from outside."""
+    made = run(program, PUSHER, one.profile).made
+    up = -1.0 if face in ("o", "h") else 1.0
+    return [
+        ((a[0], up * a[1]), (b[0], up * b[1]))
+        for trail in made.trails
+        if trail.kind == "scribe" and trail.face == face
+        for a, b in pairwise(trail.points)
+    ]
+
+
+def found_in(program: str, one: Part) -> tuple[Diagnostic, ...]:
+    return read_back(program, Request((one,), PUSHER))
+
+
+def listed(posted: Posted) -> list[str]:
+    return [o.by for o in posted.plan.outcomes if o.how == "listed"]
+
+
+@pytest.mark.parametrize("face", ["v", "o", "u"])
+@pytest.mark.parametrize("angle", [0.0, 90.0, 180.0, 20.0])
+def test_a_text_reads_right_on_every_face_seen_from_outside(face: str, angle: float) -> None:
+    one = part(text("P-12/b", angle=angle, face=face))
+    posted = post([one], PUSHER)
+    assert posted.remarks == ()
+    seen = -angle if face == "o" else angle
+    assert read(lettered(posted.text, one, face), 10.0, seen) == "P-12/b"
+
+
+@pytest.mark.parametrize(
+    ("features", "more"),
+    [
+        ((text("X7"), hole(510, 72)), {}),
+        ((text("X7", y=2.0),), {}),
+        ((text("X7", 2995.0),), {}),
+        ((text("X7", 0.0),), {"cuts": SKEW}),
+        ((text("X7", 2990.0),), {"cuts": SKEW}),
+        ((text("X7", 5.0, 20.0, face="o"),), {"cuts": EndCuts(flange_start=30.0)}),
+        ((text("X7"), Slot("v", 510, 75, 18.0, 60.0, 0.0, 30.0, SOURCE)), {}),
+        ((text("X7", y=-20.0),), {"profile": CHANNEL}),
+        ((text("X7", y=260.0),), {"profile": TUBE}),
+    ],
+)
+def test_a_text_that_does_not_stand_free_is_moved(
+    features: tuple[Feature, ...], more: dict[str, object]
+) -> None:
+    one = part(*features, **more)
+    posted = post([one], PUSHER)
+    assert [said.code for said in posted.remarks] == ["plan-text-moved"]
+    face = features[0].face  # type: ignore[union-attr]
+    assert read(lettered(posted.text, one, face), 10.0).startswith("X7")
+
+
+@given(
+    st.floats(-50, 1050), st.floats(-20, 320), st.floats(4.0, 60.0),
+    st.sampled_from([0.0, 90.0, 33.0]), st.sampled_from("vou"),
+    st.lists(st.tuples(st.floats(100, 900), st.floats(60, 240)), max_size=1),
+    st.floats(-30, 30), st.floats(-30, 30),
+)  # fmt: skip
+@settings(max_examples=8, phases=[Phase.explicit, Phase.generate])
+def test_what_is_planned_is_read_back(
+    x: float, y: float, height: float, angle: float, face: str,
+    holes: list[tuple[float, float]], start: float, end: float,
+) -> None:  # fmt: skip
+    drilled = [hole(round(a, 1), round(b, 1)) for a, b in holes]
+    ends = EndCuts(web_start=start, web_end=end)
+    one = part(text("M-4", x, y, angle, height, face), *drilled, length=1000.0, cuts=ends)
+    posted = post([one], PUSHER, skips=("all",))
+    assert posted.plan.outcomes[0].how in ("made", "listed")
+
+
+def test_what_cannot_be_lettered_is_left_to_the_hand() -> None:
+    assert listed(post([part(text("A", face="h"))], PUSHER)) == ["face"]
+    assert listed(post([part(text("A" * 2000))], PUSHER)) == ["no-room"]
+    over = part(hole(505, 75), text("A", option="z"))
+    assert listed(post([over], PUSHER)) == ["no-room"]
+    assert listed(post([part(text("A", height=1.0))], PUSHER)) == ["too-small"]
+
+
+def test_two_pieces_of_a_part_are_both_lettered() -> None:
+    one = part(text("A1", 500.0, 150.0))
+    posted = post([one, one], PUSHER)
+    assert {o.feature[0] for o in posted.plan.outcomes if o.how == "made"} == {0, 1}
+    assert not errors_in(read_back(posted.text, Request((one, one), PUSHER)))
+
+
+WRONG: dict[str, Callable[[TextMark], TextMark]] = {
+    "a character is another": lambda t: replace(t, text="P13"),
+    "a character is missing": lambda t: replace(t, text="P1"),
+    "a character is too much": lambda t: replace(t, text="P122"),
+    "upside down": lambda t: replace(t, x=530.0, y=80.0, angle=180.0),
+    "on another face": lambda t: replace(t, face="o"),
+    "moved though there is room": lambda t: replace(t, y=71.0),
+    "smaller though there is room": lambda t: replace(t, height=9.0),
+    "larger": lambda t: replace(t, height=11.0),
+}
+
+
+@pytest.mark.parametrize("how", WRONG)
+def test_a_text_that_is_another_is_refused(how: str) -> None:
+    asked = text("P12")
+    program = post([part(WRONG[how](asked))], PUSHER).text
+    assert errors_in(found_in(program, part(asked)))
+
+
+def test_a_text_over_a_hole_or_mirrored_is_refused() -> None:
+    asked = text("P12", 500.0, 150.0)
+    program = post([part(asked)], PUSHER).text
+    over = [d.code for d in found_in(program, part(hole(505, 155), asked))]
+    assert "verify-text" in over
+    mirrored = "\n".join(
+        block.replace("Y-", "Y+").replace("Y+", "Y") if "G0" in block else block
+        for block in program.splitlines()
+    )
+    assert errors_in(found_in(mirrored, part(asked)))
+
+
+def test_a_text_that_is_not_made_though_it_could_be_is_refused() -> None:
+    program = post([part()], PUSHER).text
+    assert errors_in(found_in(program, part(text("P12"))))
+    assert not errors_in(found_in(program, part(text("P12", face="h"))))
