@@ -163,6 +163,12 @@ CASES: tuple[Case, ...] = (
     ("plan-mark", "silent", (part(TextMark("v", 9, 9, 0, 10, "X1", SOURCE)),), {},
      "found the text 'X1' to mark on face v; expected none, marks.text of the machine file is "
      '"refuse"'),
+    ("plan-text-moved", "beamline-pusher",
+     (part(hole(506, 105), TextMark("v", 500, 100, 0, 10, "X1", SOURCE)),), {},
+     "the text 'X1' is lettered at x 500.0, y 80.9, 10.0 mm high; "
+     "found no room 3 mm clear at x 500, y 100, 10 mm high"),
+    ("plan-text-sign", "beamline-pusher", (part(TextMark("v", 9, 99, 0, 10, "½", SOURCE)),), {},
+     "found '½' in the text '½'; expected a character of the font, '1/2' is written"),
     ("plan-bevel", "beamline", (part(outline(SQUARE, bevels=(Bevel(1, 40.0, 0.0),))),), {},
      "found a bevel of 40 degrees on face v; expected none but those of the saw cuts"),
     ("plan-other", "beamline", (part(Bend((0, 1), (9, 1), 90, 5, SOURCE)),), {},
