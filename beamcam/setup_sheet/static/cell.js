@@ -56,7 +56,9 @@ class Cell {
     const across = above ? height : width;
     const [first, last] = this.window();
     const room = 74;
-    const scale = Math.min(view.wide / (last - first), (view.high - 2 * room) / across);
+    // One scale for both views, so that what is above each other belongs together.
+    const largest = Math.max(height, width);
+    const scale = Math.min(view.wide / (last - first), (view.high - 2 * room) / largest);
     const middle = (first + last) / 2;
     const at = (x, across_) => [
       view.wide / 2 + (x - middle) * scale,

@@ -2,6 +2,7 @@
 
 import json
 import re
+from hashlib import sha256
 from html.parser import HTMLParser
 from pathlib import Path
 
@@ -227,3 +228,11 @@ def test_a_sheet_is_the_same_in_each_folder(tmp_path: Path) -> None:
         pages.append([(folder / f"tie{suffix}").read_bytes() for suffix in (".html", ".pdf")])
     assert pages[0] == pages[1]
     assert b"plan-quantity" in pages[0][0]
+
+
+def test_the_hash_of_a_sheet_is_that_of_the_posted_file(tmp_path: Path) -> None:
+    job, page = tmp_path / "job.ngc", tmp_path / "job.html"
+    sample = str(SAMPLES / "dstv" / "gusset.nc1")
+    assert CliRunner().invoke(main, ["post", sample, "-o", str(job)]).exit_code == 0
+    report(sample, "--machine", "plate-linuxcnc", "-o", str(page))
+    assert f'data-sha256="{sha256(job.read_bytes()).hexdigest()}"' in page.read_text()
