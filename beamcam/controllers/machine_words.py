@@ -37,6 +37,7 @@ _FIGURES = {
     "section": "1", "width": "100", "height": "200", "spindle": "1",
     "station": "1", "diameter": "20", "pitch": "2", "angle": "30", "tilt": "0", "feed": "600",
     "speed": "300", "power": "1", "pierce": "0.5", "kerf": "1.5", "half_kerf": "0.75",
+    "pierce_height": "4", "cut_height": "2",
     "acceleration": "100", "ratio": "0.5",
 }  # fmt: skip
 #: Where curves that begin at 0, 0 end, and what I and J are, from there as from the start.

@@ -126,6 +126,8 @@ class _Writer:
                 return _filled(
                     getattr(words, f"{command.process}_on"), feed=self._feed,
                     power=number(command.power, 3), pierce=number(command.pierce_s, 3),
+                    pierce_height=number(command.pierce_height, 3),
+                    cut_height=number(command.cut_height, 3),
                 )  # fmt: skip
             case Pace(feed_mm_min):
                 self._want(feed_mm_min)

@@ -14,13 +14,13 @@ ANY_SUFFIX = "*"
 DEFAULTS: Mapping[tuple[Stock, str], tuple[str, ...]] = {
     ("beam", "*"): ("beamline", "beamline-pusher"),
     ("beam", ".gcode"): ("beamline", "beamline-pusher"),
-    ("sheet", "*"): ("plate-linuxcnc", "plate-codesys"),
+    ("sheet", "*"): ("plate-linuxcnc", "plate-codesys", "plate-oxyfuel"),
     ("sheet", ".bin"): ("laser-stepper",),
     ("sheet", ".csv"): ("laser-stepper",),
     ("sheet", ".gcode"): ("plate-codesys",),
     ("sheet", ".h"): ("laser-stepper",),
     ("sheet", ".nc"): ("laser-grbl",),
-    ("sheet", ".ngc"): ("plate-linuxcnc",),
+    ("sheet", ".ngc"): ("plate-linuxcnc", "plate-oxyfuel"),
     ("sheet", ".st"): ("table-simotion",),
     ("sheet", ".steps"): ("laser-stepper",),
 }

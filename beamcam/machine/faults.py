@@ -167,6 +167,13 @@ def torch_faults(machine: Machine) -> Iterator[Fault]:
             yield f"torch.colours.{colour}", meaning, "ignore, or what has a row in torch.rows"
     if torch.kerf_by == "machine" and not words.left:
         yield "torch.kerf_by", torch.kerf_by, "none or offset, as there are no words for left"
+    if torch.bevel == "head":
+        expected = "refuse or square, since no torch that tilts is known yet"
+        yield "torch.bevel", torch.bevel, expected
+    if torch.drilled == "mark" and not torch.cross:
+        yield "torch.cross", torch.cross, "the size of the cross that marks a centre for the drill"
+    if torch.drilled == "mark" and not any(row.process == "mark" for row in torch.rows):
+        yield "torch.drilled", torch.drilled, "refuse, as no row marks"
     if torch.lead != "none" and not torch.lead_in:
         yield "torch.lead_in", torch.lead_in, "a length, since there is a lead"
 

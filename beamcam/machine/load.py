@@ -22,6 +22,7 @@ from beamcam.machine.faults import (
 from beamcam.machine.former_keys import KeyTwice, with_present_keys
 from beamcam.machine.formula import as_formula
 from beamcam.machine.machine import Machine, MachineFile
+from beamcam.machine.more_rows import with_more_rows
 from beamcam.machine.templates import template_faults
 from beamcam.machine.toml import Place, TomlError, TomlFile, line_of, toml_text
 from beamcam.system import portable_path
@@ -208,7 +209,7 @@ def merged(
         origin = file.shown, file.text
         _overlay(table, own, places, origin, "")
         places[""] = origin
-    return table, places
+    return with_more_rows(table), places
 
 
 def _overlay(
@@ -226,11 +227,17 @@ def _overlay(
         dotted = f"{prefix}{key}"
         if value is False and isinstance(table.get(key), dict):
             del table[key]
+        elif dotted == "torch.more_rows" and isinstance(value, list):
+            # Those of a base are added too, unless the file has rows of its own.
+            kept = [] if "rows" in over else table.get(key, [])
+            table[key] = [*kept, *value] if isinstance(kept, list) else value
         elif isinstance(value, dict) and isinstance(table.get(key, {}), dict):
             _overlay(table.setdefault(key, {}), value, files, origin, dotted + ".")
         else:
             table[key] = value
         files[dotted] = origin
+    if prefix == "torch." and "rows" in over and "more_rows" not in over:
+        table.pop("more_rows", None)
 
 
 def _find(name: str, below: Path | None) -> Path:

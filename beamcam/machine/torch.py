@@ -18,6 +18,8 @@ class TorchRow(Keys, frozen=True):
     power: NotNegative = 0.0  #: what the words call {power}
     pierce_s: NotNegative = 0.0  #: between the tool's start and the first move
     kerf: NotNegative = 0.0
+    pierce_height: NotNegative = 0.0  #: of the torch over the sheet as it pierces; 0: not known
+    cut_height: NotNegative = 0.0  #: of the torch over the sheet as it cuts; 0: not known
 
 
 class Torch(Keys, frozen=True):
@@ -30,6 +32,7 @@ class Torch(Keys, frozen=True):
     width: Positive  #: along Y
     rows: tuple[TorchRow, ...]
     colours: Mapping[str, Literal["cut", "mark", "engrave", "ignore"]]  #: of lines, or their layers
+    more_rows: tuple[TorchRow, ...] = ()  #: added to the rows of a base, by their thickness
     thickness: Positive | None = None  #: of a sheet that does not say; without it the job has to
     material: str = ""  #: of a sheet that does not say
     place: Literal["corner", "drawn"] = "corner"  #: moved to the corner, or left where it is drawn
@@ -45,6 +48,15 @@ class Torch(Keys, frozen=True):
     tabs: Count = 0  #: bridges that hold a part in the sheet
     tab_width: Positive = 1.0
     min_hole: NotNegative = 0.0  #: smallest diameter that can be cut
+    min_hole_share: NotNegative = 0.0  #: smallest diameter that can be cut, by the thickness
+    #: Holes and slots that the torch cannot make (smaller ones, threads, countersinks, blind ones):
+    #: refused, or their centres marked for the drill and put on the list for the hand.
+    drilled: Literal["refuse", "mark"] = "refuse"
+    #: Bevels: refused, or the outline cut square and each edge put on the list for the hand. No
+    #: machine has a head that tilts yet.
+    bevel: Literal["refuse", "square", "head"] = "refuse"
+    min_bevel: NotNegative = 0.0  #: degrees; a bevel of less is none, and its edge cut square
+    spacing: NotNegative = 10.0  #: between the boxes of parts that share a sheet
     cross: NotNegative = 0.0  #: size of the cross that marks a centre; 0 marks none
     min_radius: Positive = 0.01  #: smallest arc that the controller takes
     max_radius: Positive = 10000.0  #: an arc beyond is written as lines

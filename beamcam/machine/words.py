@@ -51,7 +51,7 @@ _STROKE_NAMES = frozenset(
 _TO_NAMES = frozenset({"x", "y", "feed"})
 _ARC_NAMES = _TO_NAMES | {"i", "j"}
 _ELLIPSE_NAMES = _ARC_NAMES | {"angle", "ratio"}
-_TORCH_NAMES = frozenset({"power", "pierce", "feed"})
+_TORCH_NAMES = frozenset({"power", "pierce", "feed", "pierce_height", "cut_height"})
 _SIDE_NAMES = frozenset({"kerf", "half_kerf"})
 
 #: What each template of `Words` may name.

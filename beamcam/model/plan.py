@@ -184,3 +184,4 @@ class SheetPlan(Struct, frozen=True):
     remarks: tuple[Diagnostic, ...] = ()
     reloads: tuple[ToolLoad, ...] = ()  #: by hand during the work, in its order
     notes: tuple[str, ...] = ()  #: for whoever stands at the machine
+    min_bevel: float = 0.0  #: degrees; a bevel of less is none

@@ -102,6 +102,8 @@ class ToolOn(Struct, frozen=True):
     power: float
     pierce_s: float
     source: Source
+    pierce_height: float = 0.0  #: over the sheet
+    cut_height: float = 0.0
 
 
 class ToolOff(Struct, frozen=True):

@@ -55,7 +55,10 @@ def _pass(op: ContourOp, path: Path, pen: "Pen") -> Iterator[Command]:
     yield Traverse(*path.start)
     if op.side != "on":
         yield Compensate(op.side, op.kerf)
-    yield ToolOn(row.process, row.feed_mm_min, row.power, row.pierce_s, op.source)
+    yield ToolOn(
+        row.process, row.feed_mm_min, row.power, row.pierce_s, op.source, row.pierce_height,
+        row.cut_height,
+    )  # fmt: skip
     if pen.limits is None:
         yield from path.moves
     else:

@@ -26,6 +26,7 @@ RULES = (TEXT_MOVED, TEXT_SIGN)
 #: Why a mark is left to the hand, by its name in the ledger.
 BY_POLICY, NO_UNIT = "marks", "no-unit"
 NO_ROOM, TOO_SMALL, BLANK, FACE = "no-room", "too-small", "blank", "face"
+DRILL, BEVEL = "drill", "bevel"  #: of a sheet's features that are only begun by the machine
 REASONS = {
     BY_POLICY: "the machine's file leaves such marks to the hand",
     NO_UNIT: "the machine has no unit that letters",
@@ -33,6 +34,8 @@ REASONS = {
     TOO_SMALL: "the machine does not letter as small",
     BLANK: "nothing of it can be seen",
     FACE: "what letters does not come to that face",
+    DRILL: "the torch cannot make it and marks its centre for the drill",
+    BEVEL: "the torch cuts its bevelled edges square",
 }
 
 

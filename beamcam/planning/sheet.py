@@ -66,8 +66,9 @@ def plan_sheet(parts: Sequence[Part], machine: Machine, skips: Collection[str] =
     if part.quantity > 1:
         remarks.append(rules.QUANTITY.at(part.source, found=part.quantity))
     plan = SheetPlan(
-        part.profile, (piece,), shift, material.thickness, operations, outcomes, tuple(remarks)
-    )
+        part.profile, (piece,), shift, material.thickness, operations, outcomes, tuple(remarks),
+        min_bevel=torch.min_bevel,
+    )  # fmt: skip
     _balance(plan)
     return plan
 
@@ -108,10 +109,10 @@ def _outcomes(
     made = {feature: op.row.process for op in operations for _, feature in op.features}
     stands = joined.repeats.resolved(made)
     for index in range(len(part.features)):
-        if index in made:
-            yield Outcome((0, index), "made", made[index])
-        elif index in assigned.listed:
+        if index in assigned.listed:
             yield Outcome((0, index), "listed", assigned.listed[index])
+        elif index in made:
+            yield Outcome((0, index), "made", made[index])
         elif index in assigned.skipped:
             yield Outcome((0, index), "skipped", assigned.skipped[index])
         elif index in stands:

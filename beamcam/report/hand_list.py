@@ -1,4 +1,7 @@
-"""The list for the hand: marks that a program leaves to whoever stands beside the machine."""
+"""The list for the hand: what a program leaves to whoever stands beside the machine.
+
+Marks that are not made, holes of which only the centre is marked, edges that are cut square.
+"""
 
 import csv
 import io
@@ -7,7 +10,7 @@ from pathlib import PurePath
 from typing import TypedDict
 
 from beamcam.errors import Source
-from beamcam.model.part import Contour, Feature, Hole, Part, TextMark
+from beamcam.model.part import Contour, Feature, Hole, Part, Slot, TextMark
 from beamcam.model.plan import Plan, SheetPlan
 from beamcam.plain_text import harmless_cell
 
@@ -15,7 +18,7 @@ LIST_SUFFIX = ".hand.csv"  #: behind a program's name, for the list beside it
 
 
 class HandRow(TypedDict):
-    """One mark, with its place on the face of the part."""
+    """One mark, hole or bevelled edge, with its place on the face of the part."""
 
     mark: str  #: of the part
     profile: str
@@ -25,11 +28,14 @@ class HandRow(TypedDict):
     face: str
     x: float
     y: float
-    angle: float
+    angle: float  #: of a text; of a bevel off the square edge
     height: float  #: of a text
     path: str  #: of a line: its corners, x and y each
     why: str
     source: str
+    size: str  #: of a hole or a slot
+    land: float  #: of a bevel, from the far side
+    length: float  #: of a bevelled edge
 
 
 HEAD = tuple(HandRow.__annotations__)
@@ -45,18 +51,33 @@ LIST_BEGIN = (",".join(HEAD) + "\n").encode()  #: of every list that was written
 
 def hand_rows(plan: Plan | SheetPlan) -> list[HandRow]:
     """A row for each mark that is left to the hand; pieces of one part share theirs."""
-    rows: dict[tuple[int, int], HandRow] = {}
+    rows: dict[tuple[int, int], list[HandRow]] = {}
+    least = plan.min_bevel if isinstance(plan, SheetPlan) else 0.0
     for outcome in plan.outcomes:
         if outcome.how != "listed":
             continue
         piece, index = outcome.feature
         part = plan.pieces[piece].part
-        row = rows.get((id(part), index))
-        if row is None:
-            rows[id(part), index] = _row(part, part.features[index], outcome.by)
-        else:
+        known = rows.get((id(part), index))
+        if known is None:
+            rows[id(part), index] = list(_rows(part, part.features[index], outcome.by, least))
+        for row in known or ():
             row["pieces"] += 1
-    return list(rows.values())
+    return [row for some in rows.values() for row in some]
+
+
+def _rows(part: Part, feature: Feature, why: str, min_bevel: float) -> Iterator[HandRow]:
+    """A row for a feature; of a contour one for each of its bevelled edges."""
+    if not (isinstance(feature, Contour) and feature.process == "cut" and feature.bevels):
+        yield _row(part, feature, why)
+        return
+    for bevel in feature.bevels:
+        if abs(bevel.angle) >= min_bevel:
+            row, curve = _row(part, feature, why), feature.curves[bevel.curve]
+            row["kind"], row["angle"], row["land"] = "bevel", bevel.angle, bevel.land
+            (row["x"], row["y"]), row["length"] = curve.start, curve.length
+            row["path"] = _path((curve.start, curve.end))
+            yield row
 
 
 def _row(part: Part, feature: Feature, why: str) -> HandRow:
@@ -65,18 +86,32 @@ def _row(part: Part, feature: Feature, why: str) -> HandRow:
         "mark": part.mark, "profile": part.profile.name, "pieces": 1, "kind": "", "text": "",
         "face": getattr(feature, "face", ""), "x": 0.0, "y": 0.0, "angle": 0.0, "height": 0.0,
         "path": "", "why": why, "source": _where(feature.source),
+        "size": "", "land": 0.0, "length": 0.0,
     }  # fmt: skip
     match feature:
         case TextMark():
             row["kind"], row["text"], row["height"] = "text", feature.text, feature.height
             row["x"], row["y"], row["angle"] = feature.x, feature.y, feature.angle
-        case Hole():
+        case Hole(kind="mark"):
             row["kind"], row["x"], row["y"] = "point", feature.x, feature.y
+        case Hole():
+            row["x"], row["y"] = feature.x, feature.y
+            row["kind"] = "hole" if feature.kind == "through" else feature.kind
+            row["size"] = f"{feature.diameter:g}"
+        case Slot():
+            row["kind"], row["x"], row["y"] = "slot", feature.x, feature.y
+            row["angle"] = feature.angle
+            size = feature.length + feature.diameter, feature.height + feature.diameter
+            row["size"] = f"{size[0]:g} x {size[1]:g}"
         case Contour():
             corners = [feature.curves[0].start, *(curve.end for curve in feature.curves)]
             row["kind"], (row["x"], row["y"]) = "line", corners[0]
-            row["path"] = "; ".join(f"{_rounded(x)} {_rounded(y)}" for x, y in corners)
+            row["path"] = _path(corners)
     return row
+
+
+def _path(corners: Iterable[tuple[float, float]]) -> str:
+    return "; ".join(f"{_rounded(x)} {_rounded(y)}" for x, y in corners)
 
 
 def _where(source: Source) -> str:

@@ -2,7 +2,7 @@
 
 from collections import Counter
 from collections.abc import Collection, Iterator, Mapping
-from itertools import pairwise
+from itertools import pairwise, product
 from typing import Literal, cast
 
 from msgspec import Struct, field
@@ -16,10 +16,7 @@ from beamcam.machine.torch import Torch, TorchProcess
 from beamcam.model.colour import colour_name, process_of
 from beamcam.model.marks import policy_on
 from beamcam.model.part import (
-    Bend,
-    Camber,
     Contour,
-    EndPlane,
     Feature,
     Hole,
     Part,
@@ -28,14 +25,13 @@ from beamcam.model.part import (
     TextMark,
 )
 from beamcam.planning import rules as bar_rules
-from beamcam.planning.by_hand import FACE, listed_by, refuse_mark
+from beamcam.planning.by_hand import BEVEL, DRILL, FACE, listed_by, refuse_mark
 from beamcam.planning.contours import rules
+from beamcam.planning.contours.ability import PLATE_FACES, is_drilled, refusal
 from beamcam.planning.lettering import Room, place_text, remarks
 
 Meaning = Literal["cut", "mark", "engrave", "ignore"]
 
-#: The faces of a plate: through features stand in the same numbers on both.
-PLATE_FACES = ("v", "h")
 TOP_FACES = ("v",)  #: that a head comes to
 OUTLINE = -1  #: stands for the rectangle of a plate that has no contour of its own
 
@@ -70,11 +66,12 @@ def assign_processes(
 ) -> Assigned:
     """The curves of a part by process; what the machine cannot make is refused or skipped."""
     found = Assigned()
+    thickness = part.profile.web_thickness or torch.thickness or 0.0
     meanings = _Meanings(torch.colours)
     unmapped: Counter[tuple[str | None, str | None]] = Counter()
     first: dict[tuple[str | None, str | None], Source] = {}
     for index, feature in enumerate(part.features):
-        if _is_out(index, feature, torch, machine, skips, found):
+        if _is_out(index, feature, torch, thickness, machine, skips, found):
             continue
         if isinstance(feature, TextMark):
             continue  # its place follows from all else that is cut
@@ -98,6 +95,7 @@ def assign_processes(
             found.wanted += [Wanted(c, process, index, feature.source) for c in curves]
     for look, count in unmapped.items():
         found.refusals.append(_unmapped(look, count, first[look], torch.colours))
+    found.remarks += _noise(part, torch)
     if _needs_outline(part):
         found.wanted += (Wanted(c, "cut", OUTLINE, part.source) for c in _rectangle(part))
     letter(part, machine.marks, found)
@@ -106,16 +104,27 @@ def assign_processes(
 
 
 def _is_out(
-    index: int, feature: Feature, torch: Torch, machine: Machine, skips: Collection[str],
-    found: Assigned,
+    index: int, feature: Feature, torch: Torch, thickness: float, machine: Machine,
+    skips: Collection[str], found: Assigned,
 ) -> bool:  # fmt: skip
     """Whether a feature is refused, left out or left to the hand; `found` is told why."""
     why = listed_by(feature, machine.marks)
     if why is not None:
         found.listed[index] = why
         return True
-    said = refuse_mark(feature, machine.marks) or _refusal(feature, torch)
+    if is_drilled(feature, torch, thickness):
+        hole = cast("Hole | Slot", feature)
+        found.listed[index] = DRILL
+        found.wanted += [
+            Wanted(curve, "mark", index, feature.source)
+            for at in centres_of(hole) for curve in _cross(at, torch.cross)
+        ]  # fmt: skip
+        return True
+    said = refuse_mark(feature, machine.marks) or refusal(feature, torch, thickness)
     if said is None:
+        return False
+    if said.code == bar_rules.BEVEL.code and torch.bevel == "square":
+        found.listed[index] = BEVEL
         return False
     if said.code == bar_rules.BEVEL.code and "bevel" in skips:
         found.remarks.append(rules.SQUARE.at(feature.source))
@@ -125,6 +134,16 @@ def _is_out(
     else:
         found.refusals.append(said)
     return True
+
+
+def _noise(part: Part, torch: Torch) -> Iterator[Diagnostic]:
+    """A note, once for a part, on bevels that are too small to be meant."""
+    told = [b for c in part.contours for b in c.bevels if abs(b.angle) < torch.min_bevel]
+    if told:
+        most = max(abs(bevel.angle) for bevel in told)
+        yield rules.NOISE.at(
+            part.source, count=len(told), found=f"{most:g}", expected=f"{torch.min_bevel:g}"
+        )
 
 
 IGNORED = "map-ignore"  #: how the ledger calls what the table of colours ignores
@@ -199,87 +218,29 @@ def _unknown_processes(wanted: list[Wanted], torch: Torch, machine: str) -> Iter
         )
 
 
-def _refusal(feature: Feature, torch: Torch) -> Diagnostic | None:
-    """Why a table cannot make a feature; None if it can."""
-    match feature:
-        case Contour():
-            if feature.face not in PLATE_FACES:
-                return bar_rules.NO_SPINDLE.at(
-                    feature.source, kind="contour", found=feature.face,
-                    expected=", ".join(PLATE_FACES),
-                )  # fmt: skip
-            if feature.bevels:
-                angle = f"{feature.bevels[0].angle:g}"
-                return bar_rules.BEVEL.at(feature.source, found=angle, face=feature.face)
-            return None
-        case Hole() | Slot() if feature.face not in PLATE_FACES:
-            return bar_rules.NO_SPINDLE.at(
-                feature.source,
-                kind="slot" if isinstance(feature, Slot) else f"{feature.kind} hole",
-                found=feature.face,
-                expected=", ".join(PLATE_FACES),
-            )
-        case Hole() if feature.kind == "mark":
-            return _refuse_centre(feature, torch)
-        case Hole():
-            return _refuse_hole(feature, torch)
-        case Slot():
-            return _refuse_slot(feature, torch)
-        case TextMark():
-            return None
-        case Bend() | EndPlane() | Camber():
-            names = {Bend: "a bend", EndPlane: "an end plane", Camber: "a camber"}
-            return bar_rules.OTHER.at(feature.source, found=names[type(feature)])
-
-
-def _refuse_centre(hole: Hole, torch: Torch) -> Diagnostic | None:
-    """Why a table cannot mark a centre: it has no cross for it, or it should be of some depth."""
-    expected = None
-    if not torch.cross:
-        expected = "none, or the size of a cross in the machine file (torch.cross)"
-    elif hole.depth is not None:
-        expected = f"one without a depth, it is marked by a cross of {torch.cross:g}"
-    if expected is None:
-        return None
-    return bar_rules.NO_TOOL.at(
-        hole.source, kind="mark", found=f"{hole.diameter:g}", face=hole.face, expected=expected
-    )
-
-
-def _refuse_hole(hole: Hole, torch: Torch) -> Diagnostic | None:
-    expected = None
-    if hole.kind != "through" or hole.depth is not None:
-        expected = "one through the sheet, a torch makes nothing else"
-    elif hole.diameter < torch.min_hole:
-        expected = f"at least {torch.min_hole:g}"
-    if expected is None:
-        return None
-    kind = "blind" if hole.kind == "through" and hole.depth is not None else hole.kind
-    return bar_rules.NO_TOOL.at(
-        hole.source, kind=kind, found=f"{hole.diameter:g}", face=hole.face, expected=expected
-    )
-
-
-def _refuse_slot(slot: Slot, torch: Torch) -> Diagnostic | None:
-    expected = None
-    if slot.kind != "through" or slot.depth is not None:
-        expected = "one through the sheet, a torch makes nothing else"
-    elif min(slot.length, slot.height) + slot.diameter < torch.min_hole:
-        expected = f"one at least {torch.min_hole:g} wide"
-    if expected is None:
-        return None
-    size = f"{slot.length + slot.diameter:g} x {slot.height + slot.diameter:g}"
-    return bar_rules.SLOT.at(slot.source, found=size, face=slot.face, expected=expected)
-
-
 def curves_of(feature: Hole | Slot, cross: float) -> tuple[Curve, ...]:
     """The closed contour of a hole or a slot, counter-clockwise; of a centre mark its cross."""
     if feature.kind == "mark":
-        x, y, half = feature.x, feature.y, cross / 2
-        return Line((x - half, y), (x + half, y)), Line((x, y - half), (x, y + half))
+        return _cross((feature.x, feature.y), cross)
     if isinstance(feature, Hole):
         return (Arc((feature.x, feature.y), feature.diameter / 2, 0.0, 360.0),)
     return tuple(_slot_curves(feature))
+
+
+def _cross(at: Point, size: float) -> tuple[Line, Line]:
+    (x, y), half = at, size / 2
+    return Line((x - half, y), (x + half, y)), Line((x, y - half), (x, y + half))
+
+
+def centres_of(feature: Hole | Slot) -> list[Point]:
+    """Where a drill begins: the centre of a hole, those of the round corners of a slot."""
+    if isinstance(feature, Hole):
+        return [(feature.x, feature.y)]
+    (c, s), found = unit_vector(feature.angle), list[Point]()
+    for u, v in product({feature.length / 2, -feature.length / 2},
+                        {feature.height / 2, -feature.height / 2}):  # fmt: skip
+        found.append((feature.x + c * u - s * v, feature.y + s * u + c * v))
+    return sorted(found)
 
 
 def _slot_curves(slot: Slot) -> Iterator[Curve]:

@@ -1,9 +1,11 @@
 """The sheet's material and thickness, and how the machine works it."""
 
 import re
+from collections.abc import Iterator
 from fnmatch import fnmatchcase
 
 from beamcam.errors import Diagnostic
+from beamcam.machine.load import load, shipped
 from beamcam.machine.torch import Torch, TorchProcess, TorchRow
 from beamcam.model.part import Part
 from beamcam.planning.contours import rules
@@ -19,6 +21,12 @@ def is_same(material: str, grade: str) -> bool:
     if asked in _STEEL:
         return own in _STEEL or _STEEL_GRADE.match(own) is not None
     return asked == own
+
+
+def _shipped_torches() -> Iterator[tuple[str, Torch]]:
+    for machine in map(load, shipped()):
+        if machine.torch is not None:
+            yield machine.name, machine.torch
 
 
 class Material:
@@ -71,10 +79,21 @@ class Material:
                 material=self.material or "of no known material",
                 process=process,
                 expected=self._limits(process),
+                others=self._others(process),
             )
             for process in sorted(processes & known)
             if self.row(process) is None
         ]
+
+    def _others(self, process: TorchProcess) -> str:
+        """Which of the shipped machines work such a sheet: "plate-oxyfuel cuts it (--machine)"."""
+        able = [
+            name for name, torch in _shipped_torches()
+            if any(row.process == process and self._fits(row) for row in torch.rows)
+        ]  # fmt: skip
+        if not able or self.thickness <= 0.0:
+            return "no shipped machine does; [[torch.more_rows]] in a file of your own adds a row"
+        return f"--machine {' or '.join(able)} can"
 
     def _limits(self, process: TorchProcess) -> str:
         """ "above 0 and at most 8 mm of acrylic, 8 mm of wood"."""

@@ -58,8 +58,9 @@ NO_THICKNESS = Rule(
 THICKNESS = Rule(
     "plan-thickness",
     _E,
-    "found a sheet of {found} mm {material} to {process}; expected {expected}",
-    "The machine's file has no speed for that thickness of that material.",
+    "found a sheet of {found} mm {material} to {process}; expected {expected}; {others}",
+    "The machine's file has no speed for that thickness of that material. A row of your own cut "
+    "chart under `[[torch.more_rows]]` in a machine file of your own adds one.",
 )
 OTHER_THICKNESS = Rule(
     "plan-thickness-other",
@@ -248,6 +249,14 @@ SQUARE = Rule(
     "found bevels on a contour, which is cut square; they are left to another machine",
     "`--allow-skips bevel` was given; a torch that does not tilt cuts every edge square.",
 )
+NOISE = Rule(
+    "plan-bevel-noise",
+    _N,
+    "found {count} bevel(s) of at most {found} degrees; below {expected} degrees an edge is cut "
+    "square",
+    "Some exporters write the noise of their arithmetic as angles. `torch.min_bevel` of the "
+    "machine file says from which angle on a bevel is meant.",
+)
 NEEDS_LEAD = Rule(
     "plan-kerf-lead",
     _E,
@@ -291,5 +300,5 @@ RULES = (
     SHEET_SIZE, SHEET_PLACE, JUNCTION, BRANCHED, NOT_CLOSED, TINY, SHARED, COMMON, RUNS_BACK_KERF,
     RUNS_BACK, GAP, OPEN_CUT,
     MORE_OPEN, OVERLAP, VANISHED, NARROW, NEAR, LEFT, CROWDED, CROSSING, MORE_CROSSINGS, CROSSED,
-    MORE_CROSSED, NO_LEAD, SQUARE, NEEDS_LEAD, UNCOMPENSATED, MACHINE_TABS, NO_TABS,
+    MORE_CROSSED, NO_LEAD, SQUARE, NOISE, NEEDS_LEAD, UNCOMPENSATED, MACHINE_TABS, NO_TABS,
 )  # fmt: skip

@@ -16,7 +16,7 @@ from beamcam.model.colour import process_of
 from beamcam.model.drawing import extent
 from beamcam.model.marks import policy_on
 from beamcam.model.part import Contour, Feature, Hole, Part, Process, Slot, TextMark
-from beamcam.verify.by_hand import is_by_hand, left_to_hand
+from beamcam.verify.by_hand import by_hand, is_by_hand, left_to_hand
 from beamcam.verify.left_out import left_out
 from beamcam.verify.sheets import rules
 
@@ -69,6 +69,7 @@ def need_of(part: Part, machine: Machine, torch: Torch, skips: Collection[str]) 
     need = Need(said=[*left_to_hand(part, machine)])
     table = cast("dict[str, Process]", torch.colours)
     known: dict[tuple[str | None, str | None], str | None] = {}
+    thickness = thickness_of(part, torch)
     outlined = False
     for index, feature in enumerate(part.features):
         if isinstance(feature, Contour):
@@ -81,7 +82,15 @@ def need_of(part: Part, machine: Machine, torch: Torch, skips: Collection[str]) 
         if isinstance(feature, TextMark) and policy == "make":
             continue  # where it stands is told by the program: see texts.py
         refused = policy == "refuse"
-        lack = "mark" if refused else lack_of(feature, torch)
+        lack = "mark" if refused else lack_of(feature, torch, thickness)
+        if _is_begun(feature, lack, torch):
+            # A hole is marked for the drill; a contour is cut as it stands, square.
+            need.said.append(by_hand(feature, part, machine))
+            if isinstance(feature, Hole | Slot):
+                for x, y in _drill_places(feature):
+                    need.add("mark", _cross_at(x, y, torch.cross), index, feature.source)
+                continue
+            lack = None
         if lack is not None and lack not in skips:
             _not_made(need, part, feature, lack)
             continue
@@ -114,22 +123,49 @@ def need_of(part: Part, machine: Machine, torch: Torch, skips: Collection[str]) 
     return need
 
 
-def lack_of(feature: Feature, torch: Torch) -> str | None:
-    """Why a table cannot make a feature, by the name of `--allow-skips`; None if it can."""
+def _is_begun(feature: Feature, lack: str | None, torch: Torch) -> bool:
+    """Whether the machine does a part of what a feature needs, and the hand the rest."""
+    if isinstance(feature, Contour):
+        return lack == "bevel" and torch.bevel == "square"
+    if isinstance(feature, Hole | Slot) and feature.kind != "mark":
+        return lack in ("tool", "slot") and torch.drilled == "mark"
+    return False
+
+
+def _drill_places(feature: Hole | Slot) -> set[Point]:
+    """Where a drill has to begin to make a hole, or the rounded corners of a slot."""
+    if isinstance(feature, Hole):
+        return {(feature.x, feature.y)}
+    c, s = unit_vector(feature.angle)
+    half_x, half_y = feature.length / 2, feature.height / 2
+    return {
+        (feature.x + c * u - s * v, feature.y + s * u + c * v)
+        for u in (-half_x, half_x) for v in (-half_y, half_y)
+    }  # fmt: skip
+
+
+def lack_of(feature: Feature, torch: Torch, thickness: float) -> str | None:
+    """Why a table cannot make a feature, by the name of `--allow-skips`; None if it can.
+
+    A contour with a bevel loses no steel by a square cut: a bevel only takes away from what the
+    contour holds, on the face that is looked at or on the far one.
+    """
+    least = max(torch.min_hole, torch.min_hole_share * thickness)
     match feature:
         case Contour() | Hole() | Slot() if feature.face not in FACES:
             return "face"
         case Contour():
-            return "bevel" if feature.bevels else None
+            meant = any(abs(bevel.angle) >= torch.min_bevel for bevel in feature.bevels)
+            return "bevel" if meant else None
         case Hole() if feature.kind == "mark":
             return None if torch.cross and feature.depth is None else "tool"
         case Hole():
             through = feature.kind == "through" and feature.depth is None
-            return None if through and feature.diameter >= torch.min_hole else "tool"
+            return None if through and feature.diameter >= least else "tool"
         case Slot():
             through = feature.kind == "through" and feature.depth is None
             width = min(feature.length, feature.height) + feature.diameter
-            return None if through and width >= torch.min_hole else "slot"
+            return None if through and width >= least else "slot"
         case TextMark():
             return "mark"
         case _:
@@ -148,9 +184,12 @@ def _plain(process: Process) -> str:
 
 def _cross(feature: Hole, size: float) -> list[Curve]:
     """The two strokes that mark a centre, each as long as the cross is to be."""
+    return _cross_at(feature.x, feature.y, size)
+
+
+def _cross_at(x: float, y: float, size: float) -> list[Curve]:
     return [
-        Line((feature.x - ux * size / 2, feature.y - uy * size / 2),
-             (feature.x + ux * size / 2, feature.y + uy * size / 2))
+        Line((x - ux * size / 2, y - uy * size / 2), (x + ux * size / 2, y + uy * size / 2))
         for ux, uy in ((1.0, 0.0), (0.0, 1.0))
     ]  # fmt: skip
 

@@ -268,7 +268,13 @@ def _words_of(row: TorchRow, machine: Machine, parse: Callable[[str], list[Table
 
     def events(template: tuple[str, ...]) -> list[TableEvent]:
         lines = [
-            line.format(power=f"{row.power:.3f}", pierce=f"{row.pierce_s:.3f}", feed="1")
+            line.format(
+                power=f"{row.power:.3f}",
+                pierce=f"{row.pierce_s:.3f}",
+                feed="1",
+                pierce_height=f"{row.pierce_height:.3f}",
+                cut_height=f"{row.cut_height:.3f}",
+            )
             for line in template
         ]
         return parse("\n".join(lines))

@@ -34,7 +34,9 @@ def call(*words: str) -> Result:
 def table(machine: str) -> dict[str, object]:
     """What a machine's file and its bases say, but for what tells them apart."""
     found = merged(files_of_machine(machine))[0]
-    return {key: found[key] for key in found if key not in ("name", "title", "default_for")}
+    return {
+        key: found[key] for key in found if key not in ("name", "title", "default_for", "choice")
+    }
 
 
 @pytest.mark.parametrize("base", shipped())

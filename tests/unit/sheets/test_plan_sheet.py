@@ -128,14 +128,14 @@ REFUSALS = [
 
 @pytest.mark.parametrize("case", REFUSALS, ids=lambda c: c.says)
 def test_what_a_torch_cannot_make(case: Refusal) -> None:
-    part = plate(*case.features)
+    part, machine = plate(*case.features), table(drilled="refuse", bevel="refuse")
     with pytest.raises(PlanError) as caught:
-        plan_sheet((part,), table())
+        plan_sheet((part,), machine)
     (said,) = caught.value.diagnostics
     assert (said.code, said.source) == (case.code, S)
     assert case.says in said.message
     assert case.skip is not None
-    plan = plan_sheet((part,), table(), (case.skip,))
+    plan = plan_sheet((part,), machine, (case.skip,))
     if case.skip == "bevel":
         assert [o.how for o in plan.outcomes] == ["made"]
         assert codes(plan) == [rules.SQUARE.code]
@@ -183,7 +183,7 @@ OTHERS: list[tuple[tuple[Part, ...], dict[str, object], str, str]] = [
     ((drawing(contour(box(0, 0, 9, 9), None, "W")),), {}, "plan-unmapped", "on layer 'W'"),
     ((drawing(SQUARE),), {"colours": {"red": "engrave"}}, "plan-process", "4 curves to engrave"),
     ((drawing(SQUARE, thickness=None),), {"thickness": 0.0}, "plan-thickness", "a sheet of 0 mm"),
-    ((drawing(SQUARE, thickness=None),), {"thickness": -1.0}, "plan-thickness", "at most 12 mm"),
+    ((drawing(SQUARE, thickness=None),), {"thickness": -1.0}, "plan-thickness", "at most 32 mm"),
     ((drawing(SQUARE, thickness=40.0),), {}, "plan-thickness", "found a sheet of 40 mm mild"),
     ((drawing(contour(box(0, 0, 4000, 50))),), {}, "plan-sheet-size", "at most 3000 x 1500"),
     # Of a drawing as large as a planet it is not asked first whether it crosses itself.
@@ -334,7 +334,7 @@ OF_OTHERS = {
 def test_every_rule_has_a_case() -> None:
     shown = {c.code for c in REFUSALS} | {code for _, _, code, _ in OTHERS}
     shown |= {code for _, _, more in REMARKS for code in more} | {
-        "plan-tabs", "plan-bevel-left", "plan-thickness-unknown",
+        "plan-tabs", "plan-bevel-left", "plan-thickness-unknown", "plan-bevel-noise",
     }  # fmt: skip
     assert {r.code for r in rules.RULES} - OF_OTHERS <= shown
 
