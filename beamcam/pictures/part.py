@@ -67,7 +67,7 @@ def part_scene(part: Part, unit: Unit = "mm", processes: Processes | None = None
     y = paper.bottom + 8.0
     left, right = frame.at(last.box[0], 0.0)[0], frame.at(last.box[2], 0.0)[0]
     drawn += measured((left, y), (right, y), last.box[2] - last.box[0], unit)
-    notes = list(_notes(part))
+    notes = [f"lengths in {unit}", *_notes(part)]
     drawn += footing(notes, y + 8.0)
     drawn += _legend(drawn, y + 24.0 + 13.0 * len(notes)) if part.measures is not None else ()
     title = f"{part.mark or 'part'} {part.profile.name}".strip()

@@ -85,13 +85,12 @@ def table_scene(table: TableMade, unit: Unit = "mm") -> Scene:
     y = paper.bottom
     drawn += _size(box, frame, unit)
     drawn += _legend(fastest, y + 24.0)
-    notes = [f"{table.name}   sha-256 {table.sha256}", f"lengths in {unit}"]
-    drawn += footing(notes, y + 38.0)
+    drawn += footing([f"{table.name}   sha-256 {table.sha256}"], y + 38.0)
     about = (
         f"program {table.name} as interpreted: {len(strokes)} paths, "
         f"{trace.duration_s:.1f} s; sha-256 {table.sha256}"
     )
-    return Scene(table.name, about, WIDTH, y + 84.0, tuple(drawn))
+    return Scene(table.name, about, WIDTH, y + 71.0, tuple(drawn))
 
 
 def _head(table: TableMade, strokes: int) -> list[str]:
@@ -203,7 +202,7 @@ def _size(box: tuple[float, float, float, float], frame: Frame, unit: Unit) -> I
     """Where the corners of the way lie on the table."""
     for k in (0, 2):
         x, y = frame.at(box[k], box[k + 1])
-        text = f"X {shown(box[k], unit)}  Y {shown(box[k + 1], unit)}"
+        text = f"X {shown(box[k], unit)}  Y {shown(box[k + 1], unit)} {unit}"
         anchor, off = ("start", 12.0) if k == 0 else ("end", -4.0)
         yield Text("figure", (x, y + off), text, 9.0, anchor)  # type: ignore[arg-type]
 

@@ -134,6 +134,7 @@ def measured(a: Point, b: Point, value: float, unit: Unit) -> Iterator[Shape]:
 
 
 def footing(lines: Sequence[str], y: float) -> Iterator[Text]:
-    """Small lines at the bottom of a picture."""
+    """Small lines at the bottom of a picture; a page that shows another unit says so in them."""
     for k, line in enumerate(lines):
-        yield Text("figure", (SIDE, y + 14.0 + k * 13.0), line, 9.0)
+        classes = "figure unit-note" if line.startswith("lengths in ") else "figure"
+        yield Text(classes, (SIDE, y + 14.0 + k * 13.0), line, 9.0)

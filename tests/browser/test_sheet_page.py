@@ -190,6 +190,8 @@ def test_numbers_are_written_as_the_reader_does(browser: Browser, folder: Path) 
         browser.run("const u = document.getElementById('unit'); u.value = 'inch';"
                     "u.dispatchEvent(new Event('change'))")  # fmt: skip
         assert "18,549" in browser.run(figures)
+        notes = "return [...document.querySelectorAll('.unit-note')].map((e) => e.textContent)"
+        assert all(note.startswith("lengths in inch") for note in browser.run(notes))
         again = browser.run("return [...document.querySelectorAll('data')].map((e) => e.value)")
         assert again == values
     finally:

@@ -39,6 +39,9 @@ const Numbers = {
       e.textContent = this.length(Number(e.dataset.mm));
       if (tip) e.prepend(tip);
     }
+    for (const e of root.querySelectorAll("text.unit-note")) {
+      e.textContent = e.textContent.replace(/^lengths in \w+/, `lengths in ${this.unit}`);
+    }
     for (const e of root.querySelectorAll("data[value]")) {
       const value = Number(e.value);
       if (e.classList.contains("mm")) e.textContent = this.length(value);
