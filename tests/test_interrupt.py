@@ -18,7 +18,7 @@ WITHIN_S = 1.0
 WAITING = (
     "post - -o x.gcode", "plan -", "inspect -", "convert - -o x.json", "verify - ", "diff - a.nc1",
     "recover - --profile UPN200 -o x.nc1", "simulate - -o x.csv", "plot - -o x.svg",
-    "batch - -o out",
+    "batch - -o out", "list - -o -", "labels - -o x.pdf",
 )  # fmt: skip
 #: Each has work for many seconds, or until it is ended.
 WORKING = (

@@ -19,16 +19,17 @@ TABLE = 'base = "plate-codesys"\nsuffix = ".tab"\n'
 LINES = (
     'job = "NIGHT"', "stock_lengths = [6000, 12000]", 'allow_skips = ["tool"]', "flat = true",
     'name = "{profile}/{mark}_{quantity}{suffix}"', "tolerances.merge = 0.3",
-    "sheet.thickness = 3", 'map.ETCH = "ignore"',
+    "sheet.thickness = 3", 'map.ETCH = "ignore"', 'quantity = "file"',
 )  # fmt: skip
 MACHINES = (
     "", 'machine = "beamline-pusher"', 'machines = { beam = "mine.toml" }',
     'machines = { sheet = "table.toml", beam = "beamline-annex" }',
+    'machines = { beam = ["beamline", "mine.toml", "beamline-pusher"] }', 'machine = "hall"',
 )  # fmt: skip
 OPTIONS = (
     "--bar=9000", "--flat", "--tree", "--job=DAY", "--name={stem}-{number}{suffix}",
-    "--machine=beamline", "--machine=shop/mine.toml", "--thickness=4", "--map=ETCH=mark",
-    "--allow-skips=none", "--no-verify",
+    "--machine=beamline", "--machine=shop/mine.toml", "--quantity=2", "--thickness=4",
+    "--map=ETCH=mark", "--allow-skips=none", "--no-verify",
 )  # fmt: skip
 
 
@@ -51,6 +52,9 @@ def lay_out(folder: Path, depth: int) -> None:
         shutil.copy(SAMPLES / "dxf" / "plate.dxf", jobs / "B" / "sheet.dxf")
     (folder / "shop" / "mine.toml").write_text(OWN)
     (folder / "shop" / "table.toml").write_text(TABLE)
+    for place in ("shop/jobs", "shop", "apart"):  # known by name beside each configuration
+        (folder / place / "machines").mkdir(parents=True)
+        (folder / place / "machines" / "hall.toml").write_text('base = "beamline"\n')
 
 
 @settings(max_examples=30)
@@ -73,7 +77,6 @@ def test_batch_then_check_holds(
         folder.mkdir()
         lay_out(folder, depth)
         text = "\n".join([machines, *sorted(lines)])
-        (folder / "apart").mkdir()
         if place == "apart":
             text = text.replace("mine.toml", "../shop/mine.toml")
             text = text.replace("table.toml", "../shop/table.toml")
