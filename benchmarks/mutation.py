@@ -5,8 +5,8 @@ doubled and swapped, signs flipped, digits changed, words exchanged, spindles, t
 and angles replaced. `outcome` tells, in a way that shares nothing with the read-back, whether what
 the machine makes is another thing now. All such mutants have to be caught, and programs that only
 look different (renumbered, respaced, commented, leading zeros) have to raise nothing. Programs that
-make the part but break a tool (`faults`), and plans that lie (`liars`, `sheet_liars`), have to be
-refused too.
+make the part but break a tool (`faults`), plans that lie (`liars`, `sheet_liars`), and texts other than
+the part's (`letterings`) have to be refused too.
 
     python benchmarks/mutation.py [--mutants 2500] [--seed 1]
 """
@@ -33,6 +33,7 @@ from beamcam.verify.by_hand import BY_HAND
 from beamcam.verify.left_out import LEFT_OUT
 from benchmarks.faults import FAULTS
 from benchmarks.heads import counted
+from benchmarks.letterings import lettered_otherwise
 from benchmarks.liars import told
 from benchmarks.mutants import FACES, MUTATIONS, REWRITES
 from benchmarks.script import arguments, at_least, start
@@ -263,6 +264,10 @@ def main() -> None:
     changed_heads, refused_heads = counted()
     of = sum(changed_heads.values())
     print(f"{sum(refused_heads.values())} of {of} heads that say otherwise refused")
+    letterings, caught_letterings = lettered_otherwise()
+    for name, count in letterings.items():
+        print(f"{name:22} {caught_letterings[name]:5} of {count:5} letterings refused")
+    print(f"{caught_letterings.total()} of {letterings.total()} wrong letterings refused")
     sheets = told_of_sheets()
     print(f"{sum(sheets.caught.values())} of {sum(sheets.made.values())} lies about sheets caught")
     for missed in (*broken.missed[:5], *lied.missed[:5], *sheets.missed[:5]):

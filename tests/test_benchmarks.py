@@ -12,7 +12,7 @@ from tests.conftest import ROOT
 
 BENCHMARKS = ROOT / "benchmarks"
 #: Are there to be imported.
-OTHERS = ("damage", "faults", "heads", "liars", "mutants", "script", "sheet_liars")
+OTHERS = ("damage", "faults", "heads", "letterings", "liars", "mutants", "script", "sheet_liars")
 SCRIPTS = sorted(path.name for path in BENCHMARKS.glob("*.py") if path.stem not in OTHERS)
 
 

@@ -165,7 +165,7 @@ CASES: tuple[Case, ...] = (
      '"refuse"'),
     ("plan-text-moved", "beamline-pusher",
      (part(hole(506, 105), TextMark("v", 500, 100, 0, 10, "X1", SOURCE)),), {},
-     "the text 'X1' is lettered at x 500.0, y 80.9, 10.0 mm high; "
+     "the text 'X1' is lettered at x 516.7, y 100.0, 10.0 mm high; "
      "found no room 3 mm clear at x 500, y 100, 10 mm high"),
     ("plan-text-sign", "beamline-pusher", (part(TextMark("v", 9, 99, 0, 10, "½", SOURCE)),), {},
      "found '½' in the text '½'; expected a character of the font, '1/2' is written"),
