@@ -5,8 +5,8 @@ doubled and swapped, signs flipped, digits changed, words exchanged, spindles, t
 and angles replaced. `outcome` tells, in a way that shares nothing with the read-back, whether what
 the machine makes is another thing now. All such mutants have to be caught, and programs that only
 look different (renumbered, respaced, commented, leading zeros) have to raise nothing. Programs that
-make the part but break a tool (`faults`), plans that lie (`liars`, `sheet_liars`), and texts other than
-the part's (`letterings`) have to be refused too.
+make the part but break a tool (`faults`), plans that lie (`liars`, `sheet_liars`), and texts that
+are not the part's (`letterings`) have to be refused too.
 
     python benchmarks/mutation.py [--mutants 2500] [--seed 1]
 """
