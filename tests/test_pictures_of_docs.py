@@ -1,6 +1,7 @@
 """The pictures of the documentation are those that the samples give now."""
 
 import importlib.util
+import re
 from pathlib import Path
 from xml.etree import ElementTree
 
@@ -9,6 +10,7 @@ import pytest
 from tests.conftest import ROOT, Golden
 
 FOLDER = ROOT / "docs" / "pictures"
+_HASH = re.compile(r"sha-256 [0-9a-f]{64}")
 SPEC = importlib.util.spec_from_file_location("draw", FOLDER / "draw.py")
 assert SPEC is not None
 assert SPEC.loader is not None
@@ -28,7 +30,14 @@ def test_a_picture_is_as_the_samples_give_it(name: str, drawn: Path, golden: Gol
     text = (drawn / name).read_text(encoding="utf-8")
     assert ElementTree.fromstring(text).tag.endswith("svg")
     assert str(ROOT) not in text
-    golden.check(FOLDER / name, text)
+    # A program's head has the checksum of its machine's file: another hash, the same picture.
+    if golden.update or _HASH.sub("", text) != _HASH.sub("", _kept(name)):
+        golden.check(FOLDER / name, text)
+
+
+def _kept(name: str) -> str:
+    path = FOLDER / name
+    return path.read_text(encoding="utf-8") if path.exists() else ""
 
 
 def test_each_picture_stands_in_the_readme_or_a_page() -> None:
