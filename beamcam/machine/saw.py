@@ -27,7 +27,9 @@ class Saw(Keys, frozen=True):
     square: float = 0.0  #: what a square cut is called: 0 or 90
     angle_sign: Literal[-1, 1] = 1  #: of DSTV's web angle in the machine's counting
     feed_mm_min: Positive = 2500.0
-    min_mitre: float = 0.1  #: an end nearer to square than this is sawn square, in degrees
+    min_mitre: float = (
+        0.2  #: an end nearer to square than this is sawn square, degrees of web or flange
+    )
     min_tilt: float = 0.0  #: of the blade out of the vertical, for flange angles
     max_tilt: float = 0.0  #: 0 and 0: the blade does not tilt
     tilt_sign: Literal[-1, 1] = 1  #: of DSTV's flange angle in the machine's counting

@@ -53,6 +53,14 @@ CUT_FROM_CONTOUR = Rule(
     "found no {kind} cut in the header at the {end}; the contour's {found} degrees are sawn",
     "Some exporters leave the header's angle at 0 though the contour is skew.",
 )
+CUT_NOISE = Rule(
+    "plan-cut-noise",
+    _N,
+    "found a {kind} cut of {found} degrees at the {end}; below {expected} degrees an end is sawn "
+    "square",
+    "Some exporters write the noise of their arithmetic as angles. `saw.min_mitre` of the machine "
+    "file says from which angle on a cut is meant.",
+)
 BAR_SHORT = Rule(
     "plan-bar-short",
     _E,
@@ -211,7 +219,8 @@ OTHER = Rule(
 
 RULES = (
     NO_PARTS, STOCK, MIXED_PROFILES, SECTION_SIZE, SECTION_SHAPE, CUT_DENIED,
-    CUT_FROM_CONTOUR, BAR_SHORT, BAR_LONG, NO_SAW, NO_WORK, COMES_CUT, BAR_FULL, BAR_LEFT,
+    CUT_FROM_CONTOUR, CUT_NOISE,
+    BAR_SHORT, BAR_LONG, NO_SAW, NO_WORK, COMES_CUT, BAR_FULL, BAR_LEFT,
     PART_SHORT, REMNANT, QUANTITY,
     TURNED, TURN_HELPS, ORDER, RELOAD, UNNAMED_GRADE, CUTTING_SPEED, NO_CHANGE_WORD, NO_TOOL,
     NO_SPINDLE, SLOT, MARK, BEVEL, OTHER,

@@ -117,6 +117,12 @@ def _agreed(
                 rules.CUT_FROM_CONTOUR.at(part.source, kind=name, found=f"{seen:.3f}", end=at)
             )
             angle = seen
+        if 0.0 < abs(angle) < min_mitre:
+            remarks.append(
+                rules.CUT_NOISE.at(
+                    part.source, kind=name, found=f"{angle:.3g}", end=at, expected=f"{min_mitre:g}"
+                )
+            )
         found.append(angle if abs(angle) >= min_mitre else 0.0)
     return found[0], found[1]
 

@@ -24,7 +24,7 @@ from beamcam.errors import Rule, Severity
 from beamcam.machine.tools import FLAT_DEG
 from beamcam.model.part import Face, HoleKind
 from beamcam.planning.operations.job import Tooling
-from beamcam.planning.operations.tools import ROUNDING, Rack, Tools
+from beamcam.planning.operations.tools import ROUNDING, Rack, Tools, fit_of
 from beamcam.planning.rules import MARK, NO_TOOL, no_unit
 
 NO_PILOT = Rule(
@@ -181,4 +181,9 @@ def _nearest_tools(rack: Rack, hole: HoleWork) -> str:
     near = sorted((abs(t.diameter - diameter), t.diameter) for t in rack.of_kind("drill", faces))
     if not near:
         return "none, the machine has no drill"
-    return "a hole near a drill of " + " or ".join(f"{d:g}" for _, d in near[:2])
+    shown = " or ".join(f"{d:g}" for _, d in near[:2])
+    fit = fit_of(diameter, rack.drill.fits)
+    if fit is None:
+        return f"a hole near a drill of {shown}"
+    limits = f"{diameter - fit.minus:g} to {diameter + fit.plus:g}"
+    return f"a drill of {limits} (drill.fits); the nearest are {shown}"

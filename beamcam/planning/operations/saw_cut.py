@@ -25,7 +25,7 @@ SAW_ANGLE = Rule(
     _E,
     "found a cut of {found} degrees at the {end}; expected one from {least} to {greatest}, "
     "as far as the saw turns",
-    "The mitre is outside the saw's range.",
+    "The mitre is outside the saw's range. Angles are counted as the input counts them.",
 )
 FLANGE_CUT = Rule(
     "plan-flange-cut",
@@ -87,14 +87,18 @@ def _refuse_cut(end: End, saw: Saw, source: Source) -> Diagnostic | None:
     """Why the saw cannot make a skew end; None if it can."""
     angle, tilt = saw_angles(end, saw)
     if end.web_deg and not saw.min_angle <= angle <= saw.max_angle:
+        least, greatest = sorted(
+            (limit - saw.square) * saw.angle_sign for limit in (saw.min_angle, saw.max_angle)
+        )
         return SAW_ANGLE.at(
-            source, found=f"{angle:g}", end=end.at, least=f"{saw.min_angle:g}",
-            greatest=f"{saw.max_angle:g}",
+            source, found=f"{end.web_deg:g}", end=end.at, least=f"{least:g}",
+            greatest=f"{greatest:g}",
         )  # fmt: skip
     if end.flange_deg and not saw.min_tilt <= tilt <= saw.max_tilt:
         expected = "0, the blade does not tilt"
         if saw.min_tilt != saw.max_tilt:
-            expected = f"a tilt from {saw.min_tilt:g} to {saw.max_tilt:g}"
+            least, greatest = sorted(saw.tilt_sign * t for t in (saw.min_tilt, saw.max_tilt))
+            expected = f"one from {least + 0.0:g} to {greatest + 0.0:g}"
         return FLANGE_CUT.at(source, found=f"{end.flange_deg:g}", end=end.at, expected=expected)
     if end.web_deg and end.flange_deg and not saw.compound:
         return COMPOUND.at(source, web=f"{end.web_deg:g}", flange=f"{end.flange_deg:g}", end=end.at)

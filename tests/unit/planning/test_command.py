@@ -171,12 +171,14 @@ def test_a_sheet_as_data() -> None:
     assert thin["time"]["total_s"] > record["time"]["total_s"]
 
 
-def test_what_is_left_out_of_a_sheet_is_said() -> None:
-    plate = CAM.replace("json/cam.json", "dstv/plate.nc1")
+def test_what_is_left_out_of_a_sheet_is_said(tmp_path: Path) -> None:
+    plate, mine = CAM.replace("json/cam.json", "dstv/plate.nc1"), tmp_path / "mine.toml"
+    policies = "[torch]\nbevel = 'refuse'\ndrilled = 'refuse'\n"
+    mine.write_text(f"base = 'plate-codesys'\n{policies}")
     skips = [word for name in ("bevel", "tool", "mark") for word in ("--allow-skips", name)]
-    status, out, said = run(plate, "--machine", "plate-codesys", *skips)
+    status, out, said = run(plate, "--machine", str(mine), *skips)
     assert status == 0
     assert "left out: " in out
-    assert run(plate, "--machine", "plate-codesys")[0] == 1
-    assert run(plate, "--machine", "plate-codesys", "--strict", *skips)[0] == 1
+    assert run(plate, "--machine", str(mine))[0] == 1
+    assert run(plate, "--machine", str(mine), "--strict", *skips)[0] == 1
     assert "warning" in said

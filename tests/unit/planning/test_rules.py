@@ -65,10 +65,12 @@ CASES: tuple[Case, ...] = (
      "the part comes in cut to 3000.000 mm with its ends as they should be; uncut has no saw"),
     ("plan-saw-angle", "beamline", (part(cuts=EndCuts(web_end=-50.0)),), {},
      "found a cut of -50 degrees at the end; expected one from -45 to 60, as far as the saw turns"),
+    ("plan-cut-noise", "beamline", (part(cuts=EndCuts(flange_start=-0.11)),), {},
+     "found a flange cut of -0.11 degrees at the start; below 0.2 degrees an end is sawn square"),
     ("plan-flange-cut", "beamline", (part(cuts=EndCuts(flange_start=10.0)),), {},
      "found a flange cut of 10 degrees at the start; expected 0, the blade does not tilt"),
     ("plan-flange-cut", "beamline-pusher", (part(cuts=EndCuts(flange_start=-10.0)),), {},
-     "found a flange cut of -10 degrees at the start; expected a tilt from 0 to 45"),
+     "found a flange cut of -10 degrees at the start; expected one from 0 to 45"),
     ("plan-compound", "simple", (part(cuts=EndCuts(web_end=10.0, flange_end=20.0)),), {},
      "found a cut of 10 degrees on the web and 20 on the flange at the end; expected one of them, "
      "the saw cannot turn and tilt at once"),
