@@ -12,7 +12,9 @@ from tests.conftest import ROOT
 
 BENCHMARKS = ROOT / "benchmarks"
 #: Are there to be imported.
-OTHERS = ("damage", "faults", "heads", "letterings", "liars", "mutants", "script", "sheet_liars")
+OTHERS = (
+    "damage", "faults", "heads", "letterings", "liars", "mutants", "script", "sheet_liars", "uses",
+)  # fmt: skip
 SCRIPTS = sorted(path.name for path in BENCHMARKS.glob("*.py") if path.stem not in OTHERS)
 
 

@@ -11,6 +11,7 @@ from click.testing import CliRunner
 
 from beamcam.cli import main
 from tests.runs import part
+from tests.test_rs274 import INI
 
 SAMPLES = Path(__file__).resolve().parents[1] / "samples"
 ODD = "M\x1b[2J\x9b\u202e\u2028G0 X9)\x85(MSG,%;\x0b\x0c"
@@ -65,7 +66,9 @@ def test_no_comment_is_a_command(tmp_path: Path, job: str) -> None:
     source = str(SAMPLES / "dstv/gusset.nc1")
     asked = ["post", source, "--machine", "plate-linuxcnc", "--job", job, "-o", str(out)]
     assert CliRunner().invoke(main, asked).exit_code == 0
-    run = subprocess.run(["rs274", "-g", str(out)], capture_output=True, text=True, cwd=tmp_path)
+    (tmp_path / "rs274.ini").write_text(INI)
+    command = ["rs274", "-i", "rs274.ini", "-g", str(out)]
+    run = subprocess.run(command, capture_output=True, text=True, cwd=tmp_path)
     assert run.returncode == 0, run.stderr
     assert "MESSAGE(" not in run.stdout
     assert not (tmp_path / "gone").exists()

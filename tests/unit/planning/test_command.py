@@ -97,12 +97,12 @@ def test_the_same_as_data(path: str) -> None:
 def test_the_eight_ways_are_listed(tmp_path: Path) -> None:
     file = tmp_path / "skew.nc1"
     file.write_text(PART.format(end="-50.000"))
-    status, text, said = run(str(file), "--turn", "--order", "best")
+    status, text, said = run(str(file), "--machine", "beamline", "--turn", "--order", "best")
     assert status == 0
     assert text.count("  B1 ") == 8
     assert "plan-saw-angle" in text
     assert "note plan-turned" in said
-    refused, nothing, why = run(str(file))
+    refused, nothing, why = run(str(file), "--machine", "beamline")
     assert (refused, nothing) == (1, "")
     assert "error plan-saw-angle" in why
     assert "note plan-turn-helps" in why
@@ -111,12 +111,13 @@ def test_the_eight_ways_are_listed(tmp_path: Path) -> None:
 def test_what_is_left_out_is_listed(tmp_path: Path) -> None:
     file = tmp_path / "big.nc1"
     file.write_text(PART.format(end="0.000").replace("100.00 18.00", "100.00 88.00"))
-    status, text, _ = run(str(file), "--allow-skips", "tool", "-o", str(tmp_path / "plan.txt"))
+    words = (str(file), "--machine", "beamline")
+    status, text, _ = run(*words, "--allow-skips", "tool", "-o", str(tmp_path / "plan.txt"))
     assert (status, text) == (0, "")
     written = (tmp_path / "plan.txt").read_text()
     assert f"left out: {file}:" in written
     assert "(plan-tool)" in written
-    assert run(str(file))[0] == 1
+    assert run(*words)[0] == 1
 
 
 def test_tools_to_change_are_listed(tmp_path: Path) -> None:

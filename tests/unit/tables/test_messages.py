@@ -196,9 +196,11 @@ SAID_OF_TABLES = [
     (".csv", ",0,400,0,400\n", ",0,400,0,401\n",
      "5: error steps-velocity: found 401 Hz of Y; expected 400 Hz for 4 mm/s"),
     (".csv", "\n7,12,0,4,1,0,400,0,400\n", "\n7,12,0,4.4,1,0,400,0,440\n",
-     "5: error steps-speed: found 4.40 mm/s to cut; expected at most 4 mm/s"),
+     "5: error steps-speed: found 4.40 mm/s to cut; expected at most 4 mm/s, "
+     "beside the contour of shield-small.json:contours[0]"),
     (".csv", "\n7,12,0,4,1,0,400,0,400\n", "\n7,12,0,3.6,1,0,400,0,360\n",
-     "5: error steps-speed: found 3.60 mm/s to cut; expected at least 4 mm/s"),
+     "5: error steps-speed: found 3.60 mm/s to cut; expected at least 4 mm/s, "
+     "beside the contour of shield-small.json:contours[0]"),
     (".csv", "\n0,0,-56.5685,-56.5685,0,-500,-500,5656.85,5656.85\n", "\n",
      " error steps-place: found the head at X 5, Y 5; expected it in the corner at the end"),
     (".csv", "\n0,0,-56.5685,-56.5685,0,-500,-500,5656.85,5656.85\n",

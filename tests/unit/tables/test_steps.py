@@ -253,7 +253,9 @@ def test_another_part_is_not_this_one() -> None:
 def test_a_place_beside_the_path_is_told_with_the_contour_that_is_nearest() -> None:
     text = forms.emit(table("shield"), LASER)
     said = verify_text(text, [part("shield-small")])
-    assert any(" mm off that of shield-small.json:contours" in d.message for d in said), said
+    assert any(
+        " mm off it, beside the contour of shield-small.json:contours[0]" in d.message for d in said
+    ), said
 
 
 def test_each_row_is_within_half_a_step_of_the_outline() -> None:
