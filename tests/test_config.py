@@ -12,6 +12,7 @@ from beamcam.config.apply import with_tolerances
 from beamcam.config.load import ConfigError, load
 from beamcam.config.values import Config, ConfigFile, beside, over
 from beamcam.machine import load as load_machine
+from beamcam.machine.torch import LookSettings
 from beamcam.system import is_windows
 from tests.runs import batch, counts, fill, part, report
 
@@ -262,3 +263,16 @@ def test_tolerances_without_a_drill(tmp_path: Path) -> None:
     with pytest.raises(ConfigError, match=r"3: error config-tolerance: .* plate-linuxcnc has no"):
         with_tolerances(plate, config)
     assert with_tolerances(plate, over(config, {"machine": "plate-linuxcnc"})) is plate
+
+
+def test_a_row_of_the_map_may_be_a_table(tmp_path: Path) -> None:
+    file = tmp_path / "beamcam.toml"
+    file.write_text('[map]\nblue = "mark"\n[map.red]\nprocess = "cut"\nspeed = 600\npasses = 2\n')
+    config = load(file)
+    assert config.meanings == {"blue": "mark", "red": "cut"}
+    assert config.look_settings == {"red": LookSettings(600.0, None, 2)}
+    shown = CliRunner().invoke(main, ["config", "--config", str(file)]).stdout
+    assert 'map.red = { process = "cut", speed = 600.0, passes = 2 }' in shown
+    file.write_text("[map.red]\nspeed = 600\n")
+    with pytest.raises(ConfigError, match=r"map\.red\.process"):
+        load(file)

@@ -22,6 +22,9 @@ def shown(setting: Setting) -> str:
     table, dot, name = key.partition(".")
     if dot and not name.replace("-", "").replace("_", "").isalnum():
         key = f"{table}.{json.dumps(name, ensure_ascii=False)}"
+    if isinstance(setting.value, dict):
+        rows = (f"{name} = {json.dumps(value)}" for name, value in setting.value.items())
+        return f"{key} = {{ {', '.join(rows)} }}"
     return f"{key} = {json.dumps(setting.value, ensure_ascii=False)}"
 
 

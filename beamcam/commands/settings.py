@@ -172,7 +172,7 @@ def map_remarks(config: Config, parts: Sequence[Part], machine: Machine) -> tupl
         return ()
     from beamcam.planning.map_keys import curves_by_key, idle, unmatched
 
-    here = {k: v for k, v in config.map.items() if _is_asked(config, k)}
+    here = {k: v for k, v in config.meanings.items() if _is_asked(config, k)}
     table = machine.torch.colours
     if refused := tuple(unmatched(here, parts, table)):
         raise PlanError(refused)
@@ -277,7 +277,9 @@ def _with_sheet(machine: Machine, config: Config) -> Machine:
     from beamcam.planning.contours import rules
 
     try:
-        return with_torch(machine, config.map, **config.sheet.given())
+        return with_torch(
+            machine, config.meanings, settings=config.look_settings, **config.sheet.given()
+        )
     except ValueError as error:
         said = (config.sources.get(f"sheet.{name}") for name in config.sheet.given())
         lines = (source for source in said if source not in (None, COMMAND_LINE))

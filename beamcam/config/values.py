@@ -13,6 +13,7 @@ from msgspec.structs import asdict, replace
 
 from beamcam.conversion import Count, Keys, NotNegative, Positive, PositiveCount, Text
 from beamcam.errors import Source
+from beamcam.machine.torch import LookSettings
 from beamcam.system import is_open_to_all, user_folder
 
 CONFIG_NAME = "beamcam.toml"
@@ -49,6 +50,20 @@ class Sheet(Keys, frozen=True):
         return {name: value for name, value in asdict(self).items() if value is not None}
 
 
+class MapRow(LookSettings, frozen=True, kw_only=True):
+    """What is done with a layer or a colour, and how."""
+
+    process: Meaning
+
+    def settings(self) -> LookSettings:
+        """How it is done."""
+        return LookSettings(self.speed, self.power, self.passes, self.order)
+
+    def said(self) -> dict[str, Any]:
+        """The keys that say something, with their values."""
+        return {"process": self.process} | {k: getattr(self, k) for k in self.settings().given()}
+
+
 class ConfigFile(Keys, frozen=True):
     """What a configuration may say; the fields are the keys of the file."""
 
@@ -67,7 +82,7 @@ class ConfigFile(Keys, frozen=True):
     tolerances: Mapping[Tolerance, NotNegative] = field(default_factory=dict)
     sheet: Sheet = Sheet()  #: how sheets are cut, over the machine's own
     #: what is done with a layer or a colour of a drawing
-    map: Mapping[str, Meaning] = field(default_factory=dict)
+    map: Mapping[str, Meaning | MapRow] = field(default_factory=dict)
 
 
 class Config(ConfigFile, frozen=True):
@@ -80,6 +95,16 @@ class Config(ConfigFile, frozen=True):
         """The machines that are named for a kind of stock, in the order in which they are tried."""
         named = self.machines.get(stock) or self.machine
         return () if named is None else (named,) if isinstance(named, str) else tuple(named)
+
+    @property
+    def meanings(self) -> dict[str, Meaning]:
+        """The process of each layer or colour of the map."""
+        return {k: v.process if isinstance(v, MapRow) else v for k, v in self.map.items()}
+
+    @property
+    def look_settings(self) -> dict[str, LookSettings]:
+        """How layers and colours of the map are worked, where it says more than the process."""
+        return {k: v.settings() for k, v in self.map.items() if isinstance(v, MapRow)}
 
     def rows(self, table: str) -> Mapping[str, Any]:
         """The rows of a key that is a table, by their names."""
@@ -94,7 +119,8 @@ class Config(ConfigFile, frozen=True):
             tabular = isinstance(value, Mapping | Sheet)
             for name, row in self.rows(key).items() if tabular else (("", value),):
                 dotted = f"{key}.{name}" if name else key
-                rows.append(Setting(dotted, row, self.sources.get(dotted)))
+                value = row.said() if isinstance(row, MapRow) else row
+                rows.append(Setting(dotted, value, self.sources.get(dotted)))
         return tuple(rows)
 
 

@@ -33,7 +33,9 @@ def _keys(record: type, prefix: str) -> Iterator[Key]:
     hints = typing.get_type_hints(record, include_extras=True)
     for name, (default, meaning) in documented(record).items():
         inner, many = _record_in(hints[name])
-        if inner is None:
+        if by_name := _record_by_name(hints[name]):
+            yield from _keys(by_name, f"{prefix}{name}.NAME.")
+        elif inner is None:
             yield Key(prefix + name, _kind(hints[name]), default, meaning)
         else:
             yield from _keys(inner, f"{prefix}{name}{'[]' if many else ''}.")
@@ -66,6 +68,13 @@ def _limits(meta: Meta) -> str:
     if meta.gt is not None:
         return f" above {meta.gt:g}"
     return "" if meta.ge is None else f", {meta.ge:g} or more"
+
+
+def _record_by_name(hint: object) -> type | None:
+    """The record that a table holds under each of its names; None if it holds plain values."""
+    origin, args = get_origin(hint), get_args(hint)
+    is_table = isinstance(origin, type) and issubclass(origin, Mapping)
+    return _record_in(args[1])[0] if is_table else None
 
 
 def _record_in(hint: object) -> tuple[type | None, bool]:

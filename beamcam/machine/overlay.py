@@ -6,7 +6,7 @@ from typing import Any, Literal
 from msgspec.structs import replace
 
 from beamcam.machine.machine import Machine
-from beamcam.machine.torch import Torch
+from beamcam.machine.torch import LookSettings, Torch
 
 Meaning = Literal["cut", "mark", "engrave", "ignore"]
 MEANINGS: tuple[Meaning, ...] = ("cut", "mark", "engrave", "ignore")
@@ -16,11 +16,13 @@ def with_torch(
     machine: Machine,
     colours: Mapping[str, Meaning] | None = None,
     kerf: float | None = None,
+    settings: Mapping[str, LookSettings] | None = None,
     **values: Any,
 ) -> Machine:
     """The machine with other values of its torch; itself if nothing is given.
 
-    `colours` are laid over those of the machine, before them; `kerf` replaces that of every row to
+    `colours` are laid over those of the machine, before them, each with its `settings` or with
+    none; `kerf` replaces that of every row to
     cut, and 0 turns compensation off. `values` are fields of `Torch`; those that are None count as
     not given. Raises ValueError for a machine without a torch, or without words for what is asked.
     """
@@ -35,6 +37,8 @@ def with_torch(
             **colours,
             **{k: v for k, v in torch.colours.items() if k not in colours},
         }
+        kept = {k: v for k, v in torch.settings.items() if k not in colours}
+        given["settings"] = {**(settings or {}), **kept}
     if kerf is not None:
         given["rows"] = tuple(
             replace(row, kerf=kerf) if row.process == "cut" else row for row in torch.rows

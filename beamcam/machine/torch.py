@@ -3,7 +3,9 @@
 from collections.abc import Mapping
 from typing import Literal
 
-from beamcam.conversion import Count, Keys, NotNegative, Positive
+from msgspec import field
+
+from beamcam.conversion import Count, Keys, NotNegative, Positive, PositiveCount
 
 TorchProcess = Literal["cut", "mark", "engrave"]
 
@@ -20,6 +22,21 @@ class TorchRow(Keys, frozen=True):
     kerf: NotNegative = 0.0
     pierce_height: NotNegative = 0.0  #: of the torch over the sheet as it pierces; 0: not known
     cut_height: NotNegative = 0.0  #: of the torch over the sheet as it cuts; 0: not known
+    passes: PositiveCount = 1  #: how often a contour is followed
+
+
+class LookSettings(Keys, frozen=True):
+    """How the lines of one colour or layer are worked, over the row of their process."""
+
+    speed: Positive | None = None  #: mm/min
+    power: NotNegative | None = None  #: what the words call {power}
+    passes: PositiveCount | None = None  #: how often its contours are followed
+    order: Count = 0  #: place in the order of work, lower ones first
+
+    def given(self) -> tuple[str, ...]:
+        """The keys that say something."""
+        default = LookSettings()
+        return tuple(k for k in self.__struct_fields__ if getattr(self, k) != getattr(default, k))
 
 
 class Torch(Keys, frozen=True):
@@ -33,6 +50,7 @@ class Torch(Keys, frozen=True):
     rows: tuple[TorchRow, ...]
     colours: Mapping[str, Literal["cut", "mark", "engrave", "ignore"]]  #: of lines, or their layers
     more_rows: tuple[TorchRow, ...] = ()  #: added to the rows of a base, by their thickness
+    settings: Mapping[str, LookSettings] = field(default_factory=dict)  #: by keys of `colours`
     thickness: Positive | None = None  #: of a sheet that does not say; without it the job has to
     material: str = ""  #: of a sheet that does not say
     place: Literal["corner", "drawn"] = "corner"  #: moved to the corner, or left where it is drawn

@@ -8,6 +8,7 @@ import re
 from collections.abc import Iterable, Mapping
 from math import inf
 
+from beamcam.machine.torch import LookSettings
 from beamcam.model.colour_names import NAMES
 from beamcam.model.part import Contour, Process
 
@@ -138,6 +139,14 @@ def process_of(contour: Contour, table: Mapping[str, Process]) -> Process | None
     """What `table` says is done with `contour`; None if it says nothing about it."""
     key = key_of(contour, table)
     return None if key is None else table[key]
+
+
+def settings_of(
+    contour: Contour, table: Iterable[str], settings: Mapping[str, LookSettings]
+) -> LookSettings | None:
+    """How the key of `table` that stands for `contour` wants it worked; None if as its process."""
+    key = key_of(contour, table) if settings else None
+    return None if key is None else settings.get(key)
 
 
 def key_of(contour: Contour, table: Iterable[str]) -> str | None:

@@ -18,6 +18,7 @@ from beamcam.planning.contours import rules
 from beamcam.planning.contours.assign_process import Assigned, assign_processes
 from beamcam.planning.contours.crowd import refuse_crowds
 from beamcam.planning.contours.join import Joined, join
+from beamcam.planning.contours.look_settings import refuse_order, refuse_settings
 from beamcam.planning.contours.material import Material
 from beamcam.planning.contours.nest import nest
 from beamcam.planning.contours.operations import operations_of
@@ -38,7 +39,8 @@ def plan_sheet(parts: Sequence[Part], machine: Machine, skips: Collection[str] =
     part = _one_sheet(parts, machine)
     assigned = assign_processes(part, torch, machine, skips)
     material = Material(part, torch)
-    refusals = [*assigned.refusals, *material.refusals({w.process for w in assigned.wanted})]
+    refusals = [*assigned.refusals, *refuse_settings(assigned.wanted, torch, machine)]
+    refusals += material.refusals({w.process for w in assigned.wanted})
     if refusals:
         raise PlanError(refusals)
     if not assigned.wanted:
@@ -51,6 +53,7 @@ def plan_sheet(parts: Sequence[Part], machine: Machine, skips: Collection[str] =
     joined = join(assigned.wanted, curves, torch, kerf, assigned.rings)
     refuse_crowds(joined.shapes, torch.tolerance)
     shapes, said = nest(joined.shapes, assigned.wanted, torch.tolerance, torch.gap, kerf)
+    said = [*said, *refuse_order(shapes, torch)]
     if errors := errors_in([*joined.refusals, *said]):
         raise PlanError(errors)
     remarks += [*joined.remarks, *said]

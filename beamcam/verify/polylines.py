@@ -28,14 +28,14 @@ def compare_polylines(
 
     from beamcam.controllers.moves import straight_moves
     from beamcam.verify.sheets.compare import compare
-    from beamcam.verify.sheets.need import need_of, rows_of, shift_of
+    from beamcam.verify.sheets.need import need_of, rows_on, shift_of
     from beamcam.verify.sheets.strokes import Stroke, Strokes
     from beamcam.verify.sheets.texts import add_texts
 
     torch = machine.torch
     if torch is None:
         raise TypeError(f"{machine.name} has no torch")
-    rows = {row.process: row for row in reversed(rows_of(part, torch))}
+    rows = {row.process: row for row in reversed(rows_on(part, torch))}
     need = need_of(part, machine, torch, skips)
     strokes: list[Stroke] = []
     chains = []

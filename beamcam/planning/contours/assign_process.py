@@ -13,7 +13,7 @@ from beamcam.geometry.plane import Point, join_boxes
 from beamcam.machine.machine import Machine
 from beamcam.machine.marking import Marks
 from beamcam.machine.torch import Torch, TorchProcess
-from beamcam.model.colour import colour_name, process_of
+from beamcam.model.colour import colour_name, key_of, process_of
 from beamcam.model.marks import policy_on
 from beamcam.model.part import (
     Contour,
@@ -48,6 +48,7 @@ class Wanted(Struct, frozen=True, gc=False):
     process: TorchProcess
     feature: int  #: index into the part's features, or `OUTLINE`
     source: Source
+    look: str = ""  #: key of the settings that it is worked with; empty for those of its process
 
 
 class Assigned(Struct):
@@ -67,7 +68,7 @@ def assign_processes(
     """The curves of a part by process; what the machine cannot make is refused or skipped."""
     found = Assigned()
     thickness = part.profile.web_thickness or torch.thickness or 0.0
-    meanings = _Meanings(torch.colours)
+    meanings = _Meanings(torch)
     unmapped: Counter[tuple[str | None, str | None]] = Counter()
     first: dict[tuple[str | None, str | None], Source] = {}
     for index, feature in enumerate(part.features):
@@ -87,7 +88,8 @@ def assign_processes(
                 source = feature.source
                 if feature.closed:
                     found.rings.add(index)
-                found.wanted += [Wanted(c, meaning, index, source) for c in feature.curves]
+                key = meanings.key(feature)
+                found.wanted += [Wanted(c, meaning, index, source, key) for c in feature.curves]
         else:
             hole = cast("Hole | Slot", feature)
             process: TorchProcess = "mark" if hole.kind == "mark" else "cut"  # a centre's cross
@@ -152,8 +154,9 @@ IGNORED = "map-ignore"  #: how the ledger calls what the table of colours ignore
 class _Meanings:
     """What a contour is for, asked once for each layer and colour."""
 
-    def __init__(self, colours: Mapping[str, Meaning]) -> None:
-        self._table = cast("Mapping[str, Process]", colours)
+    def __init__(self, torch: Torch) -> None:
+        self._table = cast("Mapping[str, Process]", torch.colours)
+        self._settings = torch.settings
         self._known: dict[tuple[str | None, str | None], Meaning | None] = {}
 
     def __call__(self, contour: Contour) -> Meaning | None:
@@ -163,6 +166,13 @@ class _Meanings:
         if look not in self._known:
             self._known[look] = cast("Meaning | None", process_of(contour, self._table))
         return self._known[look]
+
+    def key(self, contour: Contour) -> str:
+        """The key of a contour that has settings of its own; empty if it has none."""
+        if not self._settings or (contour.layer, contour.colour) == (None, None):
+            return ""
+        key = key_of(contour, self._table)
+        return key if key is not None and key in self._settings else ""
 
 
 def letter(part: Part, marks: Marks, found: Assigned) -> None:

@@ -56,7 +56,7 @@ def join(
         (found.refusals if said.severity is Severity.ERROR else found.remarks).append(said)
     may_repeat = bool(overlapping(curves, [w.process for w in wanted]))
     loose, gaping = _closed_features(wanted, curves, torch.gap, rings, found)
-    for process, numbers in loose.items():
+    for (process, _), numbers in loose.items():
         once, ends = [wanted[k] for k in numbers], curves.ends[numbers]
         if may_repeat:
             once = loose_once(once, found.repeats)
@@ -84,12 +84,13 @@ def join(
 
 def _closed_features(
     wanted: Sequence[Wanted], curves: CurveTable, gap: float, rings: Collection[int], found: Joined
-) -> tuple[dict[TorchProcess, list[int]], set[int]]:
-    """Keep the features that close by themselves; the numbers of other curves, by process.
+) -> tuple[dict[tuple[TorchProcess, str], list[int]], set[int]]:
+    """Keep the features that close by themselves; the numbers of other curves, by process and
+    settings.
 
     And the features that say that they are closed (`rings`), and have gaps.
     """
-    loose: dict[TorchProcess, list[int]] = defaultdict(list)
+    loose: dict[tuple[TorchProcess, str], list[int]] = defaultdict(list)
     gaping: set[int] = set()
     hulls = curves.hulls
     points = set(np.flatnonzero(np.ptp(hulls.reshape(-1, 2, 2), axis=1).max(axis=1) <= SAME_POINT))
@@ -97,14 +98,16 @@ def _closed_features(
         first = wanted[begin]
         lines = closed and _is_there_and_back(wanted[begin:end])
         if lines or not closed:
-            loose[first.process] += range(begin, end)
+            loose[first.process, first.look] += range(begin, end)
             if not lines and first.feature in rings:
                 gaping.add(first.feature)
         elif _is_small(hulls[begin:end], gap):
             found.small[first.feature] = first.source
         else:
             ring = tuple([wanted[k].curve for k in range(begin, end) if k not in points])
-            found.shapes.append(Shape(first.process, ring, True, (first.feature,), first.source))
+            one = first.feature
+            shape = Shape(first.process, ring, True, (one,), first.source, look=first.look)
+            found.shapes.append(shape)
     return loose, gaping
 
 
@@ -130,7 +133,8 @@ def _shapes(process: TorchProcess, once: Sequence[Wanted], chains: Chains) -> It
     for chain in chains.chains:
         members = [once[m] for m in chain.members if m >= 0]
         features = tuple(sorted({member.feature for member in members}))
-        yield Shape(process, chain.curves, chain.closed, features, members[0].source)
+        first = members[0]
+        yield Shape(process, chain.curves, chain.closed, features, first.source, look=first.look)
 
 
 def _is_small(hulls: Floats, size: float) -> bool:

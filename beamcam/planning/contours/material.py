@@ -4,6 +4,8 @@ import re
 from collections.abc import Iterator
 from fnmatch import fnmatchcase
 
+from msgspec.structs import replace
+
 from beamcam.errors import Diagnostic
 from beamcam.machine.load import load, shipped
 from beamcam.machine.torch import Torch, TorchProcess, TorchRow
@@ -52,6 +54,18 @@ class Material:
         if process not in self._rows:
             self._rows[process] = next(filter(self._fits, self._rows_of(process)), None)
         return self._rows[process]
+
+    def row_for(self, process: TorchProcess, look: str) -> TorchRow | None:
+        """`row` with the settings of a key of the table of colours."""
+        row, own = self.row(process), self._torch.settings.get(look)
+        if row is None or own is None:
+            return row
+        return replace(
+            row,
+            feed_mm_min=row.feed_mm_min if own.speed is None else own.speed,
+            power=row.power if own.power is None else own.power,
+            passes=row.passes if own.passes is None else own.passes,
+        )
 
     def _rows_of(self, process: TorchProcess) -> list[TorchRow]:
         return [row for row in self._torch.rows if row.process == process]

@@ -19,6 +19,7 @@ from beamcam.planning.contours.entry import entries
 from beamcam.planning.contours.kerf import common_cuts, compensated
 from beamcam.planning.contours.lead_in import waste_side
 from beamcam.planning.contours.leads import Lead, Leads
+from beamcam.planning.contours.look_settings import rank
 from beamcam.planning.contours.material import Material
 from beamcam.planning.contours.order import order
 from beamcam.planning.contours.place import moved
@@ -53,7 +54,7 @@ def operations_of(
     found = [_operation(shape, kerf, material, torch, lead) for (shape, kerf, lead) in led]
     if torch.tabs:
         short = sum(
-            len(op.passes) != torch.tabs + 1
+            len(op.passes) != (torch.tabs + 1) * op.row.passes
             for op, (shape, _) in zip(found, ways, strict=True)
             if _wants_tabs(shape)
         )
@@ -93,7 +94,7 @@ def _by_machine(
 def _in_order(shapes: Sequence[Shape], torch: Torch) -> Iterator[tuple[int, Shape]]:
     """The shapes by their index in order of work, each the way that it is followed."""
     here: Point = (0.0, 0.0)
-    for index, turned in order(shapes):
+    for index, turned in order(shapes, ranks=[rank(s, torch) for s in shapes]):
         shape = shapes[index]
         if shape.closed:
             if shape.process == "cut" and is_turned(shape.area, shape.is_hole, torch):
@@ -109,7 +110,7 @@ def _operation(
     shape: Shape, kerf: float, material: Material, torch: Torch, lead: Lead
 ) -> ContourOp:
     """The operation of one contour, with as many bridges as there is room for."""
-    row = material.row(shape.process)
+    row = material.row_for(shape.process, shape.look)
     if row is None:
         raise AssertionError("a process without a row was let through")
     side: Literal["on", "left", "right"] = "on"
@@ -123,6 +124,7 @@ def _operation(
         [
             Pass(lead[0] if k == 0 else (), curves, lead[1] if k == last else ())
             for k, curves in enumerate(stretches)
+            for _ in range(row.passes)
         ]
     )
     features = tuple([(0, f) for f in shape.features if f != OUTLINE])

@@ -17,8 +17,10 @@ from beamcam.planning.contours.two_opt import turn_stretches
 Tour = list[tuple[int, bool]]
 
 
-def order(shapes: Sequence[Shape], home: Point = (0.0, 0.0)) -> Tour:
+def order(shapes: Sequence[Shape], home: Point = (0.0, 0.0), ranks: Sequence[int] = ()) -> Tour:
     """Each shape by its index, and whether it is followed backwards, in the order of work.
+
+    Those of lower `ranks` come first, whatever they are.
 
     Closed shapes are met at their first point; which way round they go is not said here.
     """
@@ -27,17 +29,21 @@ def order(shapes: Sequence[Shape], home: Point = (0.0, 0.0)) -> Tour:
         start if s.closed else s.curves[-1].end for s, start in zip(shapes, starts, strict=True)
     ]
     parents = [s.parent for s in shapes]
-    marks = [k for k, s in enumerate(shapes) if s.process != "cut"]
-    cuts = [k for k, s in enumerate(shapes) if s.process == "cut"]
+    ranks = ranks or [0] * len(shapes)
+    stages: dict[tuple[int, bool], list[int]] = {}
+    for k, (rank, shape) in enumerate(zip(ranks, shapes, strict=True)):
+        stages.setdefault((rank, shape.process == "cut"), []).append(k)
     here = home
     done: Tour = []
-    for stage in (marks, cuts):
-        tour = nearest_first(stage, starts, ends, parents, here)
+    for _, stage in sorted(stages.items()):
+        own = set(stage)
+        within = [parent if parent in own else -1 for parent in parents]
+        tour = nearest_first(stage, starts, ends, within, here)
         tour = turn_stretches(
             tour,
             np.array(starts, dtype=float),
             np.array(ends, dtype=float),
-            np.array(parents),
+            np.array(within),
             here,
         )
         done += tour

@@ -43,6 +43,21 @@ OPTION = Rule(
     "found an option that the machine cannot follow: {found}; expected one that it can",
     "Colours, kerfs, leads and bridges belong to machines that cut sheets.",
 )
+LOOK_SETTING = Rule(
+    "plan-map-setting",
+    _E,
+    "found {key} = {found}, which {machine} has no words for; expected none",
+    "A speed, a power or a number of passes that the controller cannot be told would be another "
+    "one on the machine; the settings of the process in the machine's file hold for all its lines.",
+)
+LOOK_ORDER = Rule(
+    "plan-map-order",
+    _E,
+    "found order {found} of {key!r}, by which it is to {process} after the cut of {other}, of "
+    "order {expected}; expected marks before cuts, and what lies in a contour before it; give the "
+    "later one a higher map.KEY.order",
+    "Once a part is cut free it may tilt, and nothing on it comes out right any more.",
+)
 NO_PROCESS = Rule(
     "plan-process",
     _E,
@@ -295,7 +310,8 @@ CHAIN = Rule(
 )
 
 RULES = (
-    CHAIN, SHEETS, QUANTITY, NOTHING, UNMAPPED, MAP, OPTION, NO_PROCESS, NO_THICKNESS, THICKNESS,
+    CHAIN, SHEETS, QUANTITY, NOTHING, UNMAPPED, MAP, OPTION, LOOK_SETTING,
+    LOOK_ORDER, NO_PROCESS, NO_THICKNESS, THICKNESS,
     OTHER_THICKNESS, OTHER_MATERIAL, ASSUMED,
     SHEET_SIZE, SHEET_PLACE, JUNCTION, BRANCHED, NOT_CLOSED, TINY, SHARED, COMMON, RUNS_BACK_KERF,
     RUNS_BACK, GAP, OPEN_CUT,

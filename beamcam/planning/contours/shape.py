@@ -22,6 +22,7 @@ class Shape(Struct, frozen=True):
     source: Source
     depth: int = 0  #: how many cut contours lie around it
     parent: int = -1  #: the innermost of them, by its index; -1 for none
+    look: str = ""  #: key of the settings that it is worked with
     area: float = 0.0  #: inside of a closed cut, mm2, above 0 if it runs counter-clockwise
 
     @property

@@ -27,9 +27,11 @@ def verify_sheet(
     comes back for a program that makes exactly the part. Raises TypeError for a machine without a
     torch.
     """
+    from beamcam.verify.sheets.alike import told_apart
     from beamcam.verify.sheets.compare import compare
     from beamcam.verify.sheets.contour_names import with_contours
     from beamcam.verify.sheets.need import need_of, rows_of, shift_of
+    from beamcam.verify.sheets.passes import passes_folded
     from beamcam.verify.sheets.strokes import strokes_of
     from beamcam.verify.sheets.texts import add_texts
 
@@ -40,16 +42,19 @@ def verify_sheet(
     if errors_in(said) or not parts:
         return tuple(said)
     (part,) = parts
+    rows = rows_of(part, torch)
     strokes, more = strokes_of(
         done,
         machine,
         torch,
-        rows_of(part, torch),
+        rows,
         lambda blocks: table_events(blocks, machine)[0],
         name,
     )
     said += more
+    strokes = passes_folded(strokes, rows)
     need = need_of(part, machine, torch, skips)
+    strokes = told_apart(strokes, need, torch, shift_of(need, torch))
     add_texts(need, part, machine, torch, strokes)
     said += need.said
     if not need.curves and not strokes.each:

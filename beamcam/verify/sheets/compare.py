@@ -6,7 +6,7 @@ band       the beam takes nothing of the part, with its leads neither
 order      no contour is cut after one around it, none marked after a cut
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
@@ -14,6 +14,7 @@ from beamcam.errors import Diagnostic
 from beamcam.machine.machine import Machine
 from beamcam.machine.torch import Torch, TorchProcess
 from beamcam.verify.sheets.contours import cover
+from beamcam.verify.sheets.look_settings import Turn, settings_faults, turn_faults
 from beamcam.verify.sheets.need import Need
 from beamcam.verify.sheets.order import order_faults
 from beamcam.verify.sheets.paths import follow
@@ -46,7 +47,23 @@ def compare(
         mine, more = _compared(work)
         said += more
         traced += mine
+    if torch.settings or any(row.passes > 1 for row in need.rows.values()):
+        said += _settings(works, traced, name)
     return said + order_faults(sorted(traced, key=lambda t: t.stroke.line), works, name)
+
+
+def _settings(
+    works: Mapping[TorchProcess, Work], traced: Sequence[Traced], name: str
+) -> list[Diagnostic]:
+    """What is worked otherwise, or elsewhere in the order, than its colour or layer asks."""
+    said: list[Diagnostic] = []
+    turns: list[Turn] = []
+    for process, work in works.items():
+        mine = [t for t in traced if t.stroke.process == process]
+        faults, more = settings_faults(work, mine)
+        said += faults
+        turns += more
+    return said + turn_faults(turns, name)
 
 
 def _compared(work: Work) -> tuple[Sequence[Traced], list[Diagnostic]]:

@@ -6,13 +6,14 @@ from typing import TYPE_CHECKING, cast
 
 import numpy as np
 from msgspec import Struct, field
+from msgspec.structs import replace
 
 from beamcam.errors import Diagnostic, Source
 from beamcam.geometry.curves import Arc, Curve, Line, unit_vector
 from beamcam.geometry.plane import Point
 from beamcam.machine.machine import Machine
 from beamcam.machine.torch import Torch, TorchProcess, TorchRow
-from beamcam.model.colour import process_of
+from beamcam.model.colour import key_of, process_of
 from beamcam.model.drawing import extent
 from beamcam.model.marks import policy_on
 from beamcam.model.part import Contour, Feature, Hole, Part, Process, Slot, TextMark
@@ -33,14 +34,18 @@ class Need(Struct):
 
     curves: Needs = field(default_factory=dict)
     features: dict[TorchProcess, list[int]] = field(default_factory=dict)  #: of each curve
+    looks: dict[TorchProcess, list[str]] = field(default_factory=dict)  #: keys of their settings
+    rows: dict[TorchProcess, TorchRow] = field(default_factory=dict)  #: of processes on the sheet
     sources: dict[int, Source] = field(default_factory=dict)  #: of the features
     said: list[Diagnostic] = field(default_factory=list)
     drawn: "dict[tuple[TorchProcess, float], Ways]" = field(default_factory=dict)
 
     def add(
-        self, process: TorchProcess, curves: Sequence[Curve], feature: int, source: Source
-    ) -> None:
+        self, process: TorchProcess, curves: Sequence[Curve], feature: int, source: Source,
+        look: str = "",
+    ) -> None:  # fmt: skip
         self.sources[feature] = source
+        self.looks.setdefault(process, []).extend([look] * len(curves))
         self.curves.setdefault(process, []).extend(curves)
         self.features.setdefault(process, []).extend([feature] * len(curves))
 
@@ -66,7 +71,8 @@ def need_of(part: Part, machine: Machine, torch: Torch, skips: Collection[str]) 
     machine can make is needed whatever is named; marks that the machine's file leaves to the hand
     are told.
     """
-    need = Need(said=[*left_to_hand(part, machine)])
+    rows = {row.process: row for row in reversed(rows_on(part, torch))}
+    need = Need(said=[*left_to_hand(part, machine)], rows=rows)
     table = cast("dict[str, Process]", torch.colours)
     known: dict[tuple[str | None, str | None], str | None] = {}
     thickness = thickness_of(part, torch)
@@ -109,7 +115,9 @@ def need_of(part: Part, machine: Machine, torch: Torch, skips: Collection[str]) 
             if process is None:
                 _not_made(need, part, feature, "map")
             elif process != "ignore":
-                need.add(cast("TorchProcess", process), feature.curves, index, feature.source)
+                key = key_of(feature, torch.colours) if torch.settings and any(look) else ""
+                kind = cast("TorchProcess", process)
+                need.add(kind, feature.curves, index, feature.source, key or "")
         elif isinstance(feature, Hole) and feature.kind == "mark":
             need.add("mark", _cross(feature, torch.cross), index, feature.source)
         else:
@@ -257,7 +265,24 @@ def thickness_of(part: Part, torch: Torch) -> float:
 
 
 def rows_of(part: Part, torch: Torch) -> list[TorchRow]:
-    """The row of each process that runs on the part's sheet."""
+    """The rows that may run on the part's sheet: of each process, then of colours and layers."""
+    rows = rows_on(part, torch)
+    looked = [
+        replace(
+            row,
+            feed_mm_min=row.feed_mm_min if own.speed is None else own.speed,
+            power=row.power if own.power is None else own.power,
+            passes=row.passes if own.passes is None else own.passes,
+        )
+        for key, own in torch.settings.items()
+        for row in rows
+        if torch.colours.get(key) == row.process
+    ]
+    return [*rows, *looked]
+
+
+def rows_on(part: Part, torch: Torch) -> list[TorchRow]:
+    """The row of each process on the part's sheet, as the machine's file has it."""
     thickness = thickness_of(part, torch)
     material = (part.grade or torch.material).upper()
     found: dict[TorchProcess, TorchRow] = {}

@@ -105,6 +105,18 @@ ORDER = Rule(
     "found {found} after {before}; expected it before",
     "Once a part is cut free it may tilt, and nothing on it comes out right any more.",
 )
+SETTINGS = Rule(
+    "verify-sheet-settings",
+    _E,
+    "found the contour of {contour} {process} at {found}; expected {expected}",
+    "Its colour or layer, or the machine's file, asks for other ones.",
+)
+TURN = Rule(
+    "verify-sheet-turn",
+    _E,
+    "found a contour of order {found} after one of order {expected}; expected it before",
+    "The order of colours and layers is what was asked for.",
+)
 NOT_MADE = Rule(
     "verify-sheet-not-made",
     _E,
@@ -122,5 +134,5 @@ CROWDED = Rule(
 
 RULES = (
     *SHEET_RULES, FEED, RAMP, TOOL, RAPID, IDLE, AREA, MISSING, EXTRA, TWICE,
-    SIDE, BAND, COMPENSATION, OPEN, TABS, LEAD, ORDER, NOT_MADE, CROWDED,
+    SIDE, BAND, COMPENSATION, OPEN, TABS, LEAD, ORDER, SETTINGS, TURN, NOT_MADE, CROWDED,
 )  # fmt: skip

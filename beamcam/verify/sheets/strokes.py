@@ -44,6 +44,8 @@ class Stroke(Struct):
     radius: float  #: that the controller keeps off the path
     first: int  #: of its moves
     last: int  #: behind the last of them
+    passes: int = 1
+    alike: tuple[TorchRow, ...] = ()  #: rows that its words and its feed stand for as well
 
     @property
     def process(self) -> TorchProcess:
@@ -92,16 +94,17 @@ class _Head:
     def __init__(self, known: list[_Words], machine: Machine, name: str) -> None:
         self.said: list[Diagnostic] = []
         self._known = known
-        self._starting: dict[Said, _Words] = {}
+        self._starting: dict[Said, list[_Words]] = {}
         for words in known:
             for said in words.on:
-                self._starting.setdefault(said, words)
+                self._starting.setdefault(said, []).append(words)
         self._name = name
         self._limits = told_limits(machine)
         per_minute = 60.0 if machine.format.feed_unit == "mm/s" else 1.0
         self._feed_step = FEED_ROUNDING * per_minute  #: mm/min
         self._started: list[Stroke] = []
         self._words: list[_Words] = []  #: of each stroke
+        self._alike: list[list[_Words]] = []  #: of each stroke, rows that are started so
         self._pauses: list[list[tuple[int, float]]] = []  #: of each stroke, and the moves before
         self._on = False
         self._side: Side = "on"
@@ -141,10 +144,11 @@ class _Head:
             self._stop(before)
         elif starts is not None and not self._on:
             self._on = True
-            self._words.append(starts)
+            self._words.append(starts[0])
+            self._alike.append(starts)
             self._pauses.append([])
             self._started.append(
-                Stroke(event.line, starts.row, self._side, self._radius, before, before)
+                Stroke(event.line, starts[0].row, self._side, self._radius, before, before)
             )
         elif any(said in w.off for w in self._known):
             if self._on:
@@ -202,6 +206,7 @@ class _Head:
         rows = np.flatnonzero(on & ~moves.rapid)
         counts = np.bincount(owner[rows], minlength=len(self._started))
         lasts = np.cumsum(counts)
+        self._tell_apart(moves, rows, (lasts - counts).tolist(), counts.tolist())
         self._check_pauses(moves, rows, (lasts - counts).tolist(), counts.tolist())
         self._check_ramps(moves, rows)
         kept = moves if len(rows) == len(moves) else moves.take(rows)
@@ -217,6 +222,19 @@ class _Head:
                 stroke.first, stroke.last = first, last
                 each.append(stroke)
         return Strokes(each, kept)
+
+    def _tell_apart(self, moves: Moves, rows: Counts, firsts: list[int], counts: list[int]) -> None:
+        """Settle the row of strokes that several rows start by one word: that of nearest feed."""
+        for k, (alike, first, count) in enumerate(zip(self._alike, firsts, counts, strict=True)):
+            if len(alike) > 1 and count:
+                feed = float(moves.feed_mm_min[rows[first : first + count]].max())
+                nearest = min(alike, key=lambda w: abs(w.row.feed_mm_min - feed))
+                self._words[k] = nearest
+                self._started[k].row = nearest.row
+                self._started[k].alike = tuple([
+                    w.row for w in alike
+                    if w is not nearest and w.row.feed_mm_min == nearest.row.feed_mm_min
+                ])  # fmt: skip
 
     def _check_pauses(
         self, moves: Moves, rows: Counts, firsts: list[int], counts: list[int]

@@ -327,7 +327,7 @@ def test_a_square_between_others_is_made_by_their_cuts() -> None:
 #: What the command line says, and what only machines without words for a contour can say.
 OF_OTHERS = {
     "plan-map", "plan-sheet-option", "plan-sheet-quantity", "plan-chain",
-    "plan-thickness-other", "plan-material-other",
+    "plan-thickness-other", "plan-material-other", "plan-map-setting", "plan-map-order",
 }  # fmt: skip
 
 

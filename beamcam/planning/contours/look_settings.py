@@ -1,0 +1,60 @@
+"""The settings of colours and layers: whether the machine can follow them, and their order."""
+
+from collections.abc import Iterable, Iterator, Sequence
+
+from beamcam.errors import Diagnostic
+from beamcam.machine.faults import TABLE_CONTROLLERS
+from beamcam.machine.machine import Machine
+from beamcam.machine.torch import LookSettings, Torch
+from beamcam.planning.contours import rules
+from beamcam.planning.contours.assign_process import Wanted
+from beamcam.planning.contours.shape import Shape
+
+PLAIN = LookSettings()
+
+
+def rank(shape: Shape, torch: Torch) -> int:
+    """The place in the order of work that the settings of a contour give it; 0 without any."""
+    return torch.settings.get(shape.look, PLAIN).order
+
+
+def refuse_settings(wanted: Iterable[Wanted], torch: Torch, machine: Machine) -> list[Diagnostic]:
+    """An error for each setting of a colour or layer in use that the machine cannot follow."""
+    if not torch.settings:
+        return []
+    first = {(w.look, w.process): w for w in reversed(list(wanted)) if w.look}
+    return [
+        rules.LOOK_SETTING.at(
+            w.source, key=f"map.{look}.{name}", machine=machine.name,
+            found=f"{getattr(torch.settings[look], name):g}",
+        )
+        for (look, process), w in sorted(first.items())
+        for name in torch.settings[look].given()
+        if not _can(machine, process, name)
+    ]  # fmt: skip
+
+
+def _can(machine: Machine, process: str, name: str) -> bool:
+    """Whether a machine has words for a setting of a process."""
+    if machine.controller in TABLE_CONTROLLERS:
+        return name == "order"
+    words = getattr(machine.words, f"{process}_on")
+    return name != "power" or any("{power}" in line for line in words)
+
+
+def refuse_order(shapes: Sequence[Shape], torch: Torch) -> Iterator[Diagnostic]:
+    """An error for the first contour whose turn is after one around it, or a mark's after a cut."""
+    if not any(own.order for own in torch.settings.values()):
+        return
+    cuts = [shape for shape in shapes if shape.process == "cut"]
+    earliest = min(cuts, key=lambda s: rank(s, torch), default=None)
+    for shape in shapes:
+        before = shapes[shape.parent] if shape.parent >= 0 else None
+        if shape.process != "cut":
+            before = earliest
+        if before is not None and rank(before, torch) < rank(shape, torch):
+            yield rules.LOOK_ORDER.at(
+                shape.source, key=shape.look, found=rank(shape, torch), process=shape.process,
+                other=before.source, expected=rank(before, torch),
+            )  # fmt: skip
+            return

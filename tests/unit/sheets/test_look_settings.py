@@ -1,0 +1,165 @@
+"""Speed, power, passes and order by colour or layer: planned, refused, and read back."""
+
+from collections.abc import Callable
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from msgspec.structs import replace
+
+from beamcam.errors import PlanError
+from beamcam.machine import load as load_machine
+from beamcam.machine.machine import Machine
+from beamcam.machine.overlay import with_torch
+from beamcam.machine.torch import LookSettings
+from beamcam.model.part import Part
+from beamcam.pipeline import post, read_back
+from beamcam.posts import Request
+from beamcam.readers import read
+
+GRBL = load_machine("laser-grbl")
+TABLES = ("plate-linuxcnc", "laser-stepper")
+
+
+def drawing(inner: str = "lime", line: str = "blue") -> Part:
+    """A plate with a hole and a line beside it, each of its own colour."""
+    text = f"""<svg xmlns="http://www.w3.org/2000/svg" width="100mm" height="80mm"
+    viewBox="0 0 100 80"><g fill="none"><rect x="5" y="5" width="90" height="70" stroke="red"/>
+    <circle cx="30" cy="40" r="12" stroke="{inner}"/>
+    <path d="M50 20 h30 v10" stroke="{line}"/></g></svg>"""
+    (part,) = read(text.encode(), "t.svg").parts
+    return replace(part, profile=replace(part.profile, web_thickness=3.0))
+
+
+def asked(machine: Machine = GRBL, **own: LookSettings) -> Machine:
+    meanings = {"red": "cut", "lime": "cut", "blue": "mark"}
+    return with_torch(machine, meanings, settings=own)  # type: ignore[arg-type]
+
+
+def codes(text: str, machine: Machine, part: Part | None = None) -> set[str]:
+    said = read_back(text, Request((part or drawing(),), machine))
+    return {one.code for one in said}
+
+
+looks = st.builds(
+    LookSettings,
+    st.none() | st.sampled_from([240.0, 600.0, 1234.5]),
+    st.none() | st.sampled_from([120.0, 500.0, 850.0]),
+    st.none() | st.integers(1, 3),
+)
+
+
+@settings(max_examples=25, deadline=None)
+@given(red=looks, lime=looks, blue=looks, order=st.sampled_from([(0, 0, 0), (2, 1, 0), (5, 5, 5)]))
+def test_what_is_asked_is_what_stands_in_the_program(
+    red: LookSettings, lime: LookSettings, blue: LookSettings, order: tuple[int, int, int]
+) -> None:
+    own = {
+        name: replace(look, order=place)
+        for name, look, place in zip(("red", "lime", "blue"), (red, lime, blue), order, strict=True)
+    }
+    starts = post((drawing(),), asked(**own)).text.split("\n")
+    starts = [line for line in starts if line.startswith("M4")]
+    defaults = {"blue": (120.0, 3000.0), "lime": (900.0, 700.0), "red": (900.0, 700.0)}
+    expected = []
+    for name, (power, speed) in defaults.items():
+        look = own[name]
+        power = power if look.power is None else look.power
+        speed = speed if look.speed is None else look.speed
+        expected += [f"M4 S{power:g} F{speed:g}"] * (look.passes or 1)
+    assert starts == expected
+
+
+LAST_PASS = "G0 X2 Y72\nM4 S950 F600\nG1 X92 Y72\nG1 X92 Y2\nG1 X2 Y2\nG1 X2 Y72\nM5\n"
+
+FAULTS: dict[str, tuple[Callable[[str], str], str]] = {
+    "another speed": (lambda t: t.replace("F600", "F700"), "verify-sheet-feed"),
+    "another power": (lambda t: t.replace("S950", "S900"), "verify-sheet-settings"),
+    "a pass too few": (
+        lambda t: t.replace(LAST_PASS, "", 1),
+        "verify-sheet-settings",
+    ),
+    "a pass too many": (
+        lambda t: t.replace(LAST_PASS, 2 * LAST_PASS, 1),
+        "verify-sheet-settings",
+    ),
+    "settings exchanged": (
+        lambda t: t.replace("S950 F600", "S- F-").replace("S900 F700", "S950 F600")
+        .replace("S- F-", "S900 F700"),
+        "verify-sheet-settings",
+    ),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("fault", FAULTS)
+def test_a_program_with_other_settings_is_refused(fault: str) -> None:
+    machine = asked(red=LookSettings(600.0, 950.0, 2))
+    text = post((drawing(),), machine).text
+    assert LAST_PASS in text
+    assert codes(text, machine) == set()
+    change, code = FAULTS[fault]
+    assert change(text) != text
+    assert code in codes(change(text), machine)
+
+
+def test_another_order_is_refused_by_the_read_back() -> None:
+    machine, other = asked(lime=LookSettings(order=1), red=LookSettings(order=2)), asked()
+    apart = asked(blue=LookSettings(order=1), red=LookSettings(order=1))
+    mixed = with_torch(apart, {"lime": "mark"})  # three marks and cuts, lime before blue
+    assert codes(post((drawing(),), machine).text, other) == set()
+    text = post((drawing(),), mixed).text
+    later = with_torch(mixed, {"lime": "mark"}, settings={"lime": LookSettings(order=1)})
+    before = with_torch(later, {"blue": "mark"})
+    assert codes(text, mixed) == set()
+    assert codes(text, before) == {"verify-sheet-turn"}
+
+
+def test_an_order_that_would_cut_a_part_free_first_is_refused() -> None:
+    for own in ({"lime": LookSettings(order=1)}, {"blue": LookSettings(order=1)}):
+        with pytest.raises(PlanError) as found:
+            post((drawing(),), asked(**own))
+        assert [one.code for one in found.value.diagnostics] == ["plan-map-order"]
+
+
+def test_settings_that_a_machine_cannot_follow_are_refused_by_their_key() -> None:
+    stepper = load_machine("laser-stepper")
+    with pytest.raises(PlanError) as found:
+        post((drawing(),), asked(stepper, red=LookSettings(600.0, 950.0, 2, 1)))
+    said = found.value.diagnostics
+    assert {one.code for one in said} == {"plan-map-setting"}
+    assert [one.message.split(" = ")[0] for one in said] == [
+        "found map.red.speed", "found map.red.power", "found map.red.passes",
+    ]  # fmt: skip
+    plate = load_machine("plate-codesys")
+    with pytest.raises(PlanError) as found:
+        post((drawing(),), asked(plate, red=LookSettings(power=950.0)))
+    assert "map.red.power = 950" in found.value.diagnostics[0].message
+
+
+@pytest.mark.parametrize("name", TABLES)
+def test_tables_follow_the_order_and_g_code_passes_too(name: str) -> None:
+    passes = 2 if name.startswith("plate") else None
+    own = {"lime": LookSettings(order=1), "red": LookSettings(passes=passes, order=2)}
+    assert post((drawing(),), asked(load_machine(name), **own)).text
+
+
+def test_contours_of_two_colours_are_not_joined() -> None:
+    """Two halves of a ring, each at its own speed."""
+    text = b"""<svg xmlns="http://www.w3.org/2000/svg" width="100mm" height="80mm"
+    viewBox="0 0 100 80"><g fill="none"><path d="M10 10 h50 v30" stroke="red"/>
+    <path d="M60 40 h-50 v-30" stroke="lime"/></g></svg>"""
+    (part,) = read(text, "t.svg").parts
+    part = replace(part, profile=replace(part.profile, web_thickness=3.0))
+    written = post((part,), asked(red=LookSettings(speed=500.0))).text
+    assert written.count("M4 S900 F500") == 1
+    assert written.count("M4 S900 F700") == 1
+
+
+def test_passes_of_a_row_hold_for_its_process() -> None:
+    torch = GRBL.torch
+    assert torch is not None
+    rows = tuple(replace(r, passes=2) if r.process == "cut" else r for r in torch.rows)
+    machine = replace(GRBL, torch=replace(torch, rows=rows))
+    text = post((drawing(),), asked(machine)).text
+    assert text.count("M4 S900 F700") == 4
+    assert "verify-sheet-settings" in codes(post((drawing(),), asked()).text, asked(machine))
