@@ -264,3 +264,19 @@ def test_what_cannot_be_is_refused_with_its_key(tmp_path: Path, text: str, said:
     (tmp_path / "a.nc1").write_text(PLAIN)
     done = call("post", tmp_path / "a.nc1", "-o", "-", "--machine", tmp_path / "m.toml")
     assert done.exit_code == (1 if said else 0)
+
+
+@pytest.mark.parametrize(
+    ("position", "is_one"),
+    [("y", True), ("height / 2 - y", True), ("-2 * y + 3", True), ("3", False), ("y * y", False),
+     ("height / 2", False)],
+)  # fmt: skip
+def test_a_spindle_follows_the_holes_across(tmp_path: Path, position: str, is_one: bool) -> None:
+    text = LINES["web-only"].replace("height / 2 - y", position)
+    (tmp_path / "m.toml").write_text(text)
+    done = call("machines", "show", tmp_path / "m.toml")
+    assert done.exit_code == (0 if is_one else 1)
+    if not is_one:
+        assert f"found '{position}' for 'spindles.0.across.position'; expected arithmetic" in (
+            done.stderr
+        )

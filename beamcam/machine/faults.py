@@ -203,11 +203,22 @@ def spindle_faults(machine: Machine) -> Iterator[Fault]:
     for index, spindle in enumerate(machine.spindles):
         if spindle.across.axis == spindle.stroke.axis:
             yield f"spindles.{index}.stroke.axis", spindle.stroke.axis, "another axis"
-        if machine.drill is None:
+        if not _follows_y(spindle):
+            expected = "arithmetic with y, so that each y of a face has its own place"
+            yield f"spindles.{index}.across.position", str(spindle.across.position), expected
+        elif machine.drill is None:
             yield f"spindles.{index}", spindle.name, "a [drill] table for it"
         elif _drawn_back(machine, spindle) < 0.0:
             expected = "a place outside of the bar, where the tool is drawn back"
             yield f"spindles.{index}.stroke.start", spindle.stroke.start, expected
+
+
+def _follows_y(spindle: Spindle) -> bool:
+    """Whether a spindle moves across with the holes' y, by as much at every place."""
+    bar = {**_SAMPLE_BAR, "depth": 10.0, "tip": 5.0, "clearance": 5.0}
+    places = [spindle.across.position({**bar, "y": y}) for y in (10.0, 11.0, 111.0)]
+    per_mm = places[1] - places[0]
+    return per_mm != 0.0 and abs(places[2] - places[1] - 100.0 * per_mm) < 1e-6
 
 
 #: A bar on which a spindle has to stand clear; nothing lies beside the face.
