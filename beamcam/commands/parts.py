@@ -27,5 +27,5 @@ def read_parts(
 
     `asked` holds the values of `part_options`. Raises ReadError.
     """
-    how = drawing_choice(asked) | member_choice(asked, kernel=True)
+    how = drawing_choice(asked, config.map) | member_choice(asked, kernel=True)
     return parts_of(read_all(inputs, config.strict, how, voice), counted)

@@ -101,7 +101,7 @@ def shop_of(config: Config, asked: Mapping[str, Any], timed: bool = False) -> Sh
         not asked["no_verify"],
         config.name,
         None if sheets == bars else sheets,
-        drawing_choice(asked) | member_choice(asked, kernel=True, workers=1),
+        drawing_choice(asked, config.map) | member_choice(asked, kernel=True, workers=1),
         timed=timed,
         clock=perf_counter,
         more=(*more_bars, *more_sheets),

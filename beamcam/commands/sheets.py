@@ -80,6 +80,13 @@ torch_options = group(
 )  # fmt: skip
 
 
-def drawing_choice(values: Mapping[str, Any]) -> dict[str, object]:
-    """What a reader of drawings is told: those of `drawing_options` that were given."""
-    return {name: values[name] for name in _DRAWING_NAMES if values[name] not in (None, ())}
+def drawing_choice(
+    values: Mapping[str, Any], colours: Mapping[str, str] | None = None
+) -> dict[str, object]:
+    """What a reader of drawings is told: those of `drawing_options` that were given.
+
+    `colours` is the job's map: texts on layers that are marked or engraved are lettered.
+    """
+    chosen = {name: values[name] for name in _DRAWING_NAMES if values[name] not in (None, ())}
+    letters = tuple(k for k, how in (colours or {}).items() if how in ("mark", "engrave"))
+    return chosen | {"letters": letters} if letters else chosen

@@ -20,6 +20,7 @@ class Measures(Struct, frozen=True):
     hidden: tuple[Curve, ...] = ()  #: curves on layers that are off, frozen or not plotting
     not_cut: tuple[tuple[str, int], ...] = ()  #: entities that are no curves, by name: how many
     grid: float | None = None  #: what coordinates are rounded to, if the file shows it
+    lettered: tuple[tuple[str, int], ...] = ()  #: layers whose texts are marked, and how many
 
     @property
     def filled_length(self) -> float:

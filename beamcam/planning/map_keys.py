@@ -24,7 +24,7 @@ RULES = (UNMATCHED, IDLE)
 
 
 def curves_by_key(parts: Iterable[Part], table: Iterable[str]) -> Counter[str]:
-    """How many curves of the parts each key of the map stands for."""
+    """How many curves and texts of the parts each key of the map stands for."""
     keys = tuple(table)
     known: dict[tuple[str | None, str | None], str | None] = {}
     found: Counter[str] = Counter()
@@ -37,6 +37,8 @@ def curves_by_key(parts: Iterable[Part], table: Iterable[str]) -> Counter[str]:
                 key = known[look]
                 if key is not None:
                     found[key] += len(feature.curves)
+        for layer, count in part.measures.lettered if part.measures is not None else ():
+            found.update({key: count for key in keys if key.lower() == layer.lower()})
     return found
 
 

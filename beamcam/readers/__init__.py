@@ -39,7 +39,7 @@ class Format(Struct, frozen=True):
 
 FORMATS = (
     Format("dstv", (".nc", ".nc1"), "beamcam.readers.dstv", ("encoding",)),
-    Format("dxf", (".dxf",), "beamcam.readers.dxf", ("units", "layers", "fit")),
+    Format("dxf", (".dxf",), "beamcam.readers.dxf", ("units", "layers", "fit", "letters")),
     Format("svg", (".svg",), "beamcam.readers.svg", ("units", "width", "layers", "fit")),
     Format("ifc", (".ifc", ".ifczip"), "beamcam.readers.ifc", ("selection", "options", "progress")),
     Format("part-json", (".json",), "beamcam.readers.part_json"),

@@ -3,6 +3,8 @@
 from collections import Counter
 from collections.abc import Sequence
 
+from msgspec.structs import replace
+
 from beamcam.errors import Diagnostic, ReadError, Source
 from beamcam.model.drawing import Measures
 from beamcam.model.part import Part
@@ -29,12 +31,14 @@ def read(
     units: str | None = None,
     layers: Sequence[str] = (),
     fit: Sequence[str] = (),
+    letters: Sequence[str] = (),
 ) -> Reading:
     """The part that a DXF file draws in model space, and what is to be said; never raises.
 
     `units` ("mm", "in", ...) overrides what the file says about its unit. `layers` names the
     layers to read, hidden ones too; by default those that are visible and plot. `fit` names layers
-    whose polylines and splines by fit points become polynomials through their vertices.
+    whose polylines and splines by fit points become polynomials through their vertices, `letters`
+    those whose texts are to be lettered.
     """
     source = Source(name)
     unit, said = find_unit(data, units, source)
@@ -48,7 +52,8 @@ def read(
     chosen = Layers(loaded.document, frozenset(n.lower() for n in layers) or None)
     said += unknown_layers(chosen.names(), layers, source)
     newton = frozenset(n.lower() for n in fit)
-    walk = Walk(name, chosen, loaded.handles, iter(loaded.runs), newton)
+    walk = Walk(name, chosen, loaded.handles, iter(loaded.runs), newton,
+                frozenset(n.lower() for n in letters))  # fmt: skip
     try:
         walk.entities(loaded.document.modelspace(), scaled(unit.mm), Look(), ())
     except ReadError as error:
@@ -66,7 +71,11 @@ def read(
 
 def _part(name: str, found: Collected) -> Part:
     not_cut = tuple(sorted(found.not_cut.items()))
-    return drawing_part(name, tuple(found.contours), Measures((), tuple(found.hidden), not_cut))
+    lettered = tuple(sorted(found.lettered.items()))
+    part = drawing_part(
+        name, tuple(found.contours), Measures((), tuple(found.hidden), not_cut, lettered)
+    )
+    return replace(part, features=(*part.features, *found.texts)) if found.texts else part
 
 
 def _remarks(found: Collected, source: Source) -> list[Diagnostic]:
@@ -94,7 +103,7 @@ def _list(counts: Counter[str]) -> str:
 
 def _verdict(part: Part, found: Collected, unit: Unit, source: Source) -> list[Diagnostic]:
     """An error for a drawing without curves, a warning for one that no machine could hold."""
-    if not found.contours:
+    if not found.contours and not found.texts:
         hidden = Counter({"hidden curves": sum(found.hidden_on.values())})
         seen = +(hidden + found.not_cut)
         return [NO_CURVES.at(source, found=_list(seen))]

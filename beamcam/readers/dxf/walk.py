@@ -8,7 +8,7 @@ from msgspec import Struct, field
 
 from beamcam.errors import Diagnostic, ReadError, Source
 from beamcam.geometry.curves import Curve
-from beamcam.model.part import Contour
+from beamcam.model.part import Contour, TextMark
 from beamcam.readers.drawing import as_contour
 from beamcam.readers.dxf import rules
 from beamcam.readers.dxf.bulk import MARKER, Run
@@ -16,6 +16,7 @@ from beamcam.readers.dxf.curves import BY_VALUES, Chain, EdgeOnError, Heights, c
 from beamcam.readers.dxf.entities import CURVES, by_fit_points, is_curve, through_fit_points
 from beamcam.readers.dxf.frame import Frame
 from beamcam.readers.dxf.layers import Attributes, Layers, Look, attributes_of
+from beamcam.readers.dxf.texts import KINDS, text_marks
 
 #: More copies of blocks than this are a damaged number, or blocks that multiply each other.
 MOST_COPIES = 20_000
@@ -32,6 +33,8 @@ class Collected(Struct):
     """What the entities of a drawing gave."""
 
     contours: list[Contour] = field(default_factory=list)
+    texts: list[TextMark] = field(default_factory=list)
+    lettered: Counter[str] = field(default_factory=Counter)  #: texts by layer
     hidden: list[Curve] = field(default_factory=list)
     hidden_on: Counter[str] = field(default_factory=Counter)  #: curves by layer
     not_cut: Counter[str] = field(default_factory=Counter)  #: entities by kind
@@ -49,6 +52,7 @@ class Walk(Struct):
     handles: bool  #: whether entities have names of their own
     runs: Iterator[Run] = iter(())  #: the plain entities that stand at the markers
     newton: frozenset[str] = frozenset()  #: layers whose fit points are nodes of polynomials
+    letters: frozenset[str] = frozenset()  #: layers whose texts are lettered
     found: Collected = field(default_factory=Collected)
     _seen: Counter[str] = field(default_factory=Counter)
     _copies: int = 0  #: of blocks, so far
@@ -71,6 +75,8 @@ class Walk(Struct):
                 elif is_curve(entity):
                     look = self.layers.look(attributes_of(entity), above, bool(blocks))
                     self._curve(entity, source, frame, look)
+                elif self._is_lettered(entity, kind, above, bool(blocks)):
+                    self.found.texts += text_marks(entity, frame, source)
                 elif kind not in _STRUCTURE and not (blocks and kind == "ATTDEF"):
                     self._count(entity, kind, above, bool(blocks))
             # What ezdxf took in of a damaged file may lack attributes or have them of other types.
@@ -92,6 +98,16 @@ class Walk(Struct):
         """Count what is no curve, unless it is hidden anyway."""
         if not self.layers.hides(self.layers.look(attributes_of(entity), above, inside)):
             self.found.not_cut[kind] += 1
+
+    def _is_lettered(self, entity: Any, kind: str, above: Look, inside: bool) -> bool:
+        """Whether a text stands on a layer that is mapped to a mark, and shows; it is counted."""
+        if kind not in KINDS or not self.letters:
+            return False
+        look = self.layers.look(attributes_of(entity), above, inside)
+        if look.layer.lower() not in self.letters or self.layers.hides(look):
+            return False
+        self.found.lettered[look.layer] += 1
+        return True
 
     def _run(self, run: Run, frame: Frame) -> None:
         """Sort plain entities, which stand in model space."""
