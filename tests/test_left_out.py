@@ -124,7 +124,7 @@ def test_a_configured_key_that_no_curve_has_is_a_note(
     assert run.stderr.count(IDLE.code) == 1
     assert counts(run) == (2, 0, 0, 0)
     (row, _) = report(Path("r.json"))["files"]
-    assert row["parts"][0]["mapped"]["ETCH"] == 1
+    assert row["parts"][0]["mapped"]["ETCH"] == 2  # a curve and a text
 
 
 def test_a_refused_program_is_kept_beside_its_output(

@@ -81,12 +81,13 @@ torch_options = group(
 
 
 def drawing_choice(
-    values: Mapping[str, Any], colours: Mapping[str, str] | None = None
+    values: Mapping[str, Any], colours: Mapping[str, object] | None = None
 ) -> dict[str, object]:
     """What a reader of drawings is told: those of `drawing_options` that were given.
 
     `colours` is the job's map: texts on layers that are marked or engraved are lettered.
     """
     chosen = {name: values[name] for name in _DRAWING_NAMES if values[name] not in (None, ())}
-    letters = tuple(k for k, how in (colours or {}).items() if how in ("mark", "engrave"))
+    processes = {key: getattr(how, "process", how) for key, how in (colours or {}).items()}
+    letters = tuple(key for key, how in processes.items() if how in ("mark", "engrave"))
     return chosen | {"letters": letters} if letters else chosen

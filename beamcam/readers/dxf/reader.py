@@ -72,9 +72,8 @@ def read(
 def _part(name: str, found: Collected) -> Part:
     not_cut = tuple(sorted(found.not_cut.items()))
     lettered = tuple(sorted(found.lettered.items()))
-    part = drawing_part(
-        name, tuple(found.contours), Measures((), tuple(found.hidden), not_cut, lettered)
-    )
+    measures = Measures((), tuple(found.hidden), not_cut, lettered=lettered)
+    part = drawing_part(name, tuple(found.contours), measures)
     return replace(part, features=(*part.features, *found.texts)) if found.texts else part
 
 
