@@ -14,7 +14,7 @@ import numpy as np
 from msgspec import Struct
 
 from beamcam.geometry.arrays import rows
-from beamcam.geometry.biarcs import BASIS, MARGIN, MAX_HALVINGS, fit_cubics, known_errors
+from beamcam.geometry.biarcs import BASIS, MARGIN, MAX_HALVINGS, allowed_off, fit_cubics
 from beamcam.geometry.conics import arc_between
 from beamcam.geometry.cubics import cubics_of
 from beamcam.geometry.curves import Arc, Bezier, Curve, EllipseArc, Line, bezier_pieces
@@ -33,8 +33,10 @@ PROBES = 8
 def fit_chains(chains: Sequence[Sequence[Curve]], tolerance: float) -> list[tuple[Line | Arc, ...]]:
     """Each chain of curves as lines and arcs within `tolerance`.
 
-    A cubic that a drawing program wrote for an arc becomes the arc, though it misses it by up to
-    2.7e-4 of the radius. Raises ValueError if the tolerance is not above 0.
+    A cubic that a drawing program wrote for an arc misses it by 2.7e-4 of the radius: it becomes
+    the arc where that is no more than `WHOLE` times the tolerance.
+
+    Raises ValueError if the tolerance is not above 0.
     """
     if not tolerance > 0.0:
         raise ValueError(f"tolerance must be above 0, found {tolerance:g}")
@@ -263,8 +265,7 @@ def _wider(
             return None
         wide = through
     shapes = np.array([(a.radius, abs(radians(a.sweep_deg))) for a, _ in members])
-    known = known_errors(shapes[:, 0], shapes[:, 1])
-    allowed = max(tolerance, MARGIN * MARGIN * float(known.max()))
+    allowed = float(allowed_off(shapes[:, 0], shapes[:, 1], tolerance).max())
     for _, points in members:
         samples = np.einsum("ks,kd->sd", BASIS, np.array(points))
         off = np.abs(np.hypot(*(samples - np.array(wide.centre)).T) - wide.radius)

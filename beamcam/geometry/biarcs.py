@@ -18,6 +18,8 @@ WIDEST_KNOWN_DEG = 95.0
 SAMPLES = 16
 #: The greatest deviation is looked for at `SAMPLES` places; between them it may be this larger.
 MARGIN = 1.1
+#: Times the tolerance that an arc in disguise may be off, which has no joints to leave room for.
+WHOLE = 2.0
 MAX_HALVINGS = 16
 #: A chord that an arc turns by less than this, in radians, is a line.
 STRAIGHT = 1e-9
@@ -70,14 +72,18 @@ def directions_deg(vectors: Floats) -> Floats:
     return np.where((x == 0.0) & (y < 0.0), 270.0, found)
 
 
-def known_errors(radius: Floats, sweep_rad: Floats) -> Floats:
-    """What the usual cubic for an arc misses it by: r 4/27 sin^6(s/4) / cos^2(s/4), s the sweep.
+def allowed_off(radius: Floats, sweep_rad: Floats, tolerance: float) -> Floats:
+    """How far a cubic may be off the arc that is to stand for the whole of it.
 
-    0 for an arc wider than drawing programs draw by one cubic.
+    The tolerance; more for an arc no wider than drawing programs draw by one cubic, of radius r
+    and sweep s. The usual cubic misses it by r 2/27 sin^6(s/4) / cos^2(s/4): one that is twice as
+    far off, its coordinates being rounded, is taken for it up to `WHOLE` times the tolerance.
     """
     quarter = sweep_rad / 4
-    known: Floats = radius * 4 / 27 * np.sin(quarter) ** 6 / np.cos(quarter) ** 2
-    return np.where(sweep_rad > radians(WIDEST_KNOWN_DEG), 0.0, known)
+    known = radius * 4 / 27 * np.sin(quarter) ** 6 / np.cos(quarter) ** 2
+    known = np.where(sweep_rad > radians(WIDEST_KNOWN_DEG), 0.0, known)
+    found: Floats = np.clip(MARGIN * MARGIN * known, tolerance, WHOLE * tolerance)
+    return found
 
 
 def fit_cubics(control: Floats, tolerance: float) -> Strokes:
@@ -269,6 +275,6 @@ def _singles(control: Floats, tolerance: float) -> tuple[Flags, Floats, Floats]:
         turns = np.unwrap(np.arctan2(samples[..., 1], samples[..., 0]), axis=1)
         steps = np.diff(turns, axis=1) * np.where(area > 0, 1.0, -1.0)[:, None]
         sweep = np.abs(turns[:, -1] - turns[:, 0]) * SAMPLES / (SAMPLES - 1)
-        allowed = np.maximum(tolerance, MARGIN * MARGIN * known_errors(radius, sweep))
+        allowed = allowed_off(radius, sweep, tolerance)
         good = bent & (off <= allowed) & np.all(steps > 0.0, axis=1)
     return good, centre, area

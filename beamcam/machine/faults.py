@@ -277,6 +277,11 @@ def table_faults(machine: Machine) -> Iterator[Fault]:
         yield from _trigger_faults(triggers, machine)
     if stepper is not None and sorted(stepper.sequence) != ["00", "01", "10", "11"]:
         yield "stepper.sequence", list(stepper.sequence), "each of 00, 01, 10, 11 once"
+    torch = machine.torch
+    # A curve that is longer moves an axis by a step at least, whichever way it leads.
+    if stepper is not None and torch is not None and torch.gap < (least := sqrt(2) * stepper.step):
+        expected = f"{least:.4f} or more: the laser would be on while no motor makes a step"
+        yield "torch.gap", torch.gap, f"{expected} of {stepper.step:g} mm"
 
 
 MIN_CYCLE_S = 0.0005  #: no task of such a controller comes round sooner

@@ -14,7 +14,8 @@ from beamcam.verify.sheets.need import Need
 NAMELESS = {
     rule.code
     for rule in (
-        rules.FEED, rules.TOOL, rules.RAPID, rules.IDLE, rules.AREA, rules.COMPENSATION,
+        rules.FEED, rules.RAMP, rules.TOOL, rules.RAPID, rules.IDLE, rules.AREA,
+        rules.COMPENSATION,
     )
 }  # fmt: skip
 

@@ -23,10 +23,6 @@ if TYPE_CHECKING:
 
 SPACING = 4.0  #: mm between samples
 MITRE = 2.5  #: how far from a corner a path may pass it, by half the kerf
-#: Cubics that stand for circles miss them by 2.7e-4 of the radius; a path may be the true circle.
-CIRCLE_SHARE = 1e-3
-ASKED = (0.08, 0.16, 0.24, 0.5, 0.76, 0.84, 0.92)  #: shares of a curve that may be a circle
-FLAT = 1e-6
 SHOWN = 5  #: of one kind of fault
 
 
@@ -80,7 +76,7 @@ class Work(Struct, frozen=True):
     step: float  #: of the program's numbers
     fine: float  #: what chords may be off
     tolerance: float
-    slack: Floats  #: what each needed curve may be off: the tolerance and what it adds to that
+    slack: Floats  #: what each needed curve may be off: the tolerance and what joining may move
     half_kerf: float  #: of the beam, that keeps off closed contours; 0 stays on them
     region: "Region | None"  #: of a beam that keeps off
     small: Flags  #: needed curves that are too small to be cut
@@ -172,7 +168,7 @@ def work_of(
     else:
         tolerance += _loose(ways, torch.gap)
         joined = np.zeros(len(curves))
-    slack = tolerance + joined + _round(ways, torch.tolerance)
+    slack = tolerance + joined
     return Work(
         process, mine, moves, ways, need, Ways.of_moves(moves, fine),
         np.repeat(np.arange(len(mine)), counts), torch, step, fine, tolerance,
@@ -194,36 +190,6 @@ def _half_kerf(process: TorchProcess, strokes: Sequence[Stroke], torch: Torch) -
     if process != "cut" or torch.kerf_by == "none":
         return 0.0
     return max((s.row.kerf / 2 for s in strokes), default=0.0)
-
-
-def _round(ways: Ways, tolerance: float) -> Floats:
-    """How far free curves that stand for circles are from them, (count,); 0 for all others.
-
-    The circle goes through three places of the curve, and others are no farther from it than a
-    cubic is from its quarter of a circle, or from less of it: that falls with the sixth power of
-    the sweep. So a flat S is no circle of a radius of metres, unless within the tolerance.
-    """
-    found = np.zeros(ways.count)
-    which = ways.rest[ways.lengths[ways.rest] > 0.0]
-    if not len(which):
-        return found
-    shares = np.array([0.0, 1 / 3, 2 / 3, *ASKED])
-    x, y = ways.point(
-        np.repeat(which, len(shares)), np.outer(ways.lengths[which], shares).ravel()
-    ).T.reshape(2, len(which), len(shares))
-    (ux, uy), (wx, wy) = ((x[:, k] - x[:, 0], y[:, k] - y[:, 0]) for k in (1, 2))
-    twice, uu, ww = 2 * (ux * wy - uy * wx), ux * ux + uy * uy, wx * wx + wy * wy
-    bent = np.abs(twice) > FLAT * (uu + ww)
-    safe = np.where(bent, twice, 1.0)
-    cx, cy = x[:, 0] + (wy * uu - uy * ww) / safe, y[:, 0] + (ux * ww - wx * uu) / safe
-    radius = np.hypot(x[:, 0] - cx, y[:, 0] - cy)
-    off = np.abs(np.hypot(x - cx[:, None], y - cy[:, None]) - radius[:, None]).max(axis=1)
-    quarters = np.minimum(ways.lengths[which] / (np.pi / 2 * np.maximum(radius, FLAT)), 1.0)
-    near = np.minimum(
-        CIRCLE_SHARE * radius, np.maximum(CIRCLE_SHARE * radius * quarters**6, tolerance)
-    )
-    found[which] = np.where(bent & (off <= near), 2 * off, 0.0)
-    return found
 
 
 def _loose(need: Ways, gap: float) -> float:

@@ -163,8 +163,12 @@ class Followed:
             self._say_place(self.here, "it in the corner at the end")
         self.swerve.finish(self.clock_us, self.here)
         greatest = self.stepper.acceleration
-        for axis, found_mm_s2 in zip("XY", self.swerve.beyond(), strict=True):
-            if found_mm_s2 is not None:
-                found, expected = f"{found_mm_s2:.0f}", f"{greatest:g}"
-                said = rules.ACCELERATION.at(end, axis=axis, found=found, expected=expected)
+        for axis, over in zip("XY", self.swerve.beyond(), strict=True):
+            if over is not None:
+                mm_s2, place = over
+                x, y = place.tolist()
+                said = rules.ACCELERATION.at(
+                    end, axis=axis, found=f"{mm_s2:.0f}", x=f"{x:.2f}", y=f"{y:.2f}",
+                    expected=f"{greatest:g} mm/s2{self.outline.nearest(place)}",
+                )  # fmt: skip
                 self.say([said])

@@ -226,6 +226,11 @@ class Outline:
                 self._times(process, work, source, times, points)
             self.ways.append((process, [(float(x), float(y)) for x, y in points]))
 
+    def nearest(self, place: Floats) -> str:
+        """The contour of the input that is nearest to a place, to be said behind a message."""
+        away = {p: track.ways.nearest_to(place)[0] for p, track in self.tracks.items()}
+        return self._beside(place, min(away, key=away.__getitem__, default=None))
+
     def _beside(self, place: Floats, process: TorchProcess | None) -> str:
         """The contour of the input that a stroke at a place is beside."""
         if process is None:

@@ -25,7 +25,7 @@ FREQUENCY = Rule(
 ACCELERATION = Rule(
     "steps-acceleration",
     _E,
-    "found {axis} at {found} mm/s2; expected at most {expected} mm/s2",
+    "found {axis} at {found} mm/s2 near X {x}, Y {y}; expected at most {expected}",
     "A motor cannot jump to another speed.",
 )
 LASER = Rule(

@@ -109,6 +109,7 @@ class Swerve:
         self._samples = [_Samples(window_us, 0) for window_us in self.WINDOWS_US]
         self._before: list[Counts] = [np.zeros((0, 2), dtype=np.int64)] * len(self._samples)
         self._greatest: Floats = np.zeros((len(self._samples), 2))
+        self._places: Counts = np.zeros((len(self._samples), 2, 2), dtype=np.int64)  #: of these
 
     def follow(self, time_us: Counts, places: Counts) -> None:
         """Take some rows."""
@@ -116,20 +117,25 @@ class Swerve:
             at = np.concatenate((self._before[k], samples.take(time_us, places)))
             self._before[k] = at[-2:]
             if len(at) > 2:
-                second = np.abs(np.diff(at, n=2, axis=0)).max(axis=0)
-                self._greatest[k] = np.maximum(self._greatest[k], second * self.stepper.step)
+                second = np.abs(np.diff(at, n=2, axis=0)) * self.stepper.step
+                for axis, row in enumerate(np.argmax(second, axis=0)):
+                    if second[row, axis] > self._greatest[k, axis]:
+                        self._greatest[k, axis] = second[row, axis]
+                        self._places[k, axis] = at[row + 1]
 
     def finish(self, clock_us: int, place: Counts) -> None:
         """The head stands from now on."""
         self.follow(np.array([clock_us + 3 * max(self.WINDOWS_US)]), place[None])
 
-    def beyond(self) -> list[float | None]:
-        """The acceleration of X and of Y in mm/s2, where it is more than the axis can do."""
+    def beyond(self) -> list[tuple[float, Floats] | None]:
+        """The acceleration of X and of Y in mm/s2 and its place, where the axis cannot do it."""
         windows_s2 = (np.array(self.WINDOWS_US) / 1e6) ** 2
         slack = 4 * (self.stepper.step / 2 + self.stepper.corner)
         most = self.stepper.acceleration * windows_s2 + slack
-        found: list[float | None] = []
-        for worst in self._greatest.T:
-            over = (worst / windows_s2)[worst > most]
-            found.append(float(over.max()) if len(over) else None)
+        found: list[tuple[float, Floats] | None] = []
+        for axis, worst in enumerate(self._greatest.T):
+            over = np.where(worst > most, worst / windows_s2, 0.0)
+            k = int(np.argmax(over))
+            place: Floats = self._places[k, axis] * np.float64(self.stepper.step)
+            found.append((float(over[k]), place) if over[k] else None)
         return found

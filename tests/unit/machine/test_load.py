@@ -75,6 +75,12 @@ BAD = [
         "found 50.0 for 'torch.gap'; expected at most 1 mm",
     ),
     (
+        "base = 'laser-stepper'\n[torch]\ngap = 0.01",
+        "machine-value",
+        "found 0.01 for 'torch.gap'; expected 0.0141 or more: the laser would be on while no motor "
+        "makes a step of 0.01 mm",
+    ),
+    (
         "base = 'plate-linuxcnc'\n[[torch.rows]]\nprocess = 'cut'\nup_to = 9\nfeed_mm_min = 9\n"
         "kerf = 0.0005",
         "machine-value",

@@ -75,7 +75,11 @@ def test_what_is_said_of_a_program(style: str, find: str, put: str, says: str) -
     places = {"line": line, "block": line - 2, "speed": line - 3, "array": line - 1,
               "switch": switch}  # fmt: skip
     said = verify_triggers(changed, [part("shield")], table_machine(), (), "a.st")
-    assert str(said[0]) == f"a.st:{says.format(**places)}"
+    message, _, contour = str(said[0]).partition(", beside the contour of ")
+    assert message == f"a.st:{says.format(**places)}"
+    # What is wrong with an operation is told with the contour of the input that is nearest.
+    is_of_operation = not says.startswith(("{line}", "{array}"))
+    assert contour.startswith("shield.json:") == is_of_operation
 
 
 #: What is changed in the fixed part of a machine's programs, and the first thing that is said.
@@ -215,7 +219,7 @@ def test_what_is_said_of_a_table(form: str, find: str, put: str, says: str) -> N
     assert changed != WRITTEN[form]
     data = changed.encode("latin-1")
     said = verify_table(form, (data,), [part("shield-small")], LASER, (), "a")
-    assert str(said[0]) == f"a:{says}"
+    assert str(said[0]).partition(", beside the contour of ")[0] == f"a:{says}"
 
 
 def test_an_acceleration_is_told_with_its_limit() -> None:
@@ -224,8 +228,14 @@ def test_an_acceleration_is_told_with_its_limit() -> None:
     lines = "".join(f"{t:012d},{x & 3:02b},00,0\n" for t, x in rows)
     said = verify_table(".steps", (f"time_us,x,y,laser\n{lines}".encode(),), [], LASER, (), "a")
     assert [str(d) for d in said] == [
-        "a: error steps-acceleration: found X at 35600 mm/s2; expected at most 500 mm/s2"
+        "a: error steps-acceleration: found X at 35600 mm/s2 near X 19.99, Y 0.00; expected at "
+        "most 500 mm/s2"
     ]
+    said = verify_table(
+        ".steps", (f"time_us,x,y,laser\n{lines}".encode(),), [part("shield-small")], LASER, (), "a"
+    )
+    (only,) = [str(d) for d in said if d.code == "steps-acceleration"]
+    assert "mm/s2, beside the contour of " in only
 
 
 def test_every_rule_of_tables_is_said() -> None:
