@@ -1,5 +1,6 @@
 """Circles as drawing programs write them, as four cubics with rounded numbers."""
 
+from itertools import pairwise
 from math import pi, tan
 
 import numpy as np
@@ -32,7 +33,7 @@ def cubics(radius: float, decimals: int, size: float, handle: float) -> tuple[Cu
             place(ax, ay), place(ax - k * ay / r, ay + k * ax / r),
             place(bx + k * by / r, by - k * bx / r), place(bx, by),
         ))
-        for (ax, ay), (bx, by) in zip(ends, ends[1:], strict=False)
+        for (ax, ay), (bx, by) in pairwise(ends)
     )  # fmt: skip
 
 
