@@ -228,8 +228,10 @@ class Outline:
 
     def nearest(self, place: Floats) -> str:
         """The contour of the input that is nearest to a place, to be said behind a message."""
-        away = {p: track.ways.nearest_to(place)[0] for p, track in self.tracks.items()}
-        return self._beside(place, min(away, key=away.__getitem__, default=None))
+        if not self.tracks:
+            return ""
+        process = min(self.tracks, key=lambda p: self.tracks[p].ways.nearest_to(place)[0])
+        return self._beside(place, process)
 
     def _beside(self, place: Floats, process: TorchProcess | None) -> str:
         """The contour of the input that a stroke at a place is beside."""
