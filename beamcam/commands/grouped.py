@@ -14,7 +14,9 @@ GROUPS: Mapping[str, tuple[str, ...]] = {
     ),
     "Names and folders": ("name", "flat", "done", "refused", "samples"),
     "What may be left out": ("skips", "exit_left_out", "strict", "no_verify"),
-    "Members of a building model": ("marks", "guids", "classes", "assemblies", "force", "check"),
+    "Members of a building model": (
+        "marks", "guids", "classes", "assemblies", "force", "letter", "check"
+    ),
     "How files are read": ("units", "width", "layers", "fit", "encoding", "against"),
     "How sheets are cut": (
         "colours", "thickness", "material", "kerf", "kerf_by", "lead", "tabs", "place",

@@ -19,6 +19,11 @@ selection_options = group(
 member_options = group(
     selection_options,
     click.option("--force", is_flag=True, help="Take members whose data contradict them."),
+    click.option(
+        "--letter",
+        type=click.Choice(["mark"]),
+        help="Letter the members of a model with their marks.",
+    ),
 )
 
 
@@ -35,5 +40,10 @@ def member_choice(
     names = ("marks", "guids", "classes", "assemblies")
     return {
         "selection": Selection(*(frozenset(values[name]) for name in names)),
-        "options": Options(values.get("force", False), kernel, workers=workers or max(cores(), 2)),
+        "options": Options(
+            values.get("force", False),
+            kernel,
+            letter=values.get("letter") == "mark",
+            workers=workers or max(cores(), 2),
+        ),
     }

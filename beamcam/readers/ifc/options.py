@@ -30,4 +30,5 @@ class Options(Struct, frozen=True):
     kernel: bool = False  #: every distinct member is also built by the geometry kernel and compared
     bolts: bool = True  #: holes from bolts where the solids have none
     clearance: float | None = None  #: mm of a hole over its bolt; None is by the bolt's standard
+    letter: bool = False  #: every member gets its mark as a text
     workers: int = 1  #: processes that read the members of a large model side by side

@@ -3,7 +3,10 @@
 from collections import Counter
 from collections.abc import Iterator, Set
 
+from msgspec.structs import replace
+
 from beamcam.errors import Diagnostic, Source
+from beamcam.model.part import Part, TextMark
 from beamcam.readers.ifc import rules
 from beamcam.readers.ifc.candidates import PROXY
 from beamcam.readers.ifc.entities import Model
@@ -74,7 +77,22 @@ def _read(
         taken.ledger.refused += askew
     others = _others(model, {element.is_a() for element in elements})
     said = [*taken.said, *_account(taken, len(elements), selection, name, others)]
+    if options.letter:
+        parts = [lettered(part) for part in parts]
     return Reading("ifc", tuple(parts), tuple(said))
+
+
+LETTER_X, LETTER_HEIGHT = 100.0, 10.0  #: mm, of a mark that a model gives no place
+
+
+def lettered(part: Part) -> Part:
+    """A part with its mark as a text near its start, in the middle of the web or plate."""
+    if not part.mark.strip():
+        return part
+    x = min(LETTER_X, part.length / 4)
+    y = (part.profile.face_width("v") - LETTER_HEIGHT) / 2
+    text = TextMark("v", x, y, 0.0, LETTER_HEIGHT, part.mark, part.source)
+    return replace(part, features=(*part.features, text))
 
 
 def _others(model: Model, read: Set[str]) -> Counter[str]:
