@@ -107,7 +107,7 @@ def sheet_post() -> Post:
 
     def read_back(program: Written, request: Request) -> tuple[Diagnostic, ...]:
         w = request
-        return verify_sheet(_text(program), w.parts, w.machine, w.skips, w.name)
+        return verify_sheet(_text(program), _laid(w.parts, w.machine), w.machine, w.skips, w.name)
 
     def emit(program: Program, job: Job) -> str:
         return cutting.emit(program, job.machine)
@@ -137,7 +137,9 @@ def trigger_post() -> Post:
 
     def read_back(program: Written, request: Request) -> tuple[Diagnostic, ...]:
         w = request
-        return verify_triggers(_text(program), w.parts, w.machine, w.skips, w.name)
+        return verify_triggers(
+            _text(program), _laid(w.parts, w.machine), w.machine, w.skips, w.name
+        )
 
     def time(plan: SheetPlan, table: Any, machine: Machine) -> WorkTime:
         from beamcam.motion.table_times import trigger_time
@@ -162,7 +164,7 @@ def step_post() -> Post:
         w = request
         form = w.style if w.style in READ_BACK else w.machine.suffix
         pieces = (program.encode("utf-8"),) if isinstance(program, str) else program()
-        return verify_table(form, pieces, w.parts, w.machine, w.skips, w.name)
+        return verify_table(form, pieces, _laid(w.parts, w.machine), w.machine, w.skips, w.name)
 
     def time(plan: SheetPlan, _: Any, machine: Machine) -> WorkTime:
         from beamcam.motion.table_times import step_time
@@ -187,7 +189,29 @@ POSTS = {
 def _plan_sheet(job: Job) -> SheetPlan:
     from beamcam.planning.sheet import plan_sheet
 
-    return plan_sheet(job.parts, job.machine, job.skips)
+    return plan_sheet(_laid(job.parts, job.machine), job.machine, job.skips)
+
+
+def _laid(parts: tuple[Part, ...], machine: Machine) -> tuple[Part, ...]:
+    """Parts of a sheet as the job wants them laid: mirrored, turned, copied. Raises PlanError."""
+    from beamcam.model.sheet_layout import cannot_lie, is_laid_otherwise, laid_out, size_of
+
+    torch = machine.torch
+    if torch is None or not is_laid_otherwise(torch):
+        return parts
+    from beamcam.planning.contours.rules import LAYOUT, SHEET_SIZE
+
+    said = [
+        LAYOUT.at(source, found=what) for part in parts for source, what in cannot_lie(part, torch)
+    ]
+    for part in () if said else parts:
+        length, width = size_of(part, torch)
+        if length > torch.length + torch.gap or width > torch.width + torch.gap:
+            found, expected = f"{length:.1f} x {width:.1f}", f"{torch.length:g} x {torch.width:g}"
+            said.append(SHEET_SIZE.at(part.source, found=found, expected=expected))
+    if said:
+        raise PlanError(said)
+    return tuple([laid_out(part, torch) for part in parts])
 
 
 def head_lines(job: Job, verified: bool, by_hand: int = 0) -> Iterator[str]:

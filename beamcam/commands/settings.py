@@ -28,7 +28,10 @@ _OPTIONS = {
 }  # fmt: skip
 #: Options that are rows of the table `[sheet]`.
 SAME_THICKNESS = 0.01  #: mm that two statements may differ by
-SHEET_OPTIONS = ("thickness", "material", "kerf", "kerf_by", "lead", "tabs", "place")
+SHEET_OPTIONS = (
+    "thickness", "material", "kerf", "kerf_by", "lead", "tabs", "place", "origin", "mirror",
+    "rotate", "copies", "spacing",
+)  # fmt: skip
 
 
 def settled(asked: Mapping[str, Any], inputs: Iterable[str]) -> Config:

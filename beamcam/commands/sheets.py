@@ -1,11 +1,12 @@
 """Options of the commands that take drawings and cut sheets."""
 
 from collections.abc import Mapping
-from typing import Any
+from typing import Any, get_args
 
 import click
 
 from beamcam.commands.options import Number, group
+from beamcam.config.values import Origin
 from beamcam.machine.overlay import MEANINGS, Meaning
 
 _DRAWING_NAMES = ("units", "width", "layers", "fit", "encoding")
@@ -36,6 +37,18 @@ def _fit(ctx: click.Context, param: click.Parameter, values: tuple[str, ...]) ->
             raise click.BadParameter(f"found {value!r}; expected newton=LAYER")
         layers.append(layer.strip())
     return tuple(layers)
+
+
+def _copies(
+    ctx: click.Context, param: click.Parameter, value: str | None
+) -> tuple[int, int] | None:
+    """The two counts of "3x2"."""
+    if value is None:
+        return None
+    columns, _, rows = value.partition("x")
+    if not (columns.isdecimal() and rows.isdecimal() and int(columns) and int(rows)):
+        raise click.BadParameter(f"found {value!r}; expected two counts such as 3x2")
+    return int(columns), int(rows)
 
 
 def _encoding(ctx: click.Context, param: click.Parameter, value: str | None) -> str | None:
@@ -77,6 +90,15 @@ torch_options = group(
     click.option("--tabs", type=click.IntRange(min=0), help="Bridges in each outer contour."),
     click.option("--place", type=click.Choice(["corner", "drawn"]),
                  help="Move a sheet to the corner of the table, or leave it as drawn."),
+    click.option("--origin", type=click.Choice(get_args(Origin)),
+                 help="Where X 0, Y 0 is: at the table's corner, or at a point of the work."),
+    click.option("--mirror", type=click.Choice(["none", "x", "y"]),
+                 help="x: left for right; y: top for bottom."),
+    click.option("--rotate", type=click.FloatRange(-360, 360), metavar="DEGREES",
+                 help="Turn the part about its middle."),
+    click.option("--copies", callback=_copies, metavar="NxM",
+                 help="Lay N copies side by side, in M rows."),
+    click.option("--spacing", type=Number(least=0), help="Between two copies, mm."),
 )  # fmt: skip
 
 

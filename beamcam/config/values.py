@@ -13,7 +13,7 @@ from msgspec.structs import asdict, replace
 
 from beamcam.conversion import Count, Keys, NotNegative, Positive, PositiveCount, Text
 from beamcam.errors import Source
-from beamcam.machine.torch import LookSettings
+from beamcam.machine.torch import Degrees, LookSettings
 from beamcam.system import is_open_to_all, user_folder
 
 CONFIG_NAME = "beamcam.toml"
@@ -22,6 +22,7 @@ _MAGIC = frozenset("*?[")
 
 Stock = Literal["beam", "sheet"]
 Meaning = Literal["cut", "mark", "engrave", "ignore"]
+Origin = Literal["table", "lower-left", "lower-right", "upper-left", "upper-right", "centre"]
 Quantity = Literal["file"] | PositiveCount
 Tolerance = Literal["merge", "duplicate", "sink", "path", "twin"]
 
@@ -44,6 +45,11 @@ class Sheet(Keys, frozen=True):
     lead: Literal["none", "line", "arc"] | None = None
     tabs: Count | None = None
     place: Literal["corner", "drawn"] | None = None
+    origin: Origin | None = None
+    mirror: Literal["none", "x", "y"] | None = None
+    rotate: Degrees | None = None
+    copies: tuple[PositiveCount, PositiveCount] | None = None
+    spacing: NotNegative | None = None
 
     def given(self) -> dict[str, Any]:
         """The values that are set, by their names."""

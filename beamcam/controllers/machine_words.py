@@ -232,11 +232,11 @@ def _table_faults(machine: Machine) -> Iterator[WordFault]:
     yield from _said(lines, said)
     yield from _standing(lines, events)
     assert machine.torch is not None
-    high = machine.torch.length, machine.torch.width
+    low, high = machine.torch.area[:2], (machine.torch.length, machine.torch.width)
     for event in events:
         key, text, _ = lines[event.line - 1]
         if isinstance(event, Move) and not all(
-            0 <= v <= m for v, m in zip(event.end, high, strict=True)
+            least <= v <= most for least, v, most in zip(low, event.end, high, strict=True)
         ):
             found = f"a move to X {event.end[0]:g}, Y {event.end[1]:g}"
             yield key, text, found, f"one within the table of {high[0]:g} x {high[1]:g} mm"

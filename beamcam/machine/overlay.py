@@ -5,6 +5,7 @@ from typing import Any, Literal
 
 from msgspec.structs import replace
 
+from beamcam.machine.faults import TABLE_CONTROLLERS
 from beamcam.machine.machine import Machine
 from beamcam.machine.torch import LookSettings, Torch
 
@@ -53,4 +54,6 @@ def with_torch(
     if changed.kerf_by == "machine" and torch.lead == "arc":
         # A controller takes up its compensation along a line.
         changed = replace(changed, lead="line")
+    if changed.origin != "table" and machine.controller in TABLE_CONTROLLERS:
+        raise ValueError(f"{machine.name} counts from the corner of its table; leave origin out")
     return replace(machine, torch=changed)

@@ -1,12 +1,13 @@
 """The head of a machine that follows contours."""
 
 from collections.abc import Mapping
-from typing import Literal
+from typing import Annotated, Literal
 
-from msgspec import field
+from msgspec import Meta, field
 
 from beamcam.conversion import Count, Keys, NotNegative, Positive, PositiveCount
 
+Degrees = Annotated[float, Meta(ge=-360, le=360)]
 TorchProcess = Literal["cut", "mark", "engrave"]
 
 
@@ -39,6 +40,13 @@ class LookSettings(Keys, frozen=True):
         return tuple(k for k in self.__struct_fields__ if getattr(self, k) != getattr(default, k))
 
 
+#: Share of the work's length and width that lies below and left of its origin.
+ORIGINS = {
+    "lower-left": (0.0, 0.0), "lower-right": (1.0, 0.0), "upper-left": (0.0, 1.0),
+    "upper-right": (1.0, 1.0), "centre": (0.5, 0.5),
+}  # fmt: skip
+
+
 class Torch(Keys, frozen=True):
     """The head of a machine that follows contours: a torch, a laser, an engraver.
 
@@ -55,6 +63,13 @@ class Torch(Keys, frozen=True):
     material: str = ""  #: of a sheet that does not say
     place: Literal["corner", "drawn"] = "corner"  #: moved to the corner, or left where it is drawn
     margin: NotNegative = 0.0  #: between the corner and the part
+    #: where X 0, Y 0 is: at the corner of the table, or at that point of the work
+    origin: Literal["table", "lower-left", "lower-right", "upper-left", "upper-right", "centre"] = (
+        "table"
+    )
+    mirror: Literal["none", "x", "y"] = "none"  #: x: left for right; y: top for bottom
+    rotate: Degrees = 0.0  #: of the part about its middle, degrees, counter-clockwise
+    copies: tuple[PositiveCount, PositiveCount] = (1, 1)  #: of the part, along X and along Y
     tolerance: Positive = 0.01  #: greatest distance of the path from the contour
     gap: Positive = 0.01  #: ends of curves as near as this belong together
     kerf_by: Literal["none", "offset", "machine"] = "none"  #: who keeps half a kerf off the contour
@@ -74,7 +89,7 @@ class Torch(Keys, frozen=True):
     #: machine has a head that tilts yet.
     bevel: Literal["refuse", "square", "head"] = "refuse"
     min_bevel: NotNegative = 0.0  #: degrees; a bevel of less is none, and its edge cut square
-    spacing: NotNegative = 10.0  #: between the boxes of parts that share a sheet
+    spacing: NotNegative = 10.0  #: between the boxes of parts or copies that share a sheet
     cross: NotNegative = 0.0  #: size of the cross that marks a centre; 0 marks none
     min_radius: Positive = 0.01  #: smallest arc that the controller takes
     max_radius: Positive = 10000.0  #: an arc beyond is written as lines
@@ -82,3 +97,10 @@ class Torch(Keys, frozen=True):
     traverse_mm_min: Positive = 20000.0  #: of the head with its tool off, for times
     acceleration: NotNegative = 0.0  #: along the path, to run up and to brake, mm/s2; 0: not known
     corner: NotNegative = 0.0  #: distance from a corner of a circle passed as fast; 0 stops there
+
+    @property
+    def area(self) -> tuple[float, float, float, float]:
+        """What the head reaches: least X and Y, greatest X and Y."""
+        u, v = ORIGINS.get(self.origin, (0.0, 0.0))
+        x, y = -u * self.length, -v * self.width
+        return x, y, x + self.length, y + self.width

@@ -165,8 +165,8 @@ def head_axes(machine: Machine) -> tuple[TraceAxis, TraceAxis]:
     if machine.triggers is not None:
         names = dict(zip("XY", machine.triggers.axes, strict=True))
     torch = machine.torch
-    length, width = (torch.length, torch.width) if torch else (None, None)
+    low_x, low_y, high_x, high_y = torch.area if torch else (0.0, 0.0, None, None)
     return (
-        TraceAxis(names.get("X", "X"), "mm", 0.0, length),
-        TraceAxis(names.get("Y", "Y"), "mm", 0.0, width),
+        TraceAxis(names.get("X", "X"), "mm", low_x, high_x),
+        TraceAxis(names.get("Y", "Y"), "mm", low_y, high_y),
     )

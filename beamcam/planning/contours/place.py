@@ -8,7 +8,7 @@ from beamcam.errors import PlanError
 from beamcam.geometry.arrays import CurveTable
 from beamcam.geometry.curves import Arc, Curve, Line
 from beamcam.geometry.plane import Box, Matrix, Point
-from beamcam.machine.torch import Torch
+from beamcam.machine.torch import ORIGINS, Torch
 from beamcam.model.drawing import extent
 from beamcam.model.part import Part
 from beamcam.model.plan import ContourOp
@@ -26,9 +26,12 @@ def box_of(curves: CurveTable) -> Box:
 
 def shift_of(curves: CurveTable, torch: Torch) -> Point:
     """Machine coordinates of the part's x 0, y 0."""
-    if torch.place == "drawn":
+    if torch.place == "drawn" and torch.origin == "table":
         return 0.0, 0.0
     box = box_of(curves)
+    if torch.origin in ORIGINS:
+        (u, v), (x0, y0, x1, y1) = ORIGINS[torch.origin], box
+        return -x0 - u * (x1 - x0), -y0 - v * (y1 - y0)
     return torch.margin - box[0], torch.margin - box[1]
 
 
@@ -72,12 +75,16 @@ def refuse_size(operations: Sequence[ContourOp], part: Part, torch: Torch) -> No
     ways = [way for p in passes for way in (p.lead_in, p.curves, p.lead_out)]
     curves = CurveTable([curve for way in ways for curve in way])
     (x0, y0), (x1, y1) = curves.hulls[:, :2].min(axis=0), curves.hulls[:, 2:].max(axis=0)
-    if min(x0, y0) >= 0.0 and x1 <= torch.length and y1 <= torch.width:
+    low_x, low_y, high_x, high_y = torch.area
+    if x0 >= low_x and y0 >= low_y and x1 <= high_x and y1 <= high_y:
         return  # what the curves lie in fits, so that they need not be measured
     box = box_of(curves)
     slack = torch.tolerance
     _refuse_extent(box, part, torch, slack)
-    if min(box[:2]) < -slack or box[2] > torch.length + slack or box[3] > torch.width + slack:
+    if (
+        box[0] < low_x - slack or box[1] < low_y - slack
+        or box[2] > high_x + slack or box[3] > high_y + slack
+    ):  # fmt: skip
         x0, y0, x1, y1 = (f"{v:.1f}" for v in box)
         raise PlanError(
             rules.SHEET_PLACE.at(

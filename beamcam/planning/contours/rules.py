@@ -58,6 +58,13 @@ LOOK_ORDER = Rule(
     "later one a higher map.KEY.order",
     "Once a part is cut free it may tilt, and nothing on it comes out right any more.",
 )
+LAYOUT = Rule(
+    "plan-sheet-layout",
+    _E,
+    "found {found}; expected only holes, slots and contours where sheet.mirror, sheet.rotate or "
+    "sheet.copies is asked for",
+    "What cannot be turned or mirrored with its part would come to lie elsewhere.",
+)
 NO_PROCESS = Rule(
     "plan-process",
     _E,
@@ -311,7 +318,7 @@ CHAIN = Rule(
 
 RULES = (
     CHAIN, SHEETS, QUANTITY, NOTHING, UNMAPPED, MAP, OPTION, LOOK_SETTING,
-    LOOK_ORDER, NO_PROCESS, NO_THICKNESS, THICKNESS,
+    LOOK_ORDER, LAYOUT, NO_PROCESS, NO_THICKNESS, THICKNESS,
     OTHER_THICKNESS, OTHER_MATERIAL, ASSUMED,
     SHEET_SIZE, SHEET_PLACE, JUNCTION, BRANCHED, NOT_CLOSED, TINY, SHARED, COMMON, RUNS_BACK_KERF,
     RUNS_BACK, GAP, OPEN_CUT,

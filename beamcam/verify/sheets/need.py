@@ -233,11 +233,19 @@ def _ring(feature: Hole | Slot) -> list[Curve]:
 
 def shift_of(need: Need, torch: Torch) -> tuple[float, float]:
     """Machine coordinates of the part's x 0, y 0, as the machine places a sheet."""
-    if torch.place == "drawn":
+    if torch.place == "drawn" and torch.origin == "table":
         return 0.0, 0.0
-    corners = [_min_corner(need, process, torch.tolerance / 8) for process in need.curves]
-    if not corners:
+    fine = torch.tolerance / 8
+    if not need.curves:
         return 0.0, 0.0
+    if torch.origin != "table":
+        box = extent(curve for curves in need.curves.values() for curve in curves)
+        x0, y0, x1, y1 = box or (0.0, 0.0, 0.0, 0.0)
+        xs = {"left": x0, "right": x1, "centre": (x0 + x1) / 2}
+        ys = {"lower": y0, "upper": y1, "centre": (y0 + y1) / 2}
+        across, _, along = torch.origin.partition("-")
+        return -xs[along or across], -ys[across]
+    corners = [_min_corner(need, process, fine) for process in need.curves]
     return torch.margin - min(x for x, _ in corners), torch.margin - min(y for _, y in corners)
 
 

@@ -185,8 +185,8 @@ class _Head:
 
     def check_places(self, moves: Moves, torch: Torch, slack: float) -> None:
         """Says which moves leave the table."""
-        high = np.array([torch.length, torch.width]) + slack
-        for k in np.flatnonzero(~np.all((moves.end >= -slack) & (moves.end <= high), axis=1)):
+        low, high = np.array(torch.area[:2]) - slack, np.array(torch.area[2:]) + slack
+        for k in np.flatnonzero(~np.all((moves.end >= low) & (moves.end <= high), axis=1)):
             x, y = moves.end[k].tolist()
             self._wrong(
                 rules.AREA, int(moves.line[k]), x=f"{x:g}", y=f"{y:g}",
