@@ -17,12 +17,13 @@ HEAD = (
 
 
 def part(mark: str, length: float = 2000.0, quantity: int = 1, diameter: float = 18.0) -> str:
-    """The text of a DSTV file with one hole; of diameter 7.2 no machine here has a tool for it."""
+    """The text of a DSTV file with one hole; of 7.2 threaded no machine has a tap for it."""
     head = HEAD.format(mark=mark, quantity=quantity, length=length)
     return f"{head}BO\n  v  100.00u   60.00  {diameter:7.2f}\nEN\n"
 
 
-BAD = part("BAD", diameter=7.2)
+#: A thread that no machine here has a tap for; whatever is as large and round can be drilled.
+BAD = part("BAD", diameter=7.2).replace("   60.00  ", "   60.00g ")
 
 
 def fill(folder: Path, count: int, bad: int | None = None) -> None:
