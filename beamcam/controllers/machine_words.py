@@ -125,6 +125,23 @@ def _bar_faults(machine: Machine) -> Iterator[WordFault]:
                 yield f"words.{last}", "", found, expected
     if machine.saw is not None and not _with_role(of.get("saw", []), dialect, "saw"):
         yield "words.saw", "", "no cut", "an M word with {angle}"
+    if dialect.feeds:
+        yield from _unfed(machine, of)
+
+
+def _unfed(machine: Machine, of: dict[str, list[BarEvent]]) -> Iterator[WordFault]:
+    """The templates that feed without an F word, where other templates have one."""
+    for name in (*_TOOLS, "saw"):
+        keys = _keys(name)
+        moves = [e for key in keys for e in of.get(key, []) if isinstance(e, Move) and not e.rapid]
+        says = any("F" in line for key in keys for line in getattr(machine.words, key))
+        if moves and not says:
+            yield (
+                f"words.{name}",
+                "",
+                "a feed without an F word",
+                "F{feed}, as other templates have",
+            )
 
 
 def _double_words(lines: list[Line]) -> Iterator[WordFault]:
@@ -243,7 +260,7 @@ def _table_faults(machine: Machine) -> Iterator[WordFault]:
 
 
 def _standing(lines: list[Line], events: list[TableEvent]) -> Iterator[WordFault]:
-    """Each template of a move that moves nothing, and of a tool's start that starts none."""
+    """Each template of a move that makes none or another, and of a switch that is none."""
     moving = {lines[event.line - 1][0] for event in events if isinstance(event, Move)}
     switching = {lines[event.line - 1][0] for event in events if isinstance(event, Switch)}
     for key in dict.fromkeys(key for key, _, _ in lines):
@@ -252,6 +269,15 @@ def _standing(lines: list[Line], events: list[TableEvent]) -> Iterator[WordFault
             yield key, "", "no move", "one to {x} and {y}"
         if name.endswith(("_on", "_off")) and key not in switching:
             yield key, "", "no M word", f"one that switches the tool {name.rpartition('_')[2]}"
+    for event in events:
+        if isinstance(event, Move):
+            key, text, _ = lines[event.line - 1]
+            name = key.removeprefix("words.")
+            if name in ("feed", *_CURVES) and event.rapid:
+                yield key, text, "a traverse", "a move at the feed, such as G1"
+            if name.endswith(("_on", "_off")):
+                x, y = event.end
+                yield key, text, f"a move to X {x:g}, Y {y:g}", "the tool switched where it stands"
 
 
 def _text(lines: list[Line]) -> str:

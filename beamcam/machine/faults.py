@@ -6,6 +6,7 @@ from math import sqrt
 
 from beamcam.machine.drill import Spindle
 from beamcam.machine.machine import Machine
+from beamcam.machine.saw import Saw
 from beamcam.machine.tables import UNCONFIRMED, Triggers
 from beamcam.machine.tools import FLAT_DEG, ToolSet, inch_size
 from beamcam.machine.torch import Torch
@@ -32,6 +33,8 @@ def tool_faults(machine: Machine) -> Iterator[Fault]:
         yield "saw.min_tilt", saw.min_tilt, "at most saw.max_tilt"
     if saw and saw.min_tilt != saw.max_tilt and not _names(machine.words.saw, "tilt"):
         yield "words.saw", list(machine.words.saw), "a word with {tilt}, since the blade tilts"
+    if saw:
+        yield from _square_faults(saw, machine)
     if drill is None and machine.stock == "beam" and machine.tools:
         yield "tools", len(machine.tools), "none, or a [drill] table for them"
     for index, axis in enumerate(machine.axes):
@@ -50,6 +53,26 @@ def tool_faults(machine: Machine) -> Iterator[Fault]:
             and not any(row.kind == tools.kind for row in drill.cutting)
         ):
             yield "drill.cutting", tools.kind, f"a row with kind = {tools.kind!r}"
+
+
+def _square_faults(saw: Saw, machine: Machine) -> Iterator[Fault]:
+    """Each limit that keeps the saw from a square cut, which every bar needs."""
+    for key, limit, square in (
+        ("min_angle", saw.min_angle, saw.square), ("min_tilt", saw.min_tilt, 0.0),
+    ):  # fmt: skip
+        if limit > square:
+            yield f"saw.{key}", limit, f"at most {square:g}, the square cut"
+    for key, limit, square in (
+        ("max_angle", saw.max_angle, saw.square), ("max_tilt", saw.max_tilt, 0.0),
+    ):  # fmt: skip
+        if limit < square:
+            yield f"saw.{key}", limit, f"at least {square:g}, the square cut"
+    for index, axis in enumerate(machine.axes):
+        if axis.moves == "angle" and axis.spindle is None:
+            if axis.min is not None and axis.min > saw.square:
+                yield f"axes.{index}.min", axis.min, f"at most {saw.square:g}, the square cut"
+            if axis.max is not None and axis.max < saw.square:
+                yield f"axes.{index}.max", axis.max, f"at least {saw.square:g}, the square cut"
 
 
 #: G words that mean the same on every controller of a family, whatever a file says.

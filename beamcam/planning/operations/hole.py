@@ -14,6 +14,7 @@ from beamcam.machine.machine import Machine
 from beamcam.model.description import named
 from beamcam.model.part import Face, Hole
 from beamcam.model.plan import DrillOp, FeatureRef, Plan, SpindleOp
+from beamcam.planning.axis_limits import refuse_jobs
 from beamcam.planning.operations.bench import Bench
 from beamcam.planning.operations.finished_part import TOLERANCE
 from beamcam.planning.operations.hole_pairs import judge_pairs, refuse_too_near
@@ -122,7 +123,7 @@ def _repeats(repeats: dict[int, Placed], bench: Bench) -> Iterator[Found]:
 def _make(
     group: Group, bench: Bench, pilot: float | None = None, place: Point | None = None
 ) -> list[Found]:
-    """The jobs of a hole or a pair; a pair for which there is no tool is made one by one.
+    """The jobs of a hole or a pair; a pair without a tool, or out of reach of a spindle, is two.
 
     `pilot` is the diameter of the hole that a countersink sinks, and `place` where that stands.
     """
@@ -149,16 +150,26 @@ def _make(
     toolings = toolings_of(bench.rack, work)
     if isinstance(toolings, Refusal):
         if len(group) == 2:
-            return [found for one in group for found in _make((one,), bench, pilot, place)]
+            return _one_by_one(group, bench, pilot, place)
         values = {"x": f"{x:g}", "y": f"{y:g}", **toolings.values}
         return [(f, toolings.rule.at(hole.source, **values))]
-    found: list[Found] = []
+    jobs = []
     for tooling in toolings:
         path = _ring(x, y, tooling, bench) if tooling.ring else ()
-        found.append(Job(x, y, tooling, features, hole.source, path))
+        jobs.append(Job(x, y, tooling, features, hole.source, path))
+    if len(group) == 2 and any(refuse_jobs(bench.part, bench.machine, bench.rack.drill, jobs)):
+        return _one_by_one(group, bench, pilot, place)
+    found: list[Found] = [*jobs]
     if hole.depth is not None:
         found += _judge_points(group, toolings[0], thickness)
     return found
+
+
+def _one_by_one(
+    group: Group, bench: Bench, pilot: float | None, place: Point | None
+) -> list[Found]:
+    """The jobs of two holes that one stroke of both spindles does not make."""
+    return [found for one in group for found in _make((one,), bench, pilot, place)]
 
 
 def _ring(x: float, y: float, tooling: Tooling, bench: Bench) -> tuple[Point, ...]:
@@ -206,7 +217,7 @@ def _pilots(holes: Group, drill: Drill) -> dict[int, Placed]:
 def _sinks(
     sinks: Iterable[Group], pilots: dict[int, Placed], made: Iterable[Found], bench: Bench
 ) -> Iterator[Found]:
-    """The jobs of countersinks; of a pair one by one if they sink different holes.
+    """The jobs of countersinks; of a pair one by one if their holes differ in size or place.
 
     A sink stands on its hole, wherever a merge has put that one; `made` holds the jobs of holes.
     """
@@ -215,7 +226,7 @@ def _sinks(
         holes = [pilots.get(f) for _, f, _ in group]
         at = [places.get(p[1]) if p else None for p in holes]
         sizes = [p[2].diameter if p and a else None for p, a in zip(holes, at, strict=True)]
-        if len(set(sizes)) == 1:
+        if len(set(zip(sizes, at, strict=True))) == 1:
             yield from _make(group, bench, sizes[0], at[0])
         else:
             for placed, size, place in zip(group, sizes, at, strict=True):

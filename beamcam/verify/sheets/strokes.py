@@ -140,7 +140,10 @@ class _Head:
             return
         said = event.said
         starts = self._starting.get(said)
-        if self._on and said in self._words[-1].off:
+        ended = [words for words in self._alike[-1] if said in words.off] if self._on else []
+        if ended:  # of the rows that are started by one word those that this one stops
+            self._alike[-1], self._words[-1] = ended, ended[0]
+            self._started[-1].row = ended[0].row
             self._stop(before)
         elif starts is not None and not self._on:
             self._on = True

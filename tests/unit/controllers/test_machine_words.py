@@ -7,6 +7,7 @@ from click.testing import CliRunner
 
 import beamcam
 from beamcam.cli import main
+from beamcam.controllers import table_events
 from beamcam.controllers.machine_words import load_machine, word_faults
 from beamcam.errors import MachineError
 from beamcam.machine import load, shipped
@@ -53,6 +54,10 @@ BAD = [
     ("beamline", drill("M03 K{speed}"), "found a feed with the spindle at rest in 'words.drill'"),
     ("beamline", drill(DRILL[5]), "found no feed into the steel in 'words.drill'"),
     ("beamline", drill(DRILL[0]), "found no choice of a spindle in 'words.drill'"),
+    ("beamline", drill(DRILL[5], DRILL[5].removesuffix(" F{feed}")),
+     "found a feed without an F word in 'words.drill'; expected F{feed}, as other templates have"),
+    ("beamline", "saw = ['G01 X{x}', 'M42 K{angle}']",
+     "found a feed without an F word in 'words.saw'; expected F{feed}"),
     ("beamline", f"drill = {[*DRILL[:6], *DRILL[7:]]}",
      "found the spindle stopped in the steel in 'words.drill'"),
     ("beamline", f"drill = {[*DRILL[:3], *DRILL[4:6], *DRILL[7:8]]}", "in 'words.drill'"),
@@ -85,6 +90,10 @@ BAD = [
     ("plate-codesys", "modal = ['F{feed}', 'Q{acceleration}']",
      "found Q behind G01 in 'words.modal'"),
     ("plate-codesys", "cut_on = ['M03', 'G04 P{pierce}']", "found G04 in 'words.cut_on'"),
+    ("plate-linuxcnc", "feed = ['G0 X{x} Y{y}']",
+     "found a traverse in 'words.feed'; expected a move at the feed, such as G1"),
+    ("plate-linuxcnc", "mark_on = ['M3 $1 S1', 'x{feed}']",
+     "found a move to X 600, Y 0 in 'words.mark_on'; expected the tool switched where it stands"),
     ("table-simotion", "[triggers]\nmax_late_s = 0.0001",
      "found fault 4 in 'triggers'; expected work to its end"),
 ]  # fmt: skip
@@ -108,6 +117,12 @@ def test_what_a_controller_does_not_take_is_a_fault_of_the_file(
     assert said in first.message
     assert first.source.file == str(path)
     assert first.source.line in (2, 4) or "'triggers'" in said
+
+
+@pytest.mark.parametrize("name", ["plate-linuxcnc", "laser-grbl"])
+def test_an_m_word_of_400_digits_is_told(name: str) -> None:
+    _, said = table_events(f"M{'9' * 400}\n", load(name), "long.ngc")
+    assert any("expected a number of a few digits" in one.message for one in said)
 
 
 #: A shop's own words, which mean nothing to beamcam but are the machine's.

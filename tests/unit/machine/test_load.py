@@ -48,6 +48,9 @@ across = {{ axis = "Z", position = "188.6 - y" }}
 stroke = {{ axis = "Y", start = "-clearance", bottom = "depth + tip" }}
 """
 
+#: The saw's axis alone.
+TURNS = "[[axes]]\nname = 'r'\nmoves = 'angle'\nspeed = 6\nacceleration = 12\n"
+
 #: Lines laid over the machine `beamline`, the code they give, and what its message has to say.
 BAD = [
     ("kerff = 3", "machine-key", "found unknown key 'kerff'"),
@@ -151,6 +154,25 @@ BAD = [
     (spindle("y", "Y"), "machine-value", "another axis"),
     ("[[spindles]]\nname = 's'", "machine-missing", "found no key 'spindles.0.number'"),
     ("kerf = = 3", "machine-toml", "found no TOML ("),
+    (
+        "base = 'beamline-pusher'\n[saw]\nmin_tilt = 16",
+        "machine-value",
+        "found 16.0 for 'saw.min_tilt'; expected at most 0, the square cut",
+    ),
+    (
+        "base = 'beamline-pusher'\n[saw]\nmin_tilt = -5\nmax_tilt = -1",
+        "machine-value",
+        "at least 0, the square",
+    ),
+    ("[saw]\nmin_angle = 1", "machine-value", "at most 0, the square"),
+    ("[saw]\nmax_angle = -1", "machine-value", "at least 0, the square cut"),
+    (f"{TURNS}max = -1", "machine-value", "at least 0, the square cut"),
+    (f"{TURNS}min = 1", "machine-value", "at most 0, the square cut"),
+    (
+        "base = 'table-simotion'\n[triggers]\ncycle_s = 0.000025",
+        "machine-value",
+        "found 2.5e-05 for 'triggers.cycle_s'; expected at least 0.0005 s",
+    ),
     ("base = 3", "machine-value", "a machine's name"),
     ("base = 'beamlin'", "machine-unknown", "'beamlin'; expected 'beamline' or the path"),
     ("base = 'mine.toml'", "machine-base", "'mine' among its own bases"),

@@ -9,7 +9,8 @@ from beamcam.errors import PlanError
 from beamcam.geometry.curves import Arc, Line
 from beamcam.machine import load
 from beamcam.machine.machine import ControlledAxis, Machine
-from beamcam.model.part import Contour, EndCuts, Feature, Part, Profile, Slot
+from beamcam.model.part import Contour, EndCuts, Face, Feature, Part, Profile, Slot
+from beamcam.model.plan import DrillOp
 from beamcam.pipeline import post
 from beamcam.planning.beam import plan_bar
 from beamcam.verify.bars import skippable, verify
@@ -17,6 +18,7 @@ from tests.unit.planning.shop import ANGLE, BEAM, SOURCE, TUBE, hole, part, push
 
 MACHINES = tuple(map(load, ("beamline-pusher", "beamline-pusher", "beamline", "beamline-annex")))
 LIMITS = {"plan-axis", "plan-stop"}
+OPPOSITE: dict[str, Face] = {"o": "u", "u": "o"}
 
 
 def narrowed(machine: Machine, name: str, **limits: float | None) -> Machine:
@@ -64,7 +66,9 @@ def features(draw: st.DrawFn, profile: Profile, min_x: float) -> Feature:
 def parts(draw: st.DrawFn) -> Part:
     profile = draw(st.sampled_from((BEAM, ANGLE, TUBE)))
     count = draw(st.integers(1, 3))
-    return part(*(draw(features(profile, 15.0 + 700 * k)) for k in range(count)), profile=profile)
+    made = [draw(features(profile, 15.0 + 700 * k)) for k in range(count)]
+    twins = [replace(f, face=OPPOSITE[f.face]) for f in made if f.face in OPPOSITE]
+    return part(*made, *(twin for twin in twins if draw(st.booleans())), profile=profile)
 
 
 @st.composite
@@ -135,14 +139,28 @@ def test_the_axis_is_named(
     assert text in [d.message for d in caught.value.diagnostics]
 
 
-def test_both_spindles_of_a_pair_have_to_reach() -> None:
+@pytest.mark.parametrize("skips", [(), ("axis",)])
+def test_a_pair_that_one_spindle_does_not_reach_is_two_holes(skips: tuple[str, ...]) -> None:
     flanges = part(hole(500, 50, 14, "o"), hole(500, 50, 14, "u"))
     machine = narrowed(pusher(), "right drill vertical", max=100.0)
-    with pytest.raises(PlanError) as caught:
-        plan_bar((flanges,), machine)
-    (first, second, *_) = caught.value.diagnostics
-    assert (first.code, second.code) == ("plan-axis", "plan-axis")
-    assert "right drill vertical to 138.600; expected -320 to 100" in first.message
+    if not skips:
+        with pytest.raises(PlanError) as caught:
+            plan_bar((flanges,), machine)
+        (said,) = (d for d in caught.value.diagnostics if d.code == "plan-axis")
+        assert said.message.startswith("found a hole of diameter 14 on face u")
+        assert "right drill vertical to 138.600; expected -320 to 100" in said.message
+    else:
+        plan = post((flanges,), machine, skips=skips).plan
+        assert [(o.feature, o.how) for o in plan.outcomes] == [
+            ((0, 0), "made"),
+            ((0, 1), "skipped"),
+        ]
+
+
+def test_a_pair_within_reach_of_both_spindles_is_one_stroke() -> None:
+    flanges = part(hole(500, 50, 14, "o"), hole(500, 50, 14, "u"))
+    operations = plan_bar((flanges,), pusher()).operations
+    assert [op.faces for op in operations if isinstance(op, DrillOp)] == [("o", "u")]
 
 
 def test_a_cut_that_the_bar_cannot_be_brought_to() -> None:

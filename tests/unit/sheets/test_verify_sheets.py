@@ -82,6 +82,31 @@ def test_what_is_posted_passes(name: str, values: dict[str, object], part: Part)
     assert not [s for s in posted.remarks if s.code.startswith("verify")]
 
 
+def alike(machine: Machine) -> Machine:
+    """A laser that marks with the power it cuts with, so that the feed alone tells both apart."""
+    assert machine.torch is not None
+    rows = tuple(replace(row, power=1000.0) for row in machine.torch.rows)
+    return replace(machine, torch=replace(machine.torch, rows=rows))
+
+
+def test_processes_that_start_with_the_same_word_are_told_apart_by_their_feeds() -> None:
+    machine = alike(table("laser-grbl", material="wood"))
+    posted = post((FREE,), machine)
+    all_cut = replace(FREE, features=tuple(replace(f, colour="#ff0000") for f in FREE.features))
+    codes = {said.code for said in verify_sheet(posted.text, (all_cut,), machine)}
+    assert codes >= {"verify-sheet-missing"}
+    slower = re.sub(r"F3000(\.0*)?", "F2000", posted.text)
+    assert slower != posted.text
+    codes = {said.code for said in verify_sheet(slower, (FREE,), machine)}
+    assert codes == {"verify-sheet-feed"}
+
+
+def test_processes_may_share_a_word_that_starts_and_have_two_that_stop() -> None:
+    machine = table("plate-codesys")
+    words = replace(machine.words, cut_on=("M13", "G04 T{pierce}"))
+    assert "M13" in post((FREE,), replace(machine, words=words)).text
+
+
 def test_words_of_codesys() -> None:
     text = post((FREE,), table("plate-codesys", kerf_by="none", lead="none")).text
     assert len(re.findall(r"^N\d+ G06 ", text, re.M)) == 2
@@ -353,7 +378,7 @@ def test_marks_of_a_plate_are_read_back(name: str) -> None:
     assert len(begins) == 6
     lines_of = text.split("\n")
     for k in begins:
-        end = next(i for i in range(k, len(lines_of)) if re.search(r"M65 P1$|M15$", lines_of[i]))
+        end = next(i for i in range(k, len(lines_of)) if re.search(r"M5 \$1$|M15$", lines_of[i]))
         without = "\n".join([*lines_of[:k], *lines_of[end + 1 :]])
         assert "verify-sheet-missing" in {d.code for d in verify_sheet(without, [MARKED], machine)}
     unknown = table(name, cross=0.0)
