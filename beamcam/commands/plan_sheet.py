@@ -18,12 +18,13 @@ def path_of(op: ContourOp) -> float:
 
 def sheet_lines(plan: SheetPlan, time: WorkTime, machine: Machine) -> Iterator[str]:
     """The plan of a sheet as text."""
-    (piece,) = plan.pieces
     yield f"machine {machine.name}: {machine.title}"
-    yield (
-        f"sheet {piece.part.mark} {piece.part.length:.3f} x {plan.profile.height:.3f} x "
-        f"{plan.thickness:g}, its x 0, y 0 at X {plan.shift[0]:.3f} Y {plan.shift[1]:.3f}"
-    )
+    for piece in plan.pieces:
+        part, (x, y) = piece.part, piece.place
+        yield (
+            f"sheet {part.mark} {part.length:.3f} x {part.profile.height:.3f} x "
+            f"{plan.thickness:g}, its x 0, y 0 at X {x:.3f} Y {y:.3f}"
+        )
     for number, (op, seconds) in enumerate(zip(plan.operations, time.operations, strict=True), 1):
         x, y = op.start
         bridges = f", {len(op.passes)} passes" if len(op.passes) > 1 else ""
@@ -33,7 +34,8 @@ def sheet_lines(plan: SheetPlan, time: WorkTime, machine: Machine) -> Iterator[s
         )
     for outcome in plan.outcomes:
         if outcome.how in NOT_MADE:
-            source = piece.part.features[outcome.feature[1]].source
+            index, feature = outcome.feature
+            source = plan.pieces[index].part.features[feature].source
             yield f"{NOT_MADE[outcome.how]}: {source} ({outcome.by})"
     yield (
         f"{len(plan.operations)} contours, {sum(map(path_of, plan.operations)):.1f} mm, home "
@@ -45,16 +47,20 @@ def sheet_record(
     plan: SheetPlan, time: WorkTime, machine: Machine, said: tuple[Diagnostic, ...]
 ) -> dict[str, object]:
     """The plan of a sheet as data."""
-    (piece,) = plan.pieces
-    return {
-        "machine": machine.name,
-        "sheet": {
+    sheets = [
+        {
             "mark": piece.part.mark,
             "length": piece.part.length,
-            "width": plan.profile.height,
+            "width": piece.part.profile.height,
             "thickness": plan.thickness,
-            "shift": list(plan.shift),
-        },
+            "shift": list(piece.place),
+        }
+        for piece in plan.pieces
+    ]
+    return {
+        "machine": machine.name,
+        "sheet": sheets[0],
+        "others": sheets[1:],  # that share the sheet
         "operations": [
             {
                 "process": op.row.process,

@@ -13,13 +13,16 @@ from beamcam.commands.parts import part_options, read_parts
 from beamcam.commands.quantities import program_names, quantity
 from beamcam.commands.settings import files_read, machines_for, map_remarks, settled
 from beamcam.commands.tables import job_name, outputs, table_style, write_list
+from beamcam.config.values import Config
 from beamcam.errors import BeamcamError, Diagnostic, Source
 from beamcam.files import FilesRead
 from beamcam.machine.machine import Machine
 from beamcam.machine_choice import first_that_makes
+from beamcam.model.part import Part
 from beamcam.model.plan import Order, Plan
 from beamcam.pipeline import Posted, RefusedProgram, post, untold
 from beamcam.planning.bar_jobs import BarJob, bar_jobs
+from beamcam.planning.rules import named_skips
 from beamcam.planning.stock import from_store
 
 
@@ -69,7 +72,8 @@ def command(
 
     Several INPUTs are laid on one bar in the order given; an input named twice is made twice. With
     --quantity each is made as often as its file or the option says, on as many bars as they need
-    (first fit), a program each: NAME-1, NAME-2, and so on. A sheet takes one part. Without
+    (first fit), a program each: NAME-1, NAME-2, and so on. Plates lie on a sheet (--sheet) in rows
+    by their boxes, in the order given, on as many sheets as they need. Without
     --machine the first takes them that makes all of them: of bars beamline, then beamline-pusher;
     of sheets by the suffix of the output plate-linuxcnc (.ngc), plate-codesys (.gcode), laser-grbl
     (.nc), table-simotion (.st) or laser-stepper (.steps, .csv, .bin, .h). Nothing is written unless
@@ -97,7 +101,7 @@ def command(
         def posted_on(machine: Machine) -> list[tuple[str, Posted]]:
             told = table_style(machine, output, style)
             job = job_name(config, machine, output)
-            jobs = bar_jobs(parts, machine, config.quantity, config.stock_lengths)
+            jobs = _jobs(parts, machine, config)
             return [
                 (name, _posted(each, machine, job, told))
                 for name, each in zip(program_names(output, len(jobs)), jobs, strict=True)
@@ -117,7 +121,7 @@ def command(
         machine, made, choice = first_that_makes(machines, posted_on, source)
         said += choice
         if first is not None:
-            jobs = bar_jobs(parts, machine, config.quantity, config.stock_lengths)
+            jobs = _jobs(parts, machine, config)
             made = [(output, _rest(made, jobs, machine, config.allow_skips, order, turn, first))]
     except RefusedProgram as error:
         kept = keep_refused(output, error.pieces(), files_read(config, inputs))
@@ -130,12 +134,20 @@ def command(
         raise SystemExit(exit_left_out)
 
 
+def _jobs(parts: Sequence[Part], machine: Machine, config: Config) -> tuple[BarJob, ...]:
+    """The parts of each program: of a bar, or of a sheet with several parts."""
+    if machine.torch is None or (len(parts) == 1 and config.quantity is None):
+        return bar_jobs(parts, machine, config.quantity, config.stock_lengths)
+    from beamcam.planning.sheet_rows import sheet_jobs
+
+    return sheet_jobs(parts, machine, config.quantity, named_skips(config.allow_skips))
+
+
 def _rest(
     made: Sequence[tuple[str, Posted]], jobs: Sequence[BarJob], machine: Machine,
     skips: Sequence[str], order: Order, turn: bool, first: int,
 ) -> Posted:  # fmt: skip
     """The rest of the only program, from an operation on. Raises PlanError and RefusedProgram."""
-    from beamcam.planning.rules import named_skips
     from beamcam.posts import Request
     from beamcam.remainder import rest_of
 

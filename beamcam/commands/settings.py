@@ -30,7 +30,7 @@ _OPTIONS = {
 SAME_THICKNESS = 0.01  #: mm that two statements may differ by
 SHEET_OPTIONS = (
     "thickness", "material", "kerf", "kerf_by", "lead", "tabs", "place", "origin", "mirror",
-    "rotate", "copies", "spacing",
+    "rotate", "copies", "spacing", "sheet_size", "unrolled",
 )  # fmt: skip
 
 

@@ -1,5 +1,6 @@
 """Options of the commands that take drawings and cut sheets."""
 
+import re
 from collections.abc import Mapping
 from typing import Any, get_args
 
@@ -62,6 +63,21 @@ def _encoding(ctx: click.Context, param: click.Parameter, value: str | None) -> 
     return value
 
 
+def _size(
+    ctx: click.Context, param: click.Parameter, value: str | None
+) -> tuple[float, float] | None:
+    """The length and width of a sheet."""
+    if value is None:
+        return None
+    match = _SIZE.fullmatch(value.strip().lower())
+    if match is None or not all(float(side) > 0 for side in match.groups()):
+        raise click.BadParameter(f"found {value!r}; expected length x width in mm, as 3000x1500")
+    return float(match[1]), float(match[2])
+
+
+_SIZE = re.compile(r"(\d{1,6}(?:\.\d+)?)x(\d{1,6}(?:\.\d+)?)")
+
+
 #: How a file is read: `units`, `width`, `layers` and `fit` of a drawing, `encoding` of a DSTV file.
 drawing_options = group(
     click.option("--units", help="Unit of a drawing's numbers: mm, in, cm, ..."),
@@ -99,6 +115,11 @@ torch_options = group(
     click.option("--copies", callback=_copies, metavar="NxM",
                  help="Lay N copies side by side, in M rows."),
     click.option("--spacing", type=Number(least=0), help="Between two copies, mm."),
+    click.option("--sheet", "sheet_size", callback=_size, metavar="LxW",
+                 help="Size of the sheet that the parts lie on, as 3000x1500; the whole table if "
+                 "absent."),
+    click.option("--unrolled", is_flag=True, default=None,
+                 help="Cut pipes that are written as plates (PIPE...) flat."),
 )  # fmt: skip
 
 

@@ -50,6 +50,8 @@ class Sheet(Keys, frozen=True):
     rotate: Degrees | None = None
     copies: tuple[PositiveCount, PositiveCount] | None = None
     spacing: NotNegative | None = None
+    sheet_size: tuple[Positive, Positive] | None = None  #: length and width of a sheet, mm
+    unrolled: bool | None = None  #: whether pipes that are written as plates are cut flat
 
     def given(self) -> dict[str, Any]:
         """The values that are set, by their names."""

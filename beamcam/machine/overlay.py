@@ -18,21 +18,31 @@ def with_torch(
     colours: Mapping[str, Meaning] | None = None,
     kerf: float | None = None,
     settings: Mapping[str, LookSettings] | None = None,
+    sheet_size: tuple[float, float] | None = None,
     **values: Any,
 ) -> Machine:
     """The machine with other values of its torch; itself if nothing is given.
 
-    `colours` are laid over those of the machine, before them, each with its `settings` or with
-    none; `kerf` replaces that of every row to
-    cut, and 0 turns compensation off. `values` are fields of `Torch`; those that are None count as
-    not given. Raises ValueError for a machine without a torch, or without words for what is asked.
+    `sheet_size` is the length and width of the sheet, no larger than the table. `colours` are laid
+    over those of the machine, before them, each with its `settings` or with none; `kerf` replaces
+    that of every row to cut, and 0 turns compensation off. `values` are fields of `Torch`; those
+    that are None count as not given. Raises ValueError for a machine without a torch, or without
+    words for what is asked.
     """
     given = {name: value for name, value in values.items() if value is not None}
-    if not (colours or given or kerf is not None):
+    if not (colours or given or sheet_size or kerf is not None):
         return machine
     torch = machine.torch
     if torch is None:
         raise ValueError(f"{machine.name} has no torch, so that nothing can be said about it")
+    if sheet_size:
+        if sheet_size[0] > torch.length or sheet_size[1] > torch.width:
+            size = " x ".join(f"{v:g}" for v in sheet_size)
+            raise ValueError(
+                f"a sheet of {size} mm on the table of {machine.name}, which takes "
+                f"{torch.length:g} x {torch.width:g} mm"
+            )
+        given["length"], given["width"] = sheet_size
     if colours:
         given["colours"] = {
             **colours,

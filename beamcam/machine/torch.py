@@ -89,6 +89,7 @@ class Torch(Keys, frozen=True):
     #: machine has a head that tilts yet.
     bevel: Literal["refuse", "square", "head"] = "refuse"
     min_bevel: NotNegative = 0.0  #: degrees; a bevel of less is none, and its edge cut square
+    unrolled: bool = False  #: whether a pipe that is written as a plate is cut flat
     spacing: NotNegative = 10.0  #: between the boxes of parts or copies that share a sheet
     cross: NotNegative = 0.0  #: size of the cross that marks a centre; 0 marks none
     min_radius: Positive = 0.01  #: smallest arc that the controller takes

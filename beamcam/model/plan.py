@@ -22,6 +22,7 @@ class Piece(Struct, frozen=True):
     start: float  #: bar x of the part's x 0
     given: int = 0  #: which of the parts that were handed in
     turn: str = AS_GIVEN  #: how it was turned to lie so
+    place: Point = (0.0, 0.0)  #: on a table, of a part's x 0, y 0
 
     @property
     def end(self) -> float:
@@ -176,8 +177,8 @@ class SheetPlan(Struct, frozen=True):
     """The work on one sheet, in order."""
 
     profile: Profile
-    pieces: tuple[Piece, ...]  #: one
-    shift: Point  #: machine coordinates of the part's x 0, y 0
+    pieces: tuple[Piece, ...]  #: one, or those that share the sheet
+    shift: Point  #: machine coordinates of the drawing's x 0, y 0; each piece has its place
     thickness: float
     operations: tuple[ContourOp, ...]
     outcomes: tuple[Outcome, ...]  #: one for every feature

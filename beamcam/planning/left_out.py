@@ -93,9 +93,9 @@ def _not_cut(plan: SheetPlan) -> Iterator[Diagnostic]:
     """The curves by colour and layer that the map takes away from cutting."""
     curves: Counter[tuple[str | None, str | None, str]] = Counter()
     first: dict[tuple[str | None, str | None, str], Source] = {}
-    features = plan.pieces[0].part.features
     for outcome in plan.outcomes:
-        feature = features[outcome.feature[1]]
+        piece, index = outcome.feature
+        feature = plan.pieces[piece].part.features[index]
         if outcome.by not in MAPPED_AWAY or not isinstance(feature, Contour):
             continue
         look = feature.layer, feature.colour, outcome.by

@@ -6,16 +6,20 @@ part -> what each curve is for -> joined, what lies twice taken away -> nothing 
 Until the work is put in order all coordinates are those of the drawing, so that messages are too.
 """
 
+import re
 from collections.abc import Collection, Iterator, Sequence
+
+from msgspec.structs import replace
 
 from beamcam.errors import Diagnostic, PlanError, Source, errors_in
 from beamcam.geometry.arrays import CurveTable
 from beamcam.machine.machine import Machine
+from beamcam.machine.torch import Torch
 from beamcam.model.part import Part
 from beamcam.model.plan import ContourOp, Outcome, Piece, SheetPlan
 from beamcam.planning import rules as bar_rules
 from beamcam.planning.contours import rules
-from beamcam.planning.contours.assign_process import Assigned, assign_processes
+from beamcam.planning.contours.assign_process import OUTLINE, Assigned, assign_processes
 from beamcam.planning.contours.crowd import refuse_crowds
 from beamcam.planning.contours.join import Joined, join
 from beamcam.planning.contours.look_settings import refuse_order, refuse_settings
@@ -25,6 +29,8 @@ from beamcam.planning.contours.operations import operations_of
 from beamcam.planning.contours.place import refuse_large, refuse_size, shift_of
 
 SHEET_CODES = ("B",)
+#: How programs name a pipe that they write unrolled, as a plate.
+PIPE = re.compile(r"\s*(PIPE|CHS|TUBE)", re.IGNORECASE)
 
 
 def plan_sheet(parts: Sequence[Part], machine: Machine, skips: Collection[str] = ()) -> SheetPlan:
@@ -36,7 +42,10 @@ def plan_sheet(parts: Sequence[Part], machine: Machine, skips: Collection[str] =
     torch = machine.torch
     if torch is None:
         raise TypeError(f"{machine.name} has no torch")
-    part = _one_sheet(parts, machine)
+    _refuse_stock(parts, machine, torch)
+    if len(parts) > 1:
+        return _plan_of_several(parts, machine, torch, skips)
+    (part,) = parts
     assigned = assign_processes(part, torch, machine, skips)
     material = Material(part, torch)
     refusals = [*assigned.refusals, *refuse_settings(assigned.wanted, torch, machine)]
@@ -64,7 +73,7 @@ def plan_sheet(parts: Sequence[Part], machine: Machine, skips: Collection[str] =
     if errors_in(remarks):
         raise PlanError(errors_in(remarks))
     refuse_size(operations, part, torch)
-    piece = Piece(part, 0.0)
+    piece = Piece(part, 0.0, place=shift)
     outcomes = tuple(_outcomes(part, assigned, joined, operations))
     if part.quantity > 1:
         remarks.append(rules.QUANTITY.at(part.source, found=part.quantity))
@@ -76,20 +85,53 @@ def plan_sheet(parts: Sequence[Part], machine: Machine, skips: Collection[str] =
     return plan
 
 
-def _one_sheet(parts: Sequence[Part], machine: Machine) -> Part:
-    """The part that a sheet is cut from. Raises PlanError unless there is one plate."""
-    if len(parts) != 1:
-        source = parts[0].source if parts else Source(machine.name)
-        raise PlanError(rules.SHEETS.at(source, found=len(parts)))
-    (part,) = parts
-    if part.profile.code not in SHEET_CODES:
-        raise PlanError(
-            bar_rules.STOCK.at(
-                part.source, found=part.profile.code, machine=machine.name,
-                expected=", ".join(SHEET_CODES),
-            )
-        )  # fmt: skip
-    return part
+def _refuse_stock(parts: Sequence[Part], machine: Machine, torch: Torch) -> None:
+    """Raises PlanError unless there is a part, and all are plates."""
+    if not parts:
+        raise PlanError(rules.SHEETS.at(Source(machine.name), found=0))
+    for part in parts:
+        if part.profile.code not in SHEET_CODES:
+            raise PlanError(
+                bar_rules.STOCK.at(
+                    part.source, found=part.profile.code, machine=machine.name,
+                    expected=", ".join(SHEET_CODES),
+                )
+            )  # fmt: skip
+        if PIPE.match(part.profile.name) and not torch.unrolled:
+            raise PlanError(rules.UNROLLED.at(part.source, found=part.profile.name))
+
+
+def _plan_of_several(
+    parts: Sequence[Part], machine: Machine, torch: Torch, skips: Collection[str]
+) -> SheetPlan:
+    """The work that makes several parts from one sheet, planned as one drawing of all of them."""
+    from beamcam.planning.sheet_rows import laid_out
+
+    laid = laid_out(parts, machine, skips)
+    fixed = replace(machine, torch=replace(torch, place="drawn"))
+    plan = plan_sheet((laid.whole,), fixed, skips)
+    operations = tuple(
+        replace(
+            op,
+            features=tuple(f for f in (laid.origins[i] for _, i in op.features) if f[1] != OUTLINE),
+        )
+        for op in plan.operations
+    )
+    outcomes = tuple(
+        replace(outcome, feature=origin)
+        for outcome, origin in zip(plan.outcomes, laid.origins, strict=True)
+        if origin[1] != OUTLINE
+    )
+    pieces = tuple(
+        Piece(part, 0.0, k, place=place)
+        for k, (part, place) in enumerate(zip(parts, laid.places, strict=True))
+    )
+    told = dict.fromkeys(p for p in parts if p.quantity > 1)
+    more = tuple(rules.QUANTITY.at(p.source, found=p.quantity) for p in told)
+    return replace(
+        plan, pieces=pieces, operations=operations, outcomes=outcomes,
+        remarks=(*plan.remarks, *more),
+    )  # fmt: skip
 
 
 def _nothing(part: Part, assigned: Assigned, small: int, gap: float) -> Diagnostic:

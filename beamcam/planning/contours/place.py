@@ -6,10 +6,10 @@ from msgspec.structs import replace
 
 from beamcam.errors import PlanError
 from beamcam.geometry.arrays import CurveTable
-from beamcam.geometry.curves import Arc, Curve, Line
-from beamcam.geometry.plane import Box, Matrix, Point
+from beamcam.geometry.plane import Box, Point
 from beamcam.machine.torch import ORIGINS, Torch
 from beamcam.model.drawing import extent
+from beamcam.model.moved import moved_curve
 from beamcam.model.part import Part
 from beamcam.model.plan import ContourOp
 from beamcam.planning.contours import rules
@@ -39,23 +39,10 @@ def moved(shapes: Sequence[Shape], shift: Point) -> list[Shape]:
     """The shapes in machine coordinates."""
     if shift == (0.0, 0.0):
         return list(shapes)
-    matrix: Matrix = ((1.0, 0.0, shift[0]), (0.0, 1.0, shift[1]))
     return [
-        replace(shape, curves=tuple([_shifted(c, shift, matrix) for c in shape.curves]))
+        replace(shape, curves=tuple([moved_curve(c, shift) for c in shape.curves]))
         for shape in shapes
     ]
-
-
-def _shifted(curve: Curve, shift: Point, matrix: Matrix) -> Curve:
-    """As `transformed`, quicker and without rounding of angles for what drawings have most."""
-    dx, dy = shift
-    if isinstance(curve, Line):
-        (x0, y0), (x1, y1) = curve.start, curve.end
-        return Line((x0 + dx, y0 + dy), (x1 + dx, y1 + dy))
-    if isinstance(curve, Arc):
-        x, y = curve.centre
-        return Arc((x + dx, y + dy), curve.radius, curve.start_deg, curve.sweep_deg)
-    return curve.transformed(matrix)
 
 
 def refuse_large(curves: CurveTable, part: Part, torch: Torch) -> None:

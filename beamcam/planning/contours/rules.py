@@ -7,14 +7,36 @@ _E, _W, _N = Severity.ERROR, Severity.WARNING, Severity.NOTE
 SHEETS = Rule(
     "plan-sheet-parts",
     _E,
-    "found {found} parts; expected one for a sheet",
-    "Parts are not nested on a sheet; a drawing that holds them all is one part.",
+    "found {found} parts; expected one for a sheet, or several",
+    "A sheet is cut into something.",
+)
+MIXED = Rule(
+    "plan-sheet-mixed",
+    _E,
+    "found a part of {found}; expected {expected}, as the first part on the sheet",
+    "Parts that share a sheet share its thickness and its material.",
+)
+SHEET_FULL = Rule(
+    "plan-sheet-full",
+    _E,
+    "found {found} parts, of which {fits} fit on a sheet of {size} mm; expected all of them; "
+    "give a larger --sheet, or let `post` take several sheets",
+    "Parts lie in rows by their boxes, in the order given, with torch.spacing between them and "
+    "torch.margin to the edges.",
+)
+UNROLLED = Rule(
+    "plan-unrolled",
+    _E,
+    "found the profile {found}, a pipe written as a plate; expected a plate, or --unrolled, which "
+    "cuts the development flat",
+    "Some programs unroll a pipe and write it as a plate. Cut flat it is no pipe: its sheet has to "
+    "be rolled and welded, or the pipe cut on another machine.",
 )
 QUANTITY = Rule(
     "plan-sheet-quantity",
     _W,
     "found a quantity of {found}; this program makes 1, run it once for each",
-    "A sheet holds one part. --quantity says how many are wanted, so that this is not said.",
+    "A part is laid on a sheet as often as its file is named. --quantity says how many are wanted.",
 )
 NOTHING = Rule(
     "plan-sheet-empty",
@@ -317,8 +339,8 @@ CHAIN = Rule(
 )
 
 RULES = (
-    CHAIN, SHEETS, QUANTITY, NOTHING, UNMAPPED, MAP, OPTION, LOOK_SETTING,
-    LOOK_ORDER, LAYOUT, NO_PROCESS, NO_THICKNESS, THICKNESS,
+    CHAIN, SHEETS, MIXED, SHEET_FULL, UNROLLED, QUANTITY, NOTHING, UNMAPPED, MAP, OPTION,
+    LOOK_SETTING, LOOK_ORDER, LAYOUT, NO_PROCESS, NO_THICKNESS, THICKNESS,
     OTHER_THICKNESS, OTHER_MATERIAL, ASSUMED,
     SHEET_SIZE, SHEET_PLACE, JUNCTION, BRANCHED, NOT_CLOSED, TINY, SHARED, COMMON, RUNS_BACK_KERF,
     RUNS_BACK, GAP, OPEN_CUT,

@@ -32,6 +32,7 @@ def verify_sheet(
     from beamcam.verify.sheets.contour_names import with_contours
     from beamcam.verify.sheets.need import need_of, rows_of, shift_of
     from beamcam.verify.sheets.passes import passes_folded
+    from beamcam.verify.sheets.shared import as_one
     from beamcam.verify.sheets.strokes import strokes_of
     from beamcam.verify.sheets.texts import add_texts
 
@@ -41,7 +42,8 @@ def verify_sheet(
     done, said = table_run(text, machine, name)
     if errors_in(said) or not parts:
         return tuple(said)
-    (part,) = parts
+    part, machine, faults = as_one(parts, machine, skips)
+    torch, said = machine.torch or torch, [*said, *faults]
     rows = rows_of(part, torch)
     strokes, more = strokes_of(
         done,

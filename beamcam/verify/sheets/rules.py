@@ -132,7 +132,13 @@ CROWDED = Rule(
     "To compare each of hundreds of curves on one place with all the others would take minutes.",
 )
 
+OTHER_SHEET = Rule(
+    "verify-sheet-other",
+    _E,
+    "found a part of {found} on the sheet; expected {expected}, as the first one",
+    "Parts that share a sheet share its thickness and its material.",
+)
 RULES = (
-    *SHEET_RULES, FEED, RAMP, TOOL, RAPID, IDLE, AREA, MISSING, EXTRA, TWICE,
+    *SHEET_RULES, OTHER_SHEET, FEED, RAMP, TOOL, RAPID, IDLE, AREA, MISSING, EXTRA, TWICE,
     SIDE, BAND, COMPENSATION, OPEN, TABS, LEAD, ORDER, SETTINGS, TURN, NOT_MADE, CROWDED,
 )  # fmt: skip

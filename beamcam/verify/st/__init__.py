@@ -43,8 +43,10 @@ def verify_triggers(
 
         return tuple(with_contours(said, job.operations, parts[0], machine, skips))
     from beamcam.verify.polylines import compare_polylines
+    from beamcam.verify.sheets.shared import as_one
 
-    (part,) = parts
+    part, machine, faults = as_one(parts, machine, skips)
+    said += faults
     ways = [(stroke.process, stroke.points) for stroke in work.strokes]
     said += compare_polylines(ways, part, machine, skips, triggers.in_position, name)
     return tuple(said)

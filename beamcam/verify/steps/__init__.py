@@ -53,7 +53,11 @@ def verify_table(
     if form not in FORMS:
         raise ValueError(f"found a table of form {form!r}; expected one of {', '.join(FORMS)}")
     stream = Stream(pieces, name)
-    (part,) = parts or (None,)
+    part, faults = None, list[Diagnostic]()
+    if parts:
+        from beamcam.verify.sheets.shared import as_one
+
+        part, machine, faults = as_one(parts, machine, skips)
     table: Followed | Velocities
     if form == VELOCITIES:
         outline = Outline(part, machine, skips, sqrt(2.0) * ROUND, 0.0, name)
@@ -69,7 +73,7 @@ def verify_table(
     table.finish()
     if errors_in(table.said):
         return (*table.said, *outline.said)
-    return (*table.said, *outline.compare())
+    return (*table.said, *faults, *outline.compare())
 
 
 def _read(follow: Callable[[Any], None], rows: Iterator[Any]) -> Diagnostic | None:

@@ -174,7 +174,11 @@ NOTCHED = contour(lines((0, 0), (40, 0), (40, 40), (23, 40), (20, 31), (17, 40),
 CENTRE = Hole("v", 50, 40, 0.0, S, kind="mark")
 OTHERS: list[tuple[tuple[Part, ...], dict[str, object], str, str]] = [
     ((), {}, "plan-sheet-parts", "found 0 parts"),
-    ((NESTED, NESTED), {}, "plan-sheet-parts", "found 2 parts"),
+    ((NESTED, replace(NESTED, grade="S355")), {}, "plan-sheet-mixed", "of 6 mm S355; exp"),
+    ((NESTED, drawing(SQUARE, thickness=8.0)), {}, "plan-sheet-mixed", "8 mm mild steel"),
+    ((NESTED,) * 3, {"length": 450.0, "width": 150.0}, "plan-sheet-full", "of which 2 fit"),
+    ((replace(plate(), profile=replace(plate().profile, name="PIPE60*4")),), {}, "plan-unrolled",
+     "found the profile PIPE60*4"),
     ((plate(CENTRE),), {"cross": 0.0}, "plan-tool", "the size of a cross in the machine file"),
     ((plate(replace(CENTRE, depth=1.0)),), {}, "plan-tool", "marked by a cross of 5"),
     ((plate(replace(CENTRE, face="o")),), {}, "plan-face", "mark hole"),

@@ -1,0 +1,137 @@
+"""Several parts on one sheet, in the order given: in rows by their boxes.
+
+margin | part | spacing | part | spacing | part | margin      the first row at the bottom
+"""
+
+from collections.abc import Collection, Sequence
+from typing import NamedTuple
+
+from msgspec.structs import replace
+
+from beamcam.errors import PlanError
+from beamcam.geometry.arrays import CurveTable
+from beamcam.geometry.plane import Box, Point
+from beamcam.machine.machine import Machine
+from beamcam.machine.torch import Torch
+from beamcam.model.drawing import Measures
+from beamcam.model.moved import moved_feature
+from beamcam.model.part import Contour, Feature, Part
+from beamcam.planning.bar_jobs import BarJob, Quantity, wanted
+from beamcam.planning.contours import rules
+from beamcam.planning.contours.assign_process import OUTLINE, assign_processes
+from beamcam.planning.contours.place import box_of
+
+THICKNESS_SLACK = 0.01  #: mm that parts of one sheet may differ by
+
+FeatureOf = tuple[int, int]  #: which part, and which of its features
+
+
+class Laid(NamedTuple):
+    """The parts of a sheet as one part."""
+
+    whole: Part
+    places: tuple[Point, ...]  #: where each part's x 0, y 0 lies on the table
+    origins: tuple[FeatureOf, ...]  #: of each feature of the whole
+
+
+def places_of(parts: Sequence[Part], machine: Machine, skips: Collection[str]) -> tuple[Point, ...]:
+    """Where the x 0, y 0 of each part lies, of as many parts from the first as the sheet holds."""
+    torch = _torch(machine)
+    found: list[Point] = []
+    at_x = at_y = torch.margin
+    row = 0.0  #: height of the row that is filled
+    boxes: dict[int, Box] = {}  #: by the identity of the part, of which there may be many copies
+    for part in parts:
+        if id(part) not in boxes:
+            boxes[id(part)] = _box(part, machine, skips)
+        x0, y0, x1, y1 = boxes[id(part)]
+        if at_x + x1 - x0 > torch.length - torch.margin and row:
+            at_x, at_y, row = torch.margin, at_y + row + torch.spacing, 0.0
+        if at_x + x1 - x0 > torch.length - torch.margin:
+            break
+        if at_y + y1 - y0 > torch.width - torch.margin:
+            break
+        found.append((at_x - x0, at_y - y0))
+        at_x, row = at_x + x1 - x0 + torch.spacing, max(row, y1 - y0)
+    return tuple(found)
+
+
+def _box(part: Part, machine: Machine, skips: Collection[str]) -> Box:
+    """The box around what is cut and marked of a part."""
+    assigned = assign_processes(part, _torch(machine), machine, skips).wanted
+    curves = [one.curve for one in assigned]
+    return box_of(CurveTable(curves)) if curves else (0.0, 0.0, 0.0, 0.0)
+
+
+def laid_out(parts: Sequence[Part], machine: Machine, skips: Collection[str]) -> Laid:
+    """The parts of one sheet. Raises PlanError if it is not one for all, or too small for them."""
+    first, torch = parts[0], _torch(machine)
+    for part in parts[1:]:
+        if _sheet_of(part, torch) != _sheet_of(first, torch):
+            found, expected = (
+                f"{t:g} mm {g}".rstrip() for t, g in (_sheet_of(p, torch) for p in (part, first))
+            )
+            raise PlanError(rules.MIXED.at(part.source, found=found, expected=expected))
+    places = places_of(parts, machine, skips)
+    if len(places) < len(parts):
+        size = f"{torch.length:g} x {torch.width:g}"
+        raise PlanError(
+            rules.SHEET_FULL.at(
+                parts[len(places)].source, found=len(parts), fits=len(places), size=size
+            )
+        )
+    features: list[Feature] = []
+    origins: list[FeatureOf] = []
+    for k, (part, place) in enumerate(zip(parts, places, strict=True)):
+        own: list[tuple[int, Feature]] = [
+            *enumerate(part.features),
+            *_outline(part, machine, skips),
+        ]
+        origins += [(k, index) for index, _ in own]
+        features += [moved_feature(feature, place) for _, feature in own]
+    whole = replace(
+        first, features=tuple(features), measures=Measures(), quantity=1, length=torch.length
+    )
+    return Laid(whole, places, tuple(origins))
+
+
+def sheet_jobs(
+    parts: Sequence[Part], machine: Machine, quantity: Quantity, skips: Collection[str]
+) -> tuple[BarJob, ...]:
+    """The sheets that hold the parts, each as often as it is wanted, in the order given."""
+    pieces = list(parts)
+    if quantity is not None:
+        once = [replace(part, quantity=1) for part in parts]
+        pieces = [one for one, part in zip(once, parts, strict=True)
+                  for _ in range(wanted(part, quantity))]  # fmt: skip
+    jobs: list[BarJob] = []
+    torch = _torch(machine)
+    while pieces:
+        sheet = _sheet_of(pieces[0], torch)
+        same = next((k for k, p in enumerate(pieces) if _sheet_of(p, torch) != sheet), len(pieces))
+        count = 1
+        if same > 1 and all(piece.profile.code == "B" for piece in pieces[:same]):
+            # A part that fits beside no other is planned by itself, and refused as it is.
+            count = max(len(places_of(pieces[:same], machine, skips)), 1)
+        jobs.append(BarJob(tuple(pieces[:count]), ()))
+        pieces = pieces[count:]
+    return tuple(jobs)
+
+
+def _outline(part: Part, machine: Machine, skips: Collection[str]) -> list[tuple[int, Feature]]:
+    """The rectangle of a plate that has no contour of its own, as a contour."""
+    assigned = assign_processes(part, _torch(machine), machine, skips).wanted
+    curves = tuple(one.curve for one in assigned if one.feature == OUTLINE)
+    return [(OUTLINE, Contour("v", "outer", curves, part.source))] if curves else []
+
+
+def _sheet_of(part: Part, torch: Torch) -> tuple[float, str]:
+    own = part.profile.web_thickness
+    thickness = own if own is not None else torch.thickness or 0.0
+    return round(thickness / THICKNESS_SLACK) * THICKNESS_SLACK, part.grade or torch.material
+
+
+def _torch(machine: Machine) -> Torch:
+    if machine.torch is None:
+        raise TypeError(f"{machine.name} has no torch")
+    return machine.torch

@@ -1,0 +1,60 @@
+"""Parts that share a sheet, each at the place where the machine lays it, as one part to compare.
+
+Where each lies follows from the parts in the order given and the machine's table alone: in rows
+from the lower left corner, `margin` to the edges and `spacing` from box to box.
+"""
+
+from collections.abc import Collection, Sequence
+
+from msgspec.structs import replace
+
+from beamcam.errors import Diagnostic
+from beamcam.machine.machine import Machine
+from beamcam.machine.torch import Torch
+from beamcam.model.drawing import Measures, extent
+from beamcam.model.moved import moved_feature
+from beamcam.model.part import Contour, Feature, Part
+from beamcam.verify.sheets import rules
+from beamcam.verify.sheets.need import OUTLINE, need_of, thickness_of
+
+
+def as_one(
+    parts: Sequence[Part], machine: Machine, skips: Collection[str]
+) -> tuple[Part, Machine, list[Diagnostic]]:
+    """One part with all that has to be on the sheet, the machine that leaves it there, and faults.
+
+    A part that is alone stays as it is.
+    """
+    torch = machine.torch
+    if torch is None or len(parts) == 1:
+        return parts[0], machine, []
+    features: list[Feature] = []
+    said = [
+        rules.OTHER_SHEET.at(
+            part.source, found=_shown(part, torch), expected=_shown(parts[0], torch)
+        )
+        for part in parts[1:] if _shown(part, torch) != _shown(parts[0], torch)
+    ]  # fmt: skip
+    left = bottom = torch.margin
+    top = bottom
+    for part in parts:
+        need = need_of(part, machine, torch, skips)
+        x0, y0, x1, y1 = extent(c for some in need.curves.values() for c in some) or (0, 0, 0, 0)
+        if left + (x1 - x0) > torch.length - torch.margin and top > bottom:
+            left, bottom = torch.margin, top + torch.spacing
+            top = bottom
+        here = left - x0, bottom - y0
+        features += [moved_feature(feature, here) for feature in part.features]
+        features += [
+            moved_feature(Contour("v", "outer", tuple(curves), part.source), here)
+            for process, some in need.curves.items()
+            if (curves := [c for c, f in zip(some, need.features[process], strict=True)
+                           if f == OUTLINE])
+        ]  # fmt: skip
+        left, top = left + (x1 - x0) + torch.spacing, max(top, bottom + (y1 - y0))
+    whole = replace(parts[0], features=tuple(features), measures=Measures(), length=torch.length)
+    return whole, replace(machine, torch=replace(torch, place="drawn")), said
+
+
+def _shown(part: Part, torch: Torch) -> str:
+    return f"{thickness_of(part, torch):.2f} mm {part.grade or torch.material}".rstrip()
