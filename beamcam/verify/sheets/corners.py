@@ -37,6 +37,9 @@ def in_corners(work: Work, traced: Sequence[Traced], missing: Counts, samples: S
     left[missing[which]] = True
     is_missing = np.zeros(len(owner), dtype=bool)
     is_missing[missing] = True
+    behind = beam.only_behind(samples, left)
+    left[behind[_no_room(work, element[behind], share[behind])]] = True
+    is_missing[behind] = True
     good = np.zeros(len(owner), dtype=bool)
     # The tip of a needle may be all of it that the beam touches: it parts two corners. Where the
     # beam touches a tip from behind, both sides are one.
@@ -71,7 +74,9 @@ def _no_room(work: Work, element: Counts, share: Floats) -> Flags:
         pairs = pairs.kept(closed[work.need.owner[pairs.element]])
         away, way, _ = work.need.nearest_of(pairs, len(middle))
         room = away >= half - work.slack[way] - work.tolerance
-        found &= ~(room & ~work.region.in_part(middle))
+        # Behind a thin wall there may be waste as well, from which the beam cuts its other side.
+        is_waste = ~work.region.in_part(points + sign * 2 * work.fine * normal)
+        found &= ~(room & is_waste & ~work.region.in_part(middle))
     return found
 
 
@@ -122,6 +127,21 @@ class _Beam:
         full = np.insert(element, at, first), np.insert(share, at, ends), np.insert(owner, at, ways)
         return rows, full, np.insert(missing, at, gone)
 
+    def only_behind(self, samples: Samples, left: Flags) -> Counts:
+        """Samples near those `left` by the beam that have a path behind a thin wall alone."""
+        import shapely
+
+        element, share, owner = samples
+        points = self._work.need.elements.places(element, share)
+        asked = np.flatnonzero(self._work.beside[owner] & ~left)
+        places, reach = shapely.points(points[asked]), 2 * self._work.half_kerf
+        near, _ = shapely.STRtree(shapely.points(points[left])).query(
+            places, "dwithin", distance=reach
+        )
+        asked = asked[np.unique(near)]
+        found: Counts = asked[np.isinf(self._nearest(points[asked])[0])]
+        return found
+
     def corners(self, stretches: Sequence[Counts], samples: Samples) -> Iterator[Counts]:
         """Those of some stretches, each with the samples that have a path before and behind it."""
         if not stretches:
@@ -129,10 +149,18 @@ class _Beam:
         work = self._work
         firsts, first_middles = self._touched(stretches, samples, 0, 1)
         lasts, last_middles = self._touched(stretches, samples, -1, -2)
+        element, share, owner = samples
+        reach = work.half_kerf + work.slack[owner]
         apart = np.hypot(*(last_middles - first_middles).T)
+        same = apart <= work.half_kerf / 4 + 4 * work.tolerance
         middles = (first_middles + last_middles) / 2
-        element, share, _ = samples
-        for k in np.flatnonzero(apart <= work.half_kerf / 4 + 4 * work.tolerance).tolist():
+        # Round a tip the beam touches it from many places, one of which touches the other end too.
+        for own, other, end in ((first_middles, lasts, -1), (last_middles, firsts, 0)):
+            most = np.array([reach[stretch[end]] for stretch in stretches])
+            both = ~same & (np.hypot(*(other - own).T) <= most)
+            middles[both] = own[both]
+            same |= both
+        for k in np.flatnonzero(same).tolist():
             inner = stretches[k][1:-1]
             points = work.need.elements.places(element[inner], share[inner])
             if self._narrows(points, firsts[k], lasts[k], middles[k]):
@@ -182,4 +210,15 @@ class _Beam:
         work = self._work
         pairs = work.path.near(points, 2 * work.half_kerf + 2 * float(work.slack.max()))
         pairs = pairs.kept(self._keeps_off[work.of_way[work.path.owner[pairs.element]]])
-        return work.path.feet(pairs, len(points))
+        away, feet = work.path.feet(pairs, len(points))
+        return np.where(self._is_behind(points, away, feet), np.inf, away), feet
+
+    def _is_behind(self, points: Floats, away: Floats, feet: Floats) -> Flags:
+        """Whether the part lies between places of a contour and the path: behind a thin wall."""
+        assert self._work.region is not None
+        found = np.isfinite(away) & (away > 0.0)
+        step = 2 * self._work.fine / away[found]
+        found[found] = self._work.region.in_part(
+            points[found] + step[:, None] * (feet[found] - points[found])
+        )
+        return found

@@ -226,3 +226,17 @@ def test_a_hole_hardly_wider_than_the_kerf_is_cut_once(diameter: float) -> None:
     assert not codes(text, part)
     (first, *_) = re.findall(r"^G0 X\S+ Y\S+\nM3(?:.|\n)*?M5\n", text, re.M)
     assert "twice" in codes(text.replace(first, first * 2), part)
+
+
+@pytest.mark.parametrize("wide", [0.4, 1.0])
+@pytest.mark.parametrize("high", [0.3, 1.0, 5.0])
+@pytest.mark.parametrize("lean", [0.3, 0.7, 2.0])
+def test_under_a_needle_that_leans_is_a_corner_that_no_beam_reaches(
+    wide: float, high: float, lean: float
+) -> None:
+    """The beam touches the tip and the edge below it, or cuts the other side of a thin wall."""
+    base = ((0, 0), (40, 0), (40, 30), (20 + wide / 2, 30))
+    part = drawing(
+        contour(lines(*base, (20 + lean * high, 30 + high), (20 - wide / 2, 30), (0, 30)))
+    )
+    assert verify_sheet(post([part], MACHINE).text, [part], MACHINE) == ()
