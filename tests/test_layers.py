@@ -32,7 +32,7 @@ STEPS = (
     ("asked", "posts", "diff", "recovery", "simulate"),
     ("pictures",),
     ("setup_sheet",),
-    ("pipeline", "machine_choice"),
+    ("pipeline", "machine_choice", "ways_out"),
     ("batch", "api", "remainder"),
     ("watch",),
     ("commands",),

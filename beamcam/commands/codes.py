@@ -8,8 +8,10 @@ import click
 
 import beamcam
 from beamcam.commands import options
-from beamcam.commands.common import say_json
-from beamcam.errors import Rule
+from beamcam.commands.common import Voice, say_json
+from beamcam.commands.rules import UNKNOWN_CODE
+from beamcam.conversion import nearest
+from beamcam.errors import Rule, Source
 
 
 def all_rules() -> Iterator[Rule]:
@@ -42,16 +44,25 @@ def as_markdown(rules: list[Rule]) -> str:
 
 
 @click.command("codes")
+@click.argument("code", required=False)
 @click.option("--markdown", is_flag=True, help="Print a page for the documentation.")
 @options.as_json
-def command(markdown: bool, as_json: bool) -> None:
-    """List the codes of all messages, with their severity and reason.
+def command(code: str | None, markdown: bool, as_json: bool) -> None:
+    """Explain the CODE of a message, or list all codes, with severity, message and reason.
+
+    Which options make a part that was refused is said by `post` itself (plan-ways-out).
 
     \b
+    beamcam codes plan-cope
     beamcam codes
     beamcam codes --markdown > docs/codes.md
     """
     rules = sorted(all_rules(), key=lambda rule: rule.code)
+    if code is not None:
+        if code not in (known := [rule.code for rule in rules]):
+            found = UNKNOWN_CODE.at(Source("beamcam"), found=code, expected=nearest(code, known))
+            Voice(as_json=as_json).stop([found])
+        rules = [rule for rule in rules if rule.code == code]
     if markdown:
         click.echo(as_markdown(rules), nl=False)
     elif as_json:

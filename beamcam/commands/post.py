@@ -14,7 +14,7 @@ from beamcam.commands.quantities import program_names, quantity
 from beamcam.commands.settings import files_read, machines_for, map_remarks, settled
 from beamcam.commands.tables import job_name, outputs, table_style, write_list
 from beamcam.config.values import Config
-from beamcam.errors import BeamcamError, Diagnostic, Source
+from beamcam.errors import BeamcamError, Diagnostic, PlanError, Source
 from beamcam.files import FilesRead
 from beamcam.machine.machine import Machine
 from beamcam.machine_choice import first_that_makes
@@ -92,6 +92,7 @@ def command(
     beamcam post M58.nc1 --from-operation 7 -o rest.gcode
     """
     said: tuple[Diagnostic, ...] = ()
+    machines: tuple[Machine, ...] = ()
     try:
         config = settled(asked, inputs)
         parts, said = read_parts(inputs, config, asked, voice)
@@ -126,6 +127,9 @@ def command(
     except RefusedProgram as error:
         kept = keep_refused(output, error.pieces(), files_read(config, inputs))
         voice.stop((*said, *error.diagnostics, *kept))
+    except PlanError as error:
+        ways = _ways_out(parts, machines, config) if machines else ()
+        voice.stop((*said, *error.diagnostics, *ways))
     except BeamcamError as error:
         voice.stop((*said, *error.diagnostics))
     _write(made, machine, files_read(config, inputs), voice)
@@ -141,6 +145,17 @@ def _jobs(parts: Sequence[Part], machine: Machine, config: Config) -> tuple[BarJ
     from beamcam.planning.sheet_rows import sheet_jobs
 
     return sheet_jobs(parts, machine, config.quantity, named_skips(config.allow_skips))
+def _ways_out(
+    parts: Sequence[Part], tried: Sequence[Machine], config: Config
+) -> tuple[Diagnostic, ...]:
+    """What could be asked for instead, of the machines that are shipped for such stock."""
+    from beamcam.machine import load, shipped
+    from beamcam.ways_out import ways_out
+
+    known = {machine.name for machine in tried}
+    others = [load(name) for name in shipped() if name not in known]
+    alike = [machine for machine in others if machine.stock == tried[0].stock]
+    return (ways_out(parts, tried, alike, config.stock_lengths, config.allow_skips),)
 
 
 def _rest(

@@ -69,6 +69,12 @@ MORE_BARS = Rule(
     "found {found} bars for standard output; expected one, give -o a file's name",
     "Each bar has a program of its own: NAME-1, NAME-2 and so on.",
 )
+UNKNOWN_CODE = Rule(
+    "code-unknown",
+    Severity.ERROR,
+    "found the code {found!r}; expected {expected}",
+    "Codes keep their names from version to version. `beamcam codes` lists them.",
+)
 MISSING_EXTRA = Rule(
     "extra-missing",
     Severity.ERROR,
@@ -114,5 +120,5 @@ UNKNOWN = Rule(
 
 RULES = (
     OUTPUT_FORMAT, ONE_PART, NO_PART, CANNOT_WRITE, OVER_INPUT, SECTION, RENAMED, WRITTEN,
-    OTHER_CONTENT, MORE_BARS, MISSING_EXTRA, ACCOUNT, NO_SAMPLE, GONE, NEW, UNKNOWN,
+    OTHER_CONTENT, MORE_BARS, UNKNOWN_CODE, MISSING_EXTRA, ACCOUNT, NO_SAMPLE, GONE, NEW, UNKNOWN,
 )  # fmt: skip

@@ -332,8 +332,11 @@ def _slot(f: int, slot: Slot, part: Part, shop: Shop) -> Iterator[Target]:
     what = f"slot {along:g} x {across:g}"
     mills = shop.sizes("mill", slot.face)
     fits = bool(mills) and mills[0] <= slot.diameter + shop.drill.twin
-    if slot.kind not in PLAIN_KINDS or not shop.works_on(slot.face, part) or not fits:
+    if slot.kind not in PLAIN_KINDS or not fits:
         yield Lack(f, f"the {what}", "slot", slot)
+        return
+    if not shop.works_on(slot.face, part):
+        yield Lack(f, f"the {what}", "face", slot)
         return
     yield Pocket(
         f, slot.face, slot.x, slot.y, slot.length, slot.height, slot.angle, slot.diameter,

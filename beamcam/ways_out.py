@@ -1,0 +1,98 @@
+"""The ways out of a refusal: options with which it can be made, each tried before it is named."""
+
+from collections.abc import Collection, Iterable, Iterator, Sequence
+from itertools import chain, islice
+
+from beamcam.errors import BeamcamError, Diagnostic, Rule, Severity, Source
+from beamcam.machine.machine import Machine
+from beamcam.model.part import Part
+from beamcam.model.plan import Plan, SheetPlan
+from beamcam.planning.rules import SKIP_NAMES
+from beamcam.posts import Job, post_of
+
+LONG_BARS = (6000.0, 12000.0, 15000.0, 18000.0)  #: mm that mills roll and stockists keep
+
+WAYS_OUT = Rule(
+    "plan-ways-out",
+    Severity.NOTE,
+    "with {found} it can be made",
+    "Each of the options was tried before it was named. A machine that is named may stand in "
+    "another shop; what is left out by leave is missing from the part.",
+)
+NO_WAY_OUT = Rule(
+    "plan-no-way-out",
+    Severity.NOTE,
+    "found no way out: no shipped machine makes it, nor is it enough to leave features out",
+    "The drawing or the part has to change, or a machine file of one's own says that a machine can "
+    "do more.",
+)
+RULES = (WAYS_OUT, NO_WAY_OUT)
+
+
+def ways_out(
+    parts: Sequence[Part], tried: Sequence[Machine], others: Iterable[Machine],
+    lengths: Sequence[float] = (), skips: Collection[str] = (),
+) -> Diagnostic:  # fmt: skip
+    """A note with the options that make refused `parts`, as they stand on a command line.
+
+    `tried` are the machines that refused them, on bars of the `lengths` in store; `others` are
+    those that could be named.
+    """
+    source = parts[0].source if parts else Source("beamcam")
+    bar = max(lengths, default=None)
+    found = [
+        *(f"--machine {machine.name}" for machine in others if _made(parts, machine, bar, skips)),
+        *_first(_by_leave(parts, machine, bar, skips) for machine in tried),
+        *_first(_by_bar(parts, machine, bar, skips) for machine in tried),
+        *_first(_by_turning(parts, machine, bar, skips) for machine in tried),
+    ]
+    if not found:
+        return NO_WAY_OUT.at(source)
+    return WAYS_OUT.at(source, found=" or ".join(found))
+
+
+def _first(found: Iterable[Iterator[str]]) -> Iterator[str]:
+    """The first option, of those that help on one machine or another."""
+    return islice(chain.from_iterable(found), 1)
+
+
+def _made(
+    parts: Sequence[Part], machine: Machine, bar: float | None, skips: Collection[str],
+    turn: bool = False,
+) -> Plan | SheetPlan | None:  # fmt: skip
+    """The plan of the parts; None where the machine refuses them."""
+    try:
+        job = Job(tuple(parts), machine, bar=bar, skips=tuple(skips), turn=turn)
+        return post_of(machine).plan(job)
+    except BeamcamError:
+        return None
+
+
+def _by_leave(
+    parts: Sequence[Part], machine: Machine, bar: float | None, skips: Collection[str]
+) -> Iterator[str]:
+    """The fewest kinds of features that have to be left out."""
+    plan = _made(parts, machine, bar, SKIP_NAMES)
+    if plan is None:
+        return
+    left = {o.by.removeprefix("plan-") for o in plan.outcomes if o.how == "skipped"}
+    names = ",".join(sorted({*skips, *(left & {*SKIP_NAMES})}))
+    if names and _made(parts, machine, bar, names.split(",")) is not None:
+        yield f"--allow-skips {names}"
+
+
+def _by_bar(
+    parts: Sequence[Part], machine: Machine, bar: float | None, skips: Collection[str]
+) -> Iterator[str]:
+    """The shortest bar that would do, where the parts are refused for their bar."""
+    for length in LONG_BARS:
+        if machine.stock == "beam" and length != bar and _made(parts, machine, length, skips):
+            yield f"--bar {length:g}"
+            return
+
+
+def _by_turning(
+    parts: Sequence[Part], machine: Machine, bar: float | None, skips: Collection[str]
+) -> Iterator[str]:
+    if machine.stock == "beam" and _made(parts, machine, bar, skips, turn=True) is not None:
+        yield "--turn"

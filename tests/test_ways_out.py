@@ -1,0 +1,81 @@
+"""Every refusal of a plan names its ways out, and each works; or says that there is none."""
+
+import shlex
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+from click.testing import CliRunner, Result
+
+from beamcam.cli import main
+from beamcam.machine import load, shipped
+from beamcam.pipeline import read_file, stock_of
+from beamcam.ways_out import RULES
+from tests.conftest import CORPUS, ROOT
+
+SAMPLES = ROOT / "samples"
+FOUND, END = "plan-ways-out: with ", " it can be made"
+
+
+def run(*words: object) -> Result:
+    return CliRunner().invoke(main, [str(word) for word in words])
+
+
+def inputs() -> Iterator[Path]:
+    for folder in (SAMPLES / "bad", SAMPLES / "dstv", CORPUS / "dstv"):
+        yield from (p for p in sorted(folder.rglob("*")) if p.suffix.lower() in (".nc", ".nc1"))
+
+
+def is_refused_by_the_plan(done: Result) -> bool:
+    errors = [line for line in done.stderr.splitlines() if ": error " in line]
+    return bool(errors) and all(": error plan-" in line for line in errors)
+
+
+def is_of_sheets(path: Path) -> bool:
+    reading = read_file(str(path))
+    return bool(reading.parts) and stock_of(reading.parts) == "sheet"
+
+
+def test_each_way_out_of_each_refusal_works() -> None:
+    seen = {"ways": 0, "none": 0}
+    for path in inputs():
+        for machine in (None, "beamline") if path.is_relative_to(SAMPLES) else (None,):
+            if machine and is_of_sheets(path):
+                continue
+            asked = ("post", path, "-o", "-", *(("--machine", machine) if machine else ()))
+            done = run(*asked)
+            if not is_refused_by_the_plan(done):
+                continue
+            (note,) = [line for line in done.stderr.splitlines() if ": note plan-ways-out" in line
+                       or ": note plan-no-way-out" in line]  # fmt: skip
+            if "plan-no-way-out" in note:
+                seen["none"] += 1
+                assert run(*asked, "--allow-skips", "all").exit_code == 1, path
+                continue
+            for way in note[note.index(FOUND) + len(FOUND) :].removesuffix(END).split(" or "):
+                seen["ways"] += 1
+                words = list(asked)
+                if way.startswith("--machine") and machine:
+                    words = [*asked[:4]]
+                made = run(*words, *shlex.split(way))
+                assert made.exit_code == 0, f"{path} {way}\n{made.stderr}"
+    assert seen["ways"] > 10
+    assert seen["none"] > 2
+
+
+def test_no_way_out_is_none_on_any_machine() -> None:
+    path = SAMPLES / "bad" / "section-too-large.nc1"
+    assert "plan-no-way-out" in run("post", path, "-o", "-").stderr
+    beams = [name for name in shipped() if load(name).stock == "beam"]
+    assert all(run("post", path, "-o", "-", "--machine", name).exit_code == 1 for name in beams)
+    assert {rule.code for rule in RULES} == {"plan-ways-out", "plan-no-way-out"}
+
+
+@pytest.mark.parametrize(("code", "status", "says"), [
+    ("plan-cope", 0, "plan-cope  error"), ("plan-coep", 1, "plan-cope"),
+])  # fmt: skip
+def test_one_code_is_explained(code: str, status: int, says: str) -> None:
+    done = run("codes", code)
+    assert done.exit_code == status
+    assert says in done.output
+    assert done.output.count("\n") <= 6
