@@ -145,6 +145,8 @@ def _jobs(parts: Sequence[Part], machine: Machine, config: Config) -> tuple[BarJ
     from beamcam.planning.sheet_rows import sheet_jobs
 
     return sheet_jobs(parts, machine, config.quantity, named_skips(config.allow_skips))
+
+
 def _ways_out(
     parts: Sequence[Part], tried: Sequence[Machine], config: Config
 ) -> tuple[Diagnostic, ...]:
