@@ -26,6 +26,7 @@ from beamcam.planning.contours.look_settings import refuse_order, refuse_setting
 from beamcam.planning.contours.material import Material
 from beamcam.planning.contours.nest import nest
 from beamcam.planning.contours.operations import operations_of
+from beamcam.planning.contours.outline import points_of
 from beamcam.planning.contours.place import refuse_large, refuse_size, shift_of
 
 SHEET_CODES = ("B",)
@@ -60,8 +61,9 @@ def plan_sheet(parts: Sequence[Part], machine: Machine, skips: Collection[str] =
     shift = shift_of(curves, torch)
     kerf = material.kerf("cut")
     joined = join(assigned.wanted, curves, torch, kerf, assigned.rings)
-    refuse_crowds(joined.shapes, torch.tolerance)
-    shapes, said = nest(joined.shapes, assigned.wanted, torch.tolerance, torch.gap, kerf)
+    drawn = points_of([shape.curves for shape in joined.shapes], torch.tolerance / 4)
+    refuse_crowds(joined.shapes, drawn, torch.tolerance)
+    shapes, said = nest(joined.shapes, drawn, assigned.wanted, torch.tolerance, torch.gap, kerf)
     said = [*said, *refuse_order(shapes, torch)]
     if errors := errors_in([*joined.refusals, *said]):
         raise PlanError(errors)

@@ -7,7 +7,7 @@ import numpy as np
 from beamcam.errors import PlanError
 from beamcam.geometry.array_types import Counts, Floats
 from beamcam.planning.contours import rules
-from beamcam.planning.contours.outline import points_of
+from beamcam.planning.contours.outline import Drawn
 from beamcam.planning.contours.shape import Shape
 
 #: Times that a contour may be passed on an average. Hatching of 0.02 mm passes a place of 0.1 mm
@@ -18,15 +18,16 @@ CELL = 1.0  #: mm, of the grid in which neighbours are looked for
 MAX_CELLS = 1 << 24
 
 
-def refuse_crowds(shapes: Sequence[Shape], tolerance: float) -> None:
+def refuse_crowds(shapes: Sequence[Shape], drawn: Drawn, tolerance: float) -> None:
     """Raise PlanError for shapes that pass most of their places more than `MAX_PASSES` times.
 
-    The passes of a place are the lengths of all stretches no farther than `tolerance` from it,
-    each no longer than that place, by its length.
+    `drawn` are points of the shapes, and the shape of each. The passes of a place are the lengths
+    of all stretches no farther than `tolerance` from it, each no longer than that place, by its
+    length.
     """
     import shapely
 
-    points, owner = points_of([shape.curves for shape in shapes], tolerance / 4)
+    points, owner = drawn
     along = owner[1:] == owner[:-1]
     starts, ends, owner = points[:-1][along], points[1:][along], owner[1:][along]
     if not len(starts):

@@ -9,7 +9,7 @@ from msgspec.structs import replace
 from beamcam.errors import Diagnostic
 from beamcam.planning.contours.assign_process import Wanted
 from beamcam.planning.contours.crossing import crossings, refuse_tangles
-from beamcam.planning.contours.outline import invalid, outlines, signed_areas, valid
+from beamcam.planning.contours.outline import Drawn, invalid, rings_of, signed_areas, valid
 from beamcam.planning.contours.shape import Shape
 
 if TYPE_CHECKING:
@@ -20,18 +20,30 @@ MIN_WIDTH = 1e-3
 
 
 def nest(
-    shapes: Sequence[Shape], wanted: Sequence[Wanted], tolerance: float, gap: float, kerf: float
+    shapes: Sequence[Shape],
+    drawn: Drawn,
+    wanted: Sequence[Wanted],
+    tolerance: float,
+    gap: float,
+    kerf: float,
 ) -> tuple[list[Shape], list[Diagnostic]]:
     """The shapes with their area, depth and parent, and what is to be said of those that cross.
 
     A contour lies in another of greater area that a point inside it lies in. Contours that touch
     are told apart by that, those that cross are not. `tolerance` is the machine's, and `gap` what
-    it closes between two ends; `wanted` are the curves that the shapes were made of.
+    it closes between two ends; `wanted` are the curves that the shapes were made of, and `drawn`
+    points of the shapes with the shape of each.
     """
     closed = [i for i, s in enumerate(shapes) if s.closed and s.process == "cut"]
     if not closed:
         return list(shapes), []
-    rings = outlines([shapes[i].curves for i in closed], tolerance / 4)
+    import numpy as np
+
+    points, owner = drawn
+    number = np.full(len(shapes), -1)
+    number[closed] = np.arange(len(closed))
+    mine = number[owner] >= 0
+    rings = rings_of(points[mine], number[owner[mine]], len(closed))
     bad = invalid(rings)
     refuse_tangles([shapes[i] for i in closed], rings, bad, wanted)
     said = crossings([shapes[i] for i in closed], rings, bad, wanted, tolerance, gap, kerf)

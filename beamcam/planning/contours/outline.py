@@ -12,14 +12,22 @@ if TYPE_CHECKING:
     from beamcam.geometry.array_types import Floats
 
 
+#: Points of chains, and the chain of each.
+Drawn = tuple["Floats", "NDArray[np.int64]"]
+
+
 def outlines(chains: Sequence[Sequence[Curve]], tolerance: float) -> "NDArray[Any]":
     """The polygon of each closed chain, an array of shapely polygons."""
+    return rings_of(*points_of(chains, tolerance), len(chains))
+
+
+def rings_of(points: "Floats", owner: "NDArray[np.int64]", count: int) -> "NDArray[Any]":
+    """Polygons by their points, of which each has the number of its polygon, below `count`."""
     import numpy as np
     import shapely
 
-    points, owner = points_of(chains, tolerance)
     # A ring needs four points: chains of two curves that flatten to chords get their ends again.
-    counts = np.bincount(owner, minlength=len(chains))
+    counts = np.bincount(owner, minlength=count)
     short = np.flatnonzero(counts < 4)
     if len(short):
         more = np.repeat(short, 4 - counts[short])
@@ -79,9 +87,7 @@ def valid(rings: "NDArray[Any]", bad: Sequence[int]) -> "NDArray[Any]":
     return found
 
 
-def points_of(
-    chains: Sequence[Sequence[Curve]], tolerance: float
-) -> "tuple[Floats, NDArray[np.int64]]":
+def points_of(chains: Sequence[Sequence[Curve]], tolerance: float) -> Drawn:
     """Points of all chains, and the chain of each."""
     import numpy as np
 
