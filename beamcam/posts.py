@@ -13,6 +13,7 @@ from msgspec.structs import replace
 from beamcam.caches import cached
 from beamcam.errors import Diagnostic, PlanError
 from beamcam.machine.machine import Machine
+from beamcam.machine.torch import Torch
 from beamcam.model.part import Part
 from beamcam.model.plan import Order, Plan, SheetPlan
 from beamcam.model.program import Comment, Program
@@ -193,12 +194,30 @@ def _plan_sheet(job: Job) -> SheetPlan:
 
 
 def _laid(parts: tuple[Part, ...], machine: Machine) -> tuple[Part, ...]:
-    """Parts of a sheet as the job wants them laid: mirrored, turned, copied. Raises PlanError."""
-    from beamcam.model.sheet_layout import cannot_lie, is_laid_otherwise, laid_out, size_of
+    """Parts of a sheet as the job wants them: laid out, and hatched. Raises PlanError."""
+    from beamcam.model.hatch import hatched, not_filled
+    from beamcam.model.sheet_layout import is_laid_otherwise
 
     torch = machine.torch
-    if torch is None or not is_laid_otherwise(torch):
+    if torch is None or not (torch.settings or is_laid_otherwise(torch)):
         return parts
+    from beamcam.planning.contours.rules import HATCH
+
+    if is_laid_otherwise(torch):
+        parts = _laid_out(parts, torch)
+    said = [
+        HATCH.at(part.source, key=key, found=what)
+        for part in parts
+        for key, what in not_filled(part, torch)
+    ]
+    if said:
+        raise PlanError(said)
+    return tuple([hatched(part, torch) for part in parts])
+
+
+def _laid_out(parts: tuple[Part, ...], torch: Torch) -> tuple[Part, ...]:
+    """Parts mirrored, turned and copied. Raises PlanError."""
+    from beamcam.model.sheet_layout import cannot_lie, laid_out, size_of
     from beamcam.planning.contours.rules import LAYOUT, SHEET_SIZE
 
     said = [

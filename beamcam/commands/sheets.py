@@ -104,6 +104,8 @@ torch_options = group(
     click.option("--lead", type=click.Choice(["none", "line", "arc"]),
                  help="The way from the pierced hole to the contour."),
     click.option("--tabs", type=click.IntRange(min=0), help="Bridges in each outer contour."),
+    click.option("--inner-tabs/--no-inner-tabs", default=None,
+                 help="As many bridges in inner contours."),
     click.option("--place", type=click.Choice(["corner", "drawn"]),
                  help="Move a sheet to the corner of the table, or leave it as drawn."),
     click.option("--origin", type=click.Choice(get_args(Origin)),

@@ -44,6 +44,7 @@ class Sheet(Keys, frozen=True):
     kerf_by: Literal["none", "offset", "machine"] | None = None
     lead: Literal["none", "line", "arc"] | None = None
     tabs: Count | None = None
+    inner_tabs: bool | None = None
     place: Literal["corner", "drawn"] | None = None
     origin: Origin | None = None
     mirror: Literal["none", "x", "y"] | None = None
@@ -65,7 +66,7 @@ class MapRow(LookSettings, frozen=True, kw_only=True):
 
     def settings(self) -> LookSettings:
         """How it is done."""
-        return LookSettings(self.speed, self.power, self.passes, self.order)
+        return LookSettings(**{k: getattr(self, k) for k in LookSettings.__struct_fields__})
 
     def said(self) -> dict[str, Any]:
         """The keys that say something, with their values."""

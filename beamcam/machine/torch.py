@@ -33,6 +33,8 @@ class LookSettings(Keys, frozen=True):
     power: NotNegative | None = None  #: what the words call {power}
     passes: PositiveCount | None = None  #: how often its contours are followed
     order: Count = 0  #: place in the order of work, lower ones first
+    hatch: Positive | None = None  #: closed contours are filled by lines so far apart
+    hatch_angle: Degrees = 0.0  #: of these lines
 
     def given(self) -> tuple[str, ...]:
         """The keys that say something."""
@@ -79,6 +81,7 @@ class Torch(Keys, frozen=True):
     start: Literal["nearest", "drawn", "straight"] = "nearest"  #: straight: away from corners
     direction: Literal["drawn", "climb", "conventional"] = "drawn"  #: climb: material at the right
     tabs: Count = 0  #: bridges that hold a part in the sheet
+    inner_tabs: bool = False  #: whether inner contours have as many
     tab_width: Positive = 1.0
     min_hole: NotNegative = 0.0  #: smallest diameter that can be cut
     min_hole_share: NotNegative = 0.0  #: smallest diameter that can be cut, by the thickness

@@ -37,7 +37,7 @@ def refuse_settings(wanted: Iterable[Wanted], torch: Torch, machine: Machine) ->
 def _can(machine: Machine, process: str, name: str) -> bool:
     """Whether a machine has words for a setting of a process."""
     if machine.controller in TABLE_CONTROLLERS:
-        return name == "order"
+        return name in ("order", "hatch", "hatch_angle")
     words = getattr(machine.words, f"{process}_on")
     return name != "power" or any("{power}" in line for line in words)
 

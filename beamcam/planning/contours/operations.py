@@ -56,7 +56,7 @@ def operations_of(
         short = sum(
             len(op.passes) != (torch.tabs + 1) * op.row.passes
             for op, (shape, _) in zip(found, ways, strict=True)
-            if _wants_tabs(shape)
+            if _wants_tabs(shape, torch)
         )
         if short:
             said.append(rules.NO_TABS.at(ways[0][0].source, count=short, found=torch.tabs))
@@ -115,7 +115,7 @@ def _operation(
         raise AssertionError("a process without a row was let through")
     side: Literal["on", "left", "right"] = "on"
     stretches = [shape.curves]
-    if torch.tabs and _wants_tabs(shape):
+    if torch.tabs and _wants_tabs(shape, torch):
         stretches = list(bridged(shape.curves, torch.tabs, torch.tab_width + kerf))
     if torch.kerf_by == "machine" and kerf:
         side = "left" if waste_side(shape.area, shape.is_hole) > 0 else "right"
@@ -133,8 +133,9 @@ def _operation(
     )  # fmt: skip
 
 
-def _wants_tabs(shape: Shape) -> bool:
-    return shape.process == "cut" and shape.is_ring and shape.depth % 2 == 0
+def _wants_tabs(shape: Shape, torch: Torch) -> bool:
+    is_meant = torch.inner_tabs or not shape.is_hole
+    return shape.process == "cut" and shape.is_ring and is_meant
 
 
 def _open_cuts(shapes: Sequence[Shape]) -> Iterator[Diagnostic]:

@@ -87,6 +87,12 @@ LAYOUT = Rule(
     "sheet.copies is asked for",
     "What cannot be turned or mirrored with its part would come to lie elsewhere.",
 )
+HATCH = Rule(
+    "plan-map-hatch",
+    _E,
+    "found {found} to fill by map.{key}.hatch; expected closed contours to mark or engrave",
+    "A hatch fills what closed contours enclose; loose lines have no inside.",
+)
 NO_PROCESS = Rule(
     "plan-process",
     _E,
@@ -340,7 +346,7 @@ CHAIN = Rule(
 
 RULES = (
     CHAIN, SHEETS, MIXED, SHEET_FULL, UNROLLED, QUANTITY, NOTHING, UNMAPPED, MAP, OPTION,
-    LOOK_SETTING, LOOK_ORDER, LAYOUT, NO_PROCESS, NO_THICKNESS, THICKNESS,
+    LOOK_SETTING, LOOK_ORDER, LAYOUT, HATCH, NO_PROCESS, NO_THICKNESS, THICKNESS,
     OTHER_THICKNESS, OTHER_MATERIAL, ASSUMED,
     SHEET_SIZE, SHEET_PLACE, JUNCTION, BRANCHED, NOT_CLOSED, TINY, SHARED, COMMON, RUNS_BACK_KERF,
     RUNS_BACK, GAP, OPEN_CUT,

@@ -49,6 +49,10 @@ def compare(
         traced += mine
     if torch.settings or any(row.passes > 1 for row in need.rows.values()):
         said += _settings(works, traced, name)
+    if any(own.hatch for own in torch.settings.values()):
+        from beamcam.verify.sheets.hatch import hatch_faults
+
+        said += hatch_faults(need, torch, name)
     return said + order_faults(sorted(traced, key=lambda t: t.stroke.line), works, name)
 
 

@@ -117,6 +117,13 @@ TURN = Rule(
     "found a contour of order {found} after one of order {expected}; expected it before",
     "The order of colours and layers is what was asked for.",
 )
+HATCH = Rule(
+    "verify-sheet-hatch",
+    _E,
+    "found {found} of the contours that {key!r} fills, at x {x}, y {y}; expected lines "
+    "{expected} mm apart, inside of them",
+    "What is filled would be patchy, or run over its outline.",
+)
 NOT_MADE = Rule(
     "verify-sheet-not-made",
     _E,
@@ -140,5 +147,5 @@ OTHER_SHEET = Rule(
 )
 RULES = (
     *SHEET_RULES, OTHER_SHEET, FEED, RAMP, TOOL, RAPID, IDLE, AREA, MISSING, EXTRA, TWICE,
-    SIDE, BAND, COMPENSATION, OPEN, TABS, LEAD, ORDER, SETTINGS, TURN, NOT_MADE, CROWDED,
+    SIDE, BAND, COMPENSATION, OPEN, TABS, LEAD, ORDER, SETTINGS, TURN, HATCH, NOT_MADE, CROWDED,
 )  # fmt: skip

@@ -354,7 +354,7 @@ def test_what_is_compared_is_bounded(bound: str, monkeypatch: pytest.MonkeyPatch
 def test_every_rule_has_a_case() -> None:
     shown = {code for _, _, _, code in MUTANTS} | {
         "verify-sheet-arc", "verify-sheet-side", "verify-sheet-lead", "verify-sheet-not-made",
-        "verify-sheet-crowded", "verify-sheet-settings", "verify-sheet-turn",
+        "verify-sheet-crowded", "verify-sheet-settings", "verify-sheet-turn", "verify-sheet-hatch",
     }  # fmt: skip
     assert {rule.code for rule in rules.RULES} == shown
 
