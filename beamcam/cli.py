@@ -25,7 +25,7 @@ COMMANDS = {
     "diff": ("diff", "Compare two programs, or two parts, by what they mean."),
     "recover": ("recover", "Write the part that a program makes."),
     "check": ("check", "Post a folder of golden programs again and compare."),
-    "simulate": ("simulate", "Write where the axes of the cell are when."),
+    "simulate": ("simulate", "Write where the axes of a machine are when."),
     "plot": ("plot", "Draw a part, or what a program makes."),
     "report": ("report", "Write the setup sheet of a program, with playback."),
     "profile": ("profile", "Write the velocity profile of an axis, as a table or a picture."),

@@ -14,7 +14,7 @@ KINDS: Mapping[str, tuple[str, ...]] = {
     "plot": PICTURES,
     "profile": (".csv", *PICTURES, ".html"),
     "report": (".html", ".pdf"),
-    "simulate": (".csv",),
+    "simulate": (".csv", ".json"),
 }
 #: What nobody means by a program, however a machine calls its own.
 NO_PROGRAMS = (*PICTURES, ".html", ".json", ".dxf", ".nc1", ".ifc", ".ifczip", ".toml")

@@ -1,19 +1,23 @@
-"""`beamcam simulate`: the axes of the cell over time, from a program."""
+"""`beamcam simulate`: the axes of a machine over time, from a program."""
 
 import re
-from typing import Any
+from pathlib import PurePath
+from typing import TYPE_CHECKING, Any
 
 import click
 
 from beamcam.commands import options
+from beamcam.commands.addresses import Address
 from beamcam.commands.common import Voice, say_lines, write
 from beamcam.commands.kinds import of_kind
-from beamcam.commands.programs import program_text
+from beamcam.commands.programs import input_bytes
 from beamcam.commands.settings import files_read, machine_for_program, settled
-from beamcam.errors import BeamcamError, VerifyError, errors_in
+from beamcam.errors import BeamcamError, Diagnostic, Source, VerifyError, errors_in
 from beamcam.readers.content import shown_name
-from beamcam.simulate.course import rows, stretches, trace
-from beamcam.verify.bars import run
+
+if TYPE_CHECKING:
+    from beamcam.simulate.encoder import Encoder
+    from beamcam.simulate.trace import Trace
 
 _UNITS_S = {"ms": 0.001, "s": 1.0}
 
@@ -32,18 +36,21 @@ class Duration(click.ParamType):  # type: ignore[type-arg]  # older versions tak
         return float(match[1]) * _UNITS_S[match[2]]
 
 
-class Address(click.ParamType):  # type: ignore[type-arg]
-    """HOST:PORT."""
+class EncoderKind(click.ParamType):  # type: ignore[type-arg]
+    """COUNTS/TRAVEL: counts of a turn, and the mm that an axis travels in it."""
 
-    name = "host:port"
+    name = "counts/mm"
 
     def convert(
         self, value: object, param: click.Parameter | None, ctx: click.Context | None
-    ) -> tuple[str, int]:
-        host, colon, port = str(value).rpartition(":")
-        if not (colon and host and port.isdigit() and 0 < int(port) < 65536):
-            self.fail(f"found {value!r}; expected HOST:PORT such as localhost:502", param, ctx)
-        return host.strip("[]"), int(port)
+    ) -> tuple[int, float]:
+        counts, _, travel = str(value).partition("/")
+        found = re.fullmatch(r"\d{1,9}", counts), re.fullmatch(r"\d{1,6}(\.\d{1,6})?", travel)
+        if not all(found) or int(counts) == 0 or float(travel) == 0.0:
+            self.fail(
+                f"found {value!r}; expected COUNTS/TRAVEL of a turn such as 512/65", param, ctx
+            )
+        return int(counts), float(travel)
 
 
 @click.command("simulate")
@@ -52,16 +59,23 @@ class Address(click.ParamType):  # type: ignore[type-arg]
 @options.config
 @click.option(
     "-o", "--output", type=options.FILE, callback=of_kind("simulate"),
-    help="The trace's CSV file; - is standard output.",
+    help="The trace as .csv or .json; - is CSV on standard output.",
 )  # fmt: skip
 @click.option("--every", type=Duration(), help="Sample at this step, such as 10ms; else by event.")
+@click.option(
+    "--encoder",
+    type=EncoderKind(),
+    help="Also what an encoder reads, by its counts and travel a turn, such as 512/65.",
+)
 @click.option("--modbus", type=Address(), help="Send the trace to this Modbus TCP server.")
+@click.option(
+    "--serve", type=Address(), help="Be the controller: a Modbus TCP server, until Ctrl-C."
+)
 @click.option(
     "--pace",
     type=options.Number(least=0),
-    default=0.0,
-    show_default=True,
-    help="Seconds to send a second of the cell in; 0 is as fast as it goes.",
+    help="Seconds to send or serve a second of the machine in; 0 is as fast as it goes. "
+    "By default 0 to send, 1 to serve.",
 )
 @options.json_messages
 @options.voiced
@@ -69,40 +83,105 @@ def command(
     program: str,
     output: str | None,
     every: float | None,
+    encoder: tuple[int, float] | None,
     modbus: tuple[str, int] | None,
-    pace: float,
+    serve: tuple[str, int] | None,
+    pace: float | None,
     as_json: bool,
     voice: Voice,
     **asked: Any,
 ) -> None:
-    """Run PROGRAM on a model of the cell and write where its axes are when.
+    """Run PROGRAM on a model of its machine and write where the axes are when.
+
+    Of any machine: bars, plates, lasers, trigger programs and step tables. Axes beyond their
+    limits, cuts beyond the saw's reach and bodies of the machine that strike each other are
+    warnings with their time and block. --encoder adds what an encoder reads of each axis in mm, a
+    row for each count unless --every is given, and says what is lost by its resolution.
 
     \b
     beamcam simulate job.gcode --machine beamline -o trace.csv
-    beamcam simulate job.gcode -o trace.csv --every 10ms
+    beamcam simulate job.gcode -o trace.json --every 10ms
+    beamcam simulate shield.st -o stairs.csv --encoder 512/65
     beamcam simulate job.gcode --every 100ms --modbus localhost:502 --pace 1
+    beamcam simulate job.gcode --every 50ms --serve 127.0.0.1:5020
     """
-    if output is None and modbus is None:
-        raise click.UsageError("Say where the trace goes: -o FILE or --modbus HOST:PORT.")
+    if output is None and modbus is None and serve is None:
+        raise click.UsageError(
+            "Say where the trace goes: -o FILE, --modbus HOST:PORT or --serve HOST:PORT."
+        )
     try:
         config = settled(asked, (program,))
-        text = program_text(program)
-        machine = machine_for_program(config, program, text)
-        if machine.stock != "beam":
-            raise click.UsageError(f"{machine.name} is no cell; simulate runs programs for bars.")
-        done = run(text, machine, None, shown_name(program))
+        data = input_bytes(program)
+        machine = machine_for_program(config, program, data)
+        from beamcam.simulate.limits import run_warnings
+        from beamcam.simulate.program import simulate_program
+        from beamcam.simulate.registers import check_range
+        from beamcam.simulate.trace import trace_rows
+
+        name = shown_name(program)
+        done = simulate_program(data, machine, name, PurePath(program).suffix.lower())
         if errors_in(done.diagnostics):
             raise VerifyError(done.diagnostics)
-        course = stretches(done.events, done.dialect, dict(done.made.section), machine)
-        voice.did(f"ran {shown_name(program)} on {machine.name}")
+        trace = done.trace
+        said = (*done.diagnostics, *run_warnings(trace, machine, done.section, name))
+        reader = _encoder(encoder)
+        if reader is not None:
+            said += (_precision(trace, reader, name),)
+        voice.did(f"ran {name} on {machine.name}")
+        if modbus is not None or serve is not None:
+            check_range(trace, machine.modbus, Source(machine.name))
         if modbus is not None:
             from beamcam.simulate.modbus import send
 
-            sent = send(rows(course, every), *modbus, pace)
+            sent = send(trace_rows(trace, every), machine.modbus, *modbus, pace or 0.0)
             if not (voice.quiet or as_json):
                 say_lines([f"{sent} rows sent to {modbus[0]}:{modbus[1]}"], err=True)
+        if output is not None:
+            text = _text(output, trace, machine, every, reader, said)
+            write(output, text, voice, files_read(config, (program,)))
+        voice.say(said)
+        if serve is not None:
+            from beamcam.simulate.controller import serve as serve_rows
+
+            def tell(host: str, port: int) -> None:
+                if not (voice.quiet or as_json):
+                    say_lines([f"{machine.name} at {host}:{port}; Ctrl-C ends it"], err=True)
+
+            rows = trace_rows(trace, every)
+            serve_rows(rows, machine.modbus, *serve, 1.0 if pace is None else pace, tell)
     except BeamcamError as error:
         voice.stop(error.diagnostics)
-    if output is not None:
-        write(output, trace(course, machine, every), voice, files_read(config, (program,)))
-    voice.say(done.diagnostics)
+
+
+def _encoder(asked: tuple[int, float] | None) -> "Encoder | None":
+    from beamcam.simulate.encoder import Encoder
+
+    return None if asked is None else Encoder(*asked)
+
+
+def _precision(trace: "Trace", encoder: "Encoder", name: str) -> Diagnostic:
+    """What is lost by an encoder, with the block of the corner that is read worst."""
+    from beamcam.simulate.encoder import precision
+    from beamcam.simulate.rules import PRECISION
+
+    study = precision(trace, encoder)
+    return PRECISION.at(
+        Source(name, study.worst_line or None), count=f"{study.count:.4f}",
+        corner=f"{study.max_corner_error:.4f}", step=f"{study.smallest_step:.4f}",
+        lost=study.lost_moves, moves=study.moves,
+    )  # fmt: skip
+
+
+def _text(
+    output: str, trace: "Trace", machine: Any, every: float | None, encoder: "Encoder | None",
+    said: tuple[Diagnostic, ...],
+) -> str:  # fmt: skip
+    from beamcam.plain_text import json_text
+    from beamcam.simulate.text import csv_text, json_data
+
+    if PurePath(output).suffix.lower() != ".json":
+        return csv_text(trace, machine, every, encoder)
+    import msgspec
+
+    text = msgspec.json.encode(json_data(trace, machine, every, encoder, said))
+    return json_text(text.decode("utf-8", "replace")) + "\n"

@@ -4,8 +4,10 @@ import re
 from collections.abc import Iterator
 from math import sqrt
 
+from beamcam.machine.bodies import body_faults
 from beamcam.machine.drill import Spindle
 from beamcam.machine.machine import Machine
+from beamcam.machine.modbus import modbus_faults
 from beamcam.machine.saw import Saw
 from beamcam.machine.tables import UNCONFIRMED, Triggers
 from beamcam.machine.tools import FLAT_DEG, ToolSet, inch_size
@@ -364,3 +366,12 @@ _PATH_PACKAGES = ("PATH", "CAM_EXT")
 _ST_NAME = re.compile(r"[A-Za-z](_?[A-Za-z0-9])*")
 _INPUT = re.compile(r"%I\d+\.[0-7]")
 _OUTPUT = re.compile(r"%Q\d+\.[0-7]")
+
+
+def view_faults(machine: Machine) -> Iterator[Fault]:
+    """Keys of what is seen of a machine, its bodies and its registers, that contradict others."""
+    names = frozenset(axis.name for axis in machine.axes)
+    if not names and machine.stock == "sheet":
+        names = frozenset(machine.triggers.axes if machine.triggers else "XY")
+    yield from body_faults(machine.bodies, names)
+    yield from modbus_faults(machine.modbus, len(names))

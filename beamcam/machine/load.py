@@ -18,6 +18,7 @@ from beamcam.machine.faults import (
     spindle_faults,
     tool_faults,
     torch_faults,
+    view_faults,
 )
 from beamcam.machine.former_keys import KeyTwice, with_present_keys
 from beamcam.machine.formula import as_formula
@@ -30,6 +31,8 @@ from beamcam.system import portable_path
 MAX_BASES = 8  #: machine files laid over each other
 #: Keys that say how a file is found, and nothing of the machine.
 _NOT_INHERITED = ("name", "default_for", "choice")
+#: Keys that no program depends on.
+_NOT_OF_PROGRAMS = (*_NOT_INHERITED, "bodies", "modbus")
 SHIPPED = Path(__file__).resolve().parent.parent / "machines"
 
 
@@ -101,12 +104,12 @@ def _present(file: TomlFile) -> tuple[dict[str, Any], list[tuple[str, str]]]:
 
 
 def _checksum(table: dict[str, Any]) -> str:
-    """Eight hex digits that change with any value of a machine's file, or of those it is based on.
+    """Eight hex digits that change with any value of a machine's files that programs depend on.
 
     They tell that a machine has changed since, whatever it is called. They are no protection
     against forgery.
     """
-    values = {key: value for key, value in table.items() if key not in _NOT_INHERITED}
+    values = {key: value for key, value in table.items() if key not in _NOT_OF_PROGRAMS}
     return f"{crc32(json.encode(values, order='deterministic')):08x}"
 
 
@@ -266,6 +269,7 @@ def _check(machine: Machine, place: Place) -> None:
         tool_faults,
         pair_faults,
         torch_faults,
+        view_faults,
     ):
         for key, found, expected in faults(machine):
             source = place.child(key).source

@@ -12,8 +12,10 @@ from msgspec import Meta, field
 
 from beamcam.conversion import Keys, NotNegative, Positive, PositiveCount
 from beamcam.errors import Diagnostic
+from beamcam.machine.bodies import Body
 from beamcam.machine.drill import Drill, Pair, Spindle
 from beamcam.machine.marking import Marks
+from beamcam.machine.modbus import Modbus
 from beamcam.machine.saw import Saw
 from beamcam.machine.tables import Stepper, Triggers
 from beamcam.machine.tools import ToolSet
@@ -113,6 +115,8 @@ class MachineFile(Keys, frozen=True):
     pairs: tuple[Pair, ...] = ()
     tools: tuple[ToolSet, ...] = ()
     axes: tuple[ControlledAxis, ...] = ()
+    bodies: tuple[Body, ...] = ()  #: that may strike each other; empty: collisions are not checked
+    modbus: Modbus = Modbus()
     torch: Torch | None = None
     marks: Marks = Marks()
     triggers: Triggers | None = None

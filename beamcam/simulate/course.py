@@ -20,15 +20,6 @@ from beamcam.model.cell_motion import CellMotion, Leg, Positions
 from beamcam.simulate.state import State
 
 
-class Row(Struct, frozen=True):
-    """The cell at one moment."""
-
-    time_s: float
-    line: int  #: of the program; 0 before it begins
-    positions: Positions  #: in the order of the machine's axes
-    state: State
-
-
 class CourseSection(Struct, frozen=True):
     """A stretch of time in which axes move or something is switched."""
 
@@ -57,54 +48,6 @@ def stretches(
     if not machine.axes:
         raise MachineError(machine_rules.MISSING_KEY.at(Source(machine.name), expected="axes"))
     return tuple(_Simulation(events, dialect, section, machine).run())
-
-
-def rows(course: Sequence[CourseSection], every_s: float | None = None) -> Iterator[Row]:
-    """A row for the beginning and the end of every stretch, or one every `every_s` seconds.
-
-    Sampled, the last row stands at the first multiple of `every_s` at which all is over.
-    """
-    if not course:
-        return
-    first = course[0]
-    if every_s is None:
-        yield Row(first.begin_s, 0, first.start, State())
-        for part in course:
-            yield Row(part.begin_s + part.duration_s, part.line, part.end, part.state)
-        return
-    if every_s <= 0:
-        raise ValueError("every_s has to be more than 0")
-    count = 0
-    for part in course:
-        end = part.begin_s + part.duration_s
-        while count * every_s < end:
-            time_s = count * every_s
-            yield Row(time_s, part.line, part.at(time_s), part.state)
-            count += 1
-    last = course[-1]
-    yield Row(count * every_s, last.line, last.end, last.state)
-
-
-def trace(course: Sequence[CourseSection], machine: Machine, every_s: float | None = None) -> str:
-    """The rows as CSV: time, the axes in the order of the controller's registers, tool states."""
-    head = ["time_s", *(a.name for a in machine.axes), "spindle", "diameter", "turning",
-            "coolant", "sawing", "line"]  # fmt: skip
-    lines = [",".join(head)]
-    lines += [",".join(_cells(row)) for row in rows(course, every_s)]
-    return "\n".join(lines) + "\n"
-
-
-def _cells(row: Row) -> Iterator[str]:
-    yield f"{row.time_s:.4f}"
-    for position in row.positions:
-        yield f"{position + 0.0:.3f}".replace("-0.000", "0.000")
-    state = row.state
-    yield str(state.spindle)
-    yield f"{state.diameter:g}"
-    yield str(state.turning)
-    yield str(int(state.coolant))
-    yield str(int(state.sawing))
-    yield str(row.line)
 
 
 class _Simulation:

@@ -1,39 +1,79 @@
-"""A trace sent to a Modbus TCP server, as the cell's controller would show itself.
+"""A client of Modbus TCP: a trace sent to a server, or what a controller shows.
 
-Holding registers from 0 on, most significant first:
-
-    0 .. 2n-1     the n axes, two registers each: IEEE 754 single, mm or degrees
-    2n            spindle that is chosen          2n + 3   coolant, 0 or 1
-    2n + 1        tool diameter in 0.01 mm        2n + 4   sawing, 0 or 1
-    2n + 2        turning: 0, 1 or 65535 (-1)     2n + 5   line of the program
-
-Needs pymodbus: `pip install beamcam[modbus]`.
+Which register has what: `registers`. Needs pymodbus: `pip install beamcam[modbus]`.
 """
 
-import struct
 import time
 from collections.abc import Callable, Iterable
-from typing import Any
+from functools import partial
+from types import TracebackType
+from typing import Any, Self
 
-from beamcam.errors import Source, VerifyError
+from beamcam.errors import Rule, Source, VerifyError
+from beamcam.machine.modbus import Modbus
 from beamcam.simulate import rules
-from beamcam.simulate.course import Row
+from beamcam.simulate.registers import Shown, register_count, registers, shown
+from beamcam.simulate.trace import TraceRow
+
+TIMEOUT_S = 0.8  #: that an answer may take, so that Ctrl-C ends a command within a second
+MAX_READ = 125  #: registers in one answer, by the standard
 
 
-def registers(row: Row) -> list[int]:
-    """A row as 16-bit words."""
-    words: list[int] = []
-    for position in row.positions:
-        words += struct.unpack(">HH", struct.pack(">f", position))
-    state = row.state
-    return [
-        *words, state.spindle & 0xFFFF, min(round(state.diameter * 100), 0xFFFF),
-        state.turning & 0xFFFF, int(state.coolant), int(state.sawing), row.line & 0xFFFF,
-    ]  # fmt: skip
+class Client:
+    """A connection to a Modbus TCP server. Raises VerifyError with its rule for whatever fails."""
+
+    def __init__(self, host: str, port: int, rule: Rule = rules.MODBUS) -> None:
+        self._place, self._rule = Source(f"{host}:{port}"), rule
+        try:
+            from pymodbus import ModbusException
+            from pymodbus.client import ModbusTcpClient
+        except ImportError as error:
+            raise self._failed("no pymodbus (pip install beamcam[modbus])") from error
+        self._fault = ModbusException
+        self._client: Any = ModbusTcpClient(host, port=port, timeout=TIMEOUT_S, retries=0)
+
+    def __enter__(self) -> Self:
+        if not self._client.connect():
+            raise self._failed("no connection")
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        at: TracebackType | None,
+    ) -> None:
+        self._client.close()
+
+    def write(self, address: int, words: list[int]) -> None:
+        """Write holding registers."""
+        self._asked(lambda: self._client.write_registers(address, words))
+
+    def read(self, address: int, count: int) -> list[int]:
+        """Read holding registers."""
+        found: list[int] = []
+        while len(found) < count:
+            at, many = address + len(found), min(MAX_READ, count - len(found))
+            answer = self._asked(partial(self._client.read_holding_registers, at, count=many))
+            found += answer.registers
+        return found
+
+    def _asked(self, call: Callable[[], Any]) -> Any:
+        try:
+            answer = call()
+        except self._fault as error:
+            raise self._failed(str(error)) from error
+        if answer.isError():
+            raise self._failed(f"the answer {answer}")
+        return answer
+
+    def _failed(self, found: str) -> VerifyError:
+        return VerifyError(self._rule.at(self._place, found=found))
 
 
 def send(
-    rows: Iterable[Row],
+    rows: Iterable[TraceRow],
+    modbus: Modbus,
     host: str,
     port: int,
     pace: float = 0.0,
@@ -41,32 +81,20 @@ def send(
 ) -> int:
     """Write every row to the server and return how many there were.
 
-    `pace` is how many seconds of the wall one second of the cell takes; 0 sends at once. Raises
+    `pace` is how many seconds of the wall one second of the machine takes; 0 sends at once. Raises
     VerifyError if the server cannot be reached or refuses, or if pymodbus is not installed.
     """
-    place = Source(f"{host}:{port}")
-    try:
-        from pymodbus import ModbusException
-        from pymodbus.client import ModbusTcpClient
-    except ImportError as error:
-        raise VerifyError(
-            rules.MODBUS.at(place, found="no pymodbus (pip install beamcam[modbus])")
-        ) from error
-    client: Any = ModbusTcpClient(host, port=port)
-    if not client.connect():
-        raise VerifyError(rules.MODBUS.at(place, found="no connection"))
     count, before = 0, 0.0
-    try:
+    with Client(host, port) as client:
         for row in rows:
             if pace and row.time_s > before:
                 sleep((row.time_s - before) * pace)
             before = row.time_s
-            answer = client.write_registers(0, registers(row))
-            if answer.isError():
-                raise VerifyError(rules.MODBUS.at(place, found=f"the answer {answer}"))
+            client.write(modbus.first, registers(row, modbus))
             count += 1
-    except ModbusException as error:
-        raise VerifyError(rules.MODBUS.at(place, found=str(error))) from error
-    finally:
-        client.close()
     return count
+
+
+def axes_shown(client: Client, modbus: Modbus, axes: int) -> Shown:
+    """What a controller shows now. Raises VerifyError."""
+    return shown(client.read(modbus.first, register_count(modbus, axes)), modbus, axes)

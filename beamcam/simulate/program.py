@@ -3,7 +3,7 @@
 text -> events (controllers) -> trace; what is wrong with the program by itself is told
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 from msgspec import Struct
 
@@ -18,6 +18,7 @@ class Simulated(Struct, frozen=True):
 
     trace: Trace
     diagnostics: tuple[Diagnostic, ...]  #: what is wrong with it by itself
+    section: Mapping[str, float] = {}  #: of the bar, as far as the program says it
 
 
 def simulate_program(
@@ -49,8 +50,9 @@ def _bar(text: str, machine: Machine, name: str, parts: Sequence[Part]) -> Simul
     from beamcam.verify.bars import run
 
     done = run(text, machine, parts[0].profile if parts else None, name)
-    course = stretches(done.events, done.dialect, dict(done.made.section), machine)
-    return Simulated(bar_trace(course, machine), done.diagnostics)
+    section = dict(done.made.section)
+    course = stretches(done.events, done.dialect, section, machine)
+    return Simulated(bar_trace(course, machine), done.diagnostics, section)
 
 
 def _sheet(text: str, machine: Machine, name: str, parts: Sequence[Part]) -> Simulated:

@@ -1,12 +1,57 @@
-"""What can go wrong while a trace is sent."""
+"""What a simulation finds, and what can go wrong while a trace is sent or read."""
 
 from beamcam.errors import Rule, Severity
 
+LIMIT = Rule(
+    "simulate-limit",
+    Severity.WARNING,
+    "at {time} s found {axis} at {found} {unit}; expected {expected}",
+    "The program drives an axis beyond the limits of the machine's file; the machine would stop.",
+)
+REACH = Rule(
+    "simulate-reach",
+    Severity.WARNING,
+    "at {time} s found {axis} at {found} {unit}; expected {expected}",
+    "The head leaves the table, or the section is larger than the blade reaches across.",
+)
+COLLISION = Rule(
+    "simulate-collision",
+    Severity.WARNING,
+    "at {time} s found {one} and {other} {found} mm in each other, until {until} s; expected them "
+    "apart",
+    "Bodies of the machine's file strike each other on the way that the program takes.",
+)
+PRECISION = Rule(
+    "simulate-precision",
+    Severity.NOTE,
+    "one count of the encoder is {count} mm: corners are read up to {corner} mm off; the "
+    "smallest step is {step} mm; {lost} of {moves} moves are below one count",
+    "What is smaller than a count of the encoder cannot be told by the controller.",
+)
 MODBUS = Rule(
     "verify-modbus",
     Severity.ERROR,
     "found {found}; expected a Modbus TCP server that takes the registers",
     "The trace could not be sent; the server may be down, or its register map too small.",
 )
+CONTROLLER = Rule(
+    "monitor-controller",
+    Severity.ERROR,
+    "found {found}; expected a controller that shows its axes over Modbus TCP",
+    "The controller may be down, or its registers lie elsewhere (table `[modbus]`).",
+)
+PORT = Rule(
+    "simulate-port",
+    Severity.ERROR,
+    "found {found}; expected an address of this machine with a port that is free",
+    "Ports below 1024 belong to the administrator on most systems; 5020 is free as a rule.",
+)
+REGISTER = Rule(
+    "simulate-register",
+    Severity.ERROR,
+    "found {axis} at {found}, beyond its register; expected {expected} at the scale {scale}",
+    "A position that wraps round would be shown elsewhere. Take a larger `modbus.scale`, or "
+    '`modbus.values = "int32"` or "float".',
+)
 
-RULES = (MODBUS,)
+RULES = (LIMIT, REACH, COLLISION, PRECISION, MODBUS, CONTROLLER, PORT, REGISTER)

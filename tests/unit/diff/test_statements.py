@@ -81,9 +81,3 @@ def test_all_golden_programs_are_checked(monkeypatch: pytest.MonkeyPatch) -> Non
     count, _, total, *_ = result.stdout.splitlines()[-1].split()
     assert count == total
     assert int(count) > 20
-
-
-def test_only_cells_are_simulated() -> None:
-    result = run("simulate", PLATE, "--machine", "plate-linuxcnc", "-o", "-")
-    assert result.exit_code == 2
-    assert "plate-linuxcnc is no cell" in result.stderr

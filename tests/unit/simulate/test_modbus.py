@@ -1,114 +1,134 @@
-"""A trace on a real Modbus TCP server on this machine's loopback."""
+"""Registers of a controller, on a real Modbus TCP server on this machine's loopback."""
 
-import asyncio
-import struct
+import os
+import signal
+import subprocess
+import sys
 import threading
-from collections.abc import Iterator
+import time
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 import pytest
 from click.testing import CliRunner
+from hypothesis import given
+from hypothesis import strategies as st
+from msgspec.structs import replace
 
 from beamcam.cli import main
-from beamcam.errors import VerifyError
-from beamcam.simulate.course import Row, State, rows
-from beamcam.simulate.modbus import registers, send
+from beamcam.errors import Source, VerifyError
+from beamcam.machine.modbus import Modbus
+from beamcam.simulate.bars import bar_trace
+from beamcam.simulate.registers import check_range, register_count, registers, shown
+from beamcam.simulate.state import State
+from beamcam.simulate.trace import Trace, TraceAxis, TraceBuilder, TraceRow, trace_rows
+from tests.conftest import ROOT
 from tests.unit.simulate.programs import course_of
 from tests.unit.verify.programs import BEAM, PART, PROGRAM
 
 pymodbus = pytest.importorskip("pymodbus", reason="the extra beamcam[modbus] is not installed")
 
 from pymodbus.client import ModbusTcpClient  # noqa: E402
-from pymodbus.datastore import (  # noqa: E402
-    ModbusSequentialDataBlock,
-    ModbusServerContext,
-)
-from pymodbus.server import ModbusTcpServer  # noqa: E402
+
+from beamcam.simulate.modbus import Client, axes_shown, send  # noqa: E402
+from tests.unit.simulate.server import Server  # noqa: E402
 
 AXES = len(BEAM.axes)
-SIZE = 2 * AXES + 6
+SIZE = AXES + 6
 
 
-class Server:
-    """A Modbus TCP server in a thread of its own, on a port that the system chooses."""
-
-    def __init__(self, size: int) -> None:
-        from pymodbus.datastore import ModbusDeviceContext
-
-        self.block = ModbusSequentialDataBlock(1, [0] * size)
-        self.context = ModbusServerContext(ModbusDeviceContext(hr=self.block), single=True)
-        self.loop = asyncio.new_event_loop()
-        self.ready = threading.Event()
-        self.port = 0
-        self.thread = threading.Thread(target=self._serve, daemon=True)
-
-    def _serve(self) -> None:
-        asyncio.set_event_loop(self.loop)
-        self.loop.run_until_complete(self._start())
-        self.loop.run_forever()
-
-    async def _start(self) -> None:
-        self.server = ModbusTcpServer(self.context, address=("127.0.0.1", 0))
-        await self.server.listen()
-        self.port = self.server.transport.sockets[0].getsockname()[1]
-        self.ready.set()
-
-    def __enter__(self) -> "Server":
-        self.thread.start()
-        assert self.ready.wait(10)
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        asyncio.run_coroutine_threadsafe(self.server.shutdown(), self.loop).result(10)
-        self.loop.call_soon_threadsafe(self.loop.stop)
-        self.thread.join(10)
-        self.loop.close()
-
-
-@pytest.fixture
+@pytest.fixture(scope="module")
 def server() -> Iterator[Server]:
-    with Server(SIZE) as running:
+    with Server(2 * SIZE) as running:
         yield running
 
 
-def read_back(port: int) -> list[int]:
-    client = ModbusTcpClient("127.0.0.1", port=port)
-    assert client.connect()
-    try:
-        return list(client.read_holding_registers(0, count=SIZE).registers)
-    finally:
-        client.close()
+def course() -> list[TraceRow]:
+    return list(trace_rows(bar_trace(course_of(PROGRAM, BEAM, PART.profile), BEAM)))
 
 
-def course() -> list[Row]:
-    return list(rows(course_of(PROGRAM, BEAM, PART.profile)))
+MODBUS = st.builds(
+    Modbus,
+    values=st.sampled_from(["int16", "int32", "float"]),
+    scale=st.sampled_from([0.01, 0.1, 1.0]),
+    word_order=st.sampled_from(["high-first", "low-first"]),
+    states=st.booleans(),
+)
+STATES = st.builds(
+    State, st.integers(0, 13), st.integers(0, 6000).map(lambda d: d / 100), st.integers(-1, 1),
+    st.booleans(), st.booleans(),
+)  # fmt: skip
 
 
-def test_the_registers_of_a_row() -> None:
-    row = Row(1.0, 70000, (1098.56, -5.0), State(13, 17.46, -1, True, False))
-    words = registers(row)
-    assert struct.unpack(">2f", struct.pack(">4H", *words[:4])) == pytest.approx((1098.56, -5.0))
-    assert words[4:] == [13, 1746, 65535, 1, 0, 70000 & 0xFFFF]
+@given(MODBUS, st.lists(st.floats(-300.0, 300.0), min_size=1, max_size=9), STATES,
+       st.integers(0, 65535))  # fmt: skip
+def test_registers_tell_what_was_shown(
+    modbus: Modbus, at: list[float], state: State, line: int
+) -> None:
+    words = registers(TraceRow(0.0, line, tuple(at), state), modbus)
+    assert len(words) == register_count(modbus, len(at))
+    assert all(0 <= word <= 0xFFFF for word in words)
+    found = shown(words, modbus, len(at))
+    slack = 1e-4 if modbus.values == "float" else modbus.scale / 2 + 1e-9
+    assert found.positions == pytest.approx(at, abs=slack)
+    if modbus.states:
+        assert (found.state, found.line) == (state, line)
+
+
+def test_output_k_is_axis_k() -> None:
+    row = TraceRow(1.0, 70000, tuple(float(k) for k in range(-1, 8)), State(13, 17.46, -1, True))
+    assert registers(row, Modbus()) == [65535, *range(8), 13, 1746, 65535, 1, 0, 70000 & 0xFFFF]
+    assert registers(row, BEAM.modbus)[:3] == [65535, 0, 10]
+
+
+def test_two_registers_in_the_order_that_the_file_says() -> None:
+    row = TraceRow(1.0, 1, (1.0, -2.5), State())
+    as_floats = Modbus(values="float", states=False)
+    assert registers(row, as_floats) == [0x3F80, 0, 0xC020, 0]
+    assert registers(row, replace(as_floats, word_order="low-first")) == [0, 0x3F80, 0, 0xC020]
+    counts = Modbus(values="int32", scale=0.001, states=False)
+    assert registers(row, counts) == [0, 1000, 0xFFFF, 0x10000 - 2500]
+
+
+def test_a_position_beyond_its_register() -> None:
+    builder = TraceBuilder([TraceAxis("X")], [0.0])
+    builder.add([1.0], [[-4000.0]], (1.0, 1.0), 1, State())
+    trace: Trace = builder.trace()
+    with pytest.raises(VerifyError) as caught:
+        check_range(trace, Modbus(scale=0.1), Source("m.toml"))
+    assert str(caught.value) == (
+        "m.toml: error simulate-register: found X at -4000, beyond its register; "
+        "expected at most 3276.7 at the scale 0.1"
+    )
+    for fits in (Modbus(), Modbus(values="int32", scale=0.1), Modbus(values="float")):
+        check_range(trace, fits, Source("m.toml"))
+
+
+def read_back(port: int, count: int = SIZE) -> list[int]:
+    with Client("127.0.0.1", port) as client:
+        return client.read(0, count)
 
 
 def test_every_row_reaches_the_server(server: Server) -> None:
     trace = course()
-    assert send(trace, "127.0.0.1", server.port) == len(trace)
-    assert read_back(server.port) == registers(trace[-1])
+    assert send(trace, BEAM.modbus, "127.0.0.1", server.port) == len(trace)
+    assert read_back(server.port) == registers(trace[-1], BEAM.modbus)
 
 
-def test_each_row_alone_reaches_the_server(server: Server) -> None:
-    for row in course()[::9]:
-        assert send([row], "127.0.0.1", server.port) == 1
-        words = read_back(server.port)
-        positions = struct.unpack(f">{AXES}f", struct.pack(f">{2 * AXES}H", *words[: 2 * AXES]))
-        assert positions == pytest.approx(row.positions, abs=1e-3)
+@pytest.mark.parametrize("modbus", [Modbus(values="float"), Modbus(values="int32", scale=0.001)])
+def test_each_row_alone_reaches_the_server(server: Server, modbus: Modbus) -> None:
+    for row in course()[::40]:
+        assert send([row], modbus, "127.0.0.1", server.port) == 1
+        with Client("127.0.0.1", server.port) as client:
+            found = axes_shown(client, modbus, AXES)
+        assert found.positions == pytest.approx(row.positions, abs=1e-3)
+        assert (found.state, found.line) == (row.state, row.line)
 
 
 def test_the_pace_is_kept_by_sleeping(server: Server) -> None:
     slept: list[float] = []
     trace = course()
-    send(trace, "127.0.0.1", server.port, 0.5, slept.append)
+    send(trace, BEAM.modbus, "127.0.0.1", server.port, 0.5, slept.append)
     assert sum(slept) == pytest.approx(trace[-1].time_s / 2)
 
 
@@ -116,7 +136,7 @@ def test_no_server() -> None:
     with Server(SIZE) as gone:
         port = gone.port
     with pytest.raises(VerifyError) as caught:
-        send(course(), "127.0.0.1", port)
+        send(course(), BEAM.modbus, "127.0.0.1", port)
     assert str(caught.value) == (
         f"127.0.0.1:{port}: error verify-modbus: found no connection; "
         "expected a Modbus TCP server that takes the registers"
@@ -128,7 +148,7 @@ def test_a_server_with_too_few_registers() -> None:
         Server(10) as small,
         pytest.raises(VerifyError, match="error verify-modbus: found the answer"),
     ):
-        send(course(), "127.0.0.1", small.port)
+        send(course(), BEAM.modbus, "127.0.0.1", small.port)
 
 
 def test_the_command_sends(server: Server, tmp_path: Path) -> None:
@@ -138,4 +158,73 @@ def test_the_command_sends(server: Server, tmp_path: Path) -> None:
     done = CliRunner().invoke(main, ["simulate", str(path), "--modbus", address, "--every", "1s"])
     assert done.exit_code == 0, done.stderr
     assert f"rows sent to {address}" in done.stderr
-    assert read_back(server.port)[2 * AXES] == 13
+    assert read_back(server.port)[AXES] == 13
+
+
+def served(rows: Sequence[TraceRow], modbus: Modbus) -> tuple[threading.Thread, int]:
+    """The controller in a thread, and its port; it ends with its rows."""
+    from beamcam.simulate.controller import serve
+
+    ports: list[int] = []
+    ready = threading.Event()
+
+    def tell(_host: str, port: int) -> None:
+        ports.append(port)
+        ready.set()
+
+    thread = threading.Thread(
+        target=serve, args=(rows, modbus, "127.0.0.1", 0, 1.0, tell, False), daemon=True
+    )
+    thread.start()
+    assert ready.wait(10)
+    return thread, ports[0]
+
+
+def test_the_controller_shows_its_axes_while_they_move() -> None:
+    rows = [TraceRow(k * 0.05, k, (float(k), -k / 2), State(2)) for k in range(20)]
+    modbus = Modbus(scale=0.5, first=3)
+    thread, port = served(rows, modbus)
+    client = ModbusTcpClient("127.0.0.1", port=port)
+    assert client.connect()
+    seen = []
+    while thread.is_alive() and len(seen) < 6:
+        answer = client.read_input_registers(3, count=8)
+        if answer.isError():
+            break
+        seen.append(shown(answer.registers, modbus, 2))
+        assert answer.registers == registers(rows[seen[-1].line], modbus)
+        time.sleep(0.08)
+    assert client.write_registers(3, [9]).isError()  # nobody moves it from outside
+    client.close()
+    thread.join(10)
+    lines = [one.line for one in seen]
+    assert lines == sorted(lines)
+    assert len(set(lines)) >= 3
+
+
+def test_the_controller_holds_its_end_until_ctrl_c(tmp_path: Path) -> None:
+    (tmp_path / "a.gcode").write_text(PROGRAM, "utf-8")
+    with Server(1) as free:
+        port = free.port
+    words = ["simulate", "a.gcode", "--every", "1s", "--pace", "0", "--serve", f"127.0.0.1:{port}"]
+    process = subprocess.Popen(
+        [sys.executable, "-m", "beamcam", *words], cwd=tmp_path, stderr=subprocess.PIPE,
+        env={**os.environ, "PYTHONPATH": str(ROOT)}, text=True,
+    )  # fmt: skip
+    try:
+        assert process.stderr is not None
+        while f"at 127.0.0.1:{port}; Ctrl-C ends it" not in (line := process.stderr.readline()):
+            assert line, "it ended"
+        time.sleep(0.3)
+        assert read_back(port)[AXES:] == registers(course()[-1], BEAM.modbus)[AXES:]
+        taken = CliRunner().invoke(main, [words[0], str(tmp_path / words[1]), *words[2:]])
+        assert taken.exit_code == 1
+        assert "error simulate-port: found" in taken.stderr
+        begun = time.monotonic()
+        process.send_signal(signal.SIGINT)
+        assert process.wait(10) == 130
+        assert time.monotonic() - begun < 1.0
+        assert "Traceback" not in process.stderr.read()
+    finally:
+        process.kill()
+        process.communicate()

@@ -1,0 +1,41 @@
+"""A Modbus TCP server that takes registers, in a thread of its own."""
+
+import asyncio
+import threading
+
+from pymodbus.server import ModbusTcpServer
+from pymodbus.simulator import DataType, SimData, SimDevice
+
+
+class Server:
+    """A server on a port of the loopback that the system chooses."""
+
+    def __init__(self, size: int) -> None:
+        block = SimData(0, values=[0] * size, datatype=DataType.REGISTERS)
+        self.device = SimDevice(0, block)
+        self.loop = asyncio.new_event_loop()
+        self.ready = threading.Event()
+        self.port = 0
+        self.thread = threading.Thread(target=self._serve, daemon=True)
+
+    def _serve(self) -> None:
+        asyncio.set_event_loop(self.loop)
+        self.loop.run_until_complete(self._start())
+        self.loop.run_forever()
+
+    async def _start(self) -> None:
+        self.server = ModbusTcpServer(self.device, address=("127.0.0.1", 0))
+        await self.server.listen()
+        self.port = self.server.transport.sockets[0].getsockname()[1]
+        self.ready.set()
+
+    def __enter__(self) -> "Server":
+        self.thread.start()
+        assert self.ready.wait(10)
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        asyncio.run_coroutine_threadsafe(self.server.shutdown(), self.loop).result(10)
+        self.loop.call_soon_threadsafe(self.loop.stop)
+        self.thread.join(10)
+        self.loop.close()

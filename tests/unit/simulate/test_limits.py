@@ -1,0 +1,166 @@
+"""Limits, reach and collisions of a run, and what an encoder reads of it."""
+
+import json
+from math import floor, hypot
+from pathlib import Path
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+from hypothesis import given
+from hypothesis import strategies as st
+from msgspec.structs import replace
+
+from beamcam.cli import main
+from beamcam.errors import MachineError
+from beamcam.machine import load
+from beamcam.machine.bodies import Body
+from beamcam.machine.formula import Formula
+from beamcam.simulate.bars import bar_trace
+from beamcam.simulate.collisions import strikes
+from beamcam.simulate.encoder import Encoder, precision, stair_times
+from beamcam.simulate.limits import run_warnings
+from beamcam.simulate.state import State
+from beamcam.simulate.text import table_rows
+from beamcam.simulate.trace import Trace, TraceAxis, TraceBuilder
+from tests.unit.simulate.programs import course_of
+from tests.unit.verify.programs import BEAM, PART, PROGRAM
+
+SECTION = {"height": 200.0, "width": 100.0}
+
+
+def moved(*places: tuple[float, ...], axes: tuple[TraceAxis, ...]) -> Trace:
+    """A second of even motion to each place."""
+    builder = TraceBuilder(axes, places[0])
+    for line, place in enumerate(places[1:], 1):
+        builder.add([1.0], [place], (1.0, 1.0), line, State())
+    return builder.trace()
+
+
+def box(name: str, low: tuple[float, ...], high: tuple[float, ...], **on: str) -> Body:
+    texts = [tuple(Formula(str(v)) for v in corner) for corner in (low, high)]
+    return Body(name, *texts, **on)  # type: ignore[arg-type]
+
+
+def test_a_program_of_the_cell_keeps_within_it() -> None:
+    trace = bar_trace(course_of(PROGRAM, BEAM, PART.profile), BEAM)
+    assert run_warnings(trace, BEAM, SECTION, "a") == ()
+
+
+def test_an_axis_beyond_its_limit_is_told_once_for_each_excursion() -> None:
+    axes = (TraceAxis("X", "mm", 0.0, 10.0),)
+    trace = moved((0.0,), (12.0,), (15.0,), (5.0,), (-1.0,), axes=axes)
+    said = run_warnings(trace, replace(BEAM, bodies=()), {}, "a.gcode")
+    assert [str(one) for one in said] == [
+        "a.gcode:1: warning simulate-limit: at 1.00 s found X at 15.000 mm; expected 0 to 10",
+        "a.gcode:4: warning simulate-limit: at 4.00 s found X at -1.000 mm; expected 0 to 10",
+    ]
+    (off,) = run_warnings(trace, replace(load("table-simotion"), bodies=()), {}, "a.st")[:1]
+    assert off.code == "simulate-reach"
+
+
+def test_a_section_that_the_saw_does_not_reach_across() -> None:
+    trace = bar_trace(course_of(PROGRAM, BEAM, PART.profile), BEAM)
+    said = run_warnings(trace, BEAM, {"height": 1100.0, "width": 100.0}, "a.gcode")
+    reach = [one for one in said if one.code == "simulate-reach"]
+    assert len(reach) == 2
+    assert "found saw at 1100 x 100 mm; expected at most 1010 x 500 at 0.00 deg" in str(reach[0])
+
+
+@given(st.floats(-40.0, 40.0), st.floats(-170.0, 170.0))
+def test_bodies_strike_where_a_polygon_says_so(x: float, turn: float) -> None:
+    from shapely import affinity
+    from shapely.geometry import box as rectangle
+
+    bodies = (
+        box("blade", (-2, -30, 0), (2, 30, 10), turn="A"), box("stop", (0, -5, 5), (10, 5, 20)),
+    )  # fmt: skip
+    bodies = (bodies[0], replace(bodies[1], x="X"))
+    axes = (TraceAxis("X"), TraceAxis("A", "deg"))
+    trace = moved((x, turn), (x, turn), axes=axes)
+    blade = affinity.rotate(rectangle(-2, -30, 2, 30), turn, origin=(0, 0))
+    stop = rectangle(x, -5, x + 10, 5)
+    area = blade.intersection(stop).area
+    found = strikes(trace, replace(BEAM, bodies=bodies), SECTION)
+    if area > 1e-6 or area == 0.0:
+        assert bool(found) == (area > 0.0)
+
+
+def test_a_strike_has_its_time_its_block_and_its_depth() -> None:
+    bodies = (box("head", (0, 0, 0), (10, 10, 10), x="X"), box("clamp", (50, 0, 0), (60, 10, 10)))
+    trace = moved((0.0,), (20.0,), (45.0,), (0.0,), axes=(TraceAxis("X"),))
+    (said,) = run_warnings(trace, replace(BEAM, bodies=bodies), SECTION, "a.gcode")
+    assert str(said) == (
+        "a.gcode:2: warning simulate-collision: at 1.84 s found head and clamp 5.0 mm in each "
+        "other, until 2.09 s; expected them apart"
+    )
+    assert strikes(trace, replace(BEAM, bodies=()), SECTION) == ()
+
+
+@pytest.mark.parametrize(
+    ("key", "text"),
+    [
+        ("bodies.0.x", 'bodies = [{ name = "a", min = [0,0,0], max = [1,1,1], x = "none" }]'),
+        ("bodies.0.min", 'bodies = [{ name = "a", min = ["depth",0,0], max = [1,1,1] }]'),
+        ("bodies.1.name", "bodies = [" + '{ name = "a", min = [0,0,0], max = [1,1,1] },' * 2 + "]"),
+        ("modbus.scales", "modbus = { scales = [1, 2] }"),
+        ("modbus.first", "modbus = { first = 65530 }"),
+    ],
+)
+def test_keys_that_contradict_others(tmp_path: Path, key: str, text: str) -> None:
+    path = tmp_path / "mine.toml"
+    path.write_text(f'base = "beamline"\n{text}\n')
+    with pytest.raises(MachineError, match=f"error machine-value: .*{key}"):
+        load(str(path))
+
+
+@given(
+    st.lists(st.tuples(st.floats(-9.0, 9.0), st.floats(-9.0, 9.0)), min_size=2, max_size=5),
+    st.sampled_from([0.127, 0.5, 3.0]),
+)
+def test_the_staircase_is_the_floor_of_the_way(
+    places: list[tuple[float, float]], count: float
+) -> None:
+    encoder = Encoder(1000, 1000 * count)
+    trace = moved(*places, axes=(TraceAxis("X"), TraceAxis("Y")))
+    rows = list(table_rows(trace, load("plate-codesys"), None, encoder))
+    times = stair_times(trace, encoder)
+    for a, b, row in zip(times, times[1:], rows, strict=False):
+        if b - a < 1e-6:
+            continue
+        for share in (0.01, 0.5, 0.99):
+            at = trace.at([a + share * (b - a)])[0]
+            for k in (0, 1):
+                assert row[3 + k] == pytest.approx(
+                    floor(at[k] / count + 1e-6) * count, abs=1e-3
+                ) or row[3 + k] == pytest.approx(floor(at[k] / count - 1e-6) * count, abs=1e-3)
+
+
+def test_the_study_of_a_path() -> None:
+    encoder = Encoder(512, 65.0)
+    c = encoder.count
+    assert c == pytest.approx(0.127, abs=1e-4)
+    trace = moved((0.0, 0.0), (1.5 * c, 0.0), (1.5 * c, 0.25 * c), axes=(
+        TraceAxis("X"), TraceAxis("Y")))  # fmt: skip
+    study = precision(trace, encoder)
+    assert (study.corners, study.worst_line, study.moves, study.lost_moves) == (1, 1, 2, 1)
+    assert study.max_corner_error == pytest.approx(0.5 * c)
+    assert study.smallest_step == pytest.approx(0.25 * c)
+
+
+def test_the_command_for_a_table_and_its_encoder(tmp_path: Path) -> None:
+    program, out = tmp_path / "s.st", tmp_path / "s.json"
+    shield = Path(__file__).resolve().parents[3] / "samples" / "json" / "shield.json"
+    run = CliRunner().invoke
+    words = ["post", str(shield), "--machine", "table-simotion", "-o", str(program)]
+    assert run(main, words).exit_code == 0
+    words = ["simulate", str(program), "-o", str(out), "--encoder", "512/65", "--every", "1s"]
+    done = run(main, words)
+    assert done.exit_code == 0
+    assert "note simulate-precision: one count of the encoder is 0.1270 mm" in done.stderr
+    data = json.loads(out.read_text())
+    assert data["columns"][:5] == ["time_s", "AxisX", "AxisY", "AxisX read", "AxisY read"]
+    off = np.array([[row[1] - row[3], row[2] - row[4]] for row in data["rows"]])
+    assert np.all((off >= -1e-3) & (off < 0.128))
+    assert data["encoder"]["max_corner_error"] <= hypot(0.127, 0.127)
+    assert run(main, [*words[:-4], "--encoder", "512"]).exit_code == 2
