@@ -28,6 +28,7 @@ SHRINK = 0.8  #: from one height that is tried to the next
 STEP = 0.1  #: mm that places and heights of moved texts are rounded to
 FINEST = 0.25  #: mm, half the side of the smallest square that is looked at
 MOST_SQUARES = 20_000  #: until a search is given up
+RUN = 16  #: chords that are looked at together
 CHORD = 1.0  #: mm of the chords that obstacles are taken as
 
 NO_BOX = (0.0, 0.0, 0.0, 0.0)
@@ -35,11 +36,19 @@ NO_BOX = (0.0, 0.0, 0.0, 0.0)
 Segment = tuple[Point, Point]
 
 
+class Run(Struct, frozen=True):
+    """Chords that follow one another along an edge, and a circle around them."""
+
+    centre: Point
+    radius: float
+    chords: tuple[Segment, ...]
+
+
 class Room(Struct):
     """What lies on a face, in its numbers: where a text may stand."""
 
     box: Box  #: that holds every place
-    edges: list[Segment] = field(default_factory=list)  #: of the steel, which lies on one side
+    edges: list[Run] = field(default_factory=list)  #: of the steel, which lies on one side
     holes: list[tuple[Point, float]] = field(default_factory=list)  #: centres and radii
     texts: list[Segment] = field(default_factory=list)  #: round those that are placed
 
@@ -49,15 +58,37 @@ class Room(Struct):
             self.holes.append((curves[0].centre, curves[0].radius))
             return
         for curve in curves:
-            self.edges += _chords(curve)
+            self.edges += _runs(tuple(_chords(curve)))
+
+    def bound(self, corners: Sequence[Point]) -> None:
+        """Take an edge from corner to corner; the last is the first."""
+        self.edges += _runs(tuple(pairwise(corners)))
 
     def is_steel(self, x: float, y: float) -> bool:
         """Whether there is steel at a place, by the edges that a ray from it crosses."""
         crossed = 0
-        for (ax, ay), (bx, by) in self.edges:
-            if (ay > y) != (by > y) and x < ax + (y - ay) * (bx - ax) / (by - ay):
-                crossed += 1
+        for run in self.edges:
+            if abs(y - run.centre[1]) <= run.radius and x <= run.centre[0] + run.radius:
+                for (ax, ay), (bx, by) in run.chords:
+                    if (ay > y) != (by > y) and x < ax + (y - ay) * (bx - ax) / (by - ay):
+                        crossed += 1
         return not self.edges or crossed % 2 == 1
+
+    def nearest(self, place: Point, reach: float, away: Callable[[Point, Point], float]) -> float:
+        """The least of `away` over all chords of edges; inf without any.
+
+        `away` is at least the distance of a chord from `place`, less `reach`, so that runs which
+        lie farther off than the best are not looked at.
+        """
+        best = inf
+        bounds = sorted(
+            (dist(place, run.centre) - run.radius, k) for k, run in enumerate(self.edges)
+        )
+        for bound, k in bounds:
+            if bound - reach >= best:
+                break
+            best = min(best, *(away(p, q) for p, q in self.edges[k].chords))
+        return best
 
 
 class Lettered(Struct, frozen=True):
@@ -244,10 +275,12 @@ def _clearance(one: Lettered, room: Room) -> float:
         a, b = local(centre)
         away = hypot(max(abs(a) - half_x, 0.0), max(abs(b) - half_y, 0.0))
         clear = min(clear, (away or min(0.0, hypot(a, b) - inner)) - radius)
-    edges = [(local(p), local(q)) for p, q in room.edges]
-    edge = min((_box_distance(half_x, half_y, p, q) for p, q in edges), default=inf)
+    edge = room.nearest(
+        (x, y), hypot(half_x, half_y),
+        lambda p, q: _box_distance(half_x, half_y, local(p), local(q)),
+    )  # fmt: skip
     if edge <= 0.0:
-        deep = min(_to_segment((0.0, 0.0), p, q) for p, q in edges) - inner
+        deep = room.nearest((x, y), 0.0, lambda p, q: _to_segment((x, y), p, q)) - inner
         return min(0.0, deep, clear)
     if not room.is_steel(x, y):
         return -edge
@@ -285,6 +318,16 @@ def _to_segment(p: Point, a: Point, b: Point) -> float:
     t = 0.0 if length2 == 0.0 else ((p[0] - a[0]) * dx + (p[1] - a[1]) * dy) / length2
     t = min(1.0, max(0.0, t))
     return hypot(p[0] - a[0] - t * dx, p[1] - a[1] - t * dy)
+
+
+def _runs(chords: Sequence[Segment]) -> Iterator[Run]:
+    """Chords of a curve, some at a time."""
+    for k in range(0, len(chords), RUN):
+        some = tuple(chords[k : k + RUN])
+        points = [some[0][0], *(end for _, end in some)]
+        low_x, low_y, high_x, high_y = box_around(points)
+        centre = (low_x + high_x) / 2, (low_y + high_y) / 2
+        yield Run(centre, max(dist(centre, point) for point in points), some)
 
 
 def _chords(curve: Curve) -> Iterator[Segment]:

@@ -5,7 +5,6 @@ One that finds no place, or stands where no scribe comes to, is left to the hand
 
 from collections import defaultdict
 from collections.abc import Iterator, Sequence
-from itertools import pairwise
 
 from beamcam.model.part import Face, Hole, Slot, TextMark
 from beamcam.model.section import OTHER_SIDE
@@ -80,14 +79,14 @@ def _room(face: Face, bench: Bench) -> Room | None:
     ]
     xs = [x for x, _ in outline]
     room = Room((min(xs), low, max(xs), high))
-    room.edges += pairwise([*outline, outline[0]])
+    room.bound([*outline, outline[0]])
     behind = OTHER_SIDE.get(bench.part.profile.code, {}).get(face)
     for feature in bench.part.features:
         if isinstance(feature, (Hole, Slot)) and feature.face in (face, behind):
             centres = slot_ends(feature) if isinstance(feature, Slot) else ((feature.x, feature.y),)
             room.holes += ((centre, feature.diameter / 2) for centre in centres)
             if isinstance(feature, Slot):
-                room.edges += pairwise(_around(feature))
+                room.bound([*_around(feature)])
     return room
 
 
