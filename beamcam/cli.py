@@ -26,6 +26,7 @@ COMMANDS = {
     "recover": ("recover", "Write the part that a program makes."),
     "check": ("check", "Post a folder of golden programs again and compare."),
     "simulate": ("simulate", "Write where the axes of a machine are when."),
+    "monitor": ("monitor", "Draw the axes of a controller in a page while they move."),
     "plot": ("plot", "Draw a part, or what a program makes."),
     "report": ("report", "Write the setup sheet of a program, with playback."),
     "profile": ("profile", "Write the velocity profile of an axis, as a table or a picture."),

@@ -71,10 +71,10 @@ def test_every_command_with_messages_is_tried() -> None:
         return any("--quiet" in param.opts for param in command.params)
 
     assert {words for words, command in WORDS.items() if has_voice(command)} == {
-        *CALLS, "machines new",  # which writes no file twice
+        *CALLS, "monitor", "machines new",  # which writes no file twice
     }  # fmt: skip
     assert set(COMMANDS) - set(CALLS) == {
-        "machines", "config", "completion", "codes", "doctor",
+        "machines", "config", "completion", "codes", "doctor", "monitor",
     }  # fmt: skip
 
 

@@ -71,19 +71,17 @@ def _runs(states: Counts) -> list[list[int]]:
     return [[int(states[a]), b - a] for a, b in pairwise(edges) if b > a]
 
 
-def bar_data(bar: BarMade, trace: Trace) -> dict[str, Any]:
-    """A bar's program for a page: the cell, the pieces, and what is made at which line."""
-    machine, made, profile = bar.machine, bar.made, bar.profile
+def cell_data(machine: Machine, profile: Profile, end: float) -> dict[str, Any]:
+    """The stations of a cell for a page, about a bar of that section that ends at bar x `end`."""
     drill_x = machine.drill.x if machine.drill else 0.0
     saw = machine.saw
     return {
         "kind": "bar",
-        "trace": trace_data(trace),
         "section": {
             "height": profile.height, "width": profile.width,
             "outlines": section_outlines(profile) or [_box(profile)],
         },
-        "bar": bar.end,
+        "bar": end,
         "drill": -drill_x,
         "saw": {
             "x": -(saw.x if saw else 0.0),
@@ -93,6 +91,16 @@ def bar_data(bar: BarMade, trace: Trace) -> dict[str, Any]:
         },
         "stop": _axis(machine, "X", None),
         "spindles": [_spindle(machine, spindle, profile) for spindle in machine.spindles],
+    }  # fmt: skip
+
+
+def bar_data(bar: BarMade, trace: Trace) -> dict[str, Any]:
+    """A bar's program for a page: the cell, the pieces, and what is made at which line."""
+    machine, made, profile = bar.machine, bar.made, bar.profile
+    drill_x = machine.drill.x if machine.drill else 0.0
+    return {
+        **cell_data(machine, profile, bar.end),
+        "trace": trace_data(trace),
         "pieces": [_piece(bar, k) for k in range(len(bar.pieces()))],
         "cuts": [
             {"line": p.cut.line, "x": [_rounded(bar.x_on(p, f, y)) for f in "vuo"

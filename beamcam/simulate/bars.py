@@ -10,10 +10,7 @@ from beamcam.simulate.trace import UNIFORM, Trace, TraceAxis, TraceBuilder
 
 def bar_trace(course: Sequence[CourseSection], machine: Machine) -> Trace:
     """The axes of a cell over time."""
-    axes = [
-        TraceAxis(a.name, "deg" if a.moves == "angle" else "mm", a.min, a.max) for a in machine.axes
-    ]
-    builder = TraceBuilder(axes, [axis.park for axis in machine.axes])
+    builder = TraceBuilder(cell_axes(machine), [axis.park for axis in machine.axes])
     for part in course:
         if part.duration_s == 0.0 and part.start == part.end:
             continue
@@ -31,6 +28,13 @@ def bar_trace(course: Sequence[CourseSection], machine: Machine) -> Trace:
             part.state,
         )
     return builder.trace()
+
+
+def cell_axes(machine: Machine) -> tuple[TraceAxis, ...]:
+    """The axes of a cell, in the order of the controller's registers."""
+    return tuple(
+        TraceAxis(a.name, "deg" if a.moves == "angle" else "mm", a.min, a.max) for a in machine.axes
+    )
 
 
 def ramp_intervals(ramp: Ramp) -> Iterator[tuple[float, float, float, float]]:

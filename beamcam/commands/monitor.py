@@ -1,0 +1,141 @@
+"""`beamcam monitor`: the axes of a controller in a page, while they move."""
+
+import threading
+from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
+from typing import Any
+
+import click
+
+from beamcam.commands import options
+from beamcam.commands.addresses import MODBUS_PORT, Address
+from beamcam.commands.common import Voice, say_lines
+from beamcam.commands.settings import machine_of_stock, settled
+from beamcam.errors import BeamcamError, Source, VerifyError
+from beamcam.machine.machine import Machine
+
+
+@click.command("monitor")
+@click.argument("host", metavar="HOST[:PORT]", type=Address(MODBUS_PORT))
+@options.machine
+@options.config
+@click.option(
+    "--page", type=Address(), default="127.0.0.1:8020", show_default=True,
+    help="Where the page is; of this computer alone by default.",
+)  # fmt: skip
+@click.option(
+    "--every", type=options.Number(least=0.02, most=60), default=0.1, show_default=True,
+    help="Seconds between two readings.",
+)  # fmt: skip
+@options.json_messages
+@options.voiced
+def command(
+    host: tuple[str, int], page: tuple[str, int], every: float, as_json: bool, voice: Voice,
+    **asked: Any,
+) -> None:  # fmt: skip
+    """Read a controller's axes over Modbus TCP and draw them in a page, until Ctrl-C.
+
+    Which register has which axis says the table `[modbus]` of the machine's file. Nothing is
+    written to the controller. Exit status: 130 after Ctrl-C, 1 if there is no controller.
+
+    \b
+    beamcam monitor 192.168.0.10 --machine beamline
+    beamcam monitor 127.0.0.1:5020 --page 127.0.0.1:8021 --every 0.05
+    """
+    from beamcam.setup_sheet.monitor_page import axes_of, monitor_page
+    from beamcam.simulate.rules import PORT
+
+    try:
+        config = settled(asked, ())
+        machine = machine_of_stock(config, "beam", "")
+        reader = Reader(host, machine, len(axes_of(machine)), every)
+        reader.read_first()
+        html = monitor_page(machine, every, f"{host[0]}:{host[1]}").encode("utf-8")
+        try:
+            server = ThreadingHTTPServer(page, _handler(html, reader))
+        except OSError as error:
+            place = Source(f"{page[0]}:{page[1]}")
+            raise VerifyError(PORT.at(place, found=error.strerror or error)) from error
+    except BeamcamError as error:
+        voice.stop(error.diagnostics)
+    if not (voice.quiet or as_json):
+        at = f"http://{page[0]}:{server.server_port}/"
+        say_lines([f"{machine.name} at {host[0]}:{host[1]} is drawn in {at}; Ctrl-C ends it"],
+                  err=True)  # fmt: skip
+    server.daemon_threads = True
+    threading.Thread(target=reader.run, daemon=True).start()
+    with server:
+        server.serve_forever(poll_interval=0.1)
+
+
+class Reader:
+    """What a controller shows, read again and again; a connection that is lost is tried again."""
+
+    def __init__(self, host: tuple[str, int], machine: Machine, axes: int, every_s: float) -> None:
+        self._host, self._machine, self._axes, self._every_s = host, machine, axes, every_s
+        self._said: dict[str, Any] = {"reads": 0, "fault": ""}
+
+    def read_first(self) -> None:
+        """Raises VerifyError where there is no controller, or not such registers."""
+        from beamcam.simulate.modbus import Client
+        from beamcam.simulate.rules import CONTROLLER
+
+        with Client(*self._host, CONTROLLER) as client:
+            self._read(client)
+
+    def run(self) -> None:
+        """Read until the process ends."""
+        from beamcam.simulate.modbus import Client
+        from beamcam.simulate.rules import CONTROLLER
+
+        pause = threading.Event()
+        while True:
+            try:
+                with Client(*self._host, CONTROLLER) as client:
+                    while not pause.wait(self._every_s):
+                        self._read(client)
+            except VerifyError as error:
+                self._said = self._said | {"fault": error.diagnostics[0].message}
+                pause.wait(max(self._every_s, 0.5))
+
+    def _read(self, client: Any) -> None:
+        from msgspec.structs import asdict
+
+        from beamcam.simulate.modbus import axes_shown
+
+        now = axes_shown(client, self._machine.modbus, self._axes)
+        reads = self._said["reads"] + 1
+        self._said = {
+            "positions": now.positions, "state": asdict(now.state), "line": now.line,
+            "reads": reads, "fault": "",
+        }  # fmt: skip
+
+    def as_json(self) -> bytes:
+        """The last reading."""
+        import msgspec
+
+        return msgspec.json.encode(self._said)
+
+
+def _handler(html: bytes, reader: Reader) -> type[BaseHTTPRequestHandler]:
+    class Handler(BaseHTTPRequestHandler):
+        """Two addresses: the page, and the last reading."""
+
+        def do_GET(self) -> None:
+            if self.path == "/":
+                kind, body = "text/html; charset=utf-8", html
+            elif self.path == "/axes":
+                kind, body = "application/json", reader.as_json()
+            else:
+                self.send_error(404)
+                return
+            self.send_response(200)
+            self.send_header("Content-Type", kind)
+            self.send_header("Content-Length", str(len(body)))
+            self.send_header("Cache-Control", "no-store")
+            self.end_headers()
+            self.wfile.write(body)
+
+        def log_message(self, *_: object) -> None:
+            pass  # a reading each tenth of a second would hide what is said
+
+    return Handler

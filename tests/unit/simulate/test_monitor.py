@@ -1,0 +1,85 @@
+"""The page of a controller on this machine's loopback, and its end by Ctrl-C."""
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from typing import Any
+from urllib.request import urlopen
+
+import pytest
+from click.testing import CliRunner
+
+from beamcam.cli import main
+from beamcam.simulate.state import State
+from beamcam.simulate.trace import TraceRow
+from tests.conftest import ROOT
+from tests.unit.verify.programs import BEAM
+
+pytest.importorskip("pymodbus", reason="the extra beamcam[modbus] is not installed")
+
+from beamcam.simulate.modbus import send
+from tests.unit.simulate.server import Server
+
+LOOPBACK = "127.0.0.1"
+
+
+def row(place: float) -> TraceRow:
+    return TraceRow(0.0, 7, (place, *[1.5] * 8), State(2, 22.0, 1))
+
+
+def free_port() -> int:
+    with Server(1) as free:
+        return free.port
+
+
+def shown(page: int) -> dict[str, Any]:
+    with urlopen(f"http://{LOOPBACK}:{page}/axes") as answer:
+        return dict(json.load(answer))
+
+
+def test_the_page_follows_a_controller_until_ctrl_c() -> None:
+    page = free_port()
+    with Server(15) as controller:
+        send([row(1000.0)], BEAM.modbus, LOOPBACK, controller.port)
+        words = [f"{LOOPBACK}:{controller.port}", "--page", f"{LOOPBACK}:{page}", "--every", "0.02"]
+        process = subprocess.Popen(
+            [sys.executable, "-m", "beamcam", "monitor", *words], stderr=subprocess.PIPE,
+            env={**os.environ, "PYTHONPATH": str(ROOT)}, text=True,
+        )  # fmt: skip
+        try:
+            assert process.stderr is not None
+            assert f"http://{LOOPBACK}:{page}/" in process.stderr.readline()
+            with urlopen(f"http://{LOOPBACK}:{page}/") as answer:
+                html = answer.read().decode()
+            assert html.count('id="axis-') == 9
+            assert "http://" not in html.replace("http://www.w3.org", "")
+            assert shown(page)["positions"][:2] == [1000.0, 1.5]
+            send([row(1234.0)], BEAM.modbus, LOOPBACK, controller.port)
+            until = time.monotonic() + 5
+            while shown(page)["positions"][0] != 1234.0:
+                assert time.monotonic() < until
+                time.sleep(0.02)
+            said = shown(page)
+            assert (said["line"], said["state"]["spindle"], said["fault"]) == (7, 2, "")
+            begun = time.monotonic()
+            process.send_signal(signal.SIGINT)
+            assert process.wait(10) == 130
+            assert time.monotonic() - begun < 1.0
+            assert "Traceback" not in process.stderr.read()
+        finally:
+            process.kill()
+            process.communicate()
+
+
+def test_no_controller_and_a_page_that_is_taken() -> None:
+    done = CliRunner().invoke(main, ["monitor", f"{LOOPBACK}:{free_port()}"])
+    assert done.exit_code == 1
+    assert "error monitor-controller: found no connection" in done.stderr
+    with Server(15) as controller:
+        at = f"{LOOPBACK}:{controller.port}"
+        done = CliRunner().invoke(main, ["monitor", at, "--page", at])
+    assert done.exit_code == 1
+    assert "error simulate-port: found" in done.stderr
