@@ -47,7 +47,7 @@ def test_each_good_sample_is_read(path: Path) -> None:
     (part,) = reading.parts
     assert part.mark == path.stem
     assert (part.profile.code, part.profile.web_thickness) == ("B", None)
-    assert all(c.face == "v" and c.source.line and c.layer and c.colour for c in part.contours)
+    assert all(c.face == "v" and c.source.line and c.colour for c in part.contours)
 
 
 def test_what_looks_like_svg() -> None:
