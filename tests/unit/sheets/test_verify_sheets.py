@@ -355,6 +355,7 @@ def test_every_rule_has_a_case() -> None:
     shown = {code for _, _, _, code in MUTANTS} | {
         "verify-sheet-arc", "verify-sheet-side", "verify-sheet-lead", "verify-sheet-not-made",
         "verify-sheet-crowded", "verify-sheet-settings", "verify-sheet-turn", "verify-sheet-hatch",
+        "verify-sheet-other",
     }  # fmt: skip
     assert {rule.code for rule in rules.RULES} == shown
 
