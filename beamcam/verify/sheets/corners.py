@@ -21,6 +21,9 @@ HALVINGS = 24  #: of the way between a place that has a path and one that has no
 SHALLOW = 2.0  #: by half the kerf; what is less deep need not grow narrow
 NARROWS = 0.75  #: width half way down, by that of the mouth
 
+LINE = 0
+BESIDE_LINE = 2e-4  #: mm off a line, where it is asked on which side of it the part is
+
 Samples = tuple[Counts, Floats, Counts]  #: element, share of it and way of each
 
 
@@ -75,9 +78,15 @@ def _no_room(work: Work, element: Counts, share: Floats) -> Flags:
         away, way, _ = work.need.nearest_of(pairs, len(middle))
         room = away >= half - work.slack[way] - work.tolerance
         # Behind a thin wall there may be waste as well, from which the beam cuts its other side.
-        is_waste = ~work.region.in_part(points + sign * 2 * work.fine * normal)
+        off = _off(work, work.need.owner[element])[:, None]
+        is_waste = ~work.region.in_part(points + sign * off * normal)
         found &= ~(room & is_waste & ~work.region.in_part(middle))
     return found
+
+
+def _off(work: Work, way: Counts) -> Floats:
+    """How far off some ways it is sure what is part: the region has chords for all but lines."""
+    return np.where(work.need.kinds[way] == LINE, BESIDE_LINE, 2 * work.fine)
 
 
 def _stretches(work: Work, owner: Counts, missing: Flags) -> Iterator[Counts]:
@@ -122,7 +131,7 @@ class _Beam:
         ends = np.repeat([1.0, 0.0], len(lost))
         first = np.concatenate((work.need.last(lost), work.need.first(lost)))
         reach = work.half_kerf + work.slack[ways]
-        gone = self._nearest(work.need.elements.places(first, ends))[0] > reach
+        gone = self._nearest(work.need.elements.places(first, ends), ways)[0] > reach
         rows = np.insert(np.arange(len(owner)), at, -1)
         full = np.insert(element, at, first), np.insert(share, at, ends), np.insert(owner, at, ways)
         return rows, full, np.insert(missing, at, gone)
@@ -139,7 +148,7 @@ class _Beam:
             places, "dwithin", distance=reach
         )
         asked = asked[np.unique(near)]
-        found: Counts = asked[np.isinf(self._nearest(points[asked])[0])]
+        found: Counts = asked[np.isinf(self._nearest(points[asked], owner[asked])[0])]
         return found
 
     def corners(self, stretches: Sequence[Counts], samples: Samples) -> Iterator[Counts]:
@@ -188,10 +197,10 @@ class _Beam:
         between = np.where((owner[near] == way)[:, None], (a + b) / 2, between)
         reach = work.half_kerf + work.slack[way]
         for _ in range(HALVINGS):
-            on = (self._nearest(between)[0] <= reach)[:, None]
+            on = (self._nearest(between, way)[0] <= reach)[:, None]
             a, b = np.where(on, between, a), np.where(on, b, between)
             between = (a + b) / 2
-        return a, self._nearest(a)[1]
+        return a, self._nearest(a, way)[1]
 
     def _narrows(self, points: Floats, first: Floats, last: Floats, middle: Floats) -> bool:
         """Whether a stretch is shallow, or narrower half way down than at its mouth."""
@@ -205,19 +214,19 @@ class _Beam:
         mouth = float(np.hypot(*(last - first)))
         return bool(np.hypot(*(other - one)) <= NARROWS * mouth)
 
-    def _nearest(self, points: Floats) -> tuple[Floats, Floats]:
-        """How far the path is from each point, and its place that is nearest."""
+    def _nearest(self, points: Floats, way: Counts) -> tuple[Floats, Floats]:
+        """How far the path is from each point of some ways, and its place that is nearest."""
         work = self._work
         pairs = work.path.near(points, 2 * work.half_kerf + 2 * float(work.slack.max()))
         pairs = pairs.kept(self._keeps_off[work.of_way[work.path.owner[pairs.element]]])
         away, feet = work.path.feet(pairs, len(points))
-        return np.where(self._is_behind(points, away, feet), np.inf, away), feet
+        return np.where(self._is_behind(points, way, away, feet), np.inf, away), feet
 
-    def _is_behind(self, points: Floats, away: Floats, feet: Floats) -> Flags:
+    def _is_behind(self, points: Floats, way: Counts, away: Floats, feet: Floats) -> Flags:
         """Whether the part lies between places of a contour and the path: behind a thin wall."""
         assert self._work.region is not None
         found = np.isfinite(away) & (away > 0.0)
-        step = 2 * self._work.fine / away[found]
+        step = _off(self._work, way[found]) / away[found]
         found[found] = self._work.region.in_part(
             points[found] + step[:, None] * (feet[found] - points[found])
         )

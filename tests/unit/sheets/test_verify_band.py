@@ -228,7 +228,7 @@ def test_a_hole_hardly_wider_than_the_kerf_is_cut_once(diameter: float) -> None:
     assert "twice" in codes(text.replace(first, first * 2), part)
 
 
-@pytest.mark.parametrize("wide", [0.4, 1.0])
+@pytest.mark.parametrize("wide", [0.03, 0.05, 0.2, 1.0])
 @pytest.mark.parametrize("high", [0.3, 1.0, 5.0])
 @pytest.mark.parametrize("lean", [0.3, 0.7, 2.0])
 def test_under_a_needle_that_leans_is_a_corner_that_no_beam_reaches(
