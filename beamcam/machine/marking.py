@@ -9,9 +9,9 @@ from beamcam.conversion import Keys, NotNegative, Positive
 
 #: What becomes of a kind of mark: made by the machine, put on the list for the hand, or refused.
 Policy = Literal["make", "list", "refuse"]
-#: What letters: a needle or milling point, a torch at low power and a laser draw strokes of a
-#: single-line font; stamps and printers are told the text.
-MarkingUnit = Literal["none", "scribe", "plasma", "laser", "stamp", "printer"]
+#: What letters: a needle or milling point, a torch at low power or a laser; each draws the strokes
+#: of a single-line font.
+MarkingUnit = Literal["none", "scribe", "plasma", "laser"]
 
 
 class Marks(Keys, frozen=True):
