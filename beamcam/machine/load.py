@@ -32,7 +32,8 @@ MAX_BASES = 8  #: machine files laid over each other
 #: Keys that say how a file is found, and nothing of the machine.
 _NOT_INHERITED = ("name", "default_for", "choice")
 #: Keys that no program depends on.
-_NOT_OF_PROGRAMS = (*_NOT_INHERITED, "bodies", "modbus")
+_BY_AXES = ("bodies", "modbus")
+_NOT_OF_PROGRAMS = (*_NOT_INHERITED, *_BY_AXES)
 SHIPPED = Path(__file__).resolve().parent.parent / "machines"
 
 
@@ -209,6 +210,9 @@ def merged(
         if file is not files[0]:
             for key in ("default_for", "choice"):
                 own.pop(key, None)
+        if "axes" in own:  # bodies and registers are told by the axes that a base has
+            for key in _BY_AXES:
+                table.pop(key, None)
         origin = file.shown, file.text
         _overlay(table, own, places, origin, "")
         places[""] = origin

@@ -164,3 +164,12 @@ def test_the_command_for_a_table_and_its_encoder(tmp_path: Path) -> None:
     assert np.all((off >= -1e-3) & (off < 0.128))
     assert data["encoder"]["max_corner_error"] <= hypot(0.127, 0.127)
     assert run(main, [*words[:-4], "--encoder", "512"]).exit_code == 2
+
+
+def test_a_file_with_axes_of_its_own_takes_no_bodies_from_its_base(tmp_path: Path) -> None:
+    path = tmp_path / "mine.toml"
+    path.write_text(
+        'base = "beamline"\n[[axes]]\nname = "X"\nmoves = "X"\nspeed = 9\nacceleration = 9\n'
+    )
+    mine = load(str(path))
+    assert (mine.bodies, mine.modbus.scales) == ((), ())
