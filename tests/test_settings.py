@@ -88,7 +88,7 @@ CASES = {
     ),
     "map": Case(
         'map.ETCH = "ignore"', 'map.CUT = "ignore"', "--map CUT=mark --map ETCH=mark",
-        ("7 made", "1 map-ignore", "6 map-ignore", "7 made"), MAKING, "d.dxf",
+        ("7 made", "1 map-ignore", "6 map-ignore", "8 made"), MAKING, "d.dxf",
     ),
 }  # fmt: skip
 
