@@ -18,9 +18,9 @@ class Body(Keys, frozen=True):
     """
 
     name: Text
-    min: tuple[Formula, Formula, Formula]  #: least x, y and z
-    max: tuple[Formula, Formula, Formula]  #: greatest x, y and z
-    x: str = ""  #: axis that carries it along x; it stands still along x if absent
+    min: tuple[Formula, Formula, Formula]  #: minimum x, y and z
+    max: tuple[Formula, Formula, Formula]  #: maximum x, y and z
+    x: str = ""  #: axis that carries it along x; fixed in x if absent
     y: str = ""  #: axis that carries it along y
     z: str = ""  #: axis that carries it along z
     turn: str = ""  #: axis in degrees that turns it about the vertical, from x towards y
@@ -33,7 +33,7 @@ class Body(Keys, frozen=True):
 
 
 def signed(carrier: str) -> tuple[str, int]:
-    """The name of an axis that carries a body, and which way it does."""
+    """The name of an axis that carries a body, and the sign of its motion."""
     return (carrier[1:], -1) if carrier.startswith("-") else (carrier, 1)
 
 

@@ -35,7 +35,7 @@ def default_machines(stock: Stock, output: str = "") -> tuple[str, ...]:
 
 
 def is_of_sheets(program: str) -> bool:
-    """Whether programs of that name are for sheets only."""
+    """Whether programs with that suffix are always of sheets."""
     suffix = PurePath(program).suffix.lower()
     return ("sheet", suffix) in DEFAULTS and ("beam", suffix) not in DEFAULTS
 

@@ -58,9 +58,9 @@ class Cutting(Keys, frozen=True):
     up_to: Positive
     speed_m_min: Positive  #: at the drill's edge
     feed_per_turn: Positive  #: mm
-    grade: str = "*"  #: steel grades the row is for, as shell patterns set off by |
+    grade: str = "*"  #: steel grades of the row, as shell patterns separated by |
     kind: ToolKind = "drill"
-    tool_material: Literal["*", "hss", "carbide"] = "*"  #: of the tools the row is for
+    tool_material: Literal["*", "hss", "carbide"] = "*"  #: kind of tool the row applies to
 
 
 class Drill(Keys, frozen=True):

@@ -1,4 +1,4 @@
-"""What is wrong with a machine's stations and tools, as far as several keys have to agree."""
+"""Checks of a machine's stations and tools that involve several keys."""
 
 import re
 from collections.abc import Iterator
@@ -15,7 +15,7 @@ from beamcam.machine.torch import Torch
 
 #: Kinds of tools whose speed or feed comes from `drill.cutting`.
 TURNING = ("drill", "tap", "countersink", "mill", "punch", "scribe")
-#: Kinds of tools that work along a path, for which the bar has to move both ways.
+#: Kinds of tools that follow a path, for which the bar has to move forward and back.
 ALONG_A_PATH = ("mill", "scribe")
 
 Fault = tuple[str, object, str]  #: dotted key, what was found, what was expected
@@ -77,7 +77,7 @@ def _square_faults(saw: Saw, machine: Machine) -> Iterator[Fault]:
                 yield f"axes.{index}.max", axis.max, f"at least {saw.square:g}, the square cut"
 
 
-#: G words that mean the same on every controller of a family, whatever a file says.
+#: G words with a fixed meaning on every controller of a family, whatever a file says.
 _DOCUMENTED = frozenset(range(7)) | {8, 9, 17, 20, 21, 40, 41, 42, 64, 75, 90, 91, 98, 99}
 _CODE = re.compile(r"G(\d{1,3})(?:\.\d)?")
 
@@ -150,7 +150,7 @@ KERF_STEPS = (
 _TORCH_WORDS = ("traverse", "feed", "cut_on", "cut_off")
 
 
-#: Controllers that are told by a table or a chain of triggers and know no words.
+#: Controllers driven by a table or a chain of triggers, which have no words.
 TABLE_CONTROLLERS = ("simotion", "stepper")
 
 
@@ -222,7 +222,7 @@ def path_faults(machine: Machine, torch: Torch) -> Iterator[Fault]:
 
 
 def spindle_faults(machine: Machine) -> Iterator[Fault]:
-    """Each spindle without a drill or an axis of its own, and each pair without its spindles."""
+    """Spindles that lack a drill or their own axis, and pairs that lack a spindle."""
     faces = {spindle.face for spindle in machine.spindles}
     for index, pair in enumerate(machine.pairs):
         if not faces.issuperset(pair.faces):
@@ -256,7 +256,7 @@ _SAMPLE_BAR = {
 
 
 def _drawn_back(machine: Machine, spindle: Spindle) -> float:
-    """How far from the bar a spindle's tool stands between two strokes, in mm; in it below 0."""
+    """Clearance of the tool from the bar between two strokes, in mm; negative inside the bar."""
     values = {**_SAMPLE_BAR, "clearance": machine.drill.clearance if machine.drill else 0.0}
     start, surface = spindle.stroke.start(values), spindle.stroke.bottom(values)
     deeper = spindle.stroke.bottom({**values, "depth": 1.0})
@@ -305,7 +305,7 @@ def table_faults(machine: Machine) -> Iterator[Fault]:
     if stepper is not None and sorted(stepper.sequence) != ["00", "01", "10", "11"]:
         yield "stepper.sequence", list(stepper.sequence), "each of 00, 01, 10, 11 once"
     torch = machine.torch
-    # A curve that is longer moves an axis by a step at least, whichever way it leads.
+    # A curve that is longer moves an axis by a step at least, in either direction.
     if stepper is not None and torch is not None and torch.gap < (least := sqrt(2) * stepper.step):
         expected = f"{least:.4f} or more: the laser would be on while no motor makes a step"
         yield "torch.gap", torch.gap, f"{expected} of {stepper.step:g} mm"

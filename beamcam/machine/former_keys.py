@@ -1,4 +1,4 @@
-"""Keys of machine files that had another name in the version before: read, and told by a warning.
+"""Renamed keys of machine files: still read for one minor version, with a warning.
 
 `least_x` became `min_x` and `greatest_x` became `max_x`, the words of the field.
 """
@@ -15,7 +15,7 @@ _FREE = frozenset({"sections", "colours", "names", "default_for"})
 
 
 class KeyTwice(ValueError):
-    """A key stands in a table under its former and its present name."""
+    """A table has a key under both its former and its present name."""
 
     def __init__(self, former: str, present: str) -> None:
         super().__init__(former)
@@ -23,7 +23,7 @@ class KeyTwice(ValueError):
 
 
 def present_name(key: str) -> str:
-    """What a key is called in this version."""
+    """The name of a key in this version."""
     return _FORMER.sub(lambda found: _PRESENT[found[1]] + found[2], key, count=1)
 
 

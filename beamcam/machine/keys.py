@@ -45,7 +45,7 @@ _PLAIN = {str: "text", float: "number", int: "whole number", bool: "true or fals
 
 
 def _kind(hint: object) -> str:
-    """What a value has to be, in words."""
+    """The type of a value, in words."""
     origin, args = get_origin(hint), get_args(hint)
     if origin is typing.Annotated:
         return _kind(args[0]) + _limits(args[1])

@@ -74,7 +74,7 @@ def source_in(name: str, key: str, text: str) -> Source:
 
 @cached("files.machine")
 def _machine(files: tuple[TomlFile, ...]) -> Machine:
-    """The machine that is told by a file and its bases."""
+    """The machine described by a file and its bases."""
     remarks = tuple(said for file in files for said in _renamed(file))
     table, places = merged(files)
     place = Place(places)
@@ -107,7 +107,7 @@ def _present(file: TomlFile) -> tuple[dict[str, Any], list[tuple[str, str]]]:
 def _checksum(table: dict[str, Any]) -> str:
     """Eight hex digits that change with any value of a machine's files that programs depend on.
 
-    They tell that a machine has changed since, whatever it is called. They are no protection
+    They show that a machine has been changed, even under the same name. They are no protection
     against forgery.
     """
     values = {key: value for key, value in table.items() if key not in _NOT_OF_PROGRAMS}
@@ -115,7 +115,7 @@ def _checksum(table: dict[str, Any]) -> str:
 
 
 def _said(fault: Fault, place: Place) -> Diagnostic:
-    """What is wrong with a key of a machine file."""
+    """The message for an invalid key of a machine file."""
     from beamcam.conversion.diagnosis import shown
 
     at = place.child(*fault.path)
@@ -265,7 +265,7 @@ def _find(name: str, below: Path | None) -> Path:
 
 
 def _check(machine: Machine, place: Place) -> None:
-    """Raise MachineError for what no field can tell by itself."""
+    """Raise MachineError where keys contradict each other."""
     for faults in (
         template_faults,
         code_faults,

@@ -1,4 +1,4 @@
-"""The machine as data: limits, tools, words and formats. Every field stands in a TOML file.
+"""The machine as data: limits, tools, words and formats. Every field is a key of the TOML file.
 
 Lengths are mm and angles degrees. A `Formula` is arithmetic over the names in `FORMULA_NAMES`,
 so that where a station measures from is a line of the machine file and not of the program.
@@ -27,7 +27,7 @@ Decimals = Annotated[int, Meta(ge=0, le=6)]
 
 
 class NumberFormat(Keys, frozen=True):
-    """How the controller's numbers and blocks are written."""
+    """Number and block format of the controller."""
 
     length_decimals: Decimals = 3
     angle_decimals: Decimals = 3
@@ -36,12 +36,12 @@ class NumberFormat(Keys, frozen=True):
 
     @property
     def resolution(self) -> float:
-        """The smallest length that the output can tell apart."""
+        """The smallest length that the output can represent."""
         return 10.0**-self.length_decimals
 
 
 class Layout(Keys, frozen=True):
-    """How the stations stand along the bar, and what bars they take."""
+    """Positions of the stations along the bar, and the bars that they take."""
 
     order: Literal["saw-drill", "drill-saw"]  #: which station the bar reaches first
     min_bar: NotNegative = 0.0  #: shortest bar that the stop or gripper can hold
@@ -54,17 +54,17 @@ class Layout(Keys, frozen=True):
     )
     min_part: NotNegative = 0.0  #: shortest part that does not fall between the rollers
     min_bar_left: NotNegative = 0.0  #: of the bar while its last part is worked; 0: nothing known
-    min_remnant: NotNegative = 1000.0  #: a rest at least as long goes back to the store
+    min_remnant: NotNegative = 1000.0  #: a remnant of at least this length goes back to the store
     profiles: tuple[str, ...] = ("I", "U", "L", "M", "C", "T")  #: DSTV codes that it takes
 
 
 class Times(Keys, frozen=True):
-    """What takes time besides the axes."""
+    """Times other than axis motion."""
 
     spindle_s: NotNegative = 0.0  #: to start and stop a spindle, each operation
     tool_change_s: NotNegative = 0.0  #: another tool of the spindle's own stations
     spindle_change_s: NotNegative = 0.0  #: another spindle
-    reload_s: NotNegative = 0.0  #: another tool into a station, by hand
+    reload_s: NotNegative = 0.0  #: manual tool change in a station
     saw_s: NotNegative = 0.0  #: to clamp, start and stop the saw, each cut
 
 
@@ -77,17 +77,17 @@ class ControlledAxis(Keys, frozen=True):
 
     name: str
     moves: Literal["X", "Y", "Z", "angle", "saw"]
-    speed: Positive  #: greatest, mm/s or deg/s; rapid moves run at it
+    speed: Positive  #: maximum, mm/s or deg/s; the rate of rapid moves
     acceleration: Positive  #: mm/s2 or deg/s2
     spindle: int | None = None  #: number of the spindle that it belongs to
     min: float | None = None  #: None has no limit
     max: float | None = None
-    park: float = 0.0  #: where it stands when a program begins
+    park: float = 0.0  #: position at program start
     jerk: Positive | None = None  #: mm/s3 or deg/s3; None has no limit
 
     @property
     def limits(self) -> tuple[float, float]:
-        """Least and greatest place, infinite where there is no limit."""
+        """Minimum and maximum position, infinite where there is no limit."""
         return -inf if self.min is None else self.min, inf if self.max is None else self.max
 
 

@@ -1,4 +1,4 @@
-"""Lettering and marks as machine data: what the machine makes of them, and what is left to hand."""
+"""Lettering and marks as machine data: what the machine makes, and what is left for manual work."""
 
 from collections.abc import Mapping
 from typing import Literal
@@ -7,7 +7,7 @@ from msgspec import field
 
 from beamcam.conversion import Keys, NotNegative, Positive
 
-#: What becomes of a kind of mark: made by the machine, put on the list for the hand, or refused.
+#: How a kind of mark is made: by the machine, manually from the list, or refused.
 Policy = Literal["make", "list", "refuse"]
 #: What letters: a needle or milling point, a torch at low power or a laser; each draws the strokes
 #: of a single-line font.

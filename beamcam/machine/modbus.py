@@ -1,4 +1,4 @@
-"""How a controller shows the positions of its axes over Modbus TCP."""
+"""How a controller publishes its axis positions over Modbus TCP."""
 
 from collections.abc import Iterator
 from typing import Literal
@@ -9,7 +9,7 @@ from beamcam.conversion import Count, Keys, Positive
 class Modbus(Keys, frozen=True):
     """The registers of a controller: output k is axis k, in the order of `[[axes]]`.
 
-    The same values stand as holding and as input registers, signed.
+    The same signed values are in the holding and the input registers.
     """
 
     values: Literal["int16", "int32", "float"] = "int16"  #: of one, two and two registers an axis

@@ -58,7 +58,7 @@ def _key(row: dict[str, Any]) -> tuple[str, str, float]:
 
 
 def _counts_before(new: dict[str, Any], row: dict[str, Any]) -> bool:
-    """Whether a new row has to stand before another, so as to be found for what it is for."""
+    """Whether a new row must precede another, which would match first otherwise."""
     process, material, up_to = _key(new)
     other, its_material, its_up_to = _key(row)
     if process != other:

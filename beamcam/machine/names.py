@@ -15,7 +15,7 @@ FOLDER = "machines"
 
 
 def machine_folders(config_file: str | None) -> tuple[str, ...]:
-    """Where machines of one's own may lie, the nearest first; they need not be there."""
+    """Folders searched for the user's machines, the nearest first; they need not exist."""
     beside = () if config_file is None else (os.path.join(os.path.dirname(config_file), FOLDER),)
     return tuple(dict.fromkeys((*beside, FOLDER, os.path.join(user_folder(), FOLDER))))
 

@@ -1,4 +1,4 @@
-"""A cutting table as one job wants it: what the command line says over what its file says."""
+"""A cutting table with one job's settings: the command line overrides the machine file."""
 
 from collections.abc import Mapping
 from typing import Any, Literal

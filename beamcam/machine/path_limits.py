@@ -1,4 +1,4 @@
-"""What the two axes of a cutting table allow along a path, whichever way it runs.
+"""Limits of a cutting table's two axes along a path of any direction.
 
 Running up along the path and being turned across it share the acceleration of the axes: what the
 machine's file gives along the path, `a` of `A`, leaves sqrt(A^2 - a^2) across. Where it gives
@@ -27,7 +27,7 @@ class PathLimits(Struct, frozen=True):
 
     @property
     def speed_mm_s(self) -> float:
-        """What both axes reach, so that every direction may have it."""
+        """The speed of the slower axis, which is possible in every direction."""
         return min(self.speed_x_mm_s, self.speed_y_mm_s)
 
 

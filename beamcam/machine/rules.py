@@ -1,4 +1,4 @@
-"""What can be wrong with a machine file."""
+"""Rules for machine files."""
 
 from beamcam.errors import Rule, Severity
 

@@ -14,7 +14,7 @@ class SawSection(Keys, frozen=True):
 
 
 class Saw(Keys, frozen=True):
-    """The saw: where it stands, what it cuts and how its angles are counted."""
+    """The saw: its position, its range and its angle convention."""
 
     kerf: NotNegative
     min_angle: float  #: of the mitre, in the machine's own counting
@@ -35,4 +35,4 @@ class Saw(Keys, frozen=True):
     tilt_sign: Literal[-1, 1] = 1  #: of DSTV's flange angle in the machine's counting
     compound: bool = False  #: whether it may turn and tilt in one cut
     common_cuts: bool = False  #: whether one cut may end a part and start the next
-    max_sections: tuple[SawSection, ...] = ()  #: by angle; empty: nothing known but the greatest
+    max_sections: tuple[SawSection, ...] = ()  #: by angle; empty: only the maximum is known

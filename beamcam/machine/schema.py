@@ -10,7 +10,7 @@ ARITHMETIC: Schema = {"type": ["string", "number"], "description": "arithmetic"}
 
 
 def machine_schema() -> Schema:
-    """What a machine file may say. One that has a base need not repeat what is required."""
+    """JSON schema of a machine file. One that has a base need not repeat what is required."""
     schema = schema_of(MachineFile, {Formula: ARITHMETIC})
     records, whole = schema["$defs"], schema["$defs"]["MachineFile"]
     for record in records.values():

@@ -21,7 +21,7 @@ UNCONFIRMED = (
 
 
 class Triggers(Keys, frozen=True):
-    """A motion controller that is told by a Structured Text program, one `_pos` an operation.
+    """A motion controller run by a Structured Text program, one `_pos` per operation.
 
     Inputs and outputs are addresses such as %I0.0 or names of variables of the project.
     """
@@ -42,7 +42,7 @@ class Triggers(Keys, frozen=True):
     back_off: Positive = 30.0  #: from the limit switch to the corner of the work area
     overrun: Positive = 15.0  #: from the end of the work area to its limit switch
     in_position: Positive = 0.005  #: a set position this near to its end has arrived
-    standstill: Positive = 0.0001  #: a set position that moves no more than this in a cycle rests
+    standstill: Positive = 0.0001  #: largest move per cycle of an axis at rest
     arrival_window: Positive = 0.26  #: of an actual position about its set position; encoder counts
     counts_per_turn: PositiveCount = 512  #: of the encoder
     travel_per_turn: Positive = 65.0  #: of an axis, for a turn of its encoder

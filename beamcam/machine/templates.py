@@ -1,4 +1,4 @@
-"""What is wrong with the templates of a program's blocks."""
+"""Checks of the templates of a program's blocks."""
 
 import re
 from collections.abc import Iterator

@@ -1,4 +1,4 @@
-"""TOML of machines and configurations: text to a table, and the lines that its keys stand on."""
+"""TOML of machines and configurations: text to a table, and the line numbers of its keys."""
 
 import tomllib
 from collections.abc import Mapping
@@ -31,7 +31,7 @@ class TomlFile(Struct, frozen=True):
 
     @property
     def table(self) -> dict[str, Any]:
-        """What it says; not to be changed. Raises TomlError."""
+        """The parsed table; do not modify. Raises TomlError."""
         return _table(self.text)
 
 
@@ -65,7 +65,7 @@ def _table(text: str) -> dict[str, Any]:
 
 
 def _depth(table: dict[str, Any]) -> int:
-    """How many tables and lists lie inside each other."""
+    """Nesting depth of tables and lists."""
     depth = 0
     level: list[Any] = [table]
     while level:
@@ -91,7 +91,7 @@ class Place:
 
     @property
     def source(self) -> Source:
-        """Where the key stands; its nearest parent that stands anywhere if it does not."""
+        """The place of the key, or of its nearest parent that the file has."""
         key = self.key
         while key not in self._files and "." in key:
             key = key.rpartition(".")[0]

@@ -27,7 +27,7 @@ class Tool(Struct, frozen=True, cache_hash=True):
 
     @property
     def name(self) -> str:
-        """What the shop calls it."""
+        """The shop's name for it."""
         if self.kind == "tap":
             left = " left" if self.hand == "left" else ""
             return f"tap M{self.diameter:g} x {self.pitch:g}{left}"
@@ -56,7 +56,7 @@ class ToolSet(Keys, frozen=True):
     diameters: tuple[float, ...] = ()
     inches: tuple[str, ...] = ()  #: more of them, as "13/16" or "1 1/16"
     point_deg: Positive = 118.0
-    faces: tuple[Literal["v", "o", "u", "h"], ...] = ("v", "o", "u", "h")  #: whose spindles take it
+    faces: tuple[Literal["v", "o", "u", "h"], ...] = ("v", "o", "u", "h")  #: of spindles
     pitches: tuple[float, ...] = ()  #: of taps, one for each diameter
     pre_drills: tuple[float, ...] = ()  #: of taps, the drill before each of them
     hand: Literal["right", "left"] = "right"

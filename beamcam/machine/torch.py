@@ -12,7 +12,7 @@ TorchProcess = Literal["cut", "mark", "engrave"]
 
 
 class TorchRow(Keys, frozen=True):
-    """How a process runs on one material up to a thickness."""
+    """Parameters of a process on one material, up to a thickness."""
 
     process: TorchProcess
     up_to: Positive  #: thickness of the sheet
@@ -42,7 +42,7 @@ class LookSettings(Keys, frozen=True):
         return tuple(k for k in self.__struct_fields__ if getattr(self, k) != getattr(default, k))
 
 
-#: Share of the work's length and width that lies below and left of its origin.
+#: Origin of the work as a share of its length and width, from its lower left corner.
 ORIGINS = {
     "lower-left": (0.0, 0.0), "lower-right": (1.0, 0.0), "upper-left": (0.0, 1.0),
     "upper-right": (1.0, 1.0), "centre": (0.5, 0.5),
@@ -72,10 +72,10 @@ class Torch(Keys, frozen=True):
     mirror: Literal["none", "x", "y"] = "none"  #: x: left for right; y: top for bottom
     rotate: Degrees = 0.0  #: of the part about its middle, degrees, counter-clockwise
     copies: tuple[PositiveCount, PositiveCount] = (1, 1)  #: of the part, along X and along Y
-    tolerance: Positive = 0.01  #: greatest distance of the path from the contour
+    tolerance: Positive = 0.01  #: maximum deviation of the path from the contour
     gap: Positive = 0.01  #: ends of curves as near as this belong together
-    kerf_by: Literal["none", "offset", "machine"] = "none"  #: who keeps half a kerf off the contour
-    lead: Literal["none", "line", "arc"] = "none"  #: the way from the pierced hole to the contour
+    kerf_by: Literal["none", "offset", "machine"] = "none"  #: kerf compensation
+    lead: Literal["none", "line", "arc"] = "none"  #: lead-in: from the pierce point to the contour
     lead_in: NotNegative = 0.0
     lead_out: NotNegative = 0.0
     start: Literal["nearest", "drawn", "straight"] = "nearest"  #: straight: away from corners
@@ -86,9 +86,9 @@ class Torch(Keys, frozen=True):
     min_hole: NotNegative = 0.0  #: smallest diameter that can be cut
     min_hole_share: NotNegative = 0.0  #: smallest diameter that can be cut, by the thickness
     #: Holes and slots that the torch cannot make (smaller ones, threads, countersinks, blind ones):
-    #: refused, or their centres marked for the drill and put on the list for the hand.
+    #: refused, or their centres marked for the drill and listed for manual work.
     drilled: Literal["refuse", "mark"] = "refuse"
-    #: Bevels: refused, or the outline cut square and each edge put on the list for the hand. No
+    #: Bevels: refused, or the outline cut square and each edge listed for manual work. No
     #: machine has a head that tilts yet.
     bevel: Literal["refuse", "square", "head"] = "refuse"
     min_bevel: NotNegative = 0.0  #: degrees; a bevel of less is none, and its edge cut square
@@ -104,7 +104,7 @@ class Torch(Keys, frozen=True):
 
     @property
     def area(self) -> tuple[float, float, float, float]:
-        """What the head reaches: least X and Y, greatest X and Y."""
+        """Work area of the head: minimum X and Y, maximum X and Y."""
         u, v = ORIGINS.get(self.origin, (0.0, 0.0))
         x, y = -u * self.length, -v * self.width
         return x, y, x + self.length, y + self.width

@@ -4,7 +4,7 @@ from beamcam.conversion import Keys
 
 
 class Words(Keys, frozen=True):
-    """The blocks of a program as templates; what stands in braces is filled in."""
+    """The blocks of a program as templates with placeholders in braces."""
 
     header: tuple[str, ...] = ()
     footer: tuple[str, ...] = ()
@@ -19,7 +19,7 @@ class Words(Keys, frozen=True):
     scribe: tuple[str, ...] = ()  #: likewise
     scribe_to: tuple[str, ...] = ()
     scribe_end: tuple[str, ...] = ()
-    change: tuple[str, ...] = ()  #: stop for a tool that is put into a station by hand
+    change: tuple[str, ...] = ()  #: stop for a manual tool change
     comment: str = "({text})"
 
     traverse: tuple[str, ...] = ()  #: the head to a place, its tool off
@@ -35,10 +35,10 @@ class Words(Keys, frozen=True):
     mark_off: tuple[str, ...] = ()
     engrave_on: tuple[str, ...] = ()
     engrave_off: tuple[str, ...] = ()
-    left: tuple[str, ...] = ()  #: the controller keeps left of the contour by half a kerf
+    left: tuple[str, ...] = ()  #: kerf compensation on: tool left of the contour
     right: tuple[str, ...] = ()
-    straight: tuple[str, ...] = ()  #: the controller keeps on the contour again
-    modal: tuple[str, ...] = ()  #: words of a move, each where it says another thing than before
+    straight: tuple[str, ...] = ()  #: kerf compensation off
+    modal: tuple[str, ...] = ()  #: words of a move, each written when its value changes
 
 
 _STROKE_NAMES = frozenset(
