@@ -35,9 +35,9 @@ FILES_A_WORKER = 20  #: of setup sheets; for fewer a process of their own is not
 @click.command("batch", cls=Grouped)
 @click.argument("inputs", nargs=-1, required=True, metavar="IN...", type=options.FILE)
 @run_options
-@click.option("--force", "redo", is_flag=True, help="Post unchanged inputs again too.")
+@click.option("--force", "redo", is_flag=True, help="Post unchanged inputs again as well.")
 @click.option(
-    "--dry-run", "dry", is_flag=True, help="Say what would be written where, and write nothing."
+    "--dry-run", "dry", is_flag=True, help="Show what would be written where, and write nothing."
 )
 @click.option(
     "--report", callback=checked_report, metavar="FILE", help="Write .json, .csv or .html; -."

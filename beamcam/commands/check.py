@@ -42,7 +42,7 @@ _NO_PROGRAMS = (".toml", ".json", ".html", ".md", ".txt", REFUSED_SUFFIX)
     help="Folder in which the parts are found, at any depth; else where the batch found them, or "
     "samples.",
 )
-@click.option("--update", is_flag=True, help="Write the programs that are others now.")
+@click.option("--update", is_flag=True, help="Write the programs that have changed.")
 @click.option(
     "--machine",
     shell_complete=options.machine_names,

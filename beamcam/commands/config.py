@@ -32,7 +32,7 @@ def shown(setting: Setting) -> str:
 @click.argument("inputs", nargs=-1, metavar="[IN]...", type=options.FILE)
 @options.config
 @options.as_json
-@click.option("--keys", is_flag=True, help="Print what keys there are, and what they are for.")
+@click.option("--keys", is_flag=True, help="Print the keys and their meanings.")
 def command(inputs: tuple[str, ...], as_json: bool, keys: bool, **asked: Any) -> None:
     """Show every value of the configuration that a job would have, and where it comes from.
 

@@ -23,7 +23,7 @@ from beamcam.readers.content import shown_name
     "-o",
     "--output",
     type=options.FILE,
-    help="A picture of both over each other: .html with the list, .svg, .png or .pdf.",
+    help="Overlay picture of both: .html with the list, .svg, .png or .pdf.",
 )
 @options.machine
 @options.config

@@ -54,9 +54,9 @@ def show(path: str, reading: Reading, voice: Voice) -> None:
 @click.option(
     "--check/--no-check",
     default=True,
-    help="Hold what was cut of a model's members against the geometry kernel.",
+    help="Check the cuts of a model's members against the geometry kernel.",
 )
-@click.option("--json", "as_json", is_flag=True, help="Print JSON, one object a file.")
+@click.option("--json", "as_json", is_flag=True, help="Print JSON, one object per file.")
 @options.strict
 @options.voiced
 def command(

@@ -34,7 +34,7 @@ SUFFIXES = (".txt", ".csv", ".xlsx", ".json")
 @options.config
 @click.option(
     "--bar", "bars", type=options.Number(above=0), multiple=True, metavar="MM",
-    help="Length of bars in store; may be repeated. By default those of the configuration.",
+    help="Length of stock bars; may be repeated. By default from the configuration.",
 )  # fmt: skip
 @quantity
 @click.option(

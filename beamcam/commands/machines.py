@@ -65,7 +65,7 @@ def list_machines(as_json: bool) -> None:
 @click.argument("name")
 @click.option(
     "--base", default="beamline", show_default=True, shell_complete=options.machine_names,
-    metavar="NAME", help="Shipped machine that it is laid over.",
+    metavar="NAME", help="Shipped machine to base it on.",
 )  # fmt: skip
 @click.option("--user", is_flag=True, help="Among the user's settings, for jobs in every folder.")
 @options.voiced

@@ -18,7 +18,7 @@ selection_options = group(
 #: The same, and `force`: whether they are trusted where their data contradict each other.
 member_options = group(
     selection_options,
-    click.option("--force", is_flag=True, help="Take members whose data contradict them."),
+    click.option("--force", is_flag=True, help="Accept members with contradictory data."),
     click.option(
         "--letter",
         type=click.Choice(["mark"]),

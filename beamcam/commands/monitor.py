@@ -20,11 +20,11 @@ from beamcam.machine.machine import Machine
 @options.config
 @click.option(
     "--page", type=Address(), default="127.0.0.1:8020", show_default=True,
-    help="Where the page is; of this computer alone by default.",
+    help="Address of the page; by default only for this computer.",
 )  # fmt: skip
 @click.option(
     "--every", type=options.Number(least=0.02, most=60), default=0.1, show_default=True,
-    help="Seconds between two readings.",
+    help="Polling interval in seconds.",
 )  # fmt: skip
 @options.json_messages
 @options.voiced

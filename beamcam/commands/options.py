@@ -104,7 +104,7 @@ inputs = click.argument(
 )
 machine = click.option(
     "--machine", shell_complete=machine_names, metavar="NAME",
-    help="Name or TOML file; by default what suits the job.",
+    help="Name or TOML file; chosen to suit the job by default.",
 )  # fmt: skip
 config = click.option(
     "--config", "config_file", type=FILE, metavar="FILE",
@@ -120,26 +120,24 @@ order = click.option(
     type=click.Choice(["given", "best"]),
     default="given",
     show_default=True,
-    help="Whether parts lie as named, or so that mitres nest.",
+    help="Lay parts in the order given, or so that mitres nest.",
 )
-turn = click.option("--turn", is_flag=True, help="Let parts be turned on the rollers.")
+turn = click.option("--turn", is_flag=True, help="Allow parts to be turned on the rollers.")
 skips = click.option(
     "--allow-skips",
     "skips",
     multiple=True,
     callback=_skips,
     type=SkipNames([*SKIP_NAMES, ALL_SKIPS, NO_SKIPS]),
-    help="Leave out what the machine cannot make, of these kinds only; several with commas.",
+    help="Leave out features of these kinds that the machine cannot make; several with commas.",
 )
 exit_left_out = click.option(
     "--exit-left-out",
     type=click.IntRange(1, 125),
     metavar="STATUS",
-    help="Exit status where something is left out, or left to the hand; else it is 0.",
+    help="Exit status if a feature is left out or left for manual work; otherwise 0.",
 )
-strict = click.option(
-    "--strict/--no-strict", default=None, help="Let warnings refuse a part as errors do."
-)
+strict = click.option("--strict/--no-strict", default=None, help="Treat warnings as errors.")
 no_verify = click.option(
     "--no-verify", is_flag=True, help="Do not read programs back; a comment in them says so."
 )

@@ -24,7 +24,7 @@ from beamcam.model.plan import Order
 @click.option(
     "--show",
     type=click.Choice(["part", "program"]),
-    help="What is drawn of parts: by default one part itself, of several the bar that they make.",
+    help="What to draw: by default a single part itself, several parts as their bar.",
 )
 @unit
 @options.machine

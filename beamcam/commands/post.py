@@ -40,7 +40,7 @@ from beamcam.planning.stock import from_store
 @click.option(
     "--style",
     type=click.Choice(["chain", "table"]),
-    help="How a trigger program is written; by default as the machine and its length ask for.",
+    help="Form of a trigger program; by default set by the machine and the length.",
 )
 @options.turn
 @click.option(
@@ -48,7 +48,7 @@ from beamcam.planning.stock import from_store
     "first",
     type=click.IntRange(min=2),
     metavar="N",
-    help="Only the rest of the program, from the operation that `plan` calls N.",
+    help="Write only the remainder of the program, from operation N of `plan`.",
 )
 @part_options
 @options.no_verify

@@ -114,7 +114,7 @@ def wanted_profile(
 @click.command("profile")
 @options.output(".csv, .svg, .png, .pdf, or .html with playback; - is a table.")
 @click.option("--velocity", type=NUMBER, help="To reach, or the limit of the fastest profile.")
-@click.option("--acceleration", type=NUMBER, help="The greatest one, or a limit.")
+@click.option("--acceleration", type=NUMBER, help="Maximum acceleration, or its limit.")
 @click.option("--distance", type=NUMBER, help="To travel from rest to rest.")
 @click.option("--time", type=NUMBER, help="Of the ramp, or of the whole distance; seconds.")
 @click.option("--jerk", type=NUMBER, default=50.0, show_default=True, help="Rounded part, percent.")
@@ -131,10 +131,10 @@ def wanted_profile(
 @click.option(
     "--unit",
     type=click.Choice(["rpm", "mm/s"]),
-    help="Of velocities; positions are revolutions or mm. rpm with --pulses alone.",
+    help="Unit of velocities; positions are in revolutions or mm. rpm needs --pulses.",
 )
-@click.option("--pulses", type=int, help="Encoder pulses a revolution: adds Hz and rpm columns.")
-@click.option("--travel", type=NUMBER, help="Way of a revolution in mm, with --pulses.")
+@click.option("--pulses", type=int, help="Encoder pulses per revolution: adds Hz and rpm columns.")
+@click.option("--travel", type=NUMBER, help="Travel per revolution in mm, with --pulses.")
 @options.voiced
 def command(
     output: str,

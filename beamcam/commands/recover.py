@@ -34,7 +34,7 @@ READ_BY = ("codesys", "linuxcnc", "grbl")  #: controllers whose programs are und
 @click.option(
     "--profile",
     metavar="FILE|NAME",
-    help="Section of the bar: that of a part's file, or its name, as IPE200.",
+    help="Section of the bar: a part's file, or a name such as IPE200.",
 )
 @torch_options
 @options.strict

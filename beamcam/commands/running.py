@@ -58,7 +58,11 @@ run_options = options.group(
     click.option(
         "--name", callback=_template, metavar="TEMPLATE", help='As "{mark}_{quantity}.gcode".'
     ),
-    click.option("--flat/--tree", default=None, help="All outputs in one folder, or as inputs."),
+    click.option(
+        "--flat/--tree",
+        default=None,
+        help="Write all outputs to one folder, or in the folder tree of the inputs.",
+    ),
     options.skips,
     options.exit_left_out,
     selection_options,
@@ -72,7 +76,7 @@ run_options = options.group(
         "--json",
         "as_json",
         is_flag=True,
-        help="Print what became of each file as JSON, and no more.",
+        help="Print only the outcome of each file, as JSON.",
     ),
     options.voiced,
 )

@@ -86,7 +86,7 @@ drawing_options = group(
     click.option("--fit", multiple=True, callback=_fit, metavar="newton=LAYER",
                  help="Polylines of this layer become polynomials through their vertices."),
     click.option("--encoding", callback=_encoding, metavar="NAME",
-                 help="Alphabet of a DSTV file, as cp1251; by default told from its letters."),
+                 help="Encoding of a DSTV file, such as cp1251; detected by default."),
 )  # fmt: skip
 
 #: The thickness of a drawing's sheet, which no drawing says.
@@ -95,14 +95,14 @@ thickness = click.option("--thickness", type=Number(), help="Thickness of a draw
 #: What is said about a sheet and its cuts, over what the machine's file says.
 torch_options = group(
     click.option("--map", "colours", multiple=True, callback=_map, metavar="KEY=PROCESS",
-                 help="What is done with a colour or layer: cut, mark, engrave or ignore."),
+                 help="Process of a colour or layer: cut, mark, engrave or ignore."),
     thickness,
-    click.option("--material", help="What the sheet is made of, as the machine's file has it."),
+    click.option("--material", help="Material of the sheet, as named in the machine file."),
     click.option("--kerf", type=Number(least=0), help="Width of the cut, mm."),
     click.option("--kerf-by", type=click.Choice(["none", "offset", "machine"]),
-                 help="Who keeps half a kerf off the contours."),
+                 help="Kerf compensation: none, by offset, or by the machine."),
     click.option("--lead", type=click.Choice(["none", "line", "arc"]),
-                 help="The way from the pierced hole to the contour."),
+                 help="Lead-in from the pierce point to the contour."),
     click.option("--tabs", type=click.IntRange(min=0), help="Bridges in each outer contour."),
     click.option("--inner-tabs/--no-inner-tabs", default=None,
                  help="As many bridges in inner contours."),
@@ -115,7 +115,7 @@ torch_options = group(
     click.option("--rotate", type=click.FloatRange(-360, 360), metavar="DEGREES",
                  help="Turn the part about its middle."),
     click.option("--copies", callback=_copies, metavar="NxM",
-                 help="Lay N copies side by side, in M rows."),
+                 help="Lay out N copies side by side, in M rows."),
     click.option("--spacing", type=Number(least=0), help="Between two copies, mm."),
     click.option("--sheet", "sheet_size", callback=_size, metavar="LxW",
                  help="Size of the sheet that the parts lie on, as 3000x1500; the whole table if "

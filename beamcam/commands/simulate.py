@@ -65,16 +65,16 @@ class EncoderKind(click.ParamType):  # type: ignore[type-arg]
 @click.option(
     "--encoder",
     type=EncoderKind(),
-    help="Also what an encoder reads, by its counts and travel a turn, such as 512/65.",
+    help="Add encoder readings: counts and travel per turn, such as 512/65.",
 )
 @click.option("--modbus", type=Address(), help="Send the trace to this Modbus TCP server.")
 @click.option(
-    "--serve", type=Address(), help="Be the controller: a Modbus TCP server, until Ctrl-C."
+    "--serve", type=Address(), help="Act as the controller: a Modbus TCP server, until Ctrl-C."
 )
 @click.option(
     "--pace",
     type=options.Number(least=0),
-    help="Seconds to send or serve a second of the machine in; 0 is as fast as it goes. "
+    help="Real seconds per second of machine time; 0 is as fast as possible. "
     "By default 0 to send, 1 to serve.",
 )
 @options.json_messages

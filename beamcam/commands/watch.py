@@ -23,17 +23,19 @@ from beamcam.watch import HotFolder, file_away, look
 @click.command("watch", cls=Grouped)
 @click.argument("folder", metavar="IN_FOLDER", type=click.Path(exists=True, file_okay=False))
 @run_options
-@click.option("--done", metavar="FOLDER", help="Move inputs there when they are posted.")
-@click.option("--refused", metavar="FOLDER", help="Move refused inputs there, with a .txt each.")
+@click.option("--done", metavar="FOLDER", help="Move posted inputs to this folder.")
+@click.option(
+    "--refused", metavar="FOLDER", help="Move refused inputs to this folder, each with a .txt file."
+)
 @click.option(
     "--settle", default=2.0, show_default=True, type=options.Number(least=0),
-    help="Seconds that a file has to stay the same.",
+    help="Seconds for which a file has to be unchanged.",
 )  # fmt: skip
 @click.option(
     "--every", default=1.0, show_default=True, type=options.Number(least=0.01, most=86400),
-    help="Seconds between two looks.",
+    help="Polling interval in seconds.",
 )  # fmt: skip
-@click.option("--once", is_flag=True, help="End when everything that is there has been posted.")
+@click.option("--once", is_flag=True, help="Exit once all present files have been posted.")
 def command(
     folder: str,
     output: str,
