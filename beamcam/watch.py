@@ -1,14 +1,14 @@
 """A hot folder: which of its files are complete, and where they go when they are done.
 
-    seen     size and time of change as before?   for long enough?   handed over before?
-    M58.nc1  no: it is being written -> wait      no -> wait         yes -> leave it alone
+    seen     size and time of change as before?   for long enough?   has its end?   handed over?
+    M58.nc1  no: it is being written -> wait      no -> wait         no -> wait     yes -> leave it
 
 A file that changes after it was handed over is complete anew some time later.
 """
 
 import os
 import shutil
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import suppress
 
 from msgspec import Struct
@@ -16,9 +16,11 @@ from msgspec.structs import replace
 
 from beamcam.batch.find import Input
 from beamcam.files import write_whole
+from beamcam.readers.file_end import has_end
 from beamcam.report.run import Row, encoded, message_line
 
 AGAIN_S = 30.0  #: after which what failed for the disk or a process is tried again
+END_S = 60.0  #: after which a file without its end is handed over all the same
 
 
 class Stamp(Struct, frozen=True):
@@ -35,6 +37,7 @@ class Sight(Struct, frozen=True):
     stamp: Stamp
     since_s: float  #: when it was first seen so; of one to be tried again, when from
     handed: bool = False
+    endless: bool = False  #: handed over though its end is missing
 
 
 def look(inputs: Iterable[Input]) -> dict[Input, Stamp]:
@@ -50,27 +53,40 @@ def look(inputs: Iterable[Input]) -> dict[Input, Stamp]:
 class HotFolder:
     """What is known of the files of a folder between one look and the next."""
 
-    def __init__(self, settle_s: float) -> None:
-        self._settle_s = settle_s
+    def __init__(
+        self, settle_s: float, end_s: float = END_S, ends: Callable[[str], bool] = has_end
+    ) -> None:
+        """`ends` says of a path whether the file has its end, which is waited for `end_s`."""
+        self._settle_s, self._end_s, self._ends = settle_s, end_s, ends
         self._seen: dict[Input, Sight] = {}
+        self.endless: tuple[Input, ...] = ()
 
     def take(self, stamps: Mapping[Input, Stamp], now_s: float) -> tuple[Input, ...]:
-        """The inputs that are complete now, each handed over once as long as it stays the same."""
+        """The inputs that are complete now, each handed over once as long as it stays the same.
+
+        Those among them whose end was waited for in vain are then `endless`.
+        """
         fresh = {}
         for found, stamp in stamps.items():
             sight = self._seen.get(found)
             if sight is None or sight.stamp != stamp:
                 sight = Sight(stamp, now_s)
             fresh[found] = sight
-        ready = tuple(
-            found
-            for found, sight in fresh.items()
-            if not sight.handed and now_s - sight.since_s >= self._settle_s
-        )
-        for found in ready:
-            fresh[found] = replace(fresh[found], handed=True)
+        ready = []
+        self.endless = ()
+        for found, sight in fresh.items():
+            stood_s = now_s - sight.since_s
+            if sight.handed or stood_s < self._settle_s:
+                continue
+            endless = not (sight.endless or self._ends(found.path))
+            if endless and stood_s < self._end_s:
+                continue
+            if endless:
+                self.endless = (*self.endless, found)
+            fresh[found] = replace(sight, handed=True, endless=endless or sight.endless)
+            ready.append(found)
         self._seen = fresh
-        return ready
+        return tuple(ready)
 
     @property
     def is_waiting(self) -> bool:

@@ -5,14 +5,17 @@ import signal
 import subprocess
 import sys
 import time
+from itertools import count
 from pathlib import Path
 
+import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from beamcam.batch.find import Input
+from beamcam.batch.find import SUFFIXES, Input
+from beamcam.readers.file_end import has_end
 from beamcam.watch import AGAIN_S, HotFolder, Stamp, file_away, look
-from tests.conftest import ROOT
+from tests.conftest import ROOT, SAMPLES
 from tests.runs import BAD, batch, counts, fill, part, programs
 
 A, B = Input("hot/a.nc1", "a.nc1"), Input("hot/b.nc1", "b.nc1")
@@ -23,7 +26,7 @@ def stamp(size: int) -> Stamp:
 
 
 def test_a_file_is_taken_when_it_stays_the_same() -> None:
-    hot = HotFolder(2.0)
+    hot = HotFolder(2.0, ends=lambda path: True)
     assert hot.take({A: stamp(1)}, 0.0) == ()
     assert hot.take({A: stamp(2)}, 1.5) == ()  # it grew
     assert hot.take({A: stamp(2), B: stamp(1)}, 3.0) == ()
@@ -50,7 +53,7 @@ def test_what_failed_is_tried_again_later() -> None:
 @given(st.lists(st.tuples(st.floats(0.01, 5), st.integers(0, 2)), min_size=1, max_size=30))
 def test_nothing_is_taken_early_twice_or_never(looks: list[tuple[float, int]]) -> None:
     """A size is taken only after it stood for the time to settle, once, and in the end always."""
-    hot, now, since, last, taken = HotFolder(2.0), 0.0, 0.0, -1, False
+    hot, now, since, last, taken = HotFolder(2.0, ends=lambda path: True), 0.0, 0.0, -1, False
     for step, size in looks:
         now += step
         if size != last:
@@ -59,6 +62,89 @@ def test_nothing_is_taken_early_twice_or_never(looks: list[tuple[float, int]]) -
         assert ready == ((A,) if now - since >= 2.0 and not taken else ())
         taken = taken or bool(ready)
     assert taken or hot.take({A: stamp(last)}, now + 2.5) == (A,)
+
+
+IFC = "ISO-10303-21;\nHEADER;\nENDSEC;\nDATA;\n#1=IFCPERSON($);\nENDSEC;\nEND-ISO-10303-21;\n"
+JSON = '{"parts": [{"mark": "A }"}, {"mark": "B"}]}\n'
+
+
+@pytest.mark.parametrize(
+    ("name", "data", "whole"),
+    [
+        ("a.nc1", part("A").encode(), len(part("A").rstrip())),
+        ("a.nc", part("A").replace("\n", "\r").encode() + b"\x1a", len(part("A").rstrip())),
+        ("a.NC1", part("A").encode("utf-16-le"), 2 * len(part("A").rstrip()) - 1),
+        ("a.ifc", IFC.encode(), len(IFC.rstrip())),
+        ("a.json", JSON.encode(), len(JSON.rstrip())),
+    ],
+)
+def test_no_part_of_a_file_has_its_end(tmp_path: Path, name: str, data: bytes, whole: int) -> None:
+    path = tmp_path / name
+    for size in range(1, len(data) + 1):
+        path.write_bytes(data[:size])
+        assert has_end(str(path)) == (size >= whole), data[:size]
+
+
+def test_every_sample_has_its_end() -> None:
+    samples = [
+        path for path in SAMPLES.rglob("*") if path.suffix in SUFFIXES and "bad" not in path.parts
+    ]
+    assert len(samples) > 20
+    assert [path for path in samples if not has_end(str(path))] == []
+    assert has_end("gone.nc1")  # its reader says what is wrong
+
+
+@settings(max_examples=100, deadline=None)
+@given(st.integers(1, 20), st.floats(3, 50), st.floats(0.3, 2.5))
+def test_a_writer_that_pauses(written: int, pause: float, every: float) -> None:
+    """A file whose writer pauses is handed over once, whole, and not before."""
+    ends: set[str] = set()
+    hot = HotFolder(2.0, 60.0, ends.__contains__)
+    now, until = 0.0, pause
+    while now < until:
+        assert hot.take({A: stamp(written)}, now) == ()
+        now += every
+    ends.add(A.path)
+    assert hot.take({A: stamp(written + 1)}, now) == ()
+    assert hot.take({A: stamp(written + 1)}, now + 2.1) == (A,)
+    assert hot.endless == ()
+
+
+def test_a_file_that_never_ends_is_told_once() -> None:
+    hot = HotFolder(2.0, 60.0, lambda path: False)
+    assert hot.take({A: stamp(1)}, 0.0) == hot.take({A: stamp(1)}, 59.9) == ()
+    assert hot.is_waiting
+    assert hot.take({A: stamp(1)}, 60.0) == hot.endless == (A,)
+    hot.again(A, 60.0)  # the disk was full
+    assert hot.take({A: stamp(1)}, 62.0 + AGAIN_S) == (A,)
+    assert hot.endless == ()
+
+
+def test_the_end_that_is_missing_is_told(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A whole run on a clock that goes on by itself: torn at first, then written on."""
+    fill(tmp_path / "hot", 1)
+    torn = tmp_path / "hot" / "torn.nc1"
+    torn.write_text(part("T").removesuffix("EN\n"))
+    monkeypatch.setattr(time, "monotonic", count(0, 1).__next__)
+    slept: list[float] = []
+
+    def sleep(seconds: float) -> None:
+        slept.append(seconds)
+        if len(slept) == 5:
+            torn.write_text(part("T"))
+
+    monkeypatch.setattr(time, "sleep", sleep)
+    result = batch(tmp_path / "hot", "-o", tmp_path / "out", "--once", command="watch")
+    assert counts(result) == (2, 0, 0, 0)
+    assert "batch-no-end" not in result.stderr
+    torn.write_text(part("T").removesuffix("EN\n"))
+    result = batch(tmp_path / "hot", "-o", tmp_path / "out", "--once", "--end-wait", 20,
+                   command="watch")  # fmt: skip
+    assert (
+        result.stderr.count("torn.nc1: warning batch-no-end: found no end of the file for 20 s")
+        == 1
+    )
+    assert counts(result)[1] == 1
 
 
 def test_looking_at_what_has_gone(tmp_path: Path) -> None:

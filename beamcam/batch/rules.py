@@ -46,6 +46,13 @@ OVER_INPUT = Rule(
     "name or folder",
     "The program would be written over a part, the configuration or a machine file.",
 )
+NO_END = Rule(
+    "batch-no-end",
+    Severity.WARNING,
+    "found no end of the file for {found} s (EN, END-ISO-10303-21, the closing bracket); expected "
+    "its writer to be done, --end-wait waits longer",
+    "A writer may pause in mid file. A file that stays without its end is read as it stands.",
+)
 WRITE = Rule(
     "batch-write",
     Severity.ERROR,
@@ -93,6 +100,6 @@ SCHEDULER = Rule(
 )
 
 RULES = (
-    NOTHING, NOT_A_FILE, LOOP, FOLDER, NO_PART, SAME_NAME, OVER_INPUT, WRITE, KEPT, RECORD, STALE,
-    DIED, INTERNAL, SCHEDULER,
+    NOTHING, NOT_A_FILE, LOOP, FOLDER, NO_PART, SAME_NAME, OVER_INPUT, NO_END, WRITE, KEPT, RECORD,
+    STALE, DIED, INTERNAL, SCHEDULER,
 )  # fmt: skip

@@ -8,7 +8,7 @@ import click
 
 from beamcam.batch import BatchError, Input, find_inputs, run
 from beamcam.batch.recipe import recipe_of
-from beamcam.batch.rules import NOTHING, WRITE
+from beamcam.batch.rules import NO_END, NOTHING, WRITE
 from beamcam.commands import options
 from beamcam.commands.common import REFUSED, Voice, say_lines
 from beamcam.commands.grouped import Grouped
@@ -17,7 +17,7 @@ from beamcam.commands.settings import files_read, settled
 from beamcam.errors import BeamcamError, Diagnostic, Source
 from beamcam.report.run import Row, as_message
 from beamcam.system import INTERRUPTED
-from beamcam.watch import HotFolder, file_away, look
+from beamcam.watch import END_S, HotFolder, file_away, look
 
 
 @click.command("watch", cls=Grouped)
@@ -32,6 +32,10 @@ from beamcam.watch import HotFolder, file_away, look
     help="Seconds for which a file has to be unchanged.",
 )  # fmt: skip
 @click.option(
+    "--end-wait", default=END_S, show_default=True, type=options.Number(least=0),
+    help="Seconds that a file without its end (EN, END-ISO-10303-21, closing bracket) is left.",
+)  # fmt: skip
+@click.option(
     "--every", default=1.0, show_default=True, type=options.Number(least=0.01, most=86400),
     help="Polling interval in seconds.",
 )  # fmt: skip
@@ -43,6 +47,7 @@ def command(
     done: str | None,
     refused: str | None,
     settle: float,
+    end_wait: float,
     every: float,
     once: bool,
     exit_left_out: int | None,
@@ -51,10 +56,10 @@ def command(
 ) -> None:
     """Post what is put into IN_FOLDER, as it comes, until Ctrl-C.
 
-    A file that is still being written is left until it stays the same for a while; one that
-    changes later is posted again. What was posted before the command began is known and not done
-    again. It says where it looks, and of each file what became of it. Exit status: 130 after
-    Ctrl-C, 1 if a file was refused under --once.
+    A file that is still being written is left until it stays the same for a while and has its
+    end; one that changes later is posted again. What was posted before the command began is known
+    and not done again. It says where it looks, and of each file what became of it. Exit status:
+    130 after Ctrl-C, 1 if a file was refused under --once.
 
     \b
     beamcam watch hot -o programs
@@ -69,7 +74,7 @@ def command(
                 _make(place)
     except BeamcamError as error:
         voice.stop(error.diagnostics)
-    hot = HotFolder(settle)
+    hot = HotFolder(settle, end_wait)
     recipe = recipe_of(config, asked, output)
     leave_out = tuple(place for place in (output, done, refused) if place is not None)
     claims: dict[str, str] = {}
@@ -91,6 +96,10 @@ def command(
                     screen.say(map(as_message, said))
                     told = said
                 ready = hot.take(look(found.inputs), time.monotonic())
+                screen.say(
+                    as_message(NO_END.at(Source(one.path), found=f"{end_wait:g}"))
+                    for one in hot.endless
+                )
                 if ready:
                     workers = workers_of(shop, config.jobs, scheduler, len(ready))
                     read = files_read(config, (one.path for one in ready))
