@@ -1,4 +1,4 @@
-"""Where a comment stands in a part: the words of `Comment.before`, and their order.
+"""Position of a comment in a part: the values of `Comment.before`, and their order.
 
 An anchor names what the comment stands before:
 

@@ -1,4 +1,4 @@
-"""How long the axes and switches of a saw and drilling line take: one model for all times.
+"""Motion times of a saw and drilling line: one model of axes and switches for all uses.
 
 Each move is a stretch along which all its axes start and stop together:
 
@@ -27,12 +27,12 @@ SECONDS_PER_MINUTE = 60.0
 
 
 class Leg(Struct, frozen=True):
-    """What the axes do in a stretch of time."""
+    """The motion of the axes in a time interval."""
 
     duration_s: float
     start: Positions
     end: Positions
-    along: Ramp = STANDING  #: the way from start to end
+    along: Ramp = STANDING  #: displacement from start to end
 
 
 class CellMotion:

@@ -63,7 +63,7 @@ def channels_of(colour: str) -> tuple[float, float, float]:
 
 
 def chroma(colour: str) -> float:
-    """Greatest less least channel: 0 for a grey, 1 for a pure colour."""
+    """Maximum minus minimum channel: 0 for a grey, 1 for a pure colour."""
     return max(channels_of(colour)) - min(channels_of(colour))
 
 
@@ -101,7 +101,7 @@ def hue_distance_deg(first: str, second: str) -> float:
 
 
 def _shade(colour: str) -> str:
-    """What a colour is compared by: "hue", "black", "grey", "white", or "pale": by nothing."""
+    """How a colour is compared: by "hue", "black", "grey" or "white", or "pale": not at all."""
     span, value = chroma(colour), max(channels_of(colour))
     if span >= HUE_CHROMA:
         return "hue"
@@ -136,7 +136,7 @@ def colour_name(colour: str) -> str:
 
 
 def process_of(contour: Contour, table: Mapping[str, Process]) -> Process | None:
-    """What `table` says is done with `contour`; None if it says nothing about it."""
+    """The process that `table` assigns to `contour`; None if there is none."""
     key = key_of(contour, table)
     return None if key is None else table[key]
 

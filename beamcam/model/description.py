@@ -27,7 +27,7 @@ def description(feature: Feature) -> str:
 
 
 def named(feature: Feature) -> str:
-    """What a spindle makes, with its size: `a hole of diameter 18`."""
+    """Description of what a spindle makes, with its size: `a hole of diameter 18`."""
     match feature:
         case Hole(kind="mark"):
             return "a centre point"

@@ -1,4 +1,4 @@
-"""What a drawing holds beside its contours, and the extent of curves.
+"""Contents of a drawing other than its contours, and the extent of curves.
 
 Filled shapes and curves on hidden layers are no features, since nothing is cut along them; they
 are kept so that their lengths can be told when somebody asks.
@@ -14,7 +14,7 @@ from beamcam.model.lengths import total_length
 
 
 class Measures(Struct, frozen=True):
-    """What was seen in a drawing and becomes no feature of the part."""
+    """Contents of a drawing that are not features of the part."""
 
     filled: tuple[Curve, ...] = ()  #: outlines of shapes with a fill and no stroke
     hidden: tuple[Curve, ...] = ()  #: curves on layers that are off, frozen or not plotting
@@ -34,7 +34,7 @@ class Measures(Struct, frozen=True):
 
 
 def extent(curves: Iterable[Curve]) -> Box | None:
-    """The least box around all curves; None if there are none.
+    """The bounding box of all curves; None if there are none.
 
     An arc lies inside the box around its circle and a free curve inside the hull of its control
     points. So they are measured only where these reach beyond the box that is known already, first
@@ -64,7 +64,7 @@ def extent(curves: Iterable[Curve]) -> Box | None:
 def _farthest(
     bent: Sequence[tuple[Box, Arc | Bezier | BSpline]],
 ) -> Iterator[tuple[Box, Arc | Bezier | BSpline]]:
-    """Of curves in boxes those whose boxes reach farthest to each side."""
+    """The curves whose bounding boxes reach farthest to each side."""
     if bent:
         yield from (min(bent, key=lambda one: one[0][side]) for side in (0, 1))
         yield from (max(bent, key=lambda one: one[0][side]) for side in (2, 3))

@@ -14,7 +14,7 @@ from beamcam.model.part import Contour, Part
 
 CHORD = 0.2  #: mm, of curves whose inside is filled
 MAX_CHORDS = 4096
-HATCH = "hatch"  #: where a line of a hatch is said to be
+HATCH = "hatch"  #: source of the lines of a hatch in messages
 
 
 def hatched(part: Part, torch: Torch) -> Part:

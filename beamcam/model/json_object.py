@@ -1,4 +1,4 @@
-"""JSON as records, with messages that say where in the file a value stands."""
+"""JSON as records, with messages that locate a value in the file."""
 
 from typing import TypeVar
 
@@ -65,7 +65,7 @@ class Place(Struct, frozen=True):
         return ReadError(self.diagnostic(rule, **values))
 
     def wrong(self, found: object, expected: str) -> ReadError:
-        """What is said of a value outside what its key allows."""
+        """Message for a value out of the range of its key."""
         return self.fault(JSON_VALUE, found=show(found), expected=expected)
 
 

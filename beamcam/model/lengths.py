@@ -1,4 +1,4 @@
-"""Lengths of many curves at once, and how much of them lies twice on the same place.
+"""Lengths of many curves at once, and the length of duplicates among them.
 
 Lines and arcs have closed forms. All Bezier curves of one degree are integrated together, by numpy,
 which is imported only when a drawing has some.
@@ -20,7 +20,7 @@ from beamcam.geometry.curves import (
 )
 from beamcam.geometry.plane import Point, dot
 
-#: Curves nearer than this lie on the same place.
+#: Curves nearer than this coincide.
 SAME_PLACE = 1e-3
 
 

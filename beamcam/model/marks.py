@@ -10,7 +10,7 @@ MARK_KINDS: tuple[MarkKind, ...] = ("text", "points", "contours")
 
 
 def mark_kind(feature: Feature) -> MarkKind | None:
-    """The key of `[marks]` that decides on a feature; None of one that is no mark.
+    """The key of `[marks]` that applies to a feature; None if it is not a mark.
 
     What a line of a drawing is for is told by its layer and colour, not by a policy.
     """
@@ -26,6 +26,6 @@ def mark_kind(feature: Feature) -> MarkKind | None:
 
 
 def policy_on(feature: Feature, marks: Marks) -> Policy | None:
-    """What a machine does with a mark; None of a feature that is none."""
+    """A machine's policy for a mark; None for any other feature."""
     kind = mark_kind(feature)
     return None if kind is None else getattr(marks, kind)

@@ -8,7 +8,7 @@ from beamcam.model.part import Contour, Feature, Hole, Slot, TextMark
 
 
 def moved_feature(feature: Feature, by: Point) -> Feature:
-    """The feature moved in the plane of its plate; what lies across the plate stays."""
+    """The feature moved in the plane of its plate; values across the plate stay."""
     if isinstance(feature, Contour):
         curves = tuple([moved_curve(curve, by) for curve in feature.curves])
         return replace(feature, curves=curves)

@@ -207,7 +207,7 @@ class SectionPoint(Keys, frozen=True):
 
 
 class Comment(Keys, frozen=True):
-    """A comment of the file, with the place that it stands before."""
+    """A comment of the file, and the place it precedes."""
 
     text: str
     before: str  #: "header:9", "feature:4", "feature:4:2" (row 2 of it), "end"; see anchors.py
@@ -232,7 +232,7 @@ class Part(Struct, frozen=True):
     weight: float = 0.0  #: kg/m, of a plate kg/m2
     surface: float = 0.0  #: paint, m2/m, of a plate m2/m2
     notes: tuple[str, ...] = ()  #: the free texts of the header
-    tolerance: tuple[float, float] | None = None  #: of the length, least and greatest
+    tolerance: tuple[float, float] | None = None  #: of the length, lower and upper
     section: tuple[SectionPoint, ...] = ()
     info: tuple[tuple[str, str], ...] = ()  #: word and text (IN)
     comments: tuple[Comment, ...] = ()

@@ -1,4 +1,4 @@
-"""What a program's head may say about its parts, as texts for the words of a machine."""
+"""Part data for a program's header, as texts for the words of a machine."""
 
 from collections.abc import Iterable, Mapping, Sequence
 

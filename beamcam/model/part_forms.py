@@ -34,7 +34,7 @@ from beamcam.model.quantities import (
 
 
 class Located(Keys, frozen=True, kw_only=True):
-    """Where a thing was read from; one that is written by hand says nothing."""
+    """The source of an object; absent if written by hand."""
 
     line: Whole | UnsetType | None = UNSET  #: of its file
     where: str | None = None  #: its place in a file without lines, such as a handle
@@ -93,7 +93,7 @@ class FunctionForm(Keys, frozen=True):
 
     y: str
     x: str | None = None
-    t: tuple[Number | str, ...] | None = None  #: both ends of a way, numbers or arithmetic
+    t: tuple[Number | str, ...] | None = None  #: both ends of the parameter, numbers or arithmetic
     low: Number | str | None = field(default=None, name="from")  #: of a graph
     high: Number | str | None = field(default=None, name="to")
     tolerance: Positive | None = None  #: distance of the curves from it, mm
@@ -224,7 +224,7 @@ class PartForm(Keys, frozen=True, kw_only=True):
     weight: Number = 0.0  #: kg/m, of a plate kg/m2
     surface: Number = 0.0  #: paint, m2/m, of a plate m2/m2
     notes: tuple[str, ...] = ()
-    tolerance: tuple[Number, Number] | None = None  #: of the length, least and greatest
+    tolerance: tuple[Number, Number] | None = None  #: of the length, lower and upper
     section: tuple[SectionPoint, ...] = ()
     info: tuple[tuple[str, str], ...] = ()  #: word and text
     comments: tuple[Comment, ...] = ()

@@ -146,7 +146,7 @@ def _each(forms: Iterable[Form], place: Place) -> Iterator[tuple[Form, Place]]:
 
 
 def _source(form: Located, place: Place, file: str) -> Source:
-    """The source that an object keeps; of one written by hand its path."""
+    """The recorded source of an object; its JSON path if written by hand."""
     if isinstance(form.line, UnsetType):
         return Source(form.file or file, None, place.path)
     return Source(form.file or file, form.line, form.where)

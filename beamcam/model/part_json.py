@@ -90,7 +90,7 @@ def _place(source: Source, file: str) -> Json:
 
 
 def _feature(feature: Feature) -> tuple[str, Json]:
-    """The list that a feature stands in, and its own keys."""
+    """The list that holds a feature, and the feature's own keys."""
     match feature:
         case Hole():
             return "holes", {

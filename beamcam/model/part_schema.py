@@ -6,7 +6,7 @@ from beamcam.model.part_json import PART_SCHEMA
 
 
 def part_schema() -> Schema:
-    """What a file of the form `beamcam/part/1` may say."""
+    """JSON schema of the format `beamcam/part/1`."""
     schema = schema_of(PartForm)
     schema["$defs"]["PartForm"]["properties"]["schema"] = {"const": PART_SCHEMA}
     schema["$defs"]["CurveForm"] |= {"minProperties": 1, "maxProperties": 1}

@@ -42,7 +42,7 @@ class Bar(Struct, frozen=True):
 
     @property
     def left(self) -> float:
-        """What is left of the bar behind the last cut."""
+        """The remnant of the bar after the last cut."""
         return self.remnant + self.end_trim
 
     @property
@@ -114,12 +114,12 @@ class ToolLoad(Struct, frozen=True):
     number: int = 0  #: what the program calls the spindle
 
 
-#: What is said of outcomes by which nothing is made.
+#: Wording of outcomes by which nothing is made.
 NOT_MADE = {"skipped": "left out", "listed": "left to the hand"}
 
 
 class Outcome(Struct, frozen=True):
-    """What became of one feature."""
+    """The outcome of one feature."""
 
     feature: FeatureRef
     how: Literal["made", "merged", "duplicate", "listed", "skipped"]
@@ -141,7 +141,7 @@ class Plan(Struct, frozen=True):
 
 
 class Pass(Struct, frozen=True):
-    """What the head does between one start of its tool and the end."""
+    """The work of the head between tool on and tool off."""
 
     lead_in: tuple[Curve, ...]  #: from the pierced hole to the contour
     curves: tuple[Curve, ...]  #: along it
@@ -154,21 +154,21 @@ class ContourOp(Struct, frozen=True):
     row: TorchRow  #: the process and how it runs
     passes: tuple[Pass, ...]  #: machine coordinates
     closed: bool
-    depth: int  #: how many cut contours lie around it
-    side: Literal["on", "left", "right"]  #: where the controller keeps the tool, by half a kerf
+    depth: int  #: nesting depth: number of cut contours around it
+    side: Literal["on", "left", "right"]  #: side of the controller's kerf compensation
     kerf: float  #: what is compensated, by whomever
     features: tuple[FeatureRef, ...]
     source: Source
 
     @property
     def start(self) -> Point:
-        """Where the tool is started first."""
+        """The first point at which the tool is started."""
         first = self.passes[0]
         return (first.lead_in or first.curves)[0].start
 
     @property
     def end(self) -> Point:
-        """Where the tool is stopped last."""
+        """The last point at which the tool is stopped."""
         last = self.passes[-1]
         return (last.lead_out or last.curves)[-1].end
 

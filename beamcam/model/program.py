@@ -53,7 +53,7 @@ class DrillCycle(Struct, frozen=True):
 
 
 class PathPoint(Struct, frozen=True):
-    """A point of a path in machine coordinates, with what stands above it."""
+    """A point of a path in machine coordinates, with the tool positions above it."""
 
     x: float
     start: tuple[float, float]  #: Y and Z where the spindle may travel
@@ -74,12 +74,12 @@ class PathCycle(Struct, frozen=True):
 
 
 class ChangeTool(Struct, frozen=True):
-    """Stop until another tool has been put into a station by hand."""
+    """Program stop for a manual tool change."""
 
     spindle: int  #: what the program calls it
     station: int  #: counted from 1
     diameter: float
-    text: str  #: what to put in, for whoever stands at the machine
+    text: str  #: tool to load, for the operator
 
 
 class Comment(Struct, frozen=True):

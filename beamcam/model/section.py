@@ -1,4 +1,4 @@
-"""The walls of a section: where they stand behind a face, and whether they can be at all.
+"""The walls of a section: their position behind a face, and whether they are possible.
 
    I              U, C           L              M              T
 ___o___         ___o____         |            ____o___
@@ -64,7 +64,7 @@ def free_edges(profile: Profile, face: Face) -> tuple[bool, bool]:
 
 
 def section_fault(profile: Profile) -> str | None:
-    """What cannot be about the figures of a section, in words; None if nothing."""
+    """What is impossible in a section's dimensions, in words; None if nothing is."""
     if profile.code not in WALLED:
         return None
     height, width = profile.height, profile.width

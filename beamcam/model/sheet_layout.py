@@ -25,7 +25,7 @@ FACES = ("v", "h")  #: of a plate; what goes through has the same numbers on bot
 
 
 def is_laid_otherwise(torch: Torch) -> bool:
-    """Whether a part does not lie as it is drawn, or is not alone."""
+    """Whether a part is moved from its drawn position, or repeated."""
     return bool(torch.mirror != "none" or torch.rotate or torch.copies != (1, 1))
 
 

@@ -45,4 +45,4 @@ class StepTable(Struct, frozen=True):
     sequence: tuple[str, ...]  #: words of forward steps
     rows: Callable[[], Iterator[StepRows]]
     stretches: Callable[[], Iterator[VelocityRow]]
-    remarks: tuple[str, ...] = ()  #: for whoever stands at the machine
+    remarks: tuple[str, ...] = ()  #: for the operator

@@ -1,4 +1,4 @@
-"""Where a spindle goes for an operation, by the machine's formulas."""
+"""Spindle positions for an operation, by the machine's formulas."""
 
 from msgspec import Struct
 

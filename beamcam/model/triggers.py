@@ -49,4 +49,4 @@ class TriggerTable(Struct, frozen=True):
 
     job: str
     operations: tuple[TriggerOp, ...]
-    remarks: tuple[str, ...] = ()  #: for whoever stands at the machine
+    remarks: tuple[str, ...] = ()  #: for the operator

@@ -1,10 +1,10 @@
-"""How long the work of a plan takes."""
+"""Work time of a plan."""
 
 from msgspec import Struct
 
 
 class WorkTime(Struct, frozen=True):
-    """Seconds of each operation, in the order of work, and of what lies between and behind them."""
+    """Seconds of each operation in order of work, and of what is between and after them."""
 
     operations: tuple[float, ...]
     reloads_s: float = 0.0  #: tools put into stations by hand during the work

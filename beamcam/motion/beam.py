@@ -29,7 +29,7 @@ from beamcam.model.stroke import Stroke, Strokes
 
 
 class Section(Struct, frozen=True):
-    """What is known of a section on a machine."""
+    """Section data as needed on one machine."""
 
     strokes: Strokes
     made: BoundedCache[tuple[object, ...], SpindleStroke]  #: by the steel's grade and the operation
@@ -79,7 +79,7 @@ def _commands(plan: Plan, machine: Machine) -> Iterator[Command]:
 
 
 def _change(load: ToolLoad) -> Iterator[Command]:
-    """What to put into a station by hand before the next operation, and the stop for it."""
+    """Manual tool change before the next operation, with its program stop."""
     out = f" for {load.out.name}" if load.out else ""
     text = f"{load.spindle} station {load.station}: {load.tool.name}{out}"
     yield Comment(text)

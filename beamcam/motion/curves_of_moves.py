@@ -1,4 +1,4 @@
-"""The curve of a move, from where the head stands."""
+"""The curve of a move, from the current position of the head."""
 
 from math import atan2, cos, degrees, hypot, radians, sin
 

@@ -1,4 +1,4 @@
-"""Curves to points: what a controller that knows lines only is given.
+"""Curves to points, for controllers that only know lines.
 
 Two rules meet here. The chord rule says how far apart points may be, so that their chords stay
 near the curve. The cycle rule says how far apart they must be, so that a controller that looks
@@ -34,9 +34,9 @@ from beamcam.motion.spans import (
 
 
 class DensifyRules(Struct, frozen=True):
-    """How near the points must stay, and how fast they come."""
+    """Chord tolerance and point rate."""
 
-    tolerance: float  #: greatest distance between the curves and the path that is put out
+    tolerance: float  #: maximum distance between the curves and the output path
     rounding: Rounding = EXACT
     speed_mm_s: float = inf
     cycle_s: float = 0.0  #: time between two looks of the controller; 0 for no cycle rule
@@ -55,7 +55,7 @@ class DensifyRules(Struct, frozen=True):
 
 
 class SlowSection(Struct, frozen=True):
-    """Points `first` to `last` are passed at a lower speed than was asked for."""
+    """Points `first` to `last` are passed at less than the programmed speed."""
 
     first: int
     last: int
@@ -63,7 +63,7 @@ class SlowSection(Struct, frozen=True):
 
 
 class Certificate(Struct, frozen=True):
-    """What is known about a densified path."""
+    """Properties of a densified path."""
 
     deviation: float  #: no point of curve or path is farther from the other, rounding included
     points: int

@@ -48,19 +48,19 @@ def paced(
 
 
 def calm_radius(speed_mm_s: float, limits: PathLimits) -> float:
-    """The least radius around which the head may go at a speed."""
+    """The minimum radius that the head can follow at a speed."""
     by_jerk = sqrt(speed_mm_s**3 / limits.jerk_mm_s3)
     return max(speed_mm_s * speed_mm_s / limits.across_mm_s2, by_jerk)
 
 
 def turning_mm_s(radius: float, limits: PathLimits) -> float:
-    """The greatest speed around a radius; `calm_radius` the other way round."""
+    """The maximum speed around a radius; the inverse of `calm_radius`."""
     by_jerk = cbrt(limits.jerk_mm_s3 * radius * radius)
     return min(limits.speed_mm_s, sqrt(limits.across_mm_s2 * radius), by_jerk)
 
 
 def feasible_mm_s(here: Point, move: Movement, limits: PathLimits) -> float:
-    """The greatest speed at which the axes can follow a move that starts `here`."""
+    """The maximum speed at which the axes can follow a move that starts `here`."""
     if isinstance(move, Feed):
         dx, dy = abs(move.x - here[0]), abs(move.y - here[1])
         length = hypot(dx, dy)
@@ -73,7 +73,7 @@ def feasible_mm_s(here: Point, move: Movement, limits: PathLimits) -> float:
 
 
 def min_radius(here: Point, move: ArcFeed | ParabolaFeed | EllipseFeed) -> float:
-    """The least radius of curvature of a curve that starts `here`; of an ellipse, of all of it."""
+    """Minimum radius of curvature of a curve that starts `here`; for an ellipse, of all of it."""
     if isinstance(move, ArcFeed):
         return hypot(move.i, move.j)
     if isinstance(move, ParabolaFeed):

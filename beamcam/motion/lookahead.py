@@ -1,4 +1,4 @@
-"""How fast each segment of a path may be passed, so that no axis is asked for too much.
+"""Look-ahead: the speed of each segment of a path within the limits of the axes.
 
     1  Limits. A segment has those of its axes along its direction. A junction turns the path:
        it is passed at the speed at which a circle that stays within `deviation` of the corner
@@ -36,7 +36,7 @@ CURVE_TURN_COS = cos(radians(30.0))
 
 
 class LookAheadRules(Struct, frozen=True):
-    """What the axes can do, and how corners are taken."""
+    """Axis limits and cornering rules."""
 
     axes: tuple[Limits, ...]  #: one for each column of the points
     deviation: float = 0.01  #: of a corner's circle from the corner; 0 stops at every corner
@@ -84,7 +84,7 @@ def plan_speeds(points: ArrayLike, speed_mm_s: ArrayLike, rules: LookAheadRules)
 
 
 def _along(directions: Floats, axes: Sequence[float]) -> Floats:
-    """What the axes' limits allow along unit vectors: the least of limit / |component|."""
+    """The axis limits along unit vectors: the minimum of limit / |component|."""
     with np.errstate(divide="ignore"):
         found: Floats = np.min(np.asarray(axes) / np.abs(directions), axis=1)
     return found

@@ -11,11 +11,11 @@ DOUBT = 1e-5
 
 
 class Numbers(Struct, frozen=True):
-    """How the controller's numbers are written and what it accepts."""
+    """Number format of the controller, and what it accepts."""
 
     decimals: int
     angle_decimals: int
-    tolerance: float  #: left for chords that stand for an arc
+    tolerance: float  #: left for chords that replace an arc
     arc_limit: float  #: max difference of the radii at both ends
     min_radius: float
     max_radius: float

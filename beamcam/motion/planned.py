@@ -22,7 +22,7 @@ class PlannedPath(Struct, frozen=True):
     phase_segment: Counts  #: (m,), the segment of each phase
     phase_start_s: Floats  #: (m,), from the start of the path
     phase_duration_s: Floats  #: (m,)
-    phase_position: Floats  #: (m,), way from the start of the segment
+    phase_position: Floats  #: (m,), distance from the start of the segment
     phase_velocity: Floats  #: (m,)
     phase_acceleration: Floats  #: (m,)
     phase_jerk: Floats  #: (m,)
@@ -165,7 +165,7 @@ def _count_within(flags: Counts, groups: Counts) -> Counts:
 
 
 def _time_at(way: Floats, v: Floats, a: Floats, j: Floats, longest: Floats) -> Floats:
-    """Times at which phases have made `way`: the way only grows, so halving finds it."""
+    """Times at which phases have covered `way`, by bisection, as the distance only grows."""
     low, high = np.zeros_like(way), longest.copy()
     for _ in range(54):
         t = (low + high) / 2

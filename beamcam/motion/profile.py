@@ -24,7 +24,7 @@ MIN_SHARE = 1e-12
 
 
 class Limits(Struct, frozen=True):
-    """What an axis can do; an infinite jerk allows steps of the acceleration."""
+    """Limits of an axis; an infinite jerk allows steps of the acceleration."""
 
     velocity: float
     acceleration: float
@@ -106,7 +106,7 @@ def profile_to_velocity(velocity: float, time_s: float, jerk_percent: float) -> 
 
 
 def profile_by_acceleration(acceleration: float, time_s: float, jerk_percent: float) -> Profile:
-    """A ramp from rest of `time_s`, whose greatest acceleration is `acceleration`."""
+    """A ramp from rest of `time_s`, whose maximum acceleration is `acceleration`."""
     _check(time_s, jerk_percent)
     velocity = acceleration * time_s * (1.0 - jerk_percent / 200.0)
     return profile_to_velocity(velocity, time_s, jerk_percent)
@@ -192,7 +192,7 @@ def fastest_profile(
 
 
 def ramp_distance(v0: float, v1: float, limits: Limits) -> float:
-    """Way made while the velocity changes from `v0` to `v1` in the least time."""
+    """Distance covered while the velocity changes from `v0` to `v1` in minimum time."""
     return (v0 + v1) / 2 * ramp_time_s(v1 - v0, limits)
 
 

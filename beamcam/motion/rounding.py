@@ -1,4 +1,4 @@
-"""What a machine makes of a coordinate: decimals of a text, counts of an encoder."""
+"""Rounding of a coordinate: to the decimals of a text or the counts of an encoder."""
 
 from math import sqrt
 

@@ -1,4 +1,4 @@
-"""How long a cutting table takes for a program: the look-ahead over its moves.
+"""Run time of a program on a cutting table, from the look-ahead over its moves.
 
     traverse            from rest to rest, as fast as the axes go
     tool on             its wait to pierce
@@ -56,14 +56,14 @@ class Segment(Struct, frozen=True):
 
 
 def program_time(plan: SheetPlan, program: Program, machine: Machine) -> WorkTime:
-    """How long the program of a plan takes, by its operations; each with the way to it."""
+    """Run time of a plan's program by operation, each with the traverse to it."""
     passes = _passes(program, machine)
     operations = tuple(sum(next(passes) for _ in op.passes) for op in plan.operations)
     return WorkTime(operations, 0.0, sum(passes))
 
 
 def _passes(program: Program, machine: Machine) -> Iterator[float]:
-    """Seconds of each pass with the traverse before it, and of the way home."""
+    """Seconds of each pass with the traverse before it, and of the return home."""
     if machine.torch is None:
         raise TypeError(f"{machine.name} has no torch")
     limits = path_limits(machine)

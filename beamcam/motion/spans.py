@@ -1,4 +1,4 @@
-"""How finely a curve has to be cut up so that its chords stay near it.
+"""Subdivision of curves, so that their chords stay within a tolerance.
 
 A span is a stretch of a curve that is drawn in equal steps of its parameter. For each span this
 module finds the number of steps and a bound on the distance between curve and chords.
@@ -198,7 +198,7 @@ def step_counts(bend: Floats, smooth: NDArray[np.bool_], tolerance: float) -> Co
 
 
 def parts_for(counts: Counts, smooth: NDArray[np.bool_]) -> Counts:
-    """Into how many parts of their own step size curves are cut: 1 to 16, powers of two.
+    """Number of parts, each with its own step size, of each curve: 1 to 16, powers of two.
 
     Short steps where the curve is sharp then do not cost points where it is nearly straight.
     """

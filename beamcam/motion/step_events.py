@@ -1,4 +1,4 @@
-r"""When each motor has to step along a planned path.
+r"""Step times of each motor along a planned path.
 
 An axis stands on a grid of steps, always on the place nearest to where the path is; so it steps
 when the path passes the middle between two places:
@@ -21,7 +21,7 @@ from beamcam.geometry.array_types import Counts, Floats
 from beamcam.machine.tables import Stepper
 from beamcam.motion.planned import PlannedPath
 
-WINDOW_STEPS = 1 << 16  #: of the way that is worked on at once
+WINDOW_STEPS = 1 << 16  #: length of path processed at once
 MICROSECONDS = 1e6
 NEWTON_ROUNDS = 6
 HAIR = 1e-9  #: a change of the motion this near behind a corner is at the corner
@@ -49,7 +49,7 @@ def events(path: PlannedPath, stepper: Stepper) -> Iterator[tuple[Counts, Counts
 
 
 class _Clock:
-    """The pieces of a way, and when each place of it is passed.
+    """The pieces of a path, and when each position is passed.
 
     Piece k goes from `marks[k]` to `marks[k + 1]`, within phase `phase[k]` of the motion; window k
     begins with piece `windows[k]`.

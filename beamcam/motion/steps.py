@@ -1,4 +1,4 @@
-"""Step tables: when each motor has to turn by one word of its sequence.
+"""Step tables: the times at which each motor advances by one word of its sequence.
 
 plan -> ways -> planned motion -> steps of each axis (step_events) -> rows of words
 """
@@ -49,7 +49,7 @@ def max_speed(stepper: Stepper) -> float:
 
 
 def plan_way(way: Way, stepper: Stepper) -> PlannedPath:
-    """The motion along a way, from rest to rest."""
+    """The motion along a path, from rest to rest."""
     axis = Limits(max_speed(stepper), stepper.acceleration, stepper.jerk)
     return plan_speeds(way.points, way.speed_mm_s, LookAheadRules((axis, axis), stepper.corner))
 
@@ -141,7 +141,7 @@ class _Words:
 
 
 def _without(values: NDArray[Any], which: Counts) -> NDArray[Any]:
-    """`values` without those at `which`. Few of them leave long runs, which are quicker to copy."""
+    """`values` without those at `which`, copied by the runs between them, which is faster."""
     if len(which) > FEW:
         return np.delete(values, which)
     first, *more = np.split(values, which)

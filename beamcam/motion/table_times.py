@@ -1,4 +1,4 @@
-"""How long the tables without G-code take: chains of triggers, and step tables."""
+"""Run times of tables without G-code: chains of triggers, and step tables."""
 
 from collections.abc import Iterator
 from math import asin, ceil, dist
@@ -18,10 +18,10 @@ CYCLE_SLACK = 1e-9
 
 
 def trigger_time(plan: SheetPlan, table: TriggerTable, machine: Machine) -> WorkTime:
-    """How long a chain of triggers takes, from the corner of the work area and back to it.
+    """Run time of a chain of triggers, from the corner of the work area and back to it.
 
     Each operation runs from rest to rest; the next begins in the cycle behind the one that sees
-    its arrival. Homing is not in it, as nobody knows from where.
+    its arrival. Homing is not included, as its start position is unknown.
     """
     triggers = machine.triggers
     if triggers is None:
@@ -32,7 +32,7 @@ def trigger_time(plan: SheetPlan, table: TriggerTable, machine: Machine) -> Work
 
 
 def _passes(table: TriggerTable, triggers: Triggers) -> Iterator[float]:
-    """Seconds of each pass with the way to it, and of the way home."""
+    """Seconds of each pass with the traverse to it, and of the return home."""
     here, seconds = (0.0, 0.0), 0.0
     for op in table.operations:
         seconds += operation_seconds(op, here, triggers)
@@ -56,7 +56,7 @@ def length_through(start: Point, middle: Point, end: Point) -> float:
 
 
 def operation_seconds(op: TriggerOp, here: Point, triggers: Triggers) -> float:
-    """How long an operation takes that starts `here`, until the next one begins."""
+    """Seconds from an operation that starts `here` to the start of the next one."""
     cycles = ceil(_seconds(op, here, triggers) / triggers.cycle_s - CYCLE_SLACK) + 1
     return cycles * triggers.cycle_s
 
@@ -72,7 +72,7 @@ def _seconds(op: TriggerOp, here: Point, triggers: Triggers) -> float:
 
 
 def step_time(plan: SheetPlan, machine: Machine) -> WorkTime:
-    """How long a step table takes: until its last step, and the standstill behind that.
+    """Run time of a step table: until its last step, and the standstill after it.
 
     Each way is planned by the look-ahead, from rest to rest, as for the rows themselves.
     """

@@ -68,7 +68,7 @@ class _Way:
         self.triggers = triggers
 
     def grid(self, point: Point) -> Point:
-        """The place that the controller is told: cut after its last decimal, as it cuts itself."""
+        """The position sent to the controller, truncated after its last decimal."""
         counts = 10**self.decimals
         x, y = (trunc(v * counts + copysign(TRUNCATION_SLACK, v)) / counts + 0.0 for v in point)
         return x, y

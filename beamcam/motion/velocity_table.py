@@ -1,4 +1,4 @@
-"""The ways of a stepper table: points with a speed, the laser on or off, from corner to corner."""
+"""Toolpaths of a stepper table: points with a speed, laser on or off, from corner to corner."""
 
 from collections.abc import Iterator
 from itertools import pairwise
@@ -51,9 +51,9 @@ def ways(plan: SheetPlan, machine: Machine) -> list[Way]:
 
 
 def speed_at(torch: Torch, process: TorchProcess, material: str, thickness: float) -> float:
-    """Speed in mm/s, between the rows of the machine's table by a straight line.
+    """Speed in mm/s, interpolated linearly between the rows of the machine's table.
 
-    A row's speed is that of its greatest thickness; below the thinnest row it is that row's.
+    A row's speed holds at its maximum thickness; below the thinnest row it is that row's.
     Raises ValueError where no row fits.
     """
     from fnmatch import fnmatchcase
