@@ -1,6 +1,6 @@
 """Steel members and drawings in, verified machine programs out.
 
-From Python: `beamcam.read`, `beamcam.plan`, `beamcam.post` and `beamcam.verify`, which are the
+From Python: `beamcam.read`, `load`, `plan`, `post`, `verify` and `convert`, which are the
 functions of `beamcam.api`, imported when they are first asked for.
 """
 
@@ -10,11 +10,11 @@ from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from beamcam.api import plan, post, read, verify
+    from beamcam.api import convert, load, plan, post, read, verify
 
 __version__ = "0.1.0"
 
-__all__ = ["__version__", "plan", "post", "read", "verify"]
+__all__ = ["__version__", "convert", "load", "plan", "post", "read", "verify"]
 
 
 class _Verify(ModuleType):
@@ -40,7 +40,7 @@ sys.modules[__name__].__class__ = _Package
 
 
 def __getattr__(name: str) -> Any:
-    if name in ("plan", "post", "read", "verify"):
+    if name in __all__:
         if name == "verify":
             return import_module("beamcam.verify")
         return getattr(import_module("beamcam.api"), name)

@@ -7,20 +7,32 @@
     assert not beamcam.verify(posted.text, reading.parts, "beamline")
     print(posted.text)
 
-These four functions and what they give back are stable. A machine is the name of a shipped one,
-the path of a TOML file, or a `Machine`. What cannot be done raises a `BeamcamError` that carries
+These functions, `load` and `convert`, and what they give back are stable. A machine is everywhere
+the name of a shipped one, the path of a TOML file, or a `Machine`; `load` gives one as a job wants
+it. What cannot be done raises a `BeamcamError` that carries
 its diagnostics, an `AskError` where the call itself is wrong; what is only to be said comes back
-as diagnostics beside the result. All four may be called from several threads at once.
+as diagnostics beside the result. All of them may be called from several threads at once.
 """
 
 import os
-from collections.abc import Collection, Iterable
+from collections.abc import Collection, Iterable, Mapping, Sequence
+from typing import Any, Literal, TypedDict, Unpack
 
 from msgspec.structs import replace
 
-from beamcam.asked import check_asked, check_flags, check_text, machine_asked, parts_asked
-from beamcam.controllers.machine_words import load_machine
-from beamcam.errors import Diagnostic, ReadError
+from beamcam.asked import (
+    ASK_TYPE,
+    ASK_VALUE,
+    AnyMachine,
+    AskError,
+    check_asked,
+    check_flags,
+    check_text,
+    converted,
+    machine_of,
+    parts_asked,
+)
+from beamcam.errors import Diagnostic, PlanError, ReadError, Source
 from beamcam.machine import Machine
 from beamcam.machine.defaults import DEFAULT_MACHINE
 from beamcam.model.part import Part
@@ -33,32 +45,147 @@ from beamcam.posts import Job, Request, post_of
 from beamcam.readers import read as read_bytes
 from beamcam.readers.reading import Reading
 
-__all__ = ["plan", "post", "read", "verify"]
+__all__ = ["convert", "load", "plan", "post", "read", "verify"]
 
-AnyMachine = str | os.PathLike[str] | Machine
+Process = Literal["cut", "mark", "engrave", "ignore"]
+
+
+class SheetOptions(TypedDict, total=False):
+    """How a sheet is cut, as the options of the command line and the keys of `[sheet]`; mm."""
+
+    thickness: float
+    material: str
+    kerf: float
+    kerf_by: Literal["none", "offset", "machine"]
+    lead: Literal["none", "line", "arc"]
+    tabs: int
+    inner_tabs: bool
+    place: Literal["corner", "drawn"]
+    origin: Literal["table", "lower-left", "lower-right", "upper-left", "upper-right", "centre"]
+    mirror: Literal["none", "x", "y"]
+    rotate: float
+    copies: tuple[int, int]
+    spacing: float
+    sheet_size: tuple[float, float]
+    unrolled: bool
+
+
+def load(
+    machine: AnyMachine = DEFAULT_MACHINE,
+    *,
+    map: Mapping[str, Process | Mapping[str, object]] | None = None,
+    tolerances: Mapping[str, float] | None = None,
+    **sheet: Unpack[SheetOptions],
+) -> Machine:
+    """A machine as a job wants it, for every function that takes one.
+
+    `map` says what is done with a colour or layer, `tolerances` are those of a drill (merge,
+    duplicate, sink, path, twin), `sheet` how a sheet is cut; all as in `beamcam.toml`, over what
+    the machine's file says. Raises MachineError; AskError for a name or value that cannot be
+    meant; ConfigError and PlanError for what this machine cannot do.
+    """
+    from beamcam.config.values import Config, ConfigFile
+
+    loaded = machine_of(machine)
+    tables: dict[str, Any] = {"sheet": sheet, "map": map or {}, "tolerances": tolerances or {}}
+    asked = converted(tables, ConfigFile)
+    config = Config(loaded.name, sheet=asked.sheet, map=asked.map, tolerances=asked.tolerances)
+    if config.tolerances:
+        from beamcam.config.apply import with_tolerances
+
+        loaded = with_tolerances(loaded, config)
+    if not (config.map or sheet):
+        return loaded
+    from beamcam.machine.overlay import with_torch
+
+    try:
+        return with_torch(
+            loaded, config.meanings, settings=config.look_settings, **config.sheet.given()
+        )
+    except ValueError as error:
+        from beamcam.planning.contours.rules import OPTION
+
+        raise PlanError(OPTION.at(Source(loaded.name), found=error)) from error
 
 
 def read(
-    source: str | os.PathLike[str] | bytes, *, name: str = "part", strict: bool = False
+    source: str | os.PathLike[str] | bytes,
+    *,
+    name: str = "part",
+    strict: bool = False,
+    units: str | None = None,
+    width: str | None = None,
+    layers: Sequence[str] = (),
+    letters: Sequence[str] = (),
+    encoding: str | None = None,
 ) -> Reading:
     """What is in a file of any format, or in its bytes: `parts` and `diagnostics`.
 
     `name` is what bytes are called in messages; its suffix, if any, says which format is tried
-    first. `strict` makes warnings errors. Raises ReadError if there is an error; its diagnostics
-    are all of them.
+    first. `strict` makes warnings errors. Of a drawing `units` are those of its numbers, `width`
+    that of an SVG's page ("600mm"), `layers` the ones to read, `letters` those whose texts become
+    strokes; `encoding` is the alphabet of a DSTV file. Raises ReadError if there is an error; its
+    diagnostics are all of them.
     """
     check_flags(strict=strict)
     check_text("name", name)
     check_text("source", source, bytes, os.PathLike)
+    options = _reader_options(units, width, layers, letters, encoding)
     if isinstance(source, bytes):
-        reading = read_bytes(source, name)
+        reading = read_bytes(source, name, **options)
         if strict:
             reading = replace(reading, diagnostics=tuple(map(as_error, reading.diagnostics)))
     else:
-        reading = read_file(os.fspath(source), strict)
+        reading = read_file(os.fspath(source), strict, **options)
     if reading.refused:
         raise ReadError(reading.diagnostics)
     return reading
+
+
+def _reader_options(
+    units: str | None,
+    width: str | None,
+    layers: Sequence[str],
+    letters: Sequence[str],
+    encoding: str | None,
+) -> dict[str, object]:
+    """What was asked of a reader, by the names that readers have for it. Raises AskError."""
+    for name, text in (("units", units), ("width", width), ("encoding", encoding)):
+        if text is not None:
+            check_text(name, text)
+    if encoding is not None:
+        try:
+            "a".encode(encoding)
+        except (LookupError, UnicodeError) as error:
+            said = ASK_VALUE.at(Source("beamcam"), name="encoding", fault=str(error))
+            raise AskError(said) from error
+    asked: dict[str, object] = {"units": units, "width": width, "encoding": encoding}
+    for name, names in (("layers", layers), ("letters", letters)):
+        if names:
+            asked[name] = converted(names, tuple[str, ...], name)
+    return asked
+
+
+def convert(part: Part, to: str = "dstv", *, thickness: float | None = None) -> str:
+    """The text of a part in another format: "dstv", "part-json" or "faces-dxf".
+
+    `thickness` is that of a drawing's sheet in mm, which no drawing says. Raises AskError, and
+    BeamcamError for what the format cannot hold.
+    """
+    from beamcam.writers import TARGETS
+
+    (only,) = parts_asked(part)
+    target = next((target for target in TARGETS if target.name == to), None)
+    if target is None:
+        expected = ", ".join(target.name for target in TARGETS)
+        said = ASK_TYPE.at(Source("beamcam"), name="to", found=repr(to), expected=expected)
+        raise AskError(said)
+    if thickness is not None and only.profile.web_thickness is None:
+        from beamcam.config.values import Sheet
+
+        asked = converted({"thickness": thickness}, Sheet).thickness
+        only = replace(only, profile=replace(only.profile, web_thickness=asked))
+    return target.write(only)
 
 
 def plan(
@@ -74,7 +201,7 @@ def plan(
     may be left out, as `--allow-skips` does. Raises PlanError and MachineError.
     """
     check_asked(bar=bar, skips=skips)
-    loaded = _machine(machine)
+    loaded = machine_of(machine)
     return post_of(loaded).plan(Job(parts_asked(parts), loaded, bar=bar, skips=named_skips(skips)))
 
 
@@ -94,7 +221,7 @@ def post(
     anything else.
     """
     check_flags(read_back=read_back)
-    return post_bar(parts_asked(parts), _machine(machine), job, bar, skips, read_back)
+    return post_bar(parts_asked(parts), machine_of(machine), job, bar, skips, read_back)
 
 
 def verify(
@@ -114,10 +241,5 @@ def verify(
     check_asked(skips=skips)
     check_text("program", program, bytes)
     check_text("name", name)
-    request = Request(parts_asked(parts), _machine(machine), named_skips(skips), name)
+    request = Request(parts_asked(parts), machine_of(machine), named_skips(skips), name)
     return read_program_back(program, request)
-
-
-def _machine(machine: AnyMachine) -> Machine:
-    asked = machine_asked(machine)
-    return asked if isinstance(asked, Machine) else load_machine(asked)

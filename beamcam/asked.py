@@ -3,10 +3,12 @@
 import os
 from collections.abc import Collection, Iterable, Iterator
 from math import isfinite
-from typing import Any
+from typing import Any, TypeVar
 
+import msgspec
 from msgspec import Struct
 
+from beamcam.controllers.machine_words import load_machine
 from beamcam.conversion import nearest
 from beamcam.errors import BeamcamError, Diagnostic, Source, rule_makers
 from beamcam.machine.machine import Machine
@@ -42,8 +44,17 @@ ASK_NUMBER = _error(
     "A part that was put together by a program may hold nan or inf, which no axis can go to.",
 )
 
-RULES = (ASK_TYPE, ASK_BAR, ASK_JOB, ASK_SKIP, ASK_NUMBER)
+ASK_VALUE = _error(
+    "value",
+    "found a wrong value of {name}: {fault}",
+    "The options of the library are those of the command line and of beamcam.toml, by their names.",
+)
+
+RULES = (ASK_VALUE, ASK_TYPE, ASK_BAR, ASK_JOB, ASK_SKIP, ASK_NUMBER)
 _HERE = Source("beamcam")
+
+AnyMachine = str | os.PathLike[str] | Machine  #: how a caller may say which machine is meant
+Asked = TypeVar("Asked")
 
 
 class AskError(BeamcamError):
@@ -102,13 +113,26 @@ def parts_asked(parts: Part | Iterable[Part]) -> tuple[Part, ...]:
     return found
 
 
-def machine_asked(machine: object) -> "str | Machine":
-    """A machine, its name or its path. Raises AskError for anything else."""
+def machine_of(machine: AnyMachine) -> Machine:
+    """The machine of that name or path; one that is a machine already is itself.
+
+    Raises AskError for anything else, and MachineError.
+    """
     if isinstance(machine, Machine):
         return machine
     if not isinstance(machine, str | os.PathLike):
         raise AskError(_type("machine", machine, "a name, the path of a file, or a Machine"))
-    return str(os.fspath(machine))
+    return load_machine(str(os.fspath(machine)))
+
+
+def converted(value: object, kind: type[Asked], name: str = "") -> Asked:
+    """A value as one of a `kind`. Raises AskError that names the part of it which is not."""
+    try:
+        return msgspec.convert(value, kind)
+    except msgspec.ValidationError as error:
+        fault, _, where = str(error).partition(" - at `$")
+        place = where.rstrip("`").lstrip(".") or name
+        raise AskError(ASK_VALUE.at(_HERE, name=place or "the options", fault=fault)) from error
 
 
 def _type(name: str, value: object, expected: str) -> Diagnostic:

@@ -15,7 +15,7 @@ from msgspec import Struct
 from msgspec.structs import replace
 
 from beamcam import readers
-from beamcam.asked import check_asked
+from beamcam.asked import AnyMachine, check_asked, machine_of
 from beamcam.errors import (
     Diagnostic,
     PlanError,
@@ -62,9 +62,10 @@ class Posted(Struct, frozen=True):
     remarks: tuple[Diagnostic, ...]
     program: object  #: as it was printed: commands, or a table
 
-    def time(self, machine: Machine) -> WorkTime:
-        """How long the machine takes for it."""
-        return post_of(machine).time(self.plan, self.program, machine)
+    def time(self, machine: AnyMachine) -> WorkTime:
+        """How long the machine takes for it: that of a name, of a file, or itself."""
+        loaded = machine_of(machine)
+        return post_of(loaded).time(self.plan, self.program, loaded)
 
     @property
     def text(self) -> str:

@@ -223,3 +223,85 @@ def test_a_number_of_numpy_is_a_number() -> None:
     import numpy as np
 
     assert beamcam.plan(beamcam.read(CHANNEL).parts, bar=np.float64(6000)).bar.length == 6000.0
+
+
+def test_load_is_the_machine_as_the_commands_take_it(tmp_path: Path) -> None:
+    """The same program as `post` writes with the options of the same names."""
+    plate = SAMPLES / "dxf" / "plate.dxf"
+    out = tmp_path / "a.ngc"
+    options = "--thickness 3 --kerf 1.2 --lead arc --tabs 2 --map CUT=cut --machine plate-linuxcnc"
+    done = CliRunner().invoke(main, ["post", str(plate), "-o", str(out), *options.split()])
+    assert done.exit_code == 0, done.output
+    table = beamcam.load(
+        "plate-linuxcnc", thickness=3, kerf=1.2, lead="arc", tabs=2, map={"CUT": "cut"}
+    )
+    assert beamcam.post(beamcam.read(plate.read_bytes()).parts, table).text == out.read_text()
+
+
+def test_load_takes_tolerances_and_rows_of_a_map() -> None:
+    drill = beamcam.load("beamline", tolerances={"merge": 0.3}).drill
+    assert drill is not None
+    assert drill.merge_tolerance == 0.3
+    torch = beamcam.load("laser-grbl", map={"red": {"process": "mark", "passes": 3}}).torch
+    assert torch is not None
+    assert (torch.colours["red"], torch.settings["red"].passes) == ("mark", 3)
+    assert beamcam.load("beamline") == load("beamline")
+
+
+@pytest.mark.parametrize(
+    ("machine", "options", "code", "names"),
+    [
+        ("plate-linuxcnc", {"kerf": -1}, "ask-value", "sheet.kerf"),
+        ("plate-linuxcnc", {"kerff": 1}, "ask-value", "kerff"),
+        ("plate-linuxcnc", {"lead": "spiral"}, "ask-value", "sheet.lead"),
+        ("plate-linuxcnc", {"map": {"red": "burn"}}, "ask-value", "map"),
+        ("beamline", {"tolerances": {"merge": -1}}, "ask-value", "tolerances"),
+        ("beamline", {"kerf": 1}, "plan-sheet-option", "beamline has no torch"),
+        ("plate-linuxcnc", {"tolerances": {"merge": 1}}, "config-tolerance", "tolerances.merge"),
+        (5, {}, "ask-type", "machine"),
+    ],
+)
+def test_load_refuses_what_cannot_be_meant(
+    machine: Any, options: dict[str, Any], code: str, names: str
+) -> None:
+    with pytest.raises(BeamcamError) as error:
+        beamcam.load(machine, **options)
+    (said,) = error.value.diagnostics
+    assert said.code == code
+    assert names in f"{said.source} {said.message}"
+
+
+def test_read_takes_what_readers_take() -> None:
+    plate = SAMPLES / "dxf" / "plate.dxf"
+    in_mm, in_inches = (beamcam.read(plate, units=u).parts[0].length for u in ("mm", "in"))
+    assert in_inches == pytest.approx(25.4 * in_mm)
+    text = part("A").replace("TEST", "T\u0416").encode("cp1251")
+    assert "\u0416" in repr(beamcam.read(text, name="a.nc1", encoding="cp1251").parts)
+    for options in ({"encoding": "none-such"}, {"layers": 5}, {"units": 5}):
+        with pytest.raises(AskError):
+            beamcam.read(plate, **options)  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("to", ["dstv", "part-json"])
+def test_convert_is_read_again(to: str) -> None:
+    (channel,) = beamcam.read(CHANNEL).parts
+    (again,) = beamcam.read(beamcam.convert(channel, to).encode(), name="a").parts
+    assert beamcam.post(again).text.splitlines()[5:] == beamcam.post(channel).text.splitlines()[5:]
+
+
+def test_convert_says_what_it_can_write() -> None:
+    (plate,) = beamcam.read(SAMPLES / "dxf" / "plate.dxf").parts
+    text = beamcam.convert(plate, "part-json", thickness=3)
+    assert beamcam.read(text.encode()).parts[0].profile.web_thickness == 3.0
+    with pytest.raises(AskError, match="expected dstv, part-json, faces-dxf"):
+        beamcam.convert(plate, "step")
+    with pytest.raises(AskError, match="thickness"):
+        beamcam.convert(plate, thickness=-3)
+
+
+def test_the_time_of_a_machine_by_name_path_and_record(tmp_path: Path) -> None:
+    path = tmp_path / "mine.toml"
+    path.write_text('base = "beamline"\n')
+    posted = beamcam.post(beamcam.read(CHANNEL).parts)
+    times = {posted.time(m).total_s for m in ("beamline", path, str(path), load("beamline"))}
+    assert len(times) == 1

@@ -1,13 +1,11 @@
 """`beamcam convert`: a part from one format to another."""
 
 import os
-from collections.abc import Callable, Iterator, Sequence
-from importlib import import_module
+from collections.abc import Iterator, Sequence
 from pathlib import Path, PurePath
 from typing import Any
 
 import click
-from msgspec import Struct
 
 from beamcam.batch.names import Names, cleaned
 from beamcam.commands import options
@@ -29,26 +27,7 @@ from beamcam.errors import BeamcamError, Diagnostic, ReadError, Source, errors_i
 from beamcam.files import FilesRead, write_whole
 from beamcam.model.part import Part
 from beamcam.pipeline import counted, sound
-
-
-class Target(Struct, frozen=True):
-    """A format that a part can be written in."""
-
-    name: str
-    suffixes: tuple[str, ...]
-    module: str  #: its `write` turns a part into the file's content
-
-    @property
-    def write(self) -> Callable[[Part], str]:
-        function: Callable[[Part], str] = import_module(self.module).write
-        return function
-
-
-TARGETS = (
-    Target("dstv", (".nc1", ".nc"), "beamcam.writers.dstv"),
-    Target("part-json", (".json",), "beamcam.writers.part_json"),
-    Target("faces-dxf", (".dxf",), "beamcam.writers.faces_dxf"),
-)
+from beamcam.writers import TARGETS, Target
 
 
 def target_of(output: str, name: str | None) -> Target:

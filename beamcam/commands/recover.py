@@ -8,7 +8,7 @@ import click
 
 from beamcam.commands import options
 from beamcam.commands.common import REFUSED, STANDARD, Voice, read_all, write
-from beamcam.commands.convert import TARGETS, is_folder, only_text, target_of, write_folder
+from beamcam.commands.convert import is_folder, only_text, target_of, write_folder
 from beamcam.commands.grouped import Grouped
 from beamcam.commands.programs import program_text
 from beamcam.commands.rules import SECTION
@@ -21,6 +21,7 @@ from beamcam.model.part import Profile
 from beamcam.pipeline import as_error
 from beamcam.readers.content import shown_name
 from beamcam.recovery import Stock, recover, with_marks
+from beamcam.writers import TARGETS
 
 READ_BY = ("codesys", "linuxcnc", "grbl")  #: controllers whose programs are understood here
 
