@@ -1,4 +1,4 @@
-"""What the machine's axes do not come to, by `min` and `max` of its `[[axes]]`.
+"""Positions out of the axes' travel, by `min` and `max` of `[[axes]]`.
 
     across the bar and along a stroke    follow from section, hole and tool: asked of each part
     the saw's rotation                   follows from the end of a part: asked of each part
@@ -63,7 +63,7 @@ class Beyond(NamedTuple):
 
 
 class Room(Struct, frozen=True):
-    """How the spindles of a machine stand on a section, and what was found of their strokes."""
+    """Spindle positions on a section, and the results of checking their strokes."""
 
     strokes: Strokes
     known: BoundedCache[tuple[object, ...], Beyond | None]
@@ -171,7 +171,7 @@ def refuse_bar(
 
 
 def _xs(op: Operation) -> tuple[float, ...]:
-    """X of an operation; of a path the least and the greatest."""
+    """X of an operation; of a path its minimum and maximum."""
     return _min_and_max([x for x, _ in op.path]) if isinstance(op, PathOp) else (op.x,)
 
 
@@ -244,14 +244,14 @@ def _refuse_strokes(
 
 
 def _deepest(op: DrillOp, part: Part, strokes: Strokes) -> float:
-    """How deep the tool's point comes behind the surface of its face."""
+    """Depth of the tool's point behind the surface of its face."""
     stroke = strokes(op, op.y)
     way = 1.0 if stroke.bottom >= stroke.start else -1.0
     return way * stroke.bottom - part.profile.face_depth(op.faces[0])
 
 
 def _wanted(op: DrillOp, part: Part, drill: Drill) -> tuple[float, float]:
-    """How deep it has to come, and may at most; drills and taps may go on behind the far side."""
+    """Required and maximum depth; drills and taps may go on behind the far side."""
     kind = op.tool.kind
     tip = op.tool.tip if kind == "drill" else 0.0
     if op.depth is not None:

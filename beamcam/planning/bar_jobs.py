@@ -1,4 +1,4 @@
-"""What becomes one program each: all parts on one bar, or as many as are wanted on several."""
+"""One program per bar: all parts on one bar, or the required quantity on several."""
 
 from collections.abc import Sequence
 from typing import Literal
@@ -10,7 +10,7 @@ from beamcam.errors import PlanError
 from beamcam.machine.machine import Machine
 from beamcam.model.part import Part
 
-Quantity = Literal["file"] | int | None  #: as the part's file says, a number, or not said
+Quantity = Literal["file"] | int | None  #: as in the part's file, a number, or not given
 
 
 class BarJob(Struct, frozen=True):
@@ -21,7 +21,7 @@ class BarJob(Struct, frozen=True):
 
 
 def wanted(part: Part, quantity: Quantity) -> int:
-    """How many of a part are wanted: as many as its file says, where no number is asked for."""
+    """Quantity of a part: that of its file, unless a number is given."""
     return quantity if isinstance(quantity, int) else part.quantity
 
 
@@ -34,7 +34,7 @@ def bar_jobs(
     """
     if quantity is None:
         return (BarJob(tuple(parts), lengths),)
-    said = [replace(part, quantity=1) for part in parts]  # the job has said how many
+    said = [replace(part, quantity=1) for part in parts]  # the quantity is given by the job
     if machine.stock == "sheet":
         return (BarJob(tuple(said), ()),)
     if machine.saw is None:  # each is a bar by itself, and its program is run so often

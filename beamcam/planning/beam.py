@@ -41,7 +41,7 @@ LEDGER_TOLERANCE = 0.001  #: mm
 
 
 class Lying(Struct, frozen=True):
-    """A part as it lies on the rollers, and what it needs done so."""
+    """A part in its orientation on the rollers, with its work there."""
 
     part: Part
     turn: str
@@ -99,7 +99,7 @@ def plan_bar(
 
 
 def _accepted(said: Iterable[Diagnostic]) -> list[Diagnostic]:
-    """What is to be told. Raises PlanError with all of it if there is an error."""
+    """The remarks to print. Raises PlanError with all of them if one is an error."""
     told = [*said]
     if errors_in(told):
         raise PlanError(told)
@@ -133,7 +133,7 @@ def _lay_on_rollers(
 def _refusals(
     lying: Sequence[Lying], line: Line, skips: Collection[str], turn: bool
 ) -> Iterator[Diagnostic]:
-    """What of the parts cannot be made, and which turn would help."""
+    """Features of the parts that cannot be made, and the turn that would help."""
     works = {id(each.part): each.work for each in lying}
     refusals = [said for work in works.values() for said in work.refusals]
     yield from refusals
@@ -144,7 +144,7 @@ def _refusals(
 
 
 def _in_order(lying: list[Lying], line: Line, order: Order, told: list[Diagnostic]) -> list[Lying]:
-    """The parts in the order in which they come to lie on the bar."""
+    """The parts in their order on the bar."""
     if order == "given" or len(lying) == 1:
         return lying
     ends = [each.work.ends for each in lying]
@@ -154,7 +154,7 @@ def _in_order(lying: list[Lying], line: Line, order: Order, told: list[Diagnosti
 
 
 def _part_remarks(lying: Sequence[Lying]) -> Iterator[Diagnostic]:
-    """What is to be told of each part, once."""
+    """Remarks on each part, once."""
     for each in {id(one.part): one for one in lying}.values():
         part = each.part
         yield from each.work.remarks
@@ -168,7 +168,7 @@ _feature = attrgetter("feature")
 
 
 def _outcomes(works: Sequence[Work], operations: Sequence[SpindleOp]) -> list[Outcome]:
-    """What becomes of each feature, in the order of pieces and features."""
+    """The outcome of each feature, in the order of pieces and features."""
     made: dict[FeatureRef, Outcome] = {}
     for op in operations:
         how: Literal["made", "merged"] = "made"

@@ -1,4 +1,4 @@
-"""Marks that a machine's file leaves to the hand or refuses, and what is said of texts."""
+"""Marks that a machine file leaves for manual work or refuses, and remarks on texts."""
 
 from beamcam.errors import Diagnostic, Rule, Severity
 from beamcam.machine.marking import Marks
@@ -23,7 +23,7 @@ TEXT_SIGN = Rule(
 )
 RULES = (TEXT_MOVED, TEXT_SIGN)
 
-#: Why a mark is left to the hand, by its name in the ledger.
+#: Why a mark is left for manual work, by its name in the ledger.
 BY_POLICY, NO_UNIT = "marks", "no-unit"
 NO_ROOM, TOO_SMALL, BLANK, FACE = "no-room", "too-small", "blank", "face"
 DRILL, BEVEL = "drill", "bevel"  #: of a sheet's features that are only begun by the machine
@@ -40,7 +40,7 @@ REASONS = {
 
 
 def listed_by(feature: Feature, marks: Marks) -> str | None:
-    """Why a mark is left to the hand whatever its place; None where that is not so."""
+    """Why a mark is manual work wherever it is; None if it is not."""
     policy = policy_on(feature, marks)
     if policy == "make" and isinstance(feature, TextMark) and marks.unit == "none":
         return NO_UNIT

@@ -12,7 +12,7 @@ from beamcam.planning.operations.line import Line
 def lay_cut_part(
     parts: Sequence[Part], line: Line
 ) -> tuple[tuple[tuple[float, ...], Bar], tuple[Diagnostic, ...]]:
-    """The start of the only part, the account of it as a bar, and what is to be told.
+    """The start of the only part, its account as a bar, and remarks.
 
     Raises PlanError for several parts, and for one that the machine cannot hold.
     """

@@ -47,7 +47,7 @@ def cutting_remarks(
 
 
 def _says_speeds(machine: Machine) -> bool:
-    """Whether the cutting data stand in the machine's programs."""
+    """Whether the machine's programs contain the cutting data."""
     words = (getattr(machine.words, kind) for kind in TURNING)
     return any("{feed}" in line or "{speed}" in line for lines in words for line in lines)
 

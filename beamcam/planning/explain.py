@@ -1,4 +1,4 @@
-"""A plan in words: what each operation is, why it is so and why it stands where it does."""
+"""A plan in words: each operation, the reason for it and the reason for its place in the order."""
 
 from collections.abc import Iterator
 
@@ -11,7 +11,7 @@ from beamcam.planning.operations.kinds import REASONS, kind_of
 from beamcam.planning.order import changes, setup_of, travel, waits_for
 from beamcam.planning.times import work_time
 
-#: Why an operation stands behind the one before it.
+#: Why an operation follows the one before it.
 PLACES = {
     "place-x": "its place along the bar",
     "place-tool": "at the same X, the tool is in the spindle already",
@@ -28,9 +28,9 @@ class Step(Struct, frozen=True):
     what: str  #: cut, or kind of tool with its size
     where: str  #: face and y, or end of which part
     seconds: float
-    reasons: tuple[tuple[str, str], ...]  #: code and what it says
+    reasons: tuple[tuple[str, str], ...]  #: code and its text
     rejected: tuple[str, ...]  #: what might have been done instead, and why it was not
-    sources: tuple[str, ...]  #: where its features stand in their files
+    sources: tuple[str, ...]  #: sources of its features
 
 
 class Explanation(Struct, frozen=True):

@@ -1,4 +1,4 @@
-"""What a program does not make of its parts, or makes otherwise than by cutting, told by name.
+"""What a program does not make of its parts, or makes otherwise than by cutting, reported by name.
 
 Nothing that a part has is missing from a program without a word: what was left out because
 `--allow-skips` names its kind, or is left to the hand, is a warning at the feature, and lines that
@@ -44,7 +44,7 @@ MAPPED_AWAY = {"map-ignore": "ignored", "mark": "marked", "engrave": "engraved"}
 def told(plan: Plan | SheetPlan) -> Iterator[Diagnostic]:
     """A warning for each feature that was left out, and a note for each look that is not cut."""
     skipped = [outcome for outcome in plan.outcomes if _is_by_name(outcome)]
-    # A part that lies on the bar several times is told of once.
+    # A part that is on the bar several times is reported once.
     yield from dict.fromkeys(_left_out(plan, outcome) for outcome in skipped)
     listed = [outcome for outcome in plan.outcomes if outcome.how == "listed"]
     yield from dict.fromkeys(_by_hand(plan, outcome) for outcome in listed)
@@ -53,7 +53,7 @@ def told(plan: Plan | SheetPlan) -> Iterator[Diagnostic]:
 
 
 def left_out_sources(plan: Plan | SheetPlan) -> Iterator[Source]:
-    """Where each feature stands that was left out because `--allow-skips` names its kind."""
+    """Source of each feature that was left out because `--allow-skips` names its kind."""
     for outcome in plan.outcomes:
         if _is_by_name(outcome):
             piece, index = outcome.feature
@@ -61,7 +61,7 @@ def left_out_sources(plan: Plan | SheetPlan) -> Iterator[Source]:
 
 
 def by_hand_sources(plan: Plan | SheetPlan) -> Iterator[Source]:
-    """Where each mark stands that is left to the hand."""
+    """Source of each mark that is left for manual work."""
     for outcome in plan.outcomes:
         if outcome.how == "listed":
             piece, index = outcome.feature

@@ -1,4 +1,4 @@
-"""Where a text is written, and with which strokes.
+"""Position and strokes of a text.
 
 A text stands where the part wants it, if it is clear of holes, edges and other texts there. Else it
 is moved by the least way to where it is clear; where no such place is left it is made smaller, down
@@ -45,7 +45,7 @@ class Run(Struct, frozen=True):
 
 
 class Room(Struct):
-    """What lies on a face, in its numbers: where a text may stand."""
+    """Obstacles on a face, in its coordinates: where a text may be placed."""
 
     box: Box  #: that holds every place
     edges: list[Run] = field(default_factory=list)  #: of the steel, which lies on one side
@@ -136,7 +136,7 @@ def _glyphs(text: str, spacing: float) -> Iterator[tuple[float, Glyph]]:
 
 
 def place_text(feature: TextMark, marks: Marks, room: Room) -> Lettered | str:
-    """A text where it can stand, or why it cannot; it is in the way of others from then on."""
+    """The placed text, or why there is no place; it is an obstacle for later texts."""
     height = feature.height * (body_share() if marks.height_of == "body" else 1.0)
     text = spelled(feature.text, marks.replace).text
     flat = Lettered(text, 0.0, 0.0, 1.0, 0.0, False, marks.spacing, NO_BOX)
@@ -158,7 +158,7 @@ def place_text(feature: TextMark, marks: Marks, room: Room) -> Lettered | str:
 
 
 def remarks(feature: TextMark, found: Lettered, marks: Marks) -> Iterator[Diagnostic]:
-    """What is written otherwise than the part has it."""
+    """Remarks on texts that differ from the part's."""
     for sign, other in spelled(feature.text, marks.replace).replaced:
         yield TEXT_SIGN.at(feature.source, sign=sign, text=feature.text, other=other)
     height = feature.height * (body_share() if marks.height_of == "body" else 1.0)
@@ -193,7 +193,7 @@ def _rounded(value: float) -> float:
 
 
 def _nearest(wanted: Lettered, distance: float, room: Room) -> Lettered | None:
-    """The text moved by the least way to where it is clear."""
+    """The text moved to the nearest place where it is clear."""
     middle = _middle(wanted)
     away = wanted.x - middle[0], wanted.y - middle[1]
 
@@ -256,7 +256,7 @@ def _middle(one: Lettered) -> Point:
 
 
 def _clearance(one: Lettered, room: Room) -> float:
-    """How far the box of a text is from what it has to keep clear of; negative where it is not.
+    """Clearance of a text's box from obstacles; negative where they overlap.
 
     It changes by no more than a text is moved, so that it bounds the places around.
     """

@@ -1,7 +1,7 @@
-"""Which tool stands in which station, and which have to be changed during the work.
+"""Assignment of tools to stations, and the tool changes during the work.
 
 A spindle changes by itself among the tools of its stations. If the work needs more tools than
-there are stations, someone has to put another one in. Loading the stations before the work is
+there are stations, tools are changed manually. Loading the stations before the work is
 free; after that each load of a tool that is not there throws one out. The fewest loads come from
 throwing out the tool that is needed again last, or never:
 
@@ -49,7 +49,7 @@ def _loads_of(operations: Sequence[Operation], spindle: Spindle) -> Iterator[Too
 def reloads(
     operations: Sequence[Operation], machine: Machine, source: Source
 ) -> tuple[tuple[ToolLoad, ...], tuple[Diagnostic, ...]]:
-    """The loads by hand during the work, in its order; and a warning for each spindle of theirs.
+    """The manual tool changes in order of work; and a warning for each spindle of theirs.
 
     An error instead where the machine has no word that stops the program for them.
     """

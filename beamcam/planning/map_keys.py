@@ -24,7 +24,7 @@ RULES = (UNMATCHED, IDLE)
 
 
 def curves_by_key(parts: Iterable[Part], table: Iterable[str]) -> Counter[str]:
-    """How many curves and texts of the parts each key of the map stands for."""
+    """Number of curves and texts of the parts that each key of the map matches."""
     keys = tuple(table)
     known: dict[tuple[str | None, str | None], str | None] = {}
     found: Counter[str] = Counter()
@@ -45,7 +45,7 @@ def curves_by_key(parts: Iterable[Part], table: Iterable[str]) -> Counter[str]:
 def unmatched(
     asked: Mapping[str, str], parts: Sequence[Part], table: Iterable[str]
 ) -> Iterator[Diagnostic]:
-    """An error for each key that was asked for and that no curve of the parts has."""
+    """An error for each requested key that matches no curve of the parts."""
     used = curves_by_key(parts, table)
     for key, process in asked.items():
         if key not in used:

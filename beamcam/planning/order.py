@@ -1,4 +1,4 @@
-"""The order of work: along machine X, with the least time for changes of spindle and tool.
+"""The order of work: along machine X, with minimum time for changes of spindle and tool.
 
 Machine X says how far the bar has come: bar x of the work plus the station's place. It is not
 the order of part x.
@@ -52,7 +52,7 @@ Setup = tuple[int, int, float, float, float, str]
 Held = tuple[tuple[Face, Setup], ...]  #: the tool that the spindle of each face holds
 ALIKE = Times(tool_change_s=1.0, spindle_change_s=1.0)
 MOST_STATES = 48  #: that are followed from one X to the next; the cheapest
-MOST_SETUPS = 8  #: of one X whose orders are all looked at; more are worked off as they are sorted
+MOST_SETUPS = 8  #: setups at one X up to which all orders are tried; more are taken as sorted
 CUT_RANK = {("mitre", "end"): 0, ("common", "end"): 0, ("parting", "end"): 1, ("trim", "start"): 2,
             ("mitre", "start"): 2}  # fmt: skip
 
@@ -63,7 +63,7 @@ def sort_along_x(
     layout: Literal["saw-drill", "drill-saw"] = "saw-drill",
     times: Times | None = None,
 ) -> tuple[Operation, ...]:
-    """The operations in order of X, with the least time for changes of spindle and tool.
+    """The operations in order of X, with minimum time for changes of spindle and tool.
 
     Without `times` a tool and a spindle take the same, and of equal times the fewest changes count.
 
@@ -99,7 +99,7 @@ def sort_along_x(
 
 
 def changes(operations: Iterable[Operation]) -> int:
-    """How often spindle or tool change along `operations`."""
+    """Number of spindle and tool changes along `operations`."""
     setups = [setup_of(op) for op in operations if not isinstance(op, SawOp)]
     return sum(a != b for a, b in pairwise(setups))
 
@@ -172,7 +172,7 @@ _place = attrgetter("x", "y", "features")
 
 
 class _Path(NamedTuple):
-    """A way through the setups so far."""
+    """A sequence of setups so far."""
 
     seconds: float
     changes: int

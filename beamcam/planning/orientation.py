@@ -1,4 +1,4 @@
-"""How a part lies on the rollers, where the planner may choose.
+"""Orientation of a part on the rollers, where the planner may choose.
 
 Each of the eight turns of a part is tried. One is out if the section does not lie so on the
 rollers or if the machine cannot make something of the part that way; of the others the one is
@@ -24,7 +24,7 @@ MIN_GAIN_S = 1.0  #: a turn that gains less is not worth the lifting
 
 
 class Trial(Struct, frozen=True):
-    """One of the eight ways that a part may lie, and what came of it."""
+    """One of a part's eight orientations, and its result."""
 
     turn: Turn
     part: Part
@@ -33,7 +33,7 @@ class Trial(Struct, frozen=True):
 
 
 class Choice(Struct, frozen=True):
-    """How a part shall lie."""
+    """The chosen orientation of a part."""
 
     part: Part
     turn: str
@@ -41,7 +41,7 @@ class Choice(Struct, frozen=True):
 
 
 def try_turns(part: Part, line: Line, skips: Collection[str]) -> tuple[Trial, ...]:
-    """All eight ways that a part may lie, in the order of `TURNS`."""
+    """All eight orientations of a part, in the order of `TURNS`."""
     trials: list[Trial] = []
     for turn in TURNS:
         if not lies(part.profile, turn):
@@ -54,7 +54,7 @@ def try_turns(part: Part, line: Line, skips: Collection[str]) -> tuple[Trial, ..
             trials.append(Trial(turn, lying, None, f"no different from {same.turn.name!r}"))
             continue
         work = work_on(lying, line, skips)
-        # What would be left out by leave is better made, if the part lies another way.
+        # What `--allow-skips` would leave out is better made, in another orientation.
         out = [*work.refusals, *work.skipped.values()]
         if work.refusals:
             trials.append(Trial(turn, lying, None, f"{out[0].code}: {out[0].message}"))
@@ -64,11 +64,11 @@ def try_turns(part: Part, line: Line, skips: Collection[str]) -> tuple[Trial, ..
     return tuple(trials)
 
 
-SKIP_WEIGHT_S = 1e6  #: so that a way that leaves nothing out is always the better one
+SKIP_WEIGHT_S = 1e6  #: so that an orientation that leaves nothing out is always preferred
 
 
 def _is_same(a: Part, b: Part) -> bool:
-    """Whether two parts are one piece of steel and lie the same way."""
+    """Whether two parts are equal and have the same orientation."""
     found = turn_between(a, b)
     return found is not None and found.name == AS_GIVEN
 
@@ -86,7 +86,7 @@ def _seconds(part: Part, work: Work, line: Line) -> float:
 
 
 def choose_turns(parts: Sequence[Part], line: Line, skips: Collection[str]) -> tuple[Choice, ...]:
-    """How each of the parts on one bar shall lie.
+    """The orientation of each part on one bar.
 
     A bar lies one way for all of them: if the best turns would set it on its web for one part and
     on its flange for another, all lie as given or all are set on the other side.
@@ -103,7 +103,7 @@ def choose_turns(parts: Sequence[Part], line: Line, skips: Collection[str]) -> t
 
 
 def _choose(part: Part, trials: Sequence[Trial]) -> Choice | None:
-    """The best of some of the ways; None if the part can be made in none of them."""
+    """The best of some orientations; None if the part can be made in none of them."""
     made = [t for t in trials if t.seconds is not None]
     if not made:
         return None

@@ -1,4 +1,4 @@
-"""What is wrong with a bar as a whole, and what bars and sheets refuse alike.
+"""Rules for a bar as a whole, and those shared by bars and sheets.
 
 What one kind of work alone refuses stands in its file under `operations/`.
 """

@@ -137,7 +137,7 @@ def _plan_of_several(
 
 
 def _nothing(part: Part, assigned: Assigned, small: int, gap: float) -> Diagnostic:
-    """Why there is no work, as far as the drawing says; `small` features are too small."""
+    """Why a drawing gives no work; `small` features are too small."""
     out = len(assigned.skipped) + len(assigned.listed)
     found = [f"{out} features left out"] if out else []
     if small:
@@ -152,7 +152,7 @@ def _nothing(part: Part, assigned: Assigned, small: int, gap: float) -> Diagnost
 def _outcomes(
     part: Part, assigned: Assigned, joined: Joined, operations: Sequence[ContourOp]
 ) -> Iterator[Outcome]:
-    """What becomes of each feature, in their order."""
+    """The outcome of each feature, in order."""
     made = {feature: op.row.process for op in operations for _, feature in op.features}
     stands = joined.repeats.resolved(made)
     for index in range(len(part.features)):

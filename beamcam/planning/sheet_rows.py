@@ -30,12 +30,12 @@ class Laid(NamedTuple):
     """The parts of a sheet as one part."""
 
     whole: Part
-    places: tuple[Point, ...]  #: where each part's x 0, y 0 lies on the table
+    places: tuple[Point, ...]  #: position of each part's x 0, y 0 on the table
     origins: tuple[FeatureOf, ...]  #: of each feature of the whole
 
 
 def places_of(parts: Sequence[Part], machine: Machine, skips: Collection[str]) -> tuple[Point, ...]:
-    """Where the x 0, y 0 of each part lies, of as many parts from the first as the sheet holds."""
+    """Position of x 0, y 0 of each part, for as many parts as the sheet holds."""
     torch = _torch(machine)
     found: list[Point] = []
     at_x = at_y = torch.margin

@@ -44,7 +44,7 @@ def _is_too_short(said: Iterable[Diagnostic]) -> bool:
 
 
 def refuse_stock(parts: Sequence[Part], line: Line) -> Iterator[Diagnostic]:
-    """What is wrong with the sections that a bar is asked for."""
+    """Errors for sections that the machine does not take or that differ on one bar."""
     machine, layout = line.machine, line.layout
     if not parts:
         yield rules.NO_PARTS.at(Source(machine.name))

@@ -1,7 +1,7 @@
 """Parts on as many bars of stock as they need, first fit.
 
     D. S. Johnson, Near-optimal bin packing algorithms, 1973: each part in the order given goes
-    onto the first bar begun that has room for it. It never takes more than 17/10 of the fewest.
+    onto the first bar begun that has room for it. It never takes more than 17/10 of the minimum.
 
 Bars begin as the longest in store; at the end each is the shortest that holds its parts.
 """

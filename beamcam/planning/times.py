@@ -1,4 +1,4 @@
-"""How long the work takes, from the words and the speeds of the machine's file.
+"""Work time, from the words and the speeds of the machine file.
 
 Each operation is gone through block by block as its words will be written, on the model of the
 cell by which a finished program is simulated, so that both give the same times:
@@ -43,7 +43,7 @@ class Block(Struct, frozen=True):
 
     command: str  #: "G", "M" or "" where there is none
     number: int
-    names: Mapping[str, str]  #: letter, and what stands in its braces
+    names: Mapping[str, str]  #: letter, and the placeholder in its braces
     fixed: Mapping[str, float]  #: letter and number
 
 
@@ -65,7 +65,7 @@ def blocks_of(template: Sequence[str]) -> tuple[Block, ...]:
 
 
 def work_time(plan: Plan, machine: Machine) -> WorkTime:
-    """How long the work of a plan takes on its machine."""
+    """Work time of a plan on its machine."""
     grades = tuple(piece.part.grade for piece in plan.pieces)
     return time_of(plan.operations, plan.profile, grades, machine)
 
@@ -73,7 +73,7 @@ def work_time(plan: Plan, machine: Machine) -> WorkTime:
 def time_of(
     operations: Sequence[Operation], profile: Profile, grades: Sequence[str], machine: Machine
 ) -> WorkTime:
-    """How long operations take; `grades` are the steels of the pieces."""
+    """Work time of operations; `grades` are the steels of the pieces."""
     clock = _Clock(profile, grades, machine)
     seconds = tuple(clock.seconds(op) for op in operations)
     reloads = sum(load.out is not None for load in tool_loads(operations, machine))
@@ -100,7 +100,7 @@ def with_axes(machine: Machine, drill: Drill) -> Machine:
 
 
 class _Clock:
-    """The machine as it stands while the operations go by."""
+    """The state of the machine during the operations."""
 
     def __init__(self, profile: Profile, grades: Sequence[str], machine: Machine) -> None:
         self._machine, self._saw, self._drill = machine, saw_of(machine), drill_of(machine)
@@ -133,7 +133,7 @@ class _Clock:
         return total + self._run(f"{kind}_end", values, kind)
 
     def _places(self, op: SpindleOp, x: float, y: float) -> dict[str, float]:
-        """What the places of a stroke are called in templates."""
+        """Names of a stroke's positions in templates."""
         stroke = self._strokes(op, y)
         at = partial(_yz, self._strokes.axes(op), stroke)
         return {

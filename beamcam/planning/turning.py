@@ -91,7 +91,7 @@ _LIES: dict[str, frozenset[tuple[bool, bool, bool]]] = {
 
 
 def lies(profile: Profile, turn: Turn) -> bool:
-    """Whether the turned section lies on the rollers as the machine takes its kind.
+    """Whether the turned section rests on the rollers as required for its kind.
 
     A U lies on its web with the trough up, an angle on its two legs, a T on its flange.
     """
@@ -99,7 +99,7 @@ def lies(profile: Profile, turn: Turn) -> bool:
 
 
 def turned(part: Part, turn: Turn) -> Part:
-    """The same part as it stands in the machine's axes after a turn, features in their order."""
+    """The same part in the machine's axes after a turn, features in order."""
     if turn.name == AS_GIVEN:
         return part
     mapper = _Mapper(part, turn)
@@ -196,7 +196,7 @@ class _Mapper:
         }
 
     def _face(self, axis: int, high: bool) -> tuple[Face, Matrix]:
-        """Where a face goes, and the map of its numbers (x and y of web, x and z of flange)."""
+        """The face after the turn, and the map of its coordinates (x, y of web; x, z of flange)."""
         turn, other = self._turn, 3 - axis
         reverse = (turn.reverse_x, turn.reverse_y, turn.reverse_z)
         stays_high = high ^ reverse[axis]
@@ -294,7 +294,7 @@ class _Mapper:
         )
 
     def _on(self, face: Face) -> tuple[Face, Matrix]:
-        """Where a face goes and the map of its numbers; planes of a part's own keep theirs."""
+        """The face after the turn and the map of its coordinates; own planes keep theirs."""
         return self._faces.get(face, (face, ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0))))
 
     def _place(self, face: Face, x: float, y: float) -> tuple[Face, Point]:

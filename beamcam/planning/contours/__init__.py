@@ -1,1 +1,1 @@
-"""Contours of a sheet: what each is for, joined, nested, compensated, led into and ordered."""
+"""Contours of a sheet: assigned to processes, joined, nested, compensated, with leads, ordered."""

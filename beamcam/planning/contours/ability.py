@@ -1,4 +1,4 @@
-"""What a torch can make of a plate's features, and what it leaves to drill and grinder."""
+"""Features of a plate that a torch can make, and those left for drill and grinder."""
 
 from beamcam.errors import Diagnostic
 from beamcam.machine.torch import Torch

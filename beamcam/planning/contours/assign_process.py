@@ -1,4 +1,4 @@
-"""What is to be cut and marked of a part: exact curves, each with its process and its feature."""
+"""The curves of a part to cut and mark, exact, each with its process and its feature."""
 
 from collections import Counter
 from collections.abc import Collection, Iterator, Mapping
@@ -52,12 +52,12 @@ class Wanted(Struct, frozen=True, gc=False):
 
 
 class Assigned(Struct):
-    """All that is asked of a part."""
+    """All work that a part requires."""
 
     wanted: list[Wanted] = field(default_factory=list)
     rings: set[int] = field(default_factory=set)  #: features that are closed by what they say
     skipped: dict[int, str] = field(default_factory=dict)  #: feature: the code it is left out by
-    listed: dict[int, str] = field(default_factory=dict)  #: marks left to the hand, and why
+    listed: dict[int, str] = field(default_factory=dict)  #: marks left for manual work, and why
     refusals: list[Diagnostic] = field(default_factory=list)
     remarks: list[Diagnostic] = field(default_factory=list)
 
@@ -109,7 +109,7 @@ def _is_out(
     index: int, feature: Feature, torch: Torch, thickness: float, machine: Machine,
     skips: Collection[str], found: Assigned,
 ) -> bool:  # fmt: skip
-    """Whether a feature is refused, left out or left to the hand; `found` is told why."""
+    """Whether a feature is refused, left out or left for manual work; `found` records why."""
     why = listed_by(feature, machine.marks)
     if why is not None:
         found.listed[index] = why
@@ -152,7 +152,7 @@ IGNORED = "map-ignore"  #: how the ledger calls what the table of colours ignore
 
 
 class _Meanings:
-    """What a contour is for, asked once for each layer and colour."""
+    """Process of a contour, looked up once for each layer and colour."""
 
     def __init__(self, torch: Torch) -> None:
         self._table = cast("Mapping[str, Process]", torch.colours)
@@ -243,7 +243,7 @@ def _cross(at: Point, size: float) -> tuple[Line, Line]:
 
 
 def centres_of(feature: Hole | Slot) -> list[Point]:
-    """Where a drill begins: the centre of a hole, those of the round corners of a slot."""
+    """Drill start points: the centre of a hole, those of the round corners of a slot."""
     if isinstance(feature, Hole):
         return [(feature.x, feature.y)]
     (c, s), found = unit_vector(feature.angle), list[Point]()

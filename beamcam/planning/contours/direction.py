@@ -1,4 +1,4 @@
-"""How a contour is followed: which way round, from where, and between which bridges."""
+"""Direction, start point and bridges of a contour."""
 
 from collections.abc import Sequence
 from math import dist
@@ -19,7 +19,7 @@ def reversed_chain(curves: Sequence[Curve]) -> Curves:
 def is_turned(area: float, is_hole: bool, torch: Torch) -> bool:
     """Whether a closed contour of that signed area has to be followed backwards.
 
-    Climb has the material that stays at the right of the head, as the swirl of a plasma torch
+    Climb keeps the remaining material on the right of the head, as the swirl of a plasma torch
     wants it: outer contours clockwise, holes counter-clockwise.
     """
     if torch.direction == "drawn":
@@ -99,7 +99,7 @@ def stretch(curves: Curves, lengths: Sequence[float], low: float, high: float) -
 
 
 def _parameter(curve: Curve, length: float) -> float:
-    """Where a curve is `length` long, by halving for curves that are not even."""
+    """Parameter at arc length `length`, by bisection for curves of uneven speed."""
     if isinstance(curve, Line | Arc):
         return length / curve.length
     low, high = 0.0, 1.0

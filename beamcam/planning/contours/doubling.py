@@ -32,7 +32,7 @@ class Doubling(Struct, frozen=True):
 
 
 def doublings(curves: Sequence[Curve], which: Sequence[int]) -> Iterator[Doubling]:
-    """Where some of the curves turn round and run back along themselves."""
+    """Places where curves turn round and run back along themselves."""
     which = [k for k in which if _may_turn_round(curves[k])]
     if not which:
         return
@@ -76,7 +76,7 @@ def _may_turn_round(curve: Curve) -> bool:
 
 
 def _together(one: Floats, other: Floats) -> float:
-    """For how long two polylines from one place on lie on one another."""
+    """Length over which two polylines from a common start coincide."""
     import shapely
 
     if shapely.length(shapely.linestrings(one)) > shapely.length(shapely.linestrings(other)):
@@ -88,9 +88,9 @@ def _together(one: Floats, other: Floats) -> float:
 
 
 def told(wanted: Sequence[Wanted], which: Sequence[int], kerf: float) -> Iterator[Diagnostic]:
-    """What is to be said of those among some curves that run back along themselves.
+    """Remarks on the curves that run back along themselves.
 
-    An error where a kerf is kept off: nothing says on which side of such a stretch.
+    An error with kerf compensation, as the side of such a stretch is undefined.
     """
     for found in doublings([w.curve for w in wanted], which):
         w = wanted[found.curve]

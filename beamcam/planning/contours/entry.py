@@ -1,6 +1,6 @@
-"""How a controller that keeps off half a kerf by itself gets beside a contour.
+"""Entry moves of a controller's own kerf compensation.
 
-The torch is pierced at S, where nothing is kept off yet, and led square to the contour to P. At
+The torch pierces at S, with compensation off, and runs square to the contour to P. At
 that corner the controller can only stop where it touches both the lead and the contour, at Q:
 
           S                     The contour between P and the point below Q is cut at the end, when
@@ -46,7 +46,7 @@ class Entry(Struct, frozen=True):
 def entries(
     shapes: Sequence[Shape], kerfs: Sequence[float], torch: Torch, fence: Sequence[Shape]
 ) -> tuple[dict[int, Entry], list[Diagnostic]]:
-    """How each shape that a kerf is kept off is begun, and errors for those that cannot be.
+    """The entry of each compensated shape, and errors for those without one.
 
     No lead comes nearer than half a kerf to a contour of the `fence`.
     """
@@ -84,7 +84,7 @@ def entries(
 def _entry(
     shape: Shape, kerf: float, torch: Torch, candidate: int, share: int
 ) -> tuple[Entry, tuple[Point, Point]] | None:
-    """A contour begun on one of its longest curves, and the torch's way from S to Q.
+    """A contour begun on one of its longest curves, and the torch's path from S to Q.
 
     None where the curve or the lead is too short for that.
     """

@@ -1,4 +1,4 @@
-"""Curves to contours: what lies twice taken away, ends joined, what is too small left out."""
+"""Curves to contours: duplicates removed, ends joined, tiny contours left out."""
 
 from collections import defaultdict
 from collections.abc import Collection, Iterator, Sequence
@@ -28,7 +28,7 @@ SHOWN_CURVES = 6
 
 
 class Joined(Struct):
-    """Contours, and what became of the rest."""
+    """Contours, and the outcome of all other curves."""
 
     shapes: list[Shape] = field(default_factory=list)  #: in the order of their first features
     repeats: Repeats = field(default_factory=Repeats)
@@ -121,7 +121,7 @@ def _tell_small(found: Joined, gap: float) -> None:
 
 
 def _not_closed(shape: Shape) -> Diagnostic:
-    """The error for a contour that says that it is closed, and is not."""
+    """The error for a contour declared closed that is open."""
     (x0, y0), (x1, y1) = shape.curves[0].start, shape.curves[-1].end
     return rules.NOT_CLOSED.at(
         shape.source, x0=f"{x0:.3f}", y0=f"{y0:.3f}", x1=f"{x1:.3f}", y1=f"{y1:.3f}",

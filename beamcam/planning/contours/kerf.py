@@ -1,4 +1,4 @@
-"""Contours moved off the part by half a kerf, or left to the controller to move."""
+"""Kerf compensation: contours offset by half a kerf, or left to the controller."""
 
 from collections import defaultdict
 from collections.abc import Iterator, Sequence
@@ -20,7 +20,7 @@ from beamcam.planning.contours.narrow import (
 from beamcam.planning.contours.repeats import Repeats, contours_once
 from beamcam.planning.contours.shape import Shape
 
-#: Mitres of corners stand out by no more than so many half kerfs.
+#: Mitre limit of corners, in half kerfs.
 MITRE_LIMIT = 2.5
 
 #: What of the machine's tolerance the fitting of arcs may take; the offset and the rounding of
@@ -31,9 +31,9 @@ FIT_SHARE = 0.4
 def compensated(
     shapes: Sequence[Shape], kerfs: Sequence[float], torch: Torch
 ) -> tuple[list[Shape], list[Diagnostic]]:
-    """The ways of the torch along the shapes, one for each, and what is to be said of them.
+    """The toolpaths along the shapes, one for each, and remarks on them.
 
-    `kerfs` says for each shape what is to be kept off, 0 for nothing. By offset the contours lie
+    `kerfs` gives the kerf to compensate for each shape, 0 for none. By offset the contours lie
     half of it away from the part: outwards, in a hole inwards. A controller that keeps off by
     itself gets lines and arcs. What cannot be cut is an error: a contour without room for the
     kerf, one that the cut of another enters, and one that a controller cannot keep off.
@@ -110,7 +110,7 @@ def _moved(
 def common_cuts(
     paths: Sequence[Shape], kerfs: Sequence[float], torch: Torch, share: bool
 ) -> tuple[list[Shape], list[float], list[Diagnostic]]:
-    """The ways of the torch and their kerfs, with what two contours share cut once.
+    """The toolpaths and their kerfs, with edges shared by two contours cut once.
 
     That is an edge of both if no kerf is kept off, else the middle between two that are a kerf
     apart. A contour of which nothing is left is made by the first one that it lies on.

@@ -20,7 +20,7 @@ SHARES = (1.0, 0.6, 0.35, 0.2)
 
 
 class Leads:
-    """The ways in and out of the shapes that need them."""
+    """The lead-ins and lead-outs of the shapes that need them."""
 
     def __init__(
         self, ways: Sequence[Shape], torch: Torch, half_kerf: float, contours: Sequence[Shape]
@@ -49,7 +49,7 @@ class Leads:
             )
 
     def of(self, k: int) -> Lead:
-        """Way in and way out of shape `k`; empty where there is none."""
+        """Lead-in and lead-out of shape `k`; empty if there is none."""
         return self._leads.get(k, ((), ()))
 
 

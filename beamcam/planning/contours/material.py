@@ -18,7 +18,7 @@ _STEEL_GRADE = re.compile(r"(S ?\d{3}|ST ?\d\d|FE ?\d{3}|A ?(36|572|992)|Q ?\d{3
 
 
 def is_same(material: str, grade: str) -> bool:
-    """Whether a material that is asked for may be what a part's grade names."""
+    """Whether a requested material may be the one that a part's grade names."""
     asked, own = material.strip().casefold(), grade.strip().casefold()
     if asked in _STEEL:
         return own in _STEEL or _STEEL_GRADE.match(own) is not None
@@ -32,7 +32,7 @@ def _shipped_torches() -> Iterator[tuple[str, Torch]]:
 
 
 class Material:
-    """What a sheet is, and the machine's row for each process on it."""
+    """Material and thickness of a sheet, and the machine's row for each process on it."""
 
     def __init__(self, part: Part, torch: Torch) -> None:
         own = part.profile.web_thickness
@@ -75,7 +75,7 @@ class Material:
         return is_material and 0.0 < self.thickness <= row.up_to
 
     def kerf(self, process: TorchProcess) -> float:
-        """Width of the cut that somebody has to keep off; 0 where nobody has to."""
+        """Kerf width to compensate, by offset or machine; 0 without compensation."""
         row = self.row(process)
         if row is None or process != "cut" or self._torch.kerf_by == "none":
             return 0.0

@@ -186,7 +186,7 @@ def _deepest(left: Left) -> float:
 
 
 def sharp_corners(shapes: Sequence[Shape], kerfs: Sequence[float]) -> list[list[Left]]:
-    """What the beam leaves in the corners of each contour that point into the part.
+    """Material that the beam leaves in the corners of each contour that point into the part.
 
     Between walls at an angle `a` a disc of radius r touches both and stays r (1 / sin(a / 2) - 1)
     off the corner.

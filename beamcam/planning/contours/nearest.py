@@ -1,4 +1,4 @@
-"""The greedy tour: from where the head stands, the nearest contour whose inner ones are done.
+"""The greedy tour: the contour nearest to the head whose inner contours are done.
 
 The ends of the contours that may be done next lie in square cells. They are looked for in rings of
 cells about the head; where the next ones lie far off, all that are left are measured at once.
@@ -25,7 +25,7 @@ Cell = tuple[int, int]  #: column and row
 
 
 def _ring(ring: int) -> list[Cell]:
-    """The way to the cells that lie `ring` cells off, in a square."""
+    """Offsets of the cells in the square ring `ring` cells away."""
     span = range(-ring, ring + 1)
     return [(i, k) for i in span for k in span if max(abs(i), abs(k)) == ring]
 

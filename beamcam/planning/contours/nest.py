@@ -1,4 +1,4 @@
-"""What lies inside what."""
+"""Nesting of contours: which lies inside which."""
 
 from collections import defaultdict
 from collections.abc import Sequence

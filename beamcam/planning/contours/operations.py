@@ -1,4 +1,4 @@
-"""Contours in order of work, each with its side of the kerf, its ways in and out, its bridges.
+"""Contours in order of work, each with its kerf side, its leads and its bridges.
 
 shapes -> half a kerf off the part -> in order -> turned and begun -> led into -> bridged
 """
@@ -33,7 +33,7 @@ SHOWN_OPEN = 10  #: open contours are named one by one up to so many
 def operations_of(
     shapes: Sequence[Shape], material: Material, torch: Torch, shift: Point, share: bool
 ) -> tuple[tuple[ContourOp, ...], list[Diagnostic]]:
-    """The work on the shapes, moved by `shift`, and what is to be said; nothing if an error is.
+    """The work on the shapes, moved by `shift`, and remarks; no work if one is an error.
 
     `share` says that contours share edges, which are cut once.
     """
@@ -66,7 +66,7 @@ def operations_of(
 def _by_offset(
     ways: Sequence[Way], torch: Torch, fence: Sequence[Shape]
 ) -> tuple[list[tuple[Shape, float, Lead]], list[Diagnostic]]:
-    """The ways with their leads, and how many leads are short."""
+    """The toolpaths with their leads, and the number of shortened leads."""
     kerf = max((kerf for _, kerf in ways), default=0.0) if torch.kerf_by == "offset" else 0.0
     leads = Leads([shape for shape, _ in ways], torch, kerf / 2, fence)
     return [(*way, leads.of(k)) for k, way in enumerate(ways)], leads.remarks
@@ -75,7 +75,7 @@ def _by_offset(
 def _by_machine(
     ways: Sequence[Way], torch: Torch, fence: Sequence[Shape]
 ) -> tuple[list[tuple[Shape, float, Lead]], list[Diagnostic]]:
-    """The ways begun where the controller gets beside them, and errors where it does not."""
+    """The toolpaths from their entries, and errors where the controller has none."""
     shapes, kerfs = [shape for shape, _ in ways], [kerf for _, kerf in ways]
     begun_at, said = entries(shapes, kerfs, torch, fence)
     found: list[tuple[Shape, float, Lead]] = []
@@ -92,7 +92,7 @@ def _by_machine(
 
 
 def _in_order(shapes: Sequence[Shape], torch: Torch) -> Iterator[tuple[int, Shape]]:
-    """The shapes by their index in order of work, each the way that it is followed."""
+    """The shapes by index in order of work, each with its direction."""
     here: Point = (0.0, 0.0)
     for index, turned in order(shapes, ranks=[rank(s, torch) for s in shapes]):
         shape = shapes[index]

@@ -1,4 +1,4 @@
-"""The order of contours: marks before cuts, inner before outer, and little travel between.
+"""The order of contours: marks before cuts, inner before outer, with short traverses.
 
 First the nearest contour each time (`nearest`), then stretches of the tour turned round where that
 shortens the way (`two_opt`).
@@ -54,7 +54,7 @@ def order(shapes: Sequence[Shape], home: Point = (0.0, 0.0), ranks: Sequence[int
 
 
 def travel(tour: Sequence[tuple[int, bool]], shapes: Sequence[Shape], home: Point) -> float:
-    """Length of the ways between the shapes of a tour, in its order."""
+    """Length of the traverses between the shapes of a tour, in its order."""
     total, here = 0.0, home
     for index, turned in tour:
         shape = shapes[index]

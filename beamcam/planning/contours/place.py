@@ -1,4 +1,4 @@
-"""Where a sheet lies on the table, and whether its work fits there."""
+"""Position of a sheet on the table, and whether its work fits there."""
 
 from collections.abc import Sequence
 
@@ -17,7 +17,7 @@ from beamcam.planning.contours.shape import Shape
 
 
 def box_of(curves: CurveTable) -> Box:
-    """The least box around curves, of which there is at least one."""
+    """The bounding box of one or more curves."""
     box = extent(curves.outermost())
     if box is None:
         raise AssertionError("curves without a box")

@@ -1,4 +1,4 @@
-"""What a drawing holds twice, taken away before anything is cut twice.
+"""Duplicates in a drawing, removed before anything is cut twice.
 
 Loose curves before they are joined; what lies on another contour when contours are known.
 """
@@ -26,12 +26,12 @@ if TYPE_CHECKING:
 
     from beamcam.geometry.array_types import Counts
 
-#: Curves nearer than this lie on the same place; exports round to 1e-4 and finer.
+#: Curves nearer than this coincide; exports round to 1e-4 and finer.
 SAME_PLACE = 1e-3
 
 
 class Repeats(Struct):
-    """What is cut once for two."""
+    """Duplicates that are cut once."""
 
     stands: dict[int, int] = field(default_factory=dict)  #: a feature and the one it lies on
     gone: list[Source] = field(default_factory=list)  #: curves and contours that are not cut
@@ -91,8 +91,8 @@ def contours_once(
 ) -> list[list[Shape]]:
     """What is left of each contour without stretches that lie on others of the same process.
 
-    Of two that lie on one another the closed one stays, or else the first. Rests no longer than
-    `gap` are nothing. Two closed ones that share an edge and are not the same, and one that lies
+    Of two that lie on one another the closed one stays, or else the first. Remainders up to
+    `gap` are dropped. Two closed ones that share an edge and are not the same, and one that lies
     on itself, stay whole if the `kerf` is given, and are refused if it is not 0.
     """
     once = _unequal(shapes, found)

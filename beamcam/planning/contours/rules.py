@@ -1,4 +1,4 @@
-"""What a cutting table cannot make of a sheet."""
+"""Rules for sheets on a cutting table."""
 
 from beamcam.errors import Rule, Severity
 

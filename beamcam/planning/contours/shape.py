@@ -20,7 +20,7 @@ class Shape(Struct, frozen=True):
     closed: bool
     features: tuple[int, ...]  #: ascending; `assign_process.OUTLINE` may be among them
     source: Source
-    depth: int = 0  #: how many cut contours lie around it
+    depth: int = 0  #: nesting depth: number of cut contours around it
     parent: int = -1  #: the innermost of them, by its index; -1 for none
     look: str = ""  #: key of the settings that it is worked with
     area: float = 0.0  #: inside of a closed cut, mm2, above 0 if it runs counter-clockwise
@@ -36,7 +36,7 @@ class Shape(Struct, frozen=True):
 
 
 def entity(source: Source) -> str:
-    """What a message calls another entity of the same file: by its handle, line or element."""
+    """Name of another entity of the same file in messages: its handle, line or element."""
     if source.where is not None:
         return source.where
     return f"line {source.line}" if source.line is not None else source.file

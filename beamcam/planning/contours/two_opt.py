@@ -23,7 +23,7 @@ Lengths = Callable[[Floats, Floats], Floats]  #: of vectors by their x and y
 WINDOW = 60  #: longest stretch that is turned round
 PASSES = 6  #: over the whole tour; the third rarely gains one per cent
 MIN_GAIN = 1e-9
-MOST_AT_ONCE = 256  #: places that are asked together
+MOST_AT_ONCE = 256  #: places evaluated together
 AFTER_A_TURN = 24  #: and at first after a turn, as another one is seldom far
 
 

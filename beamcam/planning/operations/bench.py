@@ -1,4 +1,4 @@
-"""One part as it lies on one line: what its work is held against, and what came of it so far."""
+"""Planning state of one part on one line: the limits of its work, and the results so far."""
 
 from collections import defaultdict
 from collections.abc import Iterable, Iterator
@@ -66,7 +66,7 @@ class Bench:
         return replace(feature, face=face)
 
     def number(self, faces: tuple[Face, ...]) -> int:
-        """What the program calls the spindle of a face, or the pair of two."""
+        """The program's number of a face's spindle, or of a pair of spindles."""
         if len(faces) == 1:
             return self.reached[faces[0]].spindle
         return next(p.number for p in self.machine.pairs if set(p.faces) == set(faces))
@@ -91,7 +91,7 @@ class Bench:
             self.jobs = [job for job in self.jobs if refused.keys().isdisjoint(job.features)]
 
     def refuse_repeats(self) -> None:
-        """What repeats a feature that cannot be made cannot be made either."""
+        """Refuse the repeats of refused features too."""
         for f, each in [*self.settled.items()]:
             if each.like in self.refused:
                 self.refused[f] = self.refused[each.like]
@@ -105,5 +105,5 @@ class Bench:
 
     @property
     def remarks(self) -> Iterator[Diagnostic]:
-        """What is told of the features that are not refused."""
+        """Remarks on the features that are not refused."""
         return (said for f, said in self.told if f not in self.refused)

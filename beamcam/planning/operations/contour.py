@@ -42,7 +42,7 @@ def _needs(contour: Contour, _: Bench) -> Diagnostic | None:
 
 
 def _refusals(contour: Contour, bench: Bench) -> Iterator[Diagnostic]:
-    """What of the contour the saw cuts do not give."""
+    """Parts of the contour that the saw cuts do not produce."""
     corner = leaves_stock(contour, bench.part, bench.ends)
     if corner is not None:
         x, y = corner

@@ -187,7 +187,7 @@ def leaves_stock(contour: Contour, part: Part, ends: Ends) -> Point | None:
 
 
 class WallEnd(Struct, frozen=True):
-    """Where the wall behind a face ends: x at q 0 on either of its surfaces, and its slope.
+    """End of the wall behind a face: x at q 0 on each of its surfaces, and its slope.
 
     `q` is the second coordinate of the face: z on the flanges, y on the web. A wall ends skew
     through its thickness, and is drawn as long as either of its surfaces.
@@ -198,7 +198,7 @@ class WallEnd(Struct, frozen=True):
     slope: float  #: x falls by it with q
 
     def reach(self, q: float) -> tuple[float, float]:
-        """Least and greatest x that a contour may have there, the tolerance included."""
+        """Minimum and maximum x of a contour there, including the tolerance."""
         lean = q * self.slope
         return self.least - lean - CONTOUR_TOLERANCE, self.greatest - lean + CONTOUR_TOLERANCE
 

@@ -1,4 +1,4 @@
-"""A hole held against the finished part: the wall that it goes through when all is cut.
+"""A hole checked against the finished part: the wall that it goes through after all cuts.
 
 Along the part a wall ends at the two end planes. A hole lies wholly in it if its circle does on
 both surfaces of the wall, so the plane that takes most counts:
@@ -79,7 +79,7 @@ OUTSIDE = ("o", "u", "h")  #: faces that a tool comes to from outside the sectio
 
 
 class Across(Struct, frozen=True):
-    """What stands across the part on one face."""
+    """Walls and edges across the part on one face."""
 
     width: float
     walls: tuple[Wall, ...]
@@ -88,7 +88,7 @@ class Across(Struct, frozen=True):
 
 
 class Along(Struct, frozen=True):
-    """Where the wall behind one face ends along the part: x = x0 - y * slope at either end."""
+    """Ends of the wall behind one face, along the part: x = x0 - y * slope at either end."""
 
     start_x0: float
     start_slope: float
@@ -110,7 +110,7 @@ _walls: PerObject[Machine, BoundedCache[tuple[Profile, Face], Across]] = PerObje
 
 
 class FinishedPart:
-    """What is left of a part when its ends are cut, as far as holes have to keep to it."""
+    """The part after its end cuts, as far as it limits holes."""
 
     def __init__(self, part: Part, ends: Ends, machine: Machine, drill: Drill) -> None:
         self.part, self._ends, self._drill = part, ends, drill
@@ -119,7 +119,7 @@ class FinishedPart:
         self._along: dict[Face, Along] = {}
 
     def across(self, face: Face) -> Across:
-        """What stands across the part on a face."""
+        """Walls and edges across the part on a face."""
         found = self._across.get(face)
         if found is None:
             known, key = _walls(self._machine), (self.part.profile, face)
@@ -128,14 +128,14 @@ class FinishedPart:
         return found
 
     def along(self, face: Face) -> Along:
-        """Where the wall behind a face ends."""
+        """Ends of the wall behind a face."""
         found = self._along.get(face)
         if found is None:
             found = self._along[face] = _along(self._ends, face, self.part.profile)
         return found
 
     def is_plain(self, hole: Hole) -> bool:
-        """Whether nothing is to be said about the place of a hole, for sure."""
+        """Whether the place of a hole is certainly free of remarks."""
         radius, least = hole.diameter / 2, self._drill.min_edge_distance
         start, end = self.along(hole.face).clear(hole.x, hole.y, radius)
         if start < least or end < least:
@@ -149,7 +149,7 @@ class FinishedPart:
     def judge(
         self, what: str, shape: Hole | Slot, circles: tuple[tuple[float, float], ...]
     ) -> Iterator[Diagnostic]:
-        """What is wrong, or to be told, about a hole or slot: errors first.
+        """Errors and remarks on a hole or slot, errors first.
 
         `circles` are the middles of its corner circles, of a hole its own.
         """
@@ -183,13 +183,13 @@ class FinishedPart:
             )
 
     def _deeper(self, face: Face) -> float:
-        """How much deeper than its wall a through hole is drilled; a fixed stroke passes all."""
+        """Overtravel of a through hole behind its wall; a fixed stroke passes everything."""
         return inf if face in fixed_faces(self._machine) else self._drill.breakthrough
 
     def _beside(
         self, shape: Hole | Slot, low: float, high: float, wall: Wall, where: dict[str, str]
     ) -> Iterator[Diagnostic]:
-        """What there is to say about a hole and another wall beside it."""
+        """Remarks on a hole and another wall beside it."""
         if high > wall.least + TOLERANCE and low < wall.greatest - TOLERANCE:
             yield WALL.at(
                 shape.source, least=f"{wall.least:g}", greatest=f"{wall.greatest:g}", **where

@@ -109,7 +109,7 @@ def _steps(holes: Sequence[tuple[int, Hole]], bench: Bench) -> list[Found]:
 
 
 def _repeats(repeats: dict[int, Placed], bench: Bench) -> Iterator[Found]:
-    """What becomes of holes that are there twice."""
+    """Outcomes of duplicate holes."""
     for f, (_, like, first) in repeats.items():
         hole = bench.part.features[f]
         yield Settled(f, "duplicate", DUPLICATE.code, like)

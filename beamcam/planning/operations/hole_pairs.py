@@ -62,7 +62,7 @@ def judge_pairs(holes: Group, drill: Drill) -> Iterator[Said]:
 def _judge_pair(
     first: Placed, second: Placed, apart: float, room: float, drill: Drill
 ) -> Iterator[Said]:
-    """What to say of two holes, at the second of them."""
+    """Remarks on two holes, at the second of them."""
     (_, _, one), (_, f, hole) = first, second
     if apart <= drill.merge_tolerance and _is_one_work(one, hole):
         return

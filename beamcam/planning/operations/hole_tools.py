@@ -1,4 +1,4 @@
-"""What has to be done for a hole: drill, drill and tap, sink, punch, or mill round.
+"""The steps of a hole: drill, drill and tap, sink, punch, or mill round.
 
     through, blind    one drill of a fitting diameter; larger than any drill: a mill led round
     thread            the drill before the tap, deeper by the tap's run-out, and the tap
@@ -66,14 +66,14 @@ class HoleWork(NamedTuple):
 
 
 class Refusal(Struct, frozen=True):
-    """Why there is no way to make a hole: a rule and what its message needs but the place."""
+    """Why a hole cannot be made: a rule and the values of its message, except the place."""
 
     rule: Rule
     values: Mapping[str, object]
 
 
 def toolings_of(rack: Rack, hole: HoleWork) -> tuple[Tooling, ...] | Refusal:
-    """What makes a hole, in order; or why nothing does."""
+    """The tools that make a hole, in order; or why there are none."""
     known = rack.toolings.get(hole)
     if known is None:
         known = rack.toolings.keep(hole, _toolings(rack, hole))

@@ -1,4 +1,4 @@
-"""What a spindle does at a place of a part, and what else may become of a feature."""
+"""The work of a spindle at a place of a part, and the other outcomes of a feature."""
 
 from typing import Literal
 
@@ -11,7 +11,7 @@ from beamcam.planning.operations.tools import Tools
 
 
 class Tooling(Struct, frozen=True):
-    """What a spindle does at a place, wherever that is; most places of a part share it."""
+    """The work of a spindle, independent of the place; most places of a part share it."""
 
     spindle: int
     tools: Tools  #: any of which may do it
@@ -38,7 +38,7 @@ class Settled(Struct, frozen=True):
 
     feature: int
     how: Literal["made", "duplicate", "listed"]
-    by: str  #: "saw", why it is left to the hand, or the code that says why
+    by: str  #: "saw", why it is left for manual work, or the code that says why
     like: int | None = None  #: the feature that it repeats
 
 

@@ -1,4 +1,4 @@
-"""What a kind of work on a bar has to say of itself.
+"""The interface of a kind of work on a bar.
 
 Each is a module of this package that ends with its `Kind`, and a row of `kinds.KINDS`. Messages
 that are errors refuse a feature, by the first of them; it may then be left out if its code is
@@ -36,6 +36,6 @@ class Kind(Struct, frozen=True):
     refusals: Callable[[Any, Bench], Iterable[Diagnostic]] = nothing
     #: The jobs of all its features of a part together.
     steps: Callable[[Sequence[Numbered], Bench], Iterable[Found]] = nothing
-    reasons: Mapping[str, str] = {}  #: what explains its steps: a stable code, and what it says
+    reasons: Mapping[str, str] = {}  #: explanations of its steps: stable code and text
     #: What might have been done instead of an operation, and why it was not.
     rejected: Callable[[SpindleOp, Plan, Machine], Iterator[str]] = nothing

@@ -10,7 +10,7 @@ from beamcam.planning.operations.tools import Rack, rack_of
 
 
 class Line(Struct, frozen=True):
-    """What planning a bar takes from its machine."""
+    """The machine data used in planning a bar."""
 
     machine: Machine
     saw: Saw

@@ -1,4 +1,4 @@
-"""Which holes are one hole, and which flange holes are one stroke of two spindles.
+"""Duplicate holes, and flange holes that two spindles drill in one stroke.
 
 Two holes of one face that are the same in every figure are one hole that was written twice; it
 is drilled once, and the second is listed. Two holes on the two faces of a pair of spindles are
@@ -125,7 +125,7 @@ def _partner(
 
 
 def unmerged_because(hole: Hole, other: Hole, drill: Drill) -> str | None:
-    """What keeps two holes on the faces of a pair, near each other, from being one stroke.
+    """Why two nearby holes on the faces of a pair are not one stroke.
 
     None if nothing does, or if they are too far apart for the question.
     """

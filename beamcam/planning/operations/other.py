@@ -1,4 +1,4 @@
-"""What no line makes: bends, planes in space, cambers."""
+"""Features that no line makes: bends, planes in space, cambers."""
 
 from beamcam.errors import Diagnostic
 from beamcam.model.part import Bend, Camber, EndPlane

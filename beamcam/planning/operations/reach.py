@@ -1,4 +1,4 @@
-"""Where a machine's spindles come to on the faces of a section."""
+"""Reach of a machine's spindles on the faces of a section."""
 
 from collections.abc import Mapping
 from math import inf
@@ -32,7 +32,7 @@ RULES = (OFF_FACE, IN_THE_WAY)
 
 
 class Reach(Struct, frozen=True):
-    """What a spindle comes to on a face of a section."""
+    """Reach of a spindle on a face of a section."""
 
     spindle: int  #: number
     width: float  #: of the face
@@ -64,7 +64,7 @@ def reach_of(profile: Profile, machine: Machine) -> Reached:
 
 
 def _clear_between(profile: Profile, face: Face) -> tuple[float, float]:
-    """y between which a tool reaches a face; without bounds where no flange stands beside it."""
+    """Range of y in which a tool reaches a face; unbounded where no flange is beside it."""
     if face != "v" or profile.code not in ("I", "U", "C", "L"):
         return -inf, inf
     flange = profile.flange_thickness

@@ -77,7 +77,7 @@ SAME_ANGLE_DEG = 0.01  #: ends that differ by no more share a cut
 
 
 def _needs(end: End, bench: Bench) -> Diagnostic | None:
-    """What the saw cannot do for one end; None if it can."""
+    """Why the saw cannot make one end; None if it can."""
     if end.is_square:
         return None
     return _refuse_cut(end, _turning_saw(bench.line.saw, bench.machine), bench.part.source)
@@ -117,7 +117,7 @@ def _turning_saw(saw: Saw, machine: Machine) -> Saw:
 
 
 def _refusals(ends: Ends, bench: Bench) -> Iterator[Diagnostic]:
-    """What is wrong, or odd, about the two ends of a part together and one by one."""
+    """Errors and remarks on the two ends of a part, together and one by one."""
     part, saw = bench.part, bench.line.saw
     start, end = ends
     if not (start.is_square and end.is_square):

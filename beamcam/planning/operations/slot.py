@@ -45,7 +45,7 @@ def _needs(slot: Slot, bench: Bench) -> Diagnostic | None:
 
 
 def _refusals(slot: Slot, bench: Bench) -> Iterator[Diagnostic]:
-    """What is wrong with the place of its middle or of its corner circles."""
+    """Faults in the position of its middle or of its corner circles."""
     reach, ends = bench.reached[slot.face], slot_ends(slot)
     places = ((slot.x, slot.y), *ends)
     said = (refuse_place(slot, x, y, bench.part, reach) for x, y in places)

@@ -1,6 +1,6 @@
 """A text on a face: a scribe is led along its strokes, where it is clear of holes, edges and ends.
 
-One that finds no place, or stands where no scribe comes to, is left to the hand.
+One without room, or out of the scribe's reach, is left for manual work.
 """
 
 from collections import defaultdict
@@ -26,7 +26,7 @@ def _is_text(feature: object) -> bool:
 
 
 def _needs(text: TextMark, bench: Bench) -> None:
-    """Nothing: what the machine cannot letter is left to the hand."""
+    """Nothing: what the machine cannot letter is left for manual work."""
 
 
 def _steps(texts: Sequence[tuple[int, TextMark]], bench: Bench) -> Iterator[Found]:
@@ -57,7 +57,7 @@ def _tooling(face: Face, bench: Bench) -> Tooling:
 
 
 def _room(face: Face, bench: Bench) -> Room | None:
-    """Where a text may stand on a face: between ends, edges and fillets, where the axes come to."""
+    """Room for a text on a face: between ends, edges and fillets, within the axes' travel."""
     across, along = bench.finished.across(face), bench.finished.along(face)
     reach = bench.reached[face]
     low, high = max(0.0, reach.least), min(across.width, reach.greatest)

@@ -1,4 +1,4 @@
-"""What one part needs done, wherever it comes to lie on a bar, and the tools that are settled on.
+"""The work of one part, independent of its place on a bar, and the tools chosen for it.
 
 ends -> each feature by itself: what it needs, and its place on the finished part
      -> the jobs of each kind of work
@@ -26,18 +26,18 @@ from beamcam.planning.operations.tools import Tools, settle
 
 
 class Work(Struct, frozen=True):
-    """What one part needs done, and what of it cannot be."""
+    """The work of one part, and the part of it that is refused."""
 
     ends: Ends
     refusals: tuple[Diagnostic, ...]
     remarks: tuple[Diagnostic, ...] = ()
     jobs: tuple[Job, ...] = ()
     settled: tuple[Settled, ...] = ()  #: features that need no job
-    skipped: Mapping[int, Diagnostic] = {}  #: features left out by leave, and why
+    skipped: Mapping[int, Diagnostic] = {}  #: features left out by permission, and why
 
 
 def work_on(part: Part, line: Line, skips: Collection[str]) -> Work:
-    """What `part` needs done as it lies; refusals are in the result, and not raised."""
+    """The work of `part` in its orientation; refusals are in the result, and not raised."""
     try:
         ends, remarks = ends_of(part, line.saw.min_mitre)
     except PlanError as error:
@@ -64,7 +64,7 @@ def work_on(part: Part, line: Line, skips: Collection[str]) -> Work:
 
 
 def _ends_told(ends: Ends, bench: Bench) -> Iterator[Diagnostic]:
-    """What is wrong with the cuts at both ends, or odd."""
+    """Errors and remarks on the cuts at both ends."""
     yield from (said for end in ends if (said := SAW_CUT.needs(end, bench)))
     yield from SAW_CUT.refusals(ends, bench)
 
