@@ -38,7 +38,7 @@ def interpreter_of(machine: Machine, name: str) -> Interpreter:
 def cell_events(
     text: str, machine: Machine, name: str = "program"
 ) -> tuple[list[BarEvent], list[Diagnostic]]:
-    """What a program for bars does, event by event, and what is wrong with its blocks."""
+    """The events of a program for bars, and the faults of its blocks."""
     events, interpreter = EventList(), interpreter_of(machine, name)
     interpreter.record(events)
     lines = text.rstrip().split("\n")
@@ -50,7 +50,7 @@ def cell_events(
 
 
 def table_run(text: str, machine: Machine, name: str = "program") -> "tuple[Run, list[Diagnostic]]":
-    """What a program of a table does, its moves as arrays, and what is wrong with its blocks."""
+    """The events of a program for a table, its moves as arrays, and the faults of its blocks."""
     from beamcam.controllers import track
 
     return track.table_run(text, interpreter_of(machine, name))
@@ -59,6 +59,6 @@ def table_run(text: str, machine: Machine, name: str = "program") -> "tuple[Run,
 def table_events(
     text: str, machine: Machine, name: str = "program"
 ) -> tuple[list[TableEvent], list[Diagnostic]]:
-    """What a program of a table does, event by event, and what is wrong with its blocks."""
+    """The events of a program for a table, and the faults of its blocks."""
     done, said = table_run(text, machine, name)
     return done.events(), said

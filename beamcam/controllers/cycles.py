@@ -27,7 +27,7 @@ class Step(NamedTuple):
 def steps(
     at: Place, x: float, y: float, bottom: float, near: float, clear: float
 ) -> Iterator[Step]:
-    """The moves of a cycle from where the tool stands; `near` is R and `clear` the last place."""
+    """Moves of a cycle from the tool's position; `near` is R `clear` the retract position."""
     inward = 1.0 if bottom > near else -1.0
     z = at[2]
     if not inward * (z - near) <= 0.0:  # nearer the bottom than R, or from nowhere
@@ -42,7 +42,7 @@ def steps(
 
 
 def clear_place(before: float, near: float, bottom: float, to_near: bool) -> float:
-    """Where a cycle draws its tool back to; `before` is where it stood."""
+    """The retract position of a cycle; `before` is the position before it."""
     if to_near or before != before:
         return near
     inward = 1.0 if bottom > near else -1.0

@@ -42,13 +42,13 @@ ALONG_A_PATH = ("mill", "scribe")
 
 
 class Cycle(Struct, frozen=True):
-    """How the machine works with one kind of tool: the template of its name says it."""
+    """The machine's cycle for one kind of tool, from the template of that name."""
 
     kind: str
     turns: int  #: the M word that starts the spindle, 0 if it does not turn
     cools: bool
     along: bool  #: whether it is led along a path
-    feeds: bool  #: whether its way into the material carries a feed of its own
+    feeds: bool  #: whether its move into the material has its own feed
 
 
 class MWord(Struct, frozen=True):
@@ -60,7 +60,7 @@ class MWord(Struct, frozen=True):
 
 
 class Dialect(Struct, frozen=True):
-    """What the programs of a machine are written in."""
+    """The dialect of a machine's programs."""
 
     stock: Literal["beam", "sheet"]
     axes: str  #: letters of the axes that its programs move
@@ -71,7 +71,7 @@ class Dialect(Struct, frozen=True):
     letters: frozenset[str]  #: addresses that its programs may use
     section_fields: frozenset[str]  #: what a program has to say about its bar
     feeds: bool  #: whether its programs carry feeds
-    changes: bool  #: whether they stop for a tool that is changed by hand
+    changes: bool  #: whether they stop for manual tool changes
     sizes: tuple[float, ...]  #: diameters of the shop's tools
     codes: Mapping[str, CodeMeaning]  #: G words of the machine's own
     numbered: Mapping[int, tuple[str, float]]  #: number of a tool -> its kind and size

@@ -1,4 +1,4 @@
-"""What a program does, event by event: one vocabulary for every controller.
+"""Events of a program: one vocabulary for all controllers.
 
     Move          tool, bar or head go straight or along a curve, in rapid or at a feed
     Switch        an M word: something starts, stops, is chosen, cuts, or the program ends
@@ -30,8 +30,8 @@ class Move(NamedTuple, Generic[Where]):
     rapid: bool
     start: Where
     end: Where
-    feed_mm_min: float  #: 0 where no F stands before
-    own_feed: bool = False  #: whether the feed stands in its own block
+    feed_mm_min: float  #: 0 without an F before it
+    own_feed: bool = False  #: whether the feed is in its own block
     curve: Curve | None = None  #: in X and Y; None for a straight one
 
 

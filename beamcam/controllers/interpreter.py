@@ -1,4 +1,4 @@
-"""What all controllers of G-code have in common while a program is read back.
+"""Modal interpretation common to all G-code controllers.
 
     line -> block (each family's lexer) -> modal state -> events, into a record
 
@@ -22,7 +22,7 @@ Words = dict[str, float]
 
 
 class Record(Protocol):
-    """What takes the events of a program."""
+    """Collects the events of a program."""
 
     def event(self, event: Other, /) -> None:
         """Anything but a move."""
@@ -32,7 +32,7 @@ class Record(Protocol):
 
 
 class PlainMoves(Record, Protocol):
-    """What takes the events of a table, and holds its plain moves."""
+    """Collects the events of a table, and holds its plain moves."""
 
     def lines(self) -> list[int]:
         """Of the plain moves, ascending."""
@@ -116,7 +116,7 @@ class Interpreter(ABC):
 
     @abstractmethod
     def arc_fault(self, start: Point, end: Point, centre: Point, clockwise: bool) -> str | None:
-        """What the controller would make of an arc; None if it makes that arc."""
+        """The controller's deviation from an arc; None if it makes that arc."""
 
     def record(self, record: Record) -> None:
         """Sends the events to a record from here on."""

@@ -87,7 +87,7 @@ def _filled(machine: Machine, key: str, **more: str) -> Iterator[Line]:
     template = getattr(machine.words, key)
     values = {**_FIGURES, **more}
     for text in (template,) if isinstance(template, str) else template:
-        # A footer has no braces to fill, and is written as it stands.
+        # A footer has no placeholders, and is written unchanged.
         filled = text if key == "footer" else text.format_map(values)
         for block in filled.split("\n"):
             yield f"words.{key}", text, block
@@ -180,7 +180,7 @@ def _in_steel(event: Move[Place], stroke: dict[str, str]) -> bool:
 def _begin_faults(
     events: list[BarEvent], dialect: Dialect, stands: bool, stroke: dict[str, str]
 ) -> Iterator[tuple[str, str]]:
-    """What the blocks of one tool do not do before they feed, or at all."""
+    """Actions that the blocks of one tool omit before they feed, or altogether."""
     turns = fed = False
     for event in events:
         if isinstance(event, Switch):
@@ -204,7 +204,7 @@ def _begin_faults(
 def _end_faults(
     events: list[BarEvent], dialect: Dialect, stroke: dict[str, str]
 ) -> Iterator[tuple[str, str]]:
-    """What the blocks of one tool leave as it should not be."""
+    """States that the blocks of one tool must not leave behind."""
     deep = turns = cools = False
     for event in events:
         if isinstance(event, Switch):
@@ -297,6 +297,6 @@ def _said(lines: list[Line], said: list[Diagnostic]) -> Iterator[WordFault]:
 
 
 def _parted(said: Diagnostic) -> tuple[str, str]:
-    """What a message says was found, and what was expected."""
+    """The found and expected parts of a message."""
     found, _, expected = said.message.removeprefix("found ").rpartition("; expected ")
     return found, expected

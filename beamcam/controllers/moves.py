@@ -54,13 +54,13 @@ class Moves(Struct, frozen=True):
 
 
 class Run(Struct, frozen=True):
-    """What a program does: its moves, and its other events between them."""
+    """A program's moves, and the other events between them."""
 
     moves: Moves
     others: list[tuple[int, Other]]  #: each with the number of moves before it
 
     def events(self) -> list[TableEvent]:
-        """Everything in its order."""
+        """All events in order."""
         found: list[TableEvent] = []
         moves = list(self.moves.each())
         done = 0

@@ -1,4 +1,4 @@
-"""What a controller does not do as a program says.
+"""Rules for what a controller does not execute as programmed.
 
 Programs of bars and of sheets have codes of their own for the same fault, because scripts know
 them.

@@ -1,4 +1,4 @@
-"""What a program of a table does, collected while its blocks are carried out.
+"""The run of a table program, recorded while its blocks are executed.
 
 Plain moves are carried out in runs, as rows of arrays; what stands between them one by one.
 """
@@ -22,7 +22,7 @@ ArcFault = Callable[[Point, Point, Point, bool], str | None]
 
 
 def table_run(text: str, interpreter: Interpreter) -> tuple[Run, list[Diagnostic]]:
-    """What a program of a table does, its moves as arrays, and what is wrong with its blocks."""
+    """The events of a program for a table, its moves as arrays, and the faults of its blocks."""
     found = scan(text, interpreter.longest_line, interpreter.fed_traverse)
     track = Track(found.plain, interpreter.per_minute)
     interpreter.follow(track)

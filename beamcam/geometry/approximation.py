@@ -31,10 +31,10 @@ MOST_CURVES = 1000
 
 
 class Fit(Struct, frozen=True):
-    """Curves that follow one another, and how far they are from what they stand for."""
+    """Consecutive curves, and their distance from the function that they approximate."""
 
     curves: tuple[Curve, ...]
-    deviation: float  #: greatest distance that was measured
+    deviation: float  #: maximum measured distance
 
 
 def curves_of_function(text: str, low: float, high: float, tolerance: float) -> Fit:

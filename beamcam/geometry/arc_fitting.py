@@ -56,7 +56,7 @@ def _open_halves(curve: Curve) -> tuple[Curve, ...]:
 
 
 class _Fit(Struct, frozen=True):
-    """Lines and arcs that stand for a free curve, in its direction."""
+    """Lines and arcs that replace a free curve, in its direction."""
 
     curves: list[Line | Arc]
     #: For each that is an arc for the whole of a cubic its control points, else None; nothing at
@@ -65,7 +65,7 @@ class _Fit(Struct, frozen=True):
 
 
 def _fits(free: Sequence[Curve], tolerance: float) -> list[_Fit]:
-    """What stands for each of the free curves."""
+    """The replacement of each free curve."""
     control, owner, others = cubics_of(free)
     more: list[Cubic] = []
     more_owner: list[int] = []

@@ -1,4 +1,4 @@
-"""What many curves have in numbers, as float64 arrays: their ends, their hulls, their areas.
+"""Numeric data of many curves, as float64 arrays: ends, hulls, areas.
 
 A drawing has tens of thousands of curves. Questions about all of them at once (which ends meet,
 which lie outermost) are asked of these arrays; the curves stay what they are.
@@ -94,7 +94,7 @@ class CurveTable:
 
     @cached_property
     def hulls(self) -> Floats:
-        """A box around every curve, (n, 4), of lines the least one: x and y, least and greatest.
+        """A box around every curve, (n, 4): minimum x and y, maximum x and y; tight for lines.
 
         Arcs have the box of their circle, free curves that of their control points.
         """

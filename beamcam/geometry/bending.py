@@ -1,4 +1,4 @@
-"""The least radii of curves, which say how fast they can be followed."""
+"""Minimum radii of curves, which limit the speed along them."""
 
 from math import cos, hypot, inf, radians, sin
 
@@ -6,7 +6,7 @@ from beamcam.geometry.plane import Point, cross
 
 
 def min_radius_of_parabola(start: Point, vertex: Point, end: Point) -> float:
-    """The least radius of the parabola whose tangent at `vertex` is parallel to its chord.
+    """Minimum radius of the parabola whose tangent at `vertex` is parallel to its chord.
 
     As a quadratic Bezier curve with the legs p and q its velocity is twice w = p + t (q - p) and
     its curvature p x q / (2 |w|^3): greatest where w is shortest, at the place of the segment
@@ -23,7 +23,7 @@ def min_radius_of_parabola(start: Point, vertex: Point, end: Point) -> float:
 
 
 def min_radius_of_ellipse(on_it: Point, angle_deg: float, ratio: float) -> float:
-    """The least radius of an ellipse through a point that counts from its centre: b^2 / a.
+    """Minimum radius of an ellipse through a point relative to its centre: b^2 / a.
 
     `angle_deg` is the direction of its main axis, `ratio` is b / a.
     """

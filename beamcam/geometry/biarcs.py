@@ -73,7 +73,7 @@ def directions_deg(vectors: Floats) -> Floats:
 
 
 def allowed_off(radius: Floats, sweep_rad: Floats, tolerance: float) -> Floats:
-    """How far a cubic may be off the arc that is to stand for the whole of it.
+    """Permitted deviation of a cubic from the arc that replaces all of it.
 
     The tolerance; more for an arc no wider than drawing programs draw by one cubic, of radius r
     and sweep s. The usual cubic misses it by r 2/27 sin^6(s/4) / cos^2(s/4): one that is twice as

@@ -71,7 +71,7 @@ class Gap(Struct, frozen=True):
 
 
 class Chains(Struct, frozen=True):
-    """What joining gives: every curve given is in just one chain or dropped."""
+    """The result of joining: every curve is in exactly one chain, or dropped."""
 
     chains: tuple[Chain, ...]
     junctions: tuple[Junction, ...]
@@ -188,7 +188,7 @@ class _Meetings(Struct, frozen=True):
 
 
 def _meetings(points: Floats, tolerance: float) -> _Meetings:
-    """How the ends at `points` (n, 2) meet.
+    """Which ends at `points` (n, 2) meet.
 
     Ends that are near a third one meet one another too.
     """

@@ -23,7 +23,7 @@ class Removed(Struct, frozen=True):
     """A curve that is not there any more."""
 
     index: int  #: of the curves given
-    into: int  #: the curve given that stands for it
+    into: int  #: the given curve that represents it
     why: Why
 
 

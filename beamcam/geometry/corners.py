@@ -1,4 +1,4 @@
-"""Where lines and circles meet, and what is left of a curve that is cut there."""
+"""Intersections of lines and circles, and curves trimmed there."""
 
 from math import hypot, sqrt
 

@@ -31,7 +31,7 @@ FUNCTIONS: dict[str, Callable[..., float]] = {
     "atan": math.atan, "atan2": math.atan2, "hypot": math.hypot, "radians": math.radians,
     "degrees": math.degrees, "floor": math.floor, "ceil": math.ceil,
 }  # fmt: skip
-#: How many values the functions take that do not take one: least and most.
+#: Minimum and maximum number of arguments of the functions that do not take one.
 _COUNTS: dict[str, tuple[int, int]] = {
     "min": (2, MANY), "max": (2, MANY), "hypot": (1, MANY), "atan2": (2, 2), "log": (1, 2),
 }  # fmt: skip
@@ -60,7 +60,7 @@ def compile_expression(text: str, names: Collection[str]) -> Expression:
 
 
 def _depth(tree: ast.expr) -> int:
-    """How many nodes lie inside each other, found without recursion."""
+    """Nesting depth of the nodes, found without recursion."""
     deepest, waiting = 0, [(tree, 1)]
     while waiting:
         node, depth = waiting.pop()

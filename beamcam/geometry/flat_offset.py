@@ -1,6 +1,6 @@
 """Closed chains moved outwards or inwards as polygons, and their arcs found again.
 
-What stands for the exact form where parts of a moved chain run into each other.
+It replaces the exact form where parts of a moved chain run into each other.
 """
 
 from math import degrees, sqrt

@@ -23,7 +23,7 @@ GAP = 2.0  #: between a letter and its accent
 
 
 class Glyph(Struct, frozen=True):
-    """A character: its strokes, and how far the next one stands from it.
+    """A character: its strokes and its advance width.
 
     Coordinates are in heights of a capital: x from where the character begins, y from the baseline.
     """
@@ -42,7 +42,7 @@ class Spelling(Struct, frozen=True):
     """A text in characters that the font has."""
 
     text: str
-    replaced: tuple[tuple[str, str], ...] = ()  #: characters that it has not, and what stands there
+    replaced: tuple[tuple[str, str], ...] = ()  #: missing characters and replacements
 
 
 class _Font(Struct, frozen=True):
@@ -66,12 +66,12 @@ def _font(name: str) -> _Font:
 
 
 def font_notice() -> str:
-    """Where the font comes from, as its makers ask that it be told."""
+    """The font's attribution, as its licence requires."""
     return _font("hershey").source
 
 
 def body_share() -> float:
-    """Height of a capital as a share of the body that it stands in."""
+    """Height of a capital as a share of the body height."""
     font = _font("hershey")
     return font.capital / font.body
 

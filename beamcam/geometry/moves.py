@@ -1,4 +1,4 @@
-r"""Least times of moves along a line under limits of velocity, acceleration and jerk.
+r"""Minimum times of moves along a line under limits of velocity, acceleration and jerk.
 
       v |    ______          A ramp changes the velocity by `change`, from and to acceleration 0.
         |   /      \         It takes change / a + a / j, or 2 sqrt(change / j) where it is too
@@ -27,7 +27,7 @@ def ramp_seconds(change: float, acceleration: float, jerk: float = inf) -> float
 
 
 def move_seconds(distance: float, velocity: float, acceleration: float, jerk: float = inf) -> float:
-    """Least time from rest to rest over `distance`, which may be negative.
+    """Minimum time from rest to rest over `distance`, which may be negative.
 
     Above the way of two full ramps there is a cruise. Below it the peak v follows from the way:
     v (v / a + a / j) where the ramps reach the acceleration, 2 v sqrt(v / j) where they do not.
@@ -56,7 +56,7 @@ def stretch_seconds(
     cap = max(cap, high)
 
     def ways(peak: float) -> tuple[float, float]:
-        """Way and time of both ramps."""
+        """Distance and time of both ramps."""
         up = ramp_seconds(peak - first, acceleration, jerk)
         down = ramp_seconds(peak - last, acceleration, jerk)
         return (peak + first) / 2 * up + (peak + last) / 2 * down, up + down

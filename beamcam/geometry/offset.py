@@ -34,7 +34,7 @@ from beamcam.geometry.plane import distance
 from beamcam.geometry.polylines import polylines
 from beamcam.geometry.raw_offset import MITRE_LIMIT, Ring, raw_offsets
 
-#: Distance from the original at which the flattened form stands for the exact one.
+#: Distance from the original within which the flattened form replaces the exact one.
 DEFAULT_TOLERANCE = 0.005
 
 #: Rings are looked at as polygons so near to them, as a share of the tolerance: two stretches

@@ -4,7 +4,7 @@ from collections.abc import Callable, Sequence
 from math import cos, hypot, radians, sin
 
 Point = tuple[float, float]
-Box = tuple[float, float, float, float]  #: least x, least y, greatest x, greatest y
+Box = tuple[float, float, float, float]  #: minimum x, minimum y, maximum x, maximum y
 #: mm that a coordinate may have at most: 1,000 km. Sums and squares of such stay numbers, and keep
 #: their digits to a thousandth.
 MAX_COORDINATE = 1e9
@@ -97,7 +97,7 @@ def join_boxes(boxes: list[Box]) -> Box | None:
 
 
 def box_around(points: Sequence[Point]) -> Box:
-    """The box around points, of which there is at least one."""
+    """The bounding box of one or more points."""
     xs = [p[0] for p in points]
     ys = [p[1] for p in points]
     return min(xs), min(ys), max(xs), max(ys)

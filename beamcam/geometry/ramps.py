@@ -1,4 +1,4 @@
-"""How a way of 1 is run along from rest to rest, as fast as limits of its derivatives allow.
+"""Fastest motion over a distance of 1 from rest to rest, within limits of its derivatives.
 
 speed        ______________          the acceleration grows by the jerk, stays, and falls back;
           .'                '.       the same to brake, mirrored. Without a limit of the jerk
@@ -19,14 +19,14 @@ class Ramp(Struct, frozen=True):
     """
 
     jerk_s: float  #: in which the acceleration grows, and in which it falls back
-    steady_s: float  #: at the greatest acceleration
-    cruise_s: float  #: at the greatest speed
+    steady_s: float  #: at maximum acceleration
+    cruise_s: float  #: at maximum speed
     speed: float
     acceleration: float
 
     @property
     def rise_s(self) -> float:
-        """From rest to the greatest speed."""
+        """From rest to maximum speed."""
         return 2 * self.jerk_s + self.steady_s
 
     @property
@@ -35,7 +35,7 @@ class Ramp(Struct, frozen=True):
         return 2 * self.rise_s + self.cruise_s
 
     def share(self, t: float) -> float:
-        """How much of the way is done `t` seconds after the beginning."""
+        """Share of the distance covered `t` seconds after the start."""
         if t >= self.duration_s:
             return 1.0
         left = self.duration_s - t
@@ -68,7 +68,7 @@ def ramp(speed: float, acceleration: float, jerk: float = inf) -> Ramp:
     steady_s = speed / acceleration - jerk_s
     if steady_s < 0.0:  # the speed is reached before the acceleration is
         jerk_s, steady_s = sqrt(speed / jerk), 0.0
-    if speed * (2 * jerk_s + steady_s) > 1.0:  # the way is over before the speed is reached
+    if speed * (2 * jerk_s + steady_s) > 1.0:  # the distance ends before the speed is reached
         # acceleration (jerk_s + steady_s) (2 jerk_s + steady_s) = 1
         jerk_s = acceleration / jerk
         steady_s = (sqrt(jerk_s * jerk_s + 4 / acceleration) - 3 * jerk_s) / 2

@@ -1,4 +1,4 @@
-"""Marks that a program leaves to the hand or makes elsewhere, told one by one."""
+"""Marks that a program leaves for manual work or makes elsewhere, reported one by one."""
 
 from collections.abc import Iterator
 
@@ -41,7 +41,7 @@ def left_to_hand(part: Part, machine: Machine) -> Iterator[Diagnostic]:
 
 
 def by_hand(feature: Feature, part: Part, machine: Machine) -> Diagnostic:
-    """That a feature is left to the hand."""
+    """The remark that a feature is left for manual work."""
     return BY_HAND.at(
         feature.source, what=description(feature), mark=part.mark, machine=machine.name
     )

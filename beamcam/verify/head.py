@@ -1,4 +1,4 @@
-"""What the head of a program says of how it was made.
+"""The head of a program, which records how it was made.
 
     (BEAMCAM 1 MACHINE beamline 5f3a9c2e)        version of the form, machine, checksum of its file
     (ALLOWED TO BE LEFT OUT: cope, slot)         the kinds that --allow-skips named, if any
@@ -55,11 +55,11 @@ class Head(Struct, frozen=True):
     machine: str
     checksum: str  #: "" where the machine did not come from a file
     allowed: tuple[str, ...]  #: kinds of features that may be left out, sorted
-    by_hand: int = 0  #: marks left to the hand
+    by_hand: int = 0  #: marks left for manual work
 
 
 def head_of(text: str) -> Head | None:
-    """The head of a program; None for one that has none, as one written by hand."""
+    """The head of a program; None for one without a head, such as a handwritten one."""
     made = _MADE.search(text, 0, MOST_BEFORE)
     if made is None:
         return None
@@ -73,7 +73,7 @@ def head_of(text: str) -> Head | None:
 def head_faults(
     head: Head | None, machine: Machine, allowed: Collection[str], name: str, by_hand: int = 0
 ) -> Iterator[Diagnostic]:
-    """Everything in which a head differs from what was asked for, and from what was read back.
+    """All differences of a head from the request and from the read-back.
 
     `by_hand` is the number of marks that the read-back found left to the hand.
     """

@@ -1,4 +1,4 @@
-"""What a program leaves out as the user allowed: told feature by feature, never in silence."""
+"""Features that a program leaves out as the user allowed, reported one by one."""
 
 from collections.abc import Iterable, Iterator
 

@@ -1,4 +1,4 @@
-"""Texts looked for in what a program draws, and judged where they stand.
+"""Texts found in the strokes of a program, and checked for position.
 
 A text is found by its longest straight piece: each piece that was drawn in that direction says
 where the text would stand and how high, and all its other pieces have to be there too. Where it may
@@ -51,7 +51,7 @@ class Found(Struct, frozen=True):
 
 
 class Steel(Struct, frozen=True):
-    """Where there is steel on a face, and what letters keep clear of."""
+    """Steel on a face, and obstacles for letters."""
 
     edges: "Geometry"  #: of the steel and its holes
     pieces: Floats  #: the same as straight pieces, (n, 2, 2)
@@ -84,7 +84,7 @@ def steel_within(pieces: Sequence[Segment]) -> Steel:
 
 
 class Wanted(Struct, frozen=True):
-    """A text as it is asked for."""
+    """A required text."""
 
     feature: TextMark
     text: str  #: as the font spells it
@@ -107,7 +107,7 @@ class Wanted(Struct, frozen=True):
 
 
 def wanted(feature: TextMark, marks: Marks) -> Wanted:
-    """What a text asks to be drawn."""
+    """The strokes that a text requires."""
     text = spelled(feature.text, marks.replace).text
     share = body_share() if marks.height_of == "body" else 1.0
     pieces = tuple(_turned(_in_a_row(text, marks.spacing), feature))

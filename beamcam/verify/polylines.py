@@ -20,7 +20,7 @@ def compare_polylines(
     slack: float,
     name: str,
 ) -> list[Diagnostic]:
-    """Everything in which paths differ from what the part needs.
+    """All differences of paths from the part.
 
     `slack` is what the controller may miss each point by, beside the machine's tolerance.
     """

@@ -1,4 +1,4 @@
-"""What can be wrong with a program, by itself or against the parts that it should make."""
+"""Rules for programs, by themselves or against the parts that they should make."""
 
 from beamcam.controllers.rules import BAR_RULES
 from beamcam.errors import Rule, Severity

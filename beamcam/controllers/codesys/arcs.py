@@ -14,7 +14,7 @@ CENTRE_SHARE = 0.1  #: how far off the bisector the controller still mends a cen
 
 
 def arc_fault(start: Point, end: Point, centre: Point, resolution: float) -> str | None:
-    """What is wrong with an arc about `centre` as its numbers stand; None if nothing is.
+    """The fault of an arc about `centre` as written; None if there is none.
 
     `resolution` is the step of the numbers: start, end and centre may each be half of it off in
     x and in y, which is sqrt(2) / 2 of it, and the centre counts in both radii; so honest radii
@@ -35,7 +35,7 @@ def arc_fault(start: Point, end: Point, centre: Point, resolution: float) -> str
 
 
 def _off_bisector(start: Point, end: Point, centre: Point) -> float:
-    """How far a centre lies from the line of all points as near to the start as to the end."""
+    """Distance of a centre from the perpendicular bisector of start and end."""
     (x0, y0), (x1, y1), (cx, cy) = start, end, centre
     chord = hypot(x1 - x0, y1 - y0)
     along = (cx - (x0 + x1) / 2) * (x1 - x0) + (cy - (y0 + y1) / 2) * (y1 - y0)
@@ -43,7 +43,7 @@ def _off_bisector(start: Point, end: Point, centre: Point) -> float:
 
 
 def radius_fault(start: Point, end: Point, radius: float) -> str | None:
-    """What is wrong with an arc by R; None if nothing is."""
+    """The fault of an arc by R; None if there is none."""
     chord = dist(start, end)
     if radius <= 0:
         return f"of radius {radius:.4g}"

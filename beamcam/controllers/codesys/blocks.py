@@ -39,7 +39,7 @@ class Block(NamedTuple):
 
 
 class Fault(NamedTuple):
-    """What is wrong with the syntax of a block."""
+    """A syntax error in a block."""
 
     found: str
     expected: str

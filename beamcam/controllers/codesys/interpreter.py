@@ -192,5 +192,5 @@ class Codesys(Interpreter):
         return curve_of(motion, start, end, words, origin, self._dialect.resolution)
 
     def arc_fault(self, start: Point, end: Point, centre: Point, clockwise: bool) -> str | None:
-        """What the controller would make of an arc; None if it makes that arc."""
+        """The controller's deviation from an arc; None if it makes that arc."""
         return arc_fault(start, end, centre, self._dialect.resolution)

@@ -1,4 +1,4 @@
-"""What a block of RS274/NGC says by itself, whatever was said before it.
+"""A block of RS274/NGC by itself, without modal state.
 
 Written from the "G-Code Overview" of the LinuxCNC documentation and the grbl 1.1 wiki.
 """
@@ -24,7 +24,7 @@ MAX_NUMBER = 1e9  #: of an M word, which has three digits at most
 
 
 class Variant(Struct, frozen=True):
-    """What a controller of the family takes, and what it does with arcs."""
+    """Syntax that a controller of the family accepts, and its handling of arcs."""
 
     name: str
     percent: bool  #: whether % stands alone on the first and the last line
@@ -46,7 +46,7 @@ class Variant(Struct, frozen=True):
 
 
 class Block(Struct, frozen=True):
-    """What a block says by itself, whatever was said before it."""
+    """The content of a block, without modal state."""
 
     syntax: str = ""  #: what was expected, where it is no block
     faults: tuple[tuple[str, str], ...] = ()  #: what is wrong with its words, found and expected

@@ -19,7 +19,7 @@ MIN_SWEEP_RAD = 1e-5
 
 
 def arc_fault(start: Point, end: Point, centre: Point, clockwise: bool) -> str | None:
-    """What grbl would make of an arc; None if it makes that arc."""
+    """grbl's deviation from an arc; None if it makes that arc."""
     near, far = dist(start, centre), dist(end, centre)
     if near < ARC_ABSOLUTE:
         return f"of radius {near:.4f}"

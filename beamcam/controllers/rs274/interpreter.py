@@ -16,7 +16,7 @@ from beamcam.controllers.interpreter import Interpreter, Words
 from beamcam.controllers.rs274.blocks import Block, Variant, read_block
 from beamcam.geometry.plane import Point
 
-_STOPS = (0, 1)  #: M words that a machine may stop with, for a tool that is changed by hand
+_STOPS = (0, 1)  #: M words for a program stop at a manual tool change
 
 
 class Rs274(Interpreter):
@@ -154,7 +154,7 @@ class Rs274(Interpreter):
         return fault or arc_of(start, end, centre, clockwise)
 
     def arc_fault(self, start: Point, end: Point, centre: Point, clockwise: bool) -> str | None:
-        """What the controller would make of an arc; None if it makes that arc."""
+        """The controller's deviation from an arc; None if it makes that arc."""
         return self._variant.arc_fault(start, end, centre, clockwise)
 
     def finish(self, last: int) -> None:

@@ -18,7 +18,7 @@ MIN_RADIUS = 0.00127
 
 
 def arc_fault(start: Point, end: Point, centre: Point, clockwise: bool) -> str | None:
-    """What the interpreter would say about an arc; None if it takes it."""
+    """The interpreter's error for an arc; None if it accepts it."""
     near, far = dist(start, centre), dist(end, centre)
     if near <= MIN_RADIUS or far <= MIN_RADIUS:
         return f"of radius {near:.5f}"

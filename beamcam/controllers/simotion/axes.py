@@ -85,7 +85,7 @@ class Axis:
         self._phases = [(abs(change) / acceleration, acceleration if change > 0 else -acceleration)]
 
     def stop(self) -> None:
-        """To rest as fast as the axis can."""
+        """Stop as fast as the axis can."""
         self._end, self.target, self._endless = None, None, False
         speed = self.velocity
         self._phases = [(abs(speed) / self.brake, -self.brake if speed > 0 else self.brake)]
@@ -97,7 +97,7 @@ class Axis:
         self.homed += 1
 
     def put(self, position: float, velocity: float) -> None:
-        """Where a path object has brought the axis."""
+        """Set the axis position from a path object."""
         self.place, self.velocity = position + self.origin, velocity
         self._phases, self._endless, self._end = [], False, None
 
@@ -140,7 +140,7 @@ class Path:
 
     @property
     def end(self) -> tuple[float, float]:
-        """Where all of it ends."""
+        """The end of the motion."""
         if self._queue:
             return self._queue[-1][0][-1]
         return self._points[-1] if self._drive is not None else (self.x.position, self.y.position)

@@ -19,7 +19,7 @@ from beamcam.machine.runtime import PROCESSES, is_address
 Place = tuple[float, float]
 
 SAMPLES = 4  #: of the path in each cycle
-BEGIN: Place = (6.0, 4.5)  #: where the axes stand before homing
+BEGIN: Place = (6.0, 4.5)  #: axis positions before homing
 BRAKE = 2.0  #: a stop brakes so many times as hard as work does
 REFUSED = 1
 SHOWN = 5

@@ -12,7 +12,7 @@ MAX_NAME = 32
 
 
 def check(units: Sequence[syntax.Unit], objects: Mapping[str, str], name: str) -> list[Diagnostic]:
-    """Everything that is wrong with units by themselves.
+    """All faults of units by themselves.
 
     `objects` are the project's own with their types: axes, path objects, inputs and outputs.
     """

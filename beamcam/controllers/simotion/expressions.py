@@ -23,7 +23,7 @@ _LEVELS = (("OR",), ("XOR",), ("AND", "&"), ("=", "<>"), ("<", ">", "<=", ">="),
 
 
 class Stop(Exception):
-    """What cannot be parsed."""
+    """A parse error."""
 
     def __init__(self, token: Token, expected: str) -> None:
         self.token, self.expected = token, expected

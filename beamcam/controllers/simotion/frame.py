@@ -31,7 +31,7 @@ class JobText(Struct, frozen=True):
 
 
 class Unreadable(Exception):
-    """What is not as every program has it."""
+    """A deviation from the fixed part of every program."""
 
     def __init__(self, diagnostic: Diagnostic) -> None:
         super().__init__(str(diagnostic))
@@ -39,7 +39,7 @@ class Unreadable(Exception):
 
 
 def job_of(text: str, machine: Machine, name: str = "program") -> JobText:
-    """What is the job's own. Raises Unreadable where the fixed part is another."""
+    """The job's own lines. Raises Unreadable where the fixed part differs."""
     lines = text.replace("\r\n", "\n").split("\n")
     return _Frame(lines, machine, name).read()
 

@@ -20,7 +20,7 @@ _FIRST: dict[str, Any] = {"BOOL": False, "REAL": 0.0, "LREAL": 0.0, "TIME": 0.0}
 
 
 class World(Protocol):
-    """What a program can reach besides its variables."""
+    """The environment of a program besides its variables."""
 
     clock_s: float
 
@@ -35,7 +35,7 @@ class World(Protocol):
 
 
 class Fault(Exception):
-    """What stops the controller."""
+    """A fault that stops the controller."""
 
     def __init__(self, diagnostic: Diagnostic) -> None:
         super().__init__(str(diagnostic))

@@ -1,4 +1,4 @@
-"""What is a job's own in a trigger program, read line by line: operations and times to pierce.
+"""The job data of a trigger program, read line by line: operations and pierce times.
 
 declarations -> LAST_OPERATION, PIERCE_CUT, ...
 operations   -> a latched block for each (chain), or a block for each unit of rows (table)

@@ -1,4 +1,4 @@
-"""What SIMOTION brings: types, commands with their parameters, enumerators, function blocks.
+"""SIMOTION's library: types, commands with their parameters, enumerators, function blocks.
 
 A command has to name what is `needed` here: what it leaves out would be a default of the project.
 What the simulated axes do not know, such as blending, is no parameter here either.
@@ -129,7 +129,7 @@ ENUMERATORS = _enumerators()
 
 
 def fits(found: Type, wanted: Type) -> bool:
-    """Whether a value of one type may stand where another is wanted, without a conversion."""
+    """Whether a value of one type is assignable to another, without a conversion."""
     if found == wanted:
         return True
     if wanted.startswith("enum:") and found.startswith("enum:"):

@@ -1,4 +1,4 @@
-"""What names stand for: variables, constants, axes, blocks, and what the library has."""
+"""Name resolution: variables, constants, axes, blocks, and the library."""
 
 from collections.abc import Collection, Mapping, Sequence
 
@@ -83,7 +83,7 @@ class Names:
         }
 
     def of_value(self, value: syntax.Name) -> str:
-        """The type of what a name stands for in an expression."""
+        """The type of a name in an expression."""
         variable = self.variable(value.name)
         if variable is not None:
             if isinstance(variable.type, syntax.Array):
@@ -103,7 +103,7 @@ class Names:
 
 
 def near(word: str, known: Collection[str]) -> str:
-    """What was meant perhaps."""
+    """The nearest known name."""
     from difflib import get_close_matches
 
     names = {name.upper(): name for name in known}

@@ -1,4 +1,4 @@
-"""What can be wrong with a trigger program."""
+"""Rules for trigger programs."""
 
 from beamcam.errors import Rule, Severity
 

@@ -25,7 +25,7 @@ SPEED = 10.0
 
 
 def trial(machine: Machine) -> tuple[Diagnostic, ...]:
-    """What is wrong with the fixed part of a machine's programs; nothing for one that works."""
+    """Faults in the fixed part of a machine's programs; none for one that works."""
     return _once(machine)
 
 
@@ -91,7 +91,7 @@ def _program(machine: Machine, style: str) -> str:
 
 
 def _run(units: list[Unit], machine: Machine, name: str) -> list[Diagnostic]:
-    """What happens in a run from the start button to the end."""
+    """Events of a run from the start button to the end."""
     from beamcam.controllers.simotion.cell import Cell
     from beamcam.controllers.simotion.interpreter import Fault
 

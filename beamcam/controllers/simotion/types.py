@@ -1,4 +1,4 @@
-"""Types of expressions, and whether values fit where they stand."""
+"""Types of expressions, and checks of assignments."""
 
 from collections.abc import Sequence
 
@@ -10,7 +10,7 @@ _WITH_A_POINT = ("REAL", "LREAL", "real")
 
 
 class Types:
-    """Finds types by names; what does not fit is said there."""
+    """Finds types by name, and reports mismatches."""
 
     def __init__(self, names: Names) -> None:
         self.names = names

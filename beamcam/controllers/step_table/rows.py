@@ -30,7 +30,7 @@ _NM = 1e6  #: nanometres in a millimetre
 
 
 class Rows(NamedTuple):
-    """Some rows as they stand in a table."""
+    """Some rows of a table."""
 
     first: int  #: line of the first of them
     time_us: Counts
@@ -58,7 +58,7 @@ class Stream:
     def fault(
         self, found: str, expected: str, line: int | None = None, rule: Rule = rules.ROW
     ) -> TableFault:
-        """What is wrong at a line, or at the next one."""
+        """The fault at a line, or at the next one."""
         source = Source(self.name, self.line if line is None else line)
         return TableFault(rule.at(source, found=found, expected=expected))
 

@@ -1,4 +1,4 @@
-"""What can be wrong with the rows of a step table."""
+"""Rules for the rows of a step table."""
 
 from beamcam.errors import Rule, Severity
 

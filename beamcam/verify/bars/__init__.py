@@ -45,7 +45,7 @@ class Run(Struct, frozen=True):
 
 
 class _Known:
-    """What is worked out once for a machine and a section."""
+    """Values computed once for a machine and a section."""
 
     def __init__(self, machine: Machine) -> None:
         self.machine = machine
@@ -59,7 +59,7 @@ class _Known:
         self._data = BoundedCache("verify.grades")
 
     def choices(self, profile: Profile | None) -> dict[int, Choice]:
-        """What each spindle number chooses on a section."""
+        """The stations of each spindle number on a section."""
         known = self._choices.get(profile)
         if known is not None:
             return known
@@ -111,7 +111,7 @@ def section_said(events: Sequence[BarEvent], dialect: Dialect, machine: Machine)
 
 
 def interpret(text: str, machine: Machine, name: str = "program") -> Made:
-    """What a program makes. Raises VerifyError if something in it is wrong by itself."""
+    """The features that a program makes. Raises VerifyError if the program is faulty by itself."""
     done = run(text, machine, None, name)
     if errors_in(done.diagnostics):
         raise VerifyError(done.diagnostics)
@@ -128,7 +128,7 @@ def verify(
     turn: bool = False,
     bar: float | None = None,
 ) -> tuple[Diagnostic, ...]:
-    """Everything that is wrong with a program, by itself and against the parts on its bar.
+    """All faults of a program, by itself and against the parts on its bar.
 
     The parts are those that were asked for, in the order asked; `order` and `turn` say whether
     they may lie in another one and turned, `skips` names the kinds of features that may be left

@@ -129,7 +129,7 @@ def _ill_placed(
 
 
 def _fault(x: float, y: float, made: Hole | Slot, part: Part, station: Station) -> str:
-    """What is wrong with the place of a hole, or of one of a slot's corners."""
+    """Faults in the position of a hole, or of one of a slot's corners."""
     if not (0 <= x <= part.length and 0 <= y <= part.profile.face_width(made.face)):
         return "off-face"
     radius = made.diameter / 2
@@ -139,7 +139,7 @@ def _fault(x: float, y: float, made: Hole | Slot, part: Part, station: Station) 
 
 
 def _is_clear(line: Contour, station: Station) -> bool:
-    """Whether no flange stands in the way of a tool that is led along a line."""
+    """Whether a tool path along a line is clear of the flanges."""
     boxes = [curve.bbox for curve in line.curves]
     lowest, highest = min(box[1] for box in boxes), max(box[3] for box in boxes)
     return station.clear_from <= lowest and highest <= station.clear_to
@@ -224,7 +224,7 @@ def _depth_and_tip(
 
 
 def _places(target: Round | Pocket | Course, shop: Shop) -> tuple[float, ...]:
-    """y that the tool is brought to; of a path the least and the greatest."""
+    """y of the tool; of a path its minimum and maximum."""
     if isinstance(target, Round):
         return (target.y,)
     if isinstance(target, Course):

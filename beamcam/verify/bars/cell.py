@@ -1,4 +1,4 @@
-"""A saw and drilling cell at work: events in, what they make out, and what would break.
+"""Simulation of a saw and drilling cell: events in; features made and faults out.
 
 Where the section is known the steel is: before its face a tool comes in rapid and keeps the
 machine's clearance, behind it it is fed. Of a program alone the section is what its own words say,
@@ -24,7 +24,7 @@ class Cell(CellState):
     """The cell while a program runs; `run` gives what came of it."""
 
     def run(self, events: Iterable[BarEvent]) -> Made:
-        """What the events make."""
+        """The features that the events make."""
         for event in events:
             kind = type(event)
             if kind is Move:
@@ -66,7 +66,7 @@ class Cell(CellState):
             for index, axis, least, greatest in station.limits:
                 if not least <= end[index] <= greatest:
                     self.beyond(line, axis, end[index], least, greatest)
-        # The controller starts from its own last place, whichever spindle that was for.
+        # The controller starts from its last position, even if that was another spindle's.
         aside = moved or across != before[0] or across != start[first.across]
         if aside and self._aside(move, first, across, stroke, before, moved):
             return
@@ -202,7 +202,7 @@ class Cell(CellState):
     def _draw_tap(
         self, move: Move[Place], station: Station, across: float, stroke: float, before: float
     ) -> None:
-        """A tap on its way out, which has to be screwed out as it was in."""
+        """Retract of a tap, which has to be screwed out as it was screwed in."""
         y = station.y(across)
         if station.tip_depth(before, y) > max(station.tip_depth(stroke, y), 0.0) + EPSILON:
             back = _OTHER_WAY.get(self.cycle.turns, 0)
@@ -231,7 +231,7 @@ class Cell(CellState):
             self._too_close(move, station, -depth, True)
 
     def _drilled(self, station: Station, across: float) -> float:
-        """How deep the hole under the tool is already."""
+        """Current depth of the hole under the tool."""
         if self.peck != (self.x, across):
             return 0.0
         return max(

@@ -1,4 +1,4 @@
-"""What a saw and drilling cell stands like, and what its M words do to it.
+"""State of a saw and drilling cell, and the effect of its M words.
 
     state        changed by                      asked when
     spindle      the choosing word               Y or Z move: whose axes are they?
@@ -141,7 +141,7 @@ class CellState:
         self._check_magazines()
 
     def _start(self, switch: Switch, values: Values, cycle: Cycle | None) -> None:
-        """A spindle that starts to turn, or turns the other way."""
+        """A spindle that starts, or reverses."""
         if self.choice is None:
             self.say(rules.NO_SPINDLE, switch.line, found="a spindle that starts")
         elif (
@@ -244,7 +244,7 @@ class CellState:
                 )  # fmt: skip
 
     def _of_spindle(self, number: int) -> list[Chosen | Changed]:
-        """The tools that a spindle is told to take, alone or with another, and its stops."""
+        """The tool selections of a spindle, alone or paired, and its stops."""
         chosen = {
             choice.number
             for choice in self.choices.values()
@@ -284,7 +284,7 @@ class CellState:
             self.say_feed(line, feed, "the saw", own, own + 0.1)
 
     def say_feed(self, line: int, feed: float, what: str, own: float, most: float) -> None:
-        """What is wrong with a feed beyond its limits, `own` that of the data; all in mm/min."""
+        """Report a feed beyond its limits; `own` is that of the cutting data; all in mm/min."""
         if feed > most:
             self.say(rules.FEED_LIMIT, line, found=f"{feed:g}", what=what, expected=f"{most:.4g}")
         elif feed > 0:
@@ -293,7 +293,7 @@ class CellState:
             self.say(rules.NO_FEED, line, found=f"feed for {what}")
 
     def at_rest(self, line: int, what: str) -> None:
-        """Say what is not at rest before a spindle is chosen, the saw cuts or the program ends."""
+        """Report what still runs before a spindle is selected, the saw cuts or the program ends."""
         if self.turning:
             self.say(rules.SPINDLE_ON, line, found=what)
         if self.cooling:

@@ -1,4 +1,4 @@
-"""What a program makes against what was asked for: everything once, in its place, nothing else.
+"""Check that each required feature is machined exactly once, in its place, and no other.
 
 cuts -> pieces of bar -> parts;  holes, pockets and lines of each part -> what made them
 """
@@ -35,7 +35,7 @@ from beamcam.verify.left_out import left_out
 
 
 class Asked(Struct, frozen=True):
-    """What was asked for."""
+    """The required parts."""
 
     parts: Sequence[Part]
     skips: Collection[str] = ()
@@ -45,7 +45,7 @@ class Asked(Struct, frozen=True):
 
 
 class Comparison:
-    """One program against what was asked for; `said` is what is wrong."""
+    """Comparison of one program with the required parts; `said` holds its faults."""
 
     def __init__(
         self, made: Made, asked: Asked, shop: Shop, profile: Profile,
@@ -59,7 +59,7 @@ class Comparison:
         self.said: list[Diagnostic] = [*_section(made, profile, self.machine, name)]
 
     def run(self) -> tuple[Diagnostic, ...]:
-        """Everything that is wrong."""
+        """All faults."""
         laid = self._lay_out()
         parts = [one.part for one in laid]
         wants: list[Want] = []
@@ -121,7 +121,7 @@ class Comparison:
         return known
 
     def _lay_out(self) -> list[Laid]:
-        """The parts on the bar; what is wrong with its cuts is said."""
+        """The parts on the bar; faults of its cuts are reported."""
         if self.machine.saw is None:
             return self._come_cut()
         asked, saw = self.asked, self.saw
@@ -153,7 +153,7 @@ class Comparison:
         return [Laid(part, 0, ends, 0.0, None)]
 
     def _complain_of_cuts(self, laid: Sequence[Laid]) -> list[Laid]:
-        """The parts where their cuts come nearest; what is wrong with the cuts is said."""
+        """The parts placed by the nearest cuts; faults of the cuts are reported."""
         asked = self.asked
         parts: list[Part] = list(asked.parts)
         if asked.free or asked.turn:  # those that are found stay as they lie
@@ -175,7 +175,7 @@ class Comparison:
         ]
 
     def _faults(self, candidate: Candidate, start: float) -> tuple[int, int]:
-        """How many features of a part are not there if it starts at a bar x.
+        """Number of missing features of a part if it starts at a bar x.
 
         Of two ways with as many the one is meant in which more is made.
         """
@@ -211,7 +211,7 @@ class Comparison:
     def _left_out(
         self, parts: Sequence[Part], missing: Collection[tuple[int, int]]
     ) -> Iterator[Diagnostic]:
-        """What is told of features that may be missing and are, written twice or once."""
+        """Remarks on features that are missing as allowed, whether written once or twice."""
         for p in sorted({p for p, _ in missing}):
             features = {f for q, f in missing if q == p}
             yield from left_out(parts[p], {*features, *repeats(features, parts[p], self.shop)})
@@ -231,7 +231,7 @@ class Comparison:
 
 
 def _section(made: Made, profile: Profile, machine: Machine, name: str) -> Iterator[Diagnostic]:
-    """What the program says about the bar, against the parts' profile."""
+    """The program's data of the bar, compared with the parts' profile."""
     expected = {
         "height": profile.height,
         "width": profile.width,

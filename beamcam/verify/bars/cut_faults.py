@@ -1,4 +1,4 @@
-"""What is wrong with the cuts of a bar whose pieces are not its parts.
+"""Faults in the cuts of a bar whose pieces are not its parts.
 
     | start cut |# part 1 ######/ end cut | parting cut |# part 2 ####| parting cut
 

@@ -20,7 +20,7 @@ STANDING_TOOLS = ("punch", "scribe")  #: they do not turn; their row's speed is 
 
 
 class Run(NamedTuple):
-    """How a tool may run."""
+    """Permitted speed and feed of a tool."""
 
     min_feed: float  #: mm/min; below it a warning
     own_feed: float  #: of the data, the fastest
@@ -38,7 +38,7 @@ class CuttingData:
         self.run = cached("verify.runs")(self._run)
 
     def _run(self, kind: str, diameter: float, pitch: float) -> Run | None:
-        """How a tool may run; None if the machine says nothing of its kind."""
+        """Permitted speed and feed of a tool; None without cutting data for its kind."""
         found = [self._of(row, kind, diameter, pitch) for row in self._rows(kind, diameter)]
         if not found:
             return None

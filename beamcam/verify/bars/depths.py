@@ -1,4 +1,4 @@
-"""How deep each kind of tool has to go: from the part's figures to the place of the tool's tip.
+"""Required depth of each kind of tool: from the part's dimensions to the position of the tip.
 
 drill         through: its full diameter beyond the far side, at most as the machine strokes;
               blind: the full diameter at the depth; before a thread at least the thread's
@@ -18,7 +18,7 @@ from beamcam.verify.bars.targets import THREADS, Kind
 
 
 class Reach(NamedTuple):
-    """Where the tip may turn back, from the surface of the face."""
+    """Permitted range of the tip's depth, from the surface of the face."""
 
     least: float
     greatest: float

@@ -124,7 +124,7 @@ class HoleCheck:
         return round(abs(want.target.kind.own - bore.diameter), 6), round(off, 6)
 
     def reach(self, kind: Kind, bore: Bore) -> Reach:
-        """Where the tip may turn back in a hole; through holes as deep as the machine strokes."""
+        """Permitted depth of the tip in a hole; through holes as deep as the machine strokes."""
         reach = self._reach(kind, bore)
         if kind.hole.depth is None and kind.tool in ("drill", "tap"):
             thickness = self.profile.thickness(bore.face)
@@ -136,7 +136,7 @@ class HoleCheck:
         return REACHES[kind.tool](kind, bore.diameter, thickness, self.shop)
 
     def _stroke_end(self, bore: Bore, thickness: float) -> float:
-        """How deep the machine's own stroke goes, which may be one for all holes."""
+        """Depth of the machine's own stroke, which may be fixed for all holes."""
         machine = self.shop.machine
         spindle = next(s for s in machine.spindles if s.face == bore.face)
         values = stroke_values(machine, self.profile, bore.face)
@@ -145,7 +145,7 @@ class HoleCheck:
         return self.stations[bore.face].tip_depth(spindle.stroke.bottom(values), bore.y)
 
     def _wrong_tool(self, kind: Kind, bore: Bore) -> str:
-        """What the tool should be like that taps or sinks, "" if it is."""
+        """The required tap or countersink if the tool is wrong, else ""."""
         if kind.tool == "tap" and abs(bore.pitch - kind.pitch) > 1e-6:
             return f"pitch {kind.pitch:g}"
         if kind.tool == "countersink":
@@ -161,7 +161,7 @@ class HoleCheck:
     # What is wrong
 
     def complain(self, left: Sequence[Want], parts: Sequence[Part]) -> Iterator[Diagnostic]:
-        """What is wrong with the holes that nothing makes rightly, and with bores of no hole."""
+        """Faults of the holes that are not made correctly, and bores that belong to no hole."""
         yield from self._astray(parts)
         astray: list[Want] = []
         for want in left:
@@ -228,7 +228,7 @@ class HoleCheck:
         return min(near)[1] if near else None
 
     def _described(self, want: Want, parts: Sequence[Part]) -> dict[str, object]:
-        """How messages name a hole."""
+        """Name of a hole in messages."""
         target = want.target
         return {
             "what": target.kind.what, "face": target.face, "mark": parts[want.part].mark,
@@ -236,7 +236,7 @@ class HoleCheck:
         }  # fmt: skip
 
     def _not_right(self, want: Want, bore: Bore, parts: Sequence[Part]) -> Diagnostic:
-        """What is wrong with the tool, or else the depth, that makes a hole in its place."""
+        """The fault of the tool, or else of the depth, of a hole in its place."""
         kind, source = want.target.kind, Source(self.name, bore.line)
         described = self._described(want, parts)
         found, expected = f"a {kind.tool} {bore.diameter:g}", f"a {kind.tool} {kind.own:g}"

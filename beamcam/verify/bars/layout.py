@@ -16,10 +16,10 @@ from beamcam.verify.bars.turned import standing
 
 
 class Candidate(NamedTuple):
-    """A part as it may stand on the bar."""
+    """A possible orientation of a part on the bar."""
 
     part: Part
-    given: int  #: which of the parts that were asked for
+    given: int  #: index among the required parts
     ends: tuple[End, End]
 
 
@@ -71,7 +71,7 @@ def lay_out(
 def _candidates(
     part: Part, given: int, saw: Saw, turn: bool, known: dict[int, list[Candidate]]
 ) -> list[Candidate]:
-    """The ways in which a part may stand."""
+    """The possible orientations of a part."""
     if id(part) not in known:
         ways = standing(part) if turn else [part]
         known[id(part)] = [Candidate(p, given, ends_of(p, saw)) for p in ways]

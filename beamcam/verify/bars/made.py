@@ -1,4 +1,4 @@
-"""What a program makes, in machine coordinates."""
+"""Features made by a program, in machine coordinates."""
 
 from collections.abc import Sequence
 from typing import NamedTuple
@@ -29,7 +29,7 @@ class Bore(NamedTuple):
     feed_mm_min: float
     stroke: float  #: where the stroke axis turned back
     kind: str = "drill"  #: of the tool
-    turning: int = 0  #: the M word that started the spindle; 0 if it stands
+    turning: int = 0  #: the M word that started the spindle; 0 if it is stopped
     pitch: float = 0.0  #: that was chosen for a tap
     speed_rpm: float = 0.0  #: 0 where the program does not say
     begin: float = 0.0  #: where its feed began on the stroke axis

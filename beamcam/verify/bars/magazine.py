@@ -1,4 +1,4 @@
-"""Which tools a spindle can have at hand: its stations hold so many, and a stop changes one.
+"""Tools available to a spindle: limited by its stations, and changed at stops.
 
 What is put in before the program starts is not written down; it is taken to be the tools that the
 program needs first. At each stop a tool comes in, for one that is needed last of all: if even so a
@@ -12,7 +12,7 @@ Tool = tuple[str, float]  #: kind and diameter
 
 
 class Chosen(NamedTuple):
-    """A tool that a spindle is told to take."""
+    """A tool selected for a spindle."""
 
     line: int
     spindle: int  #: or the number of a pair of them
@@ -20,7 +20,7 @@ class Chosen(NamedTuple):
 
 
 class Changed(NamedTuple):
-    """A stop for a tool that is put in by hand; None where the word does not say."""
+    """A stop for a manual tool change; None where the word does not name the tool."""
 
     line: int
     spindle: int | None
@@ -28,7 +28,7 @@ class Changed(NamedTuple):
 
 
 def wrong_changes(own: Sequence[Chosen | Changed], stations: int) -> Iterator[Chosen | Changed]:
-    """The choices of tools that cannot be in a spindle's stations by then, and idle stops.
+    """Selections of tools that cannot be in a spindle's stations yet, and stops without need.
 
     `own` are what the spindle is told to take and the stops for it, in their order.
     """

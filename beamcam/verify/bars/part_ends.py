@@ -1,4 +1,4 @@
-"""Where the ends of a part lie, and which outlines they explain.
+"""End planes of a part, and the outlines that they account for.
 
 Computed from the part alone, and not by the planner. Both ends follow DSTV's formula, of the web
 in y and of the flange in z (across, from the h side):
@@ -47,7 +47,7 @@ class End(NamedTuple):
         return saw.kerf * hypot(1.0, self.tan_web, self.tan_flange)
 
     def blade(self, saw: Saw, height: float) -> float:
-        """Where the blade's middle stands, on the part's x, on the saw's pivot edge."""
+        """The part's x of the blade's centre, on the saw's pivot edge."""
         return self.x(height if saw.pivot == "o" else 0.0) + self.side * self.kerf(saw) / 2
 
     def saw_angles(self, saw: Saw) -> tuple[float, float]:
@@ -144,7 +144,7 @@ def _drawn(part: Part, face: Face) -> tuple[float, float]:
 
 
 def off_outline(contour: Contour, part: Part, ends: tuple[End, End]) -> Point | None:
-    """Where an outer contour leaves what the sawn stock is; None if it does not.
+    """The first point of an outer contour off the sawn stock; None if there is none.
 
     Every point of it has to lie on a long edge or an end, and every corner of the sawn face has
     to be a point of it. A skew cut leaves a plate's end skew through its thickness, and either
@@ -173,7 +173,7 @@ def off_outline(contour: Contour, part: Part, ends: tuple[End, End]) -> Point | 
 
 
 def _span(end: End, face: Face, profile: Profile, q: float) -> tuple[float, float]:
-    """Least and greatest x at which an end may be drawn on a face, at its coordinate q."""
+    """Minimum and maximum x at which an end may be drawn on a face, at its coordinate q."""
     if end.square:
         return end.x_0 - OUTLINE_TOLERANCE, end.x_0 + OUTLINE_TOLERANCE
     height, thick, web = profile.height, profile.flange_thickness, profile.web_thickness or 0.0

@@ -18,7 +18,7 @@ MOST_CHORDS = 4096
 
 
 def pocket_error(pocket: Pocket, path: Sequence[Point], mill: float) -> float:
-    """How far the pocket that a path makes is off, in mm, on the part's x and y.
+    """Deviation of the pocket that a path makes, in mm, on the part's x and y.
 
     The greater of what is cut beyond the outline and what of it is left standing.
     """
@@ -75,7 +75,7 @@ def _outline(half_x: float, half_y: float, radius: float) -> Iterator[Point]:
 
 
 def line_error(curves: Sequence[Curve], path: Sequence[Point]) -> float:
-    """How far a path and a chain of curves are from each other at most, in mm.
+    """Maximum distance between a path and a chain of curves, in mm.
 
     Measured both ways, and at both ends, whichever way round the path is gone.
     """

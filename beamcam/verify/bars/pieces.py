@@ -18,7 +18,7 @@ from beamcam.verify.bars.made import Cut
 
 
 class Plane(NamedTuple):
-    """A cut as it stands in the bar: the middle of its slab."""
+    """Position of a cut in the bar: the middle of its slab."""
 
     cut: Cut
     web_deg: float  #: DSTV's angles
@@ -49,9 +49,9 @@ def planes(cuts: Sequence[Cut], saw: Saw, profile: Profile) -> list[Plane]:
 
 
 def pieces(cuts: Sequence[Plane], bar: float | None = None) -> list[Piece]:
-    """What lies between planes that stand in order, and before the end of a bar of known length.
+    """The pieces between ordered planes, and before the end of a bar of known length.
 
-    The bar's own end stands as a cut of line 0.
+    The bar's own end counts as a cut of line 0.
     """
     found = [Piece(a, b) for a, b in pairwise(cuts)]
     if bar is not None and cuts:

@@ -27,7 +27,7 @@ def check_paths(
     trails: Sequence[Trail], wanted: Sequence[Led], parts: Sequence[Part], shop: Shop,
     profile: Profile, name: str,
 ) -> Iterator[Diagnostic]:  # fmt: skip
-    """What is wrong with the paths: each pocket and line once, by the path that fits it best."""
+    """Faults of the paths: each pocket and line once, by the path that fits it best."""
     allowed = _allowed(shop)
     left = list(trails)
     for want in wanted:
@@ -60,12 +60,12 @@ def is_led(trails: Sequence[Trail], target: Pocket | Course, from_x: float, shop
 
 
 def _allowed(shop: Shop) -> float:
-    """How far a path may be off."""
+    """Permitted deviation of a path."""
     return shop.drill.path_tolerance + 2 * shop.machine.format.resolution
 
 
 def _off(trail: Trail, want: Led) -> float:
-    """How far the pocket or line that a path makes is off."""
+    """Deviation of the pocket or line that a path makes."""
     points = [(x - want.from_x, y) for x, y in trail.points]
     if isinstance(want.target, Pocket):
         return pocket_error(want.target, points, trail.diameter)
@@ -119,7 +119,7 @@ def _box(points: Sequence[tuple[float, float]]) -> tuple[float, float, float, fl
 def _tool_and_depth(
     trail: Trail, target: Pocket | Course, mark: str, shop: Shop, profile: Profile, source: Source
 ) -> Iterator[Diagnostic]:
-    """What is wrong with the tool and the depth of a path."""
+    """Faults of the tool and the depth of a path."""
     x, y = (target.x, target.y) if isinstance(target, Pocket) else target.curves[0].start
     described: dict[str, object] = {
         "what": target.what, "face": target.face, "mark": mark, "x": f"{x:g}", "y": f"{y:g}",

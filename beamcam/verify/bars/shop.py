@@ -36,7 +36,7 @@ class Shop:
         return tuple(sorted({d for tools in self.of(kind, face) for d in tools.sizes}))
 
     def fit(self, diameter: float) -> tuple[float, float] | None:
-        """Least and greatest drill for a hole; None if the machine says nothing of that size."""
+        """Minimum and maximum drill for a hole; None if the machine has no row for that size."""
         for row in self.drill.fits:
             if diameter <= row.up_to:
                 return diameter - row.minus - 1e-6, diameter + row.plus + 1e-6

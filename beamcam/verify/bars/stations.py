@@ -1,4 +1,4 @@
-"""Where a spindle's axes stand on a section: from the program's Y and Z to face, place and depth.
+"""Spindle positions on a section: from the program's Y and Z to face, position and depth.
 
 The machine file gives both axes of a spindle as formulas: `across` in y of the face, `bottom` of
 the stroke in the depth of the hole. Both are straight lines, so two values of each give them:
@@ -34,7 +34,7 @@ class Station(Struct, frozen=True):
     across_per_y: float
     surface: float  #: stroke coordinate at which the tip touches the face at y 0
     surface_per_y: float  #: and how much farther for each mm of y
-    face_depth: float  #: how far the outermost material on that side stands before the face
+    face_depth: float  #: distance of the outermost material on that side from the face
     way: float  #: +1 if the stroke axis counts into the material, or -1
     thickness: float  #: of the material behind the face; 0 if not known
     surface_known: bool  #: whether the section is known far enough to say where the face lies
@@ -42,30 +42,30 @@ class Station(Struct, frozen=True):
     near_gap: float  #: and before the face, where the feed begins
     clear_from: float  #: y between which only the face itself is in the way, flanges beyond
     clear_to: float
-    limits: tuple[tuple[int, str, float, float], ...]  #: axis index, name, least and greatest
+    limits: tuple[tuple[int, str, float, float], ...]  #: axis index, name, minimum and maximum
 
     def y(self, across: float) -> float:
         """y on the face for a place of the across axis."""
         return (across - self.across_0) / self.across_per_y
 
     def tip_depth(self, stroke: float, y: float) -> float:
-        """How deep the tip is in the material behind the face; negative before it."""
+        """Depth of the tip in the material behind the face; negative before it."""
         return self.way * (stroke - self.surface - self.surface_per_y * y)
 
     def depth_beside(self, stroke: float, y: float) -> float:
-        """How deep the tip is beside the outermost material; not above 0 where it moves freely."""
+        """Depth of the tip beside the outermost material; not above 0 where it moves freely."""
         return self.tip_depth(stroke, y) + self.face_depth
 
 
 class Choice(Struct, frozen=True):
-    """What a spindle word chooses: one station, or two that move as one."""
+    """The selection of a spindle word: one station, or two that move as one."""
 
     number: int
     stations: tuple[Station, ...]
 
 
 def choices_of(machine: Machine, profile: Profile | None) -> dict[int, Choice]:
-    """What each spindle number of the program chooses, on a section as far as it is known."""
+    """The stations of each spindle number of the program, on a section as far as it is known."""
     stations: dict[str, Station] = {s.face: _station(s, machine, profile) for s in machine.spindles}
     choices = {s.number: Choice(s.number, (stations[s.face],)) for s in machine.spindles}
     for pair in machine.pairs:
@@ -129,7 +129,7 @@ def _surface_known(profile: Profile | None, face: str) -> bool:
 
 
 def limits_of(machine: Machine, moves: str) -> tuple[str, float, float]:
-    """Name, least and greatest place of the axis that is no spindle's and moves by `moves`."""
+    """Name, minimum and maximum of the axis that is no spindle's and moves by `moves`."""
     for axis in machine.axes:
         if axis.moves == moves and axis.spindle is None:
             return axis.name, *axis.limits

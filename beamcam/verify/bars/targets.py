@@ -1,4 +1,4 @@
-"""What the features of a part ask for: what has to be there at the end, not how it is made.
+"""Features required by a part: the result at the end, not how it is made.
 
 hole               a drilled hole of a size that fits; larger than any drill: one milled round
 thread             a tapped hole, and below it that of the drill
@@ -93,7 +93,7 @@ class Course(NamedTuple):
 
 
 class Lack(NamedTuple):
-    """A feature, or something of it, that the machine has no way to make."""
+    """A feature, or a part of one, that the machine cannot make."""
 
     feature: int
     what: str
@@ -106,7 +106,7 @@ Target = Round | Pocket | Course | Lack
 
 
 def targets_of(part: Part, ends: tuple[End, End], shop: Shop) -> list[Target]:
-    """What every feature of a part asks for; a hole that is written twice once."""
+    """Requirements of every feature of a part; duplicate holes count once."""
     works = {face for face in shop.faces if shop.works_on(face, part)}
     kinds: dict[tuple[object, ...], tuple[Kind, ...] | None] = {}
     found: list[Target] = []
@@ -196,7 +196,7 @@ def _targets(
             else:
                 yield Lack(f, "the line to mark", "mark", feature)
         case TextMark():
-            return  # where it stands is told by the program: see texts.py
+            return  # its position is taken from the program: see texts.py
         case Bend():
             yield Lack(f, "the bend", "other", feature)
         case EndPlane():
@@ -215,7 +215,7 @@ def _unsawn_bevel(contour: Contour, ends: tuple[End, End]) -> bool:
 
 
 def _drilled(hole: Hole, part: Part, shop: Shop) -> tuple[Kind, ...] | None:
-    """What a plain hole asks for that a drill makes; None if none does."""
+    """The drilled hole that a plain hole requires; None if no drill makes it."""
     if not shop.works_on(hole.face, part):
         return None
     fitting = shop.fits("drill", hole.diameter, hole.face)

@@ -105,7 +105,7 @@ def _strokes(f: int, text: Wanted, x: float, y: float, height: float) -> Iterato
 
 
 def _sides(face: Face, part: Part) -> tuple[float, float]:
-    """y between which nothing stands in the way of a scribe: edges, flanges and their fillets."""
+    """Range of y that is free for a scribe, between edges, flanges and their fillets."""
     profile = part.profile
     width = profile.face_width(face)
     if face != "v" or profile.code not in ("I", "U", "C", "L"):

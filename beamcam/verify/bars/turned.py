@@ -1,4 +1,4 @@
-"""A part as it stands in the machine's axes, in each of the ways that it may lie on the rollers.
+"""A part in the machine's axes, in each possible orientation on the rollers.
 
 Section axes are DSTV's (7th edition, page 7): X along the part, Y up the web from the u side, Z
 across from the h side. Eight rotations keep the bar along X: the signed exchanges of Y and Z, X
@@ -51,7 +51,7 @@ ROTATIONS = tuple(rotations())
 
 
 def standing(part: Part) -> Iterator[Part]:
-    """The part as given, and turned in every other way in which its section lies as it does."""
+    """The part as given, and in every other orientation that its section allows."""
     yield part
     for rotation in ROTATIONS:
         if rotation != AS_IT_IS and _lies_alike(part.profile, rotation):
@@ -59,7 +59,7 @@ def standing(part: Part) -> Iterator[Part]:
 
 
 def _lies_alike(profile: Profile, rotation: Rotation) -> bool:
-    """Whether a section stands on the rollers as its kind does, after a rotation.
+    """Whether a section rests on the rollers as its kind does, after a rotation.
 
     A U or C lies on its web, its trough up, a T on its flange, an angle on its two legs.
     """
@@ -133,7 +133,7 @@ def _feature(feature: Feature, part: Part, rotation: Rotation) -> Feature:
 
 
 def _map(face: Face, part: Part, rotation: Rotation) -> tuple[Face, Matrix]:
-    """Where a face comes to lie, and the map of its numbers to those of that face."""
+    """The face after the rotation, and the map of the coordinates to that face."""
     after = _FACES[_apply(rotation, NORMALS[face])]
     profile = part.profile
     middle = (part.length / 2, profile.height / 2, profile.width / 2)

@@ -21,7 +21,7 @@ def verify_sheet(
     skips: Collection[str] = (),
     name: str = "program",
 ) -> tuple[Diagnostic, ...]:
-    """Everything that is wrong with a program, by itself and against the part of its sheet.
+    """All faults of a program, by itself and against the part of its sheet.
 
     `skips` are the kinds of features that may be missing, as `--allow-skips` names them. Nothing
     comes back for a program that makes exactly the part. Raises TypeError for a machine without a

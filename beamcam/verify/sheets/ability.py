@@ -1,4 +1,4 @@
-"""What feed a move should have where the program tells the controller its accelerations.
+"""Expected feed of a move in programs that set the controller's accelerations.
 
 The feed of the machine's row, or the greatest one that the axes can follow: on the smallest radius
 of the curve the acceleration across is v^2 / r and the jerk v^3 / r^2.
@@ -44,7 +44,7 @@ def expected_feeds(moves: Moves, asked_mm_min: Floats, limits: PathLimits) -> Fl
 
 
 def _straight_mm_s(moves: Moves, limits: PathLimits) -> Floats:
-    """The greatest speed of both axes along each chord; inf where it has no length."""
+    """The maximum speed of both axes along each chord; inf where it has no length."""
     ways = np.abs(moves.end - moves.start)
     length = np.hypot(ways[:, 0], ways[:, 1])
     speeds = np.array([limits.speed_x_mm_s, limits.speed_y_mm_s])
@@ -56,7 +56,7 @@ def _straight_mm_s(moves: Moves, limits: PathLimits) -> Floats:
 
 
 def _min_radius(curve: Bezier | EllipseArc) -> float:
-    """The least radius of a parabola; of an ellipse that at the ends of its main axis."""
+    """The minimum radius of a parabola; of an ellipse that at the ends of its main axis."""
     if isinstance(curve, EllipseArc):
         return curve.major * curve.ratio**2
     # The curvature of a parabola grows towards its vertex from both sides: it is greatest there,

@@ -1,4 +1,4 @@
-"""Strokes that two processes would make by the same words: told apart by what they follow."""
+"""Strokes that two processes make by the same words, distinguished by the curves they follow."""
 
 from collections.abc import Callable, Mapping
 from math import inf
@@ -36,7 +36,7 @@ def told_apart(strokes: Strokes, need: Need, torch: Torch, shift: tuple[float, f
 
 
 def _away(ways: "Ways") -> Away:
-    """How far half of some places are at most from the nearest curve."""
+    """Median distance of points from the nearest curve."""
 
     def measured(places: Floats) -> float:
         return float(np.median([ways.nearest_to(place)[0] for place in places]))

@@ -1,4 +1,4 @@
-"""The band that a beam sweeps: it stays out of the part.
+"""The band that a beam sweeps, which must stay out of the part.
 
 A beam of radius r along a path takes away every point that is at most r from the path. So it takes
 nothing of the part if the path lies in the waste, and no closed contour is nearer to it than r.
@@ -23,7 +23,7 @@ from beamcam.verify.sheets.work import SHOWN, Traced, Work
 
 
 def band_faults(work: Work, traced: Sequence[Traced]) -> list[Diagnostic]:
-    """Where the beam takes something of the part."""
+    """Places where the beam cuts into the part."""
     if work.region is None:
         return []
     keeps_off = np.array([t.half_kerf > 0.0 for t in traced])

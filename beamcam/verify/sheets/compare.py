@@ -30,7 +30,7 @@ def compare(
     shift: tuple[float, float],
     name: str,
 ) -> list[Diagnostic]:
-    """Everything in which the strokes differ from what the part needs."""
+    """All differences of the strokes from the part."""
     said: list[Diagnostic] = []
     traced: list[Traced] = []
     works: dict[TorchProcess, Work] = {}
@@ -59,7 +59,7 @@ def compare(
 def _settings(
     works: Mapping[TorchProcess, Work], traced: Sequence[Traced], name: str
 ) -> list[Diagnostic]:
-    """What is worked otherwise, or elsewhere in the order, than its colour or layer asks."""
+    """Strokes whose settings or place in the order differ from their colour or layer."""
     said: list[Diagnostic] = []
     turns: list[Turn] = []
     for process, work in works.items():
@@ -71,7 +71,7 @@ def _settings(
 
 
 def _compared(work: Work) -> tuple[Sequence[Traced], list[Diagnostic]]:
-    """What is missing, too much, twice, open, or on the wrong side in one process."""
+    """Missing, extra, repeated, open and wrong-side paths of one process."""
     if not work.need.count:
         line, place = work.strokes[0].line, work.moves.start[0]
         away, expected = "on no contour", f"nothing to {work.process}"

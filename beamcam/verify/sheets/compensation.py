@@ -1,4 +1,4 @@
-"""Where the beam goes when the controller itself keeps it beside the programmed path.
+"""Path of the beam under the controller's own kerf compensation.
 
 The rules are those of LinuxCNC's interpreter, the strictest of the controllers with such words:
 

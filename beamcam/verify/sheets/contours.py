@@ -1,4 +1,4 @@
-"""What the part needs: every stretch of every contour has a path, and one only.
+"""Coverage of the part: every stretch of every contour has exactly one path.
 
 With r half the kerf of a beam that keeps off, each sample of a closed contour has a path at most r
 away, or lies in a corner that no beam of that width reaches; each of any other has one on it.
@@ -30,7 +30,7 @@ OVER = 6.0  #: how far a stroke may run over its start, by half the kerf
 
 
 def cover(work: Work, traced: Sequence[Traced]) -> list[Diagnostic]:
-    """What is missing, and what is followed more than once."""
+    """Stretches that are missing, and those followed more than once."""
     beside = work.beside
     dense = min(SPACING, max(work.half_kerf / 2, MIN_SPACING))
     element, share, owner = work.need.samples(np.where(beside, dense, SPACING))

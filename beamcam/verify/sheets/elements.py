@@ -1,4 +1,4 @@
-"""Lines and arcs in arrays, what every way is made of.
+"""Lines and arcs in arrays, the elements of every chain.
 
 Arcs are kept as they are. Other curves are chains of arcs and chords.
 """
@@ -75,7 +75,7 @@ class Elements:
         return Elements(self.start + shift, self.end + shift, self.is_arc, arcs)
 
     def boxes(self) -> tuple[Floats, Floats]:
-        """Least and greatest corner of the box around each element, (n, 2) each."""
+        """Minimum and maximum corner of the box around each element, (n, 2) each."""
         low, high = np.minimum(self.start, self.end), np.maximum(self.start, self.end)
         rows = np.flatnonzero(self.is_arc)
         arcs = self.arcs[rows]

@@ -22,7 +22,7 @@ APART = 8.0
 
 
 def end_faults(work: Work, traced: Sequence[Traced]) -> list[Diagnostic]:
-    """What is open and should not be: no contour ends there, and no bridge begins.
+    """Open ends of paths where no contour ends and no bridge begins.
 
     Where the beam keeps off a contour, what is left of that says whether it closes.
     """

@@ -1,4 +1,4 @@
-"""How far apart ends are that should meet."""
+"""Gap between ends that should meet."""
 
 import numpy as np
 

@@ -1,4 +1,4 @@
-"""Whether the lines of a hatch lie inside their contours and fill them, told by polygons."""
+"""Check by polygons that the lines of a hatch are inside their contours and fill them."""
 
 from itertools import groupby
 
@@ -17,7 +17,7 @@ HATCH = "hatch"  #: where the input's reader says that a line of a hatch is
 
 
 class Filled(Struct):
-    """What one look fills, and with which lines."""
+    """The filled area of one look, and its lines."""
 
     rings: list[shapely.Polygon]
     lines: list[shapely.LineString]

@@ -1,4 +1,4 @@
-"""Leads: the ways of a stroke from where it pierces to the contour, and off it again."""
+"""Lead-ins and lead-outs of strokes."""
 
 from collections.abc import Sequence
 

@@ -25,7 +25,7 @@ class Turn(Struct, frozen=True):
 
 
 def settings_faults(work: Work, traced: Sequence[Traced]) -> tuple[list[Diagnostic], list[Turn]]:
-    """What is followed otherwise than its contour asks, and the turn of each stroke."""
+    """Strokes with other settings than their contour requires, and the turn of each stroke."""
     row = work.asked.rows.get(work.process)
     if not work.need.count or not traced or row is None:
         return [], []

@@ -1,4 +1,4 @@
-"""What a sheet needs to have cut and marked, read from the part and the machine's table alone."""
+"""Curves that a sheet requires to be cut and marked, from part and machine table alone."""
 
 from collections.abc import Collection, Sequence
 from fnmatch import fnmatchcase
@@ -86,7 +86,7 @@ def need_of(part: Part, machine: Machine, torch: Torch, skips: Collection[str]) 
             continue
         policy = policy_on(feature, machine.marks)
         if isinstance(feature, TextMark) and policy == "make":
-            continue  # where it stands is told by the program: see texts.py
+            continue  # its position is taken from the program: see texts.py
         refused = policy == "refuse"
         lack = "mark" if refused else lack_of(feature, torch, thickness)
         if _is_begun(feature, lack, torch):
@@ -132,7 +132,7 @@ def need_of(part: Part, machine: Machine, torch: Torch, skips: Collection[str]) 
 
 
 def _is_begun(feature: Feature, lack: str | None, torch: Torch) -> bool:
-    """Whether the machine does a part of what a feature needs, and the hand the rest."""
+    """Whether the machine makes only part of a feature, and the remainder is manual work."""
     if isinstance(feature, Contour):
         return lack == "bevel" and torch.bevel == "square"
     if isinstance(feature, Hole | Slot) and feature.kind != "mark":
@@ -141,7 +141,7 @@ def _is_begun(feature: Feature, lack: str | None, torch: Torch) -> bool:
 
 
 def _drill_places(feature: Hole | Slot) -> set[Point]:
-    """Where a drill has to begin to make a hole, or the rounded corners of a slot."""
+    """Drill start points of a hole, or of the rounded corners of a slot."""
     if isinstance(feature, Hole):
         return {(feature.x, feature.y)}
     c, s = unit_vector(feature.angle)
@@ -250,7 +250,7 @@ def shift_of(need: Need, torch: Torch) -> tuple[float, float]:
 
 
 def _min_corner(need: Need, process: TorchProcess, tolerance: float) -> Point:
-    """The least x and y of the curves of a process.
+    """The minimum x and y of the curves of a process.
 
     Lines and arcs say it themselves. Of the others the chords are known, and those that come
     within a chord's tolerance of the least are asked.

@@ -33,7 +33,7 @@ def passes_folded(strokes: Strokes, rows: Iterable[TorchRow]) -> Strokes:
 
 
 def _is_repeat(first: Stroke, span: range, other: Stroke, moves: Moves) -> bool:
-    """Whether a stroke goes the very way of one before it, with the same words."""
+    """Whether a stroke repeats the path of one before it, with the same words."""
     said = (first.row, first.side, first.radius, len(span))
     if said != (other.row, other.side, other.radius, other.last - other.first):
         return False

@@ -1,4 +1,4 @@
-"""What a program follows: every path runs along a contour, and its strokes close.
+"""Check that every path runs along a contour, and that its strokes close.
 
 With r half the kerf of a beam that keeps off, 0 of any other:
 
@@ -72,7 +72,7 @@ def _nearest(work: Work, points: Floats) -> tuple[Near, Near]:
 
 
 def _reach(work: Work) -> float:
-    """How far from a corner a path may pass it."""
+    """Permitted distance of a path from a corner."""
     most = float(work.slack.max(initial=0.0))
     return max(MITRE * work.half_kerf + most, 2 * most)
 

@@ -1,4 +1,4 @@
-"""What is part and what is waste on a sheet.
+"""Part and waste regions of a sheet.
 
 The part is the set of points that an odd number of closed cut contours enclose, curves that are
 drawn twice counted once. A contour that an even number of others enclose is an outline, its waste
@@ -45,7 +45,7 @@ class Region(Struct, frozen=True):
     apart: Floats  #: how far a way may be from where it is cut: from its twin, from its neighbours
 
     def depth(self, points: Floats) -> Counts:
-        """How many contours enclose each point (n, 2)."""
+        """Number of contours that enclose each point (n, 2)."""
         tree = shapely.STRtree(self.polygons)
         asked, _ = tree.query(shapely.points(points), "within")
         found: Counts = np.bincount(asked, minlength=len(points))

@@ -1,4 +1,4 @@
-"""What can be wrong with the program of a cutting table."""
+"""Rules for programs of a cutting table."""
 
 from beamcam.controllers.rules import SHEET_RULES
 from beamcam.errors import Rule, Severity

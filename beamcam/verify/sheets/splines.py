@@ -13,7 +13,7 @@ from numpy.lib.stride_tricks import sliding_window_view
 from beamcam.geometry.array_types import Counts, Flags, Floats
 from beamcam.geometry.curves import Bezier, BSpline
 
-SLOWEST = 1e-3  #: share of the greatest speed that is looked at as the speed of a span
+SLOWEST = 1e-3  #: share of the maximum speed that counts as the speed of a span
 TINY = 1e-30  #: for a span that is a point
 
 
@@ -46,7 +46,7 @@ class Bounds(Struct, frozen=True):
 
 
 def spans_of(spline: BSpline) -> int:
-    """How many polynomials a spline is made of."""
+    """Number of polynomials in a spline."""
     drawn = spline.knots[spline.degree : len(spline.control) + 1]
     return len(set(drawn)) - 1
 
@@ -89,7 +89,7 @@ def _in_order(parts: Sequence[Spans]) -> Spans:
 
 
 def bounds_of(spans: Spans) -> Bounds:
-    """What the derivatives of spans are at most.
+    """Upper bounds of the derivatives of spans.
 
     Each lies in the hull of its control points, which are differences of those before.
     """

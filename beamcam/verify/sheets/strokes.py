@@ -1,4 +1,4 @@
-"""What the head does between a start of its tool and the end: the strokes of a program.
+"""The strokes of a program: the work of the head between tool on and tool off.
 
 The words that start and stop a tool are the machine's own, filled with the figures of a row; a
 program that says anything else, or moves as it should not, is told.
@@ -257,7 +257,7 @@ class _Head:
                 )  # fmt: skip
 
     def _check_ramps(self, moves: Moves, rows: Counts) -> None:
-        """Whether both accelerations are told before the first move, where they have to be."""
+        """Check that both accelerations are set before the first move, where required."""
         if self._limits is None or not len(rows):
             return
         if self._ramped is None or self._ramped > rows[0]:

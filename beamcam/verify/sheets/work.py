@@ -85,7 +85,7 @@ class Work(Struct, frozen=True):
 
     @property
     def beside(self) -> Flags:
-        """The needed curves that the beam keeps off."""
+        """The required curves with kerf compensation."""
         return np.zeros(self.need.count, dtype=bool) if self.region is None else self.region.closed
 
     def on_kept_off(self, points: Floats) -> Flags:
@@ -105,7 +105,7 @@ class Work(Struct, frozen=True):
         return bool(self.torch.tabs) and self.process == "cut"
 
     def most(self, length: float) -> float:
-        """What a lead may measure at most; the controller takes up half a kerf along it."""
+        """Maximum length of a lead; the controller takes up half a kerf along it."""
         taken_up = 2 * self.half_kerf if self.torch.kerf_by == "machine" else 0.0
         return length * 1.001 + 8 * self.step + taken_up
 
@@ -114,11 +114,11 @@ class Work(Struct, frozen=True):
         return self.torch.tab_width + 2 * half_kerf + 2 * self.tolerance
 
     def contour(self, way: int) -> str:
-        """Where the input has a needed curve."""
+        """Source of a required curve."""
         return str(self.asked.source(self.process, way))
 
     def contour_at(self, place: Floats) -> str:
-        """Where the input has the needed curve that is nearest to a place."""
+        """Source of the required curve nearest to a place."""
         return self.contour(self.need.nearest_to(place)[1])
 
     def extra(self, line: int, place: Floats, away: str, expected: str) -> Diagnostic:
@@ -186,7 +186,7 @@ def _small(ways: Ways, gap: float) -> Flags:
 
 
 def _half_kerf(process: TorchProcess, strokes: Sequence[Stroke], torch: Torch) -> float:
-    """What the beam of a process keeps off closed contours."""
+    """Half the compensated kerf of a process on closed contours."""
     if process != "cut" or torch.kerf_by == "none":
         return 0.0
     return max((s.row.kerf / 2 for s in strokes), default=0.0)

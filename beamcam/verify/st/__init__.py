@@ -20,7 +20,7 @@ def verify_triggers(
     skips: Collection[str] = (),
     name: str = "program",
 ) -> tuple[Diagnostic, ...]:
-    """Everything that is wrong with a trigger program, by itself and against its part.
+    """All faults of a trigger program, by itself and against its part.
 
     Nothing comes back for a program that makes exactly the part.
     """

@@ -1,4 +1,4 @@
-"""What a trigger program does, operation by operation: the strokes of its tools, and what is wrong.
+"""Execution of a trigger program, operation by operation: the strokes of its tools, and faults.
 
 The runtime starts each operation at rest, when the one before it has arrived, so that the tool
 follows the lines and arcs of its operations; see `trial` for the proof.
@@ -29,7 +29,7 @@ SLOWEST = 0.9  #: of the speed that the machine's table has, or that the cycle t
 
 
 class Stroke(Struct):
-    """What the head does between one start of its tool and the end."""
+    """The work of the head between tool on and tool off."""
 
     process: TorchProcess
     line: int

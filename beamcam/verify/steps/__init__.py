@@ -42,7 +42,7 @@ def verify_table(
     skips: Collection[str] = (),
     name: str = "program",
 ) -> tuple[Diagnostic, ...]:
-    """Everything that is wrong with a table, by itself and against its part.
+    """All faults of a table, by itself and against its part.
 
     `form` is the suffix of its file, one of `FORMS`; `pieces` are its bytes in any cut. Without
     parts it is looked at by itself. Raises ValueError for another form.

@@ -19,7 +19,7 @@ SHOWN = 5  #: of one kind of fault
 
 
 class _Motor:
-    """One motor: where it stands, and when it stepped last."""
+    """One motor: its position, and the time of its last step."""
 
     def __init__(self, name: str, stepper: Stepper) -> None:
         forward = [int(word, 2) for word in stepper.sequence]
@@ -152,7 +152,7 @@ class Followed:
         self.say([rules.PLACE.at(Source(self.name, line), x=x, y=y, expected=expected)])
 
     def finish(self) -> None:
-        """What can be said at the end only."""
+        """Checks at the end of the table."""
         end = Source(self.name)
         if not self.begun:
             self.say([row_rules.ROW.at(end, found="no rows", expected="a row at least")])

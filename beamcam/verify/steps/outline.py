@@ -1,4 +1,4 @@
-"""What a laser drew, compared with the part: stroke by stroke as it comes, and then as a whole."""
+"""The laser's path compared with the part: stroke by stroke, and then as a whole."""
 
 from collections.abc import Collection
 from fnmatch import fnmatchcase
@@ -22,12 +22,12 @@ CORNER = 3.0  #: half kerfs that a path may be off a corner that it goes around
 MOST_MEASURED = 100  #: points of a stroke that are too far off its curves
 SPEED_SLACK = 1e-3  #: mm/s
 COARSE = 2.0  #: steps by which stairs of steps are smoothed for their length
-#: Motors may be kept this share below their greatest frequency, for the rounding of times.
+#: Permitted share below the maximum frequency of motors, for the rounding of times.
 BELOW_GREATEST = 0.02
 
 
 class Work(Struct, frozen=True):
-    """How a process has to be done on a sheet."""
+    """Requirements of a process on a sheet."""
 
     speed_mm_s: float
     pierce_s: float
@@ -56,7 +56,7 @@ def work_of(part: Part, torch: Torch) -> dict[TorchProcess, Work]:
 
 
 def beside(process: TorchProcess, part: Part, torch: Torch) -> float:
-    """How far a path may lie beside its curves: by the kerf that is kept off, and the leads.
+    """Permitted distance of a path from its curves: compensated kerf and leads.
 
     That is for telling strokes apart; what they leave of the part is compared as a whole.
     """
@@ -76,7 +76,7 @@ class Seen(NamedTuple):
 
 
 class Times(NamedTuple):
-    """How long a stroke takes."""
+    """Permitted time of a stroke."""
 
     waited_s: float  #: before the head moves
     lasted_s: float  #: under way
@@ -286,7 +286,7 @@ class Outline:
             self.said.append(said)
 
     def compare(self) -> list[Diagnostic]:
-        """Everything in which the strokes differ from what the part needs."""
+        """All differences of the strokes from the part."""
         if self.part is None or self.said:
             return self.said
         slack = self.rounding + self.simplify

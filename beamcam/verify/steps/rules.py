@@ -1,4 +1,4 @@
-"""What can be wrong with what a table of steps or of velocities makes."""
+"""Rules for the result of a step or velocity table."""
 
 from beamcam.errors import Rule, Severity
 

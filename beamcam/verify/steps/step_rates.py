@@ -1,4 +1,4 @@
-"""How fast steps follow one another, seen through windows of time.
+"""Step rates, measured over windows of time.
 
 A motor stands up to half a step off its path, so that places tell speeds and accelerations only
 over a while: the longer it is, the finer is what can be told.
@@ -84,19 +84,19 @@ class Pace:
 
     @property
     def waited_s(self) -> float:
-        """How long the head stood where the stroke begins."""
+        """Dwell of the head at the start of the stroke."""
         if self._begin_us is None or not self._moved:
             return 0.0
         return (self._moved_us - self._begin_us) / 1e6
 
     @property
     def lasted_s(self) -> float:
-        """How long the head was under way."""
+        """Time for which the head was moving."""
         return (self._last_us - self._moved_us) / 1e6
 
 
 class Swerve:
-    """The greatest accelerations of both axes: second differences of places.
+    """The maximum accelerations of both axes: second differences of positions.
 
     A motor stands half a step off its path, and the path up to `corner` off one that keeps the
     acceleration, so that each of the three places may be off by both.
@@ -124,7 +124,7 @@ class Swerve:
                         self._places[k, axis] = at[row + 1]
 
     def finish(self, clock_us: int, place: Counts) -> None:
-        """The head stands from now on."""
+        """The head has stopped."""
         self.follow(np.array([clock_us + 3 * max(self.WINDOWS_US)]), place[None])
 
     def beyond(self) -> list[tuple[float, Floats] | None]:

@@ -114,7 +114,7 @@ class Velocities:
         self.here = row.end
 
     def _count(self, row: TableRow) -> None:
-        """Each motor stands on the place nearest to the end."""
+        """Check that each motor is on the step nearest to the end."""
         for k, axis in enumerate("XY"):
             self.steps[k] += row.steps[k]
             wanted = row.end[k] / self.stepper.step
@@ -139,7 +139,7 @@ class Velocities:
             self.say(rules.VELOCITY, row.line, found=found, expected="it along the way")
 
     def _frequency(self, row: TableRow) -> None:
-        """Frequencies are those of the velocity, and none is above the greatest."""
+        """Check that frequencies match the velocity and do not exceed the maximum."""
         step, max_hz = self.stepper.step, self.stepper.max_hz
         for axis, v, hz in zip("XY", row.velocity, row.hz, strict=True):
             found = f"{hz:g} Hz of {axis}"
@@ -193,7 +193,7 @@ class Velocities:
             self._drawing = False
 
     def finish(self) -> None:
-        """What can be said at the end only."""
+        """Checks at the end of the table."""
         self._end_stroke()
         if not self.rows:
             self.say(row_rules.ROW, None, found="no rows", expected="a row at least")
