@@ -47,6 +47,7 @@ def test_each_part_is_posted_as_by_itself(tmp_path: Path) -> None:
     result = batch(SAMPLES / "dstv", "-o", tmp_path / "out", "--bar", 12000)
     made = programs(tmp_path / "out")
     assert {"channel.gcode", "gusset.ngc"} <= set(made)
+    made = {name: text for name, text in made.items() if not name.endswith(".csv")}
     assert counts(result)[0] == len(made)
     for name, text in made.items():
         sample = SAMPLES / "dstv" / f"{Path(name).stem}.nc1"

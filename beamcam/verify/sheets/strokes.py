@@ -84,7 +84,7 @@ def strokes_of(
     for before, event in run.others:
         head.take(before, event)
     head.finish(run)
-    head.check_places(run.moves, torch, machine.format.resolution / 2)
+    head.check_places(run.moves, torch, torch.tolerance + machine.format.resolution / 2)
     return head.strokes(run.moves), sorted(head.said, key=lambda said: said.source.line or 0)
 
 
@@ -187,7 +187,7 @@ class _Head:
             self._wrong(SHEET_END, last, found="the end with the tool on")
 
     def check_places(self, moves: Moves, torch: Torch, slack: float) -> None:
-        """Says which moves leave the table."""
+        """Says which moves leave the table by more than a path may lie off its curve."""
         low, high = np.array(torch.area[:2]) - slack, np.array(torch.area[2:]) + slack
         for k in np.flatnonzero(~np.all((moves.end >= low) & (moves.end <= high), axis=1)):
             x, y = moves.end[k].tolist()

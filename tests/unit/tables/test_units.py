@@ -47,7 +47,7 @@ def test_a_name_that_is_given_is_kept(tmp_path: Path) -> None:
     [
         ("json/cam.json", "--thickness 9", "found --thickness 9; expected 6, as the part"),
         ("dxf/plate.dxf", "--thickness 0", "found a sheet of 0 mm mild steel to cut; expected"),
-        ("dxf/plate.dxf", "--thickness -2", "above 0 and at most 12 mm of any"),
+        ("dxf/plate.dxf", "--thickness -2", "above 0 and at most 32 mm of any"),
     ],
 )
 def test_thicknesses_that_cannot_be(source: str, how: str, said: str, tmp_path: Path) -> None:
