@@ -21,7 +21,8 @@ def strokes(found: Plan) -> list[SpindleOp]:
     [
         (18.0, 18.0), (17.9, 18.0), (17.75, 18.0), (17.5, 17.46), (17.6, 17.46), (8.4, 8.5),
         (50.0, 50.0),
-        (50.05, None), (7.85, 8.0), (7.65, 8.0), (7.5, None), (20.64, 20.64), (13.75, 13.5), (8.25, 8.0),
+        (50.05, None), (7.85, 8.0), (7.65, 8.0), (7.5, None), (20.64, 20.64),
+        (13.75, 13.5), (8.25, 8.0),
     ],
 )  # fmt: skip
 def test_the_nearest_drill_within_the_tolerance(diameter: float, drill: float | None) -> None:
