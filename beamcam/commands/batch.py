@@ -129,7 +129,7 @@ def command(
 
 
 def _would(row: Row, folder: str) -> Iterator[str]:
-    """What a run would do with a file: "in/M58.nc1 -> out/M58.gcode, beamline"."""
+    """Planned result for a file: "in/M58.nc1 -> out/M58.gcode, beamline"."""
     for part in row["parts"]:
         unchanged = " (unchanged)" if row["status"] == "unchanged" else ""
         output = os.path.join(folder, part["output"])

@@ -30,7 +30,7 @@ _JOB = re.compile(
     r"^%[ \t]+(.*\S)|^\(\* =+ UNIT unit_(\w+) =|^(?:#|/\*) beamcam/\w+/1 job (\S+) ", re.MULTILINE
 )
 
-#: What may lie beside programs.
+#: Files that may be beside programs.
 _NO_PROGRAMS = (".toml", ".json", ".html", ".md", ".txt", REFUSED_SUFFIX)
 
 
@@ -127,7 +127,7 @@ def _say(
 
 
 def _accepted(results: list[Checked], voice: Voice) -> tuple[Checked, ...]:
-    """What is left when the programs that are others now are written."""
+    """The outcome after the changed programs are written."""
     try:
         left = accept(results)
     except OSError as error:

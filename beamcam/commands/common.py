@@ -1,4 +1,4 @@
-"""What the commands share: how they talk, how they write, how they stop."""
+"""Shared by the commands: messages, output and exit."""
 
 import os
 import re
@@ -27,7 +27,7 @@ PATIENCE = 0.5  #: s of reading before a bar shows how far it is
 
 
 class Voice:
-    """What a command says on standard error, a line each or as one JSON list.
+    """Messages of a command on standard error, a line each or as one JSON list.
 
     Quiet it says errors only; verbose also what it did and how long that took.
     """
@@ -150,7 +150,7 @@ def _echo_json(diagnostics: Iterable[Diagnostic]) -> None:
 def read_all(
     inputs: Iterable[str], strict: bool, options: dict[str, object], voice: Voice
 ) -> "Iterator[Reading]":
-    """What is in each input; `options` as `read_file` takes them."""
+    """Content of each input; `options` as `read_file` takes them."""
     from beamcam.pipeline import read_file
     from beamcam.readers.content import shown_name
 
@@ -217,7 +217,7 @@ def keep_apart(outputs: Iterable[str], read: FilesRead, voice: Voice) -> None:
 
 
 def over_input(output: str, read: FilesRead) -> Diagnostic | None:
-    """What is said of an output that is one of the files that are read."""
+    """The message for an output that is one of the input files."""
     other = None if output == STANDARD else read.written_over_by(output)
     return None if other is None else OVER_INPUT.at(Source(output), found=output, read=other)
 
@@ -241,7 +241,7 @@ def keep_refused(output: str, pieces: Iterable[bytes], read: FilesRead) -> Itera
 
 
 def cannot_write(output: str, error: OSError) -> Diagnostic:
-    """What is said of an output that the system does not let be written."""
+    """The message for an output that the system does not allow to be written."""
     return CANNOT_WRITE.at(Source(output), found=output, reason=error.strerror or str(error))
 
 

@@ -21,7 +21,7 @@ from beamcam.posts import Request
 from beamcam.verify.bars import run
 from beamcam.verify.head import head_of
 
-#: What a program may not have if its meaning is to be known.
+#: Faults that make a program's meaning unknown.
 NOT_UNDERSTOOD = {r.code for r in (rules.SYNTAX, rules.WORD, rules.ARC)}
 
 

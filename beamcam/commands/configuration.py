@@ -36,7 +36,7 @@ def checked(files: Sequence[str]) -> Config:
 
 
 def _expected_name(template: str) -> str:
-    """What was expected of a template of names; "" if it is one."""
+    """The expected form of an invalid name template; "" if it is valid."""
     from beamcam.batch.names import check_template
 
     try:

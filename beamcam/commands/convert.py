@@ -43,7 +43,7 @@ def target_of(output: str, name: str | None) -> Target:
 
 
 def is_folder(output: str) -> bool:
-    """Whether an output stands for a folder, which gets a file for each part."""
+    """Whether an output is a folder, which gets a file for each part."""
     return output.endswith(("/", os.sep)) or Path(output).is_dir()
 
 

@@ -24,7 +24,7 @@ TEXTS = {"bytes": "another text that means the same", "differs": "makes somethin
 
 
 class Checked(Struct, frozen=True):
-    """What became of one golden program."""
+    """The outcome of one golden program."""
 
     path: str
     #: "bytes" is another text that means the same, "missing" one without its sample
@@ -91,7 +91,7 @@ def sample_of(samples: Path, stem: str, program: str, suffix: str = "") -> Path:
 
 
 def told(results: Sequence[Checked]) -> Iterator[str]:
-    """What is said of the programs that are not the same, a line for what is true of several.
+    """Messages on the programs that differ, one line for a difference common to several.
 
     A change of a machine is one line, however many programs it changes.
     """

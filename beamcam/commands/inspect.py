@@ -24,7 +24,7 @@ SCHEMA = "beamcam/inspect/1"
 
 
 def as_json_object(path: str, reading: Reading) -> dict[str, object]:
-    """What `--json` prints: the parts as far as they were read, and every message."""
+    """The output of `--json`: the parts as far as they were read, and every message."""
     return {
         "schema": SCHEMA,
         "file": os.path.basename(path),

@@ -1,4 +1,4 @@
-"""Which kinds of files the commands write, told by the suffix of the output."""
+"""Kinds of files that the commands write, by the suffix of the output."""
 
 from collections.abc import Callable, Mapping
 from pathlib import PurePath
@@ -16,7 +16,7 @@ KINDS: Mapping[str, tuple[str, ...]] = {
     "report": (".html", ".pdf"),
     "simulate": (".csv", ".json"),
 }
-#: What nobody means by a program, however a machine calls its own.
+#: Suffixes that are never programs, whatever suffix a machine uses.
 NO_PROGRAMS = (*PICTURES, ".html", ".json", ".dxf", ".nc1", ".ifc", ".ifczip", ".toml")
 STANDARD = "-"
 
@@ -24,7 +24,7 @@ Callback = Callable[[click.Context, click.Parameter, str | None], str | None]
 
 
 def expected(found: str, kind: str) -> str:
-    """What is said of an output of another kind."""
+    """The message for an output of another kind."""
     return f"found {found!r}; expected a name in {', '.join(KINDS[kind])}, or -"
 
 

@@ -92,7 +92,7 @@ def _labels(counts: Sequence[PartCount], config: Config) -> Iterator[Label]:
 
 
 def _program(part: Part, number: int, several: bool, config: Config) -> str:
-    """What a batch calls the program of a part."""
+    """Name of a part's program in a batch."""
     machine = machine_of_stock(config, stock_of([part]), config.name or "", is_one_of_two=True)
     stem = PurePath(part.source.file).stem
     return output_name(config.name, stem, part, number, several, machine)

@@ -86,7 +86,7 @@ def _bars(
         return (), ()
     parts = copies((one.part for one in beams), (one.quantity for one in beams))
     nesting = first_fit(parts, machine, lengths)
-    # A part that fits on no bar is told once, however many are wanted.
+    # A part that fits on no bar is reported once, whatever its quantity.
     refused = dict.fromkeys(replace(said, severity=Severity.ERROR) for said in nesting.refusals)
     bars: list[CutBar] = []
     for bar in nesting.bars:

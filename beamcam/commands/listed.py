@@ -49,7 +49,7 @@ def other_content(parts: Sequence[Part]) -> Iterator[Diagnostic]:
 
 
 def _content(part: Part) -> object:
-    """What makes a part, without where it comes from."""
+    """Content of a part, without its source."""
     return _content_of(part_to_json(part))
 
 
@@ -69,6 +69,6 @@ def _content_of(value: object) -> object:
 
 
 def refuse_missing(error: ImportError, extra: str) -> BeamcamError:
-    """What is said where a library of an extra is not installed."""
+    """The message where a library of an extra is not installed."""
     said = MISSING_EXTRA.at(Source("beamcam"), found=error.name or str(error), extra=extra)
     return ReadError((said,))

@@ -68,7 +68,7 @@ def command(
 
 
 class Reader:
-    """What a controller shows, read again and again; a connection that is lost is tried again."""
+    """Polls the positions of a controller; a lost connection is retried."""
 
     def __init__(self, host: tuple[str, int], machine: Machine, axes: int, every_s: float) -> None:
         self._host, self._machine, self._axes, self._every_s = host, machine, axes, every_s

@@ -1,4 +1,4 @@
-"""What the commands share that take parts: their options, and how the parts are read."""
+"""Shared by the commands that take parts: their options, and reading the parts."""
 
 from collections.abc import Iterable, Mapping
 from typing import Any

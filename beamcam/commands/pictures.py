@@ -1,4 +1,4 @@
-"""What the commands share that write pictures."""
+"""Shared by the commands that write pictures."""
 
 from collections.abc import Sequence
 from pathlib import PurePath

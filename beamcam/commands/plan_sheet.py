@@ -1,4 +1,4 @@
-"""What `beamcam plan` prints of a sheet: each contour with its time, as text or as data."""
+"""Output of `beamcam plan` for a sheet: each contour with its time, as text or as data."""
 
 from collections.abc import Iterator
 

@@ -90,7 +90,7 @@ def command(
 
 
 def _processes(config: Config, parts: Sequence[Part], output: str) -> Mapping[str, str] | None:
-    """What the machine does with the colours and layers of drawings; None where there are none."""
+    """Processes of the colours and layers of drawings on the machine; None without drawings."""
     if all(part.measures is None for part in parts):
         return None
     torch = machine_for(config, parts, output).torch

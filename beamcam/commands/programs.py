@@ -1,11 +1,11 @@
-"""What the commands that read programs share."""
+"""Shared by the commands that read programs."""
 
 from beamcam.errors import Diagnostic, ReadError
 from beamcam.readers.content import content
 
 
 def input_bytes(path: str) -> bytes:
-    """What is in a file, `-` for standard input. Raises ReadError."""
+    """Content of a file, `-` for standard input. Raises ReadError."""
     data = content(path)
     if isinstance(data, Diagnostic):
         raise ReadError(data)

@@ -65,7 +65,7 @@ class Recorded:
         return found
 
     def check(self, below: Path) -> Iterator[Checked]:
-        """What became of each program that lies below a folder. Raises OSError."""
+        """The outcome of each program below a folder. Raises OSError."""
         told: set[str] = set()
         for noted in self._noted:
             if not any(self._path(n).resolve().is_relative_to(below.resolve())
@@ -95,7 +95,7 @@ class Recorded:
         return self._shops[name]
 
     def _input(self, noted: Noted, config: Config, shop: Shop) -> Iterator[Checked]:
-        """What became of the programs of one input."""
+        """The outcome of the programs of one input."""
         try:
             sample = self._sample(noted)
         except ReadError as error:

@@ -46,7 +46,7 @@ def command(
     voice: Voice,
     **asked: Any,
 ) -> None:
-    """Write the setup sheet of a program: one file for whoever stands at the machine.
+    """Write the setup sheet of a program: one file for the operator.
 
     INPUTs are parts, which are posted as `post` would, or a program, and behind it the parts that
     it has to make. The page holds the verdict of the read-back, the pictures, the operations with

@@ -1,4 +1,4 @@
-"""What can be wrong with an output, and what a command tells of its work."""
+"""Rules for outputs, and reports of a command on its work."""
 
 from beamcam.errors import Rule, Severity
 

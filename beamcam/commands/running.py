@@ -1,4 +1,4 @@
-"""What `batch` and `watch` share: their options, their workers, and how they print a run."""
+"""Shared by `batch` and `watch`: options, workers, and printing a run."""
 
 import os
 import sys
@@ -83,7 +83,7 @@ run_options = options.group(
 
 
 def shop_of(config: Config, asked: Mapping[str, Any], timed: bool = False) -> Shop:
-    """What decides about the outputs: the job's configuration, and how its inputs are read.
+    """Everything that determines the outputs: the job's configuration and reading options.
 
     Raises MachineError, ConfigError and PlanError.
     """
@@ -139,7 +139,7 @@ def unmatched_keys(config: Config, counts: Counts) -> tuple[Diagnostic, ...]:
 
 
 def workers_of(shop: Shop, jobs: int | None, scheduler: str | None, most: int) -> Workers:
-    """Who does the work: a cluster, as many processes as there are cores, or this process.
+    """The workers: a cluster, as many processes as there are cores, or this process.
 
     `most` is the number of files, and no more workers are of use. Raises SchedulerError.
     """

@@ -1,4 +1,4 @@
-"""What a job is made with: the command line over the configuration, and the machine that follows.
+"""Settings of a job: the command line over the configuration, and the resulting machine.
 
 --machine and other options   over   --config FILE, or else beamcam.toml beside the job   over
 the defaults; the same for every command

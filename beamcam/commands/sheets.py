@@ -78,7 +78,7 @@ def _size(
 _SIZE = re.compile(r"(\d{1,6}(?:\.\d+)?)x(\d{1,6}(?:\.\d+)?)")
 
 
-#: How a file is read: `units`, `width`, `layers` and `fit` of a drawing, `encoding` of a DSTV file.
+#: Reading options: `units`, `width`, `layers` and `fit` of a drawing, `encoding` of a DSTV file.
 drawing_options = group(
     click.option("--units", help="Unit of a drawing's numbers: mm, in, cm, ..."),
     click.option("--width", help="Width of an SVG's page, as 600mm."),
@@ -92,7 +92,7 @@ drawing_options = group(
 #: The thickness of a drawing's sheet, which no drawing says.
 thickness = click.option("--thickness", type=Number(), help="Thickness of a drawing's sheet, mm.")
 
-#: What is said about a sheet and its cuts, over what the machine's file says.
+#: Settings of a sheet and its cuts, which override the machine file.
 torch_options = group(
     click.option("--map", "colours", multiple=True, callback=_map, metavar="KEY=PROCESS",
                  help="Process of a colour or layer: cut, mark, engrave or ignore."),

@@ -160,7 +160,7 @@ def _encoder(asked: tuple[int, float] | None) -> "Encoder | None":
 
 
 def _precision(trace: "Trace", encoder: "Encoder", name: str) -> Diagnostic:
-    """What is lost by an encoder, with the block of the corner that is read worst."""
+    """Loss of precision by an encoder, with the block of the corner with the largest error."""
     from beamcam.simulate.encoder import precision
     from beamcam.simulate.rules import PRECISION
 

@@ -1,4 +1,4 @@
-"""What `post` needs for machines that are told by tables: their styles and their files."""
+"""Output styles and files of machines run by tables, for `post`."""
 
 from collections.abc import Iterable, Iterator
 from pathlib import PurePath

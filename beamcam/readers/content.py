@@ -14,12 +14,12 @@ _ZEROS = bytes(_PIECE)
 
 
 def shown_name(path: str) -> str:
-    """How an input is called in messages."""
+    """Name of an input in messages."""
     return "stdin" if path == STANDARD_INPUT else path
 
 
 def content(path: str) -> bytes | Diagnostic:
-    """What is in a file, `-` for standard input; a diagnostic if it cannot be read or is zeros."""
+    """Content of a file, `-` for standard input; a diagnostic if it cannot be read or is zeros."""
     try:
         if path == STANDARD_INPUT:
             return _unless_zeros(sys.stdin.buffer.read(), "stdin")
@@ -35,7 +35,7 @@ def content(path: str) -> bytes | Diagnostic:
 
 
 def content_of(file: int, size: int, name: str) -> bytes | Diagnostic:
-    """What is in an open file, as `content`; its `size` as the system has it. Raises OSError."""
+    """Content of an open file, as `content`; its `size` as the system has it. Raises OSError."""
     if size >= _PIECE:
         # A broken copy is often as large as the disk had room, and would fill the memory.
         zeros = 0

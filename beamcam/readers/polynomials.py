@@ -1,4 +1,4 @@
-"""What is said about the polynomials of a part: those that swing, and those that are lost."""
+"""Diagnostics of a part's polynomials: those that oscillate, and those that are lost."""
 
 from collections.abc import Iterator
 

@@ -1,4 +1,4 @@
-"""What can be wrong with an input before its format is known."""
+"""Rules for inputs whose format is not known yet."""
 
 from beamcam.errors import Rule, Severity
 

@@ -1,4 +1,4 @@
-"""What the readers of drawings share: units of length, contours, and the part that holds them."""
+"""Shared by the readers of drawings: units of length, contours, and the part that holds them."""
 
 import re
 from collections.abc import Iterable, Sequence

@@ -1,4 +1,4 @@
-"""What can be wrong with any drawing, and with the options that go with one."""
+"""Rules for drawings of any format, and for their options."""
 
 from beamcam.errors import Rule, Severity
 

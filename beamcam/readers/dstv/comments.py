@@ -1,4 +1,4 @@
-"""The places of comments: what each stands before, by its line."""
+"""Positions of comments: the object that each precedes, by its line."""
 
 from bisect import bisect_right
 from collections.abc import Sequence

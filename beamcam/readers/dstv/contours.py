@@ -30,7 +30,7 @@ def polygon_area(points: list[Point]) -> float:
 
 
 def segments_area(points: list[Point], radii: list[float]) -> float:
-    """What the arcs add to the polygon's area, positive for counter-clockwise ones.
+    """Area that the arcs add to the polygon, positive for counter-clockwise ones.
 
     Each circular segment is r2/2 (s - sin s), s the sweep.
     """

@@ -62,7 +62,7 @@ def _has_plain_letters(word: bytes) -> bool:
 
 
 def _first_odd(data: bytes, encoding: str) -> int:
-    """Where the first bytes stand that the encoding does not have."""
+    """Position of the first bytes that are invalid in the encoding."""
     try:
         data.decode(encoding)
     except UnicodeDecodeError as error:

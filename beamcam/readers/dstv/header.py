@@ -55,7 +55,7 @@ class HeaderLines(Struct):
 
     values: list[str]
     numbers: list[int]
-    comments: list[tuple[int, str]]  #: position of the value that the comment stands before, text
+    comments: list[tuple[int, str]]  #: position of the value that the comment precedes, text
     trailing: list[tuple[int, str]]  #: comments behind the last line that a header can have: line
     end: int  #: index of the line behind the header
 
@@ -176,7 +176,7 @@ def read_header(head: HeaderLines, log: Log) -> Header | None:
 
 
 def _text(value: str) -> str:
-    """A text of the header; a dash stands for none."""
+    """A text of the header; a dash means none."""
     return "" if value == "-" else value
 
 

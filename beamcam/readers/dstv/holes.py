@@ -132,7 +132,7 @@ def _plain_hole(tokens: list[str], line: int, place: Place) -> Hole | Slot:
 
 
 def _kind(diameter: float, depth: float | None) -> HoleKind:
-    """What a row without a letter before its diameter means.
+    """Meaning of a row without a letter before its diameter.
 
     DSTV NC, page 10: depth 0 means through; a diameter of 0 can only be a mark.
     """

@@ -41,7 +41,7 @@ _CONTOURS = {"AK": "A", "IK": "I", "KO": "K", "PU": "P"}
 
 
 class Account(Struct):
-    """What became of the lines of a file: each data line is in the part or reported."""
+    """Account of a file's lines: each data line is in the part or reported."""
 
     data_lines: list[int]
     taken: list[int]
@@ -60,7 +60,7 @@ def looks_like(data: bytes) -> bool:
 
 
 def read(data: bytes, name: str, encoding: str | None = None) -> Reading:
-    """The part of a DSTV file and what is to be said about it; never raises.
+    """The part of a DSTV file and its diagnostics; never raises.
 
     `name` is the file's name for messages. Where the header cannot be read there is no part.
     `encoding` is that of its text; by default it is told from the letters.

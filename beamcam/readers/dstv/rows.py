@@ -144,7 +144,7 @@ def read_plane(block: Block, name: str, log: Log) -> Plane | None:
 
 
 def read_tolerance(block: Block, log: Log) -> tuple[float, float] | None:
-    """Least and greatest deviation of the length (TO)."""
+    """Lower and upper deviation of the length (TO)."""
     groups = _groups(block, 2, 1, log, rules.TOLERANCE_FIELDS)
     if not groups:
         return None

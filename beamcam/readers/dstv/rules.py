@@ -1,4 +1,4 @@
-"""What can be wrong with a DSTV file: every code that this reader gives, with its reason."""
+"""Rules for DSTV files: every code that this reader gives, with its reason."""
 
 from beamcam.errors import Rule, rule_makers
 

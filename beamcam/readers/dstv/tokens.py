@@ -26,7 +26,7 @@ class RowError(ValueError):
 
 
 class Log(Struct):
-    """What is said about one file, and which of its lines something was made of."""
+    """Diagnostics of one file, and the lines of it that were used."""
 
     file: str
     diagnostics: list[Diagnostic] = field(default_factory=list)

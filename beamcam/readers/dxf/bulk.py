@@ -25,7 +25,7 @@ from beamcam.readers.dxf.plain import (
     plan_of,
 )
 
-#: The kind of entity that stands in the rest of a file for plain entities.
+#: The kind of entity that marks plain entities in the remainder of a file.
 MARKER = "BEAMCAM_PLAIN_ENTITIES"
 
 R12 = "AC1009"
@@ -140,13 +140,13 @@ def _all_named(rows: _Rows, entities: Iterable[int]) -> bool:
 
 
 class _Taker:
-    """What was taken so far, and where."""
+    """The entities taken so far, and their places."""
 
     def __init__(self, rows: _Rows, r12: bool) -> None:
         self.rows = rows
         self.r12 = r12
         self.runs: list[Run] = []
-        self.odd = False  #: whether a plain entity stands where none may
+        self.odd = False  #: whether a plain entity is where none is allowed
         self.owners: set[str] = set()
         self._spans: list[tuple[int, int]] = []  #: first row of each run, and the row behind it
         self._attributes: dict[tuple[str, str, str, str], Attributes] = {}

@@ -24,7 +24,7 @@ FLAT_BULGE = 1e-7
 
 
 class EdgeOnError(ValueError):
-    """A curve that stands upright on the plane of the drawing."""
+    """A curve perpendicular to the plane of the drawing."""
 
 
 def _placed(curves: Iterable[Curve], matrix: Matrix) -> Chain:

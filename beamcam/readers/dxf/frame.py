@@ -27,7 +27,7 @@ class Frame(Struct, frozen=True):
         return a * x + b * y + c * z + d
 
     def point(self, v: Vector) -> Point:
-        """Where a point comes to lie, seen from above."""
+        """A point in plan view."""
         x, y, z = v
         (a, b, c, d), (e, f, g, h) = self.x, self.y
         return a * x + b * y + c * z + d, e * x + f * y + g * z + h

@@ -14,7 +14,7 @@ WHITE = "#ffffff"
 
 
 class Attributes(Struct, frozen=True):
-    """What an entity says itself about how it shows."""
+    """An entity's own display attributes."""
 
     layer: str = "0"
     colour: int = BYLAYER  #: number in AutoCAD's palette, or one of the two above
@@ -23,7 +23,7 @@ class Attributes(Struct, frozen=True):
 
 
 class Look(Struct, frozen=True):
-    """How an entity shows, which is what its content inherits if it is an insert."""
+    """Resolved display attributes of an entity, inherited by its content if it is an insert."""
 
     layer: str = "0"
     colour: str = WHITE  #: "#rrggbb"
@@ -96,7 +96,7 @@ class Layers(Struct):
 
 
 def attributes_of(entity: Any) -> Attributes:
-    """What an entity of ezdxf says about how it shows."""
+    """Display attributes of an ezdxf entity."""
     dxf = entity.dxf
     return Attributes(
         dxf.layer, dxf.get("color", BYLAYER), dxf.get("true_color"), bool(dxf.get("invisible", 0))

@@ -33,7 +33,7 @@ NOT_SAID, NOT_GIVEN = -2, -1
 UNSAID = "\n"  # no line of a file holds that
 BEYOND = (UNSAID, "0")
 
-#: Group codes: name of the entity, of the layout that it stands in, subclasses, brackets.
+#: Group codes: name of the entity, of its layout, subclasses, brackets.
 HANDLE, OWNER, SUBCLASS, BRACKET = 5, 330, 100, 102
 _BASE = frozenset((HANDLE, OWNER, BRACKET))
 # Layer, line type, its scale, colour, visibility, line weight, true colour and its name,
@@ -54,7 +54,7 @@ _WHOLE = frozenset(
 
 
 class Plan(Struct, frozen=True):
-    """Where the values of an entity stand in its row."""
+    """Positions of an entity's values in its row."""
 
     handle: int
     owner: int
@@ -82,7 +82,7 @@ class Plan(Struct, frozen=True):
 
 
 def attributes_from(layer: str, colour: str, true_colour: str, invisible: str) -> Attributes:
-    """What an entity says about how it shows, or does not (`UNSAID`).
+    """Display attributes of an entity, `UNSAID` where it has none.
 
     Raises ValueError where a number is expected and not found.
     """

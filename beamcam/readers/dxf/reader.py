@@ -78,7 +78,7 @@ def _part(name: str, found: Collected) -> Part:
 
 
 def _remarks(found: Collected, source: Source) -> list[Diagnostic]:
-    """What was seen and is no contour, by kind and count."""
+    """Remarks on entities that are not contours, by kind and count."""
     said = []
     if found.not_cut:
         said.append(rules.NOT_CUT.at(source, found=_list(found.not_cut)))

@@ -1,4 +1,4 @@
-"""What can be wrong with a DXF file: every code that this reader gives, with its reason."""
+"""Rules for DXF files: every code that this reader gives, with its reason."""
 
 from beamcam.errors import Rule, rule_makers
 

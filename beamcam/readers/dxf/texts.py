@@ -42,7 +42,7 @@ def text_marks(entity: Any, frame: Frame, source: Source) -> Iterator[TextMark]:
 
 
 def _held(text: Any) -> tuple[float, float]:
-    """Where a TEXT is held: as a share of its length, and up to its baseline in heights."""
+    """Alignment point of a TEXT: as a share of its length, and above its baseline in heights."""
     across = (0.0, 0.5, 1.0, 0.0, 0.5, 0.0)[text.dxf.get("halign", 0)]
     if text.dxf.get("halign", 0) == 4:  # by its middle
         return 0.5, -0.5

@@ -1,4 +1,4 @@
-"""How long the unit of a DXF file is, from what the file says itself.
+"""Unit of length of a DXF file, from its own data.
 
 ezdxf invents `$INSUNITS` 6 (metres) for files without a header, so that the raw text is asked.
 """

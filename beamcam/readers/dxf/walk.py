@@ -30,7 +30,7 @@ _BAD_NUMBERS = (ValueError, TypeError, ArithmeticError, LookupError)
 
 
 class Collected(Struct):
-    """What the entities of a drawing gave."""
+    """Results of reading the entities of a drawing."""
 
     contours: list[Contour] = field(default_factory=list)
     texts: list[TextMark] = field(default_factory=list)

@@ -51,7 +51,7 @@ class Removed(Struct, frozen=True, gc=False):
 
 
 class Body(Struct, frozen=True, gc=False):
-    """What a member is made of: one swept profile or one shell, and what is taken from it."""
+    """Body of a member: one swept profile or one shell, and the solids subtracted from it."""
 
     base: Swept | Shell
     removed: tuple[Removed, ...]
@@ -62,7 +62,7 @@ class Body(Struct, frozen=True, gc=False):
 
     @property
     def form(self) -> tuple[Any, ...]:
-        """What two bodies of one stock have in common if they are alike."""
+        """Key that equal bodies of one stock share."""
         removed = [(definition_of(one.item), one.frame) for one in self.removed]
         return self.base.frame if isinstance(self.base, Swept) else self.base, *removed
 
@@ -106,7 +106,7 @@ def body_representation(element: Entity) -> Entity:
 
 
 def openings_of(model: Model, element: Entity) -> Iterator[Removed]:
-    """What the openings and voiding features of an element remove."""
+    """Solids removed by the openings and voiding features of an element."""
     voids = getattr(element, "HasOpenings", ())
     if not voids:
         return
@@ -121,7 +121,7 @@ def openings_of(model: Model, element: Entity) -> Iterator[Removed]:
 
 
 def relative_placement(model: Model, element: Entity, other: Entity) -> Frame:
-    """Where `other` stands in the coordinates of `element`."""
+    """Placement of `other` in the coordinates of `element`."""
     mine, its = element.values[5], other.values[5]
     if its is not None and mine is not None and its.is_a("IfcLocalPlacement"):
         relative = its.values[0]

@@ -168,7 +168,7 @@ def drill_bolt_holes(
 def _account(
     bolts: Sequence[Bolt], without: Sequence[str], used: Set[str], source: Source
 ) -> list[Diagnostic]:
-    """What became of every fastener of the file; nothing if it has none."""
+    """Account of every fastener of the file; nothing if it has none."""
     said = []
     if without:
         some = ", ".join(without[:3]) + (", ..." if len(without) > 3 else "")

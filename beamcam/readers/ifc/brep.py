@@ -44,7 +44,7 @@ _Curve = _Circle | _Straight | str  #: or the name of another curve
 
 
 class _Use(Struct, frozen=True):
-    """A shape as part of another: its number from the end, and where it stands."""
+    """A shape as part of another: its number from the end, and its placement."""
 
     shape: int
     location: int

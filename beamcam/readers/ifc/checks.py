@@ -18,8 +18,8 @@ from beamcam.readers.ifc.shell import extent
 STEEL = 7.85e-6  #: kg/mm3
 LENGTH_SLACK = 1.0  #: mm; property sets are rounded
 WEIGHT_SLACK = 0.06  #: share; of 177 real members all but two are within 0.03
-WEIGHT_NEAR = 0.03  #: share from which on a weight is told
-VOLUME_NEAR = 0.01  #: share from which on a net volume is told
+WEIGHT_NEAR = 0.03  #: deviation from which on a weight is reported
+VOLUME_NEAR = 0.01  #: deviation from which on a net volume is reported
 CUBES = (1e9, 1e6, 1e3, 1.0, 25.4**3, 304.8**3)  #: mm3 in m3, dm3, cm3, mm3, cubic inch and foot
 SMALL_WEIGHT = 0.1  #: kg below which a rounded weight says nothing
 WITNESS_SLACK = 0.01  #: share by which the weight may be off for it to be a witness
@@ -28,7 +28,7 @@ LENGTH_SAME = 0.1  #: mm
 
 
 def check_data(part: Part, shaped: Shaped, data: Data, source: Source) -> tuple[Diagnostic, ...]:
-    """Where the length or the weight in the property sets denies the geometry."""
+    """Contradictions of length or weight in the property sets to the geometry."""
     said = []
     length = data.number(*LENGTHS)
     if length is not None:
@@ -65,7 +65,7 @@ def _is_cut(part: Part) -> bool:
 
 
 def _check_volume(shaped: Shaped, data: Data, source: Source) -> Iterator[Diagnostic]:
-    """Where the net volume in the property sets denies the geometry.
+    """Contradiction of the net volume in the property sets to the geometry.
 
     Exporters write m3, mm3 or a cube of the file's own unit, whatever unit they declare: of these
     the nearest counts. A figure of few digits is as good as its last one.
@@ -86,7 +86,7 @@ def _check_volume(shaped: Shaped, data: Data, source: Source) -> Iterator[Diagno
 def check_kernel(
     model: Model, element: Entity, part: Part, shaped: Shaped, profile: Entity | None, data: Data
 ) -> tuple[Diagnostic, ...]:
-    """What of the kernel's solid the part does not explain."""
+    """Regions of the kernel's solid that the part does not account for."""
     try:
         built = kernel.build(model, element)
         stocks = stocks_of(model, element, shaped, profile)

@@ -1,4 +1,4 @@
-"""What section an outline is, by its geometry alone."""
+"""Section of an outline, by its geometry alone."""
 
 from collections.abc import Sequence
 from math import hypot

@@ -1,4 +1,4 @@
-"""The values of many records of a class, all at once.
+"""Values of many records of a class, by column.
 
     #7=IFCBOOLEANRESULT(.DIFFERENCE.,#3,#5);      ('DIFFERENCE', <#3>, <#5>)
     #9=IFCBOOLEANRESULT(.DIFFERENCE.,#7,#6);      ('DIFFERENCE', <#7>, <#6>)

@@ -126,7 +126,7 @@ def _trimmed(model: Model, entity: Entity) -> Curve:
 
 
 def _trim(model: Model, entity: Entity, trim: tuple[Any, ...]) -> Point | float:
-    """Where a curve is trimmed: a parameter, or a point if the file has one."""
+    """Trimming point of a curve: a parameter, or a point if the file has one."""
     points = [t for t in trim if isinstance(t, tuple)]
     values = [float(t.value) for t in trim if isinstance(t, Typed)]
     if values and (entity.MasterRepresentation != "CARTESIAN" or not points):

@@ -1,4 +1,4 @@
-"""What is taken away from a member: half-spaces, prisms and what is made of them.
+"""Solids subtracted from a member: half-spaces, prisms and their combinations.
 
 Every cutter stands in the member's coordinates (x along it, Y, Z) and tells its `slice` on a
 wall: the region of the plane c = const that it removes.
@@ -176,7 +176,7 @@ class Prism(Struct, frozen=True, gc=False):
 
 
 class Bounded(Struct, frozen=True):
-    """What two cutters have in common: a half-space within a prism."""
+    """Intersection of two cutters: a half-space within a prism."""
 
     first: Cutter
     second: Cutter

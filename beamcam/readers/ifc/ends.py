@@ -59,7 +59,7 @@ def of_plane(half: HalfSpace) -> End:
 
 
 class Trim(Struct, frozen=True, gc=False):
-    """What the planes at one end leave of a stock, along the lines of its section's corners."""
+    """Limits of a stock by the planes at one end, along the lines of its section's corners."""
 
     planes: tuple[End, ...]  #: the stock's own square end, and those that cut it
     sole: End | None  #: the one plane that cuts the whole section; None if several share it

@@ -1,4 +1,4 @@
-"""What every part of the reader asks of an IFC file: units, placements, curves' axes.
+"""Common queries of an IFC file: units, placements, curves' axes.
 
 All lengths that leave this module are millimetres.
 """

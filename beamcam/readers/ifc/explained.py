@@ -32,7 +32,7 @@ GROSS = 0.005  #: share of a volume from which on it is an error that no lump ex
 
 
 class Difference(Struct, frozen=True):
-    """What of a body no feature explains."""
+    """Regions of a body that no feature accounts for."""
 
     lumps: tuple[Lump, ...] = ()
     fillets: tuple[Lump, ...] = ()  #: root fillets, which no contour of a flange tells of
@@ -41,7 +41,7 @@ class Difference(Struct, frozen=True):
     volume: float = 0.0  #: mm3 of the body
 
     def said(self, source: Source) -> tuple[Diagnostic, ...]:
-        """What is to be told of it."""
+        """The diagnostics of it."""
         if self.lumps:
             return (rules.UNEXPLAINED.at(source, found=_told(self.lumps)),)
         said = [

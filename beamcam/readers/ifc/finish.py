@@ -65,7 +65,7 @@ def cuts_of(start: End, end: End) -> EndCuts:
 
 
 def reach(section: Section, start: End, end: End) -> tuple[float, float]:
-    """Least and greatest x of the stock between two end planes."""
+    """Minimum and maximum x of the stock between two end planes."""
     corners = corner_points(section)
     return -max(reaches(start, corners)), max(reaches(end, corners))
 
@@ -122,7 +122,7 @@ def from_regions(
 def _extents(
     levels: Sequence[Level], section: Section, ends: tuple[End, End]
 ) -> tuple[float, float]:
-    """The member's least and greatest x; exact where an end is one plane."""
+    """The member's minimum and maximum x; exact where an end is one plane."""
     bounds = [p.bounds for _, _, s in levels for p in pieces_of(s)]
     found = min(b[0] for b in bounds), max(b[2] for b in bounds)
     corners = corner_points(section)
@@ -241,7 +241,7 @@ def _volume(section: Section, regions: Regions, holes: Sequence[Hole | Slot]) ->
 
 
 def hole_volume(section: Section, holes: Sequence[Hole | Slot]) -> float:
-    """What holes take off the weight."""
+    """Volume removed by holes, for the weight."""
     by_face = _thicknesses(section)
     total = 0.0
     for hole in holes:
@@ -257,5 +257,5 @@ def hole_volume(section: Section, holes: Sequence[Hole | Slot]) -> float:
 
 @cached("ifc.thicknesses")
 def _thicknesses(section: Section) -> dict[str, float]:
-    """How thick the walls of a section are, by their faces."""
+    """Wall thicknesses of a section, by face."""
     return {w.face: w.thickness for w in walls_of(section)}

@@ -86,7 +86,7 @@ def read_shell(
     precision: float = 0.0,
     volume: float | None = None,
 ) -> Shaped:
-    """The member of a shell, held against it. Raises Unreadable, which says what was found.
+    """The member of a shell, checked against it. Raises Unreadable, which says what was found.
 
     `volume` is that of the solid in mm3 where the shell only stands for it.
     """

@@ -28,7 +28,7 @@ Span = tuple[float, float]
 
 
 class Drilled(Struct, frozen=True, gc=False):
-    """What holes are made in: the walls of a section between two ends."""
+    """Stock of holes: the walls of a section between two ends."""
 
     section: Section
     walls: Sequence[Wall]

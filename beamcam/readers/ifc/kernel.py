@@ -1,4 +1,4 @@
-"""What the geometry kernel builds of an element: a fine shell in mm, its surfaces, and the log."""
+"""Geometry kernel results for an element: a fine shell in mm, its surfaces, and the log."""
 
 import signal
 import threading
@@ -171,7 +171,7 @@ def _instance(file: Any, element: Entity) -> Any:
 
 
 def _log() -> tuple[str, ...]:
-    """What the kernel has said since it was last asked."""
+    """Kernel messages since the last call."""
     return tuple(line for line in str(_kernel().get_log()).splitlines() if line.strip())
 
 

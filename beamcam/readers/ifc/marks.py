@@ -1,4 +1,4 @@
-"""What the file says about a member beside its geometry: marks, grade, weights."""
+"""Data of a member besides its geometry: marks, grade, weights."""
 
 import re
 from collections.abc import Iterator
@@ -59,7 +59,7 @@ class Data(Struct, frozen=True, gc=False):
         return next((of for of in self.sets if word in of.lower()), None)
 
     def number(self, *names: str) -> tuple[str, float] | None:
-        """The first of the properties that is a number above 0, and where it stands."""
+        """The first property that is a number above 0, and its source."""
         if self.rows.keys().isdisjoint(names):
             return None
         for name in names:
@@ -196,7 +196,7 @@ def _name_of(material: Entity) -> str:
 
 
 def not_steel(material: str) -> str | None:
-    """What a material is if it is no steel: concrete, timber, masonry."""
+    """Kind of a non-steel material: concrete, timber, masonry."""
     for what, words in _NOT_STEEL:
         if words.search(material):
             return what
@@ -214,7 +214,7 @@ def grade_of(material: str, data: Data) -> str:
 
 
 def label_of(element: Entity, profile: Entity | None, data: Data) -> str:
-    """What the file calls the section; empty if nothing looks like the name of one."""
+    """The file's label of the section; empty if nothing looks like a section name."""
     named = (getattr(profile, "ProfileName", None) or "").strip() if profile is not None else ""
     candidates = [
         named,

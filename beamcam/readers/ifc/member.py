@@ -53,7 +53,7 @@ TAPERED = ("IfcExtrudedAreaSolidTapered", "IfcRevolvedAreaSolidTapered", "IfcSec
 
 
 class Ledger(Struct):
-    """What became of every member of the file."""
+    """Account of every member of the file."""
 
     read: int = 0
     refused: int = 0
@@ -72,7 +72,7 @@ class Ledger(Struct):
 
 
 class Taken(Struct):
-    """What came of some members, in their order."""
+    """Results of some members, in order."""
 
     members: list[tuple[int, Part, Shaped]] = field(default_factory=list)  #: behind their places
     said: list[Diagnostic] = field(default_factory=list)
@@ -125,7 +125,7 @@ class Members(Struct):
         first.share(range(min(1, len(self.elements))))
 
     def died(self, place: int) -> Taken:
-        """What comes of an element at which processes die."""
+        """The result of an element at which worker processes die."""
         self.taken = taken = Taken()
         element = self.elements[place]
         data = data_of(self.model, element)
@@ -134,7 +134,7 @@ class Members(Struct):
         return taken
 
     def share(self, places: Iterable[int]) -> Taken:
-        """What comes of the elements at these places."""
+        """The results of the elements at these indices."""
         self.taken = taken = Taken()
         for place in places:
             made = self._whole_member(self.elements[place])
@@ -309,7 +309,7 @@ class Members(Struct):
         profile: Entity | None,
         data: Data,
     ) -> tuple[Diagnostic, ...]:
-        """What the kernel says of a member that something was cut off, and of every section.
+        """Kernel check of members with cuts, and of every section.
 
         A shell that is taken as it stands was held against its own faces.
         """

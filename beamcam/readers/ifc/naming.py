@@ -1,4 +1,4 @@
-"""What a section is called, and whether its label tells the truth."""
+"""Name of a section, and whether its label agrees with its dimensions."""
 
 from beamcam.errors import Diagnostic, Source
 from beamcam.model import catalogue
@@ -7,7 +7,7 @@ from beamcam.readers.ifc import rules
 
 
 def named(profile: Profile, label: str) -> tuple[str, str | None]:
-    """The name of a section, and the label of the file where its measures deny it.
+    """The name of a section, and the file's label where the dimensions contradict it.
 
     The label stands unless the catalogue knows it by other measures; a section without one has
     the catalogue's name, or one made of its measures.

@@ -1,4 +1,4 @@
-"""What a caller may ask of the reader of models."""
+"""Options of the IFC reader."""
 
 from collections.abc import Callable
 
@@ -24,7 +24,7 @@ ALL = Selection()
 
 
 class Options(Struct, frozen=True):
-    """How members are read."""
+    """Options for reading members."""
 
     force: bool = False  #: contradictions are warnings
     kernel: bool = False  #: every distinct member is also built by the geometry kernel and compared

@@ -1,4 +1,4 @@
-"""What a closed chain of curves is: a circle, a slot, or a polygon with rounded corners.
+"""Shape of a closed chain of curves: a circle, a slot, or a polygon with rounded corners.
 
 Exporters write arcs as polygons whose vertices lie on the circle; `with_arcs` takes such runs
 back to arcs before anything is measured.
@@ -306,7 +306,7 @@ def _side(line: Line) -> _Side:
 
 
 def _meet(a: _Side, b: _Side) -> Point | None:
-    """Where two sides meet when both are made longer."""
+    """Intersection of two sides when both are extended."""
     (px, py), (qx, qy) = a.at, b.at
     (dx, dy), (ex, ey) = a.way, b.way
     det = dx * ey - dy * ex

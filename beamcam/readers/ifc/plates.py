@@ -17,7 +17,7 @@ TIGHTER = 0.98  #: of the area of the box as drawn, for another box to be taken
 
 
 class Plate(Struct, frozen=True, gc=False):
-    """How a plate lies in its profile's plane, and its outline in its own (x, y)."""
+    """Placement of a plate in its profile's plane, and its outline in its own (x, y)."""
 
     origin: Point
     x: Point
@@ -88,7 +88,7 @@ def _plate_of(model: Model, element: Entity, profile: Entity, depth: float) -> P
 
 
 class PlateBox(Struct, frozen=True):
-    """The least box of an outline, and the outline in its coordinates."""
+    """The minimum bounding box of an outline, and the outline in its coordinates."""
 
     origin: Point
     x: Point
@@ -99,7 +99,7 @@ class PlateBox(Struct, frozen=True):
 
 
 def box_of(outer: Chain) -> PlateBox:
-    """The least box of an outline, with x along its longer side; as drawn if that is as small."""
+    """The minimum bounding box of an outline, x along its longer side; as drawn if as small."""
     curves = with_arcs(outer)
     angles = [0.0]
     for curve in curves:

@@ -24,7 +24,7 @@ class Outline(Struct, frozen=True, gc=False, cache_hash=True):
 
 
 def definition(entity: Entity) -> Any:
-    """What two profile definitions of one form have in common: the numbers, but not the name."""
+    """Key that equal profile definitions share: the numbers, but not the name."""
     row = entity.row
     return (row.name, entity.values[2:]) if "IfcParameterizedProfileDef" in row.kinds else entity
 
@@ -249,7 +249,7 @@ def _parameterised(model: Model, entity: Entity) -> Section | None:
 
 
 def _lips(girth: float, wall: float, radius: float) -> float:
-    """What the lips of a cold formed channel add to its sharp area, with all its bends.
+    """Area that the lips of a cold formed channel add to its sharp area, with all its bends.
 
     Each of its four bends is round outside too: the inner fillet is in the sharp area already for
     two of them.

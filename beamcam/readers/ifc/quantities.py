@@ -25,7 +25,7 @@ def equal_parts(parts: Iterable[Part]) -> tuple[Part, ...]:
 
 
 def geometry_key(part: Part) -> tuple[object, ...]:
-    """What two parts of one geometry have in common."""
+    """Key that parts of equal geometry share."""
     p, c = part.profile, part.cuts
     numbers = (p.height, p.width, p.flange_thickness, p.web_thickness or 0.0, part.length)
     angles = (c.web_start, c.web_end, c.flange_start, c.flange_end)

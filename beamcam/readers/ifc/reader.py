@@ -96,7 +96,7 @@ def lettered(part: Part) -> Part:
 
 
 def _others(model: Model, read: Set[str]) -> Counter[str]:
-    """How many elements there are of classes that are not read."""
+    """Number of elements of classes that are not read."""
     there = model.file.counts(name.upper() for name in OTHERS if name not in read)
     return Counter({name: there[name.upper()] for name in OTHERS if there.get(name.upper())})
 
@@ -110,7 +110,7 @@ def _told(counts: Counter[str]) -> str:
 def _account(
     taken: Taken, total: int, chosen: Selection, name: str, others: Counter[str]
 ) -> Iterator[Diagnostic]:
-    """What was selected and not found, what was left out, and the ledger, which has to balance."""
+    """Selections without a match, members left out, and the ledger, which has to balance."""
     source, ledger = Source(name), taken.ledger
     classes = taken.seen.get("class", set())
     for value in sorted(chosen.classes):

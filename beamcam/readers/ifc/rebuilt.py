@@ -1,4 +1,4 @@
-"""The solid of a part, made again of what was read: a stock, two end planes and what is cut out.
+"""The solid of a part, rebuilt from its features: a stock, two end planes and the cut-outs.
 
 It is told by its sections across the part, in (Z, Y). A through hole or an opening in a wall goes
 on into the root fillet behind it, as a drill does; a cope of a web takes the fillets with it.
@@ -31,7 +31,7 @@ GAUSS = (-1 / sqrt(3), 1 / sqrt(3))  #: points of a rule that is exact for cubic
 
 
 class Cut(Struct, frozen=True, eq=False):
-    """What is cut out of a wall: a shape in (x, q) between two depths."""
+    """A cut-out of a wall: a shape in (x, q) between two depths."""
 
     shape: Shape
     wall: Wall
@@ -61,7 +61,7 @@ class Rebuilt(Struct, frozen=True, eq=False):
 
     @property
     def events(self) -> list[float]:
-        """Where its sections change their form."""
+        """Positions x at which its sections change."""
         found = [0.0, self.length]
         for shape in (*(c.shape for c in self.cuts), *(c.shape for c, _ in self.holes)):
             found += _abscissas(shape)
@@ -132,7 +132,7 @@ class Rebuilt(Struct, frozen=True, eq=False):
         return Polygon([(cz + t * wz - s * wy, cy + t * wy + s * wz) for t, s in corners])
 
     def _across(self, strip: Strip) -> float:
-        """What a hole across the section takes, by slices that are close where it is narrow."""
+        """Material removed by a hole across the section, in closer slices where it is narrow."""
         total = 0.0
         for i in range(SLICES):
             angle = pi * ((i + 0.5) / SLICES - 0.5)
@@ -220,7 +220,7 @@ def planes(shaped: Shaped) -> tuple[End, End]:
 
 
 def _cut_through(shape: Shape, wall: Wall, section: Section) -> Iterator[Cut]:
-    """What a shape takes of a wall, and of the fillets that stand on it between other walls."""
+    """Material that a shape removes from a wall, and from the fillets on it between other walls."""
     if shape.is_empty:
         return
     yield Cut(shape, wall, wall.low, wall.high)
@@ -257,7 +257,7 @@ def _between(wall: Wall, section: Section) -> tuple[float, float]:
 
 
 def _behind_hole(cut: Cut, section: Section) -> Iterator[Cut]:
-    """What a drill takes of the root fillet behind the wall."""
+    """Material that a drill removes from the root fillet behind the wall."""
     r, wall = section.radius, cut.wall
     if r <= 0 or section.code in ("M", "B"):
         return
@@ -328,7 +328,7 @@ def _abscissas(shape: Shape) -> list[float]:
 
 
 def _lean(end: End, stock: Shape) -> list[float]:
-    """Where a leaning end crosses its stock."""
+    """Intersection of a leaning end with its stock."""
     from shapely import get_coordinates
 
     if end.a == 0.0 == end.b:
@@ -339,7 +339,7 @@ def _lean(end: End, stock: Shape) -> list[float]:
 
 
 def _behind(shape: Shape, end: End, x: float) -> Shape:
-    """What of a section at x lies behind an end."""
+    """The part of a section at x behind an end."""
     from beamcam.readers.ifc.region import half_plane
 
     if end.a == 0.0 == end.b:
@@ -357,7 +357,7 @@ def _behind(shape: Shape, end: End, x: float) -> Shape:
 
 
 def _taken(cut: Cut, x: float) -> Iterator[Shape]:
-    """What a cut takes of the section at x, as boxes in (Z, Y)."""
+    """Material that a cut removes from the section at x, as boxes in (Z, Y)."""
     from shapely import LineString
 
     x0, q0, x1, q1 = cut.shape.bounds

@@ -258,7 +258,7 @@ class File:
         return True
 
     def counts(self, names: Iterable[str]) -> dict[str, int]:
-        """How many records there are of classes, which are in capitals."""
+        """Number of records of classes, given in capitals."""
         written = {kind.upper() for kind in self._records.kinds.values()}
         return {name: len(self._records.of(name)) for name in names if name in written}
 

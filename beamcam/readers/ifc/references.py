@@ -71,7 +71,7 @@ def _declared(declaration: Any) -> tuple[tuple[str, ...], bool]:
 
 
 def _fault(value: Any, attribute: Attribute) -> str | None:
-    """What is wrong with the value of an attribute, if something is."""
+    """The fault of an attribute's value, if any."""
     if value is None:
         return None if attribute.optional else "missing"
     if isinstance(value, tuple):

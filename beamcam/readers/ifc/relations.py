@@ -1,4 +1,4 @@
-"""What relations tie to elements: property sets, types, materials, assemblies.
+"""Objects related to elements: property sets, types, materials, assemblies.
 
     #9=IFCRELDEFINESBYPROPERTIES('guid',#5,$,$,(#49,#50),#58);     #58 to #49 and to #50
     #8=IFCRELAGGREGATES('guid',#5,$,$,#61,(#49,#50));              #61 to #49 and to #50

@@ -1,4 +1,4 @@
-"""What can be wrong with an IFC model and its members."""
+"""Rules for IFC models and their members."""
 
 from msgspec.structs import replace
 

@@ -1,4 +1,4 @@
-"""What the schemas say of the entities that the reader knows: attributes and supertypes."""
+"""Attributes and supertypes, by schema, of the entities that the reader uses."""
 
 from importlib.resources import files
 

@@ -51,7 +51,7 @@ def read_swept(model: Model, element: Entity, body: Body, source: Source) -> Sha
     """
     base = body.base
     assert isinstance(base, Swept)
-    if body.has_openings:  # whose features name them and are nobody else's
+    if body.has_openings:  # features that belong to these members only
         return _read(model, element, body, source)
     stock = element.row.name, definition(base.profile), base.along
     of_one_stock: Repeats = model.members.setdefault(stock, Repeats())
@@ -71,7 +71,7 @@ def read_swept(model: Model, element: Entity, body: Body, source: Source) -> Sha
 
 
 class Repeats(Struct):
-    """The members of one stock that were read, and what they came to.
+    """Members of one stock that were read, and their results.
 
     What a form is told by is long, so that none is looked at before a second one comes.
     """

@@ -24,7 +24,7 @@ WORTH = {
 
 
 def workers_for(options: Options, count: int) -> int:
-    """How many processes read so many members; 0 if it is better done here."""
+    """Number of processes for so many members; 0 to read them in this process."""
     worth = options.workers > 1 and count >= WORTH[start_method(), options.kernel]
     return options.workers if worth else 0
 

@@ -19,7 +19,7 @@ from beamcam.readers.ifc.surfaces import Cylinder
 from beamcam.readers.ifc.walls import Wall
 
 ALONG = (1.0, 0.0, 0.0)  #: a member
-MOST_WAYS = 400  #: directions of edges that are told apart
+MOST_WAYS = 400  #: distinct directions of edges
 MIN_EDGES = 8  #: along a straight piece, each counted from both faces that meet in it
 MIN_KINK_DEG = 1.0  #: less is how the facets of a round lie
 MOST_KINK_DEG = 75.0  #: more is a corner of the section
@@ -64,7 +64,7 @@ class Shell(Struct, frozen=True, eq=False):
 
     @property
     def count(self) -> int:
-        """How many faces it has."""
+        """Number of faces."""
         return len(self.area_normals)
 
     @property
@@ -311,6 +311,6 @@ def heaviest(ways: Points, weights: Numbers, near: float, most: int) -> Vec | No
 
 
 def extent(shell: Shell, direction: Vec) -> tuple[float, float]:
-    """Least and greatest coordinate of the shell along a unit vector."""
+    """Minimum and maximum coordinate of the shell along a unit vector."""
     values = coordinates(shell.points, direction)
     return float(values.min()), float(values.max())

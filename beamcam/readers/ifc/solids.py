@@ -56,7 +56,7 @@ def pushed(model: Model, position: Frame, way: Coordinates | None, depth: float)
 
 
 def solid_cutters(model: Model, item: Entity, frame: Frame, where: str | None) -> Sequence[Cutter]:
-    """What a solid in `frame` removes."""
+    """Cutters of a solid in `frame`."""
     kind, kinds = item.row.name, item.row.kinds
     if kind == "IfcExtrudedAreaSolid":
         return (_extrusion(model, item, frame, where),)

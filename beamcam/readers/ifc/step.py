@@ -1,4 +1,4 @@
-"""STEP physical files (ISO 10303-21): where in the text each record stands.
+"""STEP physical files (ISO 10303-21): positions of the records in the text.
 
     #12=IFCCIRCLEPROFILEDEF(.AREA.,'bolt hole',#5,9.);
     |   |                  |                        |
@@ -69,7 +69,7 @@ class Typed(Struct, frozen=True, gc=False):
 
 
 class Spans(Struct, frozen=True):
-    """Where each record stands in the text, and its brackets among all commas and brackets."""
+    """Position of each record in the text, and its brackets among all commas and brackets."""
 
     start: Places  #: of its name
     kind: Places  #: of its class
@@ -80,7 +80,7 @@ class Spans(Struct, frozen=True):
 
 
 class Inners(Struct, frozen=True):
-    """What is between the brackets of some records, in the order of the file."""
+    """Text between the brackets of some records, in the order of the file."""
 
     text: str  #: of the file
     codes: Codes
@@ -90,7 +90,7 @@ class Inners(Struct, frozen=True):
 
     @property
     def first(self) -> Places:
-        """Where each of them begins."""
+        """Start of each of them."""
         places: Places = self.marks[self.opened] + 1
         return places
 
@@ -149,7 +149,7 @@ class Records:
         return number
 
     def inner(self, index: int) -> str:
-        """What is between the brackets: `(0.,0.,1.)`."""
+        """Text between the brackets: `(0.,0.,1.)`."""
         return self._text[self._first[index] : self._closing[index]]
 
     def of(self, kind: str) -> Places:
@@ -270,7 +270,7 @@ def _tidy(text: str) -> str:
 
 
 def _in_sections(text: str, codes: Codes) -> tuple[Places, Places]:
-    """Where the records of the DATA sections begin and end."""
+    """Start and end of the records of the DATA sections."""
     found = _START.search(text)
     if found is None:
         return _NONE, _NONE

@@ -1,4 +1,4 @@
-"""What a member is cut from: a section between two ends, or a plate, and how it lies."""
+"""Stock of a member: a section between two ends, or a plate, and its placement."""
 
 from msgspec import Struct
 
@@ -12,7 +12,7 @@ from beamcam.readers.ifc.space import Frame, add, cross, dot, size, unit
 
 
 class Stock(Struct, frozen=True, gc=False):
-    """What a member is cut from, in its own frame: a section between two x."""
+    """Stock of a member in its own frame: a section between two x."""
 
     section: Section
     frame: Frame  #: the member's coordinates in the element's

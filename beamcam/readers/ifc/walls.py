@@ -16,10 +16,10 @@ class Wall(Struct, frozen=True, gc=False):
 
     face: Face
     normal: Literal["y", "z"]  #: the axis that c runs along; q runs along the other
-    low: float  #: least c
-    high: float  #: greatest c
+    low: float  #: minimum c
+    high: float  #: maximum c
     width: float  #: q from 0 to this
-    outer: bool  #: whether the looked-at surface is at the greatest c
+    outer: bool  #: whether the surface in question is at maximum c
 
     @property
     def thickness(self) -> float:

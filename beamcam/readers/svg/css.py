@@ -24,7 +24,7 @@ INHERITED = (
 )
 OWN = ("display", "clip-path", "mask")
 
-#: What holds where nothing is said. Source: SVG 1.1, property index.
+#: Default values. Source: SVG 1.1, property index.
 INITIAL: Mapping[str, str] = {
     "stroke": "none",
     "stroke-width": "1",

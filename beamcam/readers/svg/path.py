@@ -20,7 +20,7 @@ _NUMBER = re.compile(r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?")
 _SEPARATORS = " \t\r\n\f,"
 #: Characters of numbers and separators: what is made of these alone may be numbers set apart.
 _APART = re.compile(r"[0-9eE.+\- \t\r\n\f,]*\Z")
-#: How many numbers a command takes; those of an arc hold two flags, which may stand glued.
+#: Number of arguments of a command; an arc has two flags, which may be without separators.
 _TAKES = {"M": 2, "L": 2, "H": 1, "V": 1, "C": 6, "S": 4, "Q": 4, "T": 2, "A": 7}
 _N = r"([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)"
 _S = r"[\s,]*"

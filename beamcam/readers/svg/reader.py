@@ -76,7 +76,7 @@ def _part(name: str, found: Collected, page: Page) -> Part:
     return drawing_part(name, tuple(found.contours), measures)
 
 
-#: What is said about shapes that were counted, in this order.
+#: Remarks on the counted shapes, in this order.
 _COUNTED: tuple[tuple[str, Rule], ...] = (
     ("filled", rules.FILL_ONLY),
     ("clipped", rules.CLIPPED),
@@ -89,7 +89,7 @@ _COUNTED: tuple[tuple[str, Rule], ...] = (
 
 
 def _remarks(found: Collected, source: Source) -> list[Diagnostic]:
-    """What was seen and is no contour, by kind and count."""
+    """Remarks on elements that are not contours, by kind and count."""
     said = []
     if found.not_cut["text"]:
         said.append(rules.TEXT.at(source, count=found.not_cut["text"]))

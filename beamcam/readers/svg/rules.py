@@ -1,4 +1,4 @@
-"""What can be wrong with an SVG file: every code that this reader gives, with its reason."""
+"""Rules for SVG files: every code that this reader gives, with its reason."""
 
 from beamcam.errors import Rule, rule_makers
 

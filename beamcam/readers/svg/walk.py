@@ -37,7 +37,7 @@ MOST_USES = 10_000
 
 
 class Collected(Struct):
-    """What the elements of a drawing gave."""
+    """Results of reading the elements of a drawing."""
 
     contours: list[Contour] = field(default_factory=list)
     filled: list[Curve] = field(default_factory=list)
@@ -50,7 +50,7 @@ class Collected(Struct):
 
 
 class Place(Struct, frozen=True):
-    """Where an element stands."""
+    """Context of an element."""
 
     matrix: Matrix  #: to mm
     style: Style
@@ -97,7 +97,7 @@ class Walk(Struct):
         return Source(self.name, element.line, element.get("id"))
 
     def _inside(self, element: Element, place: Place) -> Place | None:
-        """Where the content of `element` stands; None if its transform cannot be read."""
+        """Context of the content of `element`; None if its transform cannot be read."""
         if place.depth > MOST_DEEP:
             raise ReadError(rules.DEPTH.at(self._source(element), expected=MOST_DEEP))
         style = style_of(element, place.style, self.sheet)
@@ -146,7 +146,7 @@ class Walk(Struct):
     # --- uses -------------------------------------------------------------------------------------
 
     def _use(self, element: Element, place: Place) -> None:
-        """What a use shows: the element that it names, moved by its x and y."""
+        """The content of a use: the element that it names, moved by its x and y."""
         wanted = element.get("href") or element.get("xlink:href") or ""
         target = self.document.ids.get(wanted[1:]) if wanted.startswith("#") else None
         if target is None:
@@ -242,7 +242,7 @@ class Walk(Struct):
         self.found.hidden += (curve for chain in chains for curve in chain)
 
     def _note_stroke(self, element: Element, style: Style) -> None:
-        """What is to be said about a stroked shape: hairlines, dashes, its grid."""
+        """Remarks on a stroked shape: hairlines, dashes, its grid."""
         try:
             self.found.counts["hairline"] += split_length(style["stroke-width"])[0] == 0.0
         except ValueError:  # browsers draw such a stroke 1 px wide
