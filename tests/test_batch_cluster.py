@@ -1,7 +1,13 @@
 """A batch on a Dask cluster: the same bytes, the same rows."""
 
+import json
+import os
+import subprocess
+import sys
 from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
+from time import monotonic, sleep
 from types import SimpleNamespace
 from typing import Any
 
@@ -10,6 +16,7 @@ import pytest
 from beamcam.batch import Shop, cluster, find_inputs, run
 from beamcam.batch.work import Made, Task, make_all
 from beamcam.machine import load
+from tests.conftest import ROOT
 from tests.runs import batch, counts, fill, programs, report
 
 distributed: Any = pytest.importorskip("distributed", reason="the extra `dask` is not installed")
@@ -55,15 +62,77 @@ def test_a_worker_that_dies_there(
     assert rows[3]["messages"][0]["code"] == "batch-worker"
 
 
-def test_another_version_there_is_refused(
-    tmp_path: Path, scheduler: str, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    fill(tmp_path / "in", 2)
+def test_another_version_there_is_refused(scheduler: str) -> None:
     shop = Shop(load("beamline"), version="0.0.1")
-    found = find_inputs((str(tmp_path / "in"),)).inputs
-    rows = run(found, str(tmp_path / "out"), shop, cluster.Cluster(shop, scheduler))
-    with pytest.raises(cluster.SchedulerError, match=r"a worker has beamcam .*, not 0\.0\.1"):
-        list(rows)
+    with pytest.raises(cluster.SchedulerError, match=r"has beamcam .*, not 0\.0\.1"):
+        cluster.Cluster(shop, scheduler)
+
+
+@contextmanager
+def started(*args: str, path: Path = ROOT) -> Iterator[subprocess.Popen[bytes]]:
+    """A process of distributed that finds its modules below `path` first."""
+    process = subprocess.Popen(
+        [sys.executable, "-m", *args],
+        cwd=path, env={**os.environ, "PYTHONPATH": str(path)},
+        stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
+    )  # fmt: skip
+    try:
+        yield process
+    finally:
+        process.kill()
+        process.wait()
+
+
+@contextmanager
+def workers(folder: Path, path: Path = ROOT) -> Iterator[tuple[str, subprocess.Popen[bytes]]]:
+    """A scheduler and its one worker, as processes: the address and the scheduler's process."""
+    said = folder / "scheduler.json"
+    scheduler = ("distributed.cli.dask_scheduler", "--host", "127.0.0.1", "--port", "0",
+                 "--no-dashboard", "--scheduler-file", str(said))  # fmt: skip
+    worker = ("distributed.cli.dask_worker", "--scheduler-file", str(said), "--no-nanny",
+              "--no-dashboard", "--nthreads", "1")  # fmt: skip
+    with started(*scheduler) as process, started(*worker, path=path):
+        until = monotonic() + 30
+        while not (said.exists() and said.read_text()):
+            assert monotonic() < until
+            assert process.poll() is None
+            sleep(0.1)
+        address = json.loads(said.read_text())["address"]
+        with distributed.Client(address, set_as_default=False) as client:
+            client.wait_for_workers(1, timeout=30)
+        yield address, process
+
+
+def test_a_worker_without_beamcam_is_told(tmp_path: Path) -> None:
+    fill(tmp_path / "in", 2)
+    (tmp_path / "there" / "beamcam").mkdir(parents=True)
+    (tmp_path / "there" / "beamcam" / "__init__.py").write_text("raise ImportError\n")
+    with workers(tmp_path, tmp_path / "there") as (address, _):
+        begun = monotonic()
+        result = batch(tmp_path / "in", "-o", tmp_path / "out", "--scheduler", address)
+    assert monotonic() - begun < 15
+    assert result.exit_code == 1
+    assert "error batch-scheduler: " in result.stderr
+    assert "has no beamcam" in result.stderr
+
+
+def test_a_scheduler_that_goes_away_is_told(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    fill(tmp_path / "in", 60)
+    monkeypatch.setattr(cluster, "LOOK_S", 0.2)
+    with workers(tmp_path) as (address, process):
+        submit = cluster.Cluster.submit
+
+        def kill_then_submit(self: cluster.Cluster, chunk: tuple[Task, ...]) -> None:
+            submit(self, chunk)
+            process.kill()
+
+        monkeypatch.setattr(cluster.Cluster, "submit", kill_then_submit)
+        result = batch(tmp_path / "in", "-o", tmp_path / "out", "--scheduler", address)
+    assert result.exit_code == 1
+    assert "the scheduler went away" in result.stderr
+    assert " refused, 0 failed (not finished)" in result.stderr
 
 
 @pytest.mark.parametrize("address", ["tcp://127.0.0.1:9", "no-such-thing://x", "\0"])
@@ -76,8 +145,6 @@ def test_no_cluster(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, address: st
 
 
 def test_without_the_extra(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    import sys
-
     monkeypatch.setitem(sys.modules, "distributed", None)
     fill(tmp_path / "in", 1)
     result = batch(tmp_path / "in", "-o", tmp_path / "out", "--scheduler", "tcp://x:1")

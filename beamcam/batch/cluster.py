@@ -5,6 +5,7 @@ disk; they need the same beamcam.
 """
 
 from collections.abc import Iterator
+from concurrent.futures import CancelledError
 from typing import Any
 
 from beamcam.batch import rules
@@ -13,7 +14,12 @@ from beamcam.batch.work import Made, Shop, Task, make_all, thaw
 from beamcam.errors import BeamcamError, Source
 
 CONNECT_S = 10  #: for the scheduler to answer
+ANSWER_S = 10  #: for the workers to say which beamcam they have
+LOOK_S = 2  #: between two looks at whether the scheduler is still there
 FETCH_S = 60  #: for what is done to arrive
+
+
+GONE = "the scheduler went away"
 
 
 class SchedulerError(BeamcamError):
@@ -36,6 +42,7 @@ class Cluster:
             raise self._error("the package distributed is not installed") from error
         library: Any = distributed  # it has no types
         self._wait, self._killed = library.wait, library.KilledWorker
+        self._closed: type[Exception] = library.client.ClosedClientError
         try:
             self._client = library.Client(address, timeout=CONNECT_S, set_as_default=False)
         except (OSError, ValueError, TypeError) as error:
@@ -44,6 +51,38 @@ class Cluster:
         if not self.at_once:
             self._client.close()
             raise self._error("it has no worker")
+        try:
+            self._check_workers(shop.version)
+        except BaseException:
+            self._client.close()
+            raise
+
+    def _check_workers(self, version: str) -> None:
+        """Raises SchedulerError unless every worker has beamcam in that version.
+
+        They are asked by a function that needs no beamcam and is run beside their work, so that
+        one which is busy answers too.
+        """
+
+        def version_there() -> str:
+            try:
+                from beamcam import __version__
+            except ImportError:
+                return ""
+            return __version__
+
+        try:
+            found = self._client.sync(
+                self._client._run, version_there, on_error="return", callback_timeout=ANSWER_S
+            )
+        except (OSError, TimeoutError) as error:
+            raise self._error(f"its workers give no answer within {ANSWER_S} s") from error
+        for worker, has in sorted(found.items()):
+            if not isinstance(has, str):
+                raise self._error(f"the worker {worker} gives no answer: {has!r}")
+            if has != version:
+                has = f"beamcam {has}, not {version}" if has else "no beamcam"
+                raise self._error(f"the worker {worker} has {has}")
 
     def _error(self, found: str) -> SchedulerError:
         from beamcam import __version__
@@ -59,12 +98,14 @@ class Cluster:
 
     def submit(self, chunk: Chunk) -> None:
         # Each call is a task of its own: `pure` would let equal chunks share a result.
-        future = self._client.submit(make_there, self._frozen, chunk, pure=False)
+        try:
+            future = self._client.submit(make_there, self._frozen, chunk, pure=False)
+        except self._closed as error:
+            raise self._error(GONE) from error
         self._chunks[future] = chunk
 
     def wait(self) -> Iterator[Result]:
-        with self._client.as_current():
-            done = self._wait(list(self._chunks), return_when="FIRST_COMPLETED").done
+        done = self._done()
         for future in [f for f in self._chunks if f in done]:
             chunk = self._chunks.pop(future)
             try:
@@ -74,8 +115,26 @@ class Cluster:
             except TimeoutError:  # the worker that had the result is gone, with no fault of it
                 future.cancel()
                 yield Result(chunk, "lost")
+            except CancelledError as error:
+                raise self._error(GONE) from error
             except Exception as error:
                 raise self._error(f"{type(error).__name__}: {error}") from error
+
+    def _done(self) -> set[Any]:
+        """The futures that are done, at least one. Raises SchedulerError if the scheduler goes."""
+        while True:
+            try:
+                with self._client.as_current():
+                    done: set[Any] = self._wait(
+                        list(self._chunks), timeout=LOOK_S, return_when="FIRST_COMPLETED"
+                    ).done
+                return done
+            except TimeoutError:
+                if self._client.status == "running":
+                    continue
+                raise self._error(GONE) from None
+            except CancelledError as error:
+                raise self._error(GONE) from error
 
     def close(self) -> None:
         self._client.cancel(list(self._chunks))

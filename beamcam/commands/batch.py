@@ -101,6 +101,7 @@ def command(
         except KeyboardInterrupt:
             interrupted = True
         except BeamcamError as error:
+            screen.end(" (not finished)")
             voice.stop(error.diagnostics)
         finally:
             rows.close()
