@@ -4,7 +4,7 @@ from random import Random
 
 import shapely
 import shapely.affinity
-from hypothesis import assume, given, settings
+from hypothesis import HealthCheck, assume, given, settings
 from hypothesis import strategies as st
 
 from beamcam.diff.differ import diff_programs
@@ -133,7 +133,7 @@ def region(part: Part) -> shapely.Geometry:
     return shapely.affinity.translate(found, -x, -y)
 
 
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=25, deadline=None, suppress_health_check=[HealthCheck.filter_too_much])
 @given(
     st.integers(0, 10**6),
     st.sampled_from(
