@@ -53,8 +53,8 @@ def command(
 ) -> None:
     """Explain the work that makes parts, step by step.
 
-    Each operation stands with its machine X, its tool, its time and a code for each reason: why
-    this tool, why merged, why here, and what was rejected. Of a sheet each contour stands with its
+    Each operation is listed with its machine X, its tool, its time and a code for each reason: why
+    this tool, why merged, why here, and what was rejected. For a sheet, each contour with its
     start, its length and its time. No program is written.
 
     \b
