@@ -1,4 +1,4 @@
-"""What a caller asks for, checked before any work: by the library and the command line alike."""
+"""Checks of a request before any work, for the library and the command line alike."""
 
 import os
 from collections.abc import Collection, Iterable, Iterator
@@ -58,7 +58,7 @@ Asked = TypeVar("Asked")
 
 
 class AskError(BeamcamError):
-    """What a caller asks for makes no sense, whatever the parts are."""
+    """A request is invalid, whatever the parts are."""
 
 
 def check_asked(job: object = "JOB", bar: object = None, skips: object = ()) -> None:

@@ -1,4 +1,4 @@
-"""Everything that is worked out once and kept: by name, with its bound and its reason.
+"""All caches, by name, each with its bound and its reason.
 
 No other module keeps anything between two calls. A cache holds what follows from its key alone, so
 that it makes no difference to any result; all of them may be used by several threads at once.
@@ -17,7 +17,7 @@ Key = TypeVar("Key", bound=Hashable)
 
 
 class Kept(Struct, frozen=True):
-    """What a cache may hold, and why there is one."""
+    """Bound of a cache, and the reason for it."""
 
     max_entries: int
     reason: str

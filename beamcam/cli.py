@@ -46,7 +46,7 @@ class Commands(click.Group):
     """A group that knows its commands by name and imports only the one that runs."""
 
     def main(self, *args: Any, **values: Any) -> Any:
-        """Run a command; a fault of standard output is told as one of any other output is."""
+        """Run a command; a fault of standard output is reported like that of any other output."""
         collector_seldom()
         for stream in (sys.stdout, sys.stderr):
             if isinstance(stream, TextIOWrapper) and not is_unicode(stream.encoding):
@@ -104,7 +104,7 @@ class Commands(click.Group):
         return super().resolve_command(ctx, args)
 
 
-#: What to do first, for who calls it without a command.
+#: First steps, shown when beamcam is called without a command.
 FIRST = """\
 beamcam turns steel members and drawings into machine programs, and reads each one back.
 

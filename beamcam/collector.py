@@ -6,12 +6,12 @@ Only the command line and its worker processes do so: a library leaves the colle
 import atexit
 import gc
 
-#: When rings are looked for in a process that stays: next to none are made.
+#: Thresholds of the cyclic garbage collector in a lasting process: cycles are rare.
 SELDOM = (20_000, 20, 100)
 
 
 def collector_seldom() -> None:
-    """Let rings be looked for seldom in this process, and not at its end, when all goes at once.
+    """Run the cyclic garbage collector seldom in this process, and not at its end.
 
     Python's own measure would have it search ten times while a command is loaded, and over all that
     was ever loaded when it is done: a fifth of the time of one post.

@@ -1,4 +1,4 @@
-"""Where things come from, and how beamcam says that something is wrong with them.
+"""Sources, rules and diagnostics.
 
 A `Rule` is one thing that can be wrong: its stable code, its severity and the text of its
 message. `rule.at(source, found=..., expected=...)` gives a `Diagnostic`, which is a value;
@@ -14,7 +14,7 @@ from beamcam.plain_text import terminal_text
 
 
 class Severity(Enum):
-    """How much a diagnostic weighs; an `ERROR` refuses the part."""
+    """Severity of a diagnostic; an `ERROR` refuses the part."""
 
     NOTE = "note"
     WARNING = "warning"
@@ -118,7 +118,7 @@ RULES = (MORE,)
 
 
 class BeamcamError(Exception):
-    """What cannot be posted, with one diagnostic or more that say why."""
+    """A job that cannot be posted, with one diagnostic or more that say why."""
 
     def __init__(self, diagnostics: Diagnostic | Iterable[Diagnostic]) -> None:
         if isinstance(diagnostics, Diagnostic):

@@ -88,7 +88,7 @@ class FilesRead:
 
 
 def _identity(path: str) -> object:
-    """What two names of one file have in common; None if no file stands there."""
+    """Key that names of one file share; None if there is no such file."""
     try:
         found = os.stat(path)
     except (OSError, ValueError):
@@ -145,7 +145,7 @@ def _unnamed(folder: str) -> int | None:
 
 
 def _mode(path: str) -> int | None:
-    """What a path or a link leads to; None if nothing is there."""
+    """File mode of the target of a path or a link; None if nothing is there."""
     with suppress(FileNotFoundError):
         return os.stat(path).st_mode
     return None

@@ -56,7 +56,7 @@ def chosen(
 def none_makes_it(
     refused: Sequence[tuple[Machine, Sequence[Diagnostic]]], source: Source
 ) -> tuple[Diagnostic, ...]:
-    """What is said where every machine refuses: as it is of one machine, and more of several."""
+    """Messages where every machine refuses: those of a single machine, or a summary of several."""
     least = min(refused, key=lambda one: len(errors_in(one[1])))[1]
     if len(refused) == 1:
         return tuple(least)

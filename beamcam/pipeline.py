@@ -40,11 +40,11 @@ from beamcam.verify.by_hand import TEXT_MOVED as MOVED
 from beamcam.verify.left_out import LEDGER, TEXT_TOLD
 from beamcam.verify.left_out import LEFT_OUT as MISSING
 
-Stage = Callable[[str], None]  #: is told what has been done
+Stage = Callable[[str], None]  #: callback with the finished stage
 
 
 def untold(stage: str) -> None:
-    """What is called after a stage where nobody wants to know."""
+    """Default callback after a stage; does nothing."""
 
 
 #: What is told of features that a program does not make, by leave or as the machine's file says.
@@ -80,7 +80,7 @@ class Posted(Struct, frozen=True):
         return any(said.code in NOT_MADE for said in self.remarks)
 
     def pieces(self) -> Iterable[bytes]:
-        """What stands in the file."""
+        """Content of the file."""
         return pieces_of(self.written)
 
 
@@ -107,7 +107,7 @@ def stock_of(parts: Sequence[Part]) -> Literal["beam", "sheet"]:
 
 
 def read_file(path: str, strict: bool = False, **options: object) -> Reading:
-    """What is in a file, `-` for standard input; a file that cannot be opened is refused.
+    """Content of a file, `-` for standard input; a file that cannot be opened is refused.
 
     `strict` makes its warnings errors. `options` go to a reader that takes them: units, width and
     layers of a drawing.
@@ -169,7 +169,7 @@ def sound(reading: Reading) -> Reading:
 
 
 def read_back(program: str | bytes, request: Request) -> tuple[Diagnostic, ...]:
-    """Everything that is wrong with a program for bars, sheets or tables, as its machine reads it.
+    """All faults of a program for bars, sheets or tables, as its machine reads it.
 
     Raises PlanError where a sheet's own features cannot be told.
     """
@@ -279,7 +279,7 @@ def _lettered_at(said: Diagnostic) -> str:
 
 
 def _head_faults(job: Job, written: Written, by_hand: int) -> Iterable[Diagnostic]:
-    """What the head of a program says otherwise than the job and its read-back."""
+    """Differences of a program's head from the job and its read-back."""
     if not carries_head(job):
         return ()
     from beamcam.verify.head import head_faults, head_of
@@ -289,7 +289,7 @@ def _head_faults(job: Job, written: Written, by_hand: int) -> Iterable[Diagnosti
 
 
 def _request(job: Job) -> Request:
-    """What the program of a job has to make."""
+    """Requirements of a job's program."""
     return Request(
         job.parts, job.machine, job.skips, job.name, job.order, job.turn, job.bar, job.style
     )

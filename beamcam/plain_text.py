@@ -7,10 +7,10 @@ without blanks. They replace what is odd, so that an odd mark refuses no part.
 
 import re
 
-#: What every controller takes inside a comment, in G-code, Structured Text and C. Left out are
+#: Characters accepted in comments by all controllers, in G-code, Structured Text and C. Excluded:
 #: line ends and all other controls; brackets and `*`, which end comments or begin variables; `%`
 #: and `;`, which end programs and begin comments; quotes and `$` of Structured Text; `?`, `!` and
-#: `~`, which GRBL obeys wherever they stand; `#` and `&`, for which there is no need.
+#: `~`, which GRBL obeys anywhere; `#` and `&`, for which there is no need.
 _NOT_IN_COMMENTS = re.compile(r"[^A-Za-z0-9 .,:+\-_=/]")
 REPLACEMENT = "_"
 

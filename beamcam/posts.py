@@ -1,4 +1,4 @@
-"""What belongs together for each kind of machine: planner, motion, emitter and read-back.
+"""Stages of each kind of machine: planner, motion, emitter and read-back.
 
 `post_of` gives the row of a machine. Its functions load what they need when they are called, so
 that a bar never loads what only a sheet needs.
@@ -29,7 +29,7 @@ Written = str | Callable[[], Iterable[bytes]]
 
 
 class Job(Struct, frozen=True):
-    """What is to be made, on which machine and how."""
+    """A job: parts, machine and options."""
 
     parts: tuple[Part, ...]
     machine: Machine
@@ -42,7 +42,7 @@ class Job(Struct, frozen=True):
 
 
 class Request(Struct, frozen=True):
-    """What was asked for, which a program has to make; nothing in it comes from a plan."""
+    """The requirements of a program; nothing in it comes from a plan."""
 
     parts: tuple[Part, ...]  #: as they were given, in the order given
     machine: Machine
@@ -55,7 +55,7 @@ class Request(Struct, frozen=True):
 
 
 class Post(Struct, frozen=True):
-    """How a kind of machine gets its program, and how that is read back."""
+    """Functions that make and read back the programs of a kind of machine."""
 
     plan: Callable[[Job], Plan | SheetPlan]
     motion: Callable[[Any, Machine, str], Any]
@@ -101,7 +101,7 @@ def bar_post() -> Post:
 
 
 def sheet_post() -> Post:
-    """Of a torch or laser that is told by G-code."""
+    """Of a torch or laser that runs G-code."""
     from beamcam.emitters import cutting
     from beamcam.motion.sheet import sheet_program
     from beamcam.verify.sheets import verify_sheet
@@ -122,7 +122,7 @@ def sheet_post() -> Post:
 
 
 def trigger_post() -> Post:
-    """Of a table that is told by triggers in Structured Text."""
+    """Of a table run by triggers in Structured Text."""
     from beamcam.emitters import simotion
     from beamcam.motion.triggers import trigger_table
     from beamcam.planning.contours.rules import CHAIN
@@ -151,7 +151,7 @@ def trigger_post() -> Post:
 
 
 def step_post() -> Post:
-    """Of a table whose motors are told step by step; its style is the suffix of the file."""
+    """Of a table whose motors are run step by step; its style is the suffix of the file."""
     from beamcam.emitters.step_table import FORMS
     from beamcam.motion.steps import step_table
     from beamcam.verify.steps import FORMS as READ_BACK
@@ -234,9 +234,9 @@ def _laid_out(parts: tuple[Part, ...], torch: Torch) -> tuple[Part, ...]:
 
 
 def head_lines(job: Job, verified: bool, by_hand: int = 0) -> Iterator[str]:
-    """What stands in the head of every program: how it was made, and what may be missing in it.
+    """Head of every program: how it was made, and what may be missing in it.
 
-    `by_hand` marks are left to the hand.
+    `by_hand` marks are left for manual work.
     """
     yield f"BEAMCAM {FORM} MACHINE {one_word(job.machine.name)} {job.machine.checksum}".rstrip()
     kinds = sorted(job.skips)

@@ -78,7 +78,7 @@ def _parted(
 
 
 def _joined(before: str, rest: str, machine: Machine) -> str:
-    """What was done, without its foot, and the rest behind it, as one program."""
+    """The finished operations without the footer, followed by the remainder, as one program."""
     footer = sum(line.count("\n") + 1 for line in machine.words.footer)
     lines = before.splitlines()
     lines = lines[: len(lines) - footer]
@@ -87,7 +87,7 @@ def _joined(before: str, rest: str, machine: Machine) -> str:
 
 
 def _alone(text: str, request: Request) -> tuple[Diagnostic, ...]:
-    """What is wrong with the rest by itself; which tools are in their stations it does not know."""
+    """Faults of the remainder by itself; which tools are in their stations it does not know."""
     parts: Sequence[Part] = request.parts
     grades = tuple(dict.fromkeys(part.grade for part in parts))
     try:
@@ -98,7 +98,7 @@ def _alone(text: str, request: Request) -> tuple[Diagnostic, ...]:
 
 
 def what_has_to_be_true(plan: Plan, first: int, machine: Machine) -> Iterator[str]:
-    """What whoever starts the rest of a program has to see to, line by line."""
+    """Conditions for the operator to check before starting the remainder, line by line."""
     done, left = plan.operations[: first - 1], plan.operations[first - 1 :]
     last = done[-1]
     yield f"REST FROM OPERATION {first} OF {len(plan.operations)}. START ONLY IF ALL THIS IS TRUE:"

@@ -1,4 +1,4 @@
-"""What differs between Windows, macOS and Linux, asked in one place."""
+"""Differences between Windows, macOS and Linux, in one place."""
 
 import errno
 import os
@@ -33,7 +33,7 @@ def is_unicode(encoding: str | None) -> bool:
 
 
 def user_folder() -> str:
-    """Where a user's own configuration and machines lie."""
+    """Folder of a user's own configuration and machines."""
     if is_windows():
         return os.path.join(os.environ.get("APPDATA") or os.path.expanduser("~"), "beamcam")
     # XDG Base Directory Specification: a relative path counts as none.
@@ -49,12 +49,12 @@ def is_open_to_all(folder: str) -> bool:
 
 
 def start_method() -> Literal["fork", "spawn"]:
-    """How another process is begun: as a copy of this one where that is safe, else afresh."""
+    """Start method of worker processes: fork where that is safe, else spawn."""
     return "fork" if sys.platform == "linux" else "spawn"
 
 
 def cores() -> int:
-    """How many cores this process may use."""
+    """Number of cores that this process may use."""
     allowed: Callable[[int], set[int]] | None = getattr(os, "sched_getaffinity", None)
     return len(allowed(0)) if allowed is not None else os.cpu_count() or 1
 
@@ -86,7 +86,7 @@ def replace_file(part: str, target: str) -> None:
 
 
 def is_reader_gone(error: OSError) -> bool:
-    """Whether nobody reads a pipe any more, which Windows calls an invalid argument."""
+    """Whether the reader of a pipe is gone, which Windows reports as an invalid argument."""
     return is_windows() and error.errno == errno.EINVAL
 
 

@@ -24,7 +24,7 @@ END_S = 60.0  #: after which a file without its end is handed over all the same
 
 
 class Stamp(Struct, frozen=True):
-    """What tells that a file has changed."""
+    """File data that reveal a change."""
 
     size: int
     changed_ns: int
@@ -51,7 +51,7 @@ def look(inputs: Iterable[Input]) -> dict[Input, Stamp]:
 
 
 class HotFolder:
-    """What is known of the files of a folder between one look and the next."""
+    """State of the files of a folder between two scans."""
 
     def __init__(
         self, settle_s: float, end_s: float = END_S, ends: Callable[[str], bool] = has_end

@@ -33,7 +33,7 @@ def ways_out(
     parts: Sequence[Part], tried: Sequence[Machine], others: Iterable[Machine],
     lengths: Sequence[float] = (), skips: Collection[str] = (),
 ) -> Diagnostic:  # fmt: skip
-    """A note with the options that make refused `parts`, as they stand on a command line.
+    """A note with the options that make refused `parts`, as written on a command line.
 
     `tried` are the machines that refused them, on bars of the `lengths` in store; `others` are
     those that could be named.

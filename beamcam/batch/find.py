@@ -21,7 +21,7 @@ from beamcam.readers import FORMATS
 from beamcam.readers.content import TO_READ, content_of
 from beamcam.readers.rules import UNREADABLE
 
-#: What every input of a batch may end with.
+#: Suffixes of the inputs of a batch.
 SUFFIXES = tuple(suffix for known in FORMATS for suffix in known.suffixes)
 
 

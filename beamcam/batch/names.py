@@ -19,7 +19,7 @@ from beamcam.system import free_of_devices
 _FORM = re.compile(r"[^{}]?[<>^]?[0-9]{0,2}[sd]?")  #: of a value in a name
 _NOT_IN_NAMES = frozenset('<>:"|?*\\')  #: which Windows has for something else
 MOST_LETTERS = 80  #: as DSTV has it; a name of 255 bytes holds two such in most alphabets
-#: What a template may name, with a value to try it out.
+#: Placeholders of a template, each with a sample value.
 FIELDS: Mapping[str, str | int] = {
     "stem": "M58",  # the input's name without its suffix
     "mark": "M58",
@@ -67,7 +67,7 @@ def cleaned(text: str) -> str:
 def output_name(
     template: str | None, stem: str, part: Part, number: int, several: bool, machine: Machine
 ) -> str:
-    """What the output of a part is called, below the folder of its input.
+    """Output name of a part, below the folder of its input.
 
     `number` counts the parts of the file from 1, `several` says whether there are more.
     """
@@ -115,5 +115,5 @@ class Names:
 
 
 def folded(name: str) -> str:
-    """What two names have in common that are one file on some system or other."""
+    """Key that two names share if they are one file on any system."""
     return unicodedata.normalize("NFC", name).casefold()

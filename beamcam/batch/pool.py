@@ -15,7 +15,7 @@ Chunk = tuple[Task, ...]
 
 
 class Result(Struct, frozen=True):
-    """What became of a chunk: made, lost with a worker through no fault of its own, or suspected
+    """The outcome of a chunk: made, lost with a worker through no fault of its own, or suspected
     of having killed it."""
 
     chunk: Chunk
@@ -28,7 +28,7 @@ class Workers(Protocol):
 
     @property
     def at_once(self) -> int:
-        """How many files are worked on at one time, so that chunks are not too large."""
+        """Number of files in work at one time, so that chunks are not too large."""
 
     def has_room(self) -> bool:
         """Whether another chunk may be submitted now."""

@@ -1,4 +1,4 @@
-"""What a batch was asked for, as its record keeps it, so that `check` asks for the same again.
+"""The options of a batch as kept in its record, so that `check` uses the same again.
 
 Paths are kept from the folder of the outputs, so that they hold where the folder, its inputs and
 its machines lie together on another system.

@@ -1,4 +1,4 @@
-"""What can be wrong with a batch, apart from the parts in it."""
+"""Rules for a batch, apart from the parts in it."""
 
 from beamcam.errors import Rule, Severity
 

@@ -181,7 +181,7 @@ class _Run:
         return Task(index, found.path, data)
 
     def _take(self, result: Result) -> None:
-        """What workers have done, or the loss of it."""
+        """Results of the workers, or their loss."""
         if result.how == "made":
             for made in result.made:
                 slot = self._land(made.index)
@@ -285,7 +285,7 @@ class _Run:
         return None
 
     def _over(self, output: str, path: str) -> Diagnostic | None:
-        """What is said of an output that is a file which the run reads."""
+        """The message for an output that is an input file of the run."""
         other = self._read_files.written_over_by(os.path.join(self._folder, output))
         if other is None:
             return None

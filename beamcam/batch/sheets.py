@@ -42,7 +42,7 @@ class Programs(Struct, frozen=True):
 
 
 class Sheet(Struct, frozen=True):
-    """What is shown of one program."""
+    """Setup sheet and picture of one program."""
 
     output: str
     page: bytes

@@ -55,7 +55,7 @@ class Shop(Struct, frozen=True):
     read_back: bool = True
     name: str | None = None  #: template of the outputs' names
     sheets: Machine | None = None  #: the machine of sheets, if it is another
-    reading: Mapping[str, object] = field(default_factory=dict)  #: what readers are told
+    reading: Mapping[str, object] = field(default_factory=dict)  #: options of the readers
     version: str = __version__
     timed: bool = True  #: whether the machine's time is worked out
     clock: Callable[[], float] | None = None
@@ -70,7 +70,7 @@ class Shop(Struct, frozen=True):
 
     @property
     def settings(self) -> bytes:
-        """What outputs depend on besides the input, as bytes to be hashed."""
+        """Everything besides the input that outputs depend on, as bytes to be hashed."""
         plain = repr(replace(self, timed=True, clock=None, reading={}))
         # Of sets the order differs from process to process.
         told = json.encode(self.reading, order="deterministic")
@@ -112,7 +112,7 @@ class Task(Struct, frozen=True):
 
 
 class Made(Struct, frozen=True):
-    """What came of one file: its programs by name, and its row in the account."""
+    """Result of one file: its programs by name, and its row in the account."""
 
     index: int
     row: Row
@@ -289,7 +289,7 @@ def posted_job(planned: PlannedJob, shop: Shop) -> Generator[str, None, Posted]:
     return posted
 
 
-#: What may become of a feature, as the ledger has it.
+#: Outcomes of a feature, as in the ledger.
 OUTCOMES = ("made", "merged", "duplicate", "listed", "skipped")
 
 

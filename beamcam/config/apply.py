@@ -1,4 +1,4 @@
-"""What a configuration changes in a machine that drills: its tolerances."""
+"""Changes of a drilling machine by a configuration: its tolerances."""
 
 from msgspec.structs import replace
 

@@ -54,7 +54,7 @@ def _from(folder: Path, machine: str) -> str:
 
 
 def _sources(table: Mapping[str, Any], place: Place) -> dict[str, Source]:
-    """Where each key stands, and each row of those that are tables."""
+    """Source of each key, and of each row of a table."""
     rows = [f"{key}.{row}" for key in table if isinstance(table[key], dict) for row in table[key]]
     return {key: place.child(key).source for key in (*table, *rows)}
 
@@ -70,7 +70,7 @@ def _check_colours(colours: Mapping[str, object]) -> None:
 
 
 def _said(fault: Fault, place: Place) -> Diagnostic:
-    """What is wrong with a key of a configuration."""
+    """The message for an invalid key of a configuration."""
     from beamcam.conversion.diagnosis import shown
 
     at = place.child(*fault.path)

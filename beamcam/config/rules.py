@@ -1,4 +1,4 @@
-"""What can be wrong with a configuration."""
+"""Rules for configurations."""
 
 from beamcam.errors import Rule, Severity
 

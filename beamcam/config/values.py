@@ -36,7 +36,7 @@ class Setting(Struct, frozen=True):
 
 
 class Sheet(Keys, frozen=True):
-    """How a sheet is cut: the names are those of the options of the command line."""
+    """Settings for cutting a sheet, named like the command line options."""
 
     thickness: Positive | None = None
     material: Text | None = None
@@ -60,7 +60,7 @@ class Sheet(Keys, frozen=True):
 
 
 class MapRow(LookSettings, frozen=True, kw_only=True):
-    """What is done with a layer or a colour, and how."""
+    """Process and settings of a layer or a colour."""
 
     process: Meaning
 
@@ -74,7 +74,7 @@ class MapRow(LookSettings, frozen=True, kw_only=True):
 
 
 class ConfigFile(Keys, frozen=True):
-    """What a configuration may say; the fields are the keys of the file."""
+    """A configuration; the fields are the keys of the file."""
 
     machine: Text | None = None  #: machine of --machine: a name or a TOML file
     #: by stock, before `machine`: one, or several that are tried in order

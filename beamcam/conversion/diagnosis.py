@@ -1,4 +1,4 @@
-"""What a message of msgspec means: the key, what was found there and what was expected."""
+"""Diagnosis of a msgspec message: the key, the found and the expected value."""
 
 import re
 from collections.abc import Mapping
@@ -99,7 +99,7 @@ def inner_hint(hint: Any, name: str) -> Any:
 
 
 def _expected(what: str, hint: Any, found: object) -> str:
-    """What may stand in the place of `found`, in words."""
+    """Values allowed in place of `found`, in words."""
     if what == "Number out of range" or (isinstance(found, float) and not isfinite(found)):
         return "a finite number"
     choices = plain(hint)

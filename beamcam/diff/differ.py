@@ -38,7 +38,7 @@ from beamcam.verify.bars.made import Bore, Cut, Made, Trail
 
 
 def diff_programs(a: Made, b: Made, resolution: float) -> tuple[Difference, ...]:
-    """What program B makes otherwise than program A, and how; lengths nearer than `resolution` are
+    """Differences of program B from program A; lengths nearer than `resolution` are
     one."""
     step = resolution / 2 + 1e-9
     found = [*_section(a, b)]
@@ -59,7 +59,7 @@ def diff_programs(a: Made, b: Made, resolution: float) -> tuple[Difference, ...]
 
 
 def diff_parts(a: Sequence[Part], b: Sequence[Part]) -> tuple[Difference, ...]:
-    """What the parts of B are otherwise than those of A, taken one after another."""
+    """Differences of the parts of B from those of A, compared in order."""
     found: list[Difference] = []
     for first, second in zip(a, b, strict=False):
         found += _part(first, second)
@@ -294,7 +294,7 @@ _PLACES = ("x", "y")
 
 
 def _feature(a: Feature, b: Feature) -> list[str]:
-    """What two features of one kind differ in, wherever they stand in their files."""
+    """Differences of two features of one kind, wherever they are in their files."""
     (ax, ay), (bx, by) = _place(a), _place(b)
     changes = moved(bx - ax, by - ay, 1e-9)
     for field in fields(a):

@@ -1,4 +1,4 @@
-"""What a program of a cutting table says, statement by statement, without how it is written.
+"""Statements of a cutting table's program, independent of how they are written.
 
 G-code is told by what its interpreter makes of it, so that block numbers, spacing, comments and
 modal words that are left out count for nothing. Trigger programs and step tables are told line by
@@ -21,7 +21,7 @@ _ST_COMMENT = re.compile(r"\(\*.*?\*\)|//[^\n]*", re.DOTALL)
 def diff_sheets(
     a: str, b: str, machine: Machine, name: str = "program"
 ) -> tuple[tuple[Difference, ...], tuple[Diagnostic, ...]]:
-    """What program B does otherwise than A, and what is wrong with the blocks of either."""
+    """Differences of program B from A, and the faults in the blocks of either."""
     from difflib import SequenceMatcher
 
     (first, said), (second, more) = statements(a, machine, name), statements(b, machine, name)
@@ -47,7 +47,7 @@ def diff_sheets(
 
 
 def _common(pairs: Sequence[tuple[str, str]], decimals: int) -> str:
-    """What is true of each pair of statements: "X +1.440, at 1000 to 1200"; "" if nothing is."""
+    """Difference common to all pairs of statements: "X +1.440, at 1000 to 1200"; "" if none."""
     said = {_changed_words(old, new, decimals) for old, new in pairs}
     return ", ".join(said.pop()) if len(said) == 1 else ""
 

@@ -28,8 +28,8 @@ from beamcam.plain_text import comment_text
 
 SECONDS_PER_MINUTE = 60
 RATIO_DECIMALS = 6
-FEED = "\1"  #: stands in a line for the feed, which is known when its turn comes
-BETWEEN = "\2"  #: stands between the blocks of one move
+FEED = "\1"  #: placeholder for the feed, filled in when it is known
+BETWEEN = "\2"  #: separator of the blocks of one move
 
 Row = Traverse | Feed | ArcFeed
 

@@ -23,7 +23,7 @@ from beamcam.plain_text import comment_text
 SECONDS_PER_MINUTE = 60
 NO_BLOCK = ("%", "(")  #: how lines begin that are no blocks and get no number
 
-Values = dict[str, str]  #: what stands in the braces of a template
+Values = dict[str, str]  #: a placeholder of a template
 
 
 def emit(program: Program, machine: Machine) -> str:
@@ -93,7 +93,7 @@ def _cut(command: SawStroke, words: Words, form: NumberFormat) -> str:
 
 
 def _change(command: ChangeTool, words: Words) -> str:
-    """The stop for a change of tool by hand."""
+    """The stop for a manual tool change."""
     values = {
         "spindle": str(command.spindle),
         "station": str(command.station),
@@ -129,7 +129,7 @@ def _stroke_values(stroke: SpindleStroke, form: NumberFormat, numbers: ToolNumbe
 
 
 def _tool(kind: str, diameter: float, numbers: ToolNumbers) -> str:
-    """What the machine calls a tool; "" where its tools have no numbers."""
+    """The machine's number of a tool; "" where its tools have no numbers."""
     found = numbers.get((kind, diameter))
     return "" if found is None else str(found)
 

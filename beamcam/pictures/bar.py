@@ -47,7 +47,7 @@ class Piece(Struct, frozen=True):
 
 
 class BarMade(Struct, frozen=True):
-    """What a program makes of a bar, and what is known of the bar besides."""
+    """Features that a program makes on a bar, and other data of the bar."""
 
     made: Made
     profile: Profile
@@ -65,7 +65,7 @@ class BarMade(Struct, frozen=True):
 
     @property
     def end(self) -> float:
-        """Where the picture of the bar ends."""
+        """End of the bar in the picture."""
         if self.bar is not None:
             return self.bar
         drill = self.machine.drill
@@ -263,7 +263,7 @@ def _ways(bar: BarMade, view: View, paper: Paper, drill_x: float) -> Iterator[Po
 
 
 def _stops(bar: BarMade, frame: Frame, y: float, unit: Unit) -> Iterator[Shape]:
-    """Where the bar is stopped: machine x of the strokes and cuts."""
+    """Stopping positions of the bar: machine x of the strokes and cuts."""
     drill_x = bar.machine.drill.x if bar.machine.drill else 0.0
     saw_x = bar.machine.saw.x if bar.machine.saw else 0.0
     stops: dict[float, float] = {}

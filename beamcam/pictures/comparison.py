@@ -91,7 +91,7 @@ def _stock(a: Part, b: Part, face: Face, frame: Frame) -> Iterator[Polyline]:
 
 
 def _rising(pairs: Iterable[Pair]) -> list[Pair]:
-    """What is the same first, so that nothing lies over a difference."""
+    """Equal features first, so that differences are drawn on top."""
     return sorted(pairs, key=lambda pair: not pair.is_same)
 
 
@@ -127,7 +127,7 @@ def _arrow(a: Point, b: Point) -> Iterator[Polyline]:
 
 
 def compared_programs(a: ReadProgram, b: ReadProgram) -> Compared:
-    """What two programs make over each other. Raises VerifyError where one is not understood."""
+    """Overlay of what two programs make. Raises VerifyError where one is not understood."""
     if a.machine.stock == "beam":
         return _compared_bars(bar_made(a), bar_made(b))
     return _compared_ways(a, b)

@@ -161,7 +161,7 @@ def _legend(drawn: Sequence[Shape], y: float) -> Iterator[Shape]:
 
 
 def _drawn_line(contour: Contour, frame: Frame, processes: Processes | None) -> Shape:
-    """A line of a drawing: nothing is filled, as nobody knows yet what is steel."""
+    """A line of a drawing: nothing is filled, as the steel side is not known yet."""
     process: str = contour.process
     if processes is not None and (contour.layer, contour.colour) != (None, None):
         process = process_of(contour, processes) or "ignored"  # type: ignore[arg-type]

@@ -37,7 +37,7 @@ class ReadProgram(Struct, frozen=True):
 
     @property
     def marks(self) -> tuple[str, ...]:
-        """What the parts are called."""
+        """Names of the parts."""
         return tuple(part.mark or f"part {k}" for k, part in enumerate(self.parts, 1))
 
 

@@ -1,4 +1,4 @@
-"""What can go wrong while a picture is drawn."""
+"""Rules for pictures."""
 
 from beamcam.errors import Rule, Severity
 

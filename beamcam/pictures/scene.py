@@ -1,4 +1,4 @@
-"""A picture as data: what stands where on the paper, and in which style.
+"""A picture as data: shapes, their positions on the paper, and their styles.
 
 Paper coordinates are pixels of 1/96 inch, x to the right and y down. The first class of a shape
 names its style (`styles`); all of them stand in the SVG, where tests and pages find them.
@@ -60,7 +60,7 @@ class Scene(Struct, frozen=True):
 
 
 class Frame(Struct, frozen=True):
-    """Where millimetres come to lie on the paper."""
+    """Mapping of millimetres to the paper."""
 
     scale: float  #: pixels in a millimetre
     left: float  #: of mm x 0

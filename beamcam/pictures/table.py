@@ -1,4 +1,4 @@
-"""The picture of a table's program: the way of the head, coloured by its speed.
+"""The picture of a table's program: the path of the head, coloured by its speed.
 
 Drawn from the trace that the simulator makes of what was read back: where a tool is switched on
 stands a numbered circle, leads lie on a broad band, ways with no tool on are dashed.
@@ -26,7 +26,7 @@ MAX_NUMBERS = 400  #: strokes that are numbered
 
 
 class TableMade(Struct, frozen=True):
-    """What a table's program does."""
+    """Data of a table's program."""
 
     trace: Trace
     machine: Machine
@@ -199,7 +199,7 @@ def _pierces(
 
 
 def _size(box: tuple[float, float, float, float], frame: Frame, unit: Unit) -> Iterator[Text]:
-    """Where the corners of the way lie on the table."""
+    """Corners of the path on the table."""
     for k in (0, 2):
         x, y = frame.at(box[k], box[k + 1])
         text = f"X {shown(box[k], unit)}  Y {shown(box[k + 1], unit)} {unit}"

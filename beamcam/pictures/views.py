@@ -27,7 +27,7 @@ Box = tuple[float, float, float, float]
 
 
 class View(Struct, frozen=True):
-    """What one view shows: a box of millimetres and the places along x that are dimensioned."""
+    """Content of one view: a box in millimetres and the dimensioned positions along x."""
 
     name: str
     title: str
@@ -37,7 +37,7 @@ class View(Struct, frozen=True):
 
 
 class Paper(Struct, frozen=True):
-    """Where the views lie."""
+    """Layout of the views."""
 
     frames: dict[str, Frame]
     top: float  #: of the first view's title
@@ -71,7 +71,7 @@ def heading(lines: Sequence[str], x: float = SIDE) -> Iterator[Text]:
 
 
 def head_height(lines: Sequence[str]) -> float:
-    """How high the heading is."""
+    """Height of the heading."""
     return 26.0 + len(lines) * HEAD_LINE
 
 

@@ -1,4 +1,4 @@
-"""What is known before, and what comes back."""
+"""Input and result of a recovery."""
 
 from collections.abc import Sequence
 from math import floor, log10
@@ -13,7 +13,7 @@ DECIMALS = 9  #: beyond which a figure is the noise of arithmetic
 
 
 class Stock(Struct, frozen=True):
-    """What is known of the bar that a program is for."""
+    """Known data of a program's bar."""
 
     profile: Profile | None = None
     grade: str = ""
@@ -53,7 +53,7 @@ def with_marks(parts: Sequence[Part], mark: str) -> tuple[Part, ...]:
 
 
 def _shape(part: Part) -> object:
-    """What makes two parts different: all but where they stand in the program."""
+    """Key that distinguishes parts: everything but their place in the program."""
     nowhere = Source("")
     features = tuple(replace(f, source=nowhere) for f in part.features)
     return replace(part, source=nowhere, features=features)

@@ -83,7 +83,7 @@ class _Maker:
         return self._hole(bore, bore.diameter, None if usual else depth, "mark")
 
     def _depth(self, depth: float, thickness: float) -> float | None:
-        """The depth of a hole; None if it goes through, or if nobody knows."""
+        """The depth of a hole; None if it goes through, or is unknown."""
         if not thickness or depth >= thickness - self.slack:
             return None
         return plain(depth, self.slack, self.decimals)

@@ -14,7 +14,7 @@ from beamcam.verify.bars.paths import pocket_error
 from beamcam.verify.bars.shop import Shop
 from beamcam.verify.bars.targets import Pocket
 
-MIN_CORNERS = 8  #: of a chain of chords that stands for a circle
+MIN_CORNERS = 8  #: of a chain of chords that replaces a circle
 
 
 class NotAFeature(NamedTuple):
@@ -27,7 +27,7 @@ class NotAFeature(NamedTuple):
 def feature_of(
     trail: Trail, shop: Shop, profile: Profile, source: Source
 ) -> Hole | Slot | Contour | NotAFeature:
-    """What a path makes; its x counts from the part's start."""
+    """The feature that a path makes; its x counts from the part's start."""
     points = _apart(trail.points)
     if trail.kind == "scribe":
         lines = tuple([Line(a, b) for a, b in pairwise(points)])
@@ -54,7 +54,7 @@ def feature_of(
 def _pockets(
     points: Sequence[Point], trail: Trail, slack: float, decimals: int
 ) -> Iterator[Pocket]:
-    """What a mill may have made by a path: a circle, or rectangles with round corners.
+    """Possible pockets of a mill's path: a circle, or rectangles with round corners.
 
     The path's hull is the pocket drawn in by the mill: a side of it is the pocket's direction, and
     its extents are those of the pocket less the mill's diameter. How round its corners are is

@@ -57,7 +57,7 @@ def whole(ring: Sequence[Curve], near: float) -> Curves:
 
 
 def bridge(before: Curve, after: Curve) -> Curves:
-    """What joins two stretches of a contour over the bridge that was left between them."""
+    """Curves that join two stretches of a contour over the bridge between them."""
     if isinstance(before, Arc) and isinstance(after, Arc) and _is_one_circle(before, after, 0.01):
         end = before.start_deg + before.sweep_deg
         turn = 360.0 if before.sweep_deg > 0.0 else -360.0
@@ -83,7 +83,7 @@ def _off(point: Point, a: Point, b: Point) -> float:
 
 
 def _corner(before: Line, after: Line) -> Point | None:
-    """Where two lines meet between the end of one and the start of the other."""
+    """Intersection of two lines between the end of one and the start of the other."""
     (x, y), (u, v) = before.end, after.start
     along, back = before.tangent(1.0), after.tangent(0.0)
     turn = cross(along, back)

@@ -1,4 +1,4 @@
-"""What can be said of the parts that a program makes."""
+"""Rules for parts recovered from a program."""
 
 from beamcam.errors import Rule, Severity
 

@@ -1,4 +1,4 @@
-"""The list for the hand: what a program leaves to whoever stands beside the machine.
+"""The list for the hand: work that a program leaves to the operator.
 
 Marks that are not made, holes of which only the centre is marked, edges that are cut square.
 """
@@ -81,7 +81,7 @@ def _rows(part: Part, feature: Feature, why: str, min_bevel: float) -> Iterator[
 
 
 def _row(part: Part, feature: Feature, why: str) -> HandRow:
-    """What a mark is, and where."""
+    """Kind and position of a mark."""
     row: HandRow = {
         "mark": part.mark, "profile": part.profile.name, "pieces": 1, "kind": "", "text": "",
         "face": getattr(feature, "face", ""), "x": 0.0, "y": 0.0, "angle": 0.0, "height": 0.0,

@@ -20,7 +20,7 @@ MAX_LETTERS = 60  #: of a line; longer ones would leave the label
 
 
 class Label(Struct, frozen=True):
-    """What stands on the label of one piece."""
+    """Content of the label of one piece."""
 
     mark: str
     lines: tuple[str, ...]  #: below the mark, the most important first
@@ -28,7 +28,7 @@ class Label(Struct, frozen=True):
 
     @property
     def code(self) -> str:
-        """What the code says: the mark and the program's name, a line each."""
+        """Content of the code: the mark and the program's name, a line each."""
         return f"{terminal_text(self.mark)}\n{terminal_text(self.program)}"
 
 

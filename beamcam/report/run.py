@@ -39,7 +39,7 @@ class Message(TypedDict):
 
 
 class Ledger(TypedDict):
-    """What became of a part's features; `read` is the sum of the others."""
+    """Outcomes of a part's features; `read` is the sum of the others."""
 
     read: int
     made: int
@@ -82,7 +82,7 @@ class Row(TypedDict):
 
 
 class Counts(Struct):
-    """How many files of a run came out how, and what is to be said about the run as a whole."""
+    """Number of files of a run by outcome, and messages on the run as a whole."""
 
     posted: int = 0
     unchanged: int = 0

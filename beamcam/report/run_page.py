@@ -23,7 +23,7 @@ COLUMNS = ("File", "Result", "Part", "Machine", "Features", "Tools", "Machine ti
 
 
 class Extra(Struct, frozen=True):
-    """What a row shows of a program besides."""
+    """Additional data of a program in its row."""
 
     sheet: str = ""  #: path of its setup sheet from the page, with "/"
     picture: str = ""  #: a small one, as SVG

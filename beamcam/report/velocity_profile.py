@@ -10,7 +10,7 @@ from beamcam.geometry.velocity_profile import Profile
 
 
 class Unit(Struct, frozen=True):
-    """What velocities are counted in; positions come as velocity times its seconds."""
+    """Unit of velocities; positions are velocity times its seconds."""
 
     name: str
     seconds: float  #: in which a velocity of 1 makes a way of 1
@@ -27,7 +27,7 @@ UNITS = {unit.name: unit for unit in (RPM, MM_S)}
 
 
 class Encoder(Struct, frozen=True):
-    """What a pulse counter on the shaft shows."""
+    """Readings of a pulse counter on the shaft."""
 
     pulses: int  #: a revolution
     travel: float | None = None  #: way of one revolution; None where velocities are rpm already

@@ -1,4 +1,4 @@
-"""The setup sheet of a program: what whoever stands at the machine needs to know, on one page.
+"""The setup sheet of a program: what the operator needs to know, on one page.
 
 program, parts, plan -> content (record) -> HTML with playback (page, playback), or PDF (paper)
 

@@ -1,4 +1,4 @@
-"""What a setup sheet says, as data."""
+"""Content of a setup sheet, as data."""
 
 from collections.abc import Iterable, Iterator, Sequence
 from pathlib import PurePath
@@ -57,12 +57,12 @@ class Content(Struct, frozen=True):
 
     @property
     def seconds(self) -> float:
-        """What the machine takes."""
+        """Machine time."""
         return self.trace.duration_s
 
 
 class Source(Struct, frozen=True):
-    """What a sheet is made from."""
+    """Sources of a setup sheet."""
 
     program: ReadProgram
     plan: Plan | SheetPlan | None = None  #: of a program that was posted just now
@@ -72,7 +72,7 @@ class Source(Struct, frozen=True):
 
 
 def content_of(source: Source, unit: Unit = "mm") -> Content:
-    """What the sheet of a program says. Raises VerifyError where nothing of it is understood."""
+    """Content of a program's setup sheet. Raises VerifyError where none of it is understood."""
     from beamcam.pictures.part import part_scene
     from beamcam.pictures.program import bar_made, program_scene
 
@@ -135,7 +135,7 @@ def _joined(values: Iterable[str]) -> str:
 
 
 def _quantities(parts: Sequence[Part]) -> str:
-    """How many pieces are asked for, and how many of them this program makes."""
+    """Required quantity, and the quantity that this program makes."""
     rows = []
     for part in dict.fromkeys(parts):
         here = sum(1 for p in parts if p == part)

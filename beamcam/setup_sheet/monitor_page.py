@@ -13,7 +13,7 @@ from beamcam.simulate.bars import cell_axes
 from beamcam.simulate.state import State
 from beamcam.simulate.trace import TraceAxis, head_axes
 
-#: What is drawn of a bar of which nothing is known.
+#: Dimensions drawn for an unknown bar.
 PLAIN = Profile("B", "bar", 300.0, 100.0, 10.0, 10.0, 0.0)
 
 
@@ -23,7 +23,7 @@ def axes_of(machine: Machine) -> tuple[TraceAxis, ...]:
 
 
 def monitor_data(machine: Machine, every_s: float) -> dict[str, Any]:
-    """What the page's script has to know of the machine."""
+    """Machine data for the page's script."""
     axes = [{"name": a.name, "unit": a.unit, "min": a.min, "max": a.max} for a in axes_of(machine)]
     names = State.__struct_fields__
     state = {name: getattr(State(), name) for name in names}

@@ -27,7 +27,7 @@ _RATE = '<span class="unit" data-per="min">mm/min</span>'
 
 
 def verdict_of(content: Content) -> str:
-    """What the read-back found, in a sentence."""
+    """Verdict of the read-back, in a sentence."""
     if content.verdict == "made" and (content.left_out or content.hand):
         return "Read back: the program makes these parts, but for what is left for the hand."
     return VERDICTS[content.verdict]
@@ -128,7 +128,7 @@ def _top(content: Content) -> Iterator[str]:
 
 
 def _hand(content: Content) -> str:
-    """The marks that somebody makes beside the machine."""
+    """The marks that are made manually."""
     heads = (("Part", False), ("Mark", False), ("Face", False), (f"X, {_UNIT}", True),
              (f"Y, {_UNIT}", True), (f"Height, {_UNIT}", True), ("Pieces", True))  # fmt: skip
     rows = (

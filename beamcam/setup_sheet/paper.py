@@ -43,7 +43,7 @@ def setup_pdf(content: Content) -> bytes:
 
 
 def _story(content: Content) -> Iterator[Any]:
-    """What follows one another on the pages."""
+    """Contents of the pages, in order."""
     from reportlab.platypus import Spacer
 
     program = content.program
@@ -69,7 +69,7 @@ def _story(content: Content) -> Iterator[Any]:
 
 
 def _hand(content: Content) -> Iterator[Any]:
-    """The marks that somebody makes beside the machine."""
+    """The marks that are made manually."""
     if content.hand:
         unit = content.unit
         rows = [[h["mark"], f"{h['kind']} {h['text']}", h["face"], shown(h["x"], unit),
@@ -141,7 +141,7 @@ def _table(
     rows: Sequence[Sequence[str]], widths: Sequence[float], right: Sequence[int],
     has_head: bool = False,
 ) -> Any:  # fmt: skip
-    """A table whose head stands on each page."""
+    """A table whose header is repeated on each page."""
     from reportlab.platypus import LongTable, TableStyle
 
     commands: list[tuple[Any, ...]] = [

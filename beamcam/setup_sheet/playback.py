@@ -1,4 +1,4 @@
-"""What a page needs to play a program: the trace, the cell and what appears when, as JSON.
+"""Playback data of a program: the trace, the cell and the times of its events, as JSON.
 
 Numbers of the trace are whole and count from the one before, so that a long one stays short:
 
@@ -175,7 +175,7 @@ def _spindle(machine: Machine, spindle: Spindle, profile: Profile) -> dict[str, 
 
 
 def _inverse(formula: Formula, values: dict[str, float], name: str) -> tuple[float, float]:
-    """What a linear formula makes of an axis position the other way round."""
+    """The inverse of a linear formula of an axis position."""
     zero = formula(values)
     slope = formula(values | {name: 1.0}) - zero
     return (-zero / slope, 1.0 / slope) if slope else (0.0, 0.0)

@@ -10,7 +10,7 @@ SCRIPTS = (
 
 
 def static_text(name: str) -> str:
-    """What is in a file beside this one."""
+    """Content of a file beside this one."""
     return files("beamcam.setup_sheet").joinpath("static", name).read_text(encoding="utf-8")
 
 

@@ -1,4 +1,4 @@
-"""Bodies of a machine that strike each other while a program runs.
+"""Collisions between bodies of a machine while a program runs.
 
 Bodies are boxes, upright and turned about the vertical at most. Two of them overlap if their
 heights do and no side of either rectangle, seen from above, parts them (separating axes):
@@ -33,7 +33,7 @@ class Strike(Struct, frozen=True):
     other: str
     time_s: float  #: when it begins
     line: int  #: of the program
-    depth: float  #: mm, the greatest
+    depth: float  #: mm, maximum
     until_s: float
 
 
@@ -110,7 +110,7 @@ def _placed(body: Body, trace: Trace, at: Floats, values: Mapping[str, float]) -
 
 
 def _depth(a: _Placed, b: _Placed) -> Floats:
-    """How deep two bodies lie in each other at each time; negative where they do not."""
+    """Penetration depth of two bodies at each time; negative where they are apart."""
     off = b.middle - a.middle
     depth = a.half[2] + b.half[2] - np.abs(off[:, 2])
     for turn in (a.turn_rad, b.turn_rad):
@@ -123,7 +123,7 @@ def _depth(a: _Placed, b: _Placed) -> Floats:
 
 
 def _reach(body: _Placed, angle: Floats) -> Floats:
-    """How far a body reaches from its middle in a direction seen from above."""
+    """Extent of a body from its middle in a direction, in plan view."""
     own = angle - body.turn_rad
     found: Floats = body.half[0] * np.abs(np.cos(own)) + body.half[1] * np.abs(np.sin(own))
     return found

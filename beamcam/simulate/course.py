@@ -32,7 +32,7 @@ class CourseSection(Struct, frozen=True):
     state: State
 
     def at(self, time_s: float) -> Positions:
-        """Where the axes stand at a time within the stretch."""
+        """Axis positions at a time within the stretch."""
         share = self.ramp.share(max(time_s - self.begin_s, 0.0))
         return tuple(a + share * (b - a) for a, b in zip(self.start, self.end, strict=True))
 

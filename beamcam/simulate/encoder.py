@@ -36,7 +36,7 @@ class Encoder(Struct, frozen=True):
 
 
 class Precision(Struct, frozen=True):
-    """What follows from the resolution of an encoder for one program."""
+    """Precision of an encoder for one program, from its resolution."""
 
     count: float  #: mm
     max_corner_error: float  #: mm between a corner of the path and what is read there

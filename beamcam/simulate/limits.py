@@ -1,4 +1,4 @@
-"""What a program asks of a machine beyond its limits, its reach and its room, as warnings."""
+"""Warnings where a program exceeds a machine's limits, reach or free space."""
 
 from collections.abc import Iterator, Mapping
 

@@ -96,5 +96,5 @@ def send(
 
 
 def axes_shown(client: Client, modbus: Modbus, axes: int) -> Shown:
-    """What a controller shows now. Raises VerifyError."""
+    """The current axis positions of a controller. Raises VerifyError."""
     return shown(client.read(modbus.first, register_count(modbus, axes)), modbus, axes)

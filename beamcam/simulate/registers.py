@@ -28,7 +28,7 @@ _BITS = {"int16": 16, "int32": 32}
 
 
 class Shown(Struct, frozen=True):
-    """What a controller shows."""
+    """The values that a controller publishes."""
 
     positions: tuple[float, ...]
     state: State = State()
@@ -53,7 +53,7 @@ def registers(row: TraceRow, modbus: Modbus) -> list[int]:
 
 
 def shown(words: Sequence[int], modbus: Modbus, axes: int) -> Shown:
-    """What registers tell of so many axes."""
+    """The register values of a number of axes."""
     each = modbus.words
     positions = tuple(_position(words[k * each : (k + 1) * each], modbus, k) for k in range(axes))
     if not modbus.states:

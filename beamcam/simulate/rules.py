@@ -1,4 +1,4 @@
-"""What a simulation finds, and what can go wrong while a trace is sent or read."""
+"""Rules for simulations, and for sending or reading a trace."""
 
 from beamcam.errors import Rule, Severity
 

@@ -1,4 +1,4 @@
-"""The trace of a cutting table that is told by G-code: the look-ahead over what was read back.
+"""The trace of a cutting table that runs G-code: the look-ahead over what was read back.
 
 The times are those of `motion.sheet_times`, which `plan` tells too: traverses and contours run from
 rest to rest, a contour passes its corners as fast as the machine's file allows.
@@ -49,7 +49,7 @@ def sheet_trace(events: Sequence[TableEvent], starts: Mapping[int, str], machine
 
 
 class _Wait(Struct, frozen=True):
-    """The head stands."""
+    """Standstill of the head."""
 
     seconds: float
     line: int

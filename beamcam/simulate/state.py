@@ -1,10 +1,10 @@
-"""What is switched on while a program runs."""
+"""Switching state while a program runs."""
 
 from msgspec import Struct
 
 
 class State(Struct, frozen=True):
-    """What is switched on, of bars and of sheets."""
+    """Switching state, of bars and of sheets."""
 
     spindle: int = 0  #: number that the program chose, 0 before
     diameter: float = 0.0

@@ -46,7 +46,7 @@ class Trace(Struct, frozen=True):
 
     @property
     def duration_s(self) -> float:
-        """When everything is over."""
+        """End of the trace, in s."""
         return float(self.time_s[-1])
 
     def interval(self, times: ArrayLike) -> Counts:
@@ -69,7 +69,7 @@ class Trace(Struct, frozen=True):
 
 
 def share_of(u: Floats, first: Floats, last: Floats) -> Floats:
-    """How much of the way is done at the share `u` of the time, by the slopes at both ends."""
+    """Share of the distance at the share `u` of the time, by the slopes at both ends."""
     return u * (first + u * (3.0 - 2.0 * first - last + u * (first + last - 2.0)))
 
 
@@ -84,7 +84,7 @@ class TraceBuilder:
 
     @property
     def here(self) -> Floats:
-        """Where the axes stand."""
+        """Axis positions."""
         found: Floats = self._chunks[-1][1][-1] if self._chunks else self._start[0]
         return found
 

@@ -1,4 +1,4 @@
-"""The trace of a table that is told by triggers: each operation from rest to rest.
+"""The trace of a table run by triggers: each operation from rest to rest.
 
 The next operation begins in the cycle behind the one that sees the arrival, as in
 `motion.table_times`, whose times these are.

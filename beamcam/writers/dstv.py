@@ -109,7 +109,7 @@ class _Sheet(Struct):
             self.lines.append(row)
 
     def finish(self) -> None:
-        """Raise BeamcamError if a comment stands nowhere."""
+        """Raise BeamcamError if a comment has no place."""
         if self.comments:
             place = next(iter(self.comments))
             raise BeamcamError(rules.WRITE_COMMENT.at(self.part.source, found=place))

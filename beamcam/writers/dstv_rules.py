@@ -1,4 +1,4 @@
-"""What a DSTV file cannot hold: every code that its writer gives."""
+"""Rules for writing DSTV files: every code that the writer gives."""
 
 from beamcam.errors import Rule, Severity
 
