@@ -46,7 +46,7 @@ ASK_NUMBER = _error(
 
 ASK_VALUE = _error(
     "value",
-    "found a wrong value of {name}: {fault}",
+    "found a wrong value of {name} ({fault}); expected one that the option of that name takes",
     "The options of the library are those of the command line and of beamcam.toml, by their names.",
 )
 
