@@ -1,6 +1,7 @@
 """Machine files: found by name or path, laid over their bases, checked, and explained."""
 
 from collections.abc import Iterator
+from os.path import isfile
 from pathlib import Path, PurePath
 from typing import Any
 from zlib import crc32
@@ -252,11 +253,11 @@ def _find(name: str, below: Path | None) -> Path:
     if name.endswith(".toml"):
         name = portable_path(name) if below is None else name.replace("\\", "/")
         path = Path(name) if below is None else below.parent / name
-        if path.is_file():
+        if isfile(path):
             return path.resolve()
-    elif PurePath(name).name == name and (SHIPPED / f"{name}.toml").is_file():
+    elif PurePath(name).name == name and isfile(SHIPPED / f"{name}.toml"):
         return SHIPPED / f"{name}.toml"
-    elif below is not None and (beside := below.parent / f"{name}.toml").is_file():
+    elif below is not None and isfile(beside := below.parent / f"{name}.toml"):
         return beside.resolve()  # one's own, laid over another one's own
     expected = f"{nearest(name, shipped())} or the path of a .toml file"
     raise MachineError(

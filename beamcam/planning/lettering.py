@@ -27,7 +27,7 @@ from beamcam.planning.by_hand import BLANK, NO_ROOM, TEXT_MOVED, TEXT_SIGN, TOO_
 SHRINK = 0.8  #: from one height that is tried to the next
 STEP = 0.1  #: mm that places and heights of moved texts are rounded to
 FINEST = 0.25  #: mm, half the side of the smallest square that is looked at
-MOST_SQUARES = 20_000  #: until a search is given up
+MOST_SQUARES = 3_000  #: until a search is given up
 RUN = 16  #: chords that are looked at together
 CHORD = 1.0  #: mm of the chords that obstacles are taken as
 

@@ -321,3 +321,10 @@ def test_a_formula_without_a_value_is_a_fault_of_the_machine(text: str, why: str
         f"found '{text}' for 'spindles'; expected arithmetic that has a value for height 200, "
         f"y 1.5 ({'float ' if 'zero' in why else ''}{why})"
     )
+
+
+@pytest.mark.parametrize("name", ["b" * 400, "b" * 400 + ".toml", "x/" * 2000 + "b.toml"])
+def test_a_name_that_no_file_can_have(name: str) -> None:
+    with pytest.raises(MachineError) as caught:
+        load(name)
+    assert caught.value.diagnostics[0].code == "machine-unknown"
