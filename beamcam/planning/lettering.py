@@ -27,7 +27,7 @@ from beamcam.planning.by_hand import BLANK, NO_ROOM, TEXT_MOVED, TEXT_SIGN, TOO_
 SHRINK = 0.8  #: from one height that is tried to the next
 STEP = 0.1  #: mm that places and heights of moved texts are rounded to
 FINEST = 0.25  #: mm, half the side of the smallest square that is looked at
-MOST_SQUARES = 3_000  #: until a search is given up
+MOST_SQUARES = 10_000  #: of a face, until no text is moved any more
 RUN = 16  #: chords that are looked at together
 CHORD = 1.0  #: mm of the chords that obstacles are taken as
 
@@ -51,6 +51,7 @@ class Room(Struct):
     edges: list[Run] = field(default_factory=list)  #: of the steel, which lies on one side
     holes: list[tuple[Point, float]] = field(default_factory=list)  #: centres and radii
     texts: list[Segment] = field(default_factory=list)  #: round those that are placed
+    squares: int = MOST_SQUARES  #: that may still be looked at
 
     def add(self, curves: Sequence[Curve]) -> None:
         """Take the curves of an edge or a hole; they close."""
@@ -200,7 +201,7 @@ def _nearest(wanted: Lettered, distance: float, room: Room) -> Lettered | None:
     def at(x: float, y: float) -> Lettered:
         return replace(wanted, x=_rounded(x + away[0]), y=_rounded(y + away[1]))
 
-    place = _search(middle, room.box, distance, lambda x, y: _clearance(at(x, y), room))
+    place = _search(middle, room, distance, lambda x, y: _clearance(at(x, y), room))
     if place is None:
         return None
     found = at(*place)
@@ -210,15 +211,18 @@ def _nearest(wanted: Lettered, distance: float, room: Room) -> Lettered | None:
 
 
 def _search(
-    start: Point, box: Box, distance: float, clearance: Callable[[float, float], float]
+    start: Point, room: Room, distance: float, clearance: Callable[[float, float], float]
 ) -> Point | None:
-    """The place in a box nearest to `start` at which `clearance` is at least `distance`."""
+    """The place in a room nearest to `start` at which `clearance` is at least `distance`.
+
+    None too where all squares of the room that may be looked at have been.
+    """
+    box = room.box
     half = max(box[2] - box[0], box[3] - box[1]) / 2
     squares = [(0.0, (box[0] + box[2]) / 2, (box[1] + box[3]) / 2, half)]
     best, place = inf, None
-    for _ in range(MOST_SQUARES):
-        if not squares or squares[0][0] >= best:
-            break
+    while room.squares > 0 and squares and squares[0][0] < best:
+        room.squares -= 1
         _, x, y, half = heappop(squares)
         clear = clearance(x, y)
         if clear >= distance and (way := dist((x, y), start)) < best:
