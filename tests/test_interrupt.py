@@ -23,7 +23,8 @@ WAITING = (
 #: Each has work for many seconds, or until it is ended.
 WORKING = (
     "post big.dxf --thickness 3 -o x.ngc", "plan big.dxf --thickness 3", "inspect big.dxf",
-    "batch many -o out --jobs 1", "batch many -o out --jobs 2", "watch many -o out --settle 0",
+    "batch many -o out --jobs 1", "batch many -o out-of-two --jobs 2",
+    "watch many -o out --settle 0",
     "check golden --samples many", "diff many more",
     "profile --velocity 1 --time 9 --step 1e-5 -o -",
 )  # fmt: skip
@@ -33,7 +34,7 @@ def drawing(count: int) -> str:
     """A drawing of so many circles."""
     rows = []
     for k in range(count):
-        x, y = 20 * (k % 150), 20 * (k // 150)
+        x, y = 11 * (k % 250), 11 * (k // 250)
         rows.append(f"0\nCIRCLE\n8\n0\n10\n{x}.0\n20\n{y}.0\n40\n5.0\n")
     return f"0\nSECTION\n2\nENTITIES\n{''.join(rows)}0\nENDSEC\n0\nEOF\n"
 
@@ -43,7 +44,7 @@ def shop(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("shop")
     (folder / "a.nc1").write_text(part("A"))
     (folder / "big.dxf").write_text(drawing(20_000))
-    fill(folder / "many", 2500)
+    fill(folder / "many", 4000)
     (folder / "golden" / "beamline").mkdir(parents=True)
     (folder / "more").mkdir()
     for path in (folder / "many").iterdir():
