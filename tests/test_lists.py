@@ -293,6 +293,26 @@ def test_a_quantity_that_is_not_made_is_a_warning_with_the_option(tmp_path: Path
     assert "plan-sheet-quantity" not in once.stderr
 
 
+@pytest.mark.parametrize(
+    ("asked", "made"), [((), 1), (("--quantity", "file"), 4), (("--quantity", "3"), 3)]
+)
+def test_a_batch_of_plates_makes_the_quantity_of_each(
+    tmp_path: Path, asked: tuple[str, ...], made: int
+) -> None:
+    text = (SAMPLES / "gusset.nc1").read_text(encoding="ascii").split("\n")
+    text[7] = "  4"
+    (tmp_path / "gusset.nc1").write_text("\n".join(text), encoding="ascii")
+    out = tmp_path / "out"
+    done = run("batch", str(tmp_path / "gusset.nc1"), *asked, "-o", str(out), "--json")
+    assert done.exit_code == 0, done.stderr
+    assert ("plan-sheet-quantity" in done.stdout) == (not asked)
+    (row,) = json.loads(done.stdout)["files"]
+    assert sum(part["pieces"] for part in row["parts"]) == made
+    program = (out / "gusset.ngc").read_text(encoding="ascii")
+    assert program.count("\nM3 S1\n") == 5 * made  # four holes and the outline
+    assert run("check", str(out)).exit_code == 0
+
+
 def test_more_bars_than_one_do_not_go_to_standard_output() -> None:
     done = run("post", str(SAMPLES / "channel.nc1"), "--quantity", "3", "--bar", "6000", "-o", "-")
     assert (done.exit_code, done.stdout) == (1, "")

@@ -35,7 +35,9 @@ from beamcam.pipeline import (
     sound,
     stock_of,
 )
-from beamcam.planning.bar_jobs import BarJob, Quantity, bar_jobs, numbered
+from beamcam.planning.bar_jobs import BarJob, Quantity, numbered
+from beamcam.planning.jobs import jobs_of
+from beamcam.planning.rules import named_skips
 from beamcam.planning.stock import from_store
 from beamcam.posts import Job
 from beamcam.readers import read
@@ -229,7 +231,7 @@ def planned_jobs(part: Part, shop: Shop, machine: Machine) -> list[PlannedJob]:
 
     Raises PlanError as `post` does; of bars that are all too short for the longest.
     """
-    jobs = bar_jobs((part,), machine, shop.quantity, shop.stock_lengths)
+    jobs = jobs_of((part,), machine, shop.quantity, shop.stock_lengths, named_skips(shop.skips))
     return [PlannedJob(job, _planned(job, machine, shop)) for job in jobs]
 
 

@@ -21,7 +21,8 @@ from beamcam.machine_choice import first_that_makes
 from beamcam.model.part import Part
 from beamcam.model.plan import Order, Plan
 from beamcam.pipeline import Posted, RefusedProgram, post, untold
-from beamcam.planning.bar_jobs import BarJob, bar_jobs
+from beamcam.planning.bar_jobs import BarJob
+from beamcam.planning.jobs import jobs_of
 from beamcam.planning.rules import named_skips
 from beamcam.planning.stock import from_store
 
@@ -139,12 +140,8 @@ def command(
 
 
 def _jobs(parts: Sequence[Part], machine: Machine, config: Config) -> tuple[BarJob, ...]:
-    """The parts of each program: of a bar, or of a sheet with several parts."""
-    if machine.torch is None or (len(parts) == 1 and config.quantity is None):
-        return bar_jobs(parts, machine, config.quantity, config.stock_lengths)
-    from beamcam.planning.sheet_rows import sheet_jobs
-
-    return sheet_jobs(parts, machine, config.quantity, named_skips(config.allow_skips))
+    skips = named_skips(config.allow_skips)
+    return jobs_of(parts, machine, config.quantity, config.stock_lengths, skips)
 
 
 def _ways_out(

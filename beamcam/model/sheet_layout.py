@@ -1,7 +1,6 @@
 """A sheet's part as it is laid on the table: mirrored, turned, and copied in rows and columns."""
 
 from collections.abc import Iterator
-from math import ceil
 
 from msgspec.structs import replace
 
@@ -64,7 +63,7 @@ def laid_out(part: Part, torch: Torch) -> Part:
     length, width = size_of(part, torch)
     return replace(
         turned, features=tuple(features), length=length,
-        profile=replace(part.profile, height=width), quantity=ceil(part.quantity / columns / rows),
+        profile=replace(part.profile, height=width),
     )  # fmt: skip
 
 

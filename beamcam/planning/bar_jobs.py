@@ -28,15 +28,13 @@ def wanted(part: Part, quantity: Quantity) -> int:
 def bar_jobs(
     parts: Sequence[Part], machine: Machine, quantity: Quantity, lengths: tuple[float, ...]
 ) -> tuple[BarJob, ...]:
-    """The jobs that make `parts`, bar by bar; a sheet is one job, whatever its quantity.
+    """The jobs that make `parts`, bar by bar.
 
     Without a quantity all go onto one bar. Raises PlanError for a part that fits on no bar.
     """
     if quantity is None:
         return (BarJob(tuple(parts), lengths),)
     said = [replace(part, quantity=1) for part in parts]  # the quantity is given by the job
-    if machine.stock == "sheet":
-        return (BarJob(tuple(said), ()),)
     if machine.saw is None:  # each is a bar by itself, and its program is run so often
         return tuple(BarJob((part,), ()) for part in parts)
     from beamcam.planning.stock_bars import copies, first_fit

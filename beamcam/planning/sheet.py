@@ -7,7 +7,9 @@ Until the work is put in order all coordinates are those of the drawing, so that
 """
 
 import re
+from collections import Counter
 from collections.abc import Collection, Iterator, Sequence
+from math import prod
 
 from msgspec.structs import replace
 
@@ -77,8 +79,8 @@ def plan_sheet(parts: Sequence[Part], machine: Machine, skips: Collection[str] =
     refuse_size(operations, part, torch)
     piece = Piece(part, 0.0, place=shift)
     outcomes = tuple(_outcomes(part, assigned, joined, operations))
-    if part.quantity > 1:
-        remarks.append(rules.QUANTITY.at(part.source, found=part.quantity))
+    if part.quantity > (made := prod(torch.copies)):
+        remarks.append(rules.QUANTITY.at(part.source, found=part.quantity, made=made))
     plan = SheetPlan(
         part.profile, (piece,), shift, material.thickness, operations, outcomes, tuple(remarks),
         min_bevel=torch.min_bevel,
@@ -128,8 +130,12 @@ def _plan_of_several(
         Piece(part, 0.0, k, place=place)
         for k, (part, place) in enumerate(zip(parts, laid.places, strict=True))
     )
-    told = dict.fromkeys(p for p in parts if p.quantity > 1)
-    more = tuple(rules.QUANTITY.at(p.source, found=p.quantity) for p in told)
+    made = Counter(part for part in parts if part.quantity > 1)
+    more = tuple(
+        rules.QUANTITY.at(part.source, found=part.quantity, made=count)
+        for part, count in made.items()
+        if part.quantity > count
+    )
     return replace(
         plan, pieces=pieces, operations=operations, outcomes=outcomes,
         remarks=(*plan.remarks, *more),

@@ -35,8 +35,9 @@ UNROLLED = Rule(
 QUANTITY = Rule(
     "plan-sheet-quantity",
     _W,
-    "found a quantity of {found}; this program makes 1, run it once for each",
-    "A part is laid on a sheet as often as its file is named. --quantity says how many are wanted.",
+    "found a quantity of {found}; this program makes {made}, --quantity file makes all",
+    "Without --quantity a part is laid on a sheet as often as its file is named, whatever quantity "
+    "it states. --quantity 1 says that one is meant.",
 )
 NOTHING = Rule(
     "plan-sheet-empty",

@@ -114,5 +114,5 @@ def test_a_quantity_counts_the_copies_of_a_program() -> None:
     machine = with_torch(GRBL, thickness=3.0, copies=(2, 2), spacing=5.0)
     said = post((replace(PART, quantity=9),), machine).remarks
     assert [one.message for one in said if one.code == "plan-sheet-quantity"] == [
-        "found a quantity of 3; this program makes 1, run it once for each"
+        "found a quantity of 9; this program makes 4, --quantity file makes all"
     ]
