@@ -2,22 +2,37 @@
 
 import threading
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 
 from beamcam.commands import options
 from beamcam.commands.addresses import MODBUS_PORT, Address
 from beamcam.commands.common import Voice, say_lines
+from beamcam.commands.jobs import read_program
+from beamcam.commands.programs import input_bytes
 from beamcam.commands.settings import machine_of_stock, settled
+from beamcam.config.values import Config
 from beamcam.errors import BeamcamError, Source, VerifyError
 from beamcam.machine.machine import Machine
+from beamcam.pipeline import parts_of, read_file, stock_of
+
+if TYPE_CHECKING:
+    from beamcam.setup_sheet.monitor_page import Work
 
 
 @click.command("monitor")
 @click.argument("host", metavar="HOST[:PORT]", type=Address(MODBUS_PORT))
 @options.machine
 @options.config
+@click.option(
+    "--part", "parts", type=options.FILE, multiple=True,
+    help="A part that is worked, for its section; may be repeated, as the parts lie on the bar.",
+)  # fmt: skip
+@click.option(
+    "--program", type=options.FILE,
+    help="Program that the controller runs: its parts or its path, and the block are shown.",
+)  # fmt: skip
 @click.option(
     "--page", type=Address(), default="127.0.0.1:8020", show_default=True,
     help="Address of the page; by default only for this computer.",
@@ -29,16 +44,18 @@ from beamcam.machine.machine import Machine
 @options.json_messages
 @options.voiced
 def command(
-    host: tuple[str, int], page: tuple[str, int], every: float, as_json: bool, voice: Voice,
-    **asked: Any,
+    host: tuple[str, int], parts: tuple[str, ...], program: str | None,
+    page: tuple[str, int], every: float, as_json: bool, voice: Voice, **asked: Any,
 ) -> None:  # fmt: skip
     """Read a controller's axes over Modbus TCP and draw them in a page, until Ctrl-C.
 
     Which register has which axis says the table `[modbus]` of the machine's file. Nothing is
-    written to the controller. Exit status: 130 after Ctrl-C, 1 if there is no controller.
+    written to the controller. The section of the bar is that of --part or of --program.
+    Exit status: 130 after Ctrl-C, 1 if there is no controller.
 
     \b
     beamcam monitor 192.168.0.10 --machine beamline
+    beamcam monitor 192.168.0.10 --program job.gcode
     beamcam monitor 127.0.0.1:5020 --page 127.0.0.1:8021 --every 0.05
     """
     from beamcam.setup_sheet.monitor_page import axes_of, monitor_page
@@ -46,10 +63,10 @@ def command(
 
     try:
         config = settled(asked, ())
-        machine = machine_of_stock(config, "beam", "")
+        machine, work = _work(parts, program, config)
         reader = Reader(host, machine, len(axes_of(machine)), every)
         reader.read_first()
-        html = monitor_page(machine, every, f"{host[0]}:{host[1]}").encode("utf-8")
+        html = monitor_page(machine, every, f"{host[0]}:{host[1]}", work).encode("utf-8")
         try:
             server = ThreadingHTTPServer(page, _handler(html, reader))
         except OSError as error:
@@ -65,6 +82,24 @@ def command(
     threading.Thread(target=reader.run, daemon=True).start()
     with server:
         server.serve_forever(poll_interval=0.1)
+
+
+def _work(paths: tuple[str, ...], program: str | None, config: Config) -> "tuple[Machine, Work]":
+    """The machine, and what is known of its work. Raises BeamcamError."""
+    from msgspec.structs import replace
+
+    from beamcam.setup_sheet.monitor_page import Work
+
+    parts, _ = parts_of(map(read_file, paths))
+    if program is not None:
+        read = read_program(input_bytes(program), program, config)
+        machine, work = read.machine, Work(program=replace(read, parts=parts))
+    else:
+        machine = machine_of_stock(config, "beam", "")
+        work = Work(parts[0].profile if parts else None)
+    if parts and stock_of(parts) != machine.stock:
+        raise click.UsageError(f"Found {paths[0]!r}; expected a part for {machine.name}.")
+    return machine, work
 
 
 class Reader:

@@ -12,6 +12,7 @@ from beamcam.pictures.scene import Scene, Unit
 
 if TYPE_CHECKING:
     from beamcam.pictures.bar import BarMade
+    from beamcam.pictures.table import TableMade
     from beamcam.simulate.trace import Trace
 
 
@@ -50,17 +51,24 @@ def program_scene(program: ReadProgram, unit: Unit = "mm", trace: "Trace | None"
         from beamcam.pictures.bar import bar_scene
 
         return bar_scene(bar_made(program), unit)
-    from beamcam.pictures.table import TableMade, table_scene
+    from beamcam.pictures.table import table_scene
+
+    return table_scene(table_made(program, trace), unit)
+
+
+def table_made(program: ReadProgram, trace: "Trace | None" = None) -> "TableMade":
+    """The path of a table's program; `trace` is its own, where it is known already.
+
+    Raises VerifyError for a program that cannot be understood.
+    """
+    from beamcam.pictures.table import TableMade
+    from beamcam.simulate.program import simulate_program
 
     if trace is None:
-        from beamcam.simulate.program import simulate_program
-
-        done = simulate_program(
+        trace = simulate_program(
             program.data, program.machine, program.name, program.style, program.parts
-        )
-        trace = done.trace
-    made = TableMade(trace, program.machine, program.name, program.sha256)
-    return table_scene(made, unit)
+        ).trace
+    return TableMade(trace, program.machine, program.name, program.sha256)
 
 
 def bar_made(program: ReadProgram) -> "BarMade":

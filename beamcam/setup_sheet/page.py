@@ -51,7 +51,7 @@ def setup_page(content: Content) -> str:
             f"<footer>beamcam {__version__}. SHA-256 of {shown(program.name)}: "
             f"<code>{program.sha256}</code></footer>\n",
             data_script("playback", playback_data(content)),
-            data_script("program", program_data(content)),
+            data_script("program", program_data(content.program.data)),
             f"<script>{page_script()}</script>\n</body>\n</html>\n",
         ]
     )
@@ -76,18 +76,16 @@ def data_script(name: str, data: object) -> str:
 
 def playback_data(content: Content) -> dict[str, Any]:
     """The trace with what it moves."""
-    from beamcam.pictures.program import bar_made
-    from beamcam.pictures.table import TableMade
+    from beamcam.pictures.program import bar_made, table_made
 
     program = content.program
     if program.machine.stock == "beam":
         return bar_data(bar_made(program), content.trace)
-    return table_data(TableMade(content.trace, program.machine, program.name, program.sha256))
+    return table_data(table_made(program, content.trace))
 
 
-def program_data(content: Content) -> dict[str, Any]:
+def program_data(data: bytes) -> dict[str, Any]:
     """The program's text, so that the page can prove its hash; of a long one the first lines."""
-    data = content.program.data
     try:
         text = data.decode("utf-8")
     except UnicodeDecodeError:

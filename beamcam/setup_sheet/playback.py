@@ -14,6 +14,7 @@ from itertools import pairwise
 from typing import Any
 
 import numpy as np
+from msgspec.structs import replace
 
 from beamcam.geometry.array_types import Counts
 from beamcam.machine.drill import Spindle
@@ -27,6 +28,9 @@ from beamcam.simulate.trace import Trace
 
 MICROSECONDS = 1e6
 STEP = 1e-3  #: of positions in a page, mm or degrees
+NO_SECTION = Profile("B", "", 0.0, 0.0, 0.0, None)
+#: Height and width that are drawn, dashed, where nothing says the section.
+ASSUMED = (300.0, 100.0)
 
 
 def trace_data(trace: Trace) -> dict[str, Any]:
@@ -75,10 +79,14 @@ def cell_data(machine: Machine, profile: Profile, end: float) -> dict[str, Any]:
     """The stations of a cell for a page, about a bar of that section that ends at bar x `end`."""
     drill_x = machine.drill.x if machine.drill else 0.0
     saw = machine.saw
+    is_known = profile.height > 0.0 and profile.width > 0.0
+    if not is_known:
+        height, width = profile.height or ASSUMED[0], profile.width or ASSUMED[1]
+        profile = replace(profile, height=height, width=width)
     return {
         "kind": "bar",
         "section": {
-            "height": profile.height, "width": profile.width,
+            "height": profile.height, "width": profile.width, "assumed": not is_known,
             "outlines": section_outlines(profile) or [_box(profile)],
         },
         "bar": end,
@@ -95,12 +103,16 @@ def cell_data(machine: Machine, profile: Profile, end: float) -> dict[str, Any]:
 
 
 def bar_data(bar: BarMade, trace: Trace) -> dict[str, Any]:
-    """A bar's program for a page: the cell, the pieces, and what is made at which line."""
+    """A bar's program for a page: the cell, the pieces, what is made at which line, the trace."""
+    return {**bar_made_data(bar), "trace": trace_data(trace)}
+
+
+def bar_made_data(bar: BarMade) -> dict[str, Any]:
+    """A bar's program without its times."""
     machine, made, profile = bar.machine, bar.made, bar.profile
     drill_x = machine.drill.x if machine.drill else 0.0
     return {
         **cell_data(machine, profile, bar.end),
-        "trace": trace_data(trace),
         "pieces": [_piece(bar, k) for k in range(len(bar.pieces()))],
         "cuts": [
             {"line": p.cut.line, "x": [_rounded(bar.x_on(p, f, y)) for f in "vuo"
@@ -193,6 +205,12 @@ def table_data(table: TableMade) -> dict[str, Any]:
         "fastest": fastest,
         "colours": _runs(speed_classes(speeds, fastest)),
     }
+
+
+def path_data(table: TableMade) -> list[list[list[float]]]:
+    """The way of the head with a tool on: for each start of a tool its corners, in mm."""
+    places = np.round(table.trace.positions[:, :2], 3)
+    return [places[first : last + 1].tolist() for first, last, _ in table.strokes]
 
 
 def as_script(data: object) -> str:

@@ -5,6 +5,7 @@ pymodbus: `pip install beamcam[modbus]`.
 """
 
 import asyncio
+import logging
 from collections.abc import Callable, Iterable
 from typing import Any
 
@@ -74,6 +75,9 @@ def _server(modbus: Modbus, words: list[int], host: str, port: int, place: Sourc
     except ImportError as error:
         found = "no pymodbus of 3.16 or later (pip install beamcam[modbus])"
         raise VerifyError(rules.PORT.at(place, found=found)) from error
+
+    # What the library would log stands in the message of the error.
+    logging.getLogger("pymodbus").setLevel(logging.CRITICAL)
 
     async def show(
         function: int, start: int, address: int, count: int, shown: list[int], written: object

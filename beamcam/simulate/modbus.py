@@ -3,6 +3,7 @@
 Which register has what: `registers`. Needs pymodbus: `pip install beamcam[modbus]`.
 """
 
+import logging
 import time
 from collections.abc import Callable, Iterable
 from functools import partial
@@ -29,6 +30,8 @@ class Client:
             from pymodbus.client import ModbusTcpClient
         except ImportError as error:
             raise self._failed("no pymodbus (pip install beamcam[modbus])") from error
+        # What the library would log stands in the message of the error.
+        logging.getLogger("pymodbus").setLevel(logging.CRITICAL)
         self._fault = ModbusException
         self._client: Any = ModbusTcpClient(host, port=port, timeout=TIMEOUT_S, retries=0)
 

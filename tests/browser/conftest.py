@@ -17,14 +17,15 @@ class Browser:
     def __init__(self, driver: Any) -> None:
         self.driver = driver
 
-    def open(self, path: Path, width: int = 1200) -> None:
-        """A page from the disk, with nothing logged before."""
+    def open(self, page: Path | str, width: int = 1200) -> None:
+        """A page from the disk or at an address, with nothing logged before."""
         self.driver.execute_cdp_cmd(
             "Emulation.setDeviceMetricsOverride",
             {"width": width, "height": 900, "deviceScaleFactor": 1, "mobile": False},
         )
+        self.driver.get("about:blank")
         self.driver.get_log("browser"), self.driver.get_log("performance")
-        self.driver.get(path.as_uri())
+        self.driver.get(page if isinstance(page, str) else page.as_uri())
 
     def run(self, script: str, *arguments: object) -> Any:
         """What a script in the page returns."""

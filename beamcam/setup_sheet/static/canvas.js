@@ -62,9 +62,15 @@ class View {
   }
 
   text(words, x, y, colour, align = "left") {
+    // On a ground of its own, so that lines behind it do not cross it out.
+    this.pen.strokeStyle = Colours.paper;
+    this.pen.lineWidth = 4;
+    this.pen.lineJoin = "round";
+    this.pen.setLineDash([]);
     this.pen.fillStyle = colour;
     this.pen.font = "12px system-ui, sans-serif";
     this.pen.textAlign = align;
+    this.pen.strokeText(words, x, y);
     this.pen.fillText(words, x, y);
   }
 }

@@ -68,7 +68,8 @@ class Cell {
     this.drawMade(view, now, above, at, scale);
     this.drawSaw(view, now, above, at);
     for (const spindle of now.spindles) this.drawSpindle(view, now, above, at, scale, spindle);
-    view.text(above ? "from above" : "from the side", 8, 16, Colours.ink);
+    const known = this.section.assumed ? "; the section is not known" : "";
+    view.text((above ? "from above" : "from the side") + known, 8, 16, Colours.ink);
     this.drawLabels(view, at, across);
   }
 
@@ -92,7 +93,8 @@ class Cell {
       const before = k ? this.cutDone[k - 1] : -1;
       const behind = k < this.cutDone.length ? this.cutDone[k] : Infinity;
       const free = piece.kind === "part" && now.t >= before && now.t >= behind;
-      view.chain(points, Colours.line, { fill: free ? Colours.part : Colours.steel, closed: true });
+      view.chain(points, Colours.line, this.section.assumed ? { dash: [6, 4], closed: true }
+        : { fill: free ? Colours.part : Colours.steel, closed: true });
       if (above && piece.mark) {
         const x = (points[0][0] + points[1][0]) / 2;
         if (points[1][0] - points[0][0] > 30) {
@@ -188,8 +190,9 @@ class Cell {
       for (const outline of outlines) {
         const ends = [piece.start, piece.end].map((end) =>
           outline.map(([z, y]) => at(corner(end, y, z) - now.stop, y, z)));
-        for (const end of ends) view.chain(end, colour, { closed: true });
-        outline.forEach((_, i) => view.chain([ends[0][i], ends[1][i]], colour));
+        const dash = this.section.assumed ? [6, 4] : [];
+        for (const end of ends) view.chain(end, colour, { closed: true, dash });
+        outline.forEach((_, i) => view.chain([ends[0][i], ends[1][i]], colour, { dash }));
       }
     }
     for (const hole of this.holes) {

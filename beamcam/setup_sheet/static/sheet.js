@@ -226,7 +226,7 @@ const Sheet = {
     if (state.diameter) words.push(`tool ${Numbers.length(state.diameter)} ${Numbers.unit}`);
     if (state.turning) words.push("turning");
     if (state.coolant) words.push("coolant");
-    if (state.sawing) words.push("sawing");
+    if (state.sawing) words.push(this.data.kind === "bar" ? "sawing" : "tool on");
     const idle = this.data.kind === "guide" ? "" : "nothing on";
     this.one("state").textContent = words.join(", ") || idle;
     this.one("state").dataset.on = state.process || state.sawing || state.turning ? "yes" : "no";
