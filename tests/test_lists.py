@@ -5,6 +5,7 @@ import io
 import json
 import re
 from collections import Counter
+from hashlib import sha256
 from pathlib import Path
 
 import openpyxl
@@ -19,7 +20,7 @@ from beamcam.cli import main
 from beamcam.errors import Source
 from beamcam.machine import load
 from beamcam.model.part import Part, Profile
-from beamcam.planning.stock_bars import copies, first_fit
+from beamcam.planning.stock_bars import first_fit
 from beamcam.report.labels import Label, Size, as_pdf, as_zpl, code_rows
 from beamcam.report.tables import Table, as_csv, as_xlsx
 from tests.conftest import ROOT
@@ -78,7 +79,7 @@ parts = st.builds(
 @settings(deadline=None, max_examples=60)
 @given(st.lists(st.tuples(parts, st.integers(1, 6)), min_size=1, max_size=8))
 def test_each_piece_lies_on_one_bar_and_no_two_overlap(wanted: list[tuple[Part, int]]) -> None:
-    pieces = copies((part for part, _ in wanted), (count for _, count in wanted))
+    pieces = [part for part, count in wanted for _ in range(count)]
     nesting = first_fit(pieces, MACHINE, (6000.0, 12000.0))
     assert not nesting.refusals
     assert sorted(i for bar in nesting.bars for i in bar.pieces) == list(range(len(pieces)))
@@ -311,6 +312,24 @@ def test_a_batch_of_plates_makes_the_quantity_of_each(
     program = (out / "gusset.ngc").read_text(encoding="ascii")
     assert program.count("\nM3 S1\n") == 5 * made  # four holes and the outline
     assert run("check", str(out)).exit_code == 0
+
+
+@pytest.mark.parametrize("sample", ["gusset.nc1", "tie.nc1"])
+def test_a_program_of_a_quantity_is_verified_and_reported_with_it(
+    tmp_path: Path, sample: str
+) -> None:
+    part, job = str(SAMPLES / sample), str(tmp_path / "job.prog")
+    words = ("--quantity", "3")
+    machine = "plate-linuxcnc" if sample == "gusset.nc1" else "beamline"
+    done = run("post", part, *words, "-o", job, "--machine", machine)
+    assert done.exit_code == 0, done.stderr
+    assert run("verify", job, "--against", part, *words, "--machine", machine).exit_code == 0
+    assert run("verify", job, "--against", part, "--machine", machine).exit_code == 1
+    page = str(tmp_path / "sheet.html")
+    done = run("report", part, *words, "-o", page, "--machine", machine)
+    assert done.exit_code == 0, done.stderr
+    program = Path(job).read_bytes()
+    assert sha256(program).hexdigest() in Path(page).read_text(encoding="utf-8")
 
 
 def test_more_bars_than_one_do_not_go_to_standard_output() -> None:

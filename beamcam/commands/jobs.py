@@ -9,7 +9,7 @@ from msgspec import Struct
 
 from beamcam.commands.common import STANDARD, Voice
 from beamcam.commands.comparison import is_part
-from beamcam.commands.parts import read_parts
+from beamcam.commands.parts import read_pieces
 from beamcam.commands.programs import input_bytes
 from beamcam.commands.settings import machine_for_program, machines_for
 from beamcam.config.values import Config
@@ -64,7 +64,7 @@ def posted_job(
     """Inputs posted as `post` would, and read back. Raises BeamcamError."""
     from beamcam.planning.stock import from_store
 
-    parts, said = read_parts(inputs, config, asked, voice)
+    parts, said = read_pieces(inputs, config, asked, voice)
 
     def posted_on(machine: Machine) -> Posted:
         def made(bar: float | None) -> Posted:

@@ -19,7 +19,7 @@ from beamcam.config.values import Config
 from beamcam.errors import BeamcamError, Diagnostic, Severity, Source, errors_in
 from beamcam.model.part import Part
 from beamcam.plain_text import terminal_text
-from beamcam.planning.stock_bars import copies, first_fit
+from beamcam.planning.stock_bars import first_fit
 from beamcam.report.part_list import CutBar, PartCount, bar_list, cutting_list, part_list, total_row
 from beamcam.report.tables import Table, as_csv, as_json, as_lines, as_xlsx
 
@@ -84,7 +84,7 @@ def _bars(
     machine = machine_of_stock(config, "beam", "", is_one_of_two=True)
     if machine.saw is None or machine.layout is None:
         return (), ()
-    parts = copies((one.part for one in beams), (one.quantity for one in beams))
+    parts = tuple(one.part for one in beams for _ in range(one.quantity))
     nesting = first_fit(parts, machine, lengths)
     # A part that fits on no bar is reported once, whatever its quantity.
     refused = dict.fromkeys(replace(said, severity=Severity.ERROR) for said in nesting.refusals)

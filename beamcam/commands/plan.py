@@ -10,7 +10,7 @@ from beamcam.commands.common import Voice, write
 from beamcam.commands.common import as_json as json_of
 from beamcam.commands.grouped import Grouped
 from beamcam.commands.kinds import of_kind
-from beamcam.commands.parts import looking_options, read_parts
+from beamcam.commands.parts import looking_options, read_pieces
 from beamcam.commands.settings import files_read, machines_for, settled
 from beamcam.config.values import Config
 from beamcam.errors import BeamcamError, Diagnostic, PlanError, Source, errors_in
@@ -67,7 +67,7 @@ def command(
     as_json = as_json or output.lower().endswith(".json")
     try:
         config = settled(asked, inputs)
-        parts, said = read_parts(inputs, config, asked, voice)
+        parts, said = read_pieces(inputs, config, asked, voice)
         machines = machines_for(config, parts, output)
         source = parts[0].source if parts else Source("beamcam")
         if machines[0].stock == "sheet":

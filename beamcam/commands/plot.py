@@ -11,6 +11,7 @@ from beamcam.commands.grouped import Grouped
 from beamcam.commands.jobs import one_program, posted_job, read_program
 from beamcam.commands.parts import part_options, read_parts
 from beamcam.commands.pictures import picture, picture_suffix, unit
+from beamcam.commands.quantities import quantity
 from beamcam.commands.settings import files_read, machine_for, settled
 from beamcam.config.values import Config
 from beamcam.errors import BeamcamError, Diagnostic
@@ -30,6 +31,7 @@ from beamcam.model.plan import Order
 @options.machine
 @options.config
 @options.bar
+@quantity
 @options.skips
 @options.order
 @options.turn

@@ -11,9 +11,10 @@ from beamcam.commands.comparison import is_part
 from beamcam.commands.grouped import Grouped
 from beamcam.commands.jobs import posted_job, read_program
 from beamcam.commands.kinds import KINDS, expected
-from beamcam.commands.parts import part_options, read_parts
+from beamcam.commands.parts import part_options, read_pieces
 from beamcam.commands.pictures import unit
 from beamcam.commands.programs import input_bytes
+from beamcam.commands.quantities import quantity
 from beamcam.commands.settings import files_read, settled
 from beamcam.config.values import Config
 from beamcam.errors import BeamcamError, errors_in
@@ -28,6 +29,7 @@ from beamcam.readers.content import shown_name
 @options.machine
 @options.config
 @options.bar
+@quantity
 @options.job_name
 @options.skips
 @options.order
@@ -103,7 +105,7 @@ def _of_program(
     from beamcam.posts import Request
     from beamcam.setup_sheet.content import Source
 
-    parts, said = read_parts(inputs[1:], config, asked, voice) if inputs[1:] else ((), ())
+    parts, said = read_pieces(inputs[1:], config, asked, voice) if inputs[1:] else ((), ())
     program = replace(read_program(data, inputs[0], config), parts=parts)
     request = Request(
         parts, program.machine, config.allow_skips, shown_name(inputs[0]), bar=program.bar,

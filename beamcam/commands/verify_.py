@@ -8,7 +8,7 @@ import click
 from beamcam.commands import options
 from beamcam.commands.common import REFUSED, STANDARD, Voice, say_json
 from beamcam.commands.grouped import Grouped
-from beamcam.commands.parts import looking_options, read_parts
+from beamcam.commands.parts import looking_options, read_pieces
 from beamcam.commands.programs import input_bytes
 from beamcam.commands.settings import machine_for_program, machine_named_by, machines_for, settled
 from beamcam.config.values import Config
@@ -44,9 +44,9 @@ def command(
 ) -> None:
     """Read PROGRAM back and say what it makes otherwise than its parts.
 
-    The PARTs are given in their order on the bar. Without them the program is only checked by
-    itself: syntax, limits, spindles, feeds, clearances, tools. Nothing is said of a program that
-    is right.
+    The PARTs are given in their order on the bar, --quantity says how many of each. Without them
+    the program is only checked by itself: syntax, limits, spindles, feeds, clearances, tools.
+    Nothing is said of a program that is right.
 
     What may be missing is what --allow-skips or the configuration names, and where they do not,
     what the program's head says; under --strict or with --allow-skips none it is not believed.
@@ -55,6 +55,7 @@ def command(
     beamcam verify job.gcode --against M58.nc1
     beamcam verify gasket.ngc --against gasket.dxf --machine plate-linuxcnc
     beamcam verify job.gcode --against M74.nc1 M58.nc1 M74.nc1 --machine beamline-annex --json
+    beamcam verify sheet.ngc --against gusset.nc1 --quantity 12
     beamcam post M58.nc1 -o - | beamcam verify - --against M58.nc1
     """
     if against and not parts:
@@ -66,7 +67,7 @@ def command(
     said: tuple[Diagnostic, ...] = ()
     try:
         config = settled(asked, parts or (program,))
-        wanted, said = read_parts(parts, config, asked, voice)
+        wanted, said = read_pieces(parts, config, asked, voice)
         data = input_bytes(program)
         if wanted:
             machine = machine_named_by(data, machines_for(config, wanted, program))

@@ -25,6 +25,13 @@ def wanted(part: Part, quantity: Quantity) -> int:
     return quantity if isinstance(quantity, int) else part.quantity
 
 
+def repeated(parts: Sequence[Part], quantity: Quantity) -> tuple[Part, ...]:
+    """Each part as often as it is wanted, one behind the other, each a piece by itself."""
+    return tuple(
+        piece for part in parts for piece in (replace(part, quantity=1),) * wanted(part, quantity)
+    )
+
+
 def bar_jobs(
     parts: Sequence[Part], machine: Machine, quantity: Quantity, lengths: tuple[float, ...]
 ) -> tuple[BarJob, ...]:
@@ -34,12 +41,11 @@ def bar_jobs(
     """
     if quantity is None:
         return (BarJob(tuple(parts), lengths),)
-    said = [replace(part, quantity=1) for part in parts]  # the quantity is given by the job
     if machine.saw is None:  # each is a bar by itself, and its program is run so often
         return tuple(BarJob((part,), ()) for part in parts)
-    from beamcam.planning.stock_bars import copies, first_fit
+    from beamcam.planning.stock_bars import first_fit
 
-    pieces = copies(said, (wanted(part, quantity) for part in parts))
+    pieces = repeated(parts, quantity)
     nesting = first_fit(pieces, machine, lengths)
     if nesting.refusals:
         raise PlanError(dict.fromkeys(nesting.refusals))

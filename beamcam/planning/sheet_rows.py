@@ -16,7 +16,7 @@ from beamcam.machine.torch import Torch
 from beamcam.model.drawing import Measures
 from beamcam.model.moved import moved_feature
 from beamcam.model.part import Contour, Feature, Part
-from beamcam.planning.bar_jobs import BarJob, Quantity, wanted
+from beamcam.planning.bar_jobs import BarJob, Quantity, repeated
 from beamcam.planning.contours import rules
 from beamcam.planning.contours.assign_process import OUTLINE, assign_processes
 from beamcam.planning.contours.place import box_of
@@ -99,11 +99,7 @@ def sheet_jobs(
     parts: Sequence[Part], machine: Machine, quantity: Quantity, skips: Collection[str]
 ) -> tuple[BarJob, ...]:
     """The sheets that hold the parts, each as often as it is wanted, in the order given."""
-    pieces = list(parts)
-    if quantity is not None:
-        once = [replace(part, quantity=1) for part in parts]
-        pieces = [one for one, part in zip(once, parts, strict=True)
-                  for _ in range(wanted(part, quantity))]  # fmt: skip
+    pieces = parts if quantity is None else repeated(parts, quantity)
     jobs: list[BarJob] = []
     torch = _torch(machine)
     while pieces:

@@ -6,7 +6,7 @@
 Bars begin as the longest in store; at the end each is the shortest that holds its parts.
 """
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 
 from msgspec import Struct
 
@@ -105,9 +105,3 @@ def _laid(
     chosen = [parts[i] for i in pieces]
     (starts, account), _ = lay_on_bar(chosen, [ends[i] for i in pieces], layout, saw, length)
     return StockBar(tuple(pieces), starts, account)
-
-
-def copies(parts: Iterable[Part], quantities: Iterable[int]) -> tuple[Part, ...]:
-    """Each part as often as it is wanted, one behind the other."""
-    pairs = zip(parts, quantities, strict=True)
-    return tuple(part for part, count in pairs for _ in range(count))
