@@ -1,6 +1,9 @@
-"""Small parts for tests of many files, and a batch called as from a shell."""
+"""Small parts for tests of many files, and commands called as from a shell."""
 
 import json
+import signal
+import subprocess
+import time
 from pathlib import Path
 from typing import Any
 
@@ -57,3 +60,13 @@ def programs(folder: Path) -> dict[str, bytes]:
 def report(path: Path) -> dict[str, Any]:
     data: dict[str, Any] = json.loads(path.read_text(encoding="utf-8"))
     return data
+
+
+def interrupted(process: subprocess.Popen[str]) -> None:
+    """Ctrl-C ends a server within a second, without a traceback."""
+    assert process.stderr is not None
+    begun = time.monotonic()
+    process.send_signal(signal.SIGINT)
+    assert process.wait(10) == 130
+    assert time.monotonic() - begun < 1.0
+    assert "Traceback" not in process.stderr.read()

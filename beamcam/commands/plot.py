@@ -9,7 +9,7 @@ from beamcam.commands import options
 from beamcam.commands.common import Voice, write
 from beamcam.commands.grouped import Grouped
 from beamcam.commands.jobs import one_program, posted_job, read_program
-from beamcam.commands.parts import part_options, read_parts
+from beamcam.commands.parts import job_options, read_parts
 from beamcam.commands.pictures import picture, picture_suffix, unit
 from beamcam.commands.quantities import quantity
 from beamcam.commands.settings import files_read, machine_for, settled
@@ -32,12 +32,7 @@ from beamcam.model.plan import Order
 @options.config
 @options.bar
 @quantity
-@options.skips
-@options.order
-@options.turn
-@part_options
-@options.strict
-@options.json_messages
+@job_options
 @options.voiced
 def command(
     inputs: tuple[str, ...],

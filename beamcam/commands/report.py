@@ -11,7 +11,7 @@ from beamcam.commands.comparison import is_part
 from beamcam.commands.grouped import Grouped
 from beamcam.commands.jobs import posted_job, read_program
 from beamcam.commands.kinds import KINDS, expected
-from beamcam.commands.parts import part_options, read_pieces
+from beamcam.commands.parts import job_options, read_pieces
 from beamcam.commands.pictures import unit
 from beamcam.commands.programs import input_bytes
 from beamcam.commands.quantities import quantity
@@ -31,12 +31,7 @@ from beamcam.readers.content import shown_name
 @options.bar
 @quantity
 @options.job_name
-@options.skips
-@options.order
-@options.turn
-@part_options
-@options.strict
-@options.json_messages
+@job_options
 @options.voiced
 def command(
     inputs: tuple[str, ...],

@@ -144,17 +144,3 @@ def cubic_through(nodes: tuple[Point, ...]) -> Bezier:
 
     (x1, x2), (y1, y2) = legs(ax, bx, cx, dx), legs(ay, by, cy, dy)
     return Bezier((nodes[0], (x1, y1), (x2, y2), nodes[3]))
-
-
-def bezier_of_monomial(coefficients: tuple[float, ...], low: float, high: float) -> Bezier:
-    """y = a0 + a1 x + a2 x^2 + ... between two x, exactly, in Bezier form."""
-    degree = max(len(coefficients) - 1, 1)
-    xs = [low + (high - low) * k / degree for k in range(degree)] + [high]
-
-    def value(x: float) -> float:
-        total = 0.0
-        for a in reversed(coefficients):
-            total = total * x + a
-        return total
-
-    return NewtonCurve(tuple((x, value(x)) for x in xs)).as_bezier()

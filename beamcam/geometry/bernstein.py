@@ -53,16 +53,6 @@ def product(a: Coefficients, b: Coefficients) -> list[float]:
     ]
 
 
-def raised(c: Coefficients, degree: int) -> list[float]:
-    """The same polynomial with the coefficients of a higher degree."""
-    row = list(c)
-    while len(row) <= degree:
-        n = len(row)
-        inner = [(i * row[i - 1] + (n - i) * row[i]) / n for i in range(1, n)]
-        row = [row[0], *inner, row[-1]]
-    return row
-
-
 def roots(c: Coefficients) -> list[float]:
     """Where the polynomial is zero inside (0, 1), ascending; none if it is zero everywhere."""
     scale = max(abs(v) for v in c)

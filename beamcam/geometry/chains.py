@@ -82,7 +82,6 @@ class Chains(Struct, frozen=True):
 def join_curves(
     curves: Sequence[Curve],
     tolerance: float,
-    look: float | None = None,
     ends: Floats | None = None,
 ) -> Chains:
     """Chains of curves whose ends are no farther apart than `tolerance`, in the order given.
@@ -93,8 +92,8 @@ def join_curves(
     Ends that are near a third one meet one another too, unless they hang together over more than
     twice the tolerance. Where three ends or more meet, a chain that begins and ends there is
     closed, and chains that lead to nowhere leave the way on to the others; if more are left, all
-    of them stop and a junction is reported. Open ends of chains nearer than `look` (10 times the
-    tolerance if not given) are reported as gaps. Chains no larger than the tolerance are dropped.
+    of them stop and a junction is reported. Open ends of chains nearer than 10 times
+    the tolerance are reported as gaps. Chains no larger than the tolerance are dropped.
     `ends` are those of the curves (n, 4), if they are known already.
 
     Raises ValueError if the tolerance is not above 0.
@@ -125,7 +124,7 @@ def join_curves(
     dropped = [c.members for c, is_small in zip(chains, small, strict=True) if is_small]
     lost = {m for members in dropped for m in members if m >= 0}
     lost.update(np.flatnonzero(point).tolist())
-    gaps = _find_gaps(kept, 10 * tolerance if look is None else look, tolerance)
+    gaps = _find_gaps(kept, tolerance)
     return Chains(tuple(kept), junctions, gaps, tuple(sorted(lost)))
 
 
@@ -282,15 +281,15 @@ def _follow(end: int, partner: Sequence[int]) -> Iterator[int]:
             return
 
 
-def _find_gaps(chains: list[Chain], look: float, tolerance: float) -> tuple[Gap, ...]:
-    """Pairs of open ends within `look`, each end with its nearest other, nearest pairs first."""
+def _find_gaps(chains: list[Chain], tolerance: float) -> tuple[Gap, ...]:
+    """Each open end with its nearest other within 10 times the tolerance, nearest pairs first."""
     ends: list[tuple[Point, int]] = []
     for chain in chains:
         if not chain.closed:
             ends.append((chain.curves[0].start, chain.members[0]))
             ends.append((chain.curves[-1].end, chain.members[-1]))
     points = np.array([point for point, _ in ends], dtype=np.float64).reshape(-1, 2)
-    first, second = near_pairs(points, look)
+    first, second = near_pairs(points, 10 * tolerance)
     away = np.hypot(*(points[first] - points[second]).T)
     apart = away > tolerance * SLACK
     first, second, away = first[apart], second[apart], away[apart]

@@ -83,17 +83,6 @@ def newton_derivatives(
     return value, first, second
 
 
-def monomial_coefficients(u: Sequence[float], values: Sequence[float]) -> tuple[float, ...]:
-    """The polynomial through (u, values) as a0 + a1 x + a2 x^2 + ..."""
-    coefficients = newton_coefficients(u, values)
-    total = [coefficients[-1]]
-    for c, node in zip(coefficients[-2::-1], u[-2::-1], strict=True):
-        shifted = [0.0, *total]
-        total = [a - node * b for a, b in zip(shifted, [*total, 0.0], strict=True)]
-        total[0] += c
-    return tuple(total)
-
-
 class NewtonCurve(Struct, frozen=True):
     """The polynomial through two nodes or more.
 
@@ -187,16 +176,6 @@ class NewtonCurve(Struct, frozen=True):
     def as_bezier(self) -> Bezier:
         """The same curve in Bezier form, exact but for rounding."""
         return _bezier_form(self)
-
-    def as_parabola(self) -> tuple[Point, Point, Point]:
-        """Start, vertex and end of a curve with three nodes, as G06 takes them.
-
-        The vertex is the point whose tangent is parallel to the chord: t = 1/2 of the quadratic
-        Bezier. Raises ValueError if there are not three nodes.
-        """
-        if len(self.nodes) != 3:
-            raise ValueError(f"a parabola has 3 nodes, found {len(self.nodes)}")
-        return parabola_of(self.as_bezier())
 
 
 def newton_through(nodes: tuple[Point, ...]) -> NewtonCurve:

@@ -60,13 +60,6 @@ class Vanished(Struct, frozen=True):
         return f"a contour of {self.area:.3f} mm2 vanishes when moved in by {-self.amount:g}"
 
 
-def offset_chain(
-    chain: Sequence[Curve], amount: float, tolerance: float = DEFAULT_TOLERANCE
-) -> Offset | Vanished:
-    """One closed chain moved; see `offset_chains`."""
-    return offset_chains((chain,), (amount,), tolerance)[0]
-
-
 def offset_chains(
     chains: Sequence[Sequence[Curve]],
     amounts: Sequence[float],

@@ -112,13 +112,14 @@ _GAUSS = (
     (0.9739065285171717, 0.0666713443086881),
 )
 
+MAX_HALVINGS = 24  #: of the range, by `integrate`
+
 
 def integrate(
     function: Callable[[float], float],
     low: float = 0.0,
     high: float = 1.0,
     floor: float = 0.0,
-    depth: int = 24,
 ) -> float:
     """Integral of a function that is smooth but for a few points, to about 1e-12 relative.
 
@@ -145,4 +146,4 @@ def integrate(
 
     estimate, size = rule(low, high)
     slack = max(floor, 1e-12 * size)
-    return refine(low, high, estimate, depth)
+    return refine(low, high, estimate, MAX_HALVINGS)

@@ -8,7 +8,6 @@ import re
 from collections.abc import Iterable, Mapping
 from math import inf
 
-from beamcam.machine.torch import LookSettings
 from beamcam.model.colour_names import NAMES
 from beamcam.model.part import Contour, Process
 
@@ -139,14 +138,6 @@ def process_of(contour: Contour, table: Mapping[str, Process]) -> Process | None
     """The process that `table` assigns to `contour`; None if there is none."""
     key = key_of(contour, table)
     return None if key is None else table[key]
-
-
-def settings_of(
-    contour: Contour, table: Iterable[str], settings: Mapping[str, LookSettings]
-) -> LookSettings | None:
-    """How the key of `table` that stands for `contour` wants it worked; None if as its process."""
-    key = key_of(contour, table) if settings else None
-    return None if key is None else settings.get(key)
 
 
 def key_of(contour: Contour, table: Iterable[str]) -> str | None:

@@ -37,14 +37,6 @@ def chord_step_rad(radius: float, tolerance: float) -> float:
     return min(MAX_STEP_RAD, 4 * asin(sqrt(share))) if share < 1.0 else MAX_STEP_RAD
 
 
-def cycle_step_rad(radius: float, chord: float) -> float:
-    """The angle of an arc whose chord is `chord`: 2 asin(chord / (2 radius)), at most 180 degrees.
-
-    With chord = 3 v T it is the least step of a table whose controller looks every T seconds.
-    """
-    return 2 * asin(min(1.0, chord / (2 * radius)))
-
-
 def sagitta(radius: float, step_rad: float) -> float:
     """Distance between an arc of `step_rad` and its chord."""
     return float(2 * radius * np.sin(step_rad / 4) ** 2)

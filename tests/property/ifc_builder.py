@@ -111,9 +111,9 @@ class Lie(Struct, frozen=True):
     forward: bool = True
 
 
-def lie(member: Member) -> Lie:
-    h, b = member.sizes[:2]
-    match member.code:
+def lie(code: str, sizes: Sequence[float]) -> Lie:
+    h, b = sizes[:2]
+    match code:
         case "U":
             return Lie((-b / 2, h / 2), (0, -1), (1, 0))
         case "L":
@@ -338,7 +338,7 @@ class Writer:
 
     def local(self, member: Member, p: Vec) -> Vec:
         """A point (x, Y, Z) of the member in the element: profile x is y, profile y is z."""
-        at = lie(member)
+        at = lie(member.code, member.sizes)
         px = at.origin[0] + at.y[0] * p[1] + at.z[0] * p[2]
         py = at.origin[1] + at.y[1] * p[1] + at.z[1] * p[2]
         return (p[0] if at.forward else member.length - p[0], px, py)

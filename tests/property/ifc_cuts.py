@@ -13,7 +13,7 @@ from typing import Any
 from msgspec import Struct
 
 from beamcam.model.part import Bevel, Contour, Hole, Part, Slot
-from tests.property.ifc_builder import Lie, Vec
+from tests.property.ifc_builder import Vec, lie
 from tests.unit.readers.ifc.models import Small
 
 SIZES = {
@@ -62,18 +62,6 @@ class Half(Struct, frozen=True):
 Cutter = Box | Round | Half
 
 
-def lie(bar: Bar) -> Lie:
-    h, b = bar.sizes[:2]
-    match bar.code:
-        case "U":
-            return Lie((-b / 2, h / 2), (0, -1), (1, 0))
-        case "L":
-            return Lie((-b / 2, -h / 2), (0, 1), (1, 0), False)
-        case "T":
-            return Lie((h / 2, b / 2), (-1, 0), (0, -1))
-    return Lie((b / 2, -h / 2), (0, 1), (-1, 0))
-
-
 class Cuts:
     """A model of members with cuts."""
 
@@ -104,7 +92,7 @@ class Cuts:
         return m.box(b, h)
 
     def point(self, bar: Bar, p: Vec) -> Vec:
-        at = lie(bar)
+        at = lie(bar.code, bar.sizes)
         px = at.origin[0] + at.y[0] * p[1] + at.z[0] * p[2]
         py = at.origin[1] + at.y[1] * p[1] + at.z[1] * p[2]
         return (p[0] if at.forward else bar.length - p[0], px, py)

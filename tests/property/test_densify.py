@@ -1,6 +1,6 @@
 """Laws of densified paths: they stay within the certificate, and that within the tolerance."""
 
-from math import acos, asin, ceil, pi
+from math import acos, ceil, pi
 
 import numpy as np
 import pytest
@@ -146,10 +146,3 @@ def test_vertices_where_x_or_y_turns(curve):
     for t in curve.extremes():
         gaps = np.hypot(*(result.points - np.array(curve.point(t))).T)
         assert gaps.min() <= 1e-5
-
-
-def test_cycle_step_of_the_two_axis_table():
-    from beamcam.motion.spans import cycle_step_rad
-
-    assert cycle_step_rad(10, 3 * 8 * 0.025) == pytest.approx(2 * asin(3 * 8 * 0.025 / 20))
-    assert cycle_step_rad(1, 5) == pytest.approx(pi)

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from beamcam.geometry.arc_fitting import fit_chains
 from beamcam.geometry.arrays import CurveTable, signed_areas
 from beamcam.geometry.curves import Arc, Bezier, BSpline, Line, arc_through, signed_area
-from beamcam.geometry.offset import Offset, Vanished, offset_chain, offset_chains
+from beamcam.geometry.offset import Offset, Vanished, offset_chains
 from beamcam.geometry.raw_offset import raw_offsets
 from beamcam.geometry.sampling import points_at
 from tests.rings import polygon_of
@@ -58,7 +58,7 @@ def test_no_place_is_nearer_than_it_shall_be_and_nothing_is_left_uncovered(seed,
     before = shapely.Polygon(polygon_of(ring, 128))
     if not before.is_valid:
         return
-    moved = offset_chain(ring, amount, TOLERANCE)
+    moved = offset_chains((ring,), (amount,), TOLERANCE)[0]
     truth = before.buffer(amount, quad_segs=64)
     if isinstance(moved, Vanished):
         assert truth.area <= 0.05 * before.length
@@ -86,7 +86,7 @@ def test_many_rings_are_moved_as_each_by_itself(seeds):
     amounts = [0.4 if s % 2 else -0.4 for s in seeds]
     together = offset_chains(rings, amounts, TOLERANCE)
     assert together == [
-        offset_chain(ring, a, TOLERANCE) for ring, a in zip(rings, amounts, strict=True)
+        offset_chains((ring,), (a,), TOLERANCE)[0] for ring, a in zip(rings, amounts, strict=True)
     ]
     assert signed_areas(rings) == pytest.approx([signed_area(r) for r in rings], abs=1e-7)
 
@@ -105,7 +105,7 @@ WAIST = lines(
 def test_a_ring_that_crosses_itself_is_not_taken():
     (raw,) = raw_offsets([WAIST], np.array([-1.0]), CurveTable(WAIST))
     assert raw is not None
-    moved = offset_chain(WAIST, -1.0, TOLERANCE)
+    moved = offset_chains((WAIST,), (-1.0,), TOLERANCE)[0]
     assert isinstance(moved, Offset)
     assert not moved.exact
     assert len(moved.chains) == 2

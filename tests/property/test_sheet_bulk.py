@@ -19,7 +19,6 @@ from beamcam.controllers.scan import scan
 from beamcam.geometry.curves import Arc, Bezier, BSpline, Curve, Line
 from beamcam.machine import load
 from beamcam.verify.sheets.gaps import widest_gap
-from beamcam.verify.sheets.splines import spans_of
 from beamcam.verify.sheets.ways import Ways
 
 numbers = st.decimals(-9999, 9999, places=4).map(lambda d: f"{d.normalize():f}")
@@ -287,8 +286,3 @@ def test_a_smooth_spline_takes_few_arcs() -> None:
     cusp = Bezier(((0.0, 0.0), (10.0, 10.0), (0.0, 10.0), (10.0, 0.0)))
     tip = np.array([[5.0, 7.5]])
     assert Ways([cusp], 0.0025).nearest(tip)[0][0] <= 0.0025
-
-
-@given(splines())
-def test_polynomials_of_a_spline(spline: BSpline) -> None:
-    assert spans_of(spline) == len(spline.pieces())

@@ -41,7 +41,7 @@ _MEANINGS: dict[Process, TorchProcess] = {
 }  # fmt: skip
 
 
-class Wanted(Struct, frozen=True, gc=False):
+class AssignedCurve(Struct, frozen=True, gc=False):
     """One curve to follow."""
 
     curve: Curve
@@ -54,7 +54,7 @@ class Wanted(Struct, frozen=True, gc=False):
 class Assigned(Struct):
     """All work that a part requires."""
 
-    wanted: list[Wanted] = field(default_factory=list)
+    wanted: list[AssignedCurve] = field(default_factory=list)
     rings: set[int] = field(default_factory=set)  #: features that are closed by what they say
     skipped: dict[int, str] = field(default_factory=dict)  #: feature: the code it is left out by
     listed: dict[int, str] = field(default_factory=dict)  #: marks left for manual work, and why
@@ -89,17 +89,19 @@ def assign_processes(
                 if feature.closed:
                     found.rings.add(index)
                 key = meanings.key(feature)
-                found.wanted += [Wanted(c, meaning, index, source, key) for c in feature.curves]
+                found.wanted += [
+                    AssignedCurve(c, meaning, index, source, key) for c in feature.curves
+                ]
         else:
             hole = cast("Hole | Slot", feature)
             process: TorchProcess = "mark" if hole.kind == "mark" else "cut"  # a centre's cross
             curves = curves_of(hole, torch.cross)
-            found.wanted += [Wanted(c, process, index, feature.source) for c in curves]
+            found.wanted += [AssignedCurve(c, process, index, feature.source) for c in curves]
     for look, count in unmapped.items():
         found.refusals.append(_unmapped(look, count, first[look], torch.colours))
     found.remarks += _noise(part, torch)
     if _needs_outline(part):
-        found.wanted += (Wanted(c, "cut", OUTLINE, part.source) for c in _rectangle(part))
+        found.wanted += (AssignedCurve(c, "cut", OUTLINE, part.source) for c in _rectangle(part))
     letter(part, machine.marks, found)
     found.refusals += _unknown_processes(found.wanted, torch, machine.name)
     return found
@@ -118,7 +120,7 @@ def _is_out(
         hole = cast("Hole | Slot", feature)
         found.listed[index] = DRILL
         found.wanted += [
-            Wanted(curve, "mark", index, feature.source)
+            AssignedCurve(curve, "mark", index, feature.source)
             for at in centres_of(hole) for curve in _cross(at, torch.cross)
         ]  # fmt: skip
         return True
@@ -200,7 +202,7 @@ def letter(part: Part, marks: Marks, found: Assigned) -> None:
             continue
         found.remarks += remarks(text, lettered, marks)
         found.wanted += [
-            Wanted(Line(a, b), process, index, text.source)
+            AssignedCurve(Line(a, b), process, index, text.source)
             for stroke in lettered.strokes
             for a, b in pairwise(stroke)
         ]
@@ -218,7 +220,9 @@ def _unmapped(
     )
 
 
-def _unknown_processes(wanted: list[Wanted], torch: Torch, machine: str) -> Iterator[Diagnostic]:
+def _unknown_processes(
+    wanted: list[AssignedCurve], torch: Torch, machine: str
+) -> Iterator[Diagnostic]:
     known = {row.process for row in torch.rows}
     missing = Counter(w.process for w in wanted if w.process not in known)
     for process, count in missing.items():

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 from beamcam.errors import Diagnostic, PlanError, Rule, Source
 from beamcam.geometry.plane import Point
 from beamcam.planning.contours import rules
-from beamcam.planning.contours.assign_process import Wanted
+from beamcam.planning.contours.assign_process import AssignedCurve
 from beamcam.planning.contours.outline import invalid, outlines, signed_areas, valid, ways
 from beamcam.planning.contours.shape import Shape, entity
 
@@ -32,7 +32,7 @@ def crossings(
     closed: Sequence[Shape],
     rings: "NDArray[Any]",
     bad: Sequence[int],
-    wanted: Sequence[Wanted],
+    wanted: Sequence[AssignedCurve],
     tolerance: float,
     gap: float,
     kerf: float,
@@ -60,7 +60,10 @@ def crossings(
 
 
 def refuse_tangles(
-    closed: Sequence[Shape], rings: "NDArray[Any]", bad: Sequence[int], wanted: Sequence[Wanted]
+    closed: Sequence[Shape],
+    rings: "NDArray[Any]",
+    bad: Sequence[int],
+    wanted: Sequence[AssignedCurve],
 ) -> None:
     """Raise PlanError for a contour that meets itself all along, as one of many turns does.
 
@@ -195,9 +198,9 @@ def _crossing(a: Shape, b: Shape, tolerance: float) -> Point | None:
 class _Entities:
     """The curves of features, looked at where contours cross."""
 
-    def __init__(self, wanted: Sequence[Wanted]) -> None:
+    def __init__(self, wanted: Sequence[AssignedCurve]) -> None:
         self._wanted = wanted
-        self._of: dict[int, list[Wanted]] = {}
+        self._of: dict[int, list[AssignedCurve]] = {}
 
     def at(self, place: Point, a: Shape, b: Shape) -> tuple[Source, str]:
         """The source of the curve of `a` at a place, and how the curve of `b` there is called.

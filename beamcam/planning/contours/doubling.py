@@ -13,7 +13,7 @@ from beamcam.geometry.curves import Bezier, BSpline, Curve
 from beamcam.geometry.plane import Point
 from beamcam.geometry.polylines import polylines
 from beamcam.planning.contours import rules
-from beamcam.planning.contours.assign_process import Wanted
+from beamcam.planning.contours.assign_process import AssignedCurve
 
 #: Chords stand for the curves so near to them, in mm, and what lies nearer lies on one another.
 FINE = 1e-3
@@ -87,7 +87,9 @@ def _together(one: Floats, other: Floats) -> float:
     return float(np.hypot(*np.diff(one[:last], axis=0).T).sum()) if last > 1 else 0.0
 
 
-def told(wanted: Sequence[Wanted], which: Sequence[int], kerf: float) -> Iterator[Diagnostic]:
+def told(
+    wanted: Sequence[AssignedCurve], which: Sequence[int], kerf: float
+) -> Iterator[Diagnostic]:
     """Remarks on the curves that run back along themselves.
 
     An error with kerf compensation, as the side of such a stretch is undefined.

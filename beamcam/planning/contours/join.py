@@ -15,7 +15,7 @@ from beamcam.geometry.chains import Chains, join_curves
 from beamcam.geometry.curves import Line
 from beamcam.machine.torch import Torch, TorchProcess
 from beamcam.planning.contours import rules
-from beamcam.planning.contours.assign_process import Wanted
+from beamcam.planning.contours.assign_process import AssignedCurve
 from beamcam.planning.contours.doubling import told
 from beamcam.planning.contours.repeats import Repeats, contours_once, loose_once, overlapping
 from beamcam.planning.contours.shape import Shape, entity
@@ -38,7 +38,7 @@ class Joined(Struct):
 
 
 def join(
-    wanted: Sequence[Wanted],
+    wanted: Sequence[AssignedCurve],
     curves: CurveTable,
     torch: Torch,
     kerf: float,
@@ -83,7 +83,11 @@ def join(
 
 
 def _closed_features(
-    wanted: Sequence[Wanted], curves: CurveTable, gap: float, rings: Collection[int], found: Joined
+    wanted: Sequence[AssignedCurve],
+    curves: CurveTable,
+    gap: float,
+    rings: Collection[int],
+    found: Joined,
 ) -> tuple[dict[tuple[TorchProcess, str], list[int]], set[int]]:
     """Keep the features that close by themselves; the numbers of other curves, by process and
     settings.
@@ -129,7 +133,9 @@ def _not_closed(shape: Shape) -> Diagnostic:
     )  # fmt: skip
 
 
-def _shapes(process: TorchProcess, once: Sequence[Wanted], chains: Chains) -> Iterator[Shape]:
+def _shapes(
+    process: TorchProcess, once: Sequence[AssignedCurve], chains: Chains
+) -> Iterator[Shape]:
     for chain in chains.chains:
         members = [once[m] for m in chain.members if m >= 0]
         features = tuple(sorted({member.feature for member in members}))
@@ -146,12 +152,12 @@ def _is_small(hulls: Floats, size: float) -> bool:
     return hypot(x1 - x0, y1 - y0) <= size
 
 
-def _is_there_and_back(wanted: Sequence[Wanted]) -> bool:
+def _is_there_and_back(wanted: Sequence[AssignedCurve]) -> bool:
     """Whether a closed feature is a line that is drawn in both directions."""
     return len(wanted) == 2 and all(type(w.curve) is Line for w in wanted)
 
 
-def _features(wanted: Sequence[Wanted], places: Floats) -> Iterator[tuple[int, int, bool]]:
+def _features(wanted: Sequence[AssignedCurve], places: Floats) -> Iterator[tuple[int, int, bool]]:
     """For each feature where its curves begin and end, and whether they are one closed chain:
     they follow one another and end where they begin. `places` are the ends of all, (n, 4)."""
     features = np.array([w.feature for w in wanted])
@@ -164,7 +170,9 @@ def _features(wanted: Sequence[Wanted], places: Floats) -> Iterator[tuple[int, i
     yield from zip(begins.tolist(), ends.tolist(), (~is_open).tolist(), strict=True)
 
 
-def _tell(found: Joined, chains: Chains, once: Sequence[Wanted], torch: Torch, kerf: float) -> None:
+def _tell(
+    found: Joined, chains: Chains, once: Sequence[AssignedCurve], torch: Torch, kerf: float
+) -> None:
     """Says where chains stop: where several curves meet, and at gaps."""
     for junction in chains.junctions:
         names = dict.fromkeys(entity(once[m].source) for m in junction.members)

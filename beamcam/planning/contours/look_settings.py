@@ -7,7 +7,7 @@ from beamcam.machine.faults import TABLE_CONTROLLERS
 from beamcam.machine.machine import Machine
 from beamcam.machine.torch import LookSettings, Torch
 from beamcam.planning.contours import rules
-from beamcam.planning.contours.assign_process import Wanted
+from beamcam.planning.contours.assign_process import AssignedCurve
 from beamcam.planning.contours.shape import Shape
 
 PLAIN = LookSettings()
@@ -18,7 +18,9 @@ def rank(shape: Shape, torch: Torch) -> int:
     return torch.settings.get(shape.look, PLAIN).order
 
 
-def refuse_settings(wanted: Iterable[Wanted], torch: Torch, machine: Machine) -> list[Diagnostic]:
+def refuse_settings(
+    wanted: Iterable[AssignedCurve], torch: Torch, machine: Machine
+) -> list[Diagnostic]:
     """An error for each setting of a colour or layer in use that the machine cannot follow."""
     if not torch.settings:
         return []

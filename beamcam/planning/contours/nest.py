@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 from msgspec.structs import replace
 
 from beamcam.errors import Diagnostic
-from beamcam.planning.contours.assign_process import Wanted
+from beamcam.planning.contours.assign_process import AssignedCurve
 from beamcam.planning.contours.crossing import crossings, refuse_tangles
 from beamcam.planning.contours.outline import Drawn, invalid, rings_of, signed_areas, valid
 from beamcam.planning.contours.shape import Shape
@@ -22,7 +22,7 @@ MIN_WIDTH = 1e-3
 def nest(
     shapes: Sequence[Shape],
     drawn: Drawn,
-    wanted: Sequence[Wanted],
+    wanted: Sequence[AssignedCurve],
     tolerance: float,
     gap: float,
     kerf: float,

@@ -17,7 +17,7 @@ from beamcam.geometry.curves import Arc, Curve, Line, signed_area
 from beamcam.geometry.near import near_pairs
 from beamcam.model.lengths import total_length
 from beamcam.planning.contours import rules
-from beamcam.planning.contours.assign_process import Wanted
+from beamcam.planning.contours.assign_process import AssignedCurve
 from beamcam.planning.contours.shape import Shape, entity
 
 if TYPE_CHECKING:
@@ -63,7 +63,7 @@ class Repeats(Struct):
         return found
 
 
-def loose_once(wanted: Sequence[Wanted], found: Repeats) -> list[Wanted]:
+def loose_once(wanted: Sequence[AssignedCurve], found: Repeats) -> list[AssignedCurve]:
     """Loose curves of one process without those that lie on others among them."""
     pairs = overlapping(CurveTable([w.curve for w in wanted]), [w.process for w in wanted])
     if not pairs:

@@ -58,11 +58,6 @@ def _built(solid: Any) -> Built:
     return Built(_facets(solid), _log(), float(solid.volume) * 1e9)
 
 
-def build_exact(model: Model, element: Entity) -> Exact:
-    """The surfaces of the same solid. Raises Unreadable if the kernel has none."""
-    return _surfaces(_solid(model, element))
-
-
 def build_both(model: Model, element: Entity) -> tuple[Built, Exact]:
     """As `build` and `build_exact`, of a solid that is built once."""
     solid = _solid(model, element)
@@ -173,14 +168,6 @@ def _instance(file: Any, element: Entity) -> Any:
 def _log() -> tuple[str, ...]:
     """Kernel messages since the last call."""
     return tuple(line for line in str(_kernel().get_log()).splitlines() if line.strip())
-
-
-def contains_itself(element: Entity) -> bool:
-    """Whether what an element refers to leads back to itself.
-
-    The kernel follows such references until the process dies, so it is never given any.
-    """
-    return reached(element) is None
 
 
 def reached(element: Entity) -> set[Entity] | None:

@@ -45,12 +45,6 @@ class Bounds(Struct, frozen=True):
         return Bounds(*(getattr(self, name)[which] for name in self.__struct_fields__))
 
 
-def spans_of(spline: BSpline) -> int:
-    """Number of polynomials in a spline."""
-    drawn = spline.knots[spline.degree : len(spline.control) + 1]
-    return len(set(drawn)) - 1
-
-
 def all_spans(curves: Sequence[BSpline | Bezier]) -> dict[int, Spans]:
     """The polynomials of curves without weights, by their degree."""
     alike: dict[tuple[int, int], list[int]] = {}

@@ -71,7 +71,7 @@ def test_a_gap_beyond_the_tolerance_is_reported_and_left_open():
     assert isinstance(gap, Gap)
     assert gap.width == pytest.approx(0.05)
     assert set(gap.members) == {0, 1}
-    assert join_curves(curves, 0.01, look=0.02).gaps == ()
+    assert join_curves(curves, 0.004).gaps == ()
 
 
 def test_ends_of_arcs_are_bridged_and_those_of_lines_moved():

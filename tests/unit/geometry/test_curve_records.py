@@ -112,7 +112,6 @@ def test_bernstein_roots():
     assert bernstein.roots(thirds) == pytest.approx([1 / 3, 2 / 3])
     assert bernstein.roots([0.0, 0.0, 0.0]) == []
     assert bernstein.roots(bernstein.product([-0.5, 0.5], [-0.5, 0.5])) == pytest.approx([0.5])
-    assert bernstein.raised([0.0, 1.0], 3) == pytest.approx([0, 1 / 3, 2 / 3, 1])
 
 
 def test_integral_of_a_kink():

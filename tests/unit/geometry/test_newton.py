@@ -6,14 +6,13 @@ from math import dist
 import pytest
 
 from beamcam.geometry import approximation
-from beamcam.geometry.approximation import bezier_of_monomial, curves_of_function, curves_of_way
+from beamcam.geometry.approximation import curves_of_function, curves_of_way
 from beamcam.geometry.curves import Bezier, Line, NewtonCurve
 from beamcam.geometry.newton import (
     are_equidistant,
     divided_differences,
     find_oscillation,
     forward_differences,
-    monomial_coefficients,
     newton_coefficients,
     newton_through,
     newton_value,
@@ -52,15 +51,9 @@ def test_forward_differences_over_uneven_nodes_miss_the_last_one():
     assert newton_value(wrong, (10, 40, 70, 100), 90) == pytest.approx(11.0, abs=0.5)
 
 
-def test_monomial_form():
-    xs = (1.0, 2.0, 4.0)
-    assert monomial_coefficients(xs, [3 - 2 * x + x * x for x in xs]) == pytest.approx((3, -2, 1))
-    assert monomial_coefficients((5.0,), (7.0,)) == (7.0,)
-
-
 def test_three_nodes_are_a_parabola_with_its_vertex():
     curve = NewtonCurve(((0, 0), (10, 30), (40, 0)))
-    start, vertex, end = curve.as_parabola()
+    start, vertex, end = parabola_of(curve.as_bezier())
     assert (start, end) == ((0, 0), (40, 0))
     assert vertex == pytest.approx((20, 40))  # y = x (40 - x) / 10
     assert curve.tangent(0.5) == pytest.approx((1, 0))
@@ -71,7 +64,7 @@ def test_a_curve_that_is_no_function_of_x_is_parametric():
     assert not curve.is_function
     assert curve.point(0.5) == (10, 10)
     assert curve.tangent(0.5) == pytest.approx((0, 1), abs=1e-12)
-    assert curve.as_parabola()[1] == pytest.approx((10, 10))
+    assert parabola_of(curve.as_bezier())[1] == pytest.approx((10, 10))
     closed = NewtonCurve(((0, 0), (10, 10), (0, 20), (-10, 10), (0, 0)))
     assert closed.start == closed.end
     assert [closed.point(t) for t in closed.parameters] == list(closed.nodes)
@@ -191,16 +184,9 @@ def test_a_straight_function_is_one_line():
     assert curves_of_function("2 * x + 1", 0, 10, 0.01).curves == (Line((0, 1), (10, 21)),)
 
 
-def test_monomials_become_beziers():
-    curve = bezier_of_monomial((3.0, -2.0, 1.0), 0.0, 4.0)
-    assert curve.point(0.25) == pytest.approx((1.0, 2.0))
-    assert bezier_of_monomial((7.0,), 0.0, 1.0).points == ((0.0, 7.0), (1.0, 7.0))
-
-
 @pytest.mark.parametrize(
     ("call", "message"),
     [
-        (lambda: NewtonCurve(TABLE).as_parabola(), "a parabola has 3 nodes, found 4"),
         (lambda: parabola_of(Bezier(((0, 0), (1, 1)))), "degree 2 without weights, found 1"),
         (lambda: curves_of_function("x", 1, 1, 0.1), "two different ends, found 1 and 1"),
         (lambda: curves_of_function("x", 0, 1, 0), "tolerance must be above 0, found 0"),

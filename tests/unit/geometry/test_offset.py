@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from beamcam.geometry.corners import intersections
 from beamcam.geometry.curves import Arc, EllipseArc, Line, signed_area
-from beamcam.geometry.offset import Offset, Vanished, offset_chain
+from beamcam.geometry.offset import Offset, Vanished, offset_chains
 from beamcam.geometry.refit import refit_ring
 from beamcam.geometry.sampling import points_at
 from tests.rings import polygon_of
@@ -47,6 +47,10 @@ def star_rings(draw):
     ]
     chain = ring(*points)
     return chain if draw(st.booleans()) else tuple(c.reversed() for c in reversed(chain))
+
+
+def offset_chain(chain, amount):
+    return offset_chains((chain,), (amount,))[0]
 
 
 def distances(chains, original):

@@ -13,7 +13,7 @@ from beamcam.readers.ifc.brep import (
     BrepError,
     surfaces_of,
 )
-from beamcam.readers.ifc.kernel import build, build_exact
+from beamcam.readers.ifc.kernel import build_both
 from beamcam.readers.ifc.space import cross, dot, size, sub
 from beamcam.readers.ifc.surfaces import Cone, Cylinder, Plane, Unnamed
 from tests.unit.readers.ifc.models import Small, opened
@@ -102,7 +102,7 @@ def test_the_kernels_surfaces_are_those_of_the_model() -> None:
     m.element(m.minus(m.extruded(m.box(200, 20), 600.0), m.hole((100, 30, -50), (0, 0, 1), 22, 99)))
     model = opened(m.data)
     (element,) = model.file.by_type("IfcBeam")
-    found = build_exact(model, element)
+    _, found = build_both(model, element)
     assert {(round(c.radius, 9), tuple(map(abs, c.axis))) for c in found.cylinders} == {
         (11.0, (0.0, 0.0, 1.0))
     }
@@ -127,8 +127,8 @@ def test_the_corners_of_all_facets_lie_on_the_surfaces() -> None:
     m.element(m.add(f"IFCMAPPEDITEM({source},{by})"))
     model = opened(m.data)
     (element,) = model.file.by_type("IfcBeam")
-    points = build(model, element).shell.points
-    cylinders = build_exact(model, element).cylinders
+    built, exact = build_both(model, element)
+    points, cylinders = built.shell.points, exact.cylinders
     assert {round(c.radius, 9) for c in cylinders} == {22.0, 30.0}
     for one in cylinders:
         reach = [size(cross(sub(p, one.frame.o), one.axis)) for p in points]
