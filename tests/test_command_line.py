@@ -47,7 +47,7 @@ def test_commands_of_many_options_have_groups() -> None:
 @pytest.mark.parametrize(
     ("line", "expected"),
     [
-        ("simulate a.gcode -o t.svg", "found 't.svg'; expected a name in .csv, .json, or -"),
+        ("simulate a.gcode -o t.gif", "found 't.gif'; expected a name in .csv, .json, .svg"),
         ("plan a.nc1 -o p.html", "found 'p.html'; expected a name in .txt, .json, or -"),
         ("plan a.nc1 -o p.csv", "expected a name in .txt, .json, or -"),
         ("post a.nc1 -o p.svg", "expected the name of a program (`beamcam plot` writes such)"),

@@ -14,7 +14,7 @@ KINDS: Mapping[str, tuple[str, ...]] = {
     "plot": PICTURES,
     "profile": (".csv", *PICTURES, ".html"),
     "report": (".html", ".pdf"),
-    "simulate": (".csv", ".json"),
+    "simulate": (".csv", ".json", *PICTURES, ".html"),
 }
 #: Suffixes that are never programs, whatever suffix a machine uses.
 NO_PROGRAMS = (*PICTURES, ".html", ".json", ".dxf", ".nc1", ".ifc", ".ifczip", ".toml")

@@ -1,6 +1,7 @@
 """`beamcam simulate`: the axes of a machine over time, from a program."""
 
 import re
+from hashlib import sha256
 from pathlib import PurePath
 from typing import TYPE_CHECKING, Any
 
@@ -9,13 +10,15 @@ import click
 from beamcam.commands import options
 from beamcam.commands.addresses import Address
 from beamcam.commands.common import Voice, say_lines, write
-from beamcam.commands.kinds import of_kind
+from beamcam.commands.kinds import PICTURES, of_kind
+from beamcam.commands.pictures import picture
 from beamcam.commands.programs import input_bytes
 from beamcam.commands.settings import files_read, machine_for_program, settled
 from beamcam.errors import BeamcamError, Diagnostic, Source, VerifyError, errors_in
 from beamcam.readers.content import shown_name
 
 if TYPE_CHECKING:
+    from beamcam.pictures.encoder import Study
     from beamcam.simulate.encoder import Encoder
     from beamcam.simulate.trace import Trace
 
@@ -59,7 +62,8 @@ class EncoderKind(click.ParamType):  # type: ignore[type-arg]
 @options.config
 @click.option(
     "-o", "--output", type=options.FILE, callback=of_kind("simulate"),
-    help="The trace as .csv or .json; - is CSV on standard output.",
+    help="The trace as .csv or .json; with --encoder its staircase as .svg, .png, .pdf or .html; "
+    "- is CSV on standard output.",
 )  # fmt: skip
 @click.option("--every", type=Duration(), help="Sample at this step, such as 10ms; else by event.")
 @click.option(
@@ -96,12 +100,15 @@ def command(
     Of any machine: bars, plates, lasers, trigger programs and step tables. Axes beyond their
     limits, cuts beyond the saw's reach and bodies of the machine that strike each other are
     warnings with their time and block. --encoder adds what an encoder reads of each axis in mm, a
-    row for each count unless --every is given, and says what is lost by its resolution.
+    row for each count unless --every is given, and says what is lost by its resolution; as a
+    picture it is the staircase about the corner that is read furthest off. PNG and PDF need
+    beamcam[pictures].
 
     \b
     beamcam simulate job.gcode --machine beamline -o trace.csv
     beamcam simulate job.gcode -o trace.json --every 10ms
     beamcam simulate shield.st -o stairs.csv --encoder 512/65
+    beamcam simulate shield.st -o study.svg --encoder 512/65
     beamcam simulate job.gcode --every 100ms --modbus localhost:502 --pace 1
     beamcam simulate job.gcode --every 50ms --serve 127.0.0.1:5020
     """
@@ -109,6 +116,9 @@ def command(
         raise click.UsageError(
             "Say where the trace goes: -o FILE, --modbus HOST:PORT or --serve HOST:PORT."
         )
+    drawn = output is not None and _suffix(output) in (*PICTURES, ".html")
+    if drawn and encoder is None:
+        raise click.UsageError(f"Found {output!r}; expected --encoder, whose staircase it draws.")
     try:
         config = settled(asked, (program,))
         data = input_bytes(program)
@@ -137,8 +147,17 @@ def command(
             if not (voice.quiet or as_json):
                 say_lines([f"{sent} rows sent to {modbus[0]}:{modbus[1]}"], err=True)
         if output is not None:
-            text = _text(output, trace, machine, every, reader, said)
-            write(output, text, voice, files_read(config, (program,)))
+            content: str | bytes
+            if drawn and reader is not None:
+                from beamcam.pictures.encoder import Study
+
+                study = Study(
+                    PurePath(name).name, sha256(data).hexdigest(), machine.name, trace, reader
+                )
+                content = _drawn(output, study)
+            else:
+                content = _text(output, trace, machine, every, reader, said)
+            write(output, content, voice, files_read(config, (program,)))
         voice.say(said)
         if serve is not None:
             from beamcam.simulate.controller import serve as serve_rows
@@ -172,6 +191,21 @@ def _precision(trace: "Trace", encoder: "Encoder", name: str) -> Diagnostic:
     )  # fmt: skip
 
 
+def _suffix(output: str) -> str:
+    return PurePath(output).suffix.lower()
+
+
+def _drawn(output: str, study: "Study") -> str | bytes:
+    """The staircase of an encoder as a picture, or as a page. Raises PictureError."""
+    from beamcam.pictures.encoder import encoder_scene
+
+    if _suffix(output) == ".html":
+        from beamcam.setup_sheet.study_page import study_page
+
+        return study_page(study)
+    return picture([encoder_scene(study)], _suffix(output))
+
+
 def _text(
     output: str, trace: "Trace", machine: Any, every: float | None, encoder: "Encoder | None",
     said: tuple[Diagnostic, ...],
@@ -179,7 +213,7 @@ def _text(
     from beamcam.plain_text import json_text
     from beamcam.simulate.text import csv_text, json_data
 
-    if PurePath(output).suffix.lower() != ".json":
+    if _suffix(output) != ".json":
         return csv_text(trace, machine, every, encoder)
     import msgspec
 

@@ -14,6 +14,7 @@ from beamcam.simulate.trace import Trace, share_of
 
 ROUNDING = 1e-9  #: of a count; an axis that stands on a count is at it
 BISECTIONS = 48
+MIN_MOVE = 1e-6  #: mm; less is rounding
 MIN_TURN = 1e-9  #: what the cosine between two ways lacks of 1; less is rounding
 
 
@@ -43,6 +44,7 @@ class Precision(Struct, frozen=True):
     mean_corner_error: float
     corners: int
     worst_line: int  #: of the program, where the corner that is furthest off ends; 0 without one
+    worst_time_s: float  #: when that corner is passed
     smallest_step: float  #: mm, of what a straight piece of the path moves an axis
     lost_moves: int  #: moves of an axis shorter than a count
     moves: int
@@ -90,12 +92,12 @@ def precision(trace: Trace, encoder: Encoder) -> Precision:
     linear = [k for k, axis in enumerate(trace.axes) if axis.unit == "mm"]
     at = trace.positions[:, linear]
     ways = np.diff(at, axis=0)
-    going = np.flatnonzero(np.any(ways != 0.0, axis=1))
+    going = np.flatnonzero(np.any(np.abs(ways) > MIN_MOVE, axis=1))
     turned = _turned(ways[going])
     blocks = trace.line[going]
     begins = np.flatnonzero(np.append(True, turned | (np.diff(blocks) != 0)))
     moves = np.add.reduceat(ways[going], begins) if len(going) else ways
-    moved = np.abs(moves[moves != 0.0])
+    moved = np.abs(moves[np.abs(moves) > MIN_MOVE])
     corners = going[:-1][turned] + 1
     read = encoder.read(trace, trace.positions)[:, linear]
     errors = np.sqrt(np.sum((at - read)[corners] ** 2, axis=1))
@@ -106,6 +108,7 @@ def precision(trace: Trace, encoder: Encoder) -> Precision:
         float(errors.mean()) if len(errors) else 0.0,
         len(corners),
         int(trace.line[worst - 1]) if len(corners) else 0,
+        float(trace.time_s[worst]),
         float(moved.min()) if len(moved) else 0.0,
         int((moved < encoder.count).sum()),
         len(moved),

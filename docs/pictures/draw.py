@@ -26,6 +26,7 @@ PICTURES = {
     "laser-stepper",
     "profile.svg": "profile --distance 500 --time 4 --jerk 60",
     "difference.svg": f"diff {CHANNEL} {{other}}",
+    "encoder.svg": "simulate {program} --encoder 512/65",
 }
 
 
@@ -34,9 +35,12 @@ def draw(folder: Path) -> None:
     with tempfile.TemporaryDirectory() as scratch:
         other = Path(scratch) / "revised.nc1"
         other.write_text(revised((ROOT / CHANNEL).read_text(encoding="utf-8")), encoding="utf-8")
+        program = Path(scratch) / "shield.st"
+        words = ["post", str(ROOT / "samples/json/shield.json"), "--machine", "table-simotion"]
+        CliRunner().invoke(main, [*words, "-o", str(program)])
         for name, call in PICTURES.items():
             words = [str(ROOT / w) if w.startswith("samples/") else w
-                     for w in call.format(other=other).split()]  # fmt: skip
+                     for w in call.format(other=other, program=program).split()]  # fmt: skip
             done = CliRunner().invoke(main, [*words, "-o", str(folder / name)])
             if not (folder / name).exists():
                 raise SystemExit(f"{call}\n{done.output}")

@@ -1,0 +1,210 @@
+"""The picture of an encoder's resolution: the staircase about the corner that is read furthest off.
+
+two axes, plan          each axis over time
++--+--+--+--+           |      __/
+|  .--'--+  |  true     |   __/_|    true, and what is read
+|__|  |  |  |  read     |__/_|
++--+--+--+--+           +---------
+a square is a count
+"""
+
+from collections.abc import Iterator, Sequence
+from itertools import pairwise
+from math import ceil, floor
+
+import numpy as np
+from msgspec import Struct
+
+from beamcam.geometry.array_types import Floats
+from beamcam.pictures.profile import number, ticks
+from beamcam.pictures.scene import Circle, Point, Polyline, Scene, Shape, Text
+from beamcam.pictures.views import SIDE, WIDTH, footing, head_height, heading
+from beamcam.simulate.encoder import Encoder, Precision, precision, stair_times
+from beamcam.simulate.trace import Trace
+
+COUNTS = 8  #: shown on each side of the corner
+SAMPLES = 16  #: of the true way from count to count
+PLAN, GAP, LINE = 420.0, 96.0, 15.0
+PLOT_WIDTH, PLOT_HEIGHT = WIDTH - 2 * SIDE - PLAN - GAP, 182.0
+
+
+class Study(Struct, frozen=True):
+    """A trace as an encoder reads it."""
+
+    name: str  #: of the program
+    sha256: str
+    machine: str
+    trace: Trace
+    encoder: Encoder
+
+    @property
+    def precision(self) -> Precision:
+        """Its figures."""
+        return precision(self.trace, self.encoder)
+
+    def figures(self) -> list[tuple[str, str]]:
+        """What is lost, by name and value."""
+        found = self.precision
+        return [
+            ("one count", f"{found.count:.4f} mm"),
+            ("largest corner error", f"{found.max_corner_error:.4f} mm, block {found.worst_line}"),
+            ("mean corner error", f"{found.mean_corner_error:.4f} mm of {found.corners} corners"),
+            ("smallest step", f"{found.smallest_step:.4f} mm"),
+            ("moves below one count", f"{found.lost_moves} of {found.moves}"),
+        ]
+
+
+class _Window(Struct, frozen=True):
+    """The surroundings of the worst corner, in two axes."""
+
+    axes: tuple[int, int]
+    names: tuple[str, str]
+    corner: Floats  #: (2,) true
+    read_corner: Floats
+    time_s: Floats  #: (n,) of the true way
+    true: Floats  #: (n, 2)
+    stair_s: Floats  #: (m,) when what is read changes
+    read: Floats  #: (m, 2) from that time on
+
+
+def encoder_scene(study: Study) -> Scene:
+    """The staircase about the worst corner, in plan and over time, and the study's figures."""
+    encoder = study.encoder
+    lines = [
+        f"{study.name}: encoder of {encoder.counts_per_turn} counts in "
+        f"{encoder.travel_per_turn:g} mm",
+        f"{study.machine}; the corner that is read furthest off, a square is a count",
+    ]
+    top = head_height(lines) + 16.0
+    shapes: list[Shape] = [*heading(lines)]
+    window = _window(study)
+    shapes += _plan(window, encoder.count, top)
+    left = SIDE + PLAN + GAP
+    for k in (0, 1):
+        upper = top + k * (PLAN - PLOT_HEIGHT)
+        shapes += _over_time(window, k, left, upper, is_last=k == 1)
+    y = top + PLAN + 46.0
+    shapes += _legend(y)
+    for k, (name, value) in enumerate(study.figures()):
+        shapes.append(Text("label", (SIDE, y + 26.0 + k * LINE), name))
+        shapes.append(Text("label study", (SIDE + 170.0, y + 26.0 + k * LINE), value))
+    y += 26.0 + LINE * len(study.figures())
+    shapes += footing([f"{study.name}   sha-256 {study.sha256}"], y)
+    about = (
+        f"program {study.name} as an encoder of {encoder.counts_per_turn} counts in "
+        f"{encoder.travel_per_turn:g} mm reads it; sha-256 {study.sha256}"
+    )
+    return Scene(f"{study.name}: encoder", about, WIDTH, y + 30.0, tuple(shapes))
+
+
+def _window(study: Study) -> _Window:
+    trace, encoder, found = study.trace, study.encoder, study.precision
+    axes = _two_axes(trace, found.worst_time_s)
+    stairs = stair_times(trace, encoder)
+    corner = trace.at([found.worst_time_s])[0]
+    near = np.all(np.abs((trace.at(stairs) - corner)[:, axes]) <= COUNTS * encoder.count, axis=1)
+    at = int(np.searchsorted(stairs, found.worst_time_s))
+    far = np.flatnonzero(~near)
+    first = int(far[far < at][-1]) + 1 if np.any(far < at) else 0
+    last = int(far[far > at][0]) - 1 if np.any(far > at) else len(stairs) - 1
+    own = stairs[first : last + 1]
+    # Between two stairs the count stays, so that its middle tells what is read from the first on.
+    middles = np.append((own[:-1] + own[1:]) / 2, own[-1])
+    fine = np.unique(
+        np.concatenate([np.linspace(a, b, SAMPLES) for a, b in pairwise(own)])
+        if len(own) > 1
+        else own
+    )
+    return _Window(
+        axes, (trace.axes[axes[0]].name, trace.axes[axes[1]].name), corner[list(axes)],
+        encoder.read(trace, corner[None])[0, axes], fine, trace.at(fine)[:, axes], own,
+        encoder.read(trace, trace.at(middles))[:, axes],
+    )  # fmt: skip
+
+
+def _two_axes(trace: Trace, time_s: float) -> tuple[int, int]:
+    """The two axes in mm that move most into a corner and out of it; the first ones of equals."""
+    knot = int(np.searchsorted(trace.time_s, time_s))
+    near = trace.positions[max(knot - 1, 0) : knot + 2]
+    ways = np.abs(np.diff(near, axis=0)).sum(axis=0)
+    linear = [k for k, axis in enumerate(trace.axes) if axis.unit == "mm"]
+    chosen = sorted(sorted(linear, key=lambda k: -ways[k])[:2])
+    return chosen[0], chosen[-1]
+
+
+def _plan(window: _Window, count: float, top: float) -> Iterator[Shape]:
+    """Both axes: the raster of counts, the true way and what is read of it."""
+    scale = PLAN / (2 * COUNTS * count)
+    low = window.corner - COUNTS * count
+
+    def at(point: Sequence[float]) -> Point:
+        x, y = point
+        return SIDE + (x - low[0]) * scale, top + PLAN - (y - low[1]) * scale
+
+    side = 2 * COUNTS * count
+    for k in (0, 1):
+        first = ceil(low[k] / count)
+        for number_of in range(first, floor((low[k] + side) / count) + 1):
+            ends = [low.copy(), low + side]
+            ends[0][k] = ends[1][k] = number_of * count
+            yield Polyline("grid", tuple(at(end.tolist()) for end in ends))
+    yield Polyline("axis frame", _frame(SIDE, top, PLAN, PLAN), True)
+    yield Polyline("true way", tuple(at(p) for p in window.true.tolist()), tip="true")
+    yield Polyline("stair way", tuple(at(p) for p in window.read.tolist()), tip="as read")
+    yield Polyline("off", (at(window.corner.tolist()), at(window.read_corner.tolist())))
+    yield Circle("off corner", at(window.corner.tolist()), 4.0, "the corner")
+    yield Text("label", (SIDE + PLAN / 2, top + PLAN + 16.0), window.names[0], 11.0, "middle")
+    yield Text("label", (SIDE - 8.0, top + PLAN / 2), window.names[1], 11.0, "middle", 90.0)
+
+
+def _over_time(window: _Window, k: int, left: float, top: float, is_last: bool) -> Iterator[Shape]:
+    """One axis over time, true and as read."""
+    t0, t1 = float(window.stair_s[0]), float(window.stair_s[-1])
+    span = (t1 - t0) or 1.0
+    low = float(min(window.true[:, k].min(), window.read[:, k].min()))
+    high = float(max(window.true[:, k].max(), window.read[:, k].max()))
+    room = (high - low) or 1.0
+
+    def at(time: float, value: float) -> Point:
+        y = top + PLOT_HEIGHT * (1.0 - (value - low) / room)
+        return left + (time - t0) / span * PLOT_WIDTH, y
+
+    for value in ticks(low, low + room, 5):
+        y = at(t0, value)[1]
+        yield Polyline("grid", ((left, y), (left + PLOT_WIDTH, y)))
+        yield Text("figure tick-label", (left - 6.0, y + 4.0), number(value), 10.0, "end")
+    for time in ticks(t0, t0 + span, 4):
+        x = at(time, low)[0]
+        yield Polyline("grid", ((x, top), (x, top + PLOT_HEIGHT)))
+        if is_last:
+            place = (x, top + PLOT_HEIGHT + 14.0)
+            yield Text("figure tick-label", place, number(time), 10.0, "middle")
+    yield Polyline("axis frame", _frame(left, top, PLOT_WIDTH, PLOT_HEIGHT), True)
+    true = zip(window.time_s.tolist(), window.true[:, k].tolist(), strict=True)
+    yield Polyline("true curve", tuple(at(t, v) for t, v in true), tip="true")
+    stairs: list[Point] = []
+    for t, v in zip(window.stair_s.tolist(), window.read[:, k].tolist(), strict=True):
+        if stairs:
+            stairs.append((at(t, v)[0], stairs[-1][1]))
+        stairs.append(at(t, v))
+    yield Polyline("stair curve", tuple(stairs), tip="as read")
+    yield Text("label", (left, top - 5.0), f"{window.names[k]}, mm")
+    if is_last:
+        at_end = (left + PLOT_WIDTH / 2, top + PLOT_HEIGHT + 30.0)
+        yield Text("label", at_end, "time, s", 11.0, "middle")
+
+
+def _frame(left: float, top: float, width: float, height: float) -> tuple[Point, ...]:
+    right, bottom = left + width, top + height
+    return (left, top), (right, top), (right, bottom), (left, bottom)
+
+
+def _legend(y: float) -> Iterator[Shape]:
+    x = SIDE
+    for style, text in (("true", "true"), ("stair", "as the encoder reads it")):
+        yield Polyline(f"{style} legend", ((x, y), (x + 22.0, y)))
+        yield Text("label", (x + 28.0, y + 4.0), text)
+        x += 90.0
+    x += 90.0
+    yield Circle("off legend", (x, y), 4.0)
+    yield Text("label", (x + 10.0, y + 4.0), "corner, with the way to what is read")
