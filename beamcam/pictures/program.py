@@ -13,7 +13,7 @@ from beamcam.pictures.scene import Scene, Unit
 if TYPE_CHECKING:
     from beamcam.pictures.bar import BarMade
     from beamcam.pictures.table import TableMade
-    from beamcam.simulate.trace import Trace
+    from beamcam.simulate.program import Simulated
 
 
 class ReadProgram(Struct, frozen=True):
@@ -42,8 +42,10 @@ class ReadProgram(Struct, frozen=True):
         return tuple(part.mark or f"part {k}" for k, part in enumerate(self.parts, 1))
 
 
-def program_scene(program: ReadProgram, unit: Unit = "mm", trace: "Trace | None" = None) -> Scene:
-    """What a program makes; `trace` is its own, where it is known already.
+def program_scene(
+    program: ReadProgram, unit: Unit = "mm", done: "Simulated | None" = None
+) -> Scene:
+    """What a program makes; `done` is its own run, where it is known already.
 
     Raises VerifyError for a program that cannot be understood.
     """
@@ -53,22 +55,22 @@ def program_scene(program: ReadProgram, unit: Unit = "mm", trace: "Trace | None"
         return bar_scene(bar_made(program), unit)
     from beamcam.pictures.table import table_scene
 
-    return table_scene(table_made(program, trace), unit)
+    return table_scene(table_made(program, done), unit)
 
 
-def table_made(program: ReadProgram, trace: "Trace | None" = None) -> "TableMade":
-    """The path of a table's program; `trace` is its own, where it is known already.
+def table_made(program: ReadProgram, done: "Simulated | None" = None) -> "TableMade":
+    """The path of a table's program; `done` is its own run, where it is known already.
 
     Raises VerifyError for a program that cannot be understood.
     """
     from beamcam.pictures.table import TableMade
     from beamcam.simulate.program import simulate_program
 
-    if trace is None:
-        trace = simulate_program(
+    if done is None:
+        done = simulate_program(
             program.data, program.machine, program.name, program.style, program.parts
-        ).trace
-    return TableMade(trace, program.machine, program.name, program.sha256)
+        )
+    return TableMade(done.trace, program.machine, program.name, program.sha256, done.kerf_offset)
 
 
 def bar_made(program: ReadProgram) -> "BarMade":

@@ -32,6 +32,7 @@ class TableMade(Struct, frozen=True):
     machine: Machine
     name: str
     sha256: str
+    kerf_offset: float = 0.0  #: mm that the controller keeps off the path itself
 
     @property
     def strokes(self) -> list[tuple[int, int, str]]:
@@ -85,7 +86,11 @@ def table_scene(table: TableMade, unit: Unit = "mm") -> Scene:
     y = paper.bottom
     drawn += _size(box, frame, unit)
     drawn += _legend(fastest, y + 24.0)
-    drawn += footing([f"{table.name}   sha-256 {table.sha256}"], y + 38.0)
+    notes = [f"{table.name}   sha-256 {table.sha256}"]
+    if table.kerf_offset:
+        offset = shown(table.kerf_offset, unit)
+        notes.append(f"path as programmed; the controller keeps {offset} {unit} off it (G41, G42)")
+    drawn += footing(notes, y + 38.0)
     about = (
         f"program {table.name} as interpreted: {len(strokes)} paths, "
         f"{trace.duration_s:.1f} s; sha-256 {table.sha256}"

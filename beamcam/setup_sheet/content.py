@@ -78,13 +78,12 @@ def content_of(source: Source, unit: Unit = "mm") -> Content:
 
     program = source.program
     machine = program.machine
-    trace = simulate_program(
-        program.data, machine, program.name, program.style, program.parts
-    ).trace
+    done = simulate_program(program.data, machine, program.name, program.style, program.parts)
+    trace = done.trace
     parts = tuple(dict.fromkeys(program.parts))
     table = machine.torch.colours if machine.torch is not None else None
     drawn = [part_scene(part, unit, table) for part in parts]
-    pictures = (program_scene(program, unit, trace), *drawn)
+    pictures = (program_scene(program, unit, done), *drawn)
     bar: tuple[Stretch, ...] = ()
     if machine.stock == "beam":
         made = bar_made(program)

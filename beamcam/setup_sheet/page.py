@@ -76,12 +76,13 @@ def data_script(name: str, data: object) -> str:
 
 def playback_data(content: Content) -> dict[str, Any]:
     """The trace with what it moves."""
-    from beamcam.pictures.program import bar_made, table_made
+    from beamcam.pictures.program import bar_made
+    from beamcam.pictures.table import TableMade
 
     program = content.program
     if program.machine.stock == "beam":
         return bar_data(bar_made(program), content.trace)
-    return table_data(table_made(program, content.trace))
+    return table_data(TableMade(content.trace, program.machine, program.name, program.sha256))
 
 
 def program_data(data: bytes) -> dict[str, Any]:

@@ -19,6 +19,7 @@ class Simulated(Struct, frozen=True):
     trace: Trace
     diagnostics: tuple[Diagnostic, ...]  #: what is wrong with it by itself
     section: Mapping[str, float] = {}  #: of the bar, as far as the program says it
+    kerf_offset: float = 0.0  #: mm that the controller keeps off the path (G41, G42), at most
 
 
 def simulate_program(
@@ -72,7 +73,9 @@ def _sheet(text: str, machine: Machine, name: str, parts: Sequence[Part]) -> Sim
         done, machine, torch, rows, lambda blocks: table_events(blocks, machine)[0], name
     )
     starts = {stroke.line: stroke.process for stroke in strokes.each}
-    return Simulated(sheet_trace(done.events(), starts, machine), tuple(said))
+    offset = max((stroke.radius for stroke in strokes.each if stroke.side), default=0.0)
+    trace = sheet_trace(done.events(), starts, machine)
+    return Simulated(trace, tuple(said), kerf_offset=offset)
 
 
 def _triggers(text: str, machine: Machine, name: str) -> Simulated:

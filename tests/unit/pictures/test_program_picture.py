@@ -3,8 +3,10 @@
 from hashlib import sha256
 from itertools import pairwise
 from pathlib import Path
+from typing import Literal
 
 import pytest
+from msgspec.structs import replace
 
 from beamcam.errors import VerifyError
 from beamcam.machine import Machine, load
@@ -140,6 +142,19 @@ def test_leads_are_told_from_the_contour() -> None:
     assert found.count("lead") >= 4
     square = drawn(program_of([SAMPLES / "json" / "shield.json"], load("table-simotion")))
     assert square.count("lead") <= 2
+
+
+@pytest.mark.parametrize("by", ["machine", "offset"])
+@pytest.mark.parametrize("name", ["plate-codesys", "plate-linuxcnc"])
+def test_the_caption_says_what_the_controller_offsets(
+    name: str, by: Literal["machine", "offset"]
+) -> None:
+    machine = load(name)
+    assert machine.torch is not None
+    machine = replace(machine, torch=replace(machine.torch, kerf_by=by))
+    texts = drawn(program_of([SAMPLES / "dstv" / "gusset.nc1"], machine)).texts
+    caption = "path as programmed; the controller keeps 0.8 mm off it (G41, G42)"
+    assert (caption in texts) is (by == "machine")
 
 
 @pytest.mark.parametrize("name", ["beamline", "plate-linuxcnc", "table-simotion"])
