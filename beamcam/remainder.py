@@ -25,6 +25,7 @@ from beamcam.model.program import (
     Program,
     SawStroke,
     StartBar,
+    TellText,
 )
 from beamcam.pipeline import Posted, RefusedProgram, read_back
 from beamcam.planning.magazine import tool_loads
@@ -39,7 +40,7 @@ OPERATION = Rule(
     "Operation 1 begins the whole program.",
 )
 RULES = (OPERATION,)
-_WORK = (SawStroke, DrillCycle, PathCycle)
+_WORK = (SawStroke, DrillCycle, PathCycle, TellText)
 
 
 def rest_of(posted: Posted, request: Request, first: int) -> Posted:

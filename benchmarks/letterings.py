@@ -8,6 +8,7 @@ another face is held against the part that has it on its own.
 import random
 from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
+from pathlib import Path
 from typing import Any
 from unittest.mock import patch
 
@@ -21,7 +22,12 @@ from beamcam.planning import lettering
 from beamcam.planning.lettering import Lettered
 from beamcam.posts import Request
 
-MACHINES = ("beamline-pusher", "plate-linuxcnc", "plate-codesys", "laser-grbl", "table-simotion")
+#: Machines of samples that are told their texts.
+TOLD = Path(__file__).parents[1] / "samples" / "machines"
+MACHINES = (
+    "beamline-pusher", "plate-linuxcnc", "plate-codesys", "laser-grbl", "table-simotion",
+    str(TOLD / "beamline-stamp.toml"), str(TOLD / "beamline-printer.toml"),
+)  # fmt: skip
 #: Of letters that look alike one only.
 SIGNS = "ABCDEFGHJKLMNPQRSTUVWXYZ0123456789-/"
 HOLE = 150.0, 60.0  #: its middle
@@ -90,6 +96,7 @@ CHANGES: tuple[Change, ...] = (
     another_character, missing_character, doubled_character, swapped_characters, upside_down,
     mirrored, on_its_side, turned_a_little, over_a_hole, over_an_edge, elsewhere, smaller, larger,
 )  # fmt: skip
+ANGLES = (on_its_side, turned_a_little)
 
 
 def lettered_part(machine: Machine, rng: random.Random, face: str = "v") -> Part:
@@ -117,6 +124,8 @@ def letterings(
             part = lettered_part(machine, rng)
             assert not errors_in(post([part], machine).remarks)
             for change in CHANGES:
+                if change in ANGLES and machine.marks.is_told and len(machine.marks.angles) == 1:
+                    continue  # a program has no word by which it could be turned
                 yield change.__name__, _is_refused(part, machine, change, rng)
         if machine.torch is None:
             part, other = lettered_part(machine, rng), lettered_part(machine, rng, "o")

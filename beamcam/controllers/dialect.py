@@ -14,7 +14,7 @@ from typing import Literal
 from msgspec import Struct
 
 from beamcam.caches import PerObject
-from beamcam.controllers.codesys.blocks import LETTERS
+from beamcam.controllers.codesys.blocks import LETTERS, NUMBER
 from beamcam.controllers.rules import BY_STOCK, ProgramRules
 from beamcam.machine.machine import CodeMeaning, Machine
 from beamcam.machine.tools import tool_numbers
@@ -35,6 +35,8 @@ _SAYS: dict[str, Role] = {
 }  # fmt: skip
 _COMMAND = re.compile(r"\s*([GM])0*(\d+)\b")
 FIELD = re.compile(r"\b([A-Z])\{(\w+)\}")  #: letter and name of a word with a figure
+TELLS = "{string}"  #: in the line that tells a text
+_PLACEHOLDER = re.compile(r"([^{}]+)|\{(\w+)[^}]*\}")  #: plain text, or the name in braces
 
 
 #: Tools that work along a path, so that the bar and the spindle move while they are in it.
@@ -59,6 +61,13 @@ class MWord(Struct, frozen=True):
     cycle: Cycle | None = None  #: of the tool that it chooses, of a choosing word
 
 
+class TextWord(Struct, frozen=True):
+    """The line by which a stamp or printer is told a text."""
+
+    kind: str  #: of the unit
+    pattern: re.Pattern[str]  #: of the line; its groups are named by what they carry
+
+
 class Dialect(Struct, frozen=True):
     """The dialect of a machine's programs."""
 
@@ -77,6 +86,7 @@ class Dialect(Struct, frozen=True):
     numbered: Mapping[int, tuple[str, float]]  #: number of a tool -> its kind and size
     cycles: Mapping[str, Cycle]  #: how it works with each kind of tool
     only_spindle: int | None  #: that needs no choice, as there is no other
+    text_word: TextWord | None = None  #: where a stamp or printer letters
 
     def size(self, diameter: float) -> float:
         """The shop's tool that a diameter means: programs write three decimals of an inch size."""
@@ -110,7 +120,24 @@ def _dialect_of(machine: Machine) -> Dialect:
         numbered={number: tool for tool, number in tool_numbers(machine.tools).items()},
         cycles=cycles,
         only_spindle=machine.spindles[0].number if len(machine.spindles) == 1 else None,
+        text_word=_text_word(machine),
     )
+
+
+def _text_word(machine: Machine) -> TextWord | None:
+    """The line that tells a text to a machine's stamp or printer, with its figures as groups."""
+    if not machine.marks.is_told:
+        return None
+    template = getattr(machine.words, machine.marks.unit)
+    line = next(line for line in template if TELLS in line)
+    closing = re.escape(line.partition(TELLS)[2][0])
+    pattern = "".join(
+        (f"(?P<string>[^{closing}]*)" if name == "string" else rf"\s*(?P<{name}>{NUMBER})\s*")
+        if name
+        else r"\s+".join(map(re.escape, re.split(r"\s+", text)))
+        for text, name in _PLACEHOLDER.findall(line)
+    )
+    return TextWord(machine.marks.unit, re.compile(pattern))
 
 
 def _own_words(
@@ -125,6 +152,8 @@ def _own_words(
     for name, lines in _templates(machine):
         cycle = cycles[name] = _cycle(name, lines)
         for line in lines:
+            if TELLS in line:
+                continue  # a word by itself: see `TextWord`
             carried = tuple(FIELD.findall(line))
             letters.update(letter for letter, _ in carried)
             feeding = feeding or any(field == "feed" for _, field in carried)

@@ -5,6 +5,7 @@
     Pause         a dwell
     Compensation  from here on the controller keeps beside the contour
     Acceleration  from here on the head runs up or brakes at another acceleration
+    Lettering     a unit stamps or prints a text
 
 Plain tuples, because every run of `post` makes thousands of them, and a drawing tens of thousands.
 Coordinates are mm, feeds mm/min; a coordinate that no block has named yet is not a number (nan). A
@@ -77,7 +78,16 @@ class Acceleration(NamedTuple):
     mm_s2: float
 
 
-Other = Switch | Pause | Compensation | Acceleration  #: all but moves
+class Lettering(NamedTuple):
+    """A text that a stamp or printer is told."""
+
+    line: int
+    kind: str  #: of the unit
+    text: str
+    values: dict[str, float]  #: what the word carries, by the names of the machine's file
+
+
+Other = Switch | Pause | Compensation | Acceleration | Lettering  #: all but moves
 HeadMove = Move[Point]
 BarEvent = Move[Place] | Other
 TableEvent = HeadMove | Other

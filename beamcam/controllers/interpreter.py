@@ -14,7 +14,16 @@ from typing import Any, Protocol
 
 from beamcam.controllers import cycles
 from beamcam.controllers.dialect import Dialect
-from beamcam.controllers.events import BarEvent, Curve, Move, Other, Pause, Place, Switch
+from beamcam.controllers.events import (
+    BarEvent,
+    Curve,
+    Lettering,
+    Move,
+    Other,
+    Pause,
+    Place,
+    Switch,
+)
 from beamcam.errors import Diagnostic, Rule, Source
 from beamcam.geometry.plane import Point
 
@@ -87,6 +96,19 @@ class Interpreter(ABC):
     @abstractmethod
     def _carry_out(self, line: int, motion: int, words: Words) -> None:
         """Carries out a block that is a motion and its words."""
+
+    def _is_text(self, line: int, body: str) -> bool:
+        """Whether a line without its number tells a stamp or printer a text; carries it out."""
+        word = self._dialect.text_word
+        match = word.pattern.fullmatch(body.strip()) if word is not None else None
+        if word is None or match is None:
+            return False
+        if not self.is_over(line):
+            said = match.groupdict()
+            text = said.pop("string")
+            values = {name: float(value) for name, value in said.items()}
+            self._event(Lettering(line, word.kind, text, values))
+        return True
 
     def _drill(self, line: int, words: Words, dwell: bool, own_feed: bool) -> None:
         """Carries out a canned cycle of drilling, whose words hold until it ends."""

@@ -10,8 +10,15 @@ from collections.abc import Iterator
 
 from beamcam.caches import PerObject
 from beamcam.controllers import cell_events, table_events
-from beamcam.controllers.dialect import DOCUMENTED, FIELD, Dialect, dialect_of, role_of
-from beamcam.controllers.events import BarEvent, Move, Place, Switch, TableEvent
+from beamcam.controllers.dialect import (
+    DOCUMENTED,
+    FIELD,
+    TELLS,
+    Dialect,
+    dialect_of,
+    role_of,
+)
+from beamcam.controllers.events import BarEvent, Lettering, Move, Place, Switch, TableEvent
 from beamcam.controllers.rules import SETTING, SHEET_SETTING
 from beamcam.errors import Diagnostic, MachineError
 from beamcam.machine import rules
@@ -38,7 +45,7 @@ _FIGURES = {
     "station": "1", "diameter": "20", "pitch": "2", "angle": "30", "tilt": "0", "feed": "600",
     "speed": "300", "power": "1", "pierce": "0.5", "kerf": "1.5", "half_kerf": "0.75",
     "pierce_height": "4", "cut_height": "2",
-    "acceleration": "100", "ratio": "0.5",
+    "acceleration": "100", "ratio": "0.5", "string": "A1", "face": "1",
 }  # fmt: skip
 #: Where curves that begin at 0, 0 end, and what I and J are, from there as from the start.
 _CURVES = {
@@ -46,6 +53,8 @@ _CURVES = {
     "parabola": ("10", "0", "5", "5"),
     "ellipse_cw": ("20", "0", "10", "0"), "ellipse_ccw": ("20", "0", "10", "0"),
 }  # fmt: skip
+
+TEXT_X = 300.0  #: machine X of the text that is tried
 
 Line = tuple[str, str, str]  #: key of the template, its text, the block that it becomes
 WordFault = tuple[str, str, str, str]  #: key, text of its line, what was found, what was expected
@@ -102,6 +111,10 @@ def _bar_faults(machine: Machine) -> Iterator[WordFault]:
     for tool in _TOOLS:
         for key in _keys(tool):
             lines += _filled(machine, key, x="100", **stroke)
+    unit = machine.marks.unit if machine.marks.is_told else ""
+    if unit:
+        number = str(next(iter(machine.marks.faces.values())))
+        lines += _filled(machine, unit, x=f"{TEXT_X:g}", y="20", face=number)
     lines += _filled(machine, "change")
     if machine.saw is not None:
         lines += _filled(machine, "saw", x="200")
@@ -125,6 +138,13 @@ def _bar_faults(machine: Machine) -> Iterator[WordFault]:
                 yield f"words.{last}", "", found, expected
     if machine.saw is not None and not _with_role(of.get("saw", []), dialect, "saw"):
         yield "words.saw", "", "no cut", "an M word with {angle}"
+    if unit:
+        texts = [event for event in of.get(unit, []) if isinstance(event, Lettering)]
+        moves = [event for event in of.get(unit, []) if isinstance(event, Move)]
+        if not texts:
+            yield f"words.{unit}", "", "no text", "a line with {string} that is one by itself"
+        elif not moves or moves[-1].line > texts[0].line or moves[-1].end[0] != TEXT_X:
+            yield f"words.{unit}", "", "a text elsewhere", "a move to X{x} before {string}"
     if dialect.feeds:
         yield from _unfed(machine, of)
 
@@ -148,6 +168,8 @@ def _double_words(lines: list[Line]) -> Iterator[WordFault]:
     """Each M word that is to mean two things."""
     roles: dict[int, str] = dict(DOCUMENTED)
     for key, text, _ in lines:
+        if TELLS in text:
+            continue
         number, role = role_of(text, key == "words.change")
         carried = [field for _, field in FIELD.findall(text)]
         said = f"section ({', '.join(carried)})" if role == "section" else role

@@ -34,7 +34,7 @@ from beamcam.model.part import (
     Slot,
     TextMark,
 )  # fmt: skip
-from beamcam.verify.bars.made import Bore, Cut, Made, Trail
+from beamcam.verify.bars.made import Bore, Cut, Made, Trail, Written
 
 
 def diff_programs(a: Made, b: Made, resolution: float) -> tuple[Difference, ...]:
@@ -49,8 +49,9 @@ def diff_programs(a: Made, b: Made, resolution: float) -> tuple[Difference, ...]
             "feature", "paths", _trail_place, _trail_name, lambda x, y: _trail(x, y, step),
             _trail_to,
         ),
+        Kind("feature", "texts", _text_place, _text_name, lambda x, y: _text(x, y, step), _text_to),
     )  # fmt: skip
-    pairs = ((a.cuts, b.cuts), (a.bores, b.bores), (a.trails, b.trails))
+    pairs = ((a.cuts, b.cuts), (a.bores, b.bores), (a.trails, b.trails), (a.texts, b.texts))
     for kind, (first, second) in zip(kinds, pairs, strict=True):
         found += differences_of_kind(kind, first, second, step)
     if not found and _order(a) != _order(b):
@@ -95,11 +96,14 @@ def made_pairs(a: Made, b: Made, resolution: float) -> Iterator[Pair]:
     yield from _pairs(a.cuts, b.cuts, _cut_place, lambda x, y: _cut(x, y, step))
     faces = {bore.face for made in (a, b) for bore in made.bores}
     faces |= {trail.face for made in (a, b) for trail in made.trails}
+    faces |= {text.face for made in (a, b) for text in made.texts}
     for face in sorted(faces):
         old, new = ([bore for bore in made.bores if bore.face == face] for made in (a, b))
         yield from _pairs(old, new, _bore_place, lambda x, y: _bore(x, y, step))
         was, now = ([trail for trail in made.trails if trail.face == face] for made in (a, b))
         yield from _pairs(was, now, _trail_place, lambda x, y: _trail(x, y, step))
+        told, tells = ([text for text in made.texts if text.face == face] for made in (a, b))
+        yield from _pairs(told, tells, _text_place, lambda x, y: _text(x, y, step))
 
 
 def _pairs(
@@ -216,6 +220,30 @@ def _trail(a: Trail, b: Trail, step: float) -> list[str]:
         if abs(old - new) > step:
             changes.append(f"{name} {old:g} to {new:g}")
     return changes + _feed(a, b)
+
+
+def _text_place(text: Written) -> tuple[float, float]:
+    return text.x, text.y
+
+
+def _text_to(text: Written, at: Written) -> Written:
+    return text._replace(x=at.x, y=at.y)
+
+
+def _text_name(text: Written) -> str:
+    return f"text {text.text!r} {text.face} at x {text.x:.1f}"
+
+
+def _text(a: Written, b: Written, step: float) -> list[str]:
+    changes = moved(b.x - a.x, b.y - a.y, step)
+    if a.text != b.text:
+        changes.append(f"text {a.text!r} to {b.text!r}")
+    if a.kind != b.kind:
+        changes.append(f"{a.kind} to {b.kind}")
+    for name, old, new in (("height", a.height, b.height), ("angle", a.angle, b.angle)):
+        if abs(old - new) > 1e-9:
+            changes.append(f"{name} {old:g} to {new:g}")
+    return changes
 
 
 # Parts

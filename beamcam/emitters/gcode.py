@@ -17,6 +17,7 @@ from beamcam.model.program import (
     SawStroke,
     SpindleStroke,
     StartBar,
+    TellText,
 )
 from beamcam.plain_text import comment_text
 
@@ -66,6 +67,8 @@ def _blocks(program: Program, machine: Machine) -> Iterator[str]:
                     yield _header(program, command, words, form)
             case PathCycle():
                 yield from _path_blocks(command, words, form, numbers)
+            case TellText():
+                yield _filled(getattr(words, command.kind), _text_values(command, form))
             case ChangeTool() if words.change:
                 yield _change(command, words)
             case Comment():
@@ -105,6 +108,17 @@ def _change(command: ChangeTool, words: Words) -> str:
 
 def _filled(template: Iterable[str], values: Values) -> str:
     return "\n".join(template).format_map(values)
+
+
+def _text_values(command: TellText, form: NumberFormat) -> Values:
+    return {
+        "string": command.text,
+        "x": number(command.x, form.length_decimals),
+        "y": number(command.y, form.length_decimals),
+        "height": number(command.height, form.length_decimals),
+        "angle": number(command.angle, form.angle_decimals),
+        "face": str(command.face),
+    }
 
 
 def _cut_values(command: SawStroke, x: str, form: NumberFormat) -> Values:

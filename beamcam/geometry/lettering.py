@@ -8,7 +8,7 @@ Glyphs are fixed truth, which planning and the read-back share; each lays them o
 from collections.abc import Iterator, Mapping
 from importlib.resources import files
 from itertools import pairwise
-from unicodedata import name, normalize
+from unicodedata import combining, name, normalize
 
 import msgspec
 from msgspec import Struct, field
@@ -145,6 +145,37 @@ def spelled(text: str, replace: Mapping[str, str]) -> Spelling:
             replaced[sign] = other
         words.append(other)
     return Spelling("".join(words), tuple(replaced.items()))
+
+
+def spelled_with(text: str, replace: Mapping[str, str], characters: str) -> Spelling | None:
+    """A text in the characters of a stamp or printer; None where they do not do.
+
+    A character that it has not is written as `replace` says, else as a capital, without accents, by
+    those that it stands for, or by its name; all that is told.
+    """
+    has = set(characters).issuperset
+    words: list[str] = []
+    replaced: dict[str, str] = {}
+    for sign in normalize("NFC", text):
+        other = next((o for o in _ways_to_write(sign, replace) if o and has(o)), None)
+        if other is None:
+            return None
+        if other != sign:
+            replaced[sign] = other
+        words.append(other)
+    return Spelling("".join(words), tuple(replaced.items()))
+
+
+def _ways_to_write(sign: str, replace: Mapping[str, str]) -> Iterator[str]:
+    """What may be written for a character, the best first."""
+    font = _font("hershey")
+    yield replace.get(sign, "")
+    named = name(sign, f"U+{ord(sign):04X}")
+    bare = "".join(s for s in normalize("NFD", sign) if not combining(s))
+    others = "".join(font.same.get(each, each) for each in normalize("NFKC", sign))
+    for other in (sign, font.same.get(sign, ""), bare, others):
+        yield from (other, other.upper())
+    yield from (f"[{named}]", f"({named})", named, named.replace(" ", "-"), named.replace(" ", ""))
 
 
 def _has(text: str) -> bool:

@@ -31,3 +31,8 @@ def saw_of(machine: Machine) -> Saw:
 def drill_of(machine: Machine) -> Drill:
     """The drill of a machine, or one that reaches nothing."""
     return machine.drill or NO_DRILL
+
+
+def text_x(machine: Machine) -> float:
+    """Machine X of a text at bar x 0, where a stamp or printer letters."""
+    return drill_of(machine).x if machine.marks.x is None else machine.marks.x

@@ -24,6 +24,7 @@ from beamcam.machine.faults import (
 from beamcam.machine.former_keys import KeyTwice, with_present_keys
 from beamcam.machine.formula import as_formula
 from beamcam.machine.machine import Machine, MachineFile
+from beamcam.machine.marking_faults import marking_faults
 from beamcam.machine.more_rows import with_more_rows
 from beamcam.machine.templates import template_faults
 from beamcam.machine.toml import Place, TomlError, TomlFile, line_of, toml_text
@@ -275,6 +276,7 @@ def _check(machine: Machine, place: Place) -> None:
         pair_faults,
         torch_faults,
         view_faults,
+        marking_faults,
     ):
         for key, found, expected in faults(machine):
             source = place.child(key).source

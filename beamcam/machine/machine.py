@@ -66,6 +66,7 @@ class Times(Keys, frozen=True):
     spindle_change_s: NotNegative = 0.0  #: another spindle
     reload_s: NotNegative = 0.0  #: manual tool change in a station
     saw_s: NotNegative = 0.0  #: to clamp, start and stop the saw, each cut
+    text_s: NotNegative = 0.0  #: to stamp or print a text
 
 
 class ControlledAxis(Keys, frozen=True):

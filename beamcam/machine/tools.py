@@ -10,15 +10,16 @@ from msgspec import Struct
 from beamcam.conversion import Keys, NotNegative, Positive
 
 ToolKind = Literal["drill", "tap", "countersink", "mill", "punch", "scribe"]
+UnitKind = Literal["stamp", "printer"]  #: what letters by itself and is no tool of a spindle
 
 
 ToolMaterial = Literal["hss", "carbide"]
 
 
 class Tool(Struct, frozen=True, cache_hash=True):
-    """A tool that a spindle can take."""
+    """A tool that a spindle can take, or a unit that letters."""
 
-    kind: ToolKind
+    kind: ToolKind | UnitKind
     diameter: float
     point_deg: float = 118.0  #: angle of a drill's point or a countersink's cone; 180 is flat
     pitch: float = 0.0  #: of a tap

@@ -19,6 +19,8 @@ class Words(Keys, frozen=True):
     scribe: tuple[str, ...] = ()  #: likewise
     scribe_to: tuple[str, ...] = ()
     scribe_end: tuple[str, ...] = ()
+    stamp: tuple[str, ...] = ()  #: a text by a stamp
+    printer: tuple[str, ...] = ()  #: likewise by a printer
     change: tuple[str, ...] = ()  #: stop for a manual tool change
     comment: str = "({text})"
 
@@ -48,6 +50,7 @@ _STROKE_NAMES = frozenset(
     }
 )  # fmt: skip
 
+_TEXT_NAMES = frozenset({"string", "x", "y", "height", "angle", "face"})
 _TO_NAMES = frozenset({"x", "y", "feed"})
 _ARC_NAMES = _TO_NAMES | {"i", "j"}
 _ELLIPSE_NAMES = _ARC_NAMES | {"angle", "ratio"}
@@ -84,6 +87,8 @@ WORD_NAMES: dict[str, frozenset[str]] = {
     "scribe": _STROKE_NAMES,
     "scribe_to": _STROKE_NAMES,
     "scribe_end": _STROKE_NAMES,
+    "stamp": _TEXT_NAMES,
+    "printer": _TEXT_NAMES,
     "change": frozenset({"spindle", "station", "diameter", "text"}),
     "traverse": frozenset({"x", "y"}),
     "feed": _TO_NAMES,

@@ -99,8 +99,32 @@ class PathOp(Struct, frozen=True):
         return self.path[0][1]
 
 
+class Typed(Struct, frozen=True):
+    """A text as a stamp or printer is told it."""
+
+    text: str
+    height: float
+    angle: float  #: degrees
+
+
+class TextOp(Struct, frozen=True):
+    """A text that a stamp or printer is told."""
+
+    x: float  #: machine X
+    spindle: int  #: what the program calls the unit on that face
+    tool: Tool  #: the unit, its diameter the height
+    faces: tuple[Face, ...]  #: one
+    y: float  #: on the face
+    text: Typed
+    features: tuple[FeatureRef, ...]
+    reasons: tuple[str, ...]
+    source: Source
+    depth: float | None = None
+
+
 SpindleOp = DrillOp | PathOp
-Operation = SawOp | DrillOp | PathOp
+WorkOp = DrillOp | PathOp | TextOp  #: on a feature
+Operation = SawOp | WorkOp
 
 
 class ToolLoad(Struct, frozen=True):

@@ -73,6 +73,19 @@ class PathCycle(Struct, frozen=True):
     source: Source
 
 
+class TellText(Struct, frozen=True):
+    """Bring the bar to `x` and have a stamp or printer letter a text."""
+
+    kind: str  #: of the unit
+    x: float
+    y: float  #: on the face
+    text: str
+    height: float
+    angle: float  #: degrees
+    face: int  #: what the program calls the unit on that face
+    source: Source
+
+
 class ChangeTool(Struct, frozen=True):
     """Program stop for a manual tool change."""
 
@@ -172,7 +185,7 @@ class EllipseFeed(NamedTuple):
 
 Movement = Feed | ArcFeed | ParabolaFeed | EllipseFeed
 Command = (
-    StartBar | SawStroke | DrillCycle | PathCycle | ChangeTool | Comment
+    StartBar | SawStroke | DrillCycle | PathCycle | TellText | ChangeTool | Comment
     | StartSheet | ToolOn | ToolOff | Pace | Compensate | Traverse | Movement
 )  # fmt: skip
 

@@ -12,7 +12,7 @@ from beamcam.machine.drill import Axis, Drill
 from beamcam.machine.machine import Machine
 from beamcam.model.part import Profile
 from beamcam.model.part_data import part_data
-from beamcam.model.plan import AS_GIVEN, DrillOp, PathOp, Plan, SawOp, SpindleOp, ToolLoad
+from beamcam.model.plan import AS_GIVEN, DrillOp, PathOp, Plan, SawOp, SpindleOp, TextOp, ToolLoad
 from beamcam.model.program import (
     ChangeTool,
     Command,
@@ -24,6 +24,7 @@ from beamcam.model.program import (
     SawStroke,
     SpindleStroke,
     StartBar,
+    TellText,
 )
 from beamcam.model.stroke import Stroke, Strokes
 
@@ -70,6 +71,12 @@ def _commands(plan: Plan, machine: Machine) -> Iterator[Command]:
             yield from _change(waiting.pop(0))
         if isinstance(op, SawOp):
             yield SawStroke(op.x, op.angle, saw.feed_mm_min, op.source, op.tilt)
+            continue
+        if isinstance(op, TextOp):
+            yield TellText(
+                op.tool.kind, op.x, op.y, op.text.text, op.text.height, op.text.angle, op.spindle,
+                op.source,
+            )  # fmt: skip
             continue
         grade = plan.pieces[op.features[0][0]].part.grade
         if isinstance(op, PathOp):

@@ -11,6 +11,7 @@ from typing import Literal
 
 from msgspec import Struct
 
+from beamcam.machine.absent import text_x
 from beamcam.machine.machine import Machine
 from beamcam.model.part import Profile
 from beamcam.pictures.part import FACE_NAMES
@@ -30,7 +31,7 @@ from beamcam.pictures.views import (
     spread,
     titles,
 )
-from beamcam.verify.bars.made import Bore, Cut, Made, Trail
+from beamcam.verify.bars.made import Bore, Cut, Made, Trail, Written
 from beamcam.verify.bars.pieces import Plane, planes
 
 OPEN_END = 120.0  #: of bar that is drawn behind the last cut where its length is not known
@@ -152,6 +153,7 @@ def bar_scene(bar: BarMade, unit: Unit = "mm") -> Scene:
 
 def _faces(bar: BarMade) -> tuple[str, ...]:
     used = {b.face for b in bar.made.bores} | {t.face for t in bar.made.trails} | {"v"}
+    used |= {t.face for t in bar.made.texts}
     used |= {s.face for s in bar.machine.spindles if bar.profile.face_width(s.face)}
     return tuple(f for f in ("h", "o", "v", "u") if f in used)
 
@@ -201,7 +203,7 @@ def tool_numbers(made: Made) -> dict[tuple[str, float], int]:
     """The tools of a program, numbered as they are first used."""
     tools: dict[tuple[str, float], int] = {}
     for op in made.order:
-        if not isinstance(op, Cut):
+        if isinstance(op, Bore | Trail):
             tools.setdefault((op.kind, op.diameter), len(tools))
     return tools
 
@@ -235,10 +237,22 @@ def _strokes(
             tip = f"{numbers[op.line]}: {op.kind} {op.diameter:g}"
             yield Polyline(f"{style} trail", points, False, tip, op.line)
             yield _number(numbers[op.line], points[0][0] + 2.0, points[0][1] - 3.0, op.line)
+        elif isinstance(op, Written) and op.face == view.name:
+            yield from _written(op, numbers[op.line], bar, frame)
         elif isinstance(op, Cut) and view.name == "v":
             plane = next(p for p in bar.saw_planes if p.cut is op)
             x, y = frame.at(bar.x_on(plane, "v", view.box[3]), view.box[3])
             yield _number(numbers[op.line], x - 3.0, y - 4.0, op.line)
+
+
+def _written(op: Written, number: int, bar: BarMade, frame: Frame) -> Iterator[Shape]:
+    """A text as it is read, in the picture's own letters."""
+    x = op.x - text_x(bar.machine)
+    at = frame.at(x, op.y)
+    tip = f"{number}: {op.kind} {op.text!r}, {op.height:g} high, at x {x:g}, y {op.y:g}"
+    size = max(op.height * frame.scale * 1.35, 5.0)
+    yield Text("text", at, op.text, size, "start", op.angle, None, tip, op.line)
+    yield _number(number, at[0] + 2.0, at[1] + 9.0, op.line)
 
 
 def _noun(bore: Bore) -> str:
@@ -254,7 +268,7 @@ def _ways(bar: BarMade, view: View, paper: Paper, drill_x: float) -> Iterator[Po
     frame = paper.frames[view.name]
     here: tuple[float, float] | None = None
     for op in bar.made.order:
-        if isinstance(op, Cut) or op.face != view.name:
+        if not isinstance(op, Bore | Trail) or op.face != view.name:
             continue
         first, last = ((op.x, op.y),) * 2 if isinstance(op, Bore) else (op.points[0], op.points[-1])
         if here is not None:
@@ -266,10 +280,11 @@ def _stops(bar: BarMade, frame: Frame, y: float, unit: Unit) -> Iterator[Shape]:
     """Stopping positions of the bar: machine x of the strokes and cuts."""
     drill_x = bar.machine.drill.x if bar.machine.drill else 0.0
     saw_x = bar.machine.saw.x if bar.machine.saw else 0.0
+    stations = {Cut: saw_x, Written: text_x(bar.machine)}
     stops: dict[float, float] = {}
     for op in bar.made.order:
         x = op.points[0][0] if isinstance(op, Trail) else op.x
-        stops.setdefault(round(x, 3), x - (saw_x if isinstance(op, Cut) else drill_x))
+        stops.setdefault(round(x, 3), x - stations.get(type(op), drill_x))
     yield Text("figure", (SIDE - 38.0, y + 4.0), "stop", 9.0)
     rows = sorted((place, x) for x, place in stops.items())
     most = int((WIDTH - 2 * SIDE) / FIGURE_SIZE)

@@ -36,7 +36,7 @@ from beamcam.pictures.views import (
     laid_out,
     titles,
 )
-from beamcam.verify.bars.made import Bore, Trail
+from beamcam.verify.bars.made import Bore, Trail, Written
 
 MIN_ARROW = 2.0  #: pixels; nearer places have no arrow
 ROUND = 1e-3  #: mm; ends of moves nearer than this are one
@@ -136,6 +136,7 @@ def compared_programs(a: ReadProgram, b: ReadProgram) -> Compared:
 def _compared_bars(a: BarMade, b: BarMade) -> Compared:
     used = {bore.face for made in (a.made, b.made) for bore in made.bores} | {"v"}
     used |= {trail.face for made in (a.made, b.made) for trail in made.trails}
+    used |= {text.face for made in (a.made, b.made) for text in made.texts}
     faces = [f for f in ("h", "o", "v", "u") if f in used]
     end = max(a.end, b.end)
     width = max(1.0, *(m.profile.face_width(f) for m in (a, b) for f in faces))
@@ -157,7 +158,7 @@ def _compared_bars(a: BarMade, b: BarMade) -> Compared:
         shifted = Frame(frame.scale, frame.left - drill * frame.scale, frame.base)
         for pair in _rising(pairs):
             thing = pair.a or pair.b
-            if isinstance(thing, Bore | Trail) and thing.face == view.name:
+            if isinstance(thing, Bore | Trail | Written) and thing.face == view.name:
                 drawn += _pair(pair, partial(_made_shapes, frame=shifted), shifted)
     return _done("two programs", lines, drawn, paper, pairs)
 
@@ -183,11 +184,14 @@ def _cuts(a: BarMade, b: BarMade, face: str, frame: Frame) -> Iterator[Polyline]
                 yield Polyline("same cut-of", line)
 
 
-def _made_shapes(thing: Bore | Trail, frame: Frame) -> Iterator[Shape]:
+def _made_shapes(thing: Bore | Trail | Written, frame: Frame) -> Iterator[Shape]:
     if isinstance(thing, Bore):
         radius = max(thing.diameter / 2 * frame.scale, 1.2)
         tip = f"{thing.kind} {thing.diameter:g} at machine x {thing.x:g}, y {thing.y:g}"
         yield Circle("hole", frame.at(thing.x, thing.y), radius, tip, thing.line)
+    elif isinstance(thing, Written):
+        at, size = frame.at(thing.x, thing.y), max(thing.height * frame.scale * 1.35, 5.0)
+        yield Text("text", at, thing.text, size, "start", thing.angle, line=thing.line)
     else:
         yield Polyline("trail", frame.all(thing.points), False, thing.kind, thing.line)
 

@@ -25,7 +25,7 @@ from beamcam.machine.drill import Drill
 from beamcam.machine.machine import ControlledAxis, Machine
 from beamcam.model.description import named
 from beamcam.model.part import Face, Feature, Part, Profile
-from beamcam.model.plan import DrillOp, Operation, PathOp, Piece, SawOp
+from beamcam.model.plan import DrillOp, Operation, PathOp, Piece, SawOp, TextOp
 from beamcam.model.stroke import Strokes
 from beamcam.planning.operations.job import Job, Said, Tooling
 
@@ -92,6 +92,8 @@ def _refuse_beyond(part: Part, machine: Machine, jobs: Sequence[Job]) -> Iterato
     )
     known = room.known
     for job in jobs:
+        if job.text is not None:
+            continue  # no spindle's axis takes part
         how = job.tooling
         if not job.path and known.get((how.faces, how.tools, how.depth, job.y), _UNKNOWN) is None:
             continue  # as nearly all are
@@ -179,7 +181,7 @@ def _is_moved_by(axis: ControlledAxis, op: Operation, machine: Machine) -> bool:
     """Whether an operation needs an axis along the bar: the bar's own, or its spindle's."""
     if axis.spindle is None:
         return True
-    return not isinstance(op, SawOp) and any(
+    return not isinstance(op, SawOp | TextOp) and any(
         spindle.number == axis.spindle and spindle.face in op.faces for spindle in machine.spindles
     )
 
@@ -228,6 +230,8 @@ def _refuse_strokes(
     resolution = machine.format.resolution
     for job in jobs:
         how = job.tooling
+        if job.text is not None:
+            continue
         for face in faces.intersection(how.faces):
             op = DrillOp(job.x, 0, how.tools[0], (face,), job.y, how.depth, (), (), part.source)
             reach = _deepest(op, part, strokes)

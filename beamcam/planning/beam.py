@@ -23,7 +23,7 @@ from beamcam.model.plan import (
     Piece,
     Plan,
     SawOp,
-    SpindleOp,
+    WorkOp,
 )
 from beamcam.planning import rules
 from beamcam.planning.axis_limits import refuse_bar
@@ -167,7 +167,7 @@ def _part_remarks(lying: Sequence[Lying]) -> Iterator[Diagnostic]:
 _feature = attrgetter("feature")
 
 
-def _outcomes(works: Sequence[Work], operations: Sequence[SpindleOp]) -> list[Outcome]:
+def _outcomes(works: Sequence[Work], operations: Sequence[WorkOp]) -> list[Outcome]:
     """The outcome of each feature, in the order of pieces and features."""
     made: dict[FeatureRef, Outcome] = {}
     for op in operations:

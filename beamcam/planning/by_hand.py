@@ -17,15 +17,23 @@ TEXT_MOVED = Rule(
 TEXT_SIGN = Rule(
     "plan-text-sign",
     Severity.WARNING,
-    "found {sign!r} in the text {text!r}; expected a character of the font, {other!r} is written",
+    "found {sign!r} in the text {text!r}; expected a character of {has}, {other!r} is written",
     "`marks.replace` of the machine file says what is written for a character that no letter of "
-    "the font stands for.",
+    "the font, or of the stamp or printer, stands for.",
 )
-RULES = (TEXT_MOVED, TEXT_SIGN)
+TEXT_HEIGHT = Rule(
+    "plan-text-height",
+    Severity.NOTE,
+    "found the text {text!r} {found} mm high; it is lettered {height} mm high, the nearest of the "
+    "machine's",
+    "`marks.heights` of the machine file says in which heights its stamp or printer letters.",
+)
+RULES = (TEXT_MOVED, TEXT_SIGN, TEXT_HEIGHT)
 
 #: Why a mark is left for manual work, by its name in the ledger.
 BY_POLICY, NO_UNIT = "marks", "no-unit"
 NO_ROOM, TOO_SMALL, BLANK, FACE = "no-room", "too-small", "blank", "face"
+CHARACTERS, ANGLE, HEIGHT = "characters", "angle", "height"
 DRILL, BEVEL = "drill", "bevel"  #: of a sheet's features that are only begun by the machine
 REASONS = {
     BY_POLICY: "the machine's file leaves such marks to the hand",
@@ -34,6 +42,9 @@ REASONS = {
     TOO_SMALL: "the machine does not letter as small",
     BLANK: "nothing of it can be seen",
     FACE: "what letters does not come to that face",
+    CHARACTERS: "the machine has no characters for it",
+    ANGLE: "the machine does not letter at that angle",
+    HEIGHT: "the machine does not letter at that height, which is binding",
     DRILL: "the torch cannot make it and marks its centre for the drill",
     BEVEL: "the torch cuts its bevelled edges square",
 }

@@ -10,7 +10,7 @@ from beamcam.machine.cutting import cutting_row, is_unnamed, turns_of
 from beamcam.machine.drill import Drill
 from beamcam.machine.machine import Machine
 from beamcam.machine.tools import Tool
-from beamcam.model.plan import Piece, SpindleOp
+from beamcam.model.plan import Piece, WorkOp
 from beamcam.planning import rules
 
 TURNING = ("drill", "countersink", "mill")  #: tools whose edge wears by its speed
@@ -25,7 +25,7 @@ _known_of: PerObject[Machine, BoundedCache[object, Remarks]] = PerObject(
 
 
 def cutting_remarks(
-    pieces: Sequence[Piece], operations: Sequence[SpindleOp], machine: Machine
+    pieces: Sequence[Piece], operations: Sequence[WorkOp], machine: Machine
 ) -> Iterator[Diagnostic]:
     """A note for a steel that no row names, a warning for each tool that turns too fast in it."""
     if machine.drill is None or not _says_speeds(machine):

@@ -5,7 +5,7 @@ from collections.abc import Iterator
 from msgspec import Struct
 
 from beamcam.machine.machine import Machine
-from beamcam.model.plan import Operation, PathOp, Plan, SawOp, ToolLoad
+from beamcam.model.plan import Operation, PathOp, Plan, SawOp, TextOp, ToolLoad
 from beamcam.planning.magazine import tool_loads
 from beamcam.planning.operations.kinds import REASONS, kind_of
 from beamcam.planning.order import changes, setup_of, travel, waits_for
@@ -86,6 +86,8 @@ def _where(op: Operation, plan: Plan) -> str:
         return first + (f", start of part {op.pieces[1] + 1}" if len(op.pieces) > 1 else "")
     depth = "" if op.depth is None else f", {op.depth:g} deep"
     points = f", {len(op.path)} points" if isinstance(op, PathOp) else ""
+    if isinstance(op, TextOp):
+        points = f", {op.text.text!r} at {op.text.angle:g} deg"
     part = f"part {op.features[0][0] + 1}"
     return f"{'+'.join(op.faces)} y {op.y:g}{depth}{points}, {part}"
 

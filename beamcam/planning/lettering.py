@@ -18,11 +18,21 @@ from msgspec.structs import replace
 
 from beamcam.errors import Diagnostic
 from beamcam.geometry.curves import Arc, Curve, Line
-from beamcam.geometry.lettering import Glyph, body_share, glyph_of, spelled
+from beamcam.geometry.lettering import Glyph, body_share, glyph_of, spelled, spelled_with
 from beamcam.geometry.plane import Box, Point, box_around
 from beamcam.machine.marking import Marks
 from beamcam.model.part import MIRRORED_FACES, TextMark
-from beamcam.planning.by_hand import BLANK, NO_ROOM, TEXT_MOVED, TEXT_SIGN, TOO_SMALL
+from beamcam.planning.by_hand import (
+    ANGLE,
+    BLANK,
+    CHARACTERS,
+    HEIGHT,
+    NO_ROOM,
+    TEXT_HEIGHT,
+    TEXT_MOVED,
+    TEXT_SIGN,
+    TOO_SMALL,
+)
 
 SHRINK = 0.8  #: from one height that is tried to the next
 STEP = 0.1  #: mm that places and heights of moved texts are rounded to
@@ -138,6 +148,8 @@ def _glyphs(text: str, spacing: float) -> Iterator[tuple[float, Glyph]]:
 
 def place_text(feature: TextMark, marks: Marks, room: Room) -> Lettered | str:
     """The placed text, or why there is no place; it is an obstacle for later texts."""
+    if marks.is_told:
+        return _place_told(feature, marks, room)
     height = feature.height * (body_share() if marks.height_of == "body" else 1.0)
     text = spelled(feature.text, marks.replace).text
     flat = Lettered(text, 0.0, 0.0, 1.0, 0.0, False, marks.spacing, NO_BOX)
@@ -150,7 +162,44 @@ def place_text(feature: TextMark, marks: Marks, room: Room) -> Lettered | str:
     )  # fmt: skip
     if height < marks.min_height:
         return TOO_SMALL
-    found = _placed(lettered, feature.option == "z", marks, room)
+    return _put(lettered, feature, _smaller(lettered, marks, room), marks, room)
+
+
+def _place_told(feature: TextMark, marks: Marks, room: Room) -> Lettered | str:
+    """The text as a stamp or printer sets it: a row of characters, each as high as the row."""
+    spelling = spelled_with(feature.text, marks.replace, marks.characters)
+    if spelling is None:
+        return CHARACTERS
+    if not spelling.text.strip():
+        return BLANK
+    angle = next((a for a in marks.angles if (a - feature.angle) % 360.0 in (0.0, 360.0)), None)
+    if angle is None:
+        return ANGLE
+    if not marks.heights and feature.height < marks.min_height:
+        return TOO_SMALL
+    heights = [own_height(feature.height, marks)]
+    if feature.option == "z" and heights[0] != feature.height:
+        return HEIGHT
+    if marks.heights:
+        heights += sorted((h for h in marks.heights if h < heights[0]), reverse=True)
+    lettered = Lettered(
+        spelling.text, feature.x, feature.y, heights[0], angle, feature.face in MIRRORED_FACES,
+        marks.pitch, (0.0, 0.0, marks.pitch * len(spelling.text), 1.0),
+    )  # fmt: skip
+    smaller = heights if marks.heights else _smaller(lettered, marks, room)
+    return _put(lettered, feature, smaller, marks, room)
+
+
+def own_height(wanted: float, marks: Marks) -> float:
+    """The height that a stamp has nearest to a wanted one, of two the smaller."""
+    return min(marks.heights, key=lambda h: (abs(h - wanted), h), default=wanted)
+
+
+def _put(
+    lettered: Lettered, feature: TextMark, heights: Iterable[float], marks: Marks, room: Room
+) -> Lettered | str:
+    """The text where it is clear; it is an obstacle from then on."""
+    found = _placed(lettered, feature.option == "z", heights, marks, room)
     if found is None:
         return NO_ROOM
     corners = _corners(found)
@@ -160,9 +209,19 @@ def place_text(feature: TextMark, marks: Marks, room: Room) -> Lettered | str:
 
 def remarks(feature: TextMark, found: Lettered, marks: Marks) -> Iterator[Diagnostic]:
     """Remarks on texts that differ from the part's."""
-    for sign, other in spelled(feature.text, marks.replace).replaced:
-        yield TEXT_SIGN.at(feature.source, sign=sign, text=feature.text, other=other)
-    height = feature.height * (body_share() if marks.height_of == "body" else 1.0)
+    if marks.is_told:
+        spelling = spelled_with(feature.text, marks.replace, marks.characters)
+        has = f"the {marks.unit}"
+    else:
+        spelling, has = spelled(feature.text, marks.replace), "the font"
+    for sign, other in spelling.replaced if spelling else ():
+        yield TEXT_SIGN.at(feature.source, sign=sign, text=feature.text, other=other, has=has)
+    share = body_share() if marks.height_of == "body" and not marks.is_told else 1.0
+    height = feature.height * share
+    if marks.is_told and height != (own := own_height(height, marks)):
+        said = {"text": found.text, "found": f"{height:g}", "height": f"{own:g}"}
+        yield TEXT_HEIGHT.at(feature.source, **said)
+        height = own
     if (found.x, found.y, found.height) != (feature.x, feature.y, height):
         yield TEXT_MOVED.at(
             feature.source, text=found.text, x=f"{found.x:.1f}", y=f"{found.y:.1f}",
@@ -171,22 +230,29 @@ def remarks(feature: TextMark, found: Lettered, marks: Marks) -> Iterator[Diagno
         )  # fmt: skip
 
 
-def _placed(lettered: Lettered, is_bound: bool, marks: Marks, room: Room) -> Lettered | None:
-    """The text where it is clear; None where it is nowhere."""
+def _placed(
+    lettered: Lettered, is_bound: bool, heights: Iterable[float], marks: Marks, room: Room
+) -> Lettered | None:
+    """The text where it is clear, in the first of some heights that it is; None if in none."""
     if _clearance(lettered, room) >= marks.min_distance:
         return lettered
     if is_bound:
         return None
+    each = (_nearest(replace(lettered, height=h), marks.min_distance, room) for h in heights)
+    return next((found for found in each if found is not None), None)
+
+
+def _smaller(lettered: Lettered, marks: Marks, room: Room) -> Iterator[float]:
+    """Heights of a text that may be of any, down to the machine's least."""
     height = lettered.height
     widest = max(room.box[2] - room.box[0], room.box[3] - room.box[1])
     length = lettered.extent[2] - lettered.extent[0]
     if height * length > 1.5 * widest:  # longer than the diagonal
         height = max(marks.min_height, _rounded(1.5 * widest / length))
-    while True:
-        found = _nearest(replace(lettered, height=height), marks.min_distance, room)
-        if found is not None or height <= marks.min_height:
-            return found
+    yield height
+    while height > marks.min_height:
         height = max(marks.min_height, _rounded(height * SHRINK))
+        yield height
 
 
 def _rounded(value: float) -> float:

@@ -41,10 +41,11 @@ from typing import Literal, NamedTuple
 
 from beamcam.machine.machine import Times
 from beamcam.model.part import Face
-from beamcam.model.plan import Operation, PathOp, SawOp, SpindleOp
+from beamcam.model.plan import Operation, PathOp, SawOp, WorkOp
 
 #: What has to be done before what, where it is one place on one face.
-STAGES = {"drill": 0, "mill": 1, "countersink": 2, "tap": 3, "punch": 4, "scribe": 5}
+STAGES = {"drill": 0, "mill": 1, "countersink": 2, "tap": 3, "punch": 4, "scribe": 5,
+          "stamp": 6, "printer": 6}  # fmt: skip
 SAME_PLACE = 0.5  #: mm across; holes are not nearer to each other than this
 
 Setup = tuple[int, int, float, float, float, str]
@@ -75,7 +76,7 @@ def sort_along_x(
     if len(set(at)) == len(at):  # one at each X, and nothing to choose
         return tuple([op for _, op in sorted(zip(at, operations, strict=True))])
     cuts: dict[int, list[SawOp]] = {}
-    strokes: dict[int, list[SpindleOp]] = {}
+    strokes: dict[int, list[WorkOp]] = {}
     for place, op in zip(at, operations, strict=True):
         if op.__class__ is SawOp:
             cuts.setdefault(place, []).append(op)
@@ -116,17 +117,17 @@ def travel(operations: Iterable[Operation], start: float = 0.0) -> tuple[float, 
     return forward, back
 
 
-def setup_of(op: SpindleOp) -> Setup:
+def setup_of(op: WorkOp) -> Setup:
     """Spindle and tool of an operation, as what a change is a change of."""
     tool = op.tool
     return STAGES[tool.kind], op.spindle, tool.diameter, tool.point_deg, tool.pitch, tool.hand
 
 
-def waits_for(op: SpindleOp, other: SpindleOp) -> bool:
+def waits_for(op: WorkOp, other: WorkOp) -> bool:
     """Whether an operation has to come after another one at the same X: a tap after its drill."""
     return (
         STAGES[other.tool.kind] < STAGES[op.tool.kind]
-        and op.tool.kind not in ("punch", "scribe")
+        and op.tool.kind not in ("punch", "scribe", "stamp", "printer")
         and any(face in other.faces for face in op.faces)
         and (
             abs(op.y - other.y) <= SAME_PLACE
@@ -140,27 +141,27 @@ def _cut_rank(op: SawOp) -> tuple[int, int, float, float]:
     return CUT_RANK[op.purpose, op.at], op.pieces[0], op.x, op.angle
 
 
-def _work_off(stations: Sequence[list[SpindleOp]], times: Times) -> list[list[SpindleOp]]:
+def _work_off(stations: Sequence[list[WorkOp]], times: Times) -> list[list[WorkOp]]:
     """The operations of each X in the best order."""
     if all(map(_is_one_setup, stations)):
         return [sorted(ops, key=_place) if len(ops) > 1 else ops for ops in stations]
     groups = [_by_setup(ops) for ops in stations]
-    worked: list[list[SpindleOp]] = []
+    worked: list[list[WorkOp]] = []
     setups = iter(_cheapest(groups, times))
     for group in groups:
         worked.append([op for _ in group for op in sorted(group[next(setups)], key=_place)])
     return worked
 
 
-def _by_setup(ops: Sequence[SpindleOp]) -> dict[Setup, list[SpindleOp]]:
+def _by_setup(ops: Sequence[WorkOp]) -> dict[Setup, list[WorkOp]]:
     """The operations of one X by their setup, the setups sorted."""
-    found: dict[Setup, list[SpindleOp]] = {}
+    found: dict[Setup, list[WorkOp]] = {}
     for op in ops:
         found.setdefault(setup_of(op), []).append(op)
     return dict(sorted(found.items())) if len(found) > 1 else found
 
 
-def _is_one_setup(ops: Sequence[SpindleOp]) -> bool:
+def _is_one_setup(ops: Sequence[WorkOp]) -> bool:
     """Whether all operations of one X are done with one spindle and tool."""
     if len(ops) == 1:
         return True
@@ -183,7 +184,7 @@ class _Path(NamedTuple):
     before: "_Path | None"
 
 
-def _cheapest(groups: Sequence[dict[Setup, list[SpindleOp]]], times: Times) -> list[Setup]:
+def _cheapest(groups: Sequence[dict[Setup, list[WorkOp]]], times: Times) -> list[Setup]:
     """The setups of all X, one X after another, in the order that takes least for changes."""
     paths = [_Path(0.0, 0, 0, 0, (), None, None)]
     for group in groups:
@@ -230,7 +231,7 @@ def _step(path: _Path, i: int, setup: Setup, faces: tuple[Face, ...], times: Tim
     return _Path(seconds, changes, path.done | 1 << i, spindle, held, setup, path)
 
 
-def _prerequisites(group: dict[Setup, list[SpindleOp]]) -> list[int]:
+def _prerequisites(group: dict[Setup, list[WorkOp]]) -> list[int]:
     """For each setup of one X those that have to be done before it, a bit each."""
     setups = list(group)
     if setups[0][0] == setups[-1][0]:  # one stage: nothing waits

@@ -25,7 +25,7 @@ from beamcam.machine.drill import Axis, Drill
 from beamcam.machine.machine import ControlledAxis, Machine
 from beamcam.model.cell_motion import SECONDS_PER_MINUTE, CellMotion
 from beamcam.model.part import Profile
-from beamcam.model.plan import Operation, PathOp, Plan, SawOp, SpindleOp
+from beamcam.model.plan import Operation, PathOp, Plan, SawOp, SpindleOp, TextOp
 from beamcam.model.stroke import Stroke, Strokes
 from beamcam.model.work_time import WorkTime
 from beamcam.planning.magazine import tool_loads
@@ -121,6 +121,11 @@ class _Clock:
                 "x": op.x, "angle": op.angle, "tilt": op.tilt, "feed": self._saw.feed_mm_min,
             }  # fmt: skip
             return self._run("saw", values)
+        if isinstance(op, TextOp):
+            template = getattr(self._machine.words, op.tool.kind)
+            before = blocks_of([line for line in template if "{string}" not in line])
+            way = sum(self._block(block, {"x": op.x}, op.tool.kind) for block in before)
+            return way + self._machine.times.text_s
         kind = op.tool.kind
         _, feed_mm_min = speed_and_feed(op.tool, self._drill, self._grades[op.features[0][0]])
         values = {"spindle": op.spindle, "diameter": op.tool.diameter, "feed": feed_mm_min}

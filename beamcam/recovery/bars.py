@@ -6,13 +6,13 @@ A piece between a square cut and a skew one that comes to nothing at a corner is
 skew end; what lies before the first cut is trim, what lies behind the last the remnant.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 
 from beamcam.errors import Diagnostic, Source, errors_in
-from beamcam.machine.absent import drill_of
+from beamcam.machine.absent import drill_of, text_x
 from beamcam.machine.machine import Machine
 from beamcam.machine.saw import Saw
-from beamcam.model.part import EndCuts, Face, Feature, Part, Profile
+from beamcam.model.part import EndCuts, Face, Feature, Part, Profile, TextMark
 from beamcam.recovery import rules
 from beamcam.recovery.found import Recovered, Stock, plain
 from beamcam.recovery.holes import holes_of
@@ -111,7 +111,17 @@ class _Bar:
         led = [f for f in paths if f is not None]
         bores = [b for b in made.bores if self._in(piece, b.face, (b.x, b.y))]
         here = [b._replace(x=self._x(b, from_x)) for b in bores]
-        return (*holes_of(here, led, self.shop, self.profile, self.name), *led)
+        texts = self._texts(piece, first, made)
+        return (*holes_of(here, led, self.shop, self.profile, self.name), *led, *texts)
+
+    def _texts(self, piece: Piece, first: float, made: Made) -> Iterator[TextMark]:
+        """What a stamp or printer is told on a piece, as the unit spells it."""
+        form, at = self.machine.format, text_x(self.machine)
+        for t in made.texts:
+            if self._in(piece, t.face, (t.x - at + self.shop.drill.x, t.y)):
+                x = plain(t.x - at - first, form.resolution, form.length_decimals)
+                source = Source(self.name, t.line)
+                yield TextMark(t.face, x, t.y, t.angle, t.height, t.text, source)
 
     def _x(self, bore: Bore, from_x: float) -> float:
         form = self.machine.format

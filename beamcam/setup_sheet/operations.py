@@ -11,7 +11,7 @@ from beamcam.pictures.bar import BarMade, order_numbers
 from beamcam.pictures.program import ReadProgram
 from beamcam.pictures.table import SECONDS_PER_MINUTE, TableMade
 from beamcam.simulate.trace import Trace
-from beamcam.verify.bars.made import Bore, Cut, Trail
+from beamcam.verify.bars.made import Bore, Cut, Thing, Written
 
 MIN_MOVE = 1e-6
 
@@ -36,7 +36,7 @@ class Operation(Struct, frozen=True):
 def operations_of(bar: BarMade, trace: Trace) -> tuple[Operation, ...]:
     """The cuts and strokes of a bar; a stroke of two spindles is one."""
     numbers = order_numbers(bar.made)
-    rows: dict[int, list[Cut | Bore | Trail]] = {}
+    rows: dict[int, list[Thing]] = {}
     for op in bar.made.order:
         rows.setdefault(op.line, []).append(op)
     ends = _ends(trace, list(rows))
@@ -47,7 +47,7 @@ def operations_of(bar: BarMade, trace: Trace) -> tuple[Operation, ...]:
     return tuple(found)
 
 
-def _operation(number: int, ops: Sequence[Cut | Bore | Trail], seconds: float) -> Operation:
+def _operation(number: int, ops: Sequence[Thing], seconds: float) -> Operation:
     op = ops[0]
     if isinstance(op, Cut):
         tilt = f", tilt {op.tilt:g}" if op.tilt else ""
@@ -56,6 +56,11 @@ def _operation(number: int, ops: Sequence[Cut | Bore | Trail], seconds: float) -
             number, op.line, what, "", (), op.x, None, None, op.feed_mm_min or None, None, seconds
         )
     faces = tuple(o.face for o in ops if not isinstance(o, Cut))
+    if isinstance(op, Written):
+        what = f"{op.kind} {op.text!r}, {op.height:g} high"
+        return Operation(
+            number, op.line, what, op.kind, faces, op.x, op.y, None, None, None, seconds
+        )
     tool = f"{op.kind} {op.diameter:g}"
     if isinstance(op, Bore):
         return Operation(

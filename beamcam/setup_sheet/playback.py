@@ -17,6 +17,8 @@ import numpy as np
 from msgspec.structs import replace
 
 from beamcam.geometry.array_types import Counts
+from beamcam.geometry.plane import unit_vector
+from beamcam.machine.absent import text_x
 from beamcam.machine.drill import Spindle
 from beamcam.machine.formula import Formula
 from beamcam.machine.machine import Machine
@@ -25,6 +27,7 @@ from beamcam.pictures.bar import BarMade
 from beamcam.pictures.features import section_outlines
 from beamcam.pictures.table import TableMade, speed_classes
 from beamcam.simulate.trace import Trace
+from beamcam.verify.bars.made import Written
 
 MICROSECONDS = 1e6
 STEP = 1e-3  #: of positions in a page, mm or degrees
@@ -127,8 +130,18 @@ def bar_made_data(bar: BarMade) -> dict[str, Any]:
             {"line": t.line, "face": t.face,
              "points": [[_rounded(x - drill_x), _rounded(y)] for x, y in t.points]}
             for t in made.trails
+        ] + [
+            {"line": t.line, "face": t.face, "points": _underline(t, machine)} for t in made.texts
         ],
     }  # fmt: skip
+
+
+def _underline(text: Written, machine: Machine) -> list[list[float]]:
+    """The line that the characters of a text stand on."""
+    x, long = text.x - text_x(machine), machine.marks.pitch * text.height * len(text.text)
+    c, s = unit_vector(text.angle)
+    ends = ((x, text.y), (x + long * c, text.y + long * s))
+    return [[_rounded(a), _rounded(b)] for a, b in ends]
 
 
 def _rounded(value: float) -> float:

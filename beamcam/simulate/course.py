@@ -10,7 +10,7 @@ from msgspec import Struct
 from msgspec.structs import replace
 
 from beamcam.controllers.dialect import Dialect
-from beamcam.controllers.events import BarEvent, Move, Pause, Place, Switch
+from beamcam.controllers.events import BarEvent, Lettering, Move, Pause, Place, Switch
 from beamcam.errors import MachineError, Source
 from beamcam.geometry.curves import Arc, Bezier, EllipseArc
 from beamcam.geometry.ramps import Ramp
@@ -63,7 +63,7 @@ class _Simulation:
         self.events, self.dialect = events, dialect
         self.cell = CellMotion(machine, section.get("width", section.get("height", 0.0)))
         self.per_minute = 60.0 if machine.format.feed_unit == "mm/s" else 1.0
-        self.reload_s = machine.times.reload_s
+        self.reload_s, self.text_s = machine.times.reload_s, machine.times.text_s
         self.clock_s = 0.0
         self.state = State()
 
@@ -78,6 +78,8 @@ class _Simulation:
                     yield self._move(event, curve.length)
                 case Pause():
                     yield self._stand(event.line, event.seconds)
+                case Lettering():
+                    yield self._stand(event.line, self.text_s)
                 case Switch():
                     yield from self._switch(event)
 

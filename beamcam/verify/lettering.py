@@ -14,7 +14,7 @@ from msgspec import Struct
 
 from beamcam.errors import Diagnostic, Rule, Severity
 from beamcam.geometry.array_types import Floats
-from beamcam.geometry.lettering import body_share, glyph_of, spelled
+from beamcam.geometry.lettering import body_share, glyph_of, spelled, spelled_with
 from beamcam.geometry.plane import Point
 from beamcam.machine.marking import Marks
 from beamcam.model.part import MIRRORED_FACES, TextMark
@@ -29,7 +29,21 @@ TEXT = Rule(
     "found the text {text!r} at x {x}, y {y}, {height} mm high; expected {expected}",
     "A text stands where the part has it, or where it is clear of holes, edges and other texts.",
 )
-RULES = (TEXT,)
+TEXT_MISSING = Rule(
+    "verify-text-missing",
+    Severity.ERROR,
+    "found no text {text!r} on face {face} of {mark} at {angle} degrees; "
+    "expected it at x {x}, y {y}",
+    "A text that the machine's stamp or printer could letter has to be told to it, sign by sign.",
+)
+TEXT_EXTRA = Rule(
+    "verify-text-extra",
+    Severity.ERROR,
+    "found the text {text!r} on face {face} at machine x {x}, y {y}; "
+    "expected none, no part has it there",
+    "What is stamped or printed cannot be taken off again.",
+)
+RULES = (TEXT, TEXT_MISSING, TEXT_EXTRA)
 
 Segment = tuple[Point, Point]
 
@@ -114,6 +128,29 @@ def wanted(feature: TextMark, marks: Marks) -> Wanted:
     glyphs = (glyph_of(sign) for sign in text)
     counts = tuple(len(s) - 1 for glyph in glyphs if glyph is not None for s in glyph.strokes)
     return Wanted(feature, text, feature.height * share, pieces, counts)
+
+
+def told(feature: TextMark, marks: Marks) -> Wanted | None:
+    """What a stamp or printer has to be told of a text, in the box of its characters.
+
+    None where it has no characters, no angle or no height for it.
+    """
+    spelling = spelled_with(feature.text, marks.replace, marks.characters)
+    turns = [abs(angle - feature.angle) % 360.0 for angle in marks.angles]
+    if spelling is None or not spelling.text.strip() or not any(t in (0.0, 360.0) for t in turns):
+        return None
+    height = feature.height
+    if marks.heights:
+        apart = [(abs(own - height), own) for own in marks.heights]
+        if feature.option == "z" and min(apart)[0] > 0.0:
+            return None
+        height = min(apart)[1]
+    elif height < marks.min_height:
+        return None
+    wide = len(spelling.text) * marks.pitch
+    corners = ((0.0, 0.0), (wide, 0.0), (wide, 1.0), (0.0, 1.0), (0.0, 0.0))
+    pieces = tuple(_turned(iter([*pairwise(corners)]), feature))
+    return Wanted(feature, spelling.text, height, pieces)
 
 
 def _in_a_row(text: str, spacing: float) -> Iterator[Segment]:

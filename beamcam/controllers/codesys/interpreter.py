@@ -66,6 +66,8 @@ class Codesys(Interpreter):
         body = text[numbered.end() :] if numbered else text
         block = self._known.get(body)
         if block is None:
+            if self._is_text(line, body):
+                return
             block = self._read(line, body, outermost)
             if block is None:
                 return

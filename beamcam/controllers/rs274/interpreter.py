@@ -8,6 +8,8 @@ A block's words act in a fixed order: feed, speed, M words, dwell, settings, mot
 modal. Source: LinuxCNC documentation, "G-Code Overview".
 """
 
+import re
+
 from beamcam.controllers import cycles
 from beamcam.controllers.arcs import arc_of
 from beamcam.controllers.dialect import Dialect
@@ -16,6 +18,7 @@ from beamcam.controllers.interpreter import Interpreter, Words
 from beamcam.controllers.rs274.blocks import Block, Variant, read_block
 from beamcam.geometry.plane import Point
 
+_NUMBERED = re.compile(r"\s*N[0-9]+\s*")
 _STOPS = (0, 1)  #: M words for a program stop at a manual tool change
 
 
@@ -51,6 +54,8 @@ class Rs274(Interpreter):
             self._syntax(line, text, f"at most {self._variant.longest_line} characters")
         block = self._known.get(text)
         if block is None:
+            if self._is_text(line, _NUMBERED.sub("", text)):
+                return
             self._known[text] = block = read_block(
                 text, self._variant, self._switches, self._dialect.codes
             )

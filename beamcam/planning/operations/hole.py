@@ -13,7 +13,7 @@ from beamcam.machine.drill import Drill
 from beamcam.machine.machine import Machine
 from beamcam.model.description import named
 from beamcam.model.part import Face, Hole
-from beamcam.model.plan import DrillOp, FeatureRef, Plan, SpindleOp
+from beamcam.model.plan import DrillOp, FeatureRef, Plan, WorkOp
 from beamcam.planning.axis_limits import refuse_jobs
 from beamcam.planning.operations.bench import Bench
 from beamcam.planning.operations.finished_part import TOLERANCE
@@ -233,7 +233,7 @@ def _sinks(
                 yield from _make((placed,), bench, size, place)
 
 
-def _rejected(op: SpindleOp, plan: Plan, machine: Machine) -> Iterator[str]:
+def _rejected(op: WorkOp, plan: Plan, machine: Machine) -> Iterator[str]:
     """The drills that would do too, and why a hole is not made together with one beside it."""
     if isinstance(op, DrillOp):
         rack = rack_of(machine)
@@ -241,7 +241,7 @@ def _rejected(op: SpindleOp, plan: Plan, machine: Machine) -> Iterator[str]:
         yield from _missed_merges(op, plan, machine, rack)
 
 
-def _holes(op: SpindleOp, plan: Plan) -> Iterator[tuple[FeatureRef, Hole]]:
+def _holes(op: WorkOp, plan: Plan) -> Iterator[tuple[FeatureRef, Hole]]:
     for p, f in op.features:
         feature = plan.pieces[p].part.features[f]
         if isinstance(feature, Hole):

@@ -1,4 +1,4 @@
-"""The work of a spindle at a place of a part, and the other outcomes of a feature."""
+"""Work at a place of a part, by a spindle or by what letters; other outcomes of a feature."""
 
 from typing import Literal
 
@@ -7,6 +7,7 @@ from msgspec import Struct
 from beamcam.errors import Diagnostic, Source
 from beamcam.geometry.plane import Point
 from beamcam.model.part import Face
+from beamcam.model.plan import Typed
 from beamcam.planning.operations.tools import Tools
 
 
@@ -31,6 +32,7 @@ class Job(Struct, frozen=True):
     features: tuple[int, ...]  #: those of the part that it makes
     source: Source
     path: tuple[Point, ...] = ()  #: x on the part and y on the face; () for a stroke
+    text: Typed | None = None  #: that a stamp or printer is told
 
 
 class Settled(Struct, frozen=True):

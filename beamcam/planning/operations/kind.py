@@ -13,7 +13,7 @@ from msgspec import Struct
 from beamcam.errors import Diagnostic
 from beamcam.machine.machine import Machine
 from beamcam.model.part import Feature
-from beamcam.model.plan import Plan, SpindleOp
+from beamcam.model.plan import Plan, WorkOp
 from beamcam.planning.operations.bench import Bench
 from beamcam.planning.operations.job import Found
 
@@ -38,4 +38,4 @@ class Kind(Struct, frozen=True):
     steps: Callable[[Sequence[Numbered], Bench], Iterable[Found]] = nothing
     reasons: Mapping[str, str] = {}  #: explanations of its steps: stable code and text
     #: What might have been done instead of an operation, and why it was not.
-    rejected: Callable[[SpindleOp, Plan, Machine], Iterator[str]] = nothing
+    rejected: Callable[[WorkOp, Plan, Machine], Iterator[str]] = nothing

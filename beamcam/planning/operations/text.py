@@ -1,13 +1,16 @@
-"""A text on a face: a scribe is led along its strokes, where it is clear of holes, edges and ends.
+"""A text on a face, where it is clear of holes, edges and ends.
 
-One without room, or out of the scribe's reach, is left for manual work.
+A scribe is led along its strokes; a stamp or printer is told it. One without room, or out of reach,
+is left for manual work.
 """
 
 from collections import defaultdict
 from collections.abc import Iterator, Sequence
 
+from beamcam.machine.tools import FLAT_DEG, Tool
 from beamcam.model.part import Face, Hole, Slot, TextMark
-from beamcam.model.section import OTHER_SIDE
+from beamcam.model.plan import Typed
+from beamcam.model.section import NO_PLATE, OTHER_SIDE
 from beamcam.planning.axis_limits import within_axes
 from beamcam.planning.by_hand import FACE
 from beamcam.planning.lettering import Lettered, Room, place_text, remarks
@@ -18,7 +21,10 @@ from beamcam.planning.operations.kind import Kind
 from beamcam.planning.operations.mark import can_scribe
 from beamcam.planning.operations.slot import slot_ends
 
-REASONS = {"letter": "a text lettered by strokes"}
+REASONS = {
+    "letter": "a text lettered by strokes",
+    "tell": "a text that the machine's stamp or printer is told",
+}
 
 
 def _is_text(feature: object) -> bool:
@@ -34,7 +40,7 @@ def _steps(texts: Sequence[tuple[int, TextMark]], bench: Bench) -> Iterator[Foun
     for f, text in texts:
         by_face[text.face].append((f, text))
     for face, group in by_face.items():
-        room = _room(face, bench) if can_scribe(face, bench) else None
+        room = _room(face, bench) if _comes_to(face, bench) else None
         for f, text in group:
             lettered = FACE if room is None else place_text(text, bench.machine.marks, room)
             if isinstance(lettered, str):
@@ -44,7 +50,22 @@ def _steps(texts: Sequence[tuple[int, TextMark]], bench: Bench) -> Iterator[Foun
             yield from _jobs(f, text, lettered, bench)
 
 
+def _comes_to(face: Face, bench: Bench) -> bool:
+    """Whether what letters comes to a face."""
+    if not bench.machine.marks.is_told:
+        return can_scribe(face, bench)
+    missing = NO_PLATE.get(bench.part.profile.code, ())
+    return face in bench.machine.marks.faces and face not in missing
+
+
 def _jobs(f: int, text: TextMark, lettered: Lettered, bench: Bench) -> Iterator[Job]:
+    marks = bench.machine.marks
+    if marks.unit == "stamp" or marks.unit == "printer":
+        unit = Tool(marks.unit, lettered.height, FLAT_DEG)
+        how = Tooling(marks.faces[text.face], (unit,), (text.face,), None, ("tell",))
+        typed = Typed(lettered.text, lettered.height, lettered.angle)
+        yield Job(lettered.x, lettered.y, how, (f,), text.source, text=typed)
+        return
     how = _tooling(text.face, bench)
     for stroke in lettered.strokes:
         yield Job(*stroke[0], how, (f,), text.source, stroke)
@@ -59,18 +80,20 @@ def _tooling(face: Face, bench: Bench) -> Tooling:
 def _room(face: Face, bench: Bench) -> Room | None:
     """Room for a text on a face: between ends, edges and fillets, within the axes' travel."""
     across, along = bench.finished.across(face), bench.finished.along(face)
-    reach = bench.reached[face]
-    low, high = max(0.0, reach.least), min(across.width, reach.greatest)
-    if face not in OUTSIDE:
+    low, high = 0.0, across.width
+    if face in bench.reached:
+        low, high = max(low, bench.reached[face].least), min(high, bench.reached[face].greatest)
+    if face not in OUTSIDE or (face == "h" and bench.part.profile.code == "I"):
         for wall in across.walls:
             if wall.least <= low:
                 low = max(low, wall.greatest + wall.radius)
             if wall.greatest >= high:
                 high = min(high, wall.least - wall.radius)
-    bounds = within_axes(_tooling(face, bench), bench.part, bench.machine, (low, high))
-    if bounds is None:
-        return None
-    low, high = bounds
+    if not bench.machine.marks.is_told:
+        bounds = within_axes(_tooling(face, bench), bench.part, bench.machine, (low, high))
+        if bounds is None:
+            return None
+        low, high = bounds
     outline = [
         (along.start_x0 - low * along.start_slope, low),
         (along.end_x0 - low * along.end_slope, low),

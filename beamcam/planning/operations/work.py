@@ -11,9 +11,10 @@ from collections.abc import Collection, Iterator, Mapping, Sequence
 from msgspec import Struct
 
 from beamcam.errors import Diagnostic, PlanError, errors_in
+from beamcam.machine.absent import text_x
 from beamcam.machine.tools import Tool
 from beamcam.model.part import Part
-from beamcam.model.plan import DrillOp, FeatureRef, PathOp, Piece, SpindleOp
+from beamcam.model.plan import DrillOp, FeatureRef, PathOp, Piece, TextOp, WorkOp
 from beamcam.planning.axis_limits import refuse_jobs
 from beamcam.planning.by_hand import listed_by, refuse_mark
 from beamcam.planning.operations.bench import Bench
@@ -100,8 +101,8 @@ def _is_allowed(said: Diagnostic, skips: Collection[str]) -> bool:
 
 def spindle_operations(
     pieces: Sequence[Piece], works: Sequence[Work], line: Line
-) -> Iterator[SpindleOp]:
-    """One operation for each job at machine X, piece by piece."""
+) -> Iterator[WorkOp]:
+    """One operation on features for each job at machine X, piece by piece."""
     chosen = _choose_tools({id(j.tooling): j.tooling for work in works for j in work.jobs})
     for index, (piece, work) in enumerate(zip(pieces, works, strict=True)):
         offset = line.drill.x + piece.start
@@ -111,7 +112,12 @@ def spindle_operations(
             features: tuple[FeatureRef, ...] = ((index, job.features[0]),)
             if len(job.features) > 1:
                 features = tuple([(index, f) for f in job.features])
-            if job.path:
+            if job.text is not None:
+                yield TextOp(
+                    piece.start + job.x + text_x(line.machine), how.spindle, tool, how.faces, job.y,
+                    job.text, features, reasons, job.source,
+                )  # fmt: skip
+            elif job.path:
                 path = tuple((offset + x, y) for x, y in job.path)
                 yield PathOp(
                     path[0][0], how.spindle, tool, how.faces, path, how.depth, features, reasons,

@@ -9,7 +9,14 @@ the feed. The state and the M words stand in `cell_state`; here are the moves.
 from collections.abc import Iterable
 from math import isnan, nan
 
-from beamcam.controllers.events import BarEvent, Compensation, Move, Place, Switch
+from beamcam.controllers.events import (
+    BarEvent,
+    Compensation,
+    Lettering,
+    Move,
+    Place,
+    Switch,
+)
 from beamcam.controllers.rules import WORD
 from beamcam.verify import rules
 from beamcam.verify.bars.cell_state import AXES, EPSILON, CellState
@@ -31,6 +38,8 @@ class Cell(CellState):
                 self._move(event)  # type: ignore[arg-type]
             elif kind is Switch:
                 self.switch(event)  # type: ignore[arg-type]
+            elif kind is Lettering:
+                self.letter(event)  # type: ignore[arg-type]
             elif kind is Compensation and event.side != "on":  # type: ignore[union-attr]
                 self.say(WORD, event.line, found="compensation", expected="none, of strokes")
         return made_in_order(tuple(self.section.items()), self.order)

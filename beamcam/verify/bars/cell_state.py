@@ -13,13 +13,13 @@ from collections.abc import Callable
 from math import isnan, nan
 
 from beamcam.controllers.dialect import Cycle, Dialect, MWord, Role
-from beamcam.controllers.events import Switch
+from beamcam.controllers.events import Lettering, Switch
 from beamcam.controllers.rules import WORD
 from beamcam.errors import Diagnostic, Rule, Source
 from beamcam.machine.machine import Machine
 from beamcam.verify import rules
 from beamcam.verify.bars.cutting_data import LEAST, CuttingData
-from beamcam.verify.bars.made import Bore, Cut, Trail
+from beamcam.verify.bars.made import Cut, Thing, Written
 from beamcam.verify.bars.magazine import Changed, Chosen, wrong_changes
 from beamcam.verify.bars.stations import Choice, Station, limits_of
 
@@ -42,7 +42,7 @@ class CellState:
         self.name = name
         self.said: list[Diagnostic] = []
         self.section: dict[str, float] = {}
-        self.order: list[Cut | Bore | Trail] = []
+        self.order: list[Thing] = []
         self.tools: list[Chosen | Changed] = []
         self.choice: Choice | None = None
         self.diameter = 0.0
@@ -276,6 +276,30 @@ class CellState:
             self.beyond(switch.line, "the blade's tilt", tilt, saw.min_tilt, saw.max_tilt)
         feed = values["feed"] * self.per_minute if "feed" in values else self.feed_mm_min
         self.order.append(Cut(switch.line, self.x, angle, feed, tilt))
+        self.peck = None
+
+    def letter(self, event: Lettering) -> None:
+        """A text that the unit is told where the bar stands; figures it is not told are its own."""
+        self.at_rest(event.line, "a text")
+        self.describe_first(event.line)
+        marks = self.machine.marks
+        if isnan(self.x):
+            self.say(WORD, event.line, found="a text", expected="an X before")
+            return
+        numbers = {number: face for face, number in marks.faces.items()}
+        called = event.values.get("face", next(iter(numbers)))
+        face = numbers.get(int(called)) if called == called // 1 else None
+        if face is None:
+            expected = "one of " + ", ".join(map(str, sorted(numbers)))
+            self.say(WORD, event.line, found=f"face {called:g}", expected=expected)
+            return
+        height = event.values.get("height", marks.heights[0] if marks.heights else nan)
+        angle = event.values.get("angle", marks.angles[0])
+        self.order.append(
+            Written(
+                event.line, face, event.kind, event.text, self.x, event.values["y"], height, angle
+            )
+        )
         self.peck = None
 
     def _saw_feed(self, line: int, feed: float, own: float) -> None:

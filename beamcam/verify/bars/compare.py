@@ -5,6 +5,7 @@ cuts -> pieces of bar -> parts;  holes, pockets and lines of each part -> what m
 
 from collections.abc import Collection, Iterator, Sequence
 from math import isnan
+from typing import TYPE_CHECKING
 
 from msgspec import Struct
 
@@ -17,7 +18,7 @@ from beamcam.verify.bars.ability import may_be_missing, repeats
 from beamcam.verify.bars.cut_faults import CutFaults
 from beamcam.verify.bars.holes import HoleCheck, Want
 from beamcam.verify.bars.layout import Candidate, Laid, lay_out, wedge_cuts
-from beamcam.verify.bars.made import Made
+from beamcam.verify.bars.made import Made, Written
 from beamcam.verify.bars.part_ends import End, ends_of
 from beamcam.verify.bars.pieces import overlapping, pieces, planes
 from beamcam.verify.bars.pockets import Led, check_paths, is_led
@@ -32,6 +33,9 @@ from beamcam.verify.bars.targets import (
 from beamcam.verify.bars.turned import standing
 from beamcam.verify.by_hand import left_to_hand
 from beamcam.verify.left_out import left_out
+
+if TYPE_CHECKING:
+    from beamcam.verify.bars.texts import ToldTexts
 
 
 class Asked(Struct, frozen=True):
@@ -66,9 +70,13 @@ class Comparison:
         led: list[Led] = []
         optional: dict[tuple[int, int], None] = {}  #: part and feature that may be missing
         missing: set[tuple[int, int]] = set()  #: those that are
+        told = self._told_texts()
         for p, one in enumerate(laid):
             self.said += left_to_hand(one.part, self.machine)
-            if any(isinstance(feature, TextMark) for feature in one.part.features):
+            has_text = any(isinstance(feature, TextMark) for feature in one.part.features)
+            if told is not None:
+                self.said += told.check(p, one.part, one.ends, one.start)
+            elif has_text:
                 self._find_texts(p, one, led)
             targets = self._targets_of(one.part, one.ends)
             spare = may_be_missing(one.part, targets, self.shop, self.asked.skips)
@@ -102,8 +110,18 @@ class Comparison:
                 self.made.trails, led, parts, self.shop, self.profile, self.name
             )
         if self.machine.layout is not None and self.machine.layout.order == "drill-saw":
-            self.said += self._after_its_cut(laid)
+            self.said += self._after_its_cut(laid, told.taken if told is not None else ())
+        if told is not None:
+            self.said += told.extra()
         return tuple(self.said)
+
+    def _told_texts(self) -> "ToldTexts | None":
+        """What a stamp or printer is told; None where strokes letter."""
+        if not self.machine.marks.is_told:
+            return None
+        from beamcam.verify.bars.texts import ToldTexts
+
+        return ToldTexts(self.made.texts, self.shop, self.name)
 
     def _find_texts(self, p: int, one: Laid, led: list[Led]) -> None:
         """Add the strokes of a part's texts, and what is wrong with their places."""
@@ -216,17 +234,20 @@ class Comparison:
             features = {f for q, f in missing if q == p}
             yield from left_out(parts[p], {*features, *repeats(features, parts[p], self.shop)})
 
-    def _after_its_cut(self, laid: Sequence[Laid]) -> Iterator[Diagnostic]:
-        """Holes of a part that has been parted before."""
+    def _after_its_cut(
+        self, laid: Sequence[Laid], texts: Sequence[tuple[int, Written]]
+    ) -> Iterator[Diagnostic]:
+        """Holes and texts of a part that has been parted before."""
         place: dict[int, int] = {}  #: line of a cut or bore -> its place in the order of work
         for index, op in enumerate(self.made.order):
             place.setdefault(op.line, index)
         parted = [None if one.piece is None else one.piece.end.cut.line for one in laid]
         found = sorted((self.holes.bores[i].line, i, w.part) for i, w in self.holes.made.items())
-        for line, i, part in found:
+        worked = [(line, self.holes.bores[i].x, part) for line, i, part in found]
+        worked += [(text.line, text.x, part) for part, text in texts]
+        for line, x, part in worked:
             cut = parted[part]
             if cut and place[line] > place[cut]:
-                x = self.holes.bores[i].x
                 yield rules.CUT_OFF.at(Source(self.name, line), found=f"{x:g}", cut=cut)
 
 

@@ -49,6 +49,22 @@ class Trail(NamedTuple):
     feed_mm_min: float
 
 
+class Written(NamedTuple):
+    """A text that a stamp or printer was told."""
+
+    line: int
+    face: str
+    kind: str  #: of the unit
+    text: str
+    x: float  #: machine X
+    y: float  #: on the face
+    height: float
+    angle: float  #: degrees
+
+
+Thing = Cut | Bore | Trail | Written
+
+
 class Made(Struct, frozen=True):
     """All that a program makes, in its order."""
 
@@ -56,12 +72,11 @@ class Made(Struct, frozen=True):
     cuts: tuple[Cut, ...]
     bores: tuple[Bore, ...]
     trails: tuple[Trail, ...]
-    order: tuple[Cut | Bore | Trail, ...]  #: all of them, as they follow one another
+    order: tuple[Thing, ...]  #: all of them, as they follow one another
+    texts: tuple[Written, ...] = ()
 
 
-def made_in_order(
-    section: tuple[tuple[str, float], ...], order: Sequence[Cut | Bore | Trail]
-) -> Made:
+def made_in_order(section: tuple[tuple[str, float], ...], order: Sequence[Thing]) -> Made:
     """All that is in `order`, and each kind by itself."""
     return Made(
         section,
@@ -69,4 +84,5 @@ def made_in_order(
         tuple([o for o in order if type(o) is Bore]),
         tuple([o for o in order if type(o) is Trail]),
         tuple(order),
+        tuple([o for o in order if type(o) is Written]),
     )

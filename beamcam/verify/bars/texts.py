@@ -2,22 +2,29 @@
 
 from collections.abc import Iterator, Sequence
 from itertools import pairwise
-from math import cos, pi, sin
+from math import cos, hypot, pi, sin
 
-from beamcam.errors import Diagnostic
+from msgspec.structs import replace
+
+from beamcam.errors import Diagnostic, Source
 from beamcam.geometry.curves import Line, Point
+from beamcam.machine.absent import text_x
 from beamcam.model.marks import policy_on
 from beamcam.model.part import Face, Hole, Part, Profile, Slot, TextMark
-from beamcam.model.section import OTHER_SIDE
+from beamcam.model.section import NO_PLATE, OTHER_SIDE
 from beamcam.verify.bars.ability import is_within
-from beamcam.verify.bars.made import Trail
+from beamcam.verify.bars.made import Trail, Written
 from beamcam.verify.bars.part_ends import End
 from beamcam.verify.bars.shop import Shop
 from beamcam.verify.bars.stations import choices_of, stroke_values
 from beamcam.verify.bars.targets import Course, slot_corners
 from beamcam.verify.by_hand import by_hand, is_by_hand
 from beamcam.verify.lettering import (
+    TEXT,
+    TEXT_EXTRA,
+    TEXT_MISSING,
     Drawn,
+    Found,
     Segment,
     Steel,
     Wanted,
@@ -25,9 +32,11 @@ from beamcam.verify.lettering import (
     has_place,
     judge,
     steel_within,
+    told,
     wanted,
 )
 
+ANGLE_DEG = 0.01  #: that a told angle may differ
 SPARE = 1.5  #: mm by which a place is surely within the reach of an axis
 CHORDS = 48  #: of a hole
 
@@ -58,6 +67,88 @@ def texts_of(
         else:
             said += (by_hand(feature, part, shop.machine) for _, feature in group)
     return courses, said
+
+
+class ToldTexts:
+    """What a program tells a stamp or printer, of which each text of the parts takes its own."""
+
+    def __init__(self, texts: Sequence[Written], shop: Shop, name: str) -> None:
+        self.shop, self.name = shop, name
+        self.at = text_x(shop.machine)
+        self.left = list(texts)
+        #: the number of a part, and the text that it has there
+        self.taken: list[tuple[int, Written]] = []
+
+    def check(
+        self, p: int, part: Part, ends: tuple[End, End], start: float
+    ) -> Iterator[Diagnostic]:
+        """What is wrong with the texts of a part that begins at a bar x."""
+        by_face: dict[Face, list[tuple[Wanted, Found | None]]] = {}
+        for feature in part.texts:
+            machine = self.shop.machine
+            if policy_on(feature, machine.marks) != "make":
+                continue
+            text = told(feature, machine.marks) if self._comes_to(feature.face, part) else None
+            if text is None:
+                yield by_hand(feature, part, machine)
+                continue
+            found = self._take(p, text, start)
+            by_face.setdefault(feature.face, []).append((text, found))
+        for face, group in by_face.items():
+            yield from self._judge(face, group, part, ends)
+
+    def _comes_to(self, face: Face, part: Part) -> bool:
+        missing = NO_PLATE.get(part.profile.code, ())
+        return face in self.shop.machine.marks.faces and face not in missing
+
+    def _take(self, p: int, text: Wanted, start: float) -> Found | None:
+        """The text as it is told nearest to where the part has it."""
+        feature, from_x = text.feature, self.at + start
+        same = [
+            one for one in self.left
+            if (one.text, one.face) == (text.text, feature.face)
+            and abs((one.angle - feature.angle + 180.0) % 360.0 - 180.0) < ANGLE_DEG
+        ]  # fmt: skip
+        if not same:
+            return None
+        nearest = min(same, key=lambda t: hypot(t.x - from_x - feature.x, t.y - feature.y))
+        self.left.remove(nearest)
+        self.taken.append((p, nearest))
+        return Found(nearest.x - from_x, nearest.y, nearest.height, (), ())
+
+    def _judge(
+        self, face: Face, group: Sequence[tuple[Wanted, Found | None]], part: Part,
+        ends: tuple[End, End],
+    ) -> Iterator[Diagnostic]:  # fmt: skip
+        marks = self.shop.machine.marks
+        steel = _steel(face, part, ends, _sides(face, part))
+        smallest = replace(marks, min_height=min(marks.heights, default=marks.min_height))
+        boxes = [box_of(t, f.x, f.y, f.height) if f is not None else None for t, f in group]
+        for k, (text, found) in enumerate(group):
+            others = [box for j, box in enumerate(boxes) if j != k and box is not None]
+            feature = text.feature
+            if found is not None:
+                if marks.heights and found.height not in marks.heights:
+                    expected = "a height that the machine has"
+                    yield TEXT.at(
+                        feature.source, text=text.text, x=f"{found.x:.1f}", y=f"{found.y:.1f}",
+                        height=f"{found.height:g}", expected=expected,
+                    )  # fmt: skip
+                yield from judge(text, found, steel, others, marks)
+            elif has_place(text, steel, others, smallest):
+                yield TEXT_MISSING.at(
+                    feature.source, text=text.text, face=face, mark=part.mark,
+                    angle=f"{feature.angle:g}", x=f"{feature.x:g}", y=f"{feature.y:g}",
+                )  # fmt: skip
+            else:
+                yield by_hand(feature, part, self.shop.machine)
+
+    def extra(self) -> Iterator[Diagnostic]:
+        """The texts that no part has."""
+        for t in self.left:
+            yield TEXT_EXTRA.at(
+                Source(self.name, t.line), text=t.text, face=t.face, x=f"{t.x:g}", y=f"{t.y:g}"
+            )
 
 
 def _on_face(
@@ -108,7 +199,8 @@ def _sides(face: Face, part: Part) -> tuple[float, float]:
     """Range of y that is free for a scribe, between edges, flanges and their fillets."""
     profile = part.profile
     width = profile.face_width(face)
-    if face != "v" or profile.code not in ("I", "U", "C", "L"):
+    walled = ("v", "h") if profile.code == "I" else ("v",)
+    if face not in walled or profile.code not in ("I", "U", "C", "L"):
         return 0.0, width
     beside = profile.flange_thickness + profile.radius
     return beside, (width if profile.code == "L" else width - beside)

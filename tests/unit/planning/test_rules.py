@@ -14,6 +14,7 @@ from beamcam.machine.marking import Marks
 from beamcam.model.part import Bend, Bevel, Contour, EndCuts, Part, Profile, Slot, TextMark
 from beamcam.planning.beam import plan_bar
 from beamcam.planning.rules import SKIP_NAMES
+from tests.conftest import SAMPLES
 from tests.unit.planning.shop import ANGLE, BEAM, CHANNEL, SOURCE, TUBE, hole, part
 
 #: Of bars; sheets have rules and cases of their own, and so have maps and what is left out.
@@ -44,6 +45,7 @@ THREAD = hole(500, diameter=16, kind="thread", depth=2.0)
 MITRED = part(cuts=EndCuts(web_start=30.0, web_end=30.0))
 
 PUSHER = load("beamline-pusher")
+STAMP = str(SAMPLES / "machines" / "beamline-stamp.toml")
 HEB400 = Profile("I", "HEB400", 400.0, 300.0, 24.0, 13.5, 27.0)
 
 #: Code, machine, parts and options, and the message.
@@ -171,6 +173,8 @@ CASES: tuple[Case, ...] = (
      "found no room 3 mm clear at x 500, y 100, 10 mm high"),
     ("plan-text-sign", "beamline-pusher", (part(TextMark("v", 9, 99, 0, 10, "½", SOURCE)),), {},
      "found '½' in the text '½'; expected a character of the font, '1/2' is written"),
+    ("plan-text-height", STAMP, (part(TextMark("v", 500, 100, 0, 14, "X1", SOURCE)),), {},
+     "found the text 'X1' 14 mm high; it is lettered 16 mm high, the nearest of the machine's"),
     ("plan-bevel", "beamline", (part(outline(SQUARE, bevels=(Bevel(1, 40.0, 0.0),))),), {},
      "found a bevel of 40 degrees on face v; expected none but those of the saw cuts"),
     ("plan-other", "beamline", (part(Bend((0, 1), (9, 1), 90, 5, SOURCE)),), {},
