@@ -51,7 +51,10 @@ def untold(stage: str) -> None:
 NOT_MADE = (LEFT_OUT.code, BY_HAND.code)
 
 
-_PLACE = re.compile(r"at x \S+, y \S+, \S+ mm high")
+#: Where a text is, then where the part has it; the text itself may say anything before.
+_VALUE = r"(-?[\d.]+(?:e[-+]\d+)?)"
+_PLACE = re.compile(f"at x {_VALUE}, y {_VALUE}, {_VALUE} mm high")
+TOLD_STEP = 0.1  #: mm that places and heights in messages are rounded to
 
 
 class Posted(Struct, frozen=True):
@@ -246,22 +249,24 @@ def _other_than_planned(
     """
     missing: Counter[tuple[str, Source]] = Counter()
     refused = False
-    moved: Counter[tuple[Source, str]] = Counter()
+    moved: list[_LetteredAt] = []
     for said in found:
         if said.code in (MISSING.code, FOR_HAND.code):
             missing[said.code, said.source] += 1
         elif said.code == MOVED.code:
-            moved[said.source, _lettered_at(said)] += 1
+            moved.append(_lettered_at(said))
         else:
             refused = refused or said.severity is Severity.ERROR
             yield said
     if refused:  # what is missing may not have been looked for
         return
-    told = Counter((d.source, _lettered_at(d)) for d in plan.remarks if d.code == TEXT_MOVED.code)
-    for source, place in moved.keys() ^ told.keys():
-        is_found = (source, place) in moved
-        places = (place, "elsewhere") if is_found else ("elsewhere", place)
-        yield TEXT_TOLD.at(source, found=places[0], expected=places[1])
+    told = [_lettered_at(d) for d in plan.remarks if d.code == TEXT_MOVED.code]
+    for place in moved:
+        if not any(map(place.is_as, told)):
+            yield TEXT_TOLD.at(place.source, found=place, expected="elsewhere")
+    for place in told:
+        if not any(map(place.is_as, moved)):
+            yield TEXT_TOLD.at(place.source, found="elsewhere", expected=place)
     named = [(MISSING.code, source) for source in left_out_sources(plan)]
     named += [(FOR_HAND.code, source) for source in by_hand_sources(plan)]
     if not missing and not named:  # as of nearly every plan
@@ -272,10 +277,24 @@ def _other_than_planned(
         yield LEDGER.at(source, found=missing[one], expected=planned[one])
 
 
-def _lettered_at(said: Diagnostic) -> str:
+class _LetteredAt(Struct, frozen=True):
     """The place and height that a message about a text gives it."""
-    found = _PLACE.search(said.message)
-    return found[0] if found else ""
+
+    source: Source
+    values: tuple[float, ...]
+
+    def __str__(self) -> str:
+        x, y, height = self.values
+        return f"at x {x:g}, y {y:g}, {height:g} mm high"
+
+    def is_as(self, other: "_LetteredAt") -> bool:
+        """Whether two are the same, each rounded to `TOLD_STEP`."""
+        apart = (abs(a - b) for a, b in zip(self.values, other.values, strict=True))
+        return self.source == other.source and max(apart) <= 1.01 * TOLD_STEP
+
+
+def _lettered_at(said: Diagnostic) -> _LetteredAt:
+    return _LetteredAt(said.source, tuple(map(float, _PLACE.findall(said.message)[-2])))
 
 
 def _head_faults(job: Job, written: Written, by_hand: int) -> Iterable[Diagnostic]:

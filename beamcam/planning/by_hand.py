@@ -28,7 +28,15 @@ TEXT_HEIGHT = Rule(
     "machine's",
     "`marks.heights` of the machine file says in which heights its stamp or printer letters.",
 )
-RULES = (TEXT_MOVED, TEXT_SIGN, TEXT_HEIGHT)
+TEXT_SEARCH = Rule(
+    "plan-text-search",
+    Severity.ERROR,
+    "found no end of the search for a place of the text {text!r} on face {face} in {most} steps; "
+    'expected room where the part has it, fewer texts, or text = "list" in [marks]',
+    "A text is moved to the nearest place that is clear. Among hundreds of texts or holes that may "
+    "take for ever; so that none is left out that has a place, the part is refused.",
+)
+RULES = (TEXT_MOVED, TEXT_SIGN, TEXT_HEIGHT, TEXT_SEARCH)
 
 #: Why a mark is left for manual work, by its name in the ledger.
 BY_POLICY, NO_UNIT = "marks", "no-unit"

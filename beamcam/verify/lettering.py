@@ -7,10 +7,11 @@ stand is told from the steel and the machine's file; nothing is known of where i
 
 from collections.abc import Iterator, Sequence
 from itertools import islice, pairwise
-from math import cos, hypot, inf, radians, sin
+from math import cos, hypot, radians, sin
 from typing import TYPE_CHECKING
 
-from msgspec import Struct
+import numpy as np
+from msgspec import Struct, field
 
 from beamcam.errors import Diagnostic, Rule, Severity
 from beamcam.geometry.array_types import Floats
@@ -21,6 +22,7 @@ from beamcam.model.part import MIRRORED_FACES, TextMark
 from beamcam.verify.by_hand import TEXT_MOVED
 
 if TYPE_CHECKING:
+    from numpy.typing import NDArray
     from shapely import Geometry, Polygon
 
 TEXT = Rule(
@@ -90,7 +92,6 @@ class Steel(Struct, frozen=True):
 
 def steel_within(pieces: Sequence[Segment]) -> Steel:
     """The steel that edges lie around, given as straight pieces in any order."""
-    import numpy as np
     import shapely
 
     ends = np.array(pieces, dtype=np.float64)
@@ -108,10 +109,7 @@ class Wanted(Struct, frozen=True):
 
     def at(self, x: float, y: float, height: float) -> tuple[Segment, ...]:
         """Its pieces at a place."""
-        return tuple(
-            ((x + height * a, y + height * b), (x + height * c, y + height * d))
-            for (a, b), (c, d) in self.pieces
-        )
+        return tuple(_put(piece, x, y, height) for piece in self.pieces)
 
     def strokes(self, x: float, y: float, height: float) -> Iterator[tuple[Segment, ...]]:
         """The pieces of each of its strokes at a place."""
@@ -177,12 +175,24 @@ def _turned(pieces: Iterator[Segment], feature: TextMark) -> Iterator[Segment]:
         yield turn(a), turn(b)
 
 
+class _Places(Struct, frozen=True):
+    """Where texts of one shape would stand, by the pieces that may be their longest."""
+
+    piece: "NDArray[np.int64]"
+    x: Floats
+    y: Floats
+    height: Floats
+    without: set[int] = field(default_factory=set)  #: where other pieces are missing
+
+
 class Drawn:
     """The straight pieces that a program draws, of which texts take theirs."""
 
     def __init__(self, pieces: Sequence[Segment], near: float = NEAR) -> None:
         self.pieces, self.near = pieces, near
         self.free = set(range(len(pieces)))
+        self._ends: Floats = np.array(pieces, dtype=np.float64).reshape(-1, 2, 2)
+        self._known: dict[tuple[Segment, ...], _Places] = {}  #: by the shape of a text
         self._by_middle: dict[tuple[int, int], list[int]] = {}
         for k, (a, b) in enumerate(pieces):
             self._by_middle.setdefault(self._cell(_middle(a, b)), []).append(k)
@@ -206,21 +216,42 @@ class Drawn:
         if not text.pieces:
             return None
         anchor = max(text.pieces, key=_length)
-        best, key = None, (inf, inf)
-        for k in sorted(self.free):
-            for a, b in (self.pieces[k], self.pieces[k][::-1]):
-                height = _scale(anchor, a, b)
-                if height is None or not (
-                    marks.min_height - EXACT <= height <= text.height + EXACT
-                ):
-                    continue
-                x, y = a[0] - height * anchor[0][0], a[1] - height * anchor[0][1]
-                away = _apart((x, y), (text.feature.x, text.feature.y)), text.height - height
-                if away < key and (found := self._all(text, x, y, height, anchor)) is not None:
-                    best, key = found, away
-        if best is not None:
-            self.free -= {*best.taken}
-        return best
+        places = self._places(text, anchor)
+        away = np.hypot(places.x - text.feature.x, places.y - text.feature.y)
+        is_high = (places.height >= marks.min_height - EXACT) & (
+            places.height <= text.height + EXACT
+        )
+        order = np.lexsort((text.height - places.height, away))
+        for c in order[is_high[order]].tolist():
+            place = float(places.x[c]), float(places.y[c]), float(places.height[c])
+            if places.piece[c] in self.free and c not in places.without:
+                found = self._all(text, *place, anchor)
+                if found is not None:
+                    self.free -= {*found.taken}
+                    return found
+                places.without.add(c)
+        return None
+
+    def _places(self, text: Wanted, anchor: Segment) -> "_Places":
+        """Where a text would stand by each piece that points as its longest one does."""
+        if text.pieces not in self._known:
+            self._known[text.pieces] = self._by_direction(anchor)
+        return self._known[text.pieces]
+
+    def _by_direction(self, anchor: Segment) -> "_Places":
+        (ax, ay), (bx, by) = anchor
+        ux, uy, own = bx - ax, by - ay, _length(anchor)
+        both = np.concatenate((self._ends, self._ends[:, ::-1])).reshape(2, -1, 2, 2)
+        ends = both.swapaxes(0, 1).reshape(-1, 2, 2)  # each piece both ways round
+        (vx, vy), (x, y) = (ends[:, 1] - ends[:, 0]).T, ends[:, 0].T
+        length = np.hypot(vx, vy)
+        like = (
+            (length > 0.0)
+            & (ux * vx + uy * vy > 0.0)
+            & (abs(ux * vy - uy * vx) <= RATIO * length * own)
+        )
+        height, piece = length[like] / own, np.flatnonzero(like) // 2
+        return _Places(piece, x[like] - height * ax, y[like] - height * ay, height)
 
     def _all(
         self, text: Wanted, x: float, y: float, height: float, anchor: Segment
@@ -233,7 +264,8 @@ class Drawn:
         begin = _middle(*anchor)
         share = 2 * self.near / _length(anchor)
         taken = []
-        for unit, (a, b) in zip(text.pieces, text.at(x, y, height), strict=True):
+        for unit in text.pieces:
+            a, b = _put(unit, x, y, height)
             slack = self.near + share * _apart(begin, _middle(*unit))
             k = self.like(a, b, min(slack, MOST_OFF))
             if k is None:
@@ -265,14 +297,10 @@ class Drawn:
         return px - height * ux, py - height * uy, height
 
 
-def _scale(anchor: Segment, a: Point, b: Point) -> float | None:
-    """How much longer a piece is than its like in the font; None if it points elsewhere."""
-    ux, uy = anchor[1][0] - anchor[0][0], anchor[1][1] - anchor[0][1]
-    vx, vy = b[0] - a[0], b[1] - a[1]
-    length, own = hypot(vx, vy), hypot(ux, uy)
-    if length == 0.0 or ux * vx + uy * vy <= 0.0 or abs(ux * vy - uy * vx) > RATIO * length * own:
-        return None
-    return length / own
+def _put(piece: Segment, x: float, y: float, height: float) -> Segment:
+    """A piece of height 1 at a place."""
+    (a, b), (c, d) = piece
+    return (x + height * a, y + height * b), (x + height * c, y + height * d)
 
 
 def _middle(a: Point, b: Point) -> Point:
@@ -304,12 +332,16 @@ def box_of(text: Wanted, x: float, y: float, height: float) -> "Polygon":
     return rotate(shapely.box(*level.bounds), angle, origin=(x, y))
 
 
-def is_clear(box: "Polygon", steel: Steel, others: Sequence["Polygon"], distance: float) -> bool:
+def is_clear(
+    box: "Polygon", steel: Steel, others: Sequence["Polygon"], distance: float, gap: float = 0.0
+) -> bool:
     """Whether a text's box lies in the steel, so far from its edges and beside other texts."""
+    import shapely
+
     return (
         steel.edges.distance(box) >= max(distance, 1e-9)
         and steel.holds(box)
-        and not any(box.intersects(other) for other in others)
+        and not (shapely.distance(box, others) <= gap).any()
     )
 
 
@@ -350,17 +382,29 @@ def judge(
 def _is_surely_clear(text: Wanted, steel: Steel, others: Sequence["Polygon"], marks: Marks) -> bool:
     feature = text.feature
     box = box_of(text, feature.x, feature.y, text.height)
-    apart = [other.buffer(SURE) for other in others]
-    return is_clear(box, steel, apart, marks.min_distance + SURE)
+    return is_clear(box, steel, others, marks.min_distance + SURE, SURE)
 
 
-def has_place(text: Wanted, steel: Steel, others: Sequence["Polygon"], marks: Marks) -> bool:
-    """Whether a text that was not drawn might have been: where the part has it, or elsewhere."""
-    if not text.pieces or text.height < marks.min_height:
-        return False
-    if _is_surely_clear(text, steel, others, marks):
-        return True
-    return text.feature.option != "z" and _has_room(text, steel, others, marks)
+class Places:
+    """Where on a face texts that were not drawn might have been, between those that were."""
+
+    def __init__(self, steel: Steel, others: Sequence["Polygon"], marks: Marks) -> None:
+        self._face = steel, others, marks
+        self._rooms: dict[object, bool] = {}  #: for texts of one shape the answer is the same
+
+    def has(self, text: Wanted) -> bool:
+        """Whether a text might have been drawn: where the part has it, or elsewhere."""
+        marks = self._face[2]
+        if not text.pieces or text.height < marks.min_height:
+            return False
+        if _is_surely_clear(text, *self._face):
+            return True
+        if text.feature.option == "z":
+            return False
+        shape = text.text, text.feature.angle, text.feature.face in MIRRORED_FACES
+        if shape not in self._rooms:
+            self._rooms[shape] = _has_room(text, *self._face)
+        return self._rooms[shape]
 
 
 def _has_room(text: Wanted, steel: Steel, others: Sequence["Polygon"], marks: Marks) -> bool:
@@ -376,18 +420,12 @@ def _has_room(text: Wanted, steel: Steel, others: Sequence["Polygon"], marks: Ma
     low_x, low_y, high_x, high_y = box.bounds
     centred = translate(box, -(low_x + high_x) / 2, -(low_y + high_y) / 2)
     grown = centred.buffer(marks.min_distance + SURE, quad_segs=4)
-    walls = [*_pieces_of(steel.edges), *(p for other in others for p in _pieces_of(other.exterior))]
-    swept = [shapely.union_all([translate(grown, *p) for p in ends]).convex_hull for ends in walls]
+    sides = [np.array([*pairwise(other.exterior.coords)]) for other in others]
+    walls = np.concatenate((steel.pieces, *sides))
+    corners = walls[:, :, None, :] + shapely.get_coordinates(grown)
+    swept = shapely.convex_hull(shapely.linestrings(corners.reshape(len(walls), -1, 2)))
     around = shapely.box(*steel.edges.bounds)
     middles = around.difference(shapely.union_all([*swept, *others])).buffer(-0.5)
     parts = [part for part in shapely.get_parts(middles) if not part.is_empty]
     places = (part.representative_point() for part in parts)
     return any(steel.holds(translate(centred, p.x, p.y)) for p in places)
-
-
-def _pieces_of(lines: "Geometry") -> Iterator[Segment]:
-    import shapely
-
-    for line in getattr(lines, "geoms", (lines,)):
-        points = [tuple(p) for p in shapely.get_coordinates(line).tolist()]
-        yield from pairwise(points)

@@ -28,7 +28,8 @@ from beamcam.planning import rules as bar_rules
 from beamcam.planning.by_hand import BEVEL, DRILL, FACE, listed_by, refuse_mark
 from beamcam.planning.contours import rules
 from beamcam.planning.contours.ability import PLATE_FACES, is_drilled, refusal
-from beamcam.planning.lettering import Room, place_text, remarks
+from beamcam.planning.lettering import place_text, remarks
+from beamcam.planning.lettering_room import Room
 
 Meaning = Literal["cut", "mark", "engrave", "ignore"]
 
@@ -200,6 +201,9 @@ def letter(part: Part, marks: Marks, found: Assigned) -> None:
         if isinstance(lettered, str):
             found.listed[index] = lettered
             continue
+        if isinstance(lettered, Diagnostic):
+            found.refusals.append(lettered)
+            return
         found.remarks += remarks(text, lettered, marks)
         found.wanted += [
             AssignedCurve(Line(a, b), process, index, text.source)

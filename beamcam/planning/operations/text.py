@@ -7,13 +7,15 @@ is left for manual work.
 from collections import defaultdict
 from collections.abc import Iterator, Sequence
 
+from beamcam.errors import Diagnostic
 from beamcam.machine.tools import FLAT_DEG, Tool
 from beamcam.model.part import Face, Hole, Slot, TextMark
 from beamcam.model.plan import Typed
 from beamcam.model.section import NO_PLATE, OTHER_SIDE
 from beamcam.planning.axis_limits import within_axes
 from beamcam.planning.by_hand import FACE
-from beamcam.planning.lettering import Lettered, Room, place_text, remarks
+from beamcam.planning.lettering import Lettered, place_text, remarks
+from beamcam.planning.lettering_room import Room
 from beamcam.planning.operations.bench import Bench
 from beamcam.planning.operations.finished_part import OUTSIDE
 from beamcam.planning.operations.job import Found, Job, Settled, Tooling
@@ -46,6 +48,9 @@ def _steps(texts: Sequence[tuple[int, TextMark]], bench: Bench) -> Iterator[Foun
             if isinstance(lettered, str):
                 yield Settled(f, "listed", lettered)
                 continue
+            if isinstance(lettered, Diagnostic):
+                yield f, lettered
+                break
             yield from ((f, said) for said in remarks(text, lettered, bench.machine.marks))
             yield from _jobs(f, text, lettered, bench)
 
@@ -107,7 +112,8 @@ def _room(face: Face, bench: Bench) -> Room | None:
     for feature in bench.part.features:
         if isinstance(feature, (Hole, Slot)) and feature.face in (face, behind):
             centres = slot_ends(feature) if isinstance(feature, Slot) else ((feature.x, feature.y),)
-            room.holes += ((centre, feature.diameter / 2) for centre in centres)
+            for centre in centres:
+                room.drill(centre, feature.diameter / 2)
             if isinstance(feature, Slot):
                 room.bound([*_around(feature)])
     return room

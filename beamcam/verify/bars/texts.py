@@ -25,11 +25,11 @@ from beamcam.verify.lettering import (
     TEXT_MISSING,
     Drawn,
     Found,
+    Places,
     Segment,
     Steel,
     Wanted,
     box_of,
-    has_place,
     judge,
     steel_within,
     told,
@@ -124,6 +124,7 @@ class ToldTexts:
         steel = _steel(face, part, ends, _sides(face, part))
         smallest = replace(marks, min_height=min(marks.heights, default=marks.min_height))
         boxes = [box_of(t, f.x, f.y, f.height) if f is not None else None for t, f in group]
+        places = Places(steel, [box for box in boxes if box is not None], smallest)
         for k, (text, found) in enumerate(group):
             others = [box for j, box in enumerate(boxes) if j != k and box is not None]
             feature = text.feature
@@ -135,7 +136,7 @@ class ToldTexts:
                         height=f"{found.height:g}", expected=expected,
                     )  # fmt: skip
                 yield from judge(text, found, steel, others, marks)
-            elif has_place(text, steel, others, smallest):
+            elif places.has(text):
                 yield TEXT_MISSING.at(
                     feature.source, text=text.text, face=face, mark=part.mark,
                     angle=f"{feature.angle:g}", x=f"{feature.x:g}", y=f"{feature.y:g}",
@@ -173,6 +174,7 @@ def _on_face(
         for f, text in asked
         if (there := found[f]) is not None
     }
+    places = None if sure is None else Places(sure, [*boxes.values()], marks)
     courses: list[Course] = []
     said: list[Diagnostic] = []
     for f, text in asked:
@@ -181,7 +183,7 @@ def _on_face(
         if one is not None:
             said += judge(text, one, steel, others, marks, sure or steel)
             courses += _strokes(f, text, one.x, one.y, one.height)
-        elif sure is not None and has_place(text, sure, others, marks):
+        elif places is not None and places.has(text):
             courses += _strokes(f, text, feature.x, feature.y, text.height)
         else:
             said.append(by_hand(feature, part, shop.machine))

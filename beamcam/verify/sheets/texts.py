@@ -16,9 +16,9 @@ from beamcam.model.part import Part, TextMark
 from beamcam.verify.by_hand import by_hand, is_by_hand
 from beamcam.verify.lettering import (
     Drawn,
+    Places,
     Wanted,
     box_of,
-    has_place,
     judge,
     steel_within,
     wanted,
@@ -61,13 +61,14 @@ def add_texts(need: Need, part: Part, machine: Machine, torch: Torch, strokes: "
         for index, text in asked
         if (one := found.get(index)) is not None
     }
+    places = Places(steel, [*boxes.values()], marks)
     for index, text in asked:
         others = [box for other, box in boxes.items() if other != index]
         there, feature = found.get(index), text.feature
         if there is not None:
             need.said += judge(text, there, steel, others, marks)
             _need(need, process, index, text, there.x, there.y, there.height)
-        elif feature.face in FACES and has_place(text, steel, others, marks):
+        elif feature.face in FACES and places.has(text):
             _need(need, process, index, text, feature.x, feature.y, text.height)
         else:
             need.said.append(by_hand(feature, part, machine))

@@ -2,6 +2,7 @@
 
 import importlib
 import pkgutil
+from unittest.mock import patch
 
 import pytest
 from msgspec.structs import replace
@@ -12,6 +13,7 @@ from beamcam.geometry.curves import Line
 from beamcam.machine import load
 from beamcam.machine.marking import Marks
 from beamcam.model.part import Bend, Bevel, Contour, EndCuts, Part, Profile, Slot, TextMark
+from beamcam.planning import lettering, lettering_room
 from beamcam.planning.beam import plan_bar
 from beamcam.planning.rules import SKIP_NAMES
 from tests.conftest import SAMPLES
@@ -175,6 +177,10 @@ CASES: tuple[Case, ...] = (
      "found '½' in the text '½'; expected a character of the font, '1/2' is written"),
     ("plan-text-height", STAMP, (part(TextMark("v", 500, 100, 0, 14, "X1", SOURCE)),), {},
      "found the text 'X1' 14 mm high; it is lettered 16 mm high, the nearest of the machine's"),
+    ("plan-text-search", "hasty",
+     (part(hole(506, 105), TextMark("v", 500, 100, 0, 10, "X1", SOURCE)),), {},
+     "found no end of the search for a place of the text 'X1' on face v in 3 steps; expected room "
+     'where the part has it, fewer texts, or text = "list" in [marks]'),
     ("plan-bevel", "beamline", (part(outline(SQUARE, bevels=(Bevel(1, 40.0, 0.0),))),), {},
      "found a bevel of 40 degrees on face v; expected none but those of the saw cuts"),
     ("plan-other", "beamline", (part(Bend((0, 1), (9, 1), 90, 5, SOURCE)),), {},
@@ -275,7 +281,9 @@ def said(case: Case) -> list[tuple[str, str]]:
     """Code and text of everything that planning a case says."""
     _, name, parts, options, _ = case
     machine = load(
-        {"simple": "beamline-pusher"}.get(name, "beamline" if name in MARKS else name)
+        {"simple": "beamline-pusher", "hasty": "beamline-pusher"}.get(
+            name, "beamline" if name in MARKS else name
+        )
         if name != "behind"
         else "beamline-pusher"
     )
@@ -291,8 +299,13 @@ def said(case: Case) -> list[tuple[str, str]]:
     if name == "simple":
         assert machine.saw is not None
         machine = replace(machine, saw=replace(machine.saw, compound=False))
+    squares = 3 if name == "hasty" else lettering_room.MOST_SQUARES
     try:
-        found = plan_bar(parts, machine, **options).remarks  # type: ignore[arg-type]
+        with (
+            patch.object(lettering_room, "MOST_SQUARES", squares),
+            patch.object(lettering, "MOST_SQUARES", squares),
+        ):
+            found = plan_bar(parts, machine, **options).remarks  # type: ignore[arg-type]
     except PlanError as error:
         found = error.diagnostics
     return [(d.code, d.message) for d in found]

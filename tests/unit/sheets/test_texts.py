@@ -1,6 +1,7 @@
 """Texts on sheets: where they stand, and what the read-back says of those that stand elsewhere."""
 
 import re
+from collections import Counter
 from collections.abc import Callable, Iterable
 
 import pytest
@@ -14,12 +15,14 @@ from beamcam import pipeline
 from beamcam.controllers import table_events
 from beamcam.controllers.events import Move, Switch
 from beamcam.errors import Diagnostic, errors_in
+from beamcam.geometry.curves import Arc, Curve, Line
 from beamcam.machine import load
 from beamcam.machine.machine import Machine
 from beamcam.model.part import Contour, Feature, Hole, Part, TextMark
 from beamcam.pipeline import Posted, RefusedProgram, post, read_back
 from beamcam.planning.by_hand import REASONS
-from beamcam.planning.lettering import Room, place_text
+from beamcam.planning.lettering import Lettered, place_text
+from beamcam.planning.lettering_room import Room
 from beamcam.posts import Request
 from tests.letters import Lines, read
 from tests.unit.sheets.parts import S, box, circle, contour, drawing, plate
@@ -155,6 +158,72 @@ def test_two_texts_do_not_stand_on_one_another() -> None:
     lines = lettered(posted.text)
     letters = shapely.union_all([shapely.LineString(line).buffer(0.1) for line in lines])
     assert len(shapely.get_parts(letters)) == 6  # no letter meets another
+
+
+def test_a_text_is_not_written_inside_another() -> None:
+    """The box of the one holds that of the other, and their sides are far from each other."""
+    big, small = text("H", 20.0, 20.0, 0.0, 60.0), text("A", 30.0, 45.0, 0.0, 5.0)
+    for asked in ((big, small), (small, big)):
+        posted = post([plate(*asked)], PLATE)
+        assert [o.how for o in posted.plan.outcomes] == ["made", "made"]
+        assert len(moved(posted)) == 1
+
+
+def rounded(x: float, y: float, width: float, height: float, radius: float) -> Contour:
+    """A rectangle with round corners, outer or inner by its size."""
+    a, b, r = x + width, y + height, radius
+    curves: tuple[Curve, ...] = (
+        Line((x + r, y), (a - r, y)), Arc((a - r, y + r), r, -90.0, 90.0),
+        Line((a, y + r), (a, b - r)), Arc((a - r, b - r), r, 0.0, 90.0),
+        Line((a - r, b), (x + r, b)), Arc((x + r, b - r), r, 90.0, 90.0),
+        Line((x, b - r), (x, y + r)), Arc((x + r, y + r), r, 180.0, 90.0),
+    )  # fmt: skip
+    return Contour("v", "outer" if width > 190.0 else "inner", curves, S)
+
+
+@given(
+    st.lists(
+        st.tuples(
+            st.floats(-10, 210), st.floats(-10, 110), st.sampled_from([0.0, 90.0, 17.0, -120.0]),
+            st.floats(3.0, 90.0), st.sampled_from(["A", "-", "P-12"]),
+        ), min_size=1, max_size=5,
+    ),
+    st.floats(2.0, 45.0), st.sampled_from([0.0, 1.0, 3.0]), st.floats(3.0, 12.0),
+)  # fmt: skip
+@settings(max_examples=6, phases=[Phase.explicit, Phase.generate])
+def test_texts_between_rounded_edges_and_each_other_are_read_back(
+    texts: list[tuple[float, float, float, float, str]], corner: float, apart: float, hole: float
+) -> None:
+    machine = replace(PLATE, marks=replace(PLATE.marks, min_distance=apart))
+    outline = rounded(0.0, 0.0, 200.0, 100.0, corner)
+    inner = rounded(120.0, 40.0, 3 * hole, 3 * hole, hole)
+    asked = [text(words, *place, high) for *place, high, words in texts]
+    posted = post([plate(outline, inner, *asked)], machine)
+    assert {o.how for o in posted.plan.outcomes} <= {"made", "listed"}
+
+
+def test_many_texts_without_room_are_listed_at_once() -> None:
+    """What has no place for one has none for the next; no search is made twice."""
+    machine = replace(PLATE, marks=replace(PLATE.marks, min_height=12.0))
+    words = [text("W" * 6, 20.0, 40.0, 0.0, 14.0) for _ in range(30)]
+    posted = post([plate(*words)], machine)
+    counts = Counter(o.how for o in posted.plan.outcomes)
+    assert counts["listed"] > 10
+    assert counts["made"] >= 3
+
+
+@pytest.mark.parametrize("y", [40.25, 40.05, -0.0, -1e-9])
+def test_the_place_of_a_moved_text_may_be_rounded_either_way(y: float) -> None:
+    """It is moved along x alone, so that its y is that of the part, which messages round."""
+    crowded = plate(Hole("v", 60.0, 20.0, 20.0, S), text("AB", 50.0, y + 0.0, 0.0, 10.0))
+    machine = replace(PLATE, marks=replace(PLATE.marks, min_distance=0.0))
+    assert post([crowded], machine).plan.outcomes
+
+
+def test_a_text_may_read_like_a_message() -> None:
+    words = "at x 1.2.3, y 2, 3 mm high"
+    part = plate(HOLE, text(words, 20.0, 45.0, 0.0, 4.0))
+    assert len(moved(post([part], PLATE))) == 1
 
 
 def test_texts_of_one_spelling_are_told_apart() -> None:
@@ -294,7 +363,7 @@ def test_the_search_finds_the_nearest_room() -> None:
     wanted = text("H", 18.0, 12.0, 0.0, 8.0)
     marks = PLATE.marks
     placed = place_text(wanted, marks, room)
-    assert not isinstance(placed, str)
+    assert isinstance(placed, Lettered)
     ink = shapely.MultiLineString([list(s) for s in placed.strokes])
     steel = shapely.box(0, 0, 60, 40).difference(shapely.Point(20, 15).buffer(5, 64)).buffer(-3)
     assert steel.buffer(0.1).contains(ink.envelope)

@@ -1,0 +1,244 @@
+"""Room for texts on a face: how clear a box is of edges, holes and other texts, or would be.
+
+The search goes by squares over the face, the nearest to the wanted place first: a square is given
+up where the box at its middle lies deeper in obstacles than the corners of the square are away.
+"""
+
+from collections.abc import Callable, Iterator, Sequence
+from heapq import heappop, heappush
+from itertools import pairwise
+from math import acos, ceil, dist, hypot, inf, pi
+from typing import TYPE_CHECKING
+
+from msgspec import Struct
+
+from beamcam.geometry.curves import Curve
+from beamcam.geometry.plane import Box, Point
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+    from shapely import STRtree
+
+    from beamcam.geometry.array_types import Floats
+
+STEP = 0.1  #: mm that places and heights of moved texts are rounded to
+FINEST = 0.25  #: mm, half the side of the smallest square that is looked at
+MOST_SQUARES = 10_000  #: of a face that are looked at for all of its texts
+SAGITTA = 0.005  #: mm by which chords of an edge are off it at most
+RUN = 16  #: chords that stand together in the index of edges
+BETWEEN = 0.1  #: mm from the box of one text to that of another, both where the part has them
+BESIDE = 1.0  #: mm from other texts to one that is moved, if so much is kept from edges
+SEEN = 1 / 32  #: of the effort for a square is that for one which was looked at before
+CIRCLES = 4  #: in a box on each side of its middle, by which it is told how deep it lies
+
+
+class Exhausted(Exception):
+    """All squares of a face that may be looked at have been."""
+
+
+class Placed(Struct, frozen=True):
+    """The box around a text: its middle, the directions of its sides and half their lengths."""
+
+    middle: Point
+    u: Point
+    v: Point
+    half_u: float
+    half_v: float
+
+    def at(self, along_u: float, along_v: float) -> Point:
+        """A point of it, from its middle along its sides."""
+        (x, y), (a, b), (c, d) = self.middle, self.u, self.v
+        return x + along_u * a + along_v * c, y + along_u * b + along_v * d
+
+    @property
+    def corners(self) -> tuple[Point, ...]:
+        signs = ((-1, -1), (1, -1), (1, 1), (-1, 1))
+        return tuple(self.at(s * self.half_u, t * self.half_v) for s, t in signs)
+
+    @property
+    def circles(self) -> Iterator[tuple[Point, float]]:
+        """Circles in it: along its middle line, and its corners."""
+        yield from ((corner, 0.0) for corner in self.corners)
+        radius = min(self.half_u, self.half_v)
+        for k in range(-CIRCLES, CIRCLES + 1):
+            share = k / CIRCLES
+            yield self.at(share * (self.half_u - radius), share * (self.half_v - radius)), radius
+
+
+class Room:
+    """Obstacles on a face, in its coordinates: where a text may be placed.
+
+    All edges are taken before the first text is placed.
+    """
+
+    def __init__(self, box: Box) -> None:
+        self.box = box  #: that holds every place
+        self.squares = float(MOST_SQUARES)  #: that may still be looked at
+        self._seen: dict[object, dict[Point, float]] = {}  #: clearance at middles of squares
+        #: Of boxes by their shape at height 1: the least height for which there is no place. Texts
+        #: are only added, so that none comes free later.
+        self.without_place: dict[object, float] = {}
+        self._chains: list[Floats] = []
+        self._texts: list[Placed] = []
+        self._index: _Edges | None = None
+
+    def add(self, curves: Sequence[Curve]) -> None:
+        """Take the curves of an edge or a hole; they close."""
+        from beamcam.geometry.polylines import polylines
+
+        drawn = polylines(curves, SAGITTA)
+        self._chains += (drawn.points[a:b] for a, b in pairwise(drawn.begins.tolist()))
+
+    def bound(self, corners: Sequence[Point]) -> None:
+        """Take an edge from corner to corner; the last is the first."""
+        import numpy as np
+
+        self._chains.append(np.array(corners, dtype=np.float64))
+
+    def drill(self, centre: Point, radius: float) -> None:
+        """Take a round hole."""
+        import shapely
+
+        segments = ceil(pi / 4 / acos(max(0.5, 1.0 - SAGITTA / radius))) if radius > 0.0 else 1
+        disc = shapely.Point(centre).buffer(max(radius, SAGITTA), quad_segs=segments)
+        self._chains.append(shapely.get_coordinates(disc))
+
+    def take(self, box: Placed) -> None:
+        """Take a text that is placed as an obstacle for later ones."""
+        self._texts.append(box)
+
+    def clearance(self, box: Placed, distance: float, gap: float = BETWEEN) -> float:
+        """How clear a box is: at least `distance` where it is so far from edges, `gap` from texts.
+
+        Less where it is not, and then changing by no more than the box is moved, so that it bounds
+        the places around.
+        """
+        clear = self._edges.clearance(box) if self._chains else inf
+        if self._texts:
+            clear = min(clear, self._beside_texts(box) - gap + distance)
+        return clear
+
+    @property
+    def _edges(self) -> "_Edges":
+        if self._index is None:
+            self._index = _Edges(self._chains)
+        return self._index
+
+    def _beside_texts(self, box: Placed) -> float:
+        """The least gap to another text; where they overlap, how deep (below 0).
+
+        The greatest gap between the shadows of two boxes on the directions of their sides
+        (separating axes).
+        """
+        import numpy as np
+
+        rows = [(*t.middle, *t.u, *t.v, t.half_u, t.half_v) for t in self._texts]
+        x, y, ux, uy, vx, vy, half_u, half_v = np.array(rows).T
+        dx, dy = x - box.middle[0], y - box.middle[1]
+        gap = np.full(len(rows), -inf)
+        own = ((np.full_like(x, nx), np.full_like(x, ny)) for nx, ny in (box.u, box.v))
+        for nx, ny in (*own, (ux, uy), (vx, vy)):
+            theirs = half_u * abs(ux * nx + uy * ny) + half_v * abs(vx * nx + vy * ny)
+            ours = box.half_u * abs(box.u[0] * nx + box.u[1] * ny)
+            ours = ours + box.half_v * abs(box.v[0] * nx + box.v[1] * ny)
+            gap = np.maximum(gap, abs(dx * nx + dy * ny) - theirs - ours)
+        return float(gap.min())
+
+    def nearest(
+        self, start: Point, distance: float, shape: object, box_at: Callable[[float, float], Placed]
+    ) -> Point | None:
+        """The place nearest to `start` where a box is clear by `distance`; None if there is none.
+
+        Boxes of one `shape` are equal but for their place: as texts are only added, a square that
+        was given up for one of them stays so. Raises Exhausted where too many squares would have to
+        be looked at.
+        """
+        low_x, low_y, high_x, high_y = self.box
+        wide, high = _extent(box_at(*start))
+        if wide > high_x - low_x or high > high_y - low_y:
+            return None
+        seen = self._seen.setdefault(shape, {})
+        half = max(high_x - low_x, high_y - low_y) / 2
+        squares = [(0.0, (low_x + high_x) / 2, (low_y + high_y) / 2, half)]
+        best, place = inf, None
+        while squares and squares[0][0] < best:
+            _, x, y, half = heappop(squares)
+            clear = seen.get((x, y), inf)
+            if clear >= distance:
+                clear = seen[x, y] = self._look(box_at(x, y), distance)
+            self.squares -= SEEN
+            if clear >= distance and (way := dist((x, y), start)) < best:
+                best, place = way, (x, y)
+            if half <= FINEST or clear + half * hypot(1.0, 1.0) + STEP < distance:
+                continue
+            for square in _quarters(x, y, half / 2, start):
+                heappush(squares, square)
+        return place
+
+    def _look(self, box: Placed, distance: float) -> float:
+        if self.squares <= 0.0:
+            raise Exhausted
+        self.squares -= 1.0
+        return self.clearance(box, distance, min(BESIDE, distance))
+
+
+def _quarters(
+    x: float, y: float, half: float, start: Point
+) -> Iterator[tuple[float, float, float, float]]:
+    """The four squares of a square: how far each is from `start`, its middle, half its side."""
+    for dx in (-half, half):
+        for dy in (-half, half):
+            a, b = max(abs(x + dx - start[0]) - half, 0.0), max(abs(y + dy - start[1]) - half, 0.0)
+            yield hypot(a, b), x + dx, y + dy, half
+
+
+def _extent(box: Placed) -> tuple[float, float]:
+    """The extent of a box in x and y."""
+    xs, ys = zip(*box.corners, strict=True)
+    return max(xs) - min(xs), max(ys) - min(ys)
+
+
+class _Edges:
+    """An index of the edges around the steel of a face."""
+
+    def __init__(self, chains: Sequence["Floats"]) -> None:
+        import numpy as np
+        import shapely
+
+        runs = [c[k : k + RUN + 1] for c in chains for k in range(0, max(1, len(c) - 1), RUN)]
+        owner = np.repeat(np.arange(len(runs)), [len(run) for run in runs])
+        lines = shapely.linestrings(np.concatenate(runs), indices=owner)
+        self._tree: STRtree = shapely.STRtree(lines)
+        self._from = np.concatenate([chain[:-1] for chain in chains])
+        self._to = np.concatenate([chain[1:] for chain in chains])
+
+    def clearance(self, box: Placed) -> float:
+        """From a box in the steel to the nearest edge; else how deep it lies in obstacles.
+
+        That is bounded by circles inside it, all of which have to come into the steel.
+        """
+        import numpy as np
+        import shapely
+
+        edge = self._away(shapely.polygons(box.corners))[0]
+        if edge > 0.0 and self._is_steel(np.array([box.middle]))[0]:
+            return float(edge)
+        centres, radii = zip(*box.circles, strict=True)
+        points = np.array(centres)
+        away = self._away(shapely.points(points))
+        return min(0.0, float((np.where(self._is_steel(points), away, -away) - radii).min()))
+
+    def _away(self, shapes: object) -> "Floats":
+        """The distance of each shape from the nearest edge."""
+        _, away = self._tree.query_nearest(shapes, return_distance=True, all_matches=False)
+        return away  # type: ignore[no-any-return]
+
+    def _is_steel(self, points: "Floats") -> "NDArray[np.bool_]":
+        """Whether there is steel at each point, by the edges that a ray from it crosses."""
+        (x, y), (ax, ay), (bx, by) = points.T[:, :, None], self._from.T, self._to.T
+        passed = (ay > y) != (by > y)
+        # The side of an edge on which a point lies needs no division.
+        left = ((bx - ax) * (y - ay) > (x - ax) * (by - ay)) == (by > ay)
+        found: NDArray[np.bool_] = (passed & left).sum(axis=1) % 2 == 1
+        return found
