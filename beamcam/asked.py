@@ -21,7 +21,7 @@ _error, _, _ = rule_makers("ask")
 ASK_TYPE = _error(
     "type",
     "found {found} for {name}; expected {expected}",
-    "A value of another type would be taken for something else, or end in the middle of the work.",
+    "A value of another type would be misread, or fail in the middle of the work.",
 )
 ASK_BAR = _error(
     "bar",
@@ -36,12 +36,12 @@ ASK_JOB = _error(
 ASK_SKIP = _error(
     "skip",
     "found {found!r} among the skips; expected {expected}",
-    "A misspelt name would allow nothing, and one for another kind too much.",
+    "A misspelt name would leave out nothing, or another kind than was meant.",
 )
 ASK_NUMBER = _error(
     "number",
     "found {found} as {name} of the part; expected a finite number",
-    "A part that was put together by a program may hold nan or inf, which no axis can go to.",
+    "A part that was put together by a program may hold nan or inf, which no axis can move to.",
 )
 
 ASK_VALUE = _error(

@@ -70,7 +70,7 @@ class Commands(click.Group):
             raise SystemExit(INTERRUPTED) from None
 
     def invoke(self, ctx: click.Context) -> Any:
-        """Run a command; what is told of wrong usage names files, and must not steer a terminal."""
+        """Run a command; messages about wrong usage name files, and must not steer a terminal."""
         try:
             return super().invoke(ctx)
         except KeyboardInterrupt:

@@ -112,7 +112,7 @@ MORE = Rule(
     Severity.NOTE,
     "found {found} more messages {code}, {of} in all; `inspect --json` and the report of a batch "
     "hold each",
-    "One fault of an export repeats in each line; the first twenty tell it.",
+    "A fault of an exporter often repeats in each line; the first twenty messages show it.",
 )
 RULES = (MORE,)
 

@@ -18,9 +18,10 @@ CHOSEN = Rule(
 NONE_MAKES_IT = Rule(
     "plan-no-machine",
     Severity.ERROR,
-    "found no machine that makes all of it ({found}); expected one",
-    "Each machine that was tried is named with the codes of what it cannot make. Above stands what "
-    "the one says that lacks least. `beamcam codes CODE` explains a code and the ways out.",
+    "found no machine that makes the whole part ({found}); expected one",
+    "Each machine that was tried is listed with the codes of what it cannot make. The messages "
+    "above are those of the machine that lacks least. `beamcam codes CODE` explains a code and "
+    "the ways out.",
 )
 RULES = (CHOSEN, NONE_MAKES_IT)
 

@@ -47,7 +47,7 @@ def untold(stage: str) -> None:
     """Default callback after a stage; does nothing."""
 
 
-#: What is told of features that a program does not make, by leave or as the machine's file says.
+#: Rules for features that a program does not make, as allowed or as the machine file says.
 NOT_MADE = (LEFT_OUT.code, BY_HAND.code)
 
 
@@ -174,7 +174,7 @@ def sound(reading: Reading) -> Reading:
 def read_back(program: str | bytes, request: Request) -> tuple[Diagnostic, ...]:
     """All faults of a program for bars, sheets or tables, as its machine reads it.
 
-    Raises PlanError where a sheet's own features cannot be told.
+    Raises PlanError where a sheet's own features cannot be listed.
     """
     written: Written = program if isinstance(program, str) else lambda: (program,)
     return post_of(request.machine).verify(written, request)
@@ -195,10 +195,11 @@ def post(
 ) -> Posted:
     """The program that makes `parts` from one bar or sheet, read back and compared with them.
 
-    `style` is how a controller that knows several is told: "chain" or "table" of triggers; of
-    step tables the suffix of the output. Unless `verified` a comment in the program says so.
-    `stage` is told each step that is done. Raises PlanError if the machine cannot make the parts,
-    or under `strict` if there is a warning; VerifyError if the program would make anything else.
+    `style` is the form of program for a controller that knows several: "chain" or "table" of
+    triggers; of step tables the suffix of the output. Unless `verified` a comment in the program
+    says so. `stage` is called with each step that is done. Raises PlanError if the machine cannot
+    make the parts, or under `strict` if there is a warning; VerifyError if
+    the program would make anything else.
     """
     check_asked(job, bar, skips)  # before a text is taken for a list of letters
     asked = Job(tuple(parts), machine, job, bar, named_skips(skips), order, turn, style)
@@ -214,7 +215,7 @@ def post(
 def posting(
     asked: Job, verified: bool = True, strict: bool = False
 ) -> Generator[str, None, Posted]:
-    """`post` stage by stage, planning first; it tells each that is done, and gives the program."""
+    """`post` stage by stage, planning first: yields each one when done, returns the result."""
     check_asked(asked.name, asked.bar, asked.skips)
     kind = post_of(asked.machine)
     plan = kind.plan(asked)
@@ -245,7 +246,7 @@ def _other_than_planned(
     """What the read-back found; what is not made only where the plan says otherwise.
 
     The features that it found missing, and that may be, are those that the plan left out by name;
-    the marks that it found to be work of the hand are those on the plan's list.
+    the marks that it found to be manual work are those on the plan's list.
     """
     missing: Counter[tuple[str, Source]] = Counter()
     refused = False

@@ -16,13 +16,13 @@ WAYS_OUT = Rule(
     "plan-ways-out",
     Severity.NOTE,
     "with {found} it can be made",
-    "Each of the options was tried before it was named. A machine that is named may stand in "
-    "another shop; what is left out by leave is missing from the part.",
+    "Each option was tried before it was named. The machine may belong to another shop; what "
+    "--allow-skips leaves out is missing from the part.",
 )
 NO_WAY_OUT = Rule(
     "plan-no-way-out",
     Severity.NOTE,
-    "found no way out: no shipped machine makes it, nor is it enough to leave features out",
+    "found no way out: no shipped machine makes it, not even with features left out",
     "The drawing or the part has to change, or a machine file of one's own says that a machine can "
     "do more.",
 )

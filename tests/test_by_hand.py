@@ -1,4 +1,4 @@
-"""What a machine's file says of marks: made, left to the hand with a list, or refused."""
+"""What a machine's file says of marks: made, left for manual work with a list, or refused."""
 
 import csv
 import json
@@ -163,7 +163,7 @@ def test_a_batch_writes_the_lists_and_counts_them(tmp_path: Path) -> None:
     words = (tmp_path / "in", "-o", tmp_path / "out", "--report", tmp_path / "r.json")
     done = batch(*words, "--exit-left-out", 3)
     assert (done.exit_code, counts(done)) == (3, (2, 0, 0, 0))
-    assert done.stderr.endswith("0 failed, 2 left to the hand\n")
+    assert done.stderr.endswith("0 failed, 2 left for manual work\n")
     beside = tmp_path / "out" / f"a.gcode{LIST_SUFFIX}"
     first, second = (row["parts"][0] for row in report(tmp_path / "r.json")["files"])
     assert [row["text"] for row in first["by_hand"]] == ["=X10", "B,2"]
@@ -186,21 +186,21 @@ def test_check_compares_the_lists(tmp_path: Path) -> None:
     (golden / f"a.gcode{LIST_SUFFIX}").unlink()
     done = call(*words)
     assert done.exit_code == 1
-    assert "found 0 mark(s) for the hand, now 2" in done.stdout
+    assert "found 0 mark(s) of manual work, now 2" in done.stdout
 
 
-def test_diff_and_recover_know_what_a_head_leaves_to_the_hand(tmp_path: Path) -> None:
+def test_diff_and_recover_know_what_a_head_leaves_for_manual_work(tmp_path: Path) -> None:
     source, a, b = tmp_path / "p.nc1", tmp_path / "a.gcode", tmp_path / "b.gcode"
     source.write_text(lettered())
     call("post", source, "-o", a)
     source.write_text(part("P1"))
     call("post", source, "-o", b)
     done = call("diff", a, b)
-    assert (done.exit_code, done.stdout) == (1, "marks left to the hand: 2 in A, 0 in B\n")
+    assert (done.exit_code, done.stdout) == (1, "marks left for manual work: 2 in A, 0 in B\n")
     assert call("diff", a, a).exit_code == 0
     done = call("recover", a, "--profile", "UPN200", "-o", tmp_path / "again.nc1")
     assert done.exit_code == 0
-    assert "warning recover-by-hand: found a head that leaves 2 mark(s)" in done.stderr
+    assert "warning recover-by-hand: found 2 mark(s) left for manual work" in done.stderr
 
 
 def changed(how: str) -> Any:

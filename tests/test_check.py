@@ -83,7 +83,7 @@ def test_programs_that_are_called_otherwise_now(shop: Path) -> None:
     status, _, err = check("golden")
     assert status == 1
     assert err.count("error check-gone: found no program 'P00") == 3
-    assert err.count("error check-new: found program 'P00") == 3
+    assert err.count("error check-new: found a new program 'P00") == 3
     check("golden", "--update")
     assert sorted(p.name for p in Path("golden").glob("P*")) == [f"P00{k}.tap" for k in range(3)]
     assert check("golden") == (0, "3 of 3 programs are the same\n", "")
@@ -93,7 +93,7 @@ def test_a_program_that_was_taken_away_is_written_again(shop: Path) -> None:
     Path("golden/P002.gcode").unlink()
     status, _, err = check("golden")
     assert status == 1
-    assert "error check-new: found program 'P002.gcode' made now, of which the folder has" in err
+    assert "error check-new: found a new program 'P002.gcode'; expected it" in err
     assert check("golden", "--update")[0] == 0
     assert check("golden")[0] == 0
 

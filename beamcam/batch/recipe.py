@@ -18,7 +18,7 @@ from beamcam.system import portable_path
 MACHINE = "machine"  #: the option that may be a path
 #: Options that say nothing of the programs, or are kept in another way.
 _APART = ("config_file", "jobs", "as_json")
-#: Options whose value means something though it is none: `--allow-skips none`, `--tree`.
+#: Options whose value means something though it is empty: `--allow-skips none`, `--tree`.
 _MAY_BE_NOTHING = ("skips", "strict", "flat")
 
 

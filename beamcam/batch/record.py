@@ -1,8 +1,8 @@
 """The record of a batch, beside its outputs: what was made of what, so that it is made once.
 
 `.beamcam-batch.jsonl` has a line for each input that was posted whole. A line is added as soon as
-the outputs stand, so that a run that is killed has to be finished, not done again; a line that was
-torn is none. An output that is missing or changed makes its line void.
+the outputs stand, so that a run that is killed has to be finished, not done again; a
+torn line is not used. An output that is missing or changed makes its line void.
 
     {"recipe":"3f...","of":{"config":null,"asked":{"machine":"../mine.toml"}}}
     {"key":"a1...","outputs":["M58.gcode"],"row":{...},"recipe":"3f...","input":"../in/M58.nc1",...}
@@ -81,7 +81,7 @@ class Record:
                 if self._torn or not line.startswith(_HEAD):
                     continue
                 outputs = line.partition(b',"row":')[0][_KEY.stop :]
-                with suppress(ValueError):  # a key that is none: the line is torn
+                with suppress(ValueError):  # not a key: the line is torn
                     key = bytes.fromhex(line[_KEY].decode("ascii"))
                     by_outputs[hashlib.sha256(outputs).digest()] = key, place
         self._places = dict(by_outputs.values())
@@ -126,7 +126,7 @@ class Record:
             if (line["recipe"], line["input"]) != (self._recipe_name, self._input(found)):
                 self.add(key, row, found)
         except (OSError, ValueError, KeyError, TypeError):
-            return None  # a line that cannot be used is none: the file is done again
+            return None  # the line cannot be used: the file is done again
         return row
 
     def add(self, key: bytes, row: Row, found: Input) -> None:
@@ -194,7 +194,7 @@ def noted_in(folder: str) -> tuple[Noted, ...]:
     last: dict[str, int] = {}  #: output -> the last of the lines that has it
     with open(os.path.join(folder, RECORD_NAME), "rb") as file:
         for text in file:
-            with suppress(ValueError, KeyError, TypeError):  # a line that was torn is none
+            with suppress(ValueError, KeyError, TypeError):  # a torn line is not used
                 line = loaded(text)
                 if "of" in line:
                     recipes[line["recipe"]] = convert(line["of"], Recipe)

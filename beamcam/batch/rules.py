@@ -18,19 +18,19 @@ LOOP = Rule(
     "batch-loop",
     Severity.WARNING,
     "found a link back to {found}; its files are taken once",
-    "A folder that lies within itself has no end.",
+    "A link to a parent folder would be followed without end.",
 )
 FOLDER = Rule(
     "batch-folder",
     Severity.ERROR,
     "found a folder that cannot be listed ({found}); expected one that can be read",
-    "Files in it would be left out without a word.",
+    "Its files would be left out silently.",
 )
 NO_PART = Rule(
     "batch-no-part",
     Severity.ERROR,
     "found no part in the file; expected at least one",
-    "An export of an empty selection leaves such a file.",
+    "Exporting an empty selection writes such a file.",
 )
 SAME_NAME = Rule(
     "batch-same-name",
@@ -81,8 +81,8 @@ STALE = Rule(
 DIED = Rule(
     "batch-worker",
     Severity.ERROR,
-    "found a worker dead at this file, twice; expected it to live (memory, or a fault in a "
-    "library)",
+    "found the worker process dead at this file, twice; expected it to finish (out of memory, or "
+    "a fault in a library)",
     "The process was ended by the system, most often for its memory. Other files are not touched.",
 )
 INTERNAL = Rule(

@@ -267,7 +267,7 @@ class _Run:
     def _write_list(
         self, output: str, part: PartRow, path: str
     ) -> tuple[Diagnostic | None, Status]:
-        """Write the list for the hand beside an output, or take away an older one."""
+        """Write the list of manual work beside an output, or take away an older one."""
         name = output + LIST_SUFFIX
         if not part["by_hand"]:
             remove_made(os.path.join(self._folder, name), LIST_BEGIN)

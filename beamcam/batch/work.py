@@ -76,7 +76,7 @@ class Shop(Struct, frozen=True):
         plain = repr(replace(self, timed=True, clock=None, reading={}))
         # Of sets the order differs from process to process.
         told = json.encode(self.reading, order="deterministic")
-        # A record of rows of another form is none.
+        # A record of rows of another form is not used.
         form = " ".join(PartRow.__annotations__)
         return f"{plain} {form} ".encode("utf-8", "backslashreplace") + told
 
@@ -123,7 +123,7 @@ class Made(Struct, frozen=True):
 
 
 def make_all(tasks: Sequence[Task], shop: Shop) -> list[Made]:
-    """The programs of several files; a fault of any kind is told in its file's row, never raised.
+    """The programs of several files; any fault is reported in its file's row, never raised.
 
     All of them are read, then all are planned, and so on: a processor that does the same for many
     is quicker by a sixth than one that does everything for each in turn.

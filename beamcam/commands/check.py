@@ -138,7 +138,7 @@ def _accepted(results: list[Checked], voice: Voice) -> tuple[Checked, ...]:
 
 
 def _programs(folder: Path, machine: str | None) -> list[tuple[Path, str | None]]:
-    """The golden programs and the machine of each, None if nothing tells it; in order of names."""
+    """The golden programs and the machine of each, None if it is not known; in order of names."""
     own = machine or (folder.name if folder.name in shipped() else None)
     found = [(path, own) for path in folder.iterdir() if _is_program(path, own)]
     for below in (path for path in folder.rglob("*") if path.is_dir()):

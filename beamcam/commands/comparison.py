@@ -120,9 +120,9 @@ def _diff_programs(
 
 
 def _left_to_hand(texts: list[tuple[str, str]]) -> Iterator[Difference]:
-    """Whether the heads of two programs leave another number of marks to the hand."""
+    """Whether the heads of two programs leave different numbers of marks for manual work."""
     heads = [head_of(text) for _, text in texts]
     old, new = (0 if head is None else head.by_hand for head in heads)
     if old != new:
-        text = f"marks left to the hand: {old} in A, {new} in B"
+        text = f"marks left for manual work: {old} in A, {new} in B"
         yield Difference("feature", "changed", text)

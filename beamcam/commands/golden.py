@@ -38,7 +38,7 @@ class Checked(Struct, frozen=True):
 def compared(
     path: str, old: bytes, new: bytes, machine: Machine, by_hand: Sequence[HandRow]
 ) -> Checked:
-    """A golden program with its list for the hand, and those that are made now."""
+    """A golden program with its list of manual work, and those that are made now."""
     listed = _list_differs(path, by_hand)
     if old == new:
         return (
@@ -52,13 +52,15 @@ def compared(
 
 
 def _list_differs(path: str, rows: Sequence[HandRow]) -> tuple[Difference, ...]:
-    """Whether the list for the hand beside a program is another one now."""
+    """Whether the list of manual work beside a program has changed."""
     beside = Path(path + LIST_SUFFIX)
     old = beside.read_bytes() if beside.is_file() else b""
     new = as_csv(rows).encode("utf-8") if rows else b""
     if old == new:
         return ()
-    text = f"{beside.name}: found {len(old.splitlines()[1:])} mark(s) for the hand, now {len(rows)}"
+    text = (
+        f"{beside.name}: found {len(old.splitlines()[1:])} mark(s) of manual work, now {len(rows)}"
+    )
     return (Difference("feature", "changed", text),)
 
 

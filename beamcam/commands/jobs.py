@@ -80,7 +80,7 @@ def posted_job(
         machines_for(config, parts, output), posted_on, source
     )
     said += choice
-    # One part's program is called after its file, as a batch would; `post` is told a name.
+    # One part's program is called after its file, as a batch would; `post` is given a name.
     stem = PurePath(shown_name(inputs[0])).stem if len(inputs) == 1 else config.job
     return Job(parts, said, posted, _program(posted, machine, parts, stem))
 

@@ -30,7 +30,7 @@ member_options = group(
 def member_choice(
     values: Mapping[str, Any], kernel: bool, workers: int | None = None
 ) -> dict[str, object]:
-    """What a reader of models is told; `kernel` has every member checked by a second route.
+    """The options of a reader of models; `kernel` has every member checked by a second route.
 
     So many `workers` read the members of a large model, or as many as there are cores. Two at
     least: while the kernel builds in another process, this one hears of an interrupt.

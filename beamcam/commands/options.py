@@ -23,12 +23,12 @@ Function = Callable[..., Any]
 Decorator = Callable[[Function], Function]
 
 NO_SKIPS = "none"
-#: Whether it can be read or written is told by whoever does so, with a code.
+#: Whoever reads or writes it reports its failure, with a code.
 FILE = click.Path(readable=False)
 
 
 class Number(click.ParamType):  # type: ignore[type-arg]  # older versions take none
-    """A number within limits; infinity and nan, which Python takes for such, are none."""
+    """A number within limits; infinity and nan, which Python takes for numbers, are refused."""
 
     name = "number"
 

@@ -178,7 +178,7 @@ def _rest(
 def _write(
     made: Sequence[tuple[str, Posted]], machine: Machine, read: FilesRead, voice: Voice
 ) -> None:
-    """Write the programs and their lists for the hand, none if one would be written over."""
+    """Write the programs and their lists of manual work, none if one would be written over."""
     files = [(name, posted, tuple(outputs(posted, machine, name))) for name, posted in made]
     keep_apart((path for _, _, pieces in files for path, _ in pieces), read, voice)
     for name, posted, pieces in files:

@@ -47,8 +47,8 @@ RENAMED = Rule(
     Severity.NOTE,
     "found mark {found!r} for the name {of}, which a part with mark {other!r} has; written to "
     "{name}",
-    "Two parts that differ have one mark, or marks that differ only in signs that file names do "
-    "not have.",
+    "Two parts that differ have one mark, or marks that differ only in characters that file names "
+    "cannot have.",
 )
 WRITTEN = Rule(
     "write-folder",
@@ -60,7 +60,7 @@ OTHER_CONTENT = Rule(
     "list-mark-twice",
     Severity.ERROR,
     "found another part with the mark {found!r} in {other}; expected one content for one mark",
-    "Two parts that differ under one mark are mixed up on the floor. Give one of them another "
+    "Two parts that differ under one mark get mixed up in the shop. Give one of them another "
     "mark, or leave its file out.",
 )
 MORE_BARS = Rule(
@@ -98,15 +98,14 @@ NO_SAMPLE = Rule(
 GONE = Rule(
     "check-gone",
     Severity.ERROR,
-    "found no program {found!r} made now; expected it, as the record of the batch has it",
+    "found no program {found!r} any more; expected it, as in the record of the batch",
     "The part of it is no longer in its file, is refused, or has another name now. The old program "
     "still stands.",
 )
 NEW = Rule(
     "check-new",
     Severity.ERROR,
-    "found program {found!r} made now, of which the folder has none; expected one, --update "
-    "writes it",
+    "found a new program {found!r}; expected it in the folder, --update writes it",
     "The file has more parts than it had, or its programs have other names.",
 )
 UNKNOWN = Rule(

@@ -213,7 +213,7 @@ class Screen:
     def _is_shown(self, message: Message) -> bool:
         """Whether a message of a file is printed: of one code the first ones only.
 
-        All are in the report, and under --verbose; who watches has no end to be told a count at.
+        All are in the report, and under --verbose; `watch` has no end at which to print a count.
         """
         if message["severity"] not in self._wanted:
             return False
@@ -266,7 +266,7 @@ def what_became_of(row: Row) -> str:
 
 
 def account_lines(row: Row) -> Iterator[str]:
-    """What is told of a file under --verbose: what became of it and of its parts, and the time."""
+    """What is printed of a file under --verbose: what became of it and its parts, and the time."""
     yield f"{what_became_of(row)} ({1000 * row['seconds']:.1f} ms)"
     for part in row["parts"]:
         ledger = ledger_line(part["ledger"], part["skipped_by"])

@@ -128,7 +128,7 @@ torch_options = group(
 def drawing_choice(
     values: Mapping[str, Any], colours: Mapping[str, object] | None = None
 ) -> dict[str, object]:
-    """What a reader of drawings is told: those of `drawing_options` that were given.
+    """The options of a reader of drawings: those of `drawing_options` that were given.
 
     `colours` is the job's map: texts on layers that are marked or engraved are lettered.
     """

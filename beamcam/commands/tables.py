@@ -15,7 +15,7 @@ STANDARD_OUTPUT = "-"
 
 
 def table_style(machine: Machine, output: str, style: str | None) -> str | None:
-    """How the machine is told: the style of a trigger program, the form of a step table.
+    """The form of the program: the style of a trigger program, the form of a step table.
 
     Raises click.UsageError where the machine has no styles, or no form of that suffix.
     """
@@ -70,9 +70,9 @@ def outputs(
 
 
 def write_list(posted: Posted, output: str, voice: Voice, read: FilesRead) -> None:
-    """Write the list for the hand beside a program, or take away an older one.
+    """Write the list of manual work beside a program, or take away an older one.
 
-    Of a program on standard output the messages alone say what is left to the hand.
+    Of a program on standard output the messages alone say what is left for manual work.
     """
     from beamcam.report.hand_list import LIST_BEGIN, LIST_SUFFIX, as_csv, hand_rows
 

@@ -21,7 +21,7 @@ from beamcam.verify.by_hand import BY_HAND
 from beamcam.verify.head import Head, head_of, head_remarks
 from beamcam.verify.left_out import LEFT_OUT
 
-#: What is told of features that a program may be without.
+#: Rules for features that a program may be without.
 NOT_MADE = (LEFT_OUT.code, BY_HAND.code)
 
 

@@ -60,7 +60,7 @@ def _sources(table: Mapping[str, Any], place: Place) -> dict[str, Source]:
 
 
 def _check_colours(colours: Mapping[str, object]) -> None:
-    """Raises Fault for a key of the map that starts like a colour and is none."""
+    """Raises Fault for a key of the map that starts like a colour and is not one."""
     for key in colours:
         if key.startswith(("#", "rgb(", "rgba(")):
             try:

@@ -6,7 +6,7 @@
 Written from the controllers' documentation and the machine file, apart from the emitters, so that
 a fault of theirs cannot hide in it. A family of controllers is a package with a lexer and an
 `Interpreter`, and a row of `interpreter_of`; all speak the one vocabulary of `events`, so that
-cells and tables may be told by any of them.
+cells and tables may be run by any of them.
 """
 
 from typing import TYPE_CHECKING

@@ -174,7 +174,7 @@ dialect_of = PerObject("controllers.dialects", _dialect_of)
 def role_of(line: str, changes: bool = False) -> tuple[int | None, Role]:
     """The M word that a line of a template begins with, and what it does; None if it has none.
 
-    `changes` says that the line belongs to the change of a tool by hand.
+    `changes` says that the line belongs to a manual tool change.
     """
     match = _COMMAND.match(line)
     if match is None or match[1] != "M":

@@ -3,7 +3,7 @@
     line -> block (each family's lexer) -> modal state -> events, into a record
 
 A cell's program is short and is read block by block. Of a table's, plain moves wait until a block
-that is none, or the end, and are then carried out together.
+that is not an M word, or the end, and are then carried out together.
 """
 
 from abc import ABC, abstractmethod
@@ -134,7 +134,7 @@ class Interpreter(ABC):
 
     @abstractmethod
     def curve(self, motion: int, start: Point, end: Point, words: Words) -> Curve | str:
-        """The curve that a block means; what is wrong with it if it is none."""
+        """The curve of a block, or what is wrong with it."""
 
     @abstractmethod
     def arc_fault(self, start: Point, end: Point, centre: Point, clockwise: bool) -> str | None:
@@ -243,7 +243,7 @@ class Interpreter(ABC):
     def _curve(
         self, line: int, motion: int, start: Place, end: Place, words: Words
     ) -> Curve | None:
-        """The curve of a block, by the family's own words; None, and said, if it is none."""
+        """The curve of a block, by the family's own words; None, with a message, if invalid."""
         if isnan(start[0] + start[1] + end[0] + end[1]):
             self.wrong_arc(line, "that starts nowhere")
             return None

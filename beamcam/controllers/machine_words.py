@@ -282,7 +282,7 @@ def _table_faults(machine: Machine) -> Iterator[WordFault]:
 
 
 def _standing(lines: list[Line], events: list[TableEvent]) -> Iterator[WordFault]:
-    """Each template of a move that makes none or another, and of a switch that is none."""
+    """Each template of a move or a switch that does not make that move or switch."""
     moving = {lines[event.line - 1][0] for event in events if isinstance(event, Move)}
     switching = {lines[event.line - 1][0] for event in events if isinstance(event, Switch)}
     for key in dict.fromkeys(key for key, _, _ in lines):

@@ -100,7 +100,7 @@ class Track:
         return (x, y), feed
 
     def finish(self, difference: float, arc_fault: ArcFault) -> tuple[Run, list[tuple[int, str]]]:
-        """All of it, and by their lines the arcs that are none, which are left out.
+        """All of it, and by their lines the arcs that are not valid, which are left out.
 
         `difference` is what the radii at the ends of an arc may always differ by.
         """

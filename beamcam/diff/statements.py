@@ -1,8 +1,8 @@
 """Statements of a cutting table's program, independent of how they are written.
 
-G-code is told by what its interpreter makes of it, so that block numbers, spacing, comments and
-modal words that are left out count for nothing. Trigger programs and step tables are told line by
-line, without comments and spacing.
+G-code is compared by what its interpreter makes of it, so that block numbers, spacing, comments and
+modal words that are left out count for nothing. Trigger programs and step tables are compared line
+by line, without comments and spacing.
 """
 
 import re

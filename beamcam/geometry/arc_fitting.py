@@ -25,7 +25,7 @@ Cubic = Sequence[Point]  #: four control points
 #: Greatest sweep of a cubic that stands for a stretch of an ellipse: off by 1.3e-7 of its size.
 ELLIPSE_STEP_DEG = 22.5
 
-#: Of the tolerance, for cubics that stand for curves that are none, measured at so many places.
+#: Of the tolerance, for cubics that stand for curves of other kinds, measured at so many places.
 CUBIC_SHARE = 0.01
 PROBES = 8
 

@@ -16,7 +16,7 @@ def cubics_of(curves: Sequence[Curve]) -> tuple[Floats, Counts, list[int]]:
     """The control points (n, 4, 2) of all cubics without weights, and the curve of each (n,).
 
     They come in the order of the curves, those of a spline from its start to its end, and are the
-    same numbers as `bezier_pieces` gives. The third value names the curves that are none.
+    same numbers as `bezier_pieces` gives. The third value names the curves that are not cubics.
     """
     kinds = by_kind(curves)
     plain: list[int] = []

@@ -106,5 +106,5 @@ def _compile(node: ast.expr, names: frozenset[str]) -> Expression:
 
 
 def _is_number(value: object) -> bool:
-    """Whether a constant is a number that a float can hold; True and False are none."""
+    """Whether a constant is a number that a float can hold; True and False are not numbers."""
     return isinstance(value, float) or (type(value) is int and value.bit_length() <= 1023)

@@ -87,7 +87,7 @@ _OF_LINES = ("codesys", "linuxcnc")
 
 
 def code_faults(machine: Machine) -> Iterator[Fault]:
-    """A controller of another kind of machine, G words that are none, tools without a number."""
+    """A controller of another kind of machine, words other than G words, tools without a number."""
     if machine.stock == "beam" and machine.controller not in _OF_LINES:
         yield "controller", machine.controller, f"{' or '.join(_OF_LINES)}, which run a line"
     for code in machine.codes:

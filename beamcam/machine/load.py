@@ -212,7 +212,7 @@ def merged(
         if file is not files[0]:
             for key in ("default_for", "choice"):
                 own.pop(key, None)
-        if "axes" in own:  # bodies and registers are told by the axes that a base has
+        if "axes" in own:  # bodies and registers follow from the axes of a base
             for key in _BY_AXES:
                 table.pop(key, None)
         origin = file.shown, file.text

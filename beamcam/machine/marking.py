@@ -20,7 +20,7 @@ class Marks(Keys, frozen=True):
     """What becomes of texts (DSTV: SI), centre points (BO of diameter 0) and lines (KO, PU).
 
     Points and lines that cannot be made though they are to be are refused, as they locate other
-    parts. A text that finds no place is put on the list for the hand.
+    parts. A text without room goes on the list of manual work.
     """
 
     text: Policy = "list"

@@ -18,7 +18,7 @@ def with_more_rows(table: dict[str, Any]) -> dict[str, Any]:
     """The table of a machine with its added rows among the others.
 
     The table itself where nothing is added, or where a row cannot be read: what is wrong with it is
-    told of its own key.
+    reported with its own key.
     """
     torch = table.get("torch")
     if not isinstance(torch, dict) or "more_rows" not in torch:

@@ -43,8 +43,8 @@ WORD = Rule(
     "machine-word",
     Severity.ERROR,
     "found {found} in {key!r}; expected {expected}",
-    "The words of a machine are tried on its controller before anything is planned with them: what "
-    "the read-back would not take of any program is a fault of the machine's file.",
+    "The words of a machine file are tried on its controller before planning: a word that the "
+    "read-back would refuse in every program is a fault of the file.",
 )
 BASE_LOOP = Rule(
     "machine-base",

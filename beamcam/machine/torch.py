@@ -91,7 +91,7 @@ class Torch(Keys, frozen=True):
     #: Bevels: refused, or the outline cut square and each edge listed for manual work. No
     #: machine has a head that tilts yet.
     bevel: Literal["refuse", "square", "head"] = "refuse"
-    min_bevel: NotNegative = 0.0  #: degrees; a bevel of less is none, and its edge cut square
+    min_bevel: NotNegative = 0.0  #: degrees; an edge with a smaller bevel is cut square
     unrolled: bool = False  #: whether a pipe that is written as a plate is cut flat
     spacing: NotNegative = 10.0  #: between the boxes of parts or copies that share a sheet
     cross: NotNegative = 0.0  #: size of the cross that marks a centre; 0 marks none

@@ -1,7 +1,7 @@
 """Contents of a drawing other than its contours, and the extent of curves.
 
 Filled shapes and curves on hidden layers are no features, since nothing is cut along them; they
-are kept so that their lengths can be told when somebody asks.
+are kept so that their lengths can be given when somebody asks.
 """
 
 from collections.abc import Iterable, Iterator, Sequence

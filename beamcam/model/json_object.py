@@ -31,7 +31,7 @@ JSON_KEY_UNKNOWN = Rule(
     "json-key-unknown",
     Severity.ERROR,
     "found key {key!r}, expected one of {expected}; nearest is {nearest!r}",
-    "A key that nobody reads is a feature that nobody makes, so a misspelt one is refused.",
+    "An unknown key could be a feature that would not be made, so it is refused.",
 )
 
 _SHOWN = 60  #: characters of a value that a message shows

@@ -12,7 +12,7 @@ MARK_KINDS: tuple[MarkKind, ...] = ("text", "points", "contours")
 def mark_kind(feature: Feature) -> MarkKind | None:
     """The key of `[marks]` that applies to a feature; None if it is not a mark.
 
-    What a line of a drawing is for is told by its layer and colour, not by a policy.
+    The process of a line in a drawing follows from its layer and colour, not from a policy.
     """
     match feature:
         case TextMark():

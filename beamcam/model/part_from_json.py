@@ -1,4 +1,4 @@
-"""A part from its JSON form, as written by `part_to_json` or by hand."""
+"""A part from its JSON form, as written by `part_to_json` or by a person."""
 
 from collections.abc import Callable, Iterable, Iterator
 from functools import partial

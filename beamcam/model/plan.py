@@ -139,7 +139,7 @@ class ToolLoad(Struct, frozen=True):
 
 
 #: Wording of outcomes by which nothing is made.
-NOT_MADE = {"skipped": "left out", "listed": "left to the hand"}
+NOT_MADE = {"skipped": "left out", "listed": "left for manual work"}
 
 
 class Outcome(Struct, frozen=True):
@@ -147,8 +147,8 @@ class Outcome(Struct, frozen=True):
 
     feature: FeatureRef
     how: Literal["made", "merged", "duplicate", "listed", "skipped"]
-    #: What makes it (a kind of tool, or saw), why it is on the list for the hand, or the code that
-    #: it was left out by.
+    #: What makes it (a kind of tool, or saw), why it is on the list of manual work, or the code
+    #: by which it was left out.
     by: str
 
 
@@ -161,7 +161,7 @@ class Plan(Struct, frozen=True):
     operations: tuple[Operation, ...]
     outcomes: tuple[Outcome, ...]  #: one for every feature of every piece
     remarks: tuple[Diagnostic, ...] = ()
-    reloads: tuple[ToolLoad, ...] = ()  #: by hand during the work, in its order
+    reloads: tuple[ToolLoad, ...] = ()  #: changed manually during the work, in its order
 
 
 class Pass(Struct, frozen=True):
@@ -207,6 +207,6 @@ class SheetPlan(Struct, frozen=True):
     operations: tuple[ContourOp, ...]
     outcomes: tuple[Outcome, ...]  #: one for every feature
     remarks: tuple[Diagnostic, ...] = ()
-    reloads: tuple[ToolLoad, ...] = ()  #: by hand during the work, in its order
+    reloads: tuple[ToolLoad, ...] = ()  #: changed manually during the work, in its order
     notes: tuple[str, ...] = ()  #: for whoever stands at the machine
-    min_bevel: float = 0.0  #: degrees; a bevel of less is none
+    min_bevel: float = 0.0  #: degrees; a smaller bevel counts as square

@@ -7,7 +7,7 @@ class WorkTime(Struct, frozen=True):
     """Seconds of each operation in order of work, and of what is between and after them."""
 
     operations: tuple[float, ...]
-    reloads_s: float = 0.0  #: tools put into stations by hand during the work
+    reloads_s: float = 0.0  #: tools put into stations manually during the work
     home_s: float = 0.0  #: from the last operation to where the next work begins
 
     @property

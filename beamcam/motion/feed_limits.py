@@ -1,7 +1,7 @@
 """The feed of each move that the axes of a table can follow.
 
-A controller that is told accelerations takes the feed for granted: it turns the head on the
-smallest arc as fast as it was told. So the feed is lowered where a move asks for too much:
+A controller that is given accelerations takes the feed for granted: it turns the head on the
+smallest arc as fast as commanded. So the feed is lowered where a move asks for too much:
 
     along a line       v |cos| <= speed of X, v |sin| <= speed of Y
     around a radius r  v^2 / r <= acceleration across, v^3 / r^2 <= jerk, v <= both speeds

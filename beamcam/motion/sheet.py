@@ -79,7 +79,7 @@ class Pen:
         self._arcs = bool(words.arc_cw)
         self._parabolas = bool(words.parabola)
         self._ellipses = bool(words.ellipse_cw)
-        #: Where the controller is told accelerations, the feeds have to be what it can follow.
+        #: Where the controller is given accelerations, the feeds have to be what it can follow.
         self.limits = path_limits(machine) if _tells_acceleration(words) else None
         self.numbers = Numbers(
             form.length_decimals,

@@ -41,15 +41,15 @@ AXIS = Rule(
     "plan-axis",
     Severity.ERROR,
     "found {what} on face {face} that takes the {axis} to {found}; expected {expected}",
-    "The axis does not come to that place across the bar, or as deep. `--allow-skips axis` leaves "
-    "the feature to another machine.",
+    "The axis does not reach that place across the bar, or that depth. `--allow-skips axis` "
+    "leaves the feature to another machine.",
 )
 STOP = Rule(
     "plan-stop",
     Severity.ERROR,
     "found {what} that takes the {axis} to {found}; expected {expected}",
-    "Where a part lies on the bar says where the bar has to be brought to; with a longer "
-    "front trim, another order or a shorter bar it may be within reach.",
+    "The position of a part on the bar decides how far the bar has to move; with a longer front "
+    "trim, another order or a shorter bar it may be within reach.",
 )
 RULES = (STROKE, AXIS, STOP)
 

@@ -44,12 +44,12 @@ NO_ROOM, TOO_SMALL, BLANK, FACE = "no-room", "too-small", "blank", "face"
 CHARACTERS, ANGLE, HEIGHT = "characters", "angle", "height"
 DRILL, BEVEL = "drill", "bevel"  #: of a sheet's features that are only begun by the machine
 REASONS = {
-    BY_POLICY: "the machine's file leaves such marks to the hand",
+    BY_POLICY: "the machine file leaves such marks for manual work",
     NO_UNIT: "the machine has no unit that letters",
     NO_ROOM: "there is no room for it on its face",
-    TOO_SMALL: "the machine does not letter as small",
-    BLANK: "nothing of it can be seen",
-    FACE: "what letters does not come to that face",
+    TOO_SMALL: "the machine does not letter so small",
+    BLANK: "none of its characters can be seen",
+    FACE: "the lettering unit does not reach that face",
     CHARACTERS: "the machine has no characters for it",
     ANGLE: "the machine does not letter at that angle",
     HEIGHT: "the machine does not letter at that height, which is binding",

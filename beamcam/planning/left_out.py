@@ -1,8 +1,8 @@
 """What a program does not make of its parts, or makes otherwise than by cutting, reported by name.
 
 Nothing that a part has is missing from a program without a word: what was left out because
-`--allow-skips` names its kind, or is left to the hand, is a warning at the feature, and lines that
-the map of colours and layers takes away from cutting are a note with their number.
+`--allow-skips` names its kind, or is left for manual work, is a warning at the feature, and lines
+that the map of colours and layers takes away from cutting are a note with their number.
 """
 
 from collections import Counter
@@ -20,15 +20,16 @@ LEFT_OUT = Rule(
     "plan-left-out",
     Severity.WARNING,
     "found {what}, which the machine cannot make; left out, as --allow-skips {kind} allows",
-    "The part is not finished when the program ends: what is left out has to be made by hand or "
+    "The part is not finished when the program ends: what is left out has to be made manually or "
     "on another machine. `--exit-left-out` gives it an exit status of its own.",
 )
 BY_HAND = Rule(
     "plan-by-hand",
     Severity.WARNING,
-    "found {what}; {why}, so it stands on the list for the hand",
-    "The part is posted without the mark, which has to be made by hand. The list is written beside "
-    "the program; `[marks]` in a machine file says what becomes of each kind of mark.",
+    "found {what}; {why}; it is on the list of manual work",
+    "The part is posted without the mark, which has to be made manually. The list of manual work "
+    "is written beside the program; `[marks]` in a machine file says what becomes of each kind of "
+    "mark.",
 )
 NOT_CUT = Rule(
     "plan-not-cut",
@@ -71,7 +72,7 @@ def by_hand_sources(plan: Plan | SheetPlan) -> Iterator[Source]:
 def _is_by_name(outcome: Outcome) -> bool:
     """Whether a feature was left out because `--allow-skips` names its kind.
 
-    What is mapped away, or too small to be cut, nobody has to name; it is told otherwise.
+    What is mapped away, or too small to be cut, nobody has to name; other messages report it.
     """
     return outcome.how == "skipped" and outcome.by.removeprefix("plan-") in SKIP_NAMES
 

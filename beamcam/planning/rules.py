@@ -58,8 +58,8 @@ CUT_NOISE = Rule(
     _N,
     "found a {kind} cut of {found} degrees at the {end}; below {expected} degrees an end is sawn "
     "square",
-    "Some exporters write the noise of their arithmetic as angles. `saw.min_mitre` of the machine "
-    "file says from which angle on a cut is meant.",
+    "Some exporters write rounding errors as angles. `saw.min_mitre` of the machine file says "
+    "from which angle on a cut is meant.",
 )
 BAR_SHORT = Rule(
     "plan-bar-short",
@@ -84,13 +84,13 @@ NO_WORK = Rule(
     "plan-no-work",
     _E,
     "found no work on the part; expected a hole or another feature, {machine} has no saw",
-    "A line without a saw has nothing to do with it.",
+    "A line without a saw has nothing to do on it.",
 )
 COMES_CUT = Rule(
     "plan-comes-cut",
     _N,
-    "the part comes in cut to {found} mm with its ends as they should be; {machine} has no saw",
-    "Neither the program nor its read-back says anything of the part's length and ends.",
+    "the part is expected cut to {found} mm with finished ends; {machine} has no saw",
+    "Neither the program nor its read-back checks the part's length and ends.",
 )
 BAR_FULL = Rule(
     "plan-bar-full",
@@ -104,7 +104,7 @@ BAR_LEFT = Rule(
     _E,
     "found {found} mm of bar from the last part on; expected at least {expected} mm, "
     "give a longer --bar or another order of parts",
-    "What is left of the bar pushes its last part, so it has to reach between the rollers "
+    "The remnant of the bar pushes its last part, so it has to reach between the rollers "
     "(`layout.min_bar_left`).",
 )
 PART_SHORT = Rule(
@@ -116,8 +116,8 @@ PART_SHORT = Rule(
 REMNANT = Rule(
     "plan-remnant",
     _N,
-    "a rest of {found} mm is long enough to go back to the store",
-    "The machine's file says from which length a rest is a remnant (`layout.min_remnant`).",
+    "a remnant of {found} mm is long enough to go back to stock",
+    "The machine file says from which length on a remnant is kept (`layout.min_remnant`).",
 )
 QUANTITY = Rule(
     "plan-quantity",
@@ -130,13 +130,13 @@ TURNED = Rule(
     "plan-turned",
     _N,
     "the part is {found}: {reason}",
-    "A part may be laid on the rollers in eight ways; `--turn` takes the one that costs least.",
+    "A part may lie on the rollers in eight orientations; `--turn` takes the one that costs least.",
 )
 TURN_HELPS = Rule(
     "plan-turn-helps",
     _N,
     "the machine can make the part {found}; allow it by --turn",
-    "The way that the part lies is what the machine cannot do, and not the part itself.",
+    "The machine can make the part, but not in this orientation.",
 )
 ORDER = Rule(
     "plan-order",
@@ -147,8 +147,8 @@ ORDER = Rule(
 RELOAD = Rule(
     "plan-reload",
     _W,
-    "found {found} tools for the {stations} stations of spindle {spindle}; "
-    "{changes} must be changed by hand during the work",
+    "found {found} tools for the {stations} stations of spindle {spindle}; {changes} must be "
+    "changed manually during the work",
     "The bar needs more tools than the spindle holds at once; `beamcam plan` lists the changes.",
 )
 UNNAMED_GRADE = Rule(
@@ -172,8 +172,9 @@ NO_CHANGE_WORD = Rule(
     _E,
     "found {found} tools for the {stations} stations of spindle {spindle}; expected at most "
     "{stations}, as words.change of {machine} is empty",
-    "The program has to stop where a tool is changed by hand. Give the machine file the word that "
-    'does so, such as `change = ["M00"]` under `[words]`, or split the parts over several bars.',
+    "The program has to stop where a tool is changed manually. Give the machine file the word "
+    'that does so, such as `change = ["M00"]` under `[words]`, or split the parts over several '
+    "bars.",
 )
 
 # What neither a line nor a table makes of a feature.
@@ -202,7 +203,8 @@ MARK = Rule(
     _E,
     "found {found} to mark on face {face}; expected none, {why}",
     "Points and lines locate other parts. `--allow-skips mark` leaves them out; with `[marks]` of "
-    'the machine file as `points = "list"` or `contours = "list"` they are left to the hand.',
+    'the machine file as `points = "list"` or `contours = "list"` they go on the list of manual '
+    "work.",
 )
 BEVEL = Rule(
     "plan-bevel",

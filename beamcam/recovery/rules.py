@@ -6,7 +6,7 @@ NO_PIECE = Rule(
     "recover-no-piece",
     Severity.ERROR,
     "found {cuts} saw cut(s) and no piece between two of them; expected the two ends of a part",
-    "A part is what lies between two cuts; a program that parts nothing makes none.",
+    "A part lies between two saw cuts; a program without them makes none.",
 )
 FACES = Rule(
     "recover-faces",
@@ -53,8 +53,8 @@ KERF = Rule(
 BY_HAND = Rule(
     "recover-by-hand",
     Severity.WARNING,
-    "found a head that leaves {found} mark(s) to the hand; they are not in what is recovered",
-    "Marks on the list for the hand are no work of the machine, so that the program does not say "
+    "found {found} mark(s) left for manual work; they are not in the recovered part",
+    "The machine does not make the marks on the list of manual work, so the program does not say "
     "what they are. The list is the `.hand.csv` beside the program.",
 )
 

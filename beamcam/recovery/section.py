@@ -1,4 +1,4 @@
-"""The section of a bar, as far as a program tells it."""
+"""The section of a bar, as far as a program gives it."""
 
 from collections.abc import Iterator, Mapping
 from math import isnan, nan
@@ -18,7 +18,7 @@ def section_of(
 ) -> tuple[Profile, Diagnostic]:
     """The section that a program says, by the catalogue if only one is of that size.
 
-    Without thicknesses where there are several, or none; what is told of it comes second.
+    Without thicknesses where there are several, or none; the remarks on it come second.
     """
     number = said.get("section", nan)
     codes = [code for code, known in machine.sections.items() if known == number] or ["SO"]

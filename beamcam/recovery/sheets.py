@@ -2,7 +2,7 @@
 
 A path that comes back to itself is a contour: an outline where it lies in an even number of others,
 else a hole. Where the program keeps the beam off by itself, the contour lies half a kerf beside the
-path; a controller that keeps off is told the contour.
+path; a controller that compensates gets the contour.
 """
 
 from collections.abc import Sequence

@@ -1,4 +1,4 @@
-"""The list for the hand: work that a program leaves to the operator.
+"""The list of manual work: what a program leaves to the operator.
 
 Marks that are not made, holes of which only the centre is marked, edges that are cut square.
 """
@@ -50,7 +50,7 @@ LIST_BEGIN = (",".join(HEAD) + "\n").encode()  #: of every list that was written
 
 
 def hand_rows(plan: Plan | SheetPlan) -> list[HandRow]:
-    """A row for each mark that is left to the hand; pieces of one part share theirs."""
+    """A row for each mark that is left for manual work; pieces of one part share theirs."""
     rows: dict[tuple[int, int], list[HandRow]] = {}
     least = plan.min_bevel if isinstance(plan, SheetPlan) else 0.0
     for outcome in plan.outcomes:

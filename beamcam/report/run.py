@@ -45,7 +45,7 @@ class Ledger(TypedDict):
     made: int
     merged: int
     duplicate: int
-    listed: int  #: for the hand
+    listed: int  #: for manual work
     skipped: int
 
 
@@ -62,7 +62,7 @@ class PartRow(TypedDict):
     sha256: str  #: of the output
     bar: float  #: length of the bar, mm; 0 for a sheet
     ledger: Ledger
-    by_hand: list[HandRow]  #: marks on the list for the hand
+    by_hand: list[HandRow]  #: marks on the list of manual work
     skipped_by: dict[str, int]  #: code -> number of features
     mapped: dict[str, int]  #: colour or layer of the map -> number of curves of a drawing
     tools: list[str]
@@ -89,7 +89,7 @@ class Counts(Struct):
     refused: int = 0
     failed: int = 0
     left_out: int = 0  #: features that --allow-skips let be missing from programs
-    by_hand: int = 0  #: marks left to the hand
+    by_hand: int = 0  #: marks left for manual work
     mapped: Tally[str] = field(default_factory=Tally)  #: curves by key of the map
 
     def add(self, row: Row) -> None:
@@ -104,7 +104,7 @@ class Counts(Struct):
 
     @property
     def not_made(self) -> int:
-        """Features that programs leave out, by leave or to the hand."""
+        """Features that programs leave out, as allowed or for manual work."""
         return self.left_out + self.by_hand
 
     @property
@@ -113,7 +113,7 @@ class Counts(Struct):
 
     def __str__(self) -> str:
         counts = [f"{getattr(self, status)} {status}" for status in STATUSES]
-        left = {"left out": self.left_out, "left to the hand": self.by_hand}
+        left = {"left out": self.left_out, "left for manual work": self.by_hand}
         return ", ".join([*counts, *(f"{count} {how}" for how, count in left.items() if count)])
 
 

@@ -50,7 +50,7 @@ class Content(Struct, frozen=True):
     tools: tuple[ToolRow, ...]
     bar: tuple[Stretch, ...]
     left_out: tuple[str, ...]
-    hand: tuple[HandRow, ...]  #: marks on the list for the hand
+    hand: tuple[HandRow, ...]  #: marks on the list of manual work
     messages: tuple[Diagnostic, ...]  #: of readers, planner and read-back
     ledger: str  #: blank where no part is known
     verdict: Literal["made", "alone", "wrong"]
@@ -170,7 +170,7 @@ def _bar_tools(source: Source, operations: Sequence[Operation]) -> tuple[ToolRow
 
 
 def _station(station: int, before: int, changed: bool) -> str:
-    return f"{station}, by hand before operation {before + 1}" if changed else str(station)
+    return f"{station}, changed manually before operation {before + 1}" if changed else str(station)
 
 
 def _stretches(made: BarMade) -> Iterator[Stretch]:

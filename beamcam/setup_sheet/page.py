@@ -29,7 +29,7 @@ _RATE = '<span class="unit" data-per="min">mm/min</span>'
 def verdict_of(content: Content) -> str:
     """Verdict of the read-back, in a sentence."""
     if content.verdict == "made" and (content.left_out or content.hand):
-        return "Read back: the program makes these parts, but for what is left for the hand."
+        return "Read back: the program makes these parts, but for what is left for manual work."
     return VERDICTS[content.verdict]
 
 
@@ -119,9 +119,7 @@ def _top(content: Content) -> Iterator[str]:
     if content.left_out or content.hand:
         items = "".join(f"<li>{shown(line)}</li>" for line in content.left_out)
         rows_ = _hand(content) if content.hand else ""
-        yield (
-            f'<section><h2>Left for the hand</h2><ul class="hand">{items}</ul>{rows_}</section>\n'
-        )
+        yield (f'<section><h2>Manual work</h2><ul class="hand">{items}</ul>{rows_}</section>\n')
     if content.messages:
         yield f"<section><h2>Warnings and remarks</h2>{messages(content.messages)}</section>\n"
 

@@ -56,7 +56,7 @@ def _story(content: Content) -> Iterator[Any]:
     if content.ledger:
         yield _text(content.ledger)
     if content.left_out or content.hand:
-        yield _title("Left for the hand")
+        yield _title("Manual work")
         yield from (_text(line, bold=True) for line in content.left_out)
         yield from _hand(content)
     if content.messages:

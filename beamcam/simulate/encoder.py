@@ -1,6 +1,6 @@
-"""What an encoder tells of a trace: the staircase of its counts, and what is lost by it.
+"""What an encoder shows of a trace: the staircase of its counts, and what is lost by it.
 
-true   ____/      an encoder tells the count that the axis has passed last, so that the true
+true   ____/      an encoder shows the count that the axis has passed last, so that the true
 read  __|-'       point lies within a count above what is read: in a square of that side
 """
 
@@ -60,7 +60,7 @@ def stair_times(trace: Trace, encoder: Encoder) -> Floats:
 
 
 def _crossings(trace: Trace, counts: Floats) -> Floats:
-    """When an axis whose place is told in counts passes a whole one."""
+    """When an axis whose position is read in counts passes a whole one."""
     start, way = counts[:-1], np.diff(counts)
     low, high = np.minimum(counts[:-1], counts[1:]), np.maximum(counts[:-1], counts[1:])
     first = np.ceil(low - ROUNDING)

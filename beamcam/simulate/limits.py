@@ -12,7 +12,7 @@ from beamcam.simulate.collisions import strikes
 from beamcam.simulate.trace import Trace
 
 SLACK = 1e-6  #: mm or degrees that rounding may put an axis beyond its limit
-SQUARE = 0.05  #: degrees off the square cut that are none
+SQUARE = 0.05  #: degrees; a cut less off the square counts as square
 
 
 def run_warnings(

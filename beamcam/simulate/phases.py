@@ -9,7 +9,7 @@ from beamcam.geometry.array_types import Counts, Floats
 from beamcam.motion.planned import cut_phases
 from beamcam.motion.speed_sections import SpeedSection
 
-MIN_SECONDS = 1e-9  #: what rounding leaves of a phase is none
+MIN_SECONDS = 1e-9  #: what rounding leaves of a phase is dropped
 
 
 class Chords(Struct, frozen=True):

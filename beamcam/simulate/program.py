@@ -1,6 +1,6 @@
 """Any program on the model of its machine: interpreted as the read-back does, then timed.
 
-text -> events (controllers) -> trace; what is wrong with the program by itself is told
+text -> events (controllers) -> trace; what is wrong with the program by itself is reported
 """
 
 from collections.abc import Mapping, Sequence
@@ -31,9 +31,10 @@ def simulate_program(
 ) -> Simulated:
     """The axes of a machine over time while it runs a program.
 
-    `style` is the suffix of a step table; the machine's own where it is none of its forms. `parts`
-    tell what sheet is cut and what section is sawn, where the program does not. Raises VerifyError
-    for a program that cannot be understood, MachineError for a cell without `[[axes]]`.
+    `style` is the suffix of a step table; the machine's own where it is none of its forms.
+    `parts` say what sheet is cut and what section is sawn, where the program does not.
+    Raises VerifyError for a program that cannot be understood, MachineError for a cell without
+    `[[axes]]`.
     """
     if machine.stepper is not None:
         return _steps(data, machine, name, style)

@@ -17,16 +17,16 @@ REACH = Rule(
 COLLISION = Rule(
     "simulate-collision",
     Severity.WARNING,
-    "at {time} s found {one} and {other} {found} mm in each other, until {until} s; expected them "
-    "apart",
-    "Bodies of the machine's file strike each other on the way that the program takes.",
+    "at {time} s found {one} and {other} overlapping by {found} mm, until {until} s; expected "
+    "them apart",
+    "Bodies of the machine file collide on the path of the program.",
 )
 PRECISION = Rule(
     "simulate-precision",
     Severity.NOTE,
     "one count of the encoder is {count} mm: corners are read up to {corner} mm off; the "
     "smallest step is {step} mm; {lost} of {moves} moves are below one count",
-    "What is smaller than a count of the encoder cannot be told by the controller.",
+    "The controller cannot see anything smaller than one count of the encoder.",
 )
 MODBUS = Rule(
     "verify-modbus",
@@ -50,8 +50,8 @@ REGISTER = Rule(
     "simulate-register",
     Severity.ERROR,
     "found {axis} at {found}, beyond its register; expected {expected} at the scale {scale}",
-    "A position that wraps round would be shown elsewhere. Take a larger `modbus.scale`, or "
-    '`modbus.values = "int32"` or "float".',
+    "A position that overflows its register would be shown elsewhere. Take a larger "
+    '`modbus.scale`, or `modbus.values = "int32"` or "float".',
 )
 
 RULES = (LIMIT, REACH, COLLISION, PRECISION, MODBUS, CONTROLLER, PORT, REGISTER)

@@ -1,6 +1,6 @@
 """The trace of a cutting table that runs G-code: the look-ahead over what was read back.
 
-The times are those of `motion.sheet_times`, which `plan` tells too: traverses and contours run from
+The times are those of `motion.sheet_times`, which `plan` gives too: traverses and contours run from
 rest to rest, a contour passes its corners as fast as the machine's file allows.
 """
 

@@ -48,7 +48,7 @@ def _read_rows(
             yield row, encoder.read(trace, np.array([row.positions]))[0, linear].tolist()
         return
     times = stair_times(trace, encoder)
-    # Between two rows the count stays, so that its middle tells what is read from the first on.
+    # Between two rows the count stays, so that its middle shows what is read from the first on.
     middles = np.append((times[:-1] + times[1:]) / 2, times[-1])
     read = encoder.read(trace, trace.at(middles))[:, linear].tolist()
     rows = zip(

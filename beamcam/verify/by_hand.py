@@ -11,9 +11,9 @@ from beamcam.model.part import Feature, Part, TextMark
 BY_HAND = Rule(
     "verify-by-hand",
     Severity.WARNING,
-    "found nothing that makes the {what} of {mark}; it is left to the hand, as {machine} says",
+    "found nothing that makes the {what} of {mark}; it is left for manual work, as {machine} says",
     "`[marks]` in the machine's file says which kinds of marks are made by the machine, and which "
-    "are left to the hand.",
+    "are left for manual work.",
 )
 TEXT_MOVED = Rule(
     "verify-text-moved",

@@ -2,7 +2,7 @@
 
     (BEAMCAM 1 MACHINE beamline 5f3a9c2e)        version of the form, machine, checksum of its file
     (ALLOWED TO BE LEFT OUT: cope, slot)         the kinds that --allow-skips named, if any
-    (LEFT TO THE HAND: 2)                        marks on the list for the hand, if any
+    (LEFT TO THE HAND: 2)                        marks left for manual work, if any
 
 It is read whatever signs a controller has for comments, and written nowhere in this package: a
 program whose head says otherwise than what was asked for is refused.
@@ -28,9 +28,9 @@ HEAD = Rule(
     "verify-head",
     Severity.ERROR,
     "found {found} in the head of the program; expected {expected}",
-    "The head says which kinds of features may be missing, how many marks are left to the hand, "
-    "and for which machine file the program was made. One that says otherwise would make a later "
-    "check believe it.",
+    "The head says which kinds of features may be missing, how many marks are left for manual "
+    "work, and for which machine file the program was made. A wrong head would mislead a later "
+    "check.",
 )
 NEWER = Rule(
     "verify-head-newer",
@@ -75,7 +75,7 @@ def head_faults(
 ) -> Iterator[Diagnostic]:
     """All differences of a head from the request and from the read-back.
 
-    `by_hand` is the number of marks that the read-back found left to the hand.
+    `by_hand` is the number of marks that the read-back found left for manual work.
     """
     source = Source(name)
     kinds = ", ".join(sorted(allowed)) or "none"
@@ -85,7 +85,7 @@ def head_faults(
         found = ", ".join(head.allowed) or "none"
         yield HEAD.at(source, found=f"a head that allows {found}", expected=kinds)
     elif head.by_hand != by_hand:
-        yield HEAD.at(source, found=f"{head.by_hand} left to the hand", expected=by_hand)
+        yield HEAD.at(source, found=f"{head.by_hand} left for manual work", expected=by_hand)
     elif head.version != VERSION or head.checksum != machine.checksum:
         found = f"the form {head.version} and the checksum {head.checksum or 'none'}"
         expected = f"{VERSION} and {machine.checksum or 'none'}"

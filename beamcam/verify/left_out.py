@@ -11,7 +11,7 @@ LEFT_OUT = Rule(
     Severity.WARNING,
     "found nothing that makes the {what} of {mark}; it may be left out, and is not made",
     "The machine cannot make it and its kind is allowed to be missing, by `--allow-skips` or the "
-    "head of the program. It has to be made by hand or on another machine.",
+    "head of the program. It has to be made manually or on another machine.",
 )
 LEDGER = Rule(
     "verify-ledger",
@@ -23,9 +23,9 @@ LEDGER = Rule(
 TEXT_TOLD = Rule(
     "verify-text-told",
     Severity.ERROR,
-    "found a text lettered {found}; expected it {expected}, as was told",
-    "Where a text is moved to, or made smaller, is told by the plan and found in the program, and "
-    "both have to be the same. It is a fault of beamcam; send in the part.",
+    "found a text lettered {found}; expected it {expected}, as planned",
+    "The plan reports where a text is moved or made smaller, the read-back finds it in the "
+    "program, and both have to agree. It is a fault of beamcam; send in the part.",
 )
 RULES = (LEFT_OUT, LEDGER, TEXT_TOLD)
 

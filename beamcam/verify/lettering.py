@@ -2,7 +2,7 @@
 
 A text is found by its longest straight piece: each piece that was drawn in that direction says
 where the text would stand and how high, and all its other pieces have to be there too. Where it may
-stand is told from the steel and the machine's file; nothing is known of where it was planned.
+stand follows from the steel and the machine file; nothing is known of where it was planned.
 """
 
 from collections.abc import Iterator, Sequence

@@ -89,7 +89,7 @@ TOOL_CHANGE = Rule(
     "verify-tool-change",
     _E,
     "found {found} on spindle {spindle}; expected {expected}",
-    "The stations hold the tools that the program needs first; another one comes in by hand only, "
+    "The stations hold the tools that the program needs first; any other is changed manually, "
     "where the program stops for it.",
 )
 UNSEEN = Rule(
@@ -216,7 +216,7 @@ PATH_EXTRA = Rule(
     "verify-path-extra",
     _E,
     "found a path of a {kind} on face {face} from X {x}, y {y}; expected none there",
-    "It belongs to no part, or is gone twice.",
+    "It belongs to no part, or is followed twice.",
 )
 NOT_MADE = Rule(
     "verify-not-made",

@@ -26,7 +26,7 @@ def curve_of(
     origin: Point,
     resolution: float,
 ) -> Curve | str:
-    """The curve of a block, whose I and J count from `origin`; what is wrong if it is none.
+    """The curve of a block, whose I and J count from `origin`, or what is wrong with it.
 
     `resolution` is the step of the numbers.
     """

@@ -87,7 +87,7 @@ class Codesys(Interpreter):
             self._setting(line, number, words)
 
     def _read(self, line: int, body: str, outermost: bool) -> Block | None:
-        """A block that was not met before; None, and said, if it is none."""
+        """A block that is read for the first time; None, with a message, if it is not valid."""
         if body.lstrip().startswith("%"):
             if not self._known or outermost:
                 return None
@@ -189,7 +189,7 @@ class Codesys(Interpreter):
         self._go(line, motion, words, fed)
 
     def curve(self, motion: int, start: Point, end: Point, words: Words) -> Curve | str:
-        """The curve that a block means; what is wrong with it if it is none."""
+        """The curve of a block, or what is wrong with it."""
         origin = (0.0, 0.0) if self._absolute_centre else start
         return curve_of(motion, start, end, words, origin, self._dialect.resolution)
 

@@ -150,7 +150,7 @@ class Rs274(Interpreter):
             self._ready = True
 
     def curve(self, motion: int, start: Point, end: Point, words: Words) -> Curve | str:
-        """The arc that a block means; what is wrong with it if it is none."""
+        """The arc of a block, or what is wrong with it."""
         if "I" not in words and "J" not in words:
             return "without I and J"
         centre = (start[0] + words.get("I", 0.0), start[1] + words.get("J", 0.0))

@@ -55,7 +55,7 @@ class Axis:
 
     @property
     def actual(self) -> float:
-        """The position that the encoder tells."""
+        """The position that the encoder reads."""
         return self.position + self.lag
 
     @property

@@ -80,13 +80,13 @@ STRAIGHT = Rule(
     "st-straight",
     _E,
     "found a switch at {found}; expected it at {expected}, where the head stands",
-    "The next line is reckoned from there, and its axes would not arrive together.",
+    "The next line is computed from there, and its axes would not arrive together.",
 )
 SPEED = Rule(
     "st-speed",
     _E,
     "found {found} mm/s to {what}; expected {expected} mm/s",
-    "The torch does not get through, or the axis cannot follow.",
+    "The torch does not cut through, or the axis cannot follow.",
 )
 
 RULES = (

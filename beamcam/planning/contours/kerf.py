@@ -82,7 +82,7 @@ def _moved(
     """Those of the shapes half a kerf away from the part; None for one without room for the kerf.
 
     A notch narrower than the kerf closes up and leaves a ring, a hole with a narrow neck falls
-    into several: what the greatest of them does not reach is told.
+    into several: what the greatest of them does not reach is reported.
     """
     from beamcam.geometry.offset import Vanished, offset_chains
 

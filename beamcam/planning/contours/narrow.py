@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 DEEPEST_SLOT = 1.0
 DEEPEST_CORNER = 4.0
 
-#: What is left is told where it is deeper than so many kerfs: half of one in a corner of 60
+#: What is left is reported where it is deeper than so many kerfs: half of one in a corner of 60
 #: degrees.
 TOLD = 0.55
 
@@ -166,7 +166,7 @@ def _longest_chord(points: "Floats") -> tuple[Point, Point]:
 
 
 def told_of(shape: Shape, left: Sequence[Left], kerf: float) -> Iterator[Diagnostic]:
-    """An error for the deepest place that is refused, else a warning if there is one to tell."""
+    """An error for the deepest place that is refused, else a warning if there is one to give."""
     for rule, which in (
         (rules.NARROW, [one for one in left if one.depth > _deepest(one) * kerf]),
         (rules.LEFT, [one for one in left if one.depth > TOLD * kerf]),

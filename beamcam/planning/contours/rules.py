@@ -8,7 +8,7 @@ SHEETS = Rule(
     "plan-sheet-parts",
     _E,
     "found {found} parts; expected one for a sheet, or several",
-    "A sheet is cut into something.",
+    "A sheet without a part has nothing to cut.",
 )
 MIXED = Rule(
     "plan-sheet-mixed",
@@ -43,8 +43,8 @@ NOTHING = Rule(
     "plan-sheet-empty",
     _E,
     "found nothing to cut or mark, {found}; expected at least one line",
-    "Filled shapes without a stroke, hidden layers and what the table of colours ignores are "
-    "never cut in silence.",
+    "Filled shapes without a stroke, hidden layers and colours that are mapped to ignore are not "
+    "cut.",
 )
 UNMAPPED = Rule(
     "plan-unmapped",
@@ -70,8 +70,8 @@ LOOK_SETTING = Rule(
     "plan-map-setting",
     _E,
     "found {key} = {found}, which {machine} has no words for; expected none",
-    "A speed, a power or a number of passes that the controller cannot be told would be another "
-    "one on the machine; the settings of the process in the machine's file hold for all its lines.",
+    "Without words for it the machine would run at another speed, power or number of passes; the "
+    "settings of a process in the machine file hold for all its lines.",
 )
 LOOK_ORDER = Rule(
     "plan-map-order",
@@ -151,22 +151,22 @@ JUNCTION = Rule(
     _W,
     "found {found} curves that meet at x {x}, y {y}, with {other}; expected two, the contour stops "
     "there",
-    "Where three curves meet the way on is not known, so that no closed contour comes of it.",
+    "Where three curves meet, the contour has no unique continuation and stays open.",
 )
 BRANCHED = Rule(
     "plan-junction-kerf",
     _E,
-    "found {found} curves that meet at x {x}, y {y}, with {other}; expected two where a kerf of "
-    "{kerf} mm is kept off, or --kerf-by none, which cuts them on their lines",
+    "found {found} curves that meet at x {x}, y {y}, with {other}; expected two with kerf "
+    "compensation of {kerf} mm, or --kerf-by none, which cuts them on their lines",
     "Where contours share curves nothing says on which side of them the part lies: both parts "
     "would come out half a kerf too small.",
 )
 NOT_CLOSED = Rule(
     "plan-not-closed",
     _E,
-    "found a contour that is closed by what it says, and goes from x {x0}, y {y0} to x {x1}, "
-    "y {y1}; expected its curves to meet there, not {found} mm apart",
-    "A damaged part: where it should be cut between its curves nothing says.",
+    "found a contour that is declared closed, and goes from x {x0}, y {y0} to x {x1}, y {y1}; "
+    "expected its curves to meet there, not {found} mm apart",
+    "The part is damaged: nothing says where to cut between its curves.",
 )
 TINY = Rule(
     "plan-tiny",
@@ -186,14 +186,14 @@ COMMON = Rule(
     "plan-common-edge",
     _N,
     "{count} contours share edges with others, {found} mm of them; each edge is cut once",
-    "Without a kerf to keep off, two parts can share a cut.",
+    "Without kerf compensation two parts can share a cut.",
 )
 RUNS_BACK_KERF = Rule(
     "plan-doubles-back-kerf",
     _E,
     "found a curve that turns round at x {x}, y {y} and runs back along itself for {found} mm; "
     "expected one that does not, or --kerf-by none, which follows it as it is drawn",
-    "On neither side of such a stretch is there waste, so that no kerf can be kept off.",
+    "There is no waste on either side of such a stretch, so that the kerf cannot be compensated.",
 )
 RUNS_BACK = Rule(
     "plan-doubles-back",
@@ -253,7 +253,7 @@ LEFT = Rule(
     "plan-left-in-corner",
     _W,
     "the round beam leaves {depth} mm in a corner or a slot {found} mm wide at x {x}, y {y}{more}",
-    "A round beam reaches no farther; where that matters, the place is finished by hand.",
+    "A round beam reaches no farther; where that matters, finish the place manually.",
 )
 CROWDED = Rule(
     "plan-crowded",
@@ -268,7 +268,7 @@ CROSSING = Rule(
     _E,
     "found a cut contour that crosses {other} near x {x}, y {y}; expected contours that do not "
     "cross, or --kerf-by none, which cuts them on their lines",
-    "Its inside is not known, and so neither the side of the kerf nor what falls out.",
+    "Its inside is not defined, and so neither is the side of the kerf nor what falls out.",
 )
 MORE_CROSSINGS = Rule(
     "plan-crossings",
@@ -305,8 +305,8 @@ NOISE = Rule(
     _N,
     "found {count} bevel(s) of at most {found} degrees; below {expected} degrees an edge is cut "
     "square",
-    "Some exporters write the noise of their arithmetic as angles. `torch.min_bevel` of the "
-    "machine file says from which angle on a bevel is meant.",
+    "Some exporters write rounding errors as angles. `torch.min_bevel` of the machine file says "
+    "from which angle on a bevel is meant.",
 )
 NEEDS_LEAD = Rule(
     "plan-kerf-lead",
@@ -319,17 +319,17 @@ NEEDS_LEAD = Rule(
 UNCOMPENSATED = Rule(
     "plan-kerf-machine",
     _E,
-    "found {found} at x {x}, y {y}, too small for the controller to keep {kerf} / 2 mm off; "
-    "expected a larger one, or --kerf-by offset",
+    "found {found} at x {x}, y {y}, too small for kerf compensation of {kerf} / 2 mm by the "
+    "controller; expected a larger one, or --kerf-by offset",
     "Cutter compensation looks at two moves at a time: it refuses an arc smaller than the tool and "
     "a corner that the tool does not fit into.",
 )
 MACHINE_TABS = Rule(
     "plan-kerf-tabs",
     _E,
-    "found {found} bridges where the controller keeps off the kerf; expected none, or --kerf-by "
+    "found {found} bridges with kerf compensation by the controller; expected none, or --kerf-by "
     "offset",
-    "Behind each bridge the torch would be pierced on the contour, before anything is kept off.",
+    "Behind each bridge the torch would pierce on the contour, before the compensation is active.",
 )
 NO_TABS = Rule(
     "plan-tabs",

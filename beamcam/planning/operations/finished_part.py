@@ -35,8 +35,8 @@ OFF_PART = Rule(
     _E,
     "found {what} at x {x}, y {y} on face {face} that reaches {out} mm beyond {where}; "
     "expected it wholly within the finished part",
-    "A hole that an end cut or an edge cuts open is a slip of the drawing, and the drill would "
-    "run off. A hole in the wedge that a mitre takes off is made for nothing.",
+    "A hole that an end cut or an edge cuts open is a mistake in the drawing, and the drill would "
+    "run off. A hole in the wedge that a mitre cuts off is wasted.",
 )
 NEAR_EDGE = Rule(
     "plan-near-edge",
@@ -50,7 +50,7 @@ WALL = Rule(
     _E,
     "found {what} at x {x}, y {y} on face {face}; "
     "expected it clear of the wall from y {least} to {greatest}",
-    "Another wall of the section stands there, and the drill would go down in it.",
+    "Another wall of the section stands there, and the drill would run into it.",
 )
 FILLET = Rule(
     "plan-fillet",

@@ -18,7 +18,7 @@ OFF_FACE = Rule(
     "plan-off-face",
     _E,
     "found a hole at x {x}, y {y} on face {face}; expected it within {length} x {width} mm",
-    "A hole beyond its face is a slip of the export and would drill into nothing.",
+    "A hole beyond its face is a mistake of the exporter; the drill would meet no steel.",
 )
 IN_THE_WAY = Rule(
     "plan-reach",

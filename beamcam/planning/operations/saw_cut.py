@@ -25,7 +25,7 @@ SAW_ANGLE = Rule(
     _E,
     "found a cut of {found} degrees at the {end}; expected one from {least} to {greatest}, "
     "as far as the saw turns",
-    "The mitre is outside the saw's range. Angles are counted as the input counts them.",
+    "The mitre is outside the saw's range. Angles are given as in the input.",
 )
 FLANGE_CUT = Rule(
     "plan-flange-cut",

@@ -1,7 +1,7 @@
 """A slot: its ends drilled, where the machine does so and has the drill, and the rest milled.
 
 A slot is its core, a line or a rectangle, widened by half its width; a hole is a core of one point.
-Keyholes are meant, so that what meets is told and not refused.
+Keyholes are meant, so that what meets is a warning and not refused.
 """
 
 from collections.abc import Iterator, Sequence

@@ -1,4 +1,4 @@
-"""The alphabet of a DSTV file: what it says itself, what is asked for, or what its letters tell.
+"""The alphabet of a DSTV file: what it says itself, what is asked for, or what its letters suggest.
 
 The standard allows ASCII only. Old files have the alphabet of the system that wrote them, and
 nothing in them names it; the letters do:
@@ -45,7 +45,7 @@ def decode_as(data: bytes, encoding: str, file: str) -> tuple[str, Diagnostic | 
 
 
 def guessed(data: bytes) -> str:
-    """The encoding that the letters of a text tell, of one that is neither ASCII nor UTF-8."""
+    """The encoding that the letters of a text suggest, where it is neither ASCII nor UTF-8."""
     words = [word for word in _WORD.findall(data) if not word.isascii()]
     odd = sum(sum(sign >= 0x80 for sign in word) for word in words)
     cyrillic = sum(len(word) for word in words if _CYRILLIC.fullmatch(word))

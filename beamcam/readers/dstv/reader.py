@@ -63,7 +63,7 @@ def read(data: bytes, name: str, encoding: str | None = None) -> Reading:
     """The part of a DSTV file and its diagnostics; never raises.
 
     `name` is the file's name for messages. Where the header cannot be read there is no part.
-    `encoding` is that of its text; by default it is told from the letters.
+    `encoding` is that of its text; by default it is recognised by the letters.
     """
     return read_with_account(data, name, encoding)[0]
 

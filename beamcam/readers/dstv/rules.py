@@ -173,17 +173,17 @@ MARK_ELSEWHERE = _warning(
 HOLE_FIELDS = _error(
     "hole-fields",
     "found {found!r}, expected `face x[u|o|s] y [g|l|m|s]diameter [depth] [l width height angle]`",
-    "No rule of block BO explains the row.",
+    "The standard has no such row in block BO.",
 )
 CONTOUR_FIELDS = _error(
     "contour-fields",
     "found {found!r}, expected `face x[u|o|s] y[t|w] [radius [angle land [angle land]]]`",
-    "No rule of the contour blocks explains the row.",
+    "The standard has no such row in a contour block.",
 )
 TEXT_FIELDS = _error(
     "text-fields",
     "found {found!r}, expected `face x[u|o|s] y angle height[r|z] text`",
-    "No rule of block SI explains the row.",
+    "The standard has no such row in block SI.",
 )
 PLANE_FIELDS = _error(
     "plane-fields",
@@ -194,13 +194,13 @@ PLANE_FIELDS = _error(
 BEND_FIELDS = _error(
     "bend-fields",
     "found {found!r}, expected `x1 y1 x2 y2 angle [radius]`",
-    "No rule of block KA explains the row.",
+    "The standard has no such row in block KA.",
 )
 ENDPLANE_FIELDS = _error(
     "endplane-fields",
     "found {found!r}, expected six numbers: a point and the outward normal; {count} rows of the "
     "block are left out",
-    "No rule of block SC explains the row.",
+    "The standard has no such row in block SC.",
 )
 TOLERANCE_FIELDS = _error(
     "tolerance-fields",
@@ -246,7 +246,7 @@ EDGE_MIXED = _note(
 HOLE_DIAMETER = _error(
     "hole-diameter",
     "found diameter {diameter:g} and depth {depth:g}, expected none below 0",
-    "A hole cannot be smaller than nothing.",
+    "The diameter of a hole is above 0, and its depth is not negative.",
 )
 HOLE_ANGLE = _note(
     "hole-angle",
@@ -356,7 +356,7 @@ HEIGHT_CONTOUR = _warning(
 HOLE_OUTSIDE = _warning(
     "hole-outside",
     "found {what} at x {x:g} y {y:g}, outside the material of face {face}",
-    "A hole in the air is drilled by nobody: its place, its face or the contour is wrong.",
+    "A hole outside the material is never drilled: its position, its face or the contour is wrong.",
 )
 TEXT_OUTSIDE = _note(
     "text-outside",

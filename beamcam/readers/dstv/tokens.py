@@ -72,7 +72,7 @@ def tokenise(row: str) -> list[str]:
 
 
 def number(text: str, line: int, log: Log) -> float | None:
-    """The number that `text` writes, a decimal comma allowed with a warning; None if it is none."""
+    """The number that `text` writes, a decimal comma with a warning; None if it is no number."""
     try:
         value = float(text)
     except ValueError:
@@ -85,7 +85,7 @@ def number(text: str, line: int, log: Log) -> float | None:
 
 
 def numbers(tokens: list[str], line: int, log: Log) -> list[float]:
-    """All of `tokens` as numbers. Raises RowError if one is none."""
+    """All of `tokens` as numbers. Raises RowError if one is not a number."""
     values = []
     for token in tokens:
         value = number(token, line, log)

@@ -79,7 +79,7 @@ EDGE_ON = _warning(
 NOT_FLAT = _warning(
     "not-flat",
     "found heights from {low:g} to {high:g} mm, expected a flat drawing; projected along Z",
-    "Lengths of what stands at a slope are shortened by the projection.",
+    "The projection shortens curves that stand at a slope.",
 )
 ENTITY = _error(
     "entity",
@@ -107,7 +107,7 @@ BLOCK_MISSING = _warning(
 BLOCK_CYCLE = _error(
     "block-cycle",
     "found block {found!r} inside itself, expected blocks that end",
-    "Such a drawing has no end.",
+    "Expanding such a block would never end.",
 )
 BLOCK_COUNT = _error(
     "block-count",

@@ -19,7 +19,7 @@ from beamcam.readers.ifc.walls import Wall
 SET_BACK = 0.05  #: mm by which a level stands back behind the outermost
 MIN_EDGE = 1.0  #: mm of an edge that can be bevelled
 STRAIGHT = 0.1  #: mm that a level may be off the plane of a bevel
-MIN_LAND = 0.02  #: share of the thickness; less is none
+MIN_LAND = 0.02  #: share of the thickness; less counts as no land
 
 Run = list[tuple[float, float]]  #: depth below a surface, and how far the edge stands back there
 

@@ -27,7 +27,7 @@ _HASH, _OPENING, _CLOSING, _COMMA, _UNKNOWN = b"#(),?"
 _FORMS = 4  #: in which a class may be written, if it is to be read together
 _WORD = 8  #: characters up to which two values are compared as numbers
 
-#: What values that are none end in, and references to points that are none.
+#: What invalid values end in, and references to points that do not exist.
 NOT_READ = (ArithmeticError, LookupError, TypeError, ValueError)
 
 Column = list[Any]
@@ -163,7 +163,7 @@ class Alike(Struct, frozen=True):
 
 
 def _types(text: str, first: Places, last: Places) -> list[str]:
-    """The types that are written before values, in capitals; Malformed for what is none."""
+    """The types that are written before values, in capitals; Malformed for what is not a type."""
     found = pieces(text, first, last)
     _refuse(not all(kind.isalnum() and kind[0].isalpha() for kind in found))
     return [kind.upper() for kind in found]

@@ -35,7 +35,7 @@ class Difference(Struct, frozen=True):
     """Regions of a body that no feature accounts for."""
 
     lumps: tuple[Lump, ...] = ()
-    fillets: tuple[Lump, ...] = ()  #: root fillets, which no contour of a flange tells of
+    fillets: tuple[Lump, ...] = ()  #: root fillets, which no contour of a flange describes
     leaning: tuple[Lump, ...] = ()  #: beside edges that do not go square through their wall
     off: float = 0.0  #: mm3 that the body is larger
     volume: float = 0.0  #: mm3 of the body

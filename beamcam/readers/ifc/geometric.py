@@ -118,7 +118,7 @@ def read_shell(
 def _readings(
     shell: Shell, cutters: Sequence[Cutter], source: Source
 ) -> Iterator[Shaped | Unreadable]:
-    """The members that a shell may be, the likeliest first; or why it is none along an axis."""
+    """The members that a shell may be, the likeliest first; or why it is none."""
     found = _plate(shell, cutters, source)
     if found is not None:
         yield found
@@ -169,7 +169,7 @@ def _unexplained(
 def _other_area(found: Shaped, stocks: Stocks, source: Source) -> tuple[Diagnostic, ...]:
     """Where the section that a shell shows has another area than its measures give.
 
-    Of a round one the facets tell the diameter, and the lips of a channel are no measures.
+    Of a round one the facets give the diameter, and the lips of a channel are no measures.
     """
     s = found.section
     if s.code in ("RO", "RU", "C", "SO"):
@@ -309,7 +309,7 @@ def _reached(found: Shaped, stock: Rolled) -> Shaped:
 
 
 def _plate(shell: Shell, cutters: Sequence[Cutter], source: Source) -> Shaped | None:
-    """The plate that a shell is; None if it is none."""
+    """The plate that a shell is, if it is one."""
     normal = broadest_normal(shell)
     low, high = extent(shell, normal)
     thickness = high - low

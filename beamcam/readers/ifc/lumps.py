@@ -135,7 +135,7 @@ def across(body: Shell, x: float) -> Shape:
 
 
 def section_area(body: Shell) -> float:
-    """mm3 of a body by its sections, which crossings tell even where faces lie twice."""
+    """mm3 of a body by its sections, which crossings measure even where faces lie twice."""
     marks = np.unique(body.points[:, 0].round(4))
     edges = np.array([m for i, m in enumerate(marks) if i == 0 or m - marks[i - 1] > NEAR_EVENTS])
     widths = np.diff(edges)

@@ -82,7 +82,7 @@ def joined(chain: Chain) -> Chain:
 
 
 def _join(a: Curve, b: Curve) -> Curve | None:
-    """Two neighbours as one curve; None where they are none."""
+    """Two neighbours as one curve, where they are one."""
     if isinstance(a, Line) and isinstance(b, Line):
         (px, py), (qx, qy), (rx, ry) = a.start, a.end, b.end
         dx, dy, ex, ey = qx - px, qy - py, rx - b.start[0], ry - b.start[1]

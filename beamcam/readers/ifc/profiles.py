@@ -175,7 +175,7 @@ def _mapped(section: Section, by: Frame) -> Section:
 
 
 def _parameterised(model: Model, entity: Entity) -> Section | None:
-    """A section by the numbers of its definition; None for forms that only their outline tells."""
+    """A section by the numbers of its definition; None for forms given by their outline."""
     frame = model.axes(entity.Position)
     mm = model.mm
     centre = (frame.o[0], frame.o[1])

@@ -1,6 +1,6 @@
 """The solid of a part, rebuilt from its features: a stock, two end planes and the cut-outs.
 
-It is told by its sections across the part, in (Z, Y). A through hole or an opening in a wall goes
+It is given by its sections across the part, in (Z, Y). A through hole or an opening in a wall goes
 on into the root fillet behind it, as a drill does; a cope of a web takes the fillets with it.
 """
 

@@ -28,7 +28,7 @@ NOT_FOUND = Rule(
     "ifc-selection",
     _E,
     "found no member with {kind} {found}; expected one of the file's, such as {expected}",
-    "The selection names a member that is not there, perhaps by a slip of the pen.",
+    "The selection names a member that is not there, perhaps a typing error.",
 )
 LEDGER = Rule(
     "ifc-ledger",
@@ -41,7 +41,7 @@ LEFT_OUT = Rule(
     "ifc-left-out",
     _N,
     "found {found} members of {what} ({classes}); expected steel, they are left out",
-    "Concrete and timber share the classes of steel and are told by their material. A solid "
+    "Concrete and timber share the classes of steel and are recognised by their material. A solid "
     "section thicker than 160 mm without a material could be any of them.",
 )
 OTHER_CLASSES = Rule(
@@ -78,8 +78,8 @@ SECTION = Rule(
 ODD_CUT = Rule(
     "ifc-odd-cut",
     _E,
-    "found {found}; expected saw cuts and holes through its axis, for anything else there is no "
-    "form in DSTV: cut the member on a tube laser, or by hand from the model",
+    "found {found}; expected saw cuts and holes through its axis; DSTV has no block for anything "
+    "else: cut the member on a tube laser, or manually from the model",
     "Slots, saddles and windows of round tubes have no face to lie on, nor have holes in a special "
     "section.",
 )
@@ -122,7 +122,7 @@ NET_VOLUME = Rule(
 CUTOUT = Rule(
     "ifc-cutout",
     _W,
-    "found cut-outs in {where}; expected a contour or a leaning end, and there is none",
+    "found cut-outs in {where}; expected a contour or a skew end, and the solid has neither",
     "The exporter lists copes and mitres beside the solid, and the solid has none.",
 )
 KERNEL = Rule(
@@ -140,7 +140,7 @@ KERNEL_LOG = Rule(
 KERNEL_DIED = Rule(
     "ifc-kernel-died",
     _E,
-    "found {found} dead at this member, the second with nothing else to do; expected a solid by "
+    "found {found} dead at this member, the second while working on it alone; expected a solid by "
     "the geometry kernel, leave the member out by --mark or --guid of the others",
     "The kernel has crashed, or the system ended it for want of memory.",
 )
@@ -190,7 +190,7 @@ VOLUME = Rule(
     "ifc-volume",
     _W,
     "found a volume of {found} cm3 in the model; expected {expected} cm3 by what was read",
-    "The difference is spread too thin for a place to be named.",
+    "The difference is spread over the member, so that no place can be named.",
 )
 VOLUME_OFF = replace(
     VOLUME,
@@ -208,7 +208,7 @@ BOLT_HOLES = Rule(
     "ifc-bolt-holes",
     _W,
     "found no holes but {found} bolts through the member; made {made} holes of {sizes}",
-    "The exporter leaves the holes to the bolts. Their diameter is the bolt's with clearance.",
+    "The exporter writes bolts and no holes. Their diameter is the bolt's with clearance.",
 )
 BOLT_AIR = Rule(
     "ifc-bolt-air",

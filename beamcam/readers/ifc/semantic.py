@@ -73,7 +73,7 @@ def read_swept(model: Model, element: Entity, body: Body, source: Source) -> Sha
 class Repeats(Struct):
     """Members of one stock that were read, and their results.
 
-    What a form is told by is long, so that none is looked at before a second one comes.
+    The description of a form is long, so that none is looked at before a second one comes.
     """
 
     first: tuple[Body, Shaped] | None = None

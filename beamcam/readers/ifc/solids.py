@@ -89,7 +89,7 @@ def _extrusion(model: Model, item: Entity, frame: Frame, where: str | None) -> P
     at, even = _standing(model, frame, place)
     along = pushed(model, at, way, depth)
     if hole is not None and not (even and (way is None or _upright(way))):
-        hole = None  # a circle that is pushed askew or stretched is none across its length
+        hole = None  # a circle that is pushed askew or stretched is no circle across its length
     return Prism(Frame(at.o, at.x, at.y, along), outline, where, hole)
 
 

@@ -76,12 +76,12 @@ TRANSFORM = _error(
 SELECTOR = _warning(
     "css-selector",
     "found the style rule {found!r}, expected element, .class or #id; the rule is ignored",
-    "A stroke that only this rule gives is not seen.",
+    "Strokes that only this rule sets are not read.",
 )
 COLOUR = _warning(
     "colour",
     "found stroke {found!r}, expected a colour; the contour is read without one",
-    "A colour that cannot be read cannot say what is to be done.",
+    "No process can be assigned to a colour that cannot be read.",
 )
 USE = _warning(
     "use",
@@ -91,7 +91,7 @@ USE = _warning(
 USES = _error(
     "uses",
     "found too many uses of elements; expected at most {expected}",
-    "Such a drawing multiplies itself until no computer holds it.",
+    "Such a drawing grows beyond any memory when its uses are expanded.",
 )
 CLIPPED = _warning(
     "clip",
@@ -102,7 +102,7 @@ CLIPPED = _warning(
 # --- what is cut ----------------------------------------------------------------------------------
 TEXT = _warning(
     "text",
-    "found {count} texts, which no tool follows; convert text to curves to have it made",
+    "found {count} texts, which no tool follows; convert text to curves to have it cut",
     "A text holds no curves, only the name of a font.",
 )
 NOT_CUT = _warning(
@@ -119,7 +119,7 @@ INVISIBLE = _note(
     "invisible",
     "found {count} shapes that do not show (hidden, of another layer, without stroke and fill) "
     "and are not read",
-    "What is not seen is not cut.",
+    "Invisible shapes are not cut.",
 )
 DASHED = _note(
     "dashed",

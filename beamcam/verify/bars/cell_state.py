@@ -214,7 +214,7 @@ class CellState:
         self.diameter, self.cycle = size, self.dialect.cycles.get(kind, _NO_CYCLE)
 
     def _change(self, switch: Switch, values: Values, cycle: Cycle | None) -> None:
-        self.at_rest(switch.line, "a change of tool by hand")
+        self.at_rest(switch.line, "a manual tool change")
         spindle, diameter = values.get("spindle"), values.get("diameter")
         size = None if diameter is None else self.dialect.size(diameter)
         self.tools.append(Changed(switch.line, None if spindle is None else int(spindle), size))

@@ -30,7 +30,8 @@ class Changed(NamedTuple):
 def wrong_changes(own: Sequence[Chosen | Changed], stations: int) -> Iterator[Chosen | Changed]:
     """Selections of tools that cannot be in a spindle's stations yet, and stops without need.
 
-    `own` are what the spindle is told to take and the stops for it, in their order.
+    `own` are the tools that the spindle is commanded to take and the stops for them,
+    in their order.
     """
     loaded: set[Tool] = set()
     started = False  #: whether all stations have had their first tool

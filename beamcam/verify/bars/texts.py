@@ -47,7 +47,7 @@ def texts_of(
     """The strokes of a part's texts where a program letters them, and what is wrong with them.
 
     One that it does not letter is needed where the part has it, unless it can stand nowhere: then
-    it is left to the hand.
+    it is left for manual work.
     """
     courses: list[Course] = []
     said: list[Diagnostic] = []

@@ -19,7 +19,7 @@ FLAT = 1e-12
 
 
 def told_limits(machine: Machine) -> PathLimits | None:
-    """The limits of a machine whose programs have to tell accelerations; None of others."""
+    """The limits of a machine whose programs have to give accelerations; None of others."""
     told = any("{acceleration}" in word for word in machine.words.modal)
     return path_limits(machine) if told else None
 

@@ -30,7 +30,7 @@ def band_faults(work: Work, traced: Sequence[Traced]) -> list[Diagnostic]:
     said = _bites(work, traced, keeps_off)
     places = work.path.starts[[t.first for t in traced]]
     for k in np.flatnonzero(keeps_off & work.region.in_part(places))[:SHOWN].tolist():
-        # Of a kerf that is less than what a path may be off, no side is told.
+        # For a kerf that is less than what a path may be off, no side is judged.
         away, way = work.need.nearest_to(places[k])
         if away <= work.slack[way]:
             continue

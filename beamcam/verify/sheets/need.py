@@ -64,11 +64,11 @@ class Need(Struct):
 
 
 def need_of(part: Part, machine: Machine, torch: Torch, skips: Collection[str]) -> Need:
-    """The curves of a part; features that nothing is known to make are told.
+    """The curves of a part; features that nothing is known to make are reported.
 
     A feature may be missing if its colour or layer is mapped to "ignore", or if the machine cannot
     make it and its kind is one of `skips`, as `--allow-skips` names them. A feature that the
-    machine can make is needed whatever is named; marks that the machine's file leaves to the hand
+    machine can make is needed whatever is named; marks that the machine file leaves for manual work
     are told.
     """
     rows = {row.process: row for row in reversed(rows_on(part, torch))}

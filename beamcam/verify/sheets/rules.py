@@ -15,7 +15,8 @@ RAMP = Rule(
     "verify-sheet-ramp",
     _E,
     "found {found}; expected {expected}",
-    "The head would run up or brake faster than its axes, or as slowly as the project's default.",
+    "The head would accelerate or brake faster than its axes can, or as slowly as the project's "
+    "default.",
 )
 TOOL = Rule(
     "verify-sheet-tool",

@@ -1,7 +1,7 @@
 """The strokes of a program: the work of the head between tool on and tool off.
 
 The words that start and stop a tool are the machine's own, filled with the figures of a row; a
-program that says anything else, or moves as it should not, is told.
+program that says anything else, or moves as it should not, is reported.
 """
 
 from collections.abc import Callable, Iterable
@@ -110,7 +110,7 @@ class _Head:
         self._side: Side = "on"
         self._radius = 0.0
         self._ramps: set[bool] = set()
-        self._ramped: int | None = None  #: moves before both ramps were told
+        self._ramped: int | None = None  #: moves before both ramps were given
 
     def _wrong(self, rule: Rule, line: int, **values: str) -> None:
         self.said.append(rule.at(Source(self._name, line), **values))

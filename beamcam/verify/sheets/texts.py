@@ -36,7 +36,7 @@ def add_texts(need: Need, part: Part, machine: Machine, torch: Torch, strokes: "
     """Add the texts of a part where a program draws them, and what is wrong with their places.
 
     One that it does not draw is needed where the part has it, unless it can stand nowhere: then
-    it is left to the hand.
+    it is left for manual work.
     """
     texts = [
         (index, feature) for index, feature in enumerate(part.features)

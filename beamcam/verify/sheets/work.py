@@ -44,7 +44,7 @@ class Traced(Struct):
     contour: "Polygon | None" = None  #: inside of the closed contour that it keeps off
 
     def inside(self) -> "Polygon | None":
-        """The polygon that it goes round; None of less than a triangle, or if another tells it."""
+        """The polygon that it goes round; None of less than a triangle, or if another has it."""
         import shapely
 
         if self.contour is not None or not self.ring:

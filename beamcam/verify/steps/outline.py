@@ -97,7 +97,7 @@ class _Stroke:
     def measure(self, process: TorchProcess, track: "_Track", points: Floats) -> None:
         """How far points are off the curves of a process, unless some were too far before.
 
-        Of the points that are too far a few are measured: the farthest of them is told.
+        Of the points that are too far a few are measured: the farthest of them is reported.
         """
         if self.away[process] > track.most:
             return

@@ -8,7 +8,7 @@ WORD = Rule(
     "steps-word",
     _E,
     "found word {found} of {axis} behind {before}; expected a neighbour in the sequence {sequence}",
-    "A motor that is told to jump loses its place.",
+    "A stepping motor cannot jump; it would lose steps.",
 )
 TIME = Rule(
     "steps-time",
@@ -20,7 +20,7 @@ FREQUENCY = Rule(
     "steps-frequency",
     _E,
     "found steps of {axis} {found} us apart; expected at least {expected} us",
-    "A motor that is asked for more steps than it can do loses its place.",
+    "A stepping motor that is driven faster than it can follow loses steps.",
 )
 ACCELERATION = Rule(
     "steps-acceleration",

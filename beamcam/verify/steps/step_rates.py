@@ -1,7 +1,7 @@
 """Step rates, measured over windows of time.
 
-A motor stands up to half a step off its path, so that places tell speeds and accelerations only
-over a while: the longer it is, the finer is what can be told.
+A motor stands up to half a step off its path, so that positions show speeds and accelerations only
+over a while: the longer it is, the finer is what can be seen.
 """
 
 from math import sqrt
@@ -15,7 +15,7 @@ from beamcam.machine.tables import Stepper
 class _Samples:
     """Places at multiples of a window, from rows that come block by block.
 
-    In a long wait all samples would be the same; the first three of them tell as much as all.
+    In a long wait all samples would be the same; the first three of them say as much as all.
     """
 
     def __init__(self, window_us: int, first_us: int) -> None:

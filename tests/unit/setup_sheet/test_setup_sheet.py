@@ -158,22 +158,22 @@ def test_a_wrong_program_has_a_sheet_that_says_so(tmp_path: Path) -> None:
     assert 'class="verdict alone"' in page.read_text()
 
 
-def test_what_is_left_for_the_hand_is_listed(tmp_path: Path) -> None:
+def test_manual_work_is_listed(tmp_path: Path) -> None:
     page = tmp_path / "slot.html"
     report(str(SAMPLES / "bad" / "slot.nc1"), "--allow-skips", "slot", "-o", str(page))
     text = page.read_text()
-    hand = text[text.index("Left for the hand") :].split("</ul>")[0]
+    hand = text[text.index("Manual work") :].split("</ul>")[0]
     assert "slot" in hand
 
 
-def test_marks_for_the_hand_are_listed_with_their_place(tmp_path: Path) -> None:
+def test_marks_of_manual_work_are_listed_with_their_place(tmp_path: Path) -> None:
     source, page = tmp_path / "t.nc1", tmp_path / "t.html"
     text = Path(DSTV[0]).read_text()
     source.write_text(text.replace("EN\n", "SI\n  v    500.00u    100.00   0.00  10r M1-A\nEN\n"))
     report(str(source), "-o", str(page))
-    hand = page.read_text().partition("Left for the hand")[2].partition("</section>")[0]
+    hand = page.read_text().partition("Manual work")[2].partition("</section>")[0]
     assert "text M1-A" in hand
-    assert "but for what is left for the hand" in page.read_text()
+    assert "but for what is left for manual work" in page.read_text()
     assert 'value="500"' in hand
     report(str(source), "-o", str(tmp_path / "t.pdf"))
 

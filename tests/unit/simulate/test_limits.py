@@ -91,8 +91,8 @@ def test_a_strike_has_its_time_its_block_and_its_depth() -> None:
     trace = moved((0.0,), (20.0,), (45.0,), (0.0,), axes=(TraceAxis("X"),))
     (said,) = run_warnings(trace, replace(BEAM, bodies=bodies), SECTION, "a.gcode")
     assert str(said) == (
-        "a.gcode:2: warning simulate-collision: at 1.84 s found head and clamp 5.0 mm in each "
-        "other, until 2.09 s; expected them apart"
+        "a.gcode:2: warning simulate-collision: at 1.84 s found head and clamp overlapping "
+        "by 5.0 mm, until 2.09 s; expected them apart"
     )
     assert strikes(trace, replace(BEAM, bodies=()), SECTION) == ()
 

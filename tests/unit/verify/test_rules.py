@@ -256,7 +256,7 @@ def test_features_that_nothing_makes() -> None:
     more = part(*PART.features, slot, text, cope)  # type: ignore[arg-type]
     assert [str(d) for d in verify(PROGRAM, (more,), BEAM)] == [
         "P1.nc1:1: warning verify-by-hand: found nothing that makes the text 'P1' on face v at x "
-        "500, y 100 of P1; it is left to the hand, as beamline says",
+        "500, y 100 of P1; it is left for manual work, as beamline says",
         "P1.nc1:1: error verify-not-made: found nothing that makes the slot 48 x 18 of "
         "P1; "
         "expected it to be made, or skipped by name",

@@ -223,7 +223,7 @@ def test_glyphs_are_not_cut_and_text_is_said() -> None:
     assert dict(reading.parts[0].measures.not_cut) == {"text": 2}
     assert [str(d) for d in reading.diagnostics] == [
         "a.svg: warning svg-text: found 2 texts, which no tool follows; convert text to curves to "
-        "have it made"
+        "have it cut"
     ]
 
 
