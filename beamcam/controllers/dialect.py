@@ -16,6 +16,7 @@ from msgspec import Struct
 from beamcam.caches import PerObject
 from beamcam.controllers.codesys.blocks import LETTERS, NUMBER
 from beamcam.controllers.rules import BY_STOCK, ProgramRules
+from beamcam.machine.codes import plain_code, shown_code
 from beamcam.machine.machine import CodeMeaning, Machine
 from beamcam.machine.tools import tool_numbers
 
@@ -82,7 +83,8 @@ class Dialect(Struct, frozen=True):
     feeds: bool  #: whether its programs carry feeds
     changes: bool  #: whether they stop for manual tool changes
     sizes: tuple[float, ...]  #: diameters of the shop's tools
-    codes: Mapping[str, CodeMeaning]  #: G words of the machine's own
+    codes: Mapping[str, CodeMeaning]  #: words of the machine's own, without leading zeros
+    allowed: frozenset[str]  #: all words that its controller takes; empty: no list of them
     numbered: Mapping[int, tuple[str, float]]  #: number of a tool -> its kind and size
     cycles: Mapping[str, Cycle]  #: how it works with each kind of tool
     only_spindle: int | None  #: that needs no choice, as there is no other
@@ -93,6 +95,15 @@ class Dialect(Struct, frozen=True):
         at = bisect_left(self.sizes, diameter - WRITTEN)
         found = at < len(self.sizes) and self.sizes[at] < diameter + WRITTEN
         return self.sizes[at] if found else diameter
+
+    def is_allowed(self, code: str) -> bool:
+        """Whether the controller of the machine takes a word, `G1` or `M30`."""
+        return not self.allowed or code in self.allowed
+
+    def shown_allowed(self) -> str:
+        """The words that it takes, for messages."""
+        codes = sorted(self.allowed, key=lambda code: (code[0], float(code[1:])))
+        return "one of allowed_codes: " + ", ".join(map(shown_code, codes))
 
     def shown(self) -> str:
         """Its M words, for messages."""
@@ -116,7 +127,8 @@ def _dialect_of(machine: Machine) -> Dialect:
         feeds=feeding,
         changes=any(word.role == "change" for word in m_words.values()),
         sizes=tuple(sorted({d for tools in machine.tools for d in tools.sizes})),
-        codes=machine.codes,
+        codes={plain_code(code) or code: meaning for code, meaning in machine.codes.items()},
+        allowed=frozenset(plain_code(code) or code for code in machine.allowed_codes),
         numbered={number: tool for tool, number in tool_numbers(machine.tools).items()},
         cycles=cycles,
         only_spindle=machine.spindles[0].number if len(machine.spindles) == 1 else None,

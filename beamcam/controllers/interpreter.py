@@ -12,7 +12,6 @@ from collections.abc import Callable
 from math import inf, isnan, nan
 from typing import Any, Protocol
 
-from beamcam.controllers import cycles
 from beamcam.controllers.dialect import Dialect
 from beamcam.controllers.events import (
     BarEvent,
@@ -26,6 +25,7 @@ from beamcam.controllers.events import (
 )
 from beamcam.errors import Diagnostic, Rule, Source
 from beamcam.geometry.plane import Point
+from beamcam.model import drill_cycle
 
 Words = dict[str, float]
 
@@ -83,11 +83,21 @@ class Interpreter(ABC):
         self._flat = len(dialect.axes) == 2  #: a table, whose head moves in X and Y
         self._motion = -1
         self._absolute = True
+        self._drilling = drill_cycle.DRILL  #: the canned cycle that was said last
         self._cycle: Words | None = None  #: of a canned cycle that holds
         self._before_cycle = nan  #: Z where it began
         self._back_to_near = False  #: whether it draws back to R only (G99)
         self._row = 0  #: blocks since the last move that a controller limits, such as M words
         self._over = False
+
+    @property
+    def plain_motions(self) -> tuple[int, ...]:
+        """The numbers of the G words of plain moves that the machine's controller takes."""
+        return tuple(n for n in range(4) if self._dialect.is_allowed(f"G{n}"))
+
+    @abstractmethod
+    def knows(self, code: str) -> bool:
+        """Whether a G word, `G1`, has a meaning on this controller or in the machine's file."""
 
     @abstractmethod
     def line(self, line: int, text: str, outermost: bool) -> None:
@@ -110,7 +120,7 @@ class Interpreter(ABC):
             self._event(Lettering(line, word.kind, text, values))
         return True
 
-    def _drill(self, line: int, words: Words, dwell: bool, own_feed: bool) -> None:
+    def _drill(self, line: int, cycle: int, words: Words, own_feed: bool) -> None:
         """Carries out a canned cycle of drilling, whose words hold until it ends."""
         x, y, z = self._place
         if self._cycle is None:
@@ -122,11 +132,17 @@ class Interpreter(ABC):
             self._wrong(line, "a drilling cycle that is not whole", expected)
             return
         bottom, near = said["Z"], said["R"]
-        clear = cycles.clear_place(self._before_cycle, near, bottom, self._back_to_near)
+        if cycle in drill_cycle.PECKING:
+            wrong = drill_cycle.peck_fault(said.get("Q"), near, bottom)
+            if wrong is not None:
+                self._wrong(line, f"a drilling cycle with Q {said.get('Q', 0.0):g}", wrong)
+                return
+        clear = drill_cycle.clear_place(self._before_cycle, near, bottom, self._back_to_near)
         place = said.get("X", x), said.get("Y", y)
-        for rapid, end in cycles.steps(self._place, *place, bottom, near, clear):
+        peck = said.get("Q", 0.0)
+        for rapid, end in drill_cycle.steps(self._place, place, bottom, near, clear, cycle, peck):
             self._go(line, 0 if rapid else 1, dict(zip("XYZ", end, strict=True)), own_feed)
-            if not rapid and dwell:
+            if not rapid and cycle == drill_cycle.DRILL_AND_DWELL:
                 self._event(Pause(line, said.get("P", 0.0)))
 
     def _end_cycle(self) -> None:

@@ -9,7 +9,7 @@ draw the tool back, switch off what they switched on.
 from collections.abc import Iterator
 
 from beamcam.caches import PerObject
-from beamcam.controllers import cell_events, table_events
+from beamcam.controllers import cell_events, interpreter_of, table_events
 from beamcam.controllers.dialect import (
     DOCUMENTED,
     FIELD,
@@ -22,6 +22,7 @@ from beamcam.controllers.events import BarEvent, Lettering, Move, Place, Switch,
 from beamcam.controllers.rules import SETTING, SHEET_SETTING
 from beamcam.errors import Diagnostic, MachineError
 from beamcam.machine import rules
+from beamcam.machine.codes import plain_code
 from beamcam.machine.faults import ALONG_A_PATH, TABLE_CONTROLLERS
 from beamcam.machine.load import load, source_in
 from beamcam.machine.machine import Machine
@@ -43,7 +44,7 @@ _FIGURES = {
     **PART_DATA, "job": "JOB", "text": "TEXT", "tool": "1",
     "section": "1", "width": "100", "height": "200", "spindle": "1",
     "station": "1", "diameter": "20", "pitch": "2", "angle": "30", "tilt": "0", "feed": "600",
-    "speed": "300", "power": "1", "pierce": "0.5", "kerf": "1.5", "half_kerf": "0.75",
+    "speed": "300", "peck": "5", "power": "1", "pierce": "0.5", "kerf": "1.5", "half_kerf": "0.75",
     "pierce_height": "4", "cut_height": "2",
     "acceleration": "100", "ratio": "0.5", "string": "A1", "face": "1",
 }  # fmt: skip
@@ -83,9 +84,27 @@ def word_faults(machine: Machine) -> tuple[WordFault, ...]:
         return tuple(("triggers", "", *_parted(said)) for said in trial(machine)[:1])
     if machine.controller in TABLE_CONTROLLERS:
         return ()
+    unknown = tuple(_allowed_faults(machine))
+    if unknown:
+        return unknown[:1]
     found = _bar_faults(machine) if machine.stock == "beam" else _table_faults(machine)
     first = {fault[0]: fault for fault in reversed([*found])}
     return tuple(first[key] for key in sorted(first))
+
+
+def _allowed_faults(machine: Machine) -> Iterator[WordFault]:
+    """Each word of `allowed_codes` that nothing gives a meaning."""
+    interpreter, own = interpreter_of(machine, ""), dialect_of(machine)
+    for text in machine.allowed_codes:
+        code = plain_code(text) or text
+        if code[0] == "G" and not interpreter.knows(code):
+            yield "allowed_codes", text, text, "a word of the controller's, or one of [codes]"
+        elif (
+            code[0] == "M"
+            and code not in own.codes
+            and (int(code[1:]) not in {*DOCUMENTED, *own.m_words})
+        ):
+            yield "allowed_codes", text, text, "a word of a template, or one of [codes]"
 
 
 _known_faults = PerObject("machine.words", word_faults)

@@ -8,6 +8,7 @@ can be read as arrays. A block that differs in anything is not touched here.
 """
 
 import re
+from collections.abc import Sequence
 from string import ascii_uppercase
 
 import numpy as np
@@ -63,12 +64,17 @@ class _Words(Struct):
     count: Counts  #: of the words of each line
 
 
-def scan(text: str, longest: int | None = None, traverse_with_feed: bool = True) -> Scan:
+def scan(
+    text: str,
+    longest: int | None = None,
+    traverse_with_feed: bool = True,
+    motions: Sequence[int] = range(4),
+) -> Scan:
     """Takes a text apart; empty lines at its end do not count.
 
-    Odd are lines of more characters than `longest` too, and those of a traverse with a feed where
-    that may not be. The first plain move and the last line always are: they are where a program
-    begins to be, and ends as it should.
+    Odd are lines of more characters than `longest` too, those of a motion that is none of
+    `motions`, and those of a traverse with a feed where that may not be. The first plain move and
+    the last line always are: they are where a program begins to be, and ends as it should.
     """
     text = text.rstrip("\n") + "\n"
     data = text.encode("ascii", "replace")
@@ -78,7 +84,7 @@ def scan(text: str, longest: int | None = None, traverse_with_feed: bool = True)
     if longest is not None:
         good &= np.diff(ends, prepend=-1) - 1 <= longest
     good[-1] = False
-    plain, taken = _plain_moves(_words(data, kinds, ends, good), traverse_with_feed)
+    plain, taken = _plain_moves(_words(data, kinds, ends, good), traverse_with_feed, motions)
     begins = np.concatenate(([0], ends[:-1] + 1))
     odd = np.flatnonzero(~taken)
     bounds = zip(*(a.tolist() for a in (odd + 1, begins[odd], ends[odd])), strict=True)
@@ -125,7 +131,9 @@ def _words(data: bytes, kinds: bytes, ends: Counts, good: Flags) -> _Words:
     return _Words(characters.take(letters), value, whole, np.cumsum(count) - count, count)
 
 
-def _plain_moves(words: _Words, traverse_with_feed: bool) -> tuple[PlainMoves, Flags]:
+def _plain_moves(
+    words: _Words, traverse_with_feed: bool, motions: Sequence[int]
+) -> tuple[PlainMoves, Flags]:
     """The plain moves among the good lines but for the first, and which lines they are."""
     letter = np.concatenate((words.letter, np.zeros(8, dtype=np.uint8)))
     line = np.flatnonzero(words.count >= 3)
@@ -141,7 +149,7 @@ def _plain_moves(words: _Words, traverse_with_feed: bool) -> tuple[PlainMoves, F
     at, rest = at + numbered, rest - numbered
     right &= has("G", at, rest) & has("X", at + 1, rest - 1) & has("Y", at + 2, rest - 2)
     motion = words.value.take(at)
-    right &= words.whole.take(at) & (motion <= 3)
+    right &= words.whole.take(at) & np.isin(motion, motions)
     centred = has("I", at + 3, rest - 3) & has("J", at + 4, rest - 4)
     right &= centred == (motion >= 2)
     behind = at + 3 + 2 * centred

@@ -23,7 +23,9 @@ ArcFault = Callable[[Point, Point, Point, bool], str | None]
 
 def table_run(text: str, interpreter: Interpreter) -> tuple[Run, list[Diagnostic]]:
     """The events of a program for a table, its moves as arrays, and the faults of its blocks."""
-    found = scan(text, interpreter.longest_line, interpreter.fed_traverse)
+    found = scan(
+        text, interpreter.longest_line, interpreter.fed_traverse, interpreter.plain_motions
+    )
     track = Track(found.plain, interpreter.per_minute)
     interpreter.follow(track)
     for number, line in found.odd:

@@ -139,6 +139,7 @@ def _stroke_values(stroke: SpindleStroke, form: NumberFormat, numbers: ToolNumbe
         "feed": _feed(stroke.feed_mm_min, form),
         "speed": number(stroke.speed_rpm, 0),
         "pitch": number(stroke.pitch, 3),
+        "peck": number(stroke.peck, form.length_decimals),
     }
 
 

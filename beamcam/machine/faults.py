@@ -77,36 +77,36 @@ def _square_faults(saw: Saw, machine: Machine) -> Iterator[Fault]:
                 yield f"axes.{index}.max", axis.max, f"at least {saw.square:g}, the square cut"
 
 
-#: G words with a fixed meaning on every controller of a family, whatever a file says.
-_DOCUMENTED = frozenset(range(7)) | {8, 9, 17, 20, 21, 40, 41, 42, 64, 75, 90, 91, 98, 99}
-_CODE = re.compile(r"G(\d{1,3})(?:\.\d)?")
-
-
 #: Controllers that run a saw and drilling line; a cutting table may have any.
 _OF_LINES = ("codesys", "linuxcnc")
 
 
-def code_faults(machine: Machine) -> Iterator[Fault]:
-    """A controller of another kind of machine, words other than G words, tools without a number."""
+def number_faults(machine: Machine) -> Iterator[Fault]:
+    """A controller of another kind of machine, tools without a number or a peck of their words."""
     if machine.stock == "beam" and machine.controller not in _OF_LINES:
         yield "controller", machine.controller, f"{' or '.join(_OF_LINES)}, which run a line"
-    for code in machine.codes:
-        match = _CODE.fullmatch(code)
-        if match is None:
-            yield f"codes.{code}", code, "a G word such as G81"
-        elif int(match[1]) in _DOCUMENTED:
-            yield f"codes.{code}", code, "another word, as the controller gives that one a meaning"
-        elif machine.stock == "sheet" and machine.codes[code] != "none":
-            yield f"codes.{code}", machine.codes[code], "none, a table does not drill"
     for index, tools in enumerate(machine.tools):
         key = f"tools.{index}.numbers"
         if tools.numbers and len(tools.numbers) != len(tools.sizes):
             yield key, list(tools.numbers), f"{len(tools.sizes)}, one for each diameter"
         if not tools.numbers and _names(getattr(machine.words, tools.kind), "tool"):
             yield key, [], f"one for each diameter, since words.{tools.kind} has {{tool}}"
+        yield from _peck_faults(f"tools.{index}.max_peck", tools, machine)
     numbers = [number for tools in machine.tools for number in tools.numbers]
     if len(numbers) != len(set(numbers)):
         yield "tools", sorted(n for n in set(numbers) if numbers.count(n) > 1), "a number once"
+
+
+def _peck_faults(key: str, tools: ToolSet, machine: Machine) -> Iterator[Fault]:
+    """A depth fed at a time that the words do not write, and one that they lack."""
+    pecks = _names(getattr(machine.words, tools.kind), "peck")
+    if tools.max_peck and tools.kind != "drill":
+        yield key, tools.max_peck, "no such key, only drills are drawn back on their way"
+    elif tools.max_peck and not pecks:
+        expected = f"a word with {{peck}} in words.{tools.kind}, which feeds to the depth at once"
+        yield key, tools.max_peck, expected
+    elif pecks and not tools.max_peck:
+        yield key, tools.max_peck, f"a depth above 0, since words.{tools.kind} has {{peck}}"
 
 
 def _names(template: tuple[str, ...], name: str) -> bool:

@@ -13,8 +13,9 @@ from beamcam.conversion import Fault, converted, nearest
 from beamcam.errors import Diagnostic, MachineError, Source
 from beamcam.geometry.plane import MAX_COORDINATE
 from beamcam.machine import rules
+from beamcam.machine.codes import code_faults
 from beamcam.machine.faults import (
-    code_faults,
+    number_faults,
     pair_faults,
     spindle_faults,
     tool_faults,
@@ -271,6 +272,7 @@ def _check(machine: Machine, place: Place) -> None:
     for faults in (
         template_faults,
         code_faults,
+        number_faults,
         spindle_faults,
         tool_faults,
         pair_faults,

@@ -92,8 +92,11 @@ class ControlledAxis(Keys, frozen=True):
         return -inf if self.min is None else self.min, inf if self.max is None else self.max
 
 
-#: What a G word of a machine's own does: nothing, a canned cycle of drilling, or its end.
-CodeMeaning = Literal["none", "drill-cycle", "drill-cycle-dwell", "end-cycle"]
+#: What a word of a machine's own does: nothing, or of a G word a canned cycle of drilling, straight
+#: down, with a dwell, drawn back for the chips or to break them, or the end of one.
+CodeMeaning = Literal[
+    "none", "drill-cycle", "drill-cycle-dwell", "drill-cycle-peck", "drill-cycle-chips", "end-cycle"
+]
 
 
 class MachineFile(Keys, frozen=True):
@@ -123,8 +126,10 @@ class MachineFile(Keys, frozen=True):
     triggers: Triggers | None = None
     stepper: Stepper | None = None
     sections: Mapping[str, int] = field(default_factory=dict)  #: the program's section codes
-    #: G words that the controller of this machine takes besides those of its family, as "G81"
+    #: words that the controller of this machine takes besides those of its family, as "G81", "M77"
     codes: Mapping[str, CodeMeaning] = field(default_factory=dict)
+    #: all G and M words that it takes, as "G01"; empty: those of its family, codes and words
+    allowed_codes: tuple[str, ...] = ()
 
 
 class Machine(MachineFile, frozen=True):

@@ -25,6 +25,7 @@ class Tool(Struct, frozen=True, cache_hash=True):
     pitch: float = 0.0  #: of a tap
     hand: Literal["right", "left"] = "right"  #: of a tap
     tool_material: ToolMaterial = "hss"
+    max_peck: float = 0.0  #: depth that a drill is fed at a time; 0 to the bottom at once
 
     @property
     def name(self) -> str:
@@ -63,6 +64,7 @@ class ToolSet(Keys, frozen=True):
     hand: Literal["right", "left"] = "right"
     largest_hole: NotNegative = 0.0  #: of mills: largest that may be milled as a circle
     tool_material: ToolMaterial = "hss"  #: high-speed steel or cemented carbide
+    max_peck: NotNegative = 0.0  #: depth that a drill is fed at a time, {peck}; 0: all at once
     numbers: tuple[int, ...] = ()  #: what {tool} of the words calls them, one for each size
 
     @property

@@ -77,7 +77,7 @@ WORD_NAMES: dict[str, frozenset[str]] = {
     ),
     "footer": frozenset(),
     "saw": frozenset({"x", "angle", "tilt", "feed"}),
-    "drill": _STROKE_NAMES,
+    "drill": _STROKE_NAMES | {"peck"},
     "tap": _STROKE_NAMES | {"pitch"},
     "countersink": _STROKE_NAMES,
     "punch": _STROKE_NAMES,

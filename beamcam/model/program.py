@@ -42,6 +42,7 @@ class SpindleStroke(Struct, frozen=True, cache_hash=True):
     speed_rpm: float
     kind: Literal["drill", "tap", "countersink", "punch"] = "drill"
     pitch: float = 0.0  #: of a tap
+    peck: float = 0.0  #: depth fed at a time; 0 to the bottom at once
 
 
 class DrillCycle(Struct, frozen=True):

@@ -111,6 +111,7 @@ def _stroke(op: DrillOp, section: Section, drill: Drill, grade: str) -> SpindleS
         speed_rpm,
         cast("str", op.tool.kind),  # type: ignore[arg-type]
         op.tool.pitch,
+        op.tool.max_peck,
     )
     return section.made.keep(key, stroke)
 

@@ -23,6 +23,7 @@ from beamcam.machine.absent import drill_of, saw_of
 from beamcam.machine.cutting import speed_and_feed
 from beamcam.machine.drill import Axis, Drill
 from beamcam.machine.machine import ControlledAxis, Machine
+from beamcam.model import drill_cycle
 from beamcam.model.cell_motion import SECONDS_PER_MINUTE, CellMotion
 from beamcam.model.part import Profile
 from beamcam.model.plan import Operation, PathOp, Plan, SawOp, SpindleOp, TextOp
@@ -35,6 +36,10 @@ UNKNOWN_MM_S2 = 1000.0  #: of an axis that the machine's file does not have
 _COMMAND = re.compile(r"\s*([GM])0*(\d+)")
 _WORD = re.compile(r"\b([A-Z])(?:\{(\w+)\}|(-?\d+(?:\.\d*)?))")
 _NUMBERS = ("G", "M", "N")
+_CYCLES = {
+    "drill-cycle": drill_cycle.DRILL, "drill-cycle-dwell": drill_cycle.DRILL_AND_DWELL,
+    "drill-cycle-peck": drill_cycle.PECK, "drill-cycle-chips": drill_cycle.BREAK_CHIPS,
+}  # fmt: skip
 _RUNS = {3: True, 4: True, 5: False}  #: M words of the controller that start and stop a spindle
 
 
@@ -106,11 +111,14 @@ class _Clock:
         self._machine, self._saw, self._drill = machine, saw_of(machine), drill_of(machine)
         # What a program does not say of the section its simulation does not know either.
         machine = with_axes(machine, self._drill)
-        says_width = any("{width}" in line for line in machine.words.header)
-        self._cell = CellMotion(machine, profile.width if says_width else profile.height)
+        header = " ".join(machine.words.header)
+        height_alone = "{height}" in header and "{width}" not in header
+        self._cell = CellMotion(machine, profile.height if height_alone else profile.width)
         self._grades = grades
         self._strokes = Strokes(profile, machine)
         self._words: dict[str, tuple[Block, ...]] = {}
+        self._cycles = _cycles_of(machine)
+        self._back_to_near = _draws_back_to_near(machine)
         self._place = {"X": nan, "Y": nan, "Z": nan}
         self._rapid, self._feed_mm_min = True, 0.0
 
@@ -128,7 +136,10 @@ class _Clock:
             return way + self._machine.times.text_s
         kind = op.tool.kind
         _, feed_mm_min = speed_and_feed(op.tool, self._drill, self._grades[op.features[0][0]])
-        values = {"spindle": op.spindle, "diameter": op.tool.diameter, "feed": feed_mm_min}
+        values = {
+            "spindle": op.spindle, "tool": 0.0, "diameter": op.tool.diameter, "feed": feed_mm_min,
+            "peck": op.tool.max_peck,
+        }  # fmt: skip
         if not isinstance(op, PathOp):
             return self._run(kind, values | self._places(op, op.x, op.y), kind)
         total = 0.0
@@ -158,8 +169,10 @@ class _Clock:
     def _block(self, block: Block, values: Mapping[str, float], kind: str) -> float:
         said = {name: values[name] for name in block.names.values() if name in values}
         if block.command == "M":
-            return self._switch(block, said, kind)
+            return self._switch(block, said, values, kind)
         if block.command == "G":
+            if block.number in self._cycles:
+                return self._drilled(block, values)
             if block.number not in (0, 1):
                 return 0.0
             self._rapid = block.number == 0
@@ -168,21 +181,63 @@ class _Clock:
         words = dict(block.fixed) | {
             letter: values[name] for letter, name in block.names.items() if name in values
         }
-        to = {letter: words[letter] for letter in "XYZ" if letter in words}
+        return self._go({letter: words[letter] for letter in "XYZ" if letter in words})
+
+    def _go(self, to: Mapping[str, float]) -> float:
         gone = [to[letter] - self._place[letter] for letter in to]
         way = hypot(*(d for d in gone if not isnan(d)))
         self._place |= to
         return self._cell.move(to, way, None if self._rapid else self._feed_mm_min).duration_s
 
-    def _switch(self, block: Block, said: Mapping[str, float], kind: str) -> float:
+    def _drilled(self, block: Block, values: Mapping[str, float]) -> float:
+        """Time of a canned cycle."""
+        cycle = self._cycles[block.number]
+        words = dict(block.fixed) | {
+            letter: values[name] for letter, name in block.names.items() if name in values
+        }
+        self._feed_mm_min = words.get("F", self._feed_mm_min)
+        at = self._place["X"], self._place["Y"], self._place["Z"]
+        place = words.get("X", at[0]), words.get("Y", at[1])
+        near, bottom = words["R"], words["Z"]
+        clear = drill_cycle.clear_place(at[2], near, bottom, self._back_to_near)
+        seconds = words.get("P", 0.0) if cycle == drill_cycle.DRILL_AND_DWELL else 0.0
+        peck = words.get("Q", 0.0)
+        for rapid, end in drill_cycle.steps(at, place, bottom, near, clear, cycle, peck):
+            self._rapid = rapid
+            to = {letter: v for letter, v in zip("XYZ", end, strict=True) if not isnan(v)}
+            seconds += self._go(to)
+        return seconds
+
+    def _switch(
+        self, block: Block, said: Mapping[str, float], values: Mapping[str, float], kind: str
+    ) -> float:
         if "angle" in said:
             legs = self._cell.cut(said["angle"], said.get("tilt", 0.0), said.get("feed"))
             return sum(leg.duration_s for leg, _ in legs)
-        if "spindle" in said:
-            return self._cell.choose(int(said["spindle"]), kind, said.get("diameter", 0.0))
+        if "spindle" in said or "tool" in said:
+            # A number of a tool says its size, and stands alone where there is one spindle.
+            known = values if "tool" in said else said
+            return self._cell.choose(int(values["spindle"]), kind, known.get("diameter", 0.0))
         if block.number in _RUNS:
             return self._cell.switch(_RUNS[block.number])
         return 0.0
+
+
+def _cycles_of(machine: Machine) -> dict[int, int]:
+    """The canned cycle that each G word of the machine's controller stands for."""
+    if machine.controller == "linuxcnc":
+        return {number: number for number in drill_cycle.DRILLING}
+    return {
+        int(code[1:]): _CYCLES[meaning]
+        for code, meaning in machine.codes.items()
+        if meaning in _CYCLES
+    }
+
+
+def _draws_back_to_near(machine: Machine) -> bool:
+    """Whether the header says that cycles draw back no further than R (G99 of RS274)."""
+    said = re.findall(r"\bG9[89]\b", " ".join(machine.words.header))
+    return machine.controller == "linuxcnc" and said[-1:] == ["G99"]
 
 
 def _yz(axes: tuple[Axis, Axis], stroke: Stroke, along: float) -> tuple[float, float]:

@@ -107,8 +107,12 @@ class _Simulation:
         if word is not None:
             said = {field: event.words[at] for at, field in word.fields if at in event.words}
         if word is not None and role == "choose":
-            number, diameter = int(said.get("spindle", 0)), said.get("diameter", 0.0)
+            number = int(said.get("spindle", self.dialect.only_spindle or 0))
             kind = word.cycle.kind if word.cycle else "drill"
+            diameter = said.get("diameter", 0.0)
+            if "tool" in said:
+                known = self.dialect.numbered.get(int(said["tool"]), (kind, diameter))
+                kind, diameter = known
             takes_s = self.cell.choose(number, kind, diameter)
             self.state = replace(self.state, spindle=number, diameter=diameter)
         elif role == "on":

@@ -53,7 +53,8 @@ def _bar(text: str, machine: Machine, name: str, parts: Sequence[Part]) -> Simul
 
     done = run(text, machine, parts[0].profile if parts else None, name)
     section = dict(done.made.section)
-    course = stretches(done.events, done.dialect, section, machine)
+    seen = section or ({"width": parts[0].profile.width} if parts else {})
+    course = stretches(done.events, done.dialect, seen, machine)
     return Simulated(bar_trace(course, machine), done.diagnostics, section)
 
 

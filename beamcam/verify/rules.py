@@ -200,6 +200,12 @@ TOOL = Rule(
     "found {found} for the {what} on face {face} of {mark} at x {x}, y {y}; expected {expected}",
     "The tool does not make that.",
 )
+PECK = Rule(
+    "verify-peck",
+    _E,
+    "found {what} fed {found} mm at once; expected at most {expected} mm, then drawn back",
+    "The chips of a deep hole block the drill unless it is drawn back for them.",
+)
 TURN = Rule(
     "verify-turn",
     _E,
@@ -230,5 +236,5 @@ RULES = (
     SPINDLE_STOPPED, SPINDLE_IDLE,
     SPEED, COOLANT, RAPID, CLEARANCE, UNSEEN, UNKNOWN_STEEL, SIDEWAYS, TOOL_CHANGE, NO_FEED, FEED,
     FEED_LIMIT, SECTION, CUT_MISSING, CUT_PLACE, CUT_ANGLE, ONE_PART, CUT_EXTRA, OUTLINE,
-    HOLE_MISSING, HOLE_PLACE, HOLE_EXTRA, DEPTH, TOOL, TURN, PATH, PATH_EXTRA, NOT_MADE,
+    HOLE_MISSING, HOLE_PLACE, HOLE_EXTRA, DEPTH, TOOL, PECK, TURN, PATH, PATH_EXTRA, NOT_MADE,
 )  # fmt: skip

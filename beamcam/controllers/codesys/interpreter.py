@@ -23,9 +23,18 @@ from beamcam.controllers.dialect import Dialect
 from beamcam.controllers.events import Acceleration, Compensation, Curve, Pause, Side, Switch
 from beamcam.controllers.interpreter import Interpreter, Words
 from beamcam.geometry.plane import Point
+from beamcam.machine.codes import shown_code
+from beamcam.machine.machine import CodeMeaning
+from beamcam.model import drill_cycle
 
 M_WORDS_IN_A_ROW = 64  #: SMC_DEC_OUTQUEUE_RAN_EMPTY
 ENDS = (2, 30)
+#: The cycles that a machine's file may name, by what it calls them.
+_CYCLES: dict[CodeMeaning, int] = {
+    "drill-cycle": drill_cycle.DRILL, "drill-cycle-dwell": drill_cycle.DRILL_AND_DWELL,
+    "drill-cycle-peck": drill_cycle.PECK, "drill-cycle-chips": drill_cycle.BREAK_CHIPS,
+}  # fmt: skip
+_KNOWN_G = frozenset((0, 1, 2, 3, 4, 6, 8, 9, 40, 41, 42, 50, 53, 75, 90, 91, 98, 99))
 _KNOWN = "G00 to G04, G06, G08, G09, G40 to G42, G50, G53, G75, G90, G91, G98 or G99"
 _FED = frozenset("FE") | {BRAKING}
 _TRAVEL = {
@@ -52,13 +61,16 @@ class Codesys(Interpreter):
         self._counting_said = dialect.stock == "beam"
         self._letters = {motion: own | set(dialect.axes) for motion, own in _TRAVEL.items()}
         self._own = {int(code[1:]): meaning for code, meaning in dialect.codes.items()
-                     if code[1:].isdigit()}  # fmt: skip
-        self._dwells = False
+                     if code[0] == "G" and code[1:].isdigit()}  # fmt: skip
         if dialect.stock == "sheet":
             self._letters[0] = frozenset(dialect.axes)
 
     def _is_simple(self) -> bool:
         return self._counting_said and not self._absolute_centre and super()._is_simple()
+
+    def knows(self, code: str) -> bool:
+        """Whether a G word has a meaning here."""
+        return code in self._dialect.codes or code in {f"G{number}" for number in _KNOWN_G}
 
     def line(self, line: int, text: str, outermost: bool) -> None:
         """Carries out a line of the text."""
@@ -70,6 +82,10 @@ class Codesys(Interpreter):
                 return
             block = self._read(line, body, outermost)
             if block is None:
+                return
+            code = f"{block.command}{block.number}"
+            if block.command and not self._dialect.is_allowed(code):
+                self._wrong(line, shown_code(code), self._dialect.shown_allowed())
                 return
             self._known[body] = block
         if self._over and self.is_over(line):
@@ -103,6 +119,10 @@ class Codesys(Interpreter):
 
     def _m_word(self, line: int, number: int, words: Words) -> None:
         self._wait(line)
+        if f"M{number}" in self._dialect.codes:
+            if words:
+                self._wrong(line, f"{min(words)} behind M{number:02}", "no word there")
+            return
         switch = Switch(line, number, words)
         if number in ENDS:
             self._end(switch)
@@ -148,8 +168,8 @@ class Codesys(Interpreter):
     def _own_code(self, line: int, number: int, words: Words) -> None:
         """A G word of the machine's own, which means what its file says."""
         meaning = self._own[number]
-        if meaning.startswith("drill-cycle"):
-            self._dwells = meaning == "drill-cycle-dwell"
+        if meaning in _CYCLES:
+            self._drilling = _CYCLES[meaning]
             self._drilled(line, words)
             return
         if meaning == "end-cycle":
@@ -158,14 +178,14 @@ class Codesys(Interpreter):
             self._wrong(line, f"{min(words)} behind G{number:02}", "no word there")
 
     def _drilled(self, line: int, words: Words) -> None:
-        stray = words.keys() - set("XYZRF") - (set("P") if self._dwells else set())
+        stray = words.keys() - set("XYZRF" + drill_cycle.OWN_LETTERS[self._drilling])
         if stray:
             self._wrong(line, f"{min(stray)} behind a drilling cycle", "no such word there")
         fed = "F" in words
         if fed:
             self._feed = words["F"]
         place = {letter: value for letter, value in words.items() if letter != "F"}
-        self._drill(line, place, self._dwells, fed)
+        self._drill(line, self._drilling, place, fed)
 
     def _carry_out(self, line: int, motion: int, words: Words) -> None:
         self._motion = motion

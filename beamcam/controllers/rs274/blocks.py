@@ -8,9 +8,11 @@ from collections.abc import Callable, Iterable, Iterator, Mapping
 
 from msgspec import Struct
 
-from beamcam.controllers import cycles
+from beamcam.controllers.dialect import Dialect
 from beamcam.controllers.events import Compensation, Other, Pause, Side, Switch
 from beamcam.geometry.plane import Point
+from beamcam.machine.codes import shown_code
+from beamcam.model import drill_cycle
 
 _NUMBER = r"[+-]?(?:\d+\.?\d*|\.\d+)"
 _WORD = re.compile(rf"([A-Z$])({_NUMBER})")
@@ -18,7 +20,7 @@ _COMMENT = re.compile(r"\([^()]*\)|;.*")
 
 MOTIONS = {"G0": 0, "G1": 1, "G2": 2, "G3": 3}
 #: Canned cycles, and their end, of a controller that knows them.
-CYCLES = {"G80": cycles.END, "G81": cycles.DRILL, "G82": cycles.DRILL_AND_DWELL}
+CYCLES = {f"G{number}": number for number in (drill_cycle.END, *drill_cycle.DRILLING)}
 ENDS = (2, 30)
 MAX_NUMBER = 1e9  #: of an M word, which has three digits at most
 
@@ -34,9 +36,15 @@ class Variant(Struct, frozen=True):
     switches: dict[int, frozenset[str]]  #: M words and the letters that belong to them
     own_switches: range  #: M words that a machine may give a meaning, and
     own_letters: frozenset[str]  #: what they may carry
-    cycles: bool  #: whether it knows G80 to G82, and where they draw back to by G98 and G99
+    cycles: bool  #: whether it knows canned cycles, and where they draw back to by G98 and G99
     sides: dict[str, Side]  #: G words of cutter compensation
     arc_fault: Callable[[Point, Point, Point, bool], str | None]  #: start, end, centre, clockwise
+
+    @property
+    def g_words(self) -> frozenset[str]:
+        """All G words that it knows."""
+        others = {*self.settings, *self.sides, "G4", "G40", "G90", "G91"}
+        return frozenset({*MOTIONS, *others, *(("G98", "G99", *CYCLES) if self.cycles else ())})
 
     @property
     def codes(self) -> str:
@@ -61,11 +69,11 @@ class Block(Struct, frozen=True):
 
 
 def read_block(
-    text: str, variant: Variant, switches: Mapping[int, frozenset[str]], own: Mapping[str, str]
+    text: str, variant: Variant, switches: Mapping[int, frozenset[str]], dialect: Dialect
 ) -> Block:
     """What the words of a block say.
 
-    `switches` are the M words with their letters, `own` the G words of the machine's own.
+    `switches` are the M words with their letters, `dialect` knows those of the machine's own.
     """
     bare = _COMMENT.sub(" ", text).upper().strip()
     if bare == "%":
@@ -76,7 +84,7 @@ def read_block(
     words = _WORD.findall(squeezed)
     if "".join(letter + digits for letter, digits in words) != squeezed:
         return Block("letters with a number each")
-    return _Words(words, variant, switches, own).block() if words else Block(blank=True)
+    return _Words(words, variant, switches, dialect).block() if words else Block(blank=True)
 
 
 class _Words:
@@ -87,9 +95,10 @@ class _Words:
         words: list[tuple[str, str]],
         variant: Variant,
         switches: Mapping[int, frozenset[str]],
-        own: Mapping[str, str],
+        dialect: Dialect,
     ) -> None:
-        self._variant, self._switches, self._own = variant, switches, own
+        self._variant, self._switches, self._dialect = variant, switches, dialect
+        self._own = dialect.codes
         self._faults: list[tuple[str, str]] = []
         self._values: dict[str, float] = {}
         self._codes: list[str] = []
@@ -121,6 +130,9 @@ class _Words:
     def block(self) -> Block:
         """What they say."""
         feed = self._values.pop("F", None)
+        for code in (*self._codes, *(f"M{number}" for number in self._m_words)):
+            if not self._dialect.is_allowed(code):
+                self._wrong(shown_code(code), self._dialect.shown_allowed())
         known = {**MOTIONS, **CYCLES} if self._variant.cycles else MOTIONS
         settings = tuple(code for code in self._codes if code not in known)
         events = (*self._m_events(), *self._settings(settings))
@@ -139,7 +151,7 @@ class _Words:
     def _m_events(self) -> Iterator[Other]:
         for number in self._m_words:
             letters = self._switches.get(number)
-            if number in ENDS:
+            if number in ENDS or f"M{number}" in self._own:
                 continue
             if letters is None:
                 known = ", ".join(f"M{m}" for m in sorted({*self._switches, *ENDS}))

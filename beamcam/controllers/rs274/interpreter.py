@@ -10,15 +10,16 @@ modal. Source: LinuxCNC documentation, "G-Code Overview".
 
 import re
 
-from beamcam.controllers import cycles
 from beamcam.controllers.arcs import arc_of
 from beamcam.controllers.dialect import Dialect
 from beamcam.controllers.events import Curve, Other, Switch
 from beamcam.controllers.interpreter import Interpreter, Words
 from beamcam.controllers.rs274.blocks import Block, Variant, read_block
 from beamcam.geometry.plane import Point
+from beamcam.model import drill_cycle
 
 _NUMBERED = re.compile(r"\s*N[0-9]+\s*")
+_LAST_TRAVEL = 3  #: G3; beyond it are canned cycles
 _STOPS = (0, 1)  #: M words for a program stop at a manual tool change
 
 
@@ -48,6 +49,10 @@ class Rs274(Interpreter):
     def _is_simple(self) -> bool:
         return self._ready and super()._is_simple()
 
+    def knows(self, code: str) -> bool:
+        """Whether a G word has a meaning here."""
+        return code in self._dialect.codes or code in self._variant.g_words
+
     def line(self, line: int, text: str, outermost: bool) -> None:
         """Carries out a line of the text."""
         if len(text) > self._variant.longest_line:
@@ -57,7 +62,7 @@ class Rs274(Interpreter):
             if self._is_text(line, _NUMBERED.sub("", text)):
                 return
             self._known[text] = block = read_block(
-                text, self._variant, self._switches, self._dialect.codes
+                text, self._variant, self._switches, self._dialect
             )
         if block.percent:
             self._percent(line, text, outermost)
@@ -101,7 +106,7 @@ class Rs274(Interpreter):
         """The move of a block."""
         values, axes = block.values, self._dialect.axes
         motion = self._motion if block.motion is None else block.motion
-        if motion >= cycles.END:
+        if motion > _LAST_TRAVEL:
             self._cycle_block(line, motion, values, block.feed is not None)
             return
         if block.motion is not None:
@@ -124,8 +129,8 @@ class Rs274(Interpreter):
     def _cycle_block(self, line: int, motion: int, values: Words, own_feed: bool) -> None:
         """A block of a canned cycle, or its end."""
         self._motion = motion
-        stray = values.keys() - set("XYZRP" if motion == cycles.DRILL_AND_DWELL else "XYZR")
-        if motion == cycles.END:
+        stray = values.keys() - set("XYZR" + drill_cycle.OWN_LETTERS.get(motion, ""))
+        if motion == drill_cycle.END:
             self._end_cycle()
             self._motion, stray = -1, set(values)
         elif not stray:
@@ -137,7 +142,7 @@ class Rs274(Interpreter):
             if said.get("R", 0.0) < said.get("Z", 0.0):
                 self._wrong(line, "R below Z", "R above Z, or the controller stops")
                 return
-            self._drill(line, dict(values), motion == cycles.DRILL_AND_DWELL, own_feed)
+            self._drill(line, motion, dict(values), own_feed)
         if stray:
             self._wrong(line, f"the letter {min(stray)} in that block", "no such word there")
 

@@ -143,7 +143,10 @@ _racks = PerObject("planning.rack", _rack)
 def _tools(tools: ToolSet) -> Iterable[Tool]:
     pitches = tools.pitches or (0.0,) * len(tools.sizes)
     for diameter, pitch in zip(tools.sizes, pitches, strict=True):
-        yield Tool(tools.kind, diameter, tools.point_deg, pitch, tools.hand, tools.tool_material)
+        yield Tool(
+            tools.kind, diameter, tools.point_deg, pitch, tools.hand, tools.tool_material,
+            tools.max_peck,
+        )  # fmt: skip
 
 
 def fit_of(diameter: float, fits: tuple[Fit, ...]) -> Fit | None:

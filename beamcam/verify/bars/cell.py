@@ -189,6 +189,8 @@ class Cell(CellState):
     ) -> None:  # fmt: skip
         """One station's stroke axis on its way into the bar, or out of it."""
         inward = not station.way * (before - stroke) >= 0  # from nowhere counts too
+        if not inward:
+            self.fed_since.pop(station.number, None)
         if self.cycle.kind == "tap" and not inward:
             self._draw_tap(move, station, across, stroke, before)
         if not inward:
@@ -199,6 +201,7 @@ class Cell(CellState):
         if before != before:
             return
         depth = station.tip_depth(stroke, station.y(across))
+        self.fed_to[station.number] = self.x, across, depth
         if station.surface_known:
             enters = depth > EPSILON
         else:
@@ -206,7 +209,29 @@ class Cell(CellState):
             self.unseen.add(station.face)
         if enters:
             self.fed_from.setdefault(station.number, before)
+            if self.max_pecks:
+                self._check_peck(move, station, across, stroke, before)
             self._stroke(move, station, choice, across, stroke, depth, before)
+
+    def _check_peck(
+        self, move: Move[Place], station: Station, across: float, stroke: float, before: float
+    ) -> None:
+        """A drill fed deeper at once than its chips allow; before the steel it cuts nothing."""
+        most = self.max_pecks.get(self.diameter) if self.cycle.kind == "drill" else None
+        if most is None:
+            return
+        y = station.y(across)
+        drilled = self._drilled(station, across)
+        start = drilled or station.tip_depth(before, y)
+        if station.surface_known:
+            start = max(start, 0.0)
+        elif not drilled:
+            most += station.near_gap
+        fed = station.tip_depth(stroke, y) - self.fed_since.setdefault(station.number, start)
+        if fed > most + self.step:
+            self.say(
+                rules.PECK, move.line, what=self.tool, found=f"{fed:.3f}", expected=f"{most:g}"
+            )
 
     def _draw_tap(
         self, move: Move[Place], station: Station, across: float, stroke: float, before: float
@@ -236,8 +261,13 @@ class Cell(CellState):
                 rules.RAPID, move.line, axis=AXES[station.stroke],
                 found=f"{stroke:g}", depth=f"{depth:.3f}",
             )  # fmt: skip
-        elif not drilled and -depth < gap - self.step:
+        elif not drilled and -depth < gap - self.step and not self._was_fed(station, across, depth):
             self._too_close(move, station, -depth, True)
+
+    def _was_fed(self, station: Station, across: float, depth: float) -> bool:
+        """Whether the tool was fed at least as deep at the same place just before."""
+        x, at, fed = self.fed_to.get(station.number, (nan, nan, nan))
+        return (x, at) == (self.x, across) and depth <= fed
 
     def _drilled(self, station: Station, across: float) -> float:
         """Current depth of the hole under the tool."""

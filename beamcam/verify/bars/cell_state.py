@@ -10,7 +10,7 @@ A spindle's axes stay where they are while another one works, so each keeps its 
 """
 
 from collections.abc import Callable
-from math import isnan, nan
+from math import inf, isnan, nan
 
 from beamcam.controllers.dialect import Cycle, Dialect, MWord, Role
 from beamcam.controllers.events import Lettering, Switch
@@ -28,6 +28,16 @@ AXES = "XYZ"
 Values = dict[str, float]  #: parameters of a word by what they carry
 _NOTHING: Values = {}
 _NO_CYCLE = Cycle("drill", 0, False, False, False)
+
+
+def _max_pecks(machine: Machine) -> dict[float, float]:
+    """How deep a drill of each size may be fed at once, where its size has a limit."""
+    found: dict[float, float] = {}
+    for tools in machine.tools:
+        if tools.kind == "drill":
+            for size in tools.sizes:
+                found[size] = max(found.get(size, 0.0), tools.max_peck or inf)
+    return {size: peck for size, peck in found.items() if peck < inf}
 
 
 class CellState:
@@ -54,6 +64,12 @@ class CellState:
         self.cooling = False
         self.x = self.furthest = self.feed_mm_min = nan
         self.at: dict[int, tuple[float, float]] = {}  #: across and stroke of each spindle
+        self.fed_since: dict[
+            int, float
+        ] = {}  #: depth at which each spindle fed on since drawn back
+        #: X, across and depth to which each spindle fed last, in steel or before it
+        self.fed_to: dict[int, tuple[float, float, float]] = {}
+        self.max_pecks = _max_pecks(machine)
         self.fed_from: dict[int, float] = {}  #: stroke at which a tool's feed into the bar began
         self.unseen: set[str] = set()  #: faces that were worked on without knowing where they lie
         self.peck: tuple[float, float] | None = None  #: X and across of the hole being drilled

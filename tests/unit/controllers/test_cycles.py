@@ -9,10 +9,15 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from beamcam.controllers import cell_events
+from beamcam.controllers import cell_events, table_events
 from beamcam.controllers.events import Move, Pause
+from beamcam.controllers.machine_words import load_machine
 from beamcam.errors import MachineError
 from beamcam.machine import Machine, load
+from beamcam.pipeline import post, read_back
+from beamcam.posts import Request
+from beamcam.readers import read
+from tests.runs import part
 
 HEAD = "%\nG17 G21 G40 G90 G91.1 G94 G98\nG0 X0 Y0 Z5\nG1 F100 Z4\n"
 FOOT = "G80\nM30\n%\n"
@@ -48,7 +53,10 @@ base = "beamline"
 G54 = "none"
 G81 = "drill-cycle"
 G82 = "drill-cycle-dwell"
+G83 = "drill-cycle-peck"
+G73 = "drill-cycle-chips"
 G80 = "end-cycle"
+M77 = "none"
 """
 
 
@@ -64,6 +72,8 @@ def made(text: str, on: Machine) -> tuple[list[tuple[bool, tuple[float, ...]]], 
     return [(e.rapid, e.end) for e in events if isinstance(e, Move)], [d.code for d in said]
 
 
+#: The cycles, and what each has of its own.
+CYCLES = {"G81": "", "G82": " P0.5", "G83": " Q{}", "G73": " Q{}"}
 number = st.integers(-20, 20).map(float)
 near = st.integers(-3, 8).map(float)
 
@@ -73,15 +83,15 @@ def programs(draw: st.DrawFn) -> str:
     """Blocks of moves and cycles; R lies above Z, as LinuxCNC wants it."""
     lines = []
     for _ in range(draw(st.integers(1, 6))):
-        kind = draw(st.sampled_from(["G0", "G81", "G82", "more", "G98", "G99", "G80"]))
+        kind = draw(st.sampled_from(["G0", *CYCLES, "more", "G98", "G99", "G80"]))
         place = f"X{draw(number):g} Y{draw(number):g}"
         if kind == "G0":
             lines.append(f"G80\nG0 {place} Z{draw(st.integers(-2, 9))}")
-        elif kind in ("G81", "G82"):
+        elif kind in CYCLES:
             r = draw(near)
             z = r - draw(st.integers(1, 20))
-            dwell = " P0.5" if kind == "G82" else ""
-            lines.append(f"{kind} {place} Z{z:g} R{r:g}{dwell} F{draw(st.integers(50, 90))}")
+            own = CYCLES[kind].format(draw(st.integers(1, 9)))
+            lines.append(f"{kind} {place} Z{z:g} R{r:g}{own} F{draw(st.integers(50, 90))}")
             lines += [f"X{draw(number):g}"] * draw(st.integers(0, 2))
         elif kind != "more":
             lines.append(kind)
@@ -147,7 +157,9 @@ def test_a_cycle_goes_in_at_its_feed_and_out_in_rapid(linuxcnc: Machine) -> None
 
 @pytest.mark.parametrize(
     "block", ["G81 X1 Y1 Z-3 F50", "G81 X1 Y1 R2 F50", "G81 X1 Y1 Z3 R2 F50",
-              "G81 X1 Y1 Z-3 R2 Q1 F50", "G80 X4", "G91\nG81 X1 Y1 Z-3 R2 F50"],
+              "G81 X1 Y1 Z-3 R2 Q1 F50", "G80 X4",
+              "G83 X1 Y1 Z-3 R2 F50", "G83 X1 Y1 Z-3 R2 Q-1 F50", "G73 X1 Y1 Z-3 R2 Q0.001 F50",
+              "G91\nG81 X1 Y1 Z-3 R2 F50"],
 )  # fmt: skip
 def test_a_cycle_that_is_none(linuxcnc: Machine, block: str) -> None:
     assert "verify-word" in made(f"{HEAD}{block}\n{FOOT}", linuxcnc)[1]
@@ -184,6 +196,8 @@ def test_codesys_takes_the_words_that_its_machine_names(tmp_path: Path) -> None:
     [
         ('[codes]\nG01 = "none"\n', "found 'G01' for 'codes.G01'; expected another word, as the"),
         ('[codes]\n81 = "drill-cycle"\n', "found '81' for 'codes.81'; expected a G word such as"),
+        ('[codes]\nM77 = "drill-cycle"\n', "for 'codes.M77'; expected none, as an M word"),
+        ('[codes]\nM30 = "none"\n', "found 'M30' for 'codes.M30'; expected another word, as the"),
         ('[codes]\nG81 = "drill"\n', "found 'drill' for 'codes.G81'; expected one of 'none'"),
         ('[[tools]]\nkind = "drill"\ndiameters = [14, 18]\nnumbers = [1]\n',
          "found [1] for 'tools.0.numbers'; expected 2, one for each diameter"),
@@ -197,3 +211,77 @@ def test_words_and_numbers_that_contradict(tmp_path: Path, text: str, said: str)
     with pytest.raises(MachineError) as caught:
         machine(tmp_path, f'base = "beamline"\n{text}')
     assert said in str(caught.value)
+
+
+def test_a_peck_is_fed_and_cleared_until_the_bottom(linuxcnc: Machine, tmp_path: Path) -> None:
+    rows = [
+        (True, (10, 20, 2)), (False, (10, 20, -1)), (True, (10, 20, 2)), (True, (10, 20, -0.746)),
+        (False, (10, 20, -4)), (True, (10, 20, 2)), (True, (10, 20, -3.746)),
+        (False, (10, 20, -6)), (True, (10, 20, 4)),
+    ]  # fmt: skip
+    moves, said = made(HEAD + "G83 X10 Y20 Z-6 R2 Q3 F80\n" + FOOT, linuxcnc)
+    assert (moves[3:], said) == (rows, [])
+    broken = [row for at, row in enumerate(rows) if at not in (2, 5)]
+    assert made(HEAD + "G73 X10 Y20 Z-6 R2 Q3 F80\n" + FOOT, linuxcnc)[0][3:] == broken
+    own = machine(tmp_path, CODESYS)
+    text = "% A\nG90\nG00 X10 Y20 Z4\nM77\nG83 X10 Y20 Z-6 R2 Q3 F80\nG80\nM30\n%\n"
+    moves, said = made(text, own)
+    assert (moves[1:], said) == (rows, [])
+    assert made(text.replace("M77", "M77 K1"), own)[1] == ["verify-word"]
+
+
+ALLOWED = (
+    'allowed_codes = ["G00", "G01", "G90", "G99", "M03", "M04", "M05", "M06", "M08", "M09", "M30", '
+    '"M40", "M42", "M43", "M44"]\n'
+)
+
+
+def test_a_machine_takes_the_words_that_its_file_allows_and_no_other(tmp_path: Path) -> None:
+    own = load_own(tmp_path, 'base = "beamline"\n' + ALLOWED)
+    parts = read(part("A").encode(), "a.nc1").parts
+    posted = post(parts, own)
+    assert read_back(posted.text, Request(parts, own)) == ()
+    added = posted.text.replace("M05\n", "M05\nG75\n", 1)
+    assert read_back(added, Request(parts, load("beamline"))) == ()
+    (said,) = read_back(added, Request(parts, own))
+    assert "error verify-word: found G75; expected one of allowed_codes: G00, G01, G90" in str(said)
+    line = tmp_path / "line.toml"
+    line.write_text(LINUXCNC.replace("pairs = []", 'pairs = []\nallowed_codes = ["G00", "M30"]'))
+    with pytest.raises(
+        MachineError, match=r"found G17 in 'words.header'; expected one of allowed_codes"
+    ):
+        load_machine(str(line))
+
+
+def test_a_table_without_arcs_in_its_list_is_refused_them(tmp_path: Path) -> None:
+    codes = [
+        "G00", "G01", "G04", "G17", "G21", "G40", "G41.1", "G42.1", "G64", "G90",
+        "G91.1", "G94", "M02", "M03", "M05", "M30",
+    ]  # fmt: skip
+    text = f'base = "plate-linuxcnc"\nallowed_codes = {codes}\n'
+    with pytest.raises(MachineError, match=r"error machine-word: found G03 in 'words.arc_ccw'"):
+        load_own(tmp_path, text)
+    on = load_own(tmp_path, text + "[words]\narc_cw = []\narc_ccw = []\n")
+    head = "%\nG17 G21 G40 G90 G91.1 G94\nG0 X1 Y1\nG1 X2 Y1 F600\n"
+    _, said = table_events(head + "G3 X4 Y1 I1 J0\nG1 X5 Y1\nM30\n%\n", on)
+    assert [d.code for d in said] == ["verify-sheet-word"]
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ('allowed_codes = ["X1"]\n', "found 'X1' for 'allowed_codes.0'; expected a G or M word"),
+        ('allowed_codes = ["G1", "G01"]\n', "found 'G01' for 'allowed_codes.1'; expected each"),
+        ('allowed_codes = ["G77"]\n', "machine-word: found G77 in 'allowed_codes'; expected"),
+        ('allowed_codes = ["M77"]\n', "machine-word: found M77 in 'allowed_codes'; expected"),
+    ],
+)  # fmt: skip
+def test_allowed_words_that_mean_nothing(tmp_path: Path, text: str, said: str) -> None:
+    with pytest.raises(MachineError) as caught:
+        load_own(tmp_path, f'base = "beamline"\n{text}')
+    assert said in str(caught.value)
+
+
+def load_own(folder: Path, text: str) -> Machine:
+    (folder / "own.toml").write_text(text)
+    return load_machine(str(folder / "own.toml"))

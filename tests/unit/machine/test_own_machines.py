@@ -165,10 +165,14 @@ def test_the_page_shows_the_file_that_comes_with_the_samples() -> None:
 def test_every_machine_of_the_page_is_one(tmp_path: Path) -> None:
     blocks = re.findall(r"^```toml\n(# (\S+)\n.*?)^```", PAGE, re.MULTILINE | re.DOTALL)
     named = {name: text for text, name in blocks if name.endswith(".toml")}
-    assert set(named) == {"saw.toml", "cycles.toml", "codes.toml"}
+    assert set(named) == {"saw.toml", "cycles.toml", "pecks.toml", "codes.toml"}
+    hall = (SAMPLES / "machines" / "hall-drill.toml").read_text(encoding="utf-8")
+    (tmp_path / "hall-drill.toml").write_text(hall)
     for name, text in named.items():
         (tmp_path / name).write_text(text)
-        assert load_machine(str(tmp_path / name)).controller == "codesys"
+        is_line = name == "pecks.toml"
+        controller = load_machine(str(tmp_path / name)).controller
+        assert controller == ("linuxcnc" if is_line else "codesys")
 
 
 def test_the_page_names_every_placeholder_and_where_it_stands() -> None:
