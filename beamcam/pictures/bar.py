@@ -14,8 +14,9 @@ from msgspec import Struct
 from beamcam.machine.absent import text_x
 from beamcam.machine.machine import Machine
 from beamcam.model.part import Profile
+from beamcam.pictures.labels import Labels
 from beamcam.pictures.part import FACE_NAMES
-from beamcam.pictures.scene import Circle, Frame, Polyline, Scene, Shape, Text, Unit, shown
+from beamcam.pictures.scene import Circle, Frame, Point, Polyline, Scene, Shape, Text, Unit, shown
 from beamcam.pictures.styles import TOOL_COLOURS
 from beamcam.pictures.views import (
     FIGURE_SIZE,
@@ -36,6 +37,7 @@ from beamcam.verify.bars.pieces import Plane, planes
 
 OPEN_END = 120.0  #: of bar that is drawn behind the last cut where its length is not known
 NUMBER_SIZE = 9.0
+MAX_RINGS = 6  #: about a hole in which there may be room for its number
 
 
 class Piece(Struct, frozen=True):
@@ -219,48 +221,51 @@ def order_numbers(made: Made) -> dict[int, int]:
 def _strokes(
     bar: BarMade, view: View, paper: Paper, drill_x: float, tools: dict[tuple[str, float], int]
 ) -> Iterator[Shape]:
+    """What is made on a face, and its numbers in the order of the work."""
     frame = paper.frames[view.name]
     numbers = order_numbers(bar.made)
+    places: list[tuple[int, int, Point, float]] = []  #: number, line, where, and how far off it
+    labels = Labels()
     for op in bar.made.order:
+        number = numbers[op.line]
         if isinstance(op, Bore) and op.face == view.name:
             at = frame.at(op.x - drill_x, op.y)
             style = f"tool-{tools[op.kind, op.diameter] % len(TOOL_COLOURS)}"
             radius = max(op.diameter / 2 * frame.scale, 1.2)
-            tip = (
-                f"{numbers[op.line]}: {op.kind} {op.diameter:g} at x {op.x - drill_x:g}, y {op.y:g}"
-            )
+            tip = f"{number}: {op.kind} {op.diameter:g} at x {op.x - drill_x:g}, y {op.y:g}"
             yield Circle(f"{style} {_noun(op)}", at, radius, tip, op.line)
-            yield _number(numbers[op.line], at[0] + radius + 1.5, at[1] - radius, op.line)
+            labels.block((at[0] - radius, at[1] - radius, at[0] + radius, at[1] + radius))
+            places.append((number, op.line, at, 0.8 * radius + 1.2))
         elif isinstance(op, Trail) and op.face == view.name:
             style = f"path-{tools[op.kind, op.diameter] % len(TOOL_COLOURS)}"
             points = frame.all([(x - drill_x, y) for x, y in op.points])
-            tip = f"{numbers[op.line]}: {op.kind} {op.diameter:g}"
+            tip = f"{number}: {op.kind} {op.diameter:g}"
             yield Polyline(f"{style} trail", points, False, tip, op.line)
-            yield _number(numbers[op.line], points[0][0] + 2.0, points[0][1] - 3.0, op.line)
+            places.append((number, op.line, points[0], 2.5))
         elif isinstance(op, Written) and op.face == view.name:
-            yield from _written(op, numbers[op.line], bar, frame)
+            text = _written(op, number, bar, frame)
+            yield text
+            places.append((number, op.line, text.at, 2.0))
         elif isinstance(op, Cut) and view.name == "v":
             plane = next(p for p in bar.saw_planes if p.cut is op)
             x, y = frame.at(bar.x_on(plane, "v", view.box[3]), view.box[3])
-            yield _number(numbers[op.line], x - 3.0, y - 4.0, op.line)
+            places.append((number, op.line, (x, y), 2.0))
+    for number, line, at, gap in places:
+        found = labels.place(at, gap, str(number), NUMBER_SIZE, MAX_RINGS)
+        yield Text("number order", found or at, str(number), NUMBER_SIZE, line=line)
 
 
-def _written(op: Written, number: int, bar: BarMade, frame: Frame) -> Iterator[Shape]:
+def _written(op: Written, number: int, bar: BarMade, frame: Frame) -> Text:
     """A text as it is read, in the picture's own letters."""
     x = op.x - text_x(bar.machine)
     at = frame.at(x, op.y)
     tip = f"{number}: {op.kind} {op.text!r}, {op.height:g} high, at x {x:g}, y {op.y:g}"
     size = max(op.height * frame.scale * 1.35, 5.0)
-    yield Text("text", at, op.text, size, "start", op.angle, None, tip, op.line)
-    yield _number(number, at[0] + 2.0, at[1] + 9.0, op.line)
+    return Text("text", at, op.text, size, "start", op.angle, None, tip, op.line)
 
 
 def _noun(bore: Bore) -> str:
     return "hole" if bore.kind == "drill" else bore.kind
-
-
-def _number(number: int, x: float, y: float, line: int) -> Text:
-    return Text("number order", (x, y), str(number), NUMBER_SIZE, line=line)
 
 
 def _ways(bar: BarMade, view: View, paper: Paper, drill_x: float) -> Iterator[Polyline]:

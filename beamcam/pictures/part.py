@@ -48,6 +48,9 @@ FACES_OF = {"I": "ovu", "U": "ovu", "C": "ovu", "T": "ov", "L": "vu", "M": "hovu
 SMALL = (150.0, 60.0)  #: pixels of a small picture
 MAX_SMALL_SHAPES = 120
 SECTION_SIDE = 70.0  #: of the picture of the section
+SECTION_HEAD = 76.0  #: least height of a heading that the section stands in
+MAX_EDGES = 40  #: of contours that have a dimension
+MAX_CORNERS = 16  #: of an outer contour whose corners have one
 
 
 Processes = Mapping[str, str]  #: of a machine, by colour or layer
@@ -57,12 +60,13 @@ def part_scene(part: Part, unit: Unit = "mm", processes: Processes | None = None
     """The faces of a part with all its features; a drawing by the processes of a machine."""
     lines = [line for line in _head(part, unit) if line]
     views = tuple(view_of(part, face) for face in faces_of(part))
-    paper = laid_out(views, head_height(lines))
-    drawn: list[Shape] = [*heading(lines), *_section(part.profile), *titles(views, paper)]
+    section = _section(part.profile)
+    paper = laid_out(views, max(head_height(lines), SECTION_HEAD if section else 0.0))
+    drawn: list[Shape] = [*heading(lines), *section, *titles(views, paper)]
     for view in views:
         drawn += _face(part, view, paper, processes)
         drawn += figures(view, paper, unit)
-    last = views[-1]
+    last = max(views, key=lambda view: view.box[2] - view.box[0])
     frame = paper.frames[last.name]
     y = paper.bottom + 8.0
     left, right = frame.at(last.box[0], 0.0)[0], frame.at(last.box[2], 0.0)[0]
@@ -129,11 +133,15 @@ def view_of(part: Part, face: Face) -> View:
     if face in FACE_NAMES and part.profile.face_width(face) and part.measures is None:
         boxes.append((0.0, 0.0, part.length, part.profile.face_width(face)))
     places: set[float] = set()
+    edges: set[float] = set()
     heights: set[float] = set()
     for feature in own:
         match feature:
             case Contour():
-                boxes += [curve.bbox for curve in feature.curves]
+                around = join_boxes([curve.bbox for curve in feature.curves])
+                if around is not None:
+                    boxes.append(around)
+                    edges |= set(_edges(feature, around))
             case Hole() | Slot() | TextMark() | Camber():
                 boxes.append((feature.x, feature.y, feature.x, feature.y))
                 if isinstance(feature, Hole | Slot):
@@ -141,6 +149,8 @@ def view_of(part: Part, face: Face) -> View:
                     heights.add(round(feature.y, 3))
             case _:
                 pass
+    if len(edges) <= MAX_EDGES:
+        places |= edges
     box = join_boxes(boxes) or (0.0, 0.0, part.length or 100.0, 100.0)
     if box[3] - box[1] < 1.0:
         box = (box[0], box[1] - 5.0, box[2], box[3] + 5.0)
@@ -148,6 +158,13 @@ def view_of(part: Part, face: Face) -> View:
     if part.profile.code == "B":
         title = f"{face}   {'front' if face == 'v' else 'back'}"
     return View(face, title, box, tuple(places), tuple(heights))
+
+
+def _edges(contour: Contour, around: Box) -> Iterator[float]:
+    """The places along x at which a contour is dimensioned: both ends, corners of an outer one."""
+    yield from (round(around[0], 3), round(around[2], 3))
+    if contour.kind == "outer" and len(contour.curves) <= MAX_CORNERS:
+        yield from (round(curve.start[0], 3) for curve in contour.curves)
 
 
 def _legend(drawn: Sequence[Shape], y: float) -> Iterator[Shape]:

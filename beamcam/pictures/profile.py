@@ -11,7 +11,7 @@ from beamcam.pictures.scene import Polyline, Scene, Shape, Text
 from beamcam.report.velocity_profile import Unit
 
 DRAWN_SAMPLES = 400  #: of a curve; the phases' ends come on top
-WIDTH, PANEL, GAP, LEFT, RIGHT, TOP = 900.0, 170.0, 34.0, 86.0, 24.0, 46.0
+WIDTH, PANEL, GAP, LEFT, RIGHT, TOP = 900.0, 170.0, 34.0, 86.0, 24.0, 56.0
 BOTTOM = 52.0
 
 

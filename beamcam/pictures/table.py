@@ -13,6 +13,7 @@ from msgspec import Struct
 from beamcam.geometry.array_types import Counts, Floats
 from beamcam.geometry.curves import Line
 from beamcam.machine.machine import Machine
+from beamcam.pictures.labels import Labels
 from beamcam.pictures.scene import Circle, Frame, Polyline, Scene, Shape, Text, Unit, shown
 from beamcam.pictures.styles import SPEED_COLOURS
 from beamcam.pictures.views import SIDE, WIDTH, View, footing, head_height, heading, laid_out
@@ -23,6 +24,7 @@ SECONDS_PER_MINUTE = 60.0
 MIN_MOVE = 1e-6
 MAX_RINGS = 4000  #: moves of a stroke in which leads are looked for
 MAX_NUMBERS = 400  #: strokes that are numbered
+PIERCE = 2.2  #: radius of the circle where a tool starts
 
 
 class TableMade(Struct, frozen=True):
@@ -194,13 +196,20 @@ def _leads(
 def _pierces(
     trace: Trace, strokes: Sequence[tuple[int, int, str]], frame: Frame
 ) -> Iterator[Shape]:
-    for number, (first, _, process) in enumerate(strokes, 1):
-        at = frame.at(*trace.positions[first, :2].tolist())
+    """The starts of a tool, each with its number where there is room for it."""
+    places = [frame.at(*trace.positions[first, :2].tolist()) for first, _, _ in strokes]
+    labels = Labels()
+    few = len(strokes) <= MAX_NUMBERS
+    for x, y in places if few else ():
+        labels.block((x - PIERCE, y - PIERCE, x + PIERCE, y + PIERCE))
+    for number, (at, (first, _, process)) in enumerate(zip(places, strokes, strict=True), 1):
         line = int(trace.line[first])
-        few = len(strokes) <= MAX_NUMBERS
-        yield Circle(f"pierce by-{process}", at, 2.2, f"{number}: {process}" if few else "", line)
-        if few:
-            yield Text("number order", (at[0] + 4.0, at[1] - 3.0), str(number), 9.0, line=line)
+        yield Circle(
+            f"pierce by-{process}", at, PIERCE, f"{number}: {process}" if few else "", line
+        )
+        free = labels.place(at, PIERCE, str(number), 9.0, rings=1) if few else None
+        if free is not None:
+            yield Text("number order", free, str(number), 9.0, line=line)
 
 
 def _size(box: tuple[float, float, float, float], frame: Frame, unit: Unit) -> Iterator[Text]:

@@ -20,7 +20,7 @@ HEAD_LINE = 16.0
 TITLE = 30.0  #: above each view, for its name and the names of pieces
 FIGURES = 52.0  #: below a view, for the figures of its places
 GAP = 14.0
-MAX_VIEWS_HEIGHT = 620.0
+MAX_VIEWS_HEIGHT = 520.0
 FIGURE_SIZE = 10.0
 
 Box = tuple[float, float, float, float]
@@ -53,7 +53,7 @@ def laid_out(views: Sequence[View], top: float) -> Paper:
     if heights * scale > MAX_VIEWS_HEIGHT:
         scale = MAX_VIEWS_HEIGHT / heights
     first = min(v.box[0] for v in views)
-    left = (WIDTH - length * scale) / 2 - first * scale
+    left = SIDE - first * scale
     frames: dict[str, Frame] = {}
     y = top
     for view in views:

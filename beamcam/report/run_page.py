@@ -67,7 +67,8 @@ def _static(name: str) -> str:
 
 
 def _head(counts: Counts, style: str) -> str:
-    shown = ", ".join(f'<b class="{s}">{getattr(counts, s)}</b> {s}' for s in STATUSES)
+    numbers = {s: getattr(counts, s) for s in STATUSES}
+    shown = ", ".join(f"<b{f' class={s}' if n else ''}>{n}</b> {s}" for s, n in numbers.items())
     choices = "".join(f"<option>{s}</option>" for s in STATUSES)
     return (
         '<!doctype html>\n<html lang="en"><meta charset="utf-8">'
@@ -127,16 +128,20 @@ def _row(row: Row, extras: Mapping[str, Extra]) -> str:
     parts = row["parts"]
     seconds = _machine_time_s(row)
     return (
-        f"<tr data-status={row['status']}><td>{_shown(row['file'])}"
+        f"<tr data-status={row['status']}><td>{_shown(row['file']).replace('/', '/<wbr>')}"
         f"<td class={row['status']}>{row['status']}"
         f"<td>{''.join(_part(part, extras.get(part['output'], Extra())) for part in parts)}"
         f"<td>{'<br>'.join(_shown(part['machine']) for part in parts)}"
         f"<td>{'<br>'.join(map(_ledger, parts))}"
-        f"<td>{'<br>'.join(_shown(', '.join(part['tools'])) for part in parts)}"
+        f"<td>{'<br>'.join(_tools(part['tools']) for part in parts)}"
         f'<td class="n" data-value="{seconds:.3f}">{_clock(seconds) if parts else ""}'
         f'<td class="n" data-value="{row["seconds"]:.6f}">{1000 * row["seconds"]:.0f} ms'
         f'<td class="messages">{"".join(map(_message, row["messages"]))}</tr>\n'
     )
+
+
+def _tools(names: Iterable[str]) -> str:
+    return ", ".join(f"<span>{_shown(name)}</span>" for name in names)
 
 
 def _machine_time_s(row: Row) -> float:

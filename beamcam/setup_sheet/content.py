@@ -166,7 +166,9 @@ def _bar_tools(source: Source, operations: Sequence[Operation]) -> tuple[ToolRow
         (names.get(face, face), op.tool): None
         for op in operations if op.tool for face in op.faces
     }  # fmt: skip
-    return tuple(ToolRow(where, "", tool) for where, tool in found)
+    order = list(dict.fromkeys([*names.values(), *(where for where, _ in found)]))
+    rows = sorted(found, key=lambda row: order.index(row[0]))
+    return tuple(ToolRow(where, "", tool) for where, tool in rows)
 
 
 def _station(station: int, before: int, changed: bool) -> str:

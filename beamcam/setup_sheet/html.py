@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable, Sequence
 from html import escape
+from typing import TypeVar
 
 from beamcam.errors import Diagnostic
 from beamcam.plain_text import terminal_text
@@ -24,6 +25,7 @@ def number(value: float | None, classes: str = "") -> str:
     return "" if value is None else f'<data{named} value="{value + 0:.6g}">{value + 0:.6g}</data>'
 
 
+_Head = TypeVar("_Head")
 Heads = Sequence[tuple[str, bool]]  #: name of each column, and whether it holds numbers
 
 
@@ -40,14 +42,20 @@ def table(name: str, heads: Heads, rows: Iterable[str]) -> str:
         f'#{name} td:nth-child({k})::before{{content:"{_plain(head)} "}}'
         for k, (head, _) in enumerate(heads, 1)
     )
-    aligned = (
-        f"@media not all and (max-width:760px){{{right}{{text-align:right}}}}" if right else ""
-    )
+    aligned = f"@media print,(min-width:761px){{{right}{{text-align:right}}}}" if right else ""
     return (
         f"<style>{aligned}@media screen and (max-width:760px){{{labels}}}</style>"
         f'<table class="rows" id="{name}"><thead><tr>{cells}</tr></thead>'
         f"<tbody>{''.join(rows)}</tbody></table>"
     )
+
+
+def used_columns(
+    heads: Sequence[_Head], rows: Sequence[Sequence[str]]
+) -> tuple[list[_Head], list[list[str]]]:
+    """The columns of a table without those that are empty in all rows."""
+    used = [k for k in range(len(heads)) if any(row[k] for row in rows)]
+    return [heads[k] for k in used], [[row[k] for k in used] for row in rows]
 
 
 def row(cells: Sequence[str], attributes: str = "") -> str:

@@ -9,7 +9,7 @@ from typing import Any
 from beamcam import __version__
 from beamcam.pictures.svg import inline_svg
 from beamcam.setup_sheet.content import Content, clock
-from beamcam.setup_sheet.html import length, messages, number, row, shown, table
+from beamcam.setup_sheet.html import length, messages, number, row, shown, table, used_columns
 from beamcam.setup_sheet.operations import Operation
 from beamcam.setup_sheet.playback import as_script, bar_data, table_data
 from beamcam.setup_sheet.static_files import page_script, page_style
@@ -208,9 +208,10 @@ def _tables(content: Content) -> Iterator[str]:
         yield f"<section><h2>Bar</h2>{table('bar', heads, rows)}</section>\n"
     if content.tools:
         tools = (("Where", False), ("Station", False), ("Tool", False))
-        rows = (row([shown(t.where), shown(t.station), shown(t.tool)])
-                for t in content.tools)  # fmt: skip
-        yield f"<section><h2>Tools to load</h2>{table('tools', tools, rows)}</section>\n"
+        cells = [[shown(t.where), shown(t.station), shown(t.tool)] for t in content.tools]
+        used, cells = used_columns(tools, cells)
+        made = table("tools", used, map(row, cells))
+        yield f"<section><h2>Tools to load</h2>{made}</section>\n"
     yield _operations(content)
 
 
@@ -222,21 +223,21 @@ def _operations(content: Content) -> str:
              (f"Feed, {_RATE}", True), *([("Speed, rpm", True)] if is_bar else []),
              ("Time, s", True)]  # fmt: skip
     cells = [_operation(op, is_bar) for op in content.operations[:MAX_ROWS]]
-    used = [k for k in range(len(heads)) if any(line[k] for line in cells)]
+    used, cells = used_columns(heads, cells)
     rows = [
-        row([line[k] for k in used], f" data-line={op.line}")
+        row(line, f" data-line={op.line}")
         for line, op in zip(cells, content.operations, strict=False)
     ]
     more = len(content.operations) - len(rows)
     note = f"<p>{more} more operations are not listed.</p>" if more > 0 else ""
     return (
         f"<section><h2>Operations ({len(content.operations)}, {clock(content.seconds)})</h2>"
-        f"{table('operations', [heads[k] for k in used], rows)}{note}</section>\n"
+        f"{table('operations', used, rows)}{note}</section>\n"
     )
 
 
 def _operation(op: Operation, is_bar: bool) -> list[str]:
-    """The cells of an operation; columns that are empty in all rows are left out."""
+    """The cells of an operation."""
     button = f"<button data-line={op.line}>{op.number}</button>"
     return [button, shown(op.what), *([", ".join(op.faces)] if is_bar else []), length(op.x),
              length(op.y), length(op.depth) if is_bar else length(op.length),

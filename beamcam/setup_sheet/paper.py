@@ -11,6 +11,7 @@ from beamcam.pictures.scene import Scene, Unit, shown
 from beamcam.plain_text import terminal_text
 from beamcam.report.run import as_message, message_line
 from beamcam.setup_sheet.content import Content, clock
+from beamcam.setup_sheet.html import used_columns
 from beamcam.setup_sheet.operations import Operation
 from beamcam.setup_sheet.page import MAX_ROWS, verdict_of
 
@@ -89,14 +90,17 @@ def _tables(content: Content) -> Iterator[Any]:
     if content.tools:
         yield _title("Tools to load")
         rows = [[t.where, t.station, t.tool] for t in content.tools]
-        yield _table([["Where", "Station", "Tool"], *rows], [180, 180, 170], (), True)
+        heads, rows = used_columns([("Where", 180.0), ("Station", 180.0), ("Tool", 170.0)], rows)
+        yield _table([[head for head, _ in heads], *rows], [wide for _, wide in heads], (), True)
     count = len(content.operations)
     yield _title(f"Operations ({count}, {clock(content.seconds)})")
     head = ["No.", "Operation", "Face", f"X, {unit}", f"Y, {unit}", f"Depth, {unit}",
             f"Feed, {unit}/min", "Speed, rpm", "Time, s"]  # fmt: skip
     rows = [_operation(op, unit) for op in content.operations[:MAX_ROWS]]
-    widths = [28.0, 110, 40, 62, 58, 58, 65, 60, 50]
-    yield _table([head, *rows], widths, (0, 3, 4, 5, 6, 7, 8), True)
+    widths = (28.0, 110.0, 40.0, 62.0, 58.0, 58.0, 65.0, 60.0, 50.0)
+    used, rows = used_columns(list(zip(head, widths, strict=True)), rows)
+    right = [k for k, (name, _) in enumerate(used) if name not in ("Operation", "Face")]
+    yield _table([[name for name, _ in used], *rows], [wide for _, wide in used], right, True)
     if count > MAX_ROWS:
         yield _text(f"{count - MAX_ROWS} more operations are not listed.")
 

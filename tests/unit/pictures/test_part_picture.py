@@ -93,6 +93,9 @@ def test_dimensions_show_each_place_along_x() -> None:
         if isinstance(feature, Hole | Slot):
             assert feature.x in shown
     assert part.length in shown
+    gusset = Drawing(to_svg(part_scene(part_of(SAMPLES / "dstv" / "gusset.nc1"))))
+    edges = {"0", "20", "80", "100", "150", "180", "240", "260"}
+    assert edges <= set(gusset.texts)
     inches = Drawing(to_svg(part_scene(part, "inch")))
     assert f"{part.length / 25.4:.3f}".rstrip("0") in inches.texts
 

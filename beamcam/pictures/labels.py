@@ -1,0 +1,56 @@
+"""Places for small texts beside what they name, so that none lies over another."""
+
+from collections.abc import Iterator
+from itertools import product
+
+from beamcam.pictures.scene import Point
+
+Box = tuple[float, float, float, float]
+
+#: Ways to go from a place: up to the right first, where a reader looks for a number.
+SIDES = ((1, -1), (-1, -1), (1, 1), (-1, 1), (0, -1), (0, 1), (1, 0), (-1, 0))
+CELL = 16.0  #: pixels of the squares by which neighbours are found
+LETTER = 0.6  #: width of a letter, in sizes of the text
+CAPITAL = 0.72  #: height of a capital
+
+
+class Labels:
+    """What lies on a paper already, and room for more texts."""
+
+    def __init__(self) -> None:
+        self._cells: dict[tuple[int, int], list[Box]] = {}
+
+    def block(self, box: Box) -> None:
+        """Nothing is to lie over this box."""
+        for cell in _cells(box):
+            self._cells.setdefault(cell, []).append(box)
+
+    def place(self, at: Point, gap: float, text: str, size: float, rings: int = 3) -> Point | None:
+        """The base line's beginning of a text near a place, which is taken from then on.
+
+        The first free one of the sides, `gap` away, then further off; None where none is free.
+        """
+        wide, high = LETTER * size * len(text), CAPITAL * size
+        for ring in range(rings):
+            for right, down in SIDES:
+                off = gap + ring * (high + 1.0)
+                x = at[0] + right * off - wide * (1 - right) / 2
+                y = at[1] + down * off + high * (1 + down) / 2
+                box = (x, y - high, x + wide, y)
+                if self._is_free(box):
+                    self.block(box)
+                    return x, y
+        return None
+
+    def _is_free(self, box: Box) -> bool:
+        near = (other for cell in _cells(box) for other in self._cells.get(cell, ()))
+        return not any(_overlap(box, other) for other in near)
+
+
+def _cells(box: Box) -> Iterator[tuple[int, int]]:
+    x0, y0, x1, y1 = (int(v // CELL) for v in box)
+    return product(range(x0, x1 + 1), range(y0, y1 + 1))
+
+
+def _overlap(a: Box, b: Box) -> bool:
+    return a[0] < b[2] and b[0] < a[2] and a[1] < b[3] and b[1] < a[3]
