@@ -16,6 +16,7 @@ from msgspec import Struct
 from beamcam.readers.ifc.cutters import Cutter
 from beamcam.readers.ifc.entities import Entity, Model, Unreadable
 from beamcam.readers.ifc.facets import shell_of
+from beamcam.readers.ifc.relations import features_of
 from beamcam.readers.ifc.shell import Shell
 from beamcam.readers.ifc.solids import definition_of, is_faceted, mapping, pushed, solid_cutters
 from beamcam.readers.ifc.space import IDENTITY, Frame, Vec
@@ -106,12 +107,8 @@ def body_representation(element: Entity) -> Entity:
 
 
 def openings_of(model: Model, element: Entity) -> Iterator[Removed]:
-    """Solids removed by the openings and voiding features of an element."""
-    voids = getattr(element, "HasOpenings", ())
-    if not voids:
-        return
-    for relation in voids:
-        opening = relation.values[5]
+    """Solids removed by the openings and voiding features of an element and of its assemblies."""
+    for opening in features_of(element, "IfcRelVoidsElement"):
         frame = relative_placement(model, element, opening)
         if opening.values[6] is None:
             raise Unreadable(f"an opening {opening.GlobalId} without geometry")

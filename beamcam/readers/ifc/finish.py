@@ -102,9 +102,8 @@ def from_regions(
     levels: list[Level] = [(w, *row[i]) for w, row in regions.items() for i in (0, -1)]
     if not any(pieces_of(s) for _, _, s in levels):
         raise Unreadable("cuts that leave nothing")
-    start, end = fitted_end(-1, levels), fitted_end(1, levels)
-    if start is None or end is None:
-        raise Unreadable("ends that no plane describes")
+    # A round end has no plane: it is square where it ends, and its contour says the rest.
+    start, end = (fitted_end(side, levels) or End(side, 0.0, 0.0, 0.0) for side in (-1, 1))
     x0, x1 = span or _extents(every, section, (sole[0] or start, sole[1] or end))
     start, end = _reaching(start, every, section, x0), _reaching(end, every, section, x1)
     found: list[Hole | Slot | Contour] = list(holes)

@@ -13,6 +13,7 @@ from beamcam.caches import cached
 from beamcam.readers.ifc.brep import BrepError, surfaces_of
 from beamcam.readers.ifc.entities import Entity, Model, Unreadable
 from beamcam.readers.ifc.references import broken_reference
+from beamcam.readers.ifc.relations import features_of
 from beamcam.readers.ifc.shell import Shell, shell
 from beamcam.readers.ifc.space import cross, size, sub
 from beamcam.readers.ifc.surfaces import Cylinder, Unnamed
@@ -129,7 +130,7 @@ def _made(form: tuple[str, str], solid: Any) -> Any:
 
 def _solid(model: Model, element: Entity, asked: Mapping[str, Any] | None = None) -> Any:
     """The kernel's solid of an element, with settings of its own. Raises Unreadable."""
-    openings = [r.RelatedOpeningElement for r in getattr(element, "HasOpenings", None) or ()]
+    openings = features_of(element, "IfcRelVoidsElement")
     used = [reached(each) for each in (element, *openings)]
     if any(each is None for each in used):
         raise Unreadable("geometry that contains itself")

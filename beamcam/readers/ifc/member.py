@@ -40,6 +40,7 @@ from beamcam.readers.ifc.marks import (
 from beamcam.readers.ifc.naming import named, remark_at
 from beamcam.readers.ifc.opening import open_file
 from beamcam.readers.ifc.options import Options, Selection
+from beamcam.readers.ifc.relations import features_of
 from beamcam.readers.ifc.semantic import read_swept
 from beamcam.readers.ifc.space import IDENTITY
 
@@ -192,6 +193,8 @@ class Members(Struct):
             said += self._kernel_check(element, body, part, shaped, profile, data)
         said += tuple(rules.FITTED.at(source, found=kind) for kind in shaped.fitted)
         said += tuple(rules.PIECES.at(source, found=text) for text in shaped.remarks)
+        if projections := features_of(element, "IfcRelProjectsElement"):
+            said += (rules.PROJECTION.at(source, found=len(projections)),)
         said = tuple(rules.forced(d) if self.options.force else d for d in said)
         self.taken.said += said
         if any(d.severity is Severity.ERROR for d in said):

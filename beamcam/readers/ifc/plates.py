@@ -41,8 +41,11 @@ def plate_of(model: Model, element: Entity, profile: Entity, depth: float) -> Pl
 
 
 def _plate_of(model: Model, element: Entity, profile: Entity, depth: float) -> Plate | None:
-    if profile.is_a("IfcRectangleHollowProfileDef") or profile.is_a("IfcCircleHollowProfileDef"):
+    if profile.is_a("IfcRectangleHollowProfileDef"):
         return None
+    is_ring = profile.is_a("IfcCircleHollowProfileDef")
+    if is_ring and depth >= profile.WallThickness * model.mm:
+        return None  # a tube
     if (
         profile.is_a() == "IfcRectangleProfileDef"
         and depth >= min(profile.XDim, profile.YDim) * model.mm
@@ -63,7 +66,7 @@ def _plate_of(model: Model, element: Entity, profile: Entity, depth: float) -> P
     section = classify(outline.outer, outline.inner)
     code = section.code if section is not None else None
     least = min(box.length, box.width)
-    if code in ("M", "RO") or (
+    if (code in ("M", "RO") and not is_ring) or (
         code is not None and code not in ("B", "SO") and depth > THIN * least
     ):
         return None

@@ -276,7 +276,7 @@ def _asymmetric(entity: Entity, mm: float, made: Any, frame: Frame) -> Section:
         half = entity.OverallDepth * mm / 2
         web = entity.WebThickness * mm
         upper = entity.TopFlangeFilletRadius
-        rounds = (radius or 0.0) * mm, (radius if upper is None else upper or 0.0) * mm
+        rounds = (radius or 0.0) * mm, ((radius if upper is None else upper) or 0.0) * mm
         drawn = _two_flanges(
             half, web, (bottom * mm, thick * mm), (top * mm, thick_top * mm), rounds
         )

@@ -55,7 +55,7 @@ class Entity(Struct, eq=False, gc=False):
     """A record of the file. Its values are read from the text when one is first asked for.
 
     `beam.Tag` is an attribute by its name, `beam.values[7]` the same by its place, which is
-    faster; `beam.HasOpenings` are the relations to what is cut out of it.
+    faster.
 
     A model has a hundred thousand, over which the garbage collector would walk again and again. It
     does not know them: what leads back to itself is parted when the file is closed.
@@ -93,8 +93,6 @@ class Entity(Struct, eq=False, gc=False):
         place = self.row.places.get(name)
         if place is not None:
             return self.values[place]
-        if name == "HasOpenings":
-            return self.file.openings().get(self, ())
         raise AttributeError(f"{self.row.name} has no {name}")
 
     @property
@@ -160,11 +158,11 @@ class File:
         self.tokens = Tokens(self._referred)
         self._unread = {n for n, kind in self._records.kinds.items() if kind.upper() in MANY}
         self.tied: dict[str, dict[int, list[str]]] = {}  #: names by indices; see relations.py
-        self._openings: defaultdict[Entity, list[Entity]] | None = None
+        self._related: dict[str, dict[Entity, list[Entity]]] = {}
 
     def close(self) -> None:
         """Let go of all entities, they of the file and of one another: the collector knows none."""
-        self._openings = None
+        self._related = {}
         for thing in self._things[self._met & ~self._numbers].tolist():
             if isinstance(thing, Entity):
                 thing.values = ()  # which may lead back to it
@@ -275,10 +273,11 @@ class File:
         """The text in the brackets of those records of a class that begin with one of `texts`."""
         return self._records.beginning(kind, texts)
 
-    def openings(self) -> dict[Entity, list[Entity]]:
-        """The relations to what is cut out of elements, by these."""
-        if self._openings is None:
-            self._openings = defaultdict(list)
-            for relation in self.by_type("IfcRelVoidsElement"):
-                self._openings[relation.values[4]].append(relation)
-        return self._openings
+    def related(self, name: str) -> dict[Entity, list[Entity]]:
+        """The relations of a class to a feature each, by the elements that have the features."""
+        known = self._related.get(name)
+        if known is None:
+            known = self._related[name] = defaultdict(list)
+            for relation in self.by_type(name):
+                known[relation.values[4]].append(relation)
+        return known

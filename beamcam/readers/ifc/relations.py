@@ -35,6 +35,21 @@ def tied(element: Entity, what: str) -> list[str]:
     return known.get(element.index, [])
 
 
+def features_of(element: Entity, relation: str) -> list[Entity]:
+    """The features that relations of a class give an element: its own, and those of its wholes.
+
+    An opening in an assembly goes through all that it is made of.
+    """
+    related = element.file.related(relation)
+    if not related:
+        return []
+    hosts = [element]
+    for host in hosts:
+        wholes = map(element.file.entity, tied(host, "wholes"))
+        hosts += [whole for whole in wholes if whole not in hosts]
+    return [one.values[5] for host in hosts for one in related.get(host, ())]
+
+
 def _tied(file: File, what: str) -> dict[int, list[str]]:
     """As `tied`, by the indices of all elements."""
     classes, place = _CLASSES[what]

@@ -198,6 +198,13 @@ VOLUME_OFF = replace(
     code="ifc-volume-off",
     reason="The difference is above 0.5 %. --force takes the member as read.",
 )
+PROJECTION = Rule(
+    "ifc-projection",
+    _E,
+    "found {found} projections, steel that is added to the member; expected none, they are not read",
+    "Stiffeners and lugs that are modelled so are parts by themselves. --force takes the member "
+    "without them.",
+)
 PIECES = Rule(
     "ifc-pieces",
     _W,
@@ -242,7 +249,7 @@ RULES = (
     GEOMETRY, SECTION, ODD_CUT, OUTLINE, PROFILE_NAME, LENGTH, WEIGHT, WEIGHT_NEAR, NET_VOLUME,
     CUTOUT, KERNEL, KERNEL_LOG, KERNEL_DIED, KERNEL_DENIED, FITTED, UNEXPLAINED, SECTION_AREA,
     KINKED, ROOT_FILLET, LEANING, VOLUME, VOLUME_OFF, PIECES, BOLT_HOLES, BOLT_AIR, BOLT_SHANK,
-    BOLTS, BOLT_SKEW,
+    BOLTS, BOLT_SKEW, PROJECTION,
 )  # fmt: skip
 
 

@@ -11,6 +11,7 @@ from beamcam.readers.ifc import Options, Selection, looks_like, read
 from beamcam.readers.ifc.rules import RULES
 from tests.property.ifc_cuts import SIZES, Bar, Box, model_of
 from tests.unit.readers.ifc.models import ORIGIN, Small
+from tests.unit.readers.ifc.test_wholes import with_a_projection
 
 
 def plain() -> Small:
@@ -251,6 +252,7 @@ CASES: dict[str, Callable[[], bytes]] = {
     "ifc-bolt-shank": with_a_nut,
     "ifc-bolts": bolted,
     "ifc-ledger": lambda: plain().data,
+    "ifc-projection": with_a_projection,
 }
 ELSEWHERE = {
     "ifc-selection", "ifc-kernel", "ifc-kernel-log", "ifc-kernel-died", "ifc-kernel-denied",
