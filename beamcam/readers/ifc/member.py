@@ -211,7 +211,7 @@ class Members(Struct):
 
     def _by_kernel(self, element: Entity, source: Source, reason: Unreadable) -> Shaped | None:
         """The member as the kernel builds it, where its definition is not understood."""
-        kinds = {i.is_a() for i in _items_below(element)}
+        kinds = {i.is_a() for i in _items_below(element) if not _is_straight(i)}
         for rule, names in ((rules.CURVED, CURVED), (rules.TAPERED, TAPERED)):
             for kind in names:
                 if kind in kinds:
@@ -356,6 +356,16 @@ def _items_below(element: Entity) -> Iterator[Entity]:
             todo.append(item.FirstOperand)
         elif item.is_a("IfcCsgSolid"):
             todo.append(item.TreeRootExpression)
+
+
+def _is_straight(item: Entity) -> bool:
+    """Whether a solid is a disc or a ring that is swept along one line: a rod or a pipe."""
+    if not item.is_a("IfcSweptDiskSolid"):
+        return False
+    line = item.Directrix
+    return (line.is_a("IfcPolyline") and len(line.Points) == 2) or (
+        line.is_a("IfcTrimmedCurve") and bool(line.BasisCurve.is_a("IfcLine"))
+    )
 
 
 def _weight(profile: Profile, area: float) -> float:

@@ -201,7 +201,8 @@ VOLUME_OFF = replace(
 PROJECTION = Rule(
     "ifc-projection",
     _E,
-    "found {found} projections, steel that is added to the member; expected none, they are not read",
+    "found {found} projections, steel that is added to the member; expected none, for they are not "
+    "read",
     "Stiffeners and lugs that are modelled so are parts by themselves. --force takes the member "
     "without them.",
 )

@@ -474,3 +474,17 @@ def test_equal_holes_beside_others_of_one_x_are_one() -> None:
     assert [f.y for f in part.features if isinstance(f, Hole)] == pytest.approx(
         [50.0, 80.0, 110.0, 140.0, 170.0, 200.0]
     )
+
+
+@pytest.mark.parametrize(("inner", "code"), [("15.", "RO"), ("$", "RU")])
+def test_a_disc_swept_along_a_line_is_a_pipe_or_a_rod(inner: str, code: str) -> None:
+    m = Small()
+    points = (m.step.point(0, 0, 0), m.step.point(2000, 0, 0), m.step.point(2600, 800, 0))
+    line, kink = (m.add(f"IFCPOLYLINE(({','.join(points[:n])}))") for n in (2, 3))
+    m.element(m.add(f"IFCSWEPTDISKSOLID({line},20.,{inner},$,$)"), tag="P1")
+    m.element(m.add(f"IFCSWEPTDISKSOLID({kink},20.,{inner},$,$)"), tag="P2")
+    found = read(m.data, "m.ifc", options=Options(kernel=True))
+    (part,) = found.parts
+    assert (part.mark, part.profile.code, part.length) == ("P1", code, pytest.approx(2000.0))
+    assert part.profile.height == pytest.approx(40.0)
+    assert [d.code for d in found.diagnostics] == ["ifc-curved", "ifc-ledger"]

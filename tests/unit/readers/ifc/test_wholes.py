@@ -1,4 +1,4 @@
-"""What a whole has, its parts have: openings of an assembly, and steel that is added to a member."""
+"""Openings that an assembly has for its members, and steel that a projection adds to one."""
 
 import pytest
 
