@@ -47,11 +47,37 @@ def test_a_folder_is_listed_with_all_its_pieces(tmp_path: Path) -> None:
     found = lists(tmp_path, str(SAMPLES), "--bar", "6000", "--bar", "12000")
     pieces = {row["mark"]: row["quantity"] for row in found["part_list"]}
     assert pieces == {"B1": 1, "BP1": 2, "C1": 1, "G1": 1, "PL1": 4, "Z1": 6, "S1": 1, "T1": 2,
-                      "TU1": 1, "L-7": 1}  # fmt: skip
-    assert sum(row["total_kg"] for row in found["part_list"]) == pytest.approx(380.076, abs=0.01)  # type: ignore[misc, arg-type]
+                      "TU1": 1, "L-7": 1, "B-12": 2}  # fmt: skip
+    assert sum(row["total_kg"] for row in found["part_list"]) == pytest.approx(582.841, abs=0.01)  # type: ignore[misc, arg-type]
     cut = Counter(row["mark"] for row in found["cutting_list"])
-    assert cut == {"B1": 1, "C1": 1, "Z1": 6, "S1": 1, "T1": 2, "TU1": 1}
+    assert cut == {"B1": 1, "C1": 1, "Z1": 6, "S1": 1, "T1": 2, "TU1": 1, "B-12": 2}
     assert {row["stock"] for row in found["bars"]} == {6000, 12000}
+
+
+def test_what_is_left_to_the_hand_is_a_column_of_every_form(tmp_path: Path) -> None:
+    """Marks and bevels, as the lists beside the programs have them; empty where none makes it."""
+    inputs = [str(SAMPLES / f"{name}.nc1") for name in ("marked", "plate", "lettered", "bent")]
+    wanted: dict[str, list[int | None]] = {
+        "B-12": [3, 0], "PL1": [0, 1], "L-7": [0, 0], "BP1": [None, None],
+    }  # fmt: skip
+    columns = ("marks_by_hand", "bevels_by_hand")
+    rows = lists(tmp_path, *inputs)["part_list"]
+    assert {row["mark"]: [row[name] for name in columns] for row in rows} == wanted
+    assert run("list", *inputs, "-o", str(tmp_path / "l.csv")).exit_code == 0
+    with (tmp_path / "l.csv").open(encoding="utf-8") as file:
+        told = {row["mark"]: [row[name] for name in columns] for row in csv.DictReader(file)}
+    as_text = {mark: ["" if n is None else str(n) for n in row] for mark, row in wanted.items()}
+    assert told == as_text
+    assert run("list", *inputs, "-o", str(tmp_path / "l.xlsx")).exit_code == 0
+    head, *cells = openpyxl.load_workbook(tmp_path / "l.xlsx")["part list"].values
+    at = [head.index(name) for name in columns]
+    assert {row[0]: [row[k] for k in at] for row in cells} == wanted
+    line = next(line for line in run("list", *inputs).stdout.splitlines() if "PL1" in line)
+    assert re.search(r" 4 +0 +1 +DEMO", line)
+    program = str(tmp_path / "marked.gcode")
+    assert run("post", inputs[0], "-o", program).exit_code == 0
+    beside = Path(program + ".hand.csv").read_text(encoding="utf-8").splitlines()
+    assert len(beside) - 1 == 3
 
 
 def test_a_number_of_pieces_for_each(tmp_path: Path) -> None:
@@ -174,7 +200,7 @@ def test_labels_are_read_by_a_scanner(tmp_path: Path) -> None:
     pages = pypdfium2.PdfDocument(output)
     read = [zxingcpp.read_barcode(page.render(scale=3).to_pil()) for page in pages]
     codes = [code.text for code in read if code is not None]
-    assert len(codes) == len(pages) == 20
+    assert len(codes) == len(pages) == 22
     programs = dict(code.split("\n") for code in codes)
     assert programs["B1"] == "beam.gcode"
     assert programs["PL1"].startswith("plate.")
@@ -199,6 +225,31 @@ def test_any_mark_is_read_back(mark: str, size: Size) -> None:
     found = zxingcpp.read_barcode(page.render(scale=5).to_pil())
     assert found is not None
     assert found.text == label.code
+
+
+@settings(deadline=None, max_examples=10)
+@given(
+    st.text(st.characters(codec="utf-8", exclude_categories=("C", "Z")), min_size=1, max_size=200)
+)
+def test_any_mark_is_read_back_as_a_datamatrix(mark: str) -> None:
+    label = Label(mark, ("IPE200  L 1000 mm",), "p.gcode")
+    page = pypdfium2.PdfDocument(as_pdf([label], Size(), "datamatrix"))[0]
+    found = zxingcpp.read_barcode(page.render(scale=5).to_pil())
+    assert found is not None
+    assert (found.text, found.format) == (label.code, zxingcpp.BarcodeFormat.DataMatrix)
+
+
+def test_labels_take_the_code_that_is_asked_for(tmp_path: Path) -> None:
+    words = ("labels", str(SAMPLES / "tie.nc1"), "--quantity", "1", "--code", "datamatrix")
+    assert run(*words, "-o", str(tmp_path / "l.pdf")).exit_code == 0
+    page = pypdfium2.PdfDocument(tmp_path / "l.pdf")[0]
+    found = zxingcpp.read_barcode(page.render(scale=3).to_pil())
+    assert found is not None
+    assert (found.text, found.format) == (
+        "T1\ntie.gcode", zxingcpp.BarcodeFormat.DataMatrix,
+    )  # fmt: skip
+    assert run(*words, "-o", str(tmp_path / "l.zpl")).exit_code == 0
+    assert "^BXN,12,200,,,6,~^FH^FDT1_0Atie.gcode^FS" in (tmp_path / "l.zpl").read_text("ascii")
 
 
 @given(st.lists(st.text(max_size=30), min_size=1, max_size=4))

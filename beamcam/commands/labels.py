@@ -19,7 +19,7 @@ from beamcam.config.values import Config
 from beamcam.errors import BeamcamError, Source, errors_in
 from beamcam.model.part import Part
 from beamcam.pipeline import stock_of
-from beamcam.report.labels import Label, Size, as_pdf, as_zpl
+from beamcam.report.labels import CODES, Code, Label, Size, as_pdf, as_zpl
 from beamcam.report.part_list import PartCount
 
 SUFFIXES = (".pdf", ".zpl")
@@ -47,30 +47,34 @@ def _size(ctx: click.Context, param: click.Parameter, value: str) -> Size:
     "--size", callback=_size, default="100x60", show_default=True, metavar="WxH",
     help="Width and height of a label, mm.",
 )  # fmt: skip
+@click.option(
+    "--code", type=click.Choice(CODES), default="qr", show_default=True, help="Kind of code."
+)
 @click.option("--name", metavar="TEMPLATE", help="Names of the programs, as of `batch`.")
 @member_options
 @drawing_options
 @options.strict
 @options.voiced
 def command(
-    inputs: tuple[str, ...], output: str, size: Size, voice: Voice,
+    inputs: tuple[str, ...], output: str, size: Size, code: Code, voice: Voice,
     **asked: Any,
 ) -> None:  # fmt: skip
     """Write a label for each piece of the parts in files and folders.
 
     A label has the mark, profile, length, grade, order, drawing, the number of the piece and a QR
-    code: the mark and the name of the program that makes it, a line each. Exit status 1 if an input
-    is refused; the others have their labels.
+    code or DataMatrix: the mark and the name of the program that makes it, a line each. Exit status
+    1 if an input is refused; the others have their labels.
 
     \b
     beamcam labels jobs/ -o labels.pdf
     beamcam labels jobs/ -o labels.zpl --size 80x50
+    beamcam labels jobs/ -o labels.pdf --code datamatrix
     """
     try:
         config = settled(asked, inputs)
         counts, said = counted_parts(inputs, config, asked, voice)
         labels = tuple(_labels(counts, config))
-        data = _written(output, labels, size)
+        data = _written(output, labels, size, code)
     except BeamcamError as error:
         voice.stop(error.diagnostics)
     write(output, data, voice, files_read(config, inputs))
@@ -106,15 +110,15 @@ def _lines(part: Part, piece: int, of: int) -> Iterator[str]:
         yield ", ".join(f"{word} {text}" for word, text in where.items() if text)
 
 
-def _written(output: str, labels: Sequence[Label], size: Size) -> str | bytes:
+def _written(output: str, labels: Sequence[Label], size: Size, code: Code) -> str | bytes:
     """The labels as the suffix of the output says. Raises BeamcamError for another suffix."""
     suffix = PurePath(output).suffix.lower()
     if suffix == ".zpl":
-        return as_zpl(labels, size)
+        return as_zpl(labels, size, code)
     if suffix != ".pdf":
         found = OUTPUT_FORMAT.at(Source(output), found=suffix, expected=", ".join(SUFFIXES))
         raise BeamcamError((found,))
     try:
-        return as_pdf(labels, size)
+        return as_pdf(labels, size, code)
     except ImportError as error:
         raise refuse_missing(error, "labels") from error

@@ -13,14 +13,29 @@ from beamcam.commands.listed import counted_parts, refuse_missing
 from beamcam.commands.members import member_options
 from beamcam.commands.quantities import quantity
 from beamcam.commands.rules import OUTPUT_FORMAT
-from beamcam.commands.settings import files_read, machine_of_stock, settled
+from beamcam.commands.settings import files_read, machine_of_stock, machines_of_stock, settled
 from beamcam.commands.sheets import drawing_options
 from beamcam.config.values import Config
-from beamcam.errors import BeamcamError, Diagnostic, Severity, Source, errors_in
+from beamcam.errors import BeamcamError, Diagnostic, PlanError, Severity, Source, errors_in
+from beamcam.machine.machine import Machine
+from beamcam.machine_choice import first_that_makes
 from beamcam.model.part import Part
+from beamcam.model.plan import Plan, SheetPlan
+from beamcam.pipeline import stock_of
 from beamcam.plain_text import terminal_text
+from beamcam.planning.rules import named_skips
 from beamcam.planning.stock_bars import first_fit
-from beamcam.report.part_list import CutBar, PartCount, bar_list, cutting_list, part_list, total_row
+from beamcam.posts import Job, post_of
+from beamcam.report.hand_list import MARKS, hand_rows
+from beamcam.report.part_list import (
+    ByHand,
+    CutBar,
+    PartCount,
+    bar_list,
+    cutting_list,
+    part_list,
+    total_row,
+)
 from beamcam.report.tables import Table, as_csv, as_json, as_lines, as_xlsx
 
 SCHEMA = "beamcam/list/1"
@@ -51,7 +66,8 @@ def command(
 ) -> None:  # fmt: skip
     """Write the part list of files and folders, and the cutting list of their bars.
 
-    The part list has mark, profile, length, quantity, grade, weight, holes and marks. Beams are
+    The part list has mark, profile, length, quantity, grade, weight, holes and marks, and what the
+    machine's program leaves to the hand: marks and bevels. Beams are
     laid on bars of stock in the order given, first fit, one section and grade to a bar, with the
     kerfs and trims of the machine. Exit status 1 if an input is refused; the others are listed.
 
@@ -63,6 +79,7 @@ def command(
     try:
         config = settled(asked, inputs)
         counts, said = counted_parts(inputs, config, asked, voice)
+        counts = tuple(replace(one, by_hand=_by_hand(one.part, config)) for one in counts)
         nested, refused = _bars(counts, config, tuple(bars) or config.stock_lengths)
         data = _written(output, counts, nested, table)
     except BeamcamError as error:
@@ -72,6 +89,22 @@ def command(
     voice.say(said)
     if errors_in(said):
         raise SystemExit(REFUSED)
+
+
+def _by_hand(part: Part, config: Config) -> ByHand | None:
+    """What is left to the hand by the first machine that makes a part; None if none does."""
+    machines = machines_of_stock(config, stock_of([part]), "", is_one_of_two=True)
+    skips = named_skips(config.allow_skips)
+
+    def planned(machine: Machine) -> Plan | SheetPlan:
+        return post_of(machine).plan(Job((part,), machine, skips=skips))
+
+    try:
+        _, plan, _ = first_that_makes(machines, planned, part.source)
+    except PlanError:
+        return None
+    kinds = [row["kind"] for row in hand_rows(plan)]
+    return ByHand(sum(kind in MARKS for kind in kinds), kinds.count("bevel"))
 
 
 def _bars(

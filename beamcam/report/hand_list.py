@@ -14,6 +14,7 @@ from beamcam.model.part import Contour, Feature, Hole, Part, Slot, TextMark
 from beamcam.model.plan import Plan, SheetPlan
 from beamcam.plain_text import harmless_cell
 
+MARKS = ("text", "point", "line")  #: kinds of rows that are marks
 LIST_SUFFIX = ".hand.csv"  #: behind a program's name, for the list beside it
 
 

@@ -1,15 +1,19 @@
-"""Labels: one for each piece, with a QR code that a scanner at the machine reads.
+"""Labels: one for each piece, with a QR code or DataMatrix that a scanner at the machine reads.
 
 The code holds the part's mark and the program's name, a line each. PDF by reportlab, one label a
-page; ZPL II for Zebra printers, whose own QR code is used (command ^BQ).
+page; ZPL II for Zebra printers, whose own codes are used (commands ^BQ and ^BX).
 """
 
 import io
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
+from typing import Literal
 
 from msgspec import Struct
 
 from beamcam.plain_text import terminal_text
+
+Code = Literal["qr", "datamatrix"]
+CODES: tuple[Code, ...] = ("qr", "datamatrix")
 
 MM = 72 / 25.4  #: points of PDF
 DOTS = 8  #: a millimetre of a Zebra printer of 203 dpi
@@ -55,7 +59,7 @@ class Size(Struct, frozen=True):
         return min(6.0, (self.height - 2 * MARGIN - self.mark - QUIET) / MAX_LINES)
 
 
-def as_pdf(labels: Iterable[Label], size: Size) -> bytes:
+def as_pdf(labels: Iterable[Label], size: Size, code: Code = "qr") -> bytes:
     """A page for each label; the same labels give the same bytes. Raises ImportError."""
     from reportlab.pdfgen.canvas import Canvas
 
@@ -77,7 +81,7 @@ def as_pdf(labels: Iterable[Label], size: Size) -> bytes:
             canvas.setFont(font, _fitting(shown, font, 0.8 * size.line, free))
             base = top - size.mark - QUIET - (number + 0.7) * size.line
             canvas.drawString(left, base, shown)
-        _draw_code(canvas, label.code, size)
+        _draw_code(canvas, code_rows(label.code, code), size)
         canvas.showPage()
     canvas.save()
     return out.getvalue()
@@ -99,9 +103,8 @@ def _fitting(text: str, font: str, high: float, width: float) -> float:
     return min(high, width / max(float(stringWidth(text, font, 1.0)), 1e-9))
 
 
-def _draw_code(canvas: object, text: str, size: Size) -> None:
-    """The QR code in the lower right corner, a module as a square."""
-    rows = code_rows(text)
+def _draw_code(canvas: object, rows: Sequence[Sequence[int]], size: Size) -> None:
+    """The code in the lower right corner, a module as a square."""
     module = size.code / len(rows)
     x0, y0 = size.width - MARGIN - size.code, MARGIN
     for row, modules in enumerate(rows):
@@ -111,21 +114,24 @@ def _draw_code(canvas: object, text: str, size: Size) -> None:
                 canvas.rect(x, y, module, module, stroke=0, fill=1)  # type: ignore[attr-defined]
 
 
-def code_rows(text: str) -> tuple[tuple[int, ...], ...]:
-    """The modules of a QR code of a text, its quiet zone left to the label. Raises ImportError."""
+def code_rows(text: str, code: Code = "qr") -> tuple[tuple[int, ...], ...]:
+    """The modules of a text's code, its quiet zone left to the label. Raises ImportError."""
+    if code == "datamatrix":
+        from beamcam.report.datamatrix import datamatrix_rows
+
+        return datamatrix_rows(text)
     import segno
 
     return tuple(map(tuple, segno.make_qr(text, error="m").matrix))
 
 
-def as_zpl(labels: Iterable[Label], size: Size) -> str:
+def as_zpl(labels: Iterable[Label], size: Size, code: Code = "qr") -> str:
     """ZPL II for a printer of 203 dpi: each label between ^XA and ^XZ."""
-    return "".join(_zpl(label, size) for label in labels)
+    return "".join(_zpl(label, size, code) for label in labels)
 
 
-def _zpl(label: Label, size: Size) -> str:
+def _zpl(label: Label, size: Size, code: Code) -> str:
     width, height, margin = (round(v * DOTS) for v in (size.width, size.height, MARGIN))
-    magnification = max(1, min(10, round(size.code * DOTS / 33)))
     x = width - margin - round(size.code * DOTS)
     y = height - margin - round(size.code * DOTS)
     fields = [f"^XA^CI28^PW{width}^LL{height}", _field(margin, margin, size.mark, label.mark)]
@@ -134,8 +140,18 @@ def _zpl(label: Label, size: Size) -> str:
         _field(margin, round((first + k * size.line) * DOTS), 0.8 * size.line, text)
         for k, text in enumerate(label.lines[:MAX_LINES])
     )
-    fields.append(f"^FO{x},{y}^BQN,2,{magnification}^FH^FDMA,{_escaped(label.code)}^FS")
+    fields.append(f"^FO{x},{y}{_zpl_code(label.code, size, code)}^FS")
     return "\n".join([*fields, "^XZ"]) + "\n"
+
+
+def _zpl_code(text: str, size: Size, code: Code) -> str:
+    """The printer's own code, in dots a module."""
+    dots = size.code * DOTS
+    if code == "qr":
+        return f"^BQN,2,{max(1, min(10, round(dots / 33)))}^FH^FDMA,{_escaped(text)}"
+    # The last value is the sign that the printer's own escapes begin with: one that is not there.
+    escape = next(sign for sign in "~|#@$" if sign not in text)
+    return f"^BXN,{max(1, min(20, round(dots / 24)))},200,,,6,{escape}^FH^FD{_escaped(text)}"
 
 
 def _field(x: int, y: int, high: float, text: str) -> str:

@@ -10,7 +10,7 @@ from beamcam.report.tables import Cell, Table
 
 PARTS = (
     "mark", "profile", "length", "quantity", "grade", "weight_kg", "total_kg", "holes", "slots",
-    "contours", "marks", "order", "drawing", "phase", "file",
+    "contours", "marks", "marks_by_hand", "bevels_by_hand", "order", "drawing", "phase", "file",
 )  # fmt: skip
 BARS = ("bar", "profile", "grade", "stock", "pieces", "parts", "cuts", "remnant", "used_percent")
 CUTS = ("bar", "piece", "mark", "profile", "grade", "length", "start", "file")
@@ -21,6 +21,14 @@ class PartCount(Struct, frozen=True):
 
     part: Part
     quantity: int
+    by_hand: "ByHand | None" = None  #: None where no machine takes the part
+
+
+class ByHand(Struct, frozen=True):
+    """What a machine's program leaves to the hand of one piece."""
+
+    marks: int
+    bevels: int
 
 
 class CutBar(Struct, frozen=True):
@@ -34,12 +42,13 @@ class CutBar(Struct, frozen=True):
 
 def part_list(wanted: Iterable[PartCount]) -> Table:
     """A row for each part: weights are before holes and copes, empty where they are not known."""
-    rows = tuple(_part_row(one.part, one.quantity) for one in wanted)
-    decimals = (None, None, 3, None, None, 3, 3, *(None,) * 8)
+    rows = tuple(_part_row(one) for one in wanted)
+    decimals = (None, None, 3, None, None, 3, 3, *(None,) * 10)
     return Table("part list", PARTS, rows, decimals)
 
 
-def _part_row(part: Part, quantity: int) -> tuple[Cell, ...]:
+def _part_row(one: PartCount) -> tuple[Cell, ...]:
+    part, quantity, by_hand = one.part, one.quantity, one.by_hand
     weight = weight_of(part)
     lines = [c for c in part.contours if c.process != "cut"]
     points = [hole for hole in part.holes if hole.kind == "mark"]
@@ -47,8 +56,9 @@ def _part_row(part: Part, quantity: int) -> tuple[Cell, ...]:
         part.mark, part.profile.name, part.length, quantity, part.grade, weight,
         None if weight is None else weight * quantity, len(list(part.holes)) - len(points),
         len(list(part.slots)), len(list(part.contours)) - len(lines),
-        len(lines) + len(points) + len(list(part.texts)), part.order, part.drawing, part.phase,
-        part.source.file,
+        len(lines) + len(points) + len(list(part.texts)),
+        *((None, None) if by_hand is None else (by_hand.marks, by_hand.bevels)), part.order,
+        part.drawing, part.phase, part.source.file,
     )  # fmt: skip
 
 
