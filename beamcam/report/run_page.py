@@ -120,7 +120,7 @@ def _total_row(name: str, total: _Total) -> str:
     return (
         f'<tr><td>{_shown(name)}<td class="n">{_clock(total.seconds)}'
         f'<td class="n">{total.programs}<td class="n">{total.pieces}'
-        f'<td class="n">{total.stock / MM_PER_M:.2f}</tr>'
+        f'<td class="n">{f"{total.stock / MM_PER_M:.2f}" if total.stock else ""}</tr>'
     )
 
 

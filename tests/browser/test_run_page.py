@@ -56,3 +56,33 @@ def test_a_link_opens_the_sheet(browser: Browser, page: Path) -> None:
 def test_a_phone_needs_no_scrolling_sideways(browser: Browser, page: Path) -> None:
     browser.open(page, 390)
     assert browser.run("return document.documentElement.scrollWidth") <= 390
+
+
+def test_the_head_stays_and_the_totals_hold(browser: Browser, page: Path) -> None:
+    browser.open(page)
+    browser.run("document.body.style.minHeight = '3000px'; window.scrollTo(0, 260)")
+    tops = browser.run(
+        "return ['header', '#files thead th'].map((s) => document.querySelector(s)"
+        ".getBoundingClientRect().top)"
+    )
+    header = float(browser.run("return document.querySelector('header').offsetHeight"))
+    assert tops[0] == 0
+    assert 0 <= tops[1] <= header + 1
+    rows = browser.run(
+        "return [...document.querySelectorAll('.totals section:first-child tr')].slice(1)"
+        ".map((r) => [...r.cells].map((c) => c.textContent))"
+    )
+    machines, whole = rows[:-1], rows[-1]
+    assert [row[0] for row in rows] == ["beamline", "plate-linuxcnc", "all"]
+    for column in (2, 3):
+        assert sum(int(row[column]) for row in machines) == int(whole[column])
+    assert float(machines[0][4]) > 3.0  # the channel is 3 m
+    tools = browser.run("return document.querySelector('.totals section:last-child').textContent")
+    assert "drill 18 (2)" in tools
+
+
+def test_a_phone_sorts_too(browser: Browser, page: Path) -> None:
+    browser.open(page, 390)
+    assert shown(browser)[0] == "tube.nc1"
+    browser.click("#files th button")
+    assert shown(browser) == sorted(shown(browser))

@@ -1,5 +1,6 @@
 """The setup sheet in a browser: opened from disk, played, scrubbed, stepped and clicked."""
 
+import base64
 import json
 import re
 from pathlib import Path
@@ -23,6 +24,7 @@ STEP = 0.001  #: of positions in a page
 JOBS = {
     "bar": (ANNEX, "beamline-annex", ".gcode"),
     "plate": ([str(DSTV / "gusset.nc1")], "plate-linuxcnc", ".ngc"),
+    "laser": ([str(JSON / "curves.json")], "laser-grbl", ".nc"),
     "steps": ([str(JSON / "shield-small.json")], "laser-stepper", ".steps"),
     "triggers": ([str(JSON / "shield.json")], "table-simotion", ".st"),
 }
@@ -82,6 +84,33 @@ def test_a_page_moves_as_the_simulator_says(browser: Browser, folder: Path, name
     assert browser.complaints == []
     assert browser.requests == [(folder / f"{name}.html").as_uri()]
     assert "is the one that was read back" in browser.text("hash-said")
+
+
+def drawing(browser: Browser, view: str) -> str:
+    """A view as an image."""
+    return str(browser.run(
+        "return document.querySelector(`canvas[data-view=${arguments[0]}]`).toDataURL()", view
+    ))  # fmt: skip
+
+
+def test_the_cell_is_seen_from_above_from_the_side_and_in_space(
+    browser: Browser, folder: Path
+) -> None:
+    browser.open(folder / "bar.html")
+    views = ("above", "side", "space")
+    seen = []
+    for share in (0.0, 0.3, 0.9):
+        browser.run("Sheet.go(Sheet.trace.duration * arguments[0])", share)
+        seen.append([drawing(browser, view) for view in views])
+    assert len({image for row in seen for image in row}) == 9
+    browser.run("document.querySelector('canvas[data-view=space]').focus()")
+    browser.keys("\ue014")  # the arrow to the right
+    turned = [drawing(browser, view) for view in views]
+    assert [a == b for a, b in zip(turned, seen[-1], strict=True)] == [True, True, False]
+    browser.click("#whole")
+    assert all(drawing(browser, view) != image
+               for view, image in zip(views, turned, strict=True))  # fmt: skip
+    assert browser.complaints == []
 
 
 def test_it_plays_pauses_and_steps_by_block(browser: Browser, folder: Path) -> None:
@@ -145,6 +174,13 @@ def test_all_goes_by_keyboard_and_has_a_name(browser: Browser, folder: Path) -> 
     assert browser.run("return Sheet.playing")
     browser.keys(" ")
     assert not browser.run("return Sheet.playing")
+    reached = set()
+    browser.run("document.activeElement.blur()")
+    for _ in range(40):
+        browser.keys("\ue004")  # Tab
+        reached.add(str(browser.run("return document.activeElement.id")))
+    wanted = "unit program-file time first back play forward speed listing"
+    assert set(wanted.split()) <= reached
     nameless = browser.run(
         "return [...document.querySelectorAll('button, input, select, canvas, [tabindex]')]"
         ".filter((e) => !(e.ariaLabel || e.textContent.trim() || (e.labels && e.labels.length)))"
@@ -198,7 +234,40 @@ def test_numbers_are_written_as_the_reader_does(browser: Browser, folder: Path) 
         browser.driver.execute_cdp_cmd("Emulation.setLocaleOverride", {})
 
 
-@pytest.mark.parametrize("name", ["bar", "plate"])
+def test_the_dark_page_is_dark(browser: Browser, folder: Path) -> None:
+    light = {"name": "prefers-color-scheme", "value": "light"}
+    try:
+        browser.open(folder / "bar.html")
+        bright = drawing(browser, "above")
+        media = {"features": [light | {"value": "dark"}]}
+        browser.driver.execute_cdp_cmd("Emulation.setEmulatedMedia", media)
+        ground = "return getComputedStyle(document.documentElement).backgroundColor"
+        assert browser.run(ground) == "rgb(18, 23, 29)"
+        assert drawing(browser, "above") != bright
+        hole = "return getComputedStyle(document.querySelector('circle.hole')).fill"
+        assert browser.run(hole) == "rgb(18, 23, 29)"
+    finally:
+        browser.driver.execute_cdp_cmd("Emulation.setEmulatedMedia", {"features": [light]})
+
+
+def test_on_paper_it_is_a4_without_the_playback(browser: Browser, folder: Path) -> None:
+    browser.open(folder / "bar.html")
+    try:
+        browser.driver.execute_cdp_cmd("Emulation.setEmulatedMedia", {"media": "print"})
+        style = "return getComputedStyle(document.querySelector(arguments[0]))[arguments[1]]"
+        assert browser.run(style, ".playback", "display") == "none"
+        assert browser.run(style, "#program-check", "display") == "none"
+        assert browser.run(style, "#operations td:last-child", "textAlign") == "right"
+        paper = browser.driver.execute_cdp_cmd("Page.printToPDF", {"preferCSSPageSize": True})
+    finally:
+        browser.driver.execute_cdp_cmd("Emulation.setEmulatedMedia", {"media": ""})
+    data = base64.b64decode(paper["data"])
+    boxes = {tuple(round(float(v)) for v in found.split())
+             for found in re.findall(rb"/MediaBox \[([\d. ]+)\]", data)}  # fmt: skip
+    assert boxes == {(0, 0, 595, 842)}
+
+
+@pytest.mark.parametrize("name", JOBS)
 def test_a_phone_shows_it_without_scrolling_sideways(
     browser: Browser, folder: Path, name: str
 ) -> None:

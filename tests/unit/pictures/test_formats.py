@@ -19,7 +19,7 @@ from beamcam.pictures.profile import profile_scene, ticks
 from beamcam.pictures.scene import Circle, Polyline, Scene, Text
 from beamcam.pictures.styles import STYLES, css
 from beamcam.pictures.svg import to_svg
-from beamcam.report.velocity_profile import MM_S, RPM
+from beamcam.report.velocity_profile import MM_S, RPM, Unit
 from tests.unit.pictures.drawings import Drawing, corners
 
 GUIDE = profile_to_velocity(1000.0, 100.0, 50.0)
@@ -82,6 +82,41 @@ def test_a_profile_has_axes_with_numbers_and_units(unit: object, names: list[str
     # Numbers stand left of the first axis: there is ink between the edge and the frame.
     strip = picture.crop((0, round(frames[0][0][1]), round(frames[0][0][0]) - 8, 220))
     assert strip.getextrema()[0] < 120
+
+
+@pytest.mark.parametrize("unit", [MM_S, RPM])
+def test_all_of_a_profile_is_on_the_png_too(unit: Unit) -> None:
+    """Each text and each line of the SVG has ink at its place."""
+    scene = profile_scene(GUIDE, unit)
+    picture = Image.open(io.BytesIO(to_png(scene))).convert("L")
+    for shape in scene.shapes:
+        if isinstance(shape, Text):
+            x, y = shape.at
+            wide = {"start": (0, 12), "middle": (-4, 4), "end": (-12, 0)}[shape.anchor]
+            box = (x + wide[0], y - shape.size * 0.8, x + wide[1], y + 1.0)
+        elif isinstance(shape, Polyline):
+            (x, y) = shape.points[len(shape.points) // 2]
+            box = (x - 1.0, y - 1.0, x + 2.0, y + 2.0)
+        ink = picture.crop(tuple(round(v) for v in box)).getextrema()[0]
+        assert ink < 235, shape
+
+
+@pytest.mark.parametrize("suffix", [".png", ".pdf"])
+def test_the_commands_say_which_extra_is_missing(
+    suffix: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    for module in ("PIL", "reportlab", "reportlab.pdfgen.canvas"):
+        monkeypatch.setitem(sys.modules, module, None)
+    out = tmp_path / f"a{suffix}"
+    job = "tests/golden/beamline/beam.gcode"
+    for words in (["plot", "samples/dstv/channel.nc1"], ["plot", job],
+                  ["profile", "--velocity", "9", "--time", "2"],
+                  ["simulate", job, "--encoder", "512/65"],
+                  ["diff", "samples/dstv/channel.nc1", "samples/dstv/tie.nc1"]):  # fmt: skip
+        done = CliRunner().invoke(main, [*words, "-o", str(out)])
+        assert done.exit_code == 1, done.output
+        assert "pip install beamcam[pictures]" in done.output
+        assert not out.exists()
 
 
 @pytest.mark.parametrize(

@@ -138,9 +138,11 @@ def test_the_trace_of_a_page_can_be_read_by_anyone(annex: Content) -> None:
     assert sum(count for _, count in data["o"]) == len(annex.trace.line)
 
 
-def report(*words: str, code: int = 0) -> None:
+def report(*words: str, code: int = 0) -> str:
+    """What the command says."""
     done = CliRunner().invoke(main, ["report", *words])
     assert done.exit_code == code, done.output
+    return done.output
 
 
 def test_a_wrong_program_has_a_sheet_that_says_so(tmp_path: Path) -> None:
@@ -201,7 +203,9 @@ def test_inches_and_both_formats(tmp_path: Path, suffix: str) -> None:
 
 
 def test_another_suffix_is_wrong_usage(tmp_path: Path) -> None:
-    report(DSTV[0], "-o", str(tmp_path / "x.docx"), code=2)
+    said = report(DSTV[0], "-o", str(tmp_path / "x.docx"), code=2)
+    assert "expected a name in .html, .pdf, or -" in " ".join(said.split())
+    assert not (tmp_path / "x.docx").exists()
 
 
 @pytest.mark.parametrize("path", ["setup_sheet/static/page.css", "report/static/run.css"])

@@ -202,6 +202,24 @@ def test_the_controller_shows_its_axes_while_they_move() -> None:
     assert len(set(lines)) >= 3
 
 
+@pytest.mark.parametrize("order", ["high-first", "low-first"])
+def test_another_library_reads_the_floats_of_the_controller(order: str) -> None:
+    """The words of a pair as pymodbus takes them: its "little" begins with the low word."""
+    row = TraceRow(0.0, 3, tuple(k + 0.1 for k in range(9)), State())
+    last = replace(row, time_s=0.4)
+    modbus = Modbus(values="float", word_order=order, first=10)  # type: ignore[arg-type]
+    thread, port = served([row, last], modbus)
+    client = ModbusTcpClient("127.0.0.1", port=port)
+    assert client.connect()
+    for axis, place in enumerate(row.positions):
+        answer = client.read_holding_registers(10 + 2 * axis, count=2)
+        words = "big" if order == "high-first" else "little"
+        found = client.convert_from_registers(answer.registers, client.DATATYPE.FLOAT32, words)
+        assert found == pytest.approx(place, abs=1e-6)
+    client.close()
+    thread.join(10)
+
+
 def test_the_controller_holds_its_end_until_ctrl_c(tmp_path: Path) -> None:
     (tmp_path / "a.gcode").write_text(PROGRAM, "utf-8")
     with Server(1) as free:
