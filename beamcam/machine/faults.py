@@ -1,6 +1,5 @@
 """Checks of a machine's stations and tools that involve several keys."""
 
-import re
 from collections.abc import Iterator
 from math import sqrt
 
@@ -9,9 +8,9 @@ from beamcam.machine.drill import Spindle
 from beamcam.machine.machine import Machine
 from beamcam.machine.modbus import modbus_faults
 from beamcam.machine.saw import Saw
-from beamcam.machine.tables import UNCONFIRMED, Triggers
 from beamcam.machine.tools import FLAT_DEG, ToolSet, inch_size
 from beamcam.machine.torch import Torch
+from beamcam.machine.trigger_faults import trigger_faults
 
 #: Kinds of tools whose speed or feed comes from `drill.cutting`.
 TURNING = ("drill", "tap", "countersink", "mill", "punch", "scribe")
@@ -141,8 +140,6 @@ def _set_faults(key: str, tools: ToolSet) -> Iterator[Fault]:
                 yield f"{key}.pre_drills", before, f"less than the thread's {size:g}"
 
 
-#: mm that ends may gape and a path be off: beyond that a hole is no hole any more.
-MAX_SLACK = 1.0
 KERF_STEPS = (
     10  #: of a program's numbers that a kerf takes at least, so that half of it is a figure
 )
@@ -168,9 +165,6 @@ def torch_faults(machine: Machine) -> Iterator[Fault]:
     for one, other in (("arc_cw", "arc_ccw"), ("ellipse_cw", "ellipse_ccw"), ("left", "right")):
         if bool(getattr(words, one)) != bool(getattr(words, other)):
             yield f"words.{one}", list(getattr(words, one)), f"both {one} and {other}, or neither"
-    for name, value in (("gap", torch.gap), ("tolerance", torch.tolerance)):
-        if value > MAX_SLACK:
-            yield f"torch.{name}", value, f"at most {MAX_SLACK:g} mm"
     step = machine.format.resolution
     if torch.tolerance < step:
         expected = f"at least {step:g}, the step of its numbers"
@@ -301,7 +295,7 @@ def table_faults(machine: Machine) -> Iterator[Fault]:
     if machine.controller == "stepper" and stepper is None:
         yield "stepper", None, "a table, since the controller is stepper"
     if triggers is not None:
-        yield from _trigger_faults(triggers, machine)
+        yield from trigger_faults(triggers, machine)
     if stepper is not None and sorted(stepper.sequence) != ["00", "01", "10", "11"]:
         yield "stepper.sequence", list(stepper.sequence), "each of 00, 01, 10, 11 once"
     torch = machine.torch
@@ -309,63 +303,6 @@ def table_faults(machine: Machine) -> Iterator[Fault]:
     if stepper is not None and torch is not None and torch.gap < (least := sqrt(2) * stepper.step):
         expected = f"{least:.4f} or more: the laser would be on while no motor makes a step"
         yield "torch.gap", torch.gap, f"{expected} of {stepper.step:g} mm"
-
-
-MIN_CYCLE_S = 0.0005  #: no task of such a controller comes round sooner
-
-
-def _trigger_faults(triggers: Triggers, machine: Machine) -> Iterator[Fault]:
-    if triggers.cycle_s < MIN_CYCLE_S:
-        yield "triggers.cycle_s", triggers.cycle_s, f"at least {MIN_CYCLE_S:g} s"
-    if triggers.arrival_window < triggers.count:
-        expected = f"a count of the encoder or more, {triggers.count:.4f} mm"
-        yield "triggers.arrival_window", triggers.arrival_window, expected
-    torch = machine.torch
-    # Points are cut off to the decimals of both axes, and count as reached a little before.
-    least = triggers.in_position / 2 + machine.format.resolution * sqrt(2)
-    if torch is not None and torch.tolerance <= least:
-        expected = f"more than {least:g}, which rounding and triggers.in_position take"
-        yield "torch.tolerance", torch.tolerance, expected
-    if torch is not None:
-        way = max(torch.length, torch.width) + triggers.overrun + 2 * triggers.back_off
-        least = way / triggers.homing_mm_s
-        if triggers.max_homing_s < least:
-            expected = f"{least:g} or more for {way:g} mm at homing_mm_s"
-            yield "triggers.max_homing_s", triggers.max_homing_s, expected
-    yield from _st_name_faults(triggers)
-    if triggers.path_objects and triggers.technology not in _PATH_PACKAGES:
-        expected = f"{' or '.join(_PATH_PACKAGES)}, which have path objects"
-        yield "triggers.package", triggers.package, expected
-    for row in torch.rows if torch else ():
-        if row.process not in triggers.outputs:
-            yield "triggers.outputs", dict(triggers.outputs), f"an output for {row.process}"
-    optional = tuple(place for place in (triggers.acknowledge,) if place)
-    for place in (*triggers.limits, triggers.start, *optional):
-        if not (_INPUT.fullmatch(place) or _ST_NAME.fullmatch(place)):
-            expected = "an address of an input such as %I0.0 or the name of a variable"
-            yield "triggers.limits", place, expected
-    optional = tuple(place for place in (triggers.fault_lamp,) if place)
-    for place in (*triggers.outputs.values(), *optional):
-        if not (_OUTPUT.fullmatch(place) or _ST_NAME.fullmatch(place)):
-            expected = "an address of an output such as %Q62.0 or the name of a variable"
-            yield "triggers.outputs", place, expected
-
-
-def _st_name_faults(triggers: Triggers) -> Iterator[Fault]:
-    for name in (*triggers.axes, triggers.path_object, triggers.technology, *triggers.uses):
-        if not _ST_NAME.fullmatch(name):
-            yield "triggers.axes", name, "letters, digits and single _, a letter first"
-    for name, other in triggers.names.items():
-        if name not in UNCONFIRMED:
-            yield "triggers.names", name, f"one of {', '.join(UNCONFIRMED)}"
-        elif not all(_ST_NAME.fullmatch(word) for word in other.removeprefix("_").split(".")):
-            yield f"triggers.names.{name}", other, "letters, digits and single _"
-
-
-_PATH_PACKAGES = ("PATH", "CAM_EXT")
-_ST_NAME = re.compile(r"[A-Za-z](_?[A-Za-z0-9])*")
-_INPUT = re.compile(r"%I\d+\.[0-7]")
-_OUTPUT = re.compile(r"%Q\d+\.[0-7]")
 
 
 def view_faults(machine: Machine) -> Iterator[Fault]:

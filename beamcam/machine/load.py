@@ -27,10 +27,12 @@ from beamcam.machine.formula import as_formula
 from beamcam.machine.machine import Machine, MachineFile
 from beamcam.machine.marking_faults import marking_faults
 from beamcam.machine.more_rows import with_more_rows
+from beamcam.machine.range_faults import range_faults
 from beamcam.machine.templates import template_faults
 from beamcam.machine.toml import Place, TomlError, TomlFile, line_of, toml_text
 from beamcam.system import portable_path
 
+MIN_NUMBER = 1e-6  #: that a key may have, if it is not 0
 MAX_BASES = 8  #: machine files laid over each other
 #: Keys that say how a file is found, and nothing of the machine.
 _NOT_INHERITED = ("name", "default_for", "choice")
@@ -267,9 +269,20 @@ def _find(name: str, below: Path | None) -> Path:
     )
 
 
+def _size_faults(machine: Machine) -> Iterator[tuple[str, object, str]]:
+    """Each number that no machine has, and that arithmetic with others would not stand."""
+    for key, value in _leaves(machine):
+        for number in value if isinstance(value, list) else (value,):
+            if isinstance(number, int | float) and abs(number) > MAX_COORDINATE:
+                yield key, value, f"a number between -{MAX_COORDINATE:g} and {MAX_COORDINATE:g}"
+            if isinstance(number, float) and 0.0 < abs(number) < MIN_NUMBER:
+                yield key, value, f"0, or a number of at least {MIN_NUMBER:g}"
+
+
 def _check(machine: Machine, place: Place) -> None:
     """Raise MachineError where keys contradict each other."""
     for faults in (
+        _size_faults,
         template_faults,
         code_faults,
         number_faults,
@@ -279,16 +292,11 @@ def _check(machine: Machine, place: Place) -> None:
         torch_faults,
         view_faults,
         marking_faults,
+        range_faults,
     ):
         for key, found, expected in faults(machine):
             source = place.child(key).source
             said = rules.WRONG_VALUE.at(source, key=key, found=repr(found), expected=expected)
-            raise MachineError(said)
-    for key, value in _leaves(machine):
-        if isinstance(value, int | float) and abs(value) > MAX_COORDINATE:
-            expected = f"a number between -{MAX_COORDINATE:g} and {MAX_COORDINATE:g}"
-            source = place.child(key).source
-            said = rules.WRONG_VALUE.at(source, key=key, found=repr(value), expected=expected)
             raise MachineError(said)
     for table in ("layout",) if machine.stock == "beam" else ("torch",):
         if getattr(machine, table) is None:

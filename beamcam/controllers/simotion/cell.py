@@ -48,6 +48,11 @@ class Cell:
         self.points: dict[str, list[Place]] = {}  #: of each tool, while it was on
         outside = [p for p in (*self._inputs, *self._outputs) if p and not is_address(p)]
         self.interpreter = Interpreter(units, self, name, outside)
+        self._read = [self._variable(place, "acknowledgeButton") for place in self._inputs]
+        self._tools = {
+            process: self._variable(place, f"{process}On")
+            for process, place in zip(PROCESSES, self._outputs, strict=True)
+        }
         self.interpreter.run("CutStart")
 
     @property
@@ -185,8 +190,8 @@ class Cell:
             x.place <= 0.0, x.place >= self.ends[0], y.place <= 0.0, y.place >= self.ends[1],
         )  # fmt: skip
         limits = [closed or k in self.closed for k, closed in enumerate(low_and_high)]
-        for place, value in zip(self._inputs, (*limits, self.start, self.acknowledge), strict=True):
-            self.interpreter.globals[self._variable(place, "acknowledgeButton")] = value
+        for name, value in zip(self._read, (*limits, self.start, self.acknowledge), strict=True):
+            self.interpreter.globals[name] = value
         self.interpreter.run("CutPart")
         self.observe()
         step = self.triggers.cycle_s / SAMPLES
@@ -212,8 +217,7 @@ class Cell:
 
     def tool(self, process: str) -> bool:
         """Whether the output of a process is on."""
-        place = self.triggers.outputs.get(process, "")
-        return bool(self.interpreter.globals[self._variable(place, f"{process}On")])
+        return bool(self.interpreter.globals[self._tools[process]])
 
     @property
     def tool_on(self) -> bool:

@@ -22,6 +22,7 @@ if TYPE_CHECKING:
 AT = (1.0, 2.0)  #: where each line of the trial begins
 SIZE = (3.0, 1.5)  #: of it
 SPEED = 10.0
+MOST_CYCLES = 40_000  #: of the trial, which takes some hundreds where axes and cycles are usual
 
 
 def trial(machine: Machine) -> tuple[Diagnostic, ...]:
@@ -100,7 +101,9 @@ def _run(units: list[Unit], machine: Machine, name: str) -> list[Diagnostic]:
     try:
         cell.cycle()
         cell.start = True
-        while not cell.value("workDone") and not cell.value("workFault"):
+        for _ in range(MOST_CYCLES):
+            if cell.value("workDone") or cell.value("workFault"):
+                break
             cell.cycle()
     except Fault as fault:
         return [*cell.said, fault.diagnostic]
@@ -109,7 +112,11 @@ def _run(units: list[Unit], machine: Machine, name: str) -> list[Diagnostic]:
     def wrong(found: str, expected: str) -> None:
         said.append(rules.RUN.at(Source(name), found=found, expected=expected))
 
-    if cell.value("workFault"):
+    if not cell.value("workDone") and not cell.value("workFault"):
+        cycle_s = machine.triggers.cycle_s
+        found = f"no end of a line of {hypot(*SIZE):.1f} mm after {MOST_CYCLES * cycle_s:g} s"
+        wrong(f"{found}, {MOST_CYCLES} cycles", "fewer, by back_off, homing_mm_s and cycle_s")
+    elif cell.value("workFault"):
         wrong(f"fault {cell.value('faultNumber')}", "work to its end")
     elif any(abs(a.position) > machine.triggers.in_position for a in cell.axes):
         wrong("an end elsewhere", "both axes at 0")

@@ -168,6 +168,53 @@ BAD = [
     ("[saw]\nmax_angle = -1", "machine-value", "at least 0, the square cut"),
     (f"{TURNS}max = -1", "machine-value", "at least 0, the square cut"),
     (f"{TURNS}min = 1", "machine-value", "at most 0, the square cut"),
+    ("[saw]\nfeed_mm_min = 0.9", "machine-value", "expected at least 1 mm/min"),
+    ("[saw]\nkerf = 5e-324", "machine-value", "expected 0, or a number of at least 1e-06"),
+    ("[drill]\nmin_speed_rpm = 0.5", "machine-value", "'drill.min_speed_rpm'; expected at least 1"),
+    ("[drill]\nmax_speed_rpm = 100", "machine-value", "expected at least drill.min_speed_rpm"),
+    ("[drill]\nmax_feed_mm_min = 0.5", "machine-value", "expected at least 1 mm/min"),
+    (
+        "[drill]\nmin_speed_rpm = 2",
+        "machine-value",
+        "found 2.0 for 'drill.min_speed_rpm'; expected 10 or more, for a feed of 1 mm/min by",
+    ),
+    (
+        "[[drill.cutting]]\nup_to = 9\nspeed_m_min = 9\nfeed_per_turn = 0.0005",
+        "machine-value",
+        "found 0.0005 for 'drill.cutting.0.feed_per_turn'; expected at least 0.001 mm",
+    ),
+    ("[drill]\nmerge_tolerance = 1.5", "machine-value", "expected at most 1 mm"),
+    ("[drill]\nduplicate_tolerance = 1.5", "machine-value", "expected at most 1 mm"),
+    ("[drill]\ntwin = 1.5", "machine-value", "expected at most 1 mm"),
+    ("base = 'plate-linuxcnc'\n[torch]\ngap = 1.5", "machine-value", "expected at most 1 mm"),
+    ("base = 'plate-linuxcnc'\n[torch]\ngap = 5e-324", "machine-value", "at least 1e-06"),
+    ("base = 'plate-linuxcnc'\n[torch]\ncross = 0.05", "machine-value", "0, or at least 1 mm"),
+    (
+        "base = 'plate-codesys'\n[torch]\nacceleration = 0.5",
+        "machine-value",
+        "found 0.5 for 'torch.acceleration'; expected at least 1 mm/s2",
+    ),
+    (
+        "base = 'plate-linuxcnc'\n[[torch.rows]]\nprocess = 'mark'\nup_to = 9\nfeed_mm_min = 0.5\n"
+        "[[torch.rows]]\nprocess = 'cut'\nup_to = 9\nfeed_mm_min = 5",
+        "machine-value",
+        "'torch.rows.0.feed_mm_min'; expected at least 1 mm/min",
+    ),
+    (
+        "base = 'table-simotion'\n[triggers]\nstart = '%I0.0'",
+        "machine-value",
+        "found '%I0.0' for 'triggers'; expected each input, output and axis once",
+    ),
+    (
+        "base = 'table-simotion'\n[triggers]\nacknowledge = '%I0.4'",
+        "machine-value",
+        "found '%I0.4' for 'triggers'; expected each",
+    ),
+    (
+        "base = 'table-simotion'\n[triggers.outputs]\ncut = 'torch'\nmark = 'Torch'",
+        "machine-value",
+        "found 'TORCH' for 'triggers'; expected each",
+    ),
     (
         "base = 'table-simotion'\n[triggers]\ncycle_s = 0.000025",
         "machine-value",

@@ -13,6 +13,7 @@ from hypothesis import strategies as st
 from msgspec.structs import replace
 
 from beamcam.controllers.simotion import read_program
+from beamcam.controllers.simotion import trial as trials
 from beamcam.controllers.simotion.trial import trial
 from beamcam.emitters import simotion, simotion_units
 from beamcam.geometry.curves import Line
@@ -416,3 +417,14 @@ def test_an_arc_of_a_plan_is_no_longer_than_the_runtime_allows() -> None:
         assert b.via is not None
         chords = dist((a.x, a.y), b.via) + dist(b.via, (b.x, b.y))
         assert chords > 0
+
+
+def test_a_trial_that_does_not_end_is_a_fault_of_the_machine(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(trials, "MOST_CYCLES", 50)
+    said = [d.message for d in trial(table_machine())]
+    assert said == [
+        "found no end of a line of 3.4 mm after 1.25 s, 50 cycles; expected fewer, by back_off, "
+        "homing_mm_s and cycle_s"
+    ]

@@ -1,0 +1,69 @@
+"""Keys out of the range in which programs can be written and read back.
+
+A feed that rounds to 0 in the numbers of a program, or a cross that is shorter than the gap that is
+closed, would make programs that the read-back refuses.
+"""
+
+from collections.abc import Iterator
+
+from beamcam.machine.drill import Drill
+from beamcam.machine.machine import Machine
+from beamcam.machine.torch import Torch
+
+Fault = tuple[str, object, str]  #: dotted key, what was found, what was expected
+
+#: mm that ends may gape, a path be off and two holes lie apart that are one: beyond that a hole is
+#: no hole any more.
+MAX_SLACK = 1.0
+#: mm/min; feeds are written to 0.001 mm/s or mm/min, so that each is within 3 % of the machine's.
+MIN_FEED_MM_MIN = 1.0
+MIN_ACCELERATION = 1.0  #: mm/s2, which programs say to 0.001
+MIN_FEED_PER_TURN = 0.001  #: mm
+MIN_SPEED_RPM = 1.0  #: which programs say to 1
+MIN_CROSS = 1.0  #: mm of a cross that marks a centre, if there is one
+GAPS = 4.0  #: gaps that a cross is long at least, so that its lines are not closed
+
+
+def range_faults(machine: Machine) -> Iterator[Fault]:
+    """Each number that programs cannot say, or that leaves nothing of the work."""
+    if machine.saw is not None:
+        yield from _feed("saw.feed_mm_min", machine.saw.feed_mm_min)
+    if machine.drill is not None:
+        yield from _of_drill(machine.drill)
+    if machine.torch is not None:
+        yield from _of_torch(machine.torch)
+
+
+def _feed(key: str, found: float) -> Iterator[Fault]:
+    if found < MIN_FEED_MM_MIN:
+        yield key, found, f"at least {MIN_FEED_MM_MIN:g} mm/min"
+
+
+def _of_drill(drill: Drill) -> Iterator[Fault]:
+    if drill.min_speed_rpm < MIN_SPEED_RPM:
+        yield "drill.min_speed_rpm", drill.min_speed_rpm, f"at least {MIN_SPEED_RPM:g}"
+    if drill.max_speed_rpm < drill.min_speed_rpm:
+        yield "drill.max_speed_rpm", drill.max_speed_rpm, "at least drill.min_speed_rpm"
+    yield from _feed("drill.max_feed_mm_min", drill.max_feed_mm_min)
+    for index, row in enumerate(drill.cutting):
+        key = f"drill.cutting.{index}.feed_per_turn"
+        if row.feed_per_turn < MIN_FEED_PER_TURN:
+            yield key, row.feed_per_turn, f"at least {MIN_FEED_PER_TURN:g} mm"
+        if row.feed_per_turn * drill.min_speed_rpm < MIN_FEED_MM_MIN:
+            expected = f"{MIN_FEED_MM_MIN / row.feed_per_turn:.3g} or more, for a feed of 1 mm/min"
+            yield "drill.min_speed_rpm", drill.min_speed_rpm, f"{expected} by {key}"
+    for key in ("merge_tolerance", "twin", "duplicate_tolerance"):
+        if (found := getattr(drill, key)) > MAX_SLACK:
+            yield f"drill.{key}", found, f"at most {MAX_SLACK:g} mm"
+
+
+def _of_torch(torch: Torch) -> Iterator[Fault]:
+    for name, value in (("gap", torch.gap), ("tolerance", torch.tolerance)):
+        if value > MAX_SLACK:
+            yield f"torch.{name}", value, f"at most {MAX_SLACK:g} mm"
+    if 0.0 < torch.acceleration < MIN_ACCELERATION:
+        yield "torch.acceleration", torch.acceleration, f"at least {MIN_ACCELERATION:g} mm/s2"
+    for index, row in enumerate(torch.rows):
+        yield from _feed(f"torch.rows.{index}.feed_mm_min", row.feed_mm_min)
+    if 0.0 < torch.cross < (least := max(MIN_CROSS, GAPS * torch.gap)):
+        yield "torch.cross", torch.cross, f"0, or at least {least:g} mm"

@@ -1,0 +1,77 @@
+"""Checks of the keys of a trigger program."""
+
+import re
+from collections import Counter
+from collections.abc import Iterator
+from math import sqrt
+
+from beamcam.machine.machine import Machine
+from beamcam.machine.tables import UNCONFIRMED, Triggers
+
+Fault = tuple[str, object, str]  #: dotted key, what was found, what was expected
+
+MIN_CYCLE_S = 0.0005  #: no task of such a controller comes round sooner
+
+
+def trigger_faults(triggers: Triggers, machine: Machine) -> Iterator[Fault]:
+    """Each key of a trigger program that contradicts another, or that it cannot have."""
+    if triggers.cycle_s < MIN_CYCLE_S:
+        yield "triggers.cycle_s", triggers.cycle_s, f"at least {MIN_CYCLE_S:g} s"
+    if triggers.arrival_window < triggers.count:
+        expected = f"a count of the encoder or more, {triggers.count:.4f} mm"
+        yield "triggers.arrival_window", triggers.arrival_window, expected
+    torch = machine.torch
+    # Points are cut off to the decimals of both axes, and count as reached a little before.
+    least = triggers.in_position / 2 + machine.format.resolution * sqrt(2)
+    if torch is not None and torch.tolerance <= least:
+        expected = f"more than {least:g}, which rounding and triggers.in_position take"
+        yield "torch.tolerance", torch.tolerance, expected
+    if torch is not None:
+        way = max(torch.length, torch.width) + triggers.overrun + 2 * triggers.back_off
+        least = way / triggers.homing_mm_s
+        if triggers.max_homing_s < least:
+            expected = f"{least:g} or more for {way:g} mm at homing_mm_s"
+            yield "triggers.max_homing_s", triggers.max_homing_s, expected
+    yield from _st_name_faults(triggers)
+    yield from _place_faults(triggers)
+    if triggers.path_objects and triggers.technology not in _PATH_PACKAGES:
+        expected = f"{' or '.join(_PATH_PACKAGES)}, which have path objects"
+        yield "triggers.package", triggers.package, expected
+    for row in torch.rows if torch else ():
+        if row.process not in triggers.outputs:
+            yield "triggers.outputs", dict(triggers.outputs), f"an output for {row.process}"
+
+
+def _place_faults(triggers: Triggers) -> Iterator[Fault]:
+    """Inputs and outputs that are neither addresses nor names, or that stand for two things."""
+    inputs = (*triggers.limits, triggers.start, *filter(None, [triggers.acknowledge]))
+    outputs = (*triggers.outputs.values(), *filter(None, [triggers.fault_lamp]))
+    for key, places, pattern, kind in (
+        ("limits", inputs, _INPUT, "input such as %I0.0"),
+        ("outputs", outputs, _OUTPUT, "output such as %Q62.0"),
+    ):
+        for place in places:
+            if not (pattern.fullmatch(place) or _ST_NAME.fullmatch(place)):
+                expected = f"an address of an {kind} or the name of a variable"
+                yield f"triggers.{key}", place, expected
+    used = Counter(place.upper() for place in (*inputs, *outputs, *triggers.axes))
+    for place, count in used.items():
+        if count > 1:
+            yield "triggers", place, "each input, output and axis once"
+
+
+def _st_name_faults(triggers: Triggers) -> Iterator[Fault]:
+    for name in (*triggers.axes, triggers.path_object, triggers.technology, *triggers.uses):
+        if not _ST_NAME.fullmatch(name):
+            yield "triggers.axes", name, "letters, digits and single _, a letter first"
+    for name, other in triggers.names.items():
+        if name not in UNCONFIRMED:
+            yield "triggers.names", name, f"one of {', '.join(UNCONFIRMED)}"
+        elif not all(_ST_NAME.fullmatch(word) for word in other.removeprefix("_").split(".")):
+            yield f"triggers.names.{name}", other, "letters, digits and single _"
+
+
+_PATH_PACKAGES = ("PATH", "CAM_EXT")
+_ST_NAME = re.compile(r"[A-Za-z](_?[A-Za-z0-9])*")
+_INPUT = re.compile(r"%I\d+\.[0-7]")
+_OUTPUT = re.compile(r"%Q\d+\.[0-7]")
