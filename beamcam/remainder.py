@@ -4,8 +4,7 @@
     done            head | 1 | 2 | 3 |                 what was made when the line stopped
     rest                      head, what has to be true | 4 | 5 | foot
 
-What was done and the rest, one behind the other, are read back against the parts as the whole was,
-and the rest by itself: nothing in it may count on what was said before.
+The rest is read back behind what was done, against the parts as the whole was, and by itself.
 """
 
 from collections.abc import Iterator, Sequence
@@ -13,9 +12,8 @@ from collections.abc import Iterator, Sequence
 from msgspec.structs import replace
 
 from beamcam.emitters import gcode
-from beamcam.errors import Diagnostic, PlanError, Rule, Severity, VerifyError, errors_in
+from beamcam.errors import Diagnostic, PlanError, Rule, Severity, errors_in
 from beamcam.machine.machine import Machine
-from beamcam.model.part import Part
 from beamcam.model.plan import Operation, Plan, SawOp
 from beamcam.model.program import (
     Command,
@@ -27,11 +25,10 @@ from beamcam.model.program import (
     StartBar,
     TellText,
 )
-from beamcam.pipeline import Posted, RefusedProgram, read_back
+from beamcam.pipeline import Posted, RefusedProgram
 from beamcam.planning.magazine import tool_loads
 from beamcam.posts import Request
-from beamcam.verify.bars import run
-from beamcam.verify.rules import TOOL_CHANGE
+from beamcam.verify.bars.remainder import verify_remainder
 
 OPERATION = Rule(
     "plan-operation",
@@ -56,11 +53,10 @@ def rest_of(posted: Posted, request: Request, first: int) -> Posted:
     count = len(plan.operations)
     if not 2 <= first <= count:
         raise PlanError(OPERATION.at(source, found=first, expected=count))
-    head, done, rest = _parted(whole.commands, first)
+    head, rest = _parted(whole.commands, first)
     notes = map(Comment, what_has_to_be_true(plan, first, machine))
-    before = gcode.emit(replace(whole, commands=done), machine)
     text = gcode.emit(replace(whole, commands=(*head, *notes, *rest)), machine)
-    wrong = (*_alone(text, request), *read_back(_joined(before, text, machine), request))
+    wrong = faults_of(text, posted.text, first, request)
     if errors_in(wrong):
         raise RefusedProgram(wrong, text)
     return replace(posted, written=text)
@@ -68,34 +64,24 @@ def rest_of(posted: Posted, request: Request, first: int) -> Posted:
 
 def _parted(
     commands: Sequence[Command], first: int
-) -> tuple[tuple[Command, ...], tuple[Command, ...], tuple[Command, ...]]:
-    """The head of a program, its commands before an operation, and the others."""
+) -> tuple[tuple[Command, ...], tuple[Command, ...]]:
+    """The head of a program, and its commands from an operation on."""
     work = [k for k, command in enumerate(commands) if isinstance(command, _WORK)]
     begin = next(k for k, c in enumerate(commands) if not isinstance(c, StartBar | Comment))
     if not isinstance(commands[begin], _WORK):
         begin -= 1  # the comment on a change of tool belongs to it
     cut = work[first - 2] + 1
-    return tuple(commands[:begin]), tuple(commands[:cut]), tuple(commands[cut:])
+    return tuple(commands[:begin]), tuple(commands[cut:])
 
 
-def _joined(before: str, rest: str, machine: Machine) -> str:
-    """The finished operations without the footer, followed by the remainder, as one program."""
-    footer = sum(line.count("\n") + 1 for line in machine.words.footer)
-    lines = before.splitlines()
-    lines = lines[: len(lines) - footer]
-    begun = rest.splitlines()
-    return "\n".join([*lines, *(begun[1:] if begun[0].startswith("%") else begun)]) + "\n"
-
-
-def _alone(text: str, request: Request) -> tuple[Diagnostic, ...]:
-    """Faults of the remainder by itself; which tools are in their stations it does not know."""
-    parts: Sequence[Part] = request.parts
-    grades = tuple(dict.fromkeys(part.grade for part in parts))
-    try:
-        done = run(text, request.machine, parts[0].profile, request.name, grades)
-    except VerifyError as error:
-        return error.diagnostics
-    return tuple(said for said in done.diagnostics if said.code != TOOL_CHANGE.code)
+def faults_of(
+    rest: str, whole: str, first: int, request: Request, whole_name: str = "whole program"
+) -> tuple[Diagnostic, ...]:
+    """Everything that is wrong with the remainder of a whole program from operation `first` on."""
+    w = request
+    return verify_remainder(
+        whole, rest, first, w.parts, w.machine, w.skips, w.name, whole_name, w.order, w.turn, w.bar
+    )
 
 
 def what_has_to_be_true(plan: Plan, first: int, machine: Machine) -> Iterator[str]:

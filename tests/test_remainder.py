@@ -104,8 +104,9 @@ def test_a_rest_that_is_not_the_rest_is_refused(
     parted = remainder._parted
     Commands = tuple[Command, ...]
 
-    def broken(commands: Commands, first: int) -> tuple[Commands, Commands, Commands]:
-        head, done, rest = parted(commands, first)
+    def broken(commands: Commands, first: int) -> tuple[Commands, Commands]:
+        head, rest = parted(commands, first)
+        done = commands[: -len(rest)]
         if fault == "dropped":
             rest = rest[1:]
         elif fault == "doubled":
@@ -114,7 +115,7 @@ def test_a_rest_that_is_not_the_rest_is_refused(
             rest = (rest[-1], *rest[:-1])
         else:
             head = ()
-        return head, done, rest
+        return head, rest
 
     posted, request = whole(CHANNEL, "beamline")
     assert rest_of(posted, request, 8).text
@@ -142,3 +143,33 @@ def test_the_command(tmp_path: Path) -> None:
     done = call("post", sheet, "--from-operation", 2, "-o", tmp_path / "x.ngc")
     assert done.exit_code == 2
     assert "--from-operation is for the program of one bar." in done.stderr
+
+
+def test_the_command_that_reads_it_back(tmp_path: Path) -> None:
+    rest, job = tmp_path / "rest.gcode", tmp_path / "job.gcode"
+    against = ("--against", CHANNEL)
+    assert call("post", CHANNEL, "-o", job).exit_code == 0
+    assert call("post", CHANNEL, "--from-operation", 5, "-o", rest).exit_code == 0
+    assert call("verify", rest, *against).exit_code == 1
+    for after in ((), ("--after", job)):
+        done = call("verify", rest, "--from-operation", 5, *after, *against)
+        assert (done.exit_code, done.stderr) == (0, "")
+        assert call("verify", rest, "--from-operation", 6, *after, *against).exit_code == 1
+    assert call("simulate", rest, "-o", tmp_path / "rest.csv").exit_code == 0
+    differs = call("diff", job, rest)
+    assert differs.exit_code == 1
+    assert set(re.findall(r"only in (\w)", differs.stdout)) == {"A"}
+    assert call("diff", rest, rest).exit_code == 0
+    assert call("verify", rest, "--from-operation", 5).exit_code == 2
+    assert call("verify", rest, "--after", job, *against).exit_code == 2
+    sheet = SAMPLES / "dstv" / "gusset.nc1"
+    on = ("--machine", "plate-linuxcnc", "--from-operation", 5, "--against", sheet)
+    done = call("verify", rest, *on)
+    assert "--from-operation is for the program of one bar." in done.stderr
+
+
+def test_parts_that_lie_turned_and_in_another_order_are_read_back(tmp_path: Path) -> None:
+    job, inputs = tmp_path / "job.gcode", (STRUT, STRUT, STRUT)
+    assert call("post", *inputs, "--order", "best", "--turn", "-o", job).exit_code == 0
+    asked = ("--order", "best", "--turn")
+    assert call("verify", job, *asked, "--against", *inputs).exit_code == 0

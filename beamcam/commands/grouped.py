@@ -10,7 +10,7 @@ OTHER = "Other"
 GROUPS: Mapping[str, tuple[str, ...]] = {
     "Job": (
         "output", "machine", "config_file", "job", "bar", "order", "turn", "style", "show", "to",
-        "quantity", "first",
+        "quantity", "first", "after",
     ),
     "Names and folders": ("name", "flat", "done", "refused", "samples"),
     "What may be left out": ("skips", "exit_left_out", "strict", "no_verify"),

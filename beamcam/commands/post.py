@@ -11,6 +11,7 @@ from beamcam.commands.grouped import Grouped
 from beamcam.commands.kinds import program
 from beamcam.commands.parts import part_options, read_parts
 from beamcam.commands.quantities import program_names, quantity
+from beamcam.commands.remainders import ONE_BAR, from_operation
 from beamcam.commands.settings import files_read, machines_for, map_remarks, settled
 from beamcam.commands.tables import job_name, outputs, table_style, write_list
 from beamcam.config.values import Config
@@ -44,13 +45,7 @@ from beamcam.planning.stock import from_store
     help="Form of a trigger program; by default set by the machine and the length.",
 )
 @options.turn
-@click.option(
-    "--from-operation",
-    "first",
-    type=click.IntRange(min=2),
-    metavar="N",
-    help="Write only the remainder of the program, from operation N of `plan`.",
-)
+@from_operation("Write only the remainder of the program, from operation N of `plan`.")
 @part_options
 @options.no_verify
 @options.strict
@@ -166,7 +161,7 @@ def _rest(
     from beamcam.remainder import rest_of
 
     if machine.stock != "beam" or len(made) != 1:
-        raise click.UsageError("--from-operation is for the program of one bar.")
+        raise click.UsageError(ONE_BAR)
     ((_, posted),) = made
     length = posted.plan.bar.length if isinstance(posted.plan, Plan) else None
     request = Request(

@@ -10,9 +10,11 @@ from beamcam.commands.common import REFUSED, STANDARD, Voice, say_json
 from beamcam.commands.grouped import Grouped
 from beamcam.commands.parts import looking_options, read_pieces
 from beamcam.commands.programs import input_bytes
+from beamcam.commands.remainders import after, faults_of_rest, from_operation
 from beamcam.commands.settings import machine_for_program, machine_named_by, machines_for, settled
 from beamcam.config.values import Config
 from beamcam.errors import BeamcamError, Diagnostic, errors_in
+from beamcam.model.plan import Order
 from beamcam.pipeline import read_back
 from beamcam.posts import Request
 from beamcam.readers.content import shown_name
@@ -31,12 +33,21 @@ NOT_MADE = (LEFT_OUT.code, BY_HAND.code)
 @click.argument("parts", nargs=-1, metavar="[PART]...", type=options.FILE)
 @options.machine
 @options.config
+@options.bar
+@options.order
+@options.turn
+@from_operation("PROGRAM is the remainder of one, from operation N of `plan`.")
+@after
 @looking_options
 @options.exit_left_out
 def command(
     program: str,
     against: bool,
     parts: tuple[str, ...],
+    order: Order,
+    turn: bool,
+    first: int | None,
+    after: str | None,
     exit_left_out: int | None,
     as_json: bool,
     voice: Voice,
@@ -51,18 +62,27 @@ def command(
     What may be missing is what --allow-skips or the configuration names, and where they do not,
     what the program's head says; under --strict or with --allow-skips none it is not believed.
 
+    The remainder that `post --from-operation` made is read back by itself and behind the
+    operations before it, of the program that was stopped (--after) or of the one that `post`
+    makes of the PARTs.
+
     \b
     beamcam verify job.gcode --against M58.nc1
     beamcam verify gasket.ngc --against gasket.dxf --machine plate-linuxcnc
     beamcam verify job.gcode --against M74.nc1 M58.nc1 M74.nc1 --machine beamline-annex --json
     beamcam verify sheet.ngc --against gusset.nc1 --quantity 12
     beamcam post M58.nc1 -o - | beamcam verify - --against M58.nc1
+    beamcam verify rest.gcode --from-operation 7 --after job.gcode --against M58.nc1
     """
     if against and not parts:
         raise click.UsageError("--against needs at least one PART.")
     if parts and not against:
         raise click.UsageError("PARTs stand behind --against.")
-    if (program, *parts).count(STANDARD) > 1:
+    if first is not None and not parts:
+        raise click.UsageError("--from-operation needs the PARTs, behind --against.")
+    if after is not None and first is None:
+        raise click.UsageError("--after needs --from-operation, where PROGRAM goes on.")
+    if (program, after, *parts).count(STANDARD) > 1:
         raise click.UsageError("found - twice; expected it once, standard input is read once.")
     said: tuple[Diagnostic, ...] = ()
     try:
@@ -76,9 +96,15 @@ def command(
         name, style = shown_name(program), PurePath(program).suffix.lower()
         head = head_of(data.decode("utf-8", "replace") if isinstance(data, bytes) else data)
         skips = _allowed(config, head)
+        bar = asked["bar"]
+        request = Request(tuple(wanted), machine, skips, name, order, turn, bar, style)
         found = (
             *head_remarks(head, machine, name),
-            *read_back(data, Request(tuple(wanted), machine, skips, name, style=style)),
+            *(
+                read_back(data, request)
+                if first is None
+                else faults_of_rest(data, request, first, after, config)
+            ),
         )
     except BeamcamError as error:
         voice.stop((*said, *error.diagnostics))

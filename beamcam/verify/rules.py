@@ -125,6 +125,12 @@ FEED_LIMIT = Rule(
     "found a feed of {found} mm/min for {what}; expected at most {expected} mm/min",
     "More than 1.2 times what the cutting data give, or beyond the machine, breaks the tool.",
 )
+NO_OPERATION = Rule(
+    "verify-operation",
+    _E,
+    "found operation {found} to begin with; expected 2 to {expected}, as `beamcam plan` counts",
+    "The remainder of a program begins with one of its operations, and the first begins the whole.",
+)
 SECTION = Rule(
     "verify-section",
     _E,
@@ -235,6 +241,7 @@ RULES = (
     *BAR_RULES, LIMIT, STOP_BACK, CUT_OFF, NO_SPINDLE, SPINDLE_OFF, SPINDLE_ON,
     SPINDLE_STOPPED, SPINDLE_IDLE,
     SPEED, COOLANT, RAPID, CLEARANCE, UNSEEN, UNKNOWN_STEEL, SIDEWAYS, TOOL_CHANGE, NO_FEED, FEED,
-    FEED_LIMIT, SECTION, CUT_MISSING, CUT_PLACE, CUT_ANGLE, ONE_PART, CUT_EXTRA, OUTLINE,
+    FEED_LIMIT, NO_OPERATION, SECTION, CUT_MISSING, CUT_PLACE, CUT_ANGLE, ONE_PART, CUT_EXTRA,
+    OUTLINE,
     HOLE_MISSING, HOLE_PLACE, HOLE_EXTRA, DEPTH, TOOL, PECK, TURN, PATH, PATH_EXTRA, NOT_MADE,
 )  # fmt: skip

@@ -9,6 +9,7 @@ missing, the read-back finds out from the program, the parts, the machine and wh
 from collections.abc import Collection, Sequence
 
 from msgspec import Struct
+from msgspec.structs import replace
 
 from beamcam.caches import BoundedCache, PerObject
 from beamcam.controllers import cell_events
@@ -88,12 +89,21 @@ def run(
     events, said = cell_events(text, machine, name)
     if profile is None and known.dialect.section_fields:
         profile = section_said(events, known.dialect, machine)
+    done = run_of_events(events, machine, profile, name, grades)
+    return replace(done, diagnostics=(*said, *done.diagnostics))
+
+
+def run_of_events(
+    events: Sequence[BarEvent], machine: Machine, profile: Profile | None, name: str,
+    grades: tuple[str, ...] | None = None,
+) -> Run:  # fmt: skip
+    """What a program does whose blocks were read."""
+    known = _known_of(machine)
     choices = known.choices(profile)
     cell = Cell(machine, known.dialect, choices, known.data(grades), name)
     made = cell.run(events)
-    said += cell.said
     unseen = tuple(sorted(cell.unseen))
-    return Run(made, tuple(events), tuple(said), known.dialect, choices, unseen)
+    return Run(made, tuple(events), tuple(cell.said), known.dialect, choices, unseen)
 
 
 def section_said(events: Sequence[BarEvent], dialect: Dialect, machine: Machine) -> Profile:
@@ -148,10 +158,24 @@ def verify(
         if other != profile:
             profile = other
             done = run(text, machine, profile, name, grades)
+    more = compared(done, parts, machine, profile, skips, name, order, turn, bar)
+    return (*done.diagnostics, *more)
+
+
+def compared(
+    done: Run, parts: Sequence[Part], machine: Machine, profile: Profile, skips: Collection[str],
+    name: str, order: str, turn: bool, bar: float | None,
+) -> tuple[Diagnostic, ...]:  # fmt: skip
+    """What is made otherwise than the parts on the bar have it."""
+    known = _known_of(machine)
     asked = Asked(parts, skips, order != "given", turn, bar)
     choices = known.choices(profile)
-    more = Comparison(done.made, asked, known.shop, profile, choices, name).run()
-    return (*done.diagnostics, *more)
+    return Comparison(done.made, asked, known.shop, profile, choices, name).run()
+
+
+def section_of(text: str, machine: Machine, part: Part, turn: bool) -> Profile:
+    """The section of a part as it lies in a program, turned or as it was given."""
+    return _lying_section(run(text, machine, part.profile).made, part) if turn else part.profile
 
 
 def _lying_section(made: Made, part: Part) -> Profile:
