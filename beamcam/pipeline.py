@@ -39,6 +39,7 @@ from beamcam.verify.by_hand import BY_HAND as FOR_HAND
 from beamcam.verify.by_hand import TEXT_MOVED as MOVED
 from beamcam.verify.left_out import LEDGER, TEXT_TOLD
 from beamcam.verify.left_out import LEFT_OUT as MISSING
+from beamcam.verify.uncut import UNCUT, UNCUT_TOLD
 
 Stage = Callable[[str], None]  #: callback with the finished stage
 
@@ -51,6 +52,7 @@ def untold(stage: str) -> None:
 NOT_MADE = (LEFT_OUT.code, BY_HAND.code)
 
 
+_UNCUT = re.compile(r"found (\S+) mm of waste .* at x (\S+), y (\S+) ")
 #: Where a text is, then where the part has it; the text itself may say anything before.
 _VALUE = r"(-?[\d.]+(?:e[-+]\d+)?)"
 _PLACE = re.compile(f"at x {_VALUE}, y {_VALUE}, {_VALUE} mm high")
@@ -246,7 +248,8 @@ def _other_than_planned(
     """What the read-back found; what is not made only where the plan says otherwise.
 
     The features that it found missing, and that may be, are those that the plan left out by name;
-    the marks that it found to be manual work are those on the plan's list.
+    the marks that it found to be manual work are those on the plan's list; the contours with waste
+    that no beam reaches are those that the plan tells of.
     """
     missing: Counter[tuple[str, Source]] = Counter()
     refused = False
@@ -256,6 +259,8 @@ def _other_than_planned(
             missing[said.code, said.source] += 1
         elif said.code == MOVED.code:
             moved.append(_lettered_at(said))
+        elif said.code == UNCUT.code:
+            yield from _untold(plan, said)
         else:
             refused = refused or said.severity is Severity.ERROR
             yield said
@@ -276,6 +281,16 @@ def _other_than_planned(
     for code, source in (missing - planned) + (planned - missing):
         one = code, source
         yield LEDGER.at(source, found=missing[one], expected=planned[one])
+
+
+def _untold(plan: Plan | SheetPlan, uncut: Diagnostic) -> Iterator[Diagnostic]:
+    """An error for waste that stays in a corner of a contour, unless the plan tells of it."""
+    from beamcam.planning.contours.rules import LEFT
+
+    told = [d for d in plan.remarks if d.code == LEFT.code]
+    depth, x, y = _UNCUT.findall(uncut.message)[0]
+    if not any(d.source == uncut.source or f"at x {x}, y {y}" in d.message for d in told):
+        yield UNCUT_TOLD.at(uncut.source, found=depth, x=x, y=y)
 
 
 class _LetteredAt(Struct, frozen=True):

@@ -6,6 +6,8 @@ from beamcam.geometry.conics import direction_deg
 from beamcam.geometry.curves import Arc, Line
 from beamcam.geometry.plane import Point, cross, distance, dot
 
+BEYOND = 1e-9  #: mm beyond its end that a line may reach by the last digits
+
 
 def meeting(a: Line | Arc, b: Line | Arc, corner: Point, opens: bool) -> Point | None:
     """Where two curves meet, nearest to the corner; prolonged ones if it opens."""
@@ -48,16 +50,23 @@ def intersections(a: Line | Arc, b: Line | Arc) -> list[Point]:
 
 
 def between(part: Line | Arc, start: Point, end: Point) -> Line | Arc | None:
-    """The stretch of a line or circle between two of its points; None if it would run back."""
+    """The stretch of a line or circle between two of its points.
+
+    None if it would run back, or reach beyond either end: cutting shortens.
+    """
     if part.start == start and part.end == end:
         return part
     if isinstance(part, Line):
-        step = (end[0] - start[0], end[1] - start[1])
-        return Line(start, end) if dot(step, part.tangent(0.0)) > 0.0 else None
+        ahead = part.tangent(0.0)
+        first, last, length = (
+            dot((p[0] - part.start[0], p[1] - part.start[1]), ahead) for p in (start, end, part.end)
+        )
+        is_on = first >= -BEYOND and last <= length + BEYOND
+        return Line(start, end) if is_on and first < last else None
     sign = 1.0 if part.sweep_deg > 0 else -1.0
     angles = [direction_deg((p[0] - part.centre[0], p[1] - part.centre[1])) for p in (start, end)]
     sweep = (angles[1] - angles[0]) * sign % 360.0
-    # Cutting shortens an arc; what then sweeps further has turned inside out.
+    # What sweeps further has turned inside out.
     if sweep > abs(part.sweep_deg) + 1e-6 or sweep == 0.0:
         return None
     return Arc(part.centre, part.radius, angles[0], sign * sweep)

@@ -1,7 +1,7 @@
 """Moved rings against the slow way: every place measured, and the covered area compared."""
 
 from itertools import pairwise
-from math import cos, dist, pi, sin
+from math import cos, dist, pi, radians, sin
 from random import Random
 
 import numpy as np
@@ -133,6 +133,24 @@ def test_a_corner_between_arcs_that_closes_is_cut_where_they_meet():
     reach = (49 - 39) ** 0.5
     assert raw[0].start == pytest.approx((5 - reach, 0.0), abs=1e-9)
     assert raw[0].end == pytest.approx((5 + reach, 0.0), abs=1e-9)
+
+
+@settings(max_examples=20, deadline=None)
+@given(st.floats(5.0, 30.0), st.floats(2.0, 20.0), st.floats(0.1, 2.0), st.floats(0.2, 2.0))
+def test_a_line_that_vanishes_between_arcs_is_not_prolonged(radius, past_deg, share, amount):
+    """Two arcs go past their outermost points; between them is a line, too short to be moved."""
+    step = share * amount * radians(past_deg) / 2
+    sweep = 180.0 + 2 * past_deg
+    below = -2 * radius * sin(radians(past_deg)) - step
+    upper = Arc((0.0, 0.0), radius, -past_deg, sweep)
+    lower = Arc((0.0, below), radius, 180.0 - past_deg, sweep)
+    ring = (upper, Line(upper.end, lower.start), lower, Line(lower.end, upper.start))
+    (moved,) = offset_chains((ring,), (amount,), TOLERANCE)
+    assert isinstance(moved, Offset)
+    dense = [shapely.LineString(points_at(c, np.linspace(0, 1, 400))) for c in ring]
+    path = np.concatenate([points_at(c, np.linspace(0, 1, 400)) for c in moved.chains[0]])
+    away = shapely.distance(shapely.points(path), shapely.MultiLineString(dense))
+    assert away.min() > amount - 2 * TOLERANCE
 
 
 def test_whole_numbers_are_numbers_too():

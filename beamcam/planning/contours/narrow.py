@@ -40,6 +40,9 @@ CORNER_SHARE = 1.2
 #: Chords that stand for contours and paths where they are measured, as a share of the tolerance.
 FINE_SHARE = 0.1
 
+#: mm between places of two outlines that are the same but for the last digits.
+SAME_PLACE = 1e-6
+
 
 class Left(Struct, frozen=True):
     """Waste that the beam does not reach, and so stays on the part."""
@@ -113,45 +116,120 @@ def left_in(shape: Shape, path: Shape, kerf: float, tolerance: float) -> list[Le
     side = kerf / 2 if shape.is_hole else -kerf / 2
     reached = shapely.buffer(ring, side, quad_segs=32)
     waste, rest = (contour, reached) if shape.is_hole else (reached, contour)
-    middle = shapely.boundary(ring)
+    pieces = shapely.get_parts(shapely.difference(waste, rest))
+    pieces = pieces[shapely.area(pieces) > 0.0]  # points and lines in which both touch
+    if not len(pieces):
+        return []
+    swept = _swept(shape, contour, ring, reached)
+    taken, middle, edge = (shapely.boundary(one) for one in (swept, ring, contour))
     found = []
-    for piece in shapely.get_parts(shapely.difference(waste, rest)).tolist():
-        if piece.area == 0.0:  # points and lines in which both touch
-            continue
-        left = _left(piece, middle, shapely.boundary(contour), kerf / 2, tolerance)
+    for piece in pieces.tolist():
+        left = _left(piece, taken, middle, edge, kerf / 2, tolerance)
         if left is not None:
             found.append(left)
     return sorted(found, key=lambda left: -left.depth)
 
 
-def _left(piece: Any, middle: Any, contour: Any, radius: float, tolerance: float) -> Left | None:
-    """What is left in one place; None if it is no more than curves are flattened by."""
+def _swept(shape: Shape, contour: Any, ring: Any, reached: Any) -> Any:
+    """The waste that the beam takes away, on the path's own side of the contour.
+
+      | ||\\    The beam at o takes the tip of a thin wall's other side, too, by no more than
+    o | || \\   the tolerance. What is left behind the wall is not near the beam by that.
+    """
+    import shapely
+
+    if shape.is_hole:
+        taken = shapely.intersection(contour, reached)
+    else:
+        sheet = shapely.box(*shapely.bounds(ring)).buffer(1.0)
+        taken = shapely.difference(sheet, shapely.union(contour, reached))
+    parts = shapely.get_parts(taken)
+    own = shapely.length(shapely.intersection(parts, shapely.boundary(ring))) > 0.0
+    return shapely.multipolygons(parts[own])
+
+
+def _left(
+    piece: Any, swept: Any, ring: Any, contour: Any, radius: float, tolerance: float
+) -> Left | None:
+    """What is left in one place; None if it is no more than curves are flattened by.
+
+    `swept` is the edge of what the beam takes away, `ring` its path. The mouth of a piece is where
+    it lies at what is taken away: what is behind it is as deep as it is far from there.
+    """
     import numpy as np
     import shapely
 
+    piece = shapely.segmentize(piece, radius / 4)
+    mouth = _along(piece, swept)
+    is_closed = mouth.is_empty  # a neck that has no width
     corners = shapely.get_coordinates(piece)
-    away = shapely.distance(shapely.points(corners), middle)
-    depth = float(away.max()) - radius
+    away = shapely.distance(shapely.points(corners), swept if is_closed else mouth)
+    depth = float(away.max())
     if depth <= tolerance:
         return None
+    if is_closed:
+        x, y = corners[int(np.argmin(away))].tolist()
+        return Left((x, y), 0.0, depth, False)
     x, y = corners[int(np.argmax(away))].tolist()
-    mouth = corners[away <= max(radius, float(away.min())) + tolerance * FINE_SHARE]
-    on_contour = shapely.intersection(
-        shapely.boundary(piece), contour.buffer(tolerance * FINE_SHARE)
-    )
-    walls = [line for line in shapely.get_parts(on_contour).tolist() if line.length > 0.0]
+    walls = _segments(piece)
+    walls = walls[~shapely.dwithin(_middles(walls), mouth, tolerance)]
     merged = shapely.get_parts(shapely.line_merge(shapely.multilinestrings(walls))).tolist()
     sides = [wall for wall in merged if wall.length > radius / 4]
     if len(sides) > 1:  # a neck: the beam comes from both ends
         (a, b), (c, d) = shapely.get_coordinates(shapely.shortest_line(*sides[:2])).tolist()
         return Left(((a + c) / 2, (b + d) / 2), sides[0].distance(sides[1]), depth, False)
-    (x0, y0), (x1, y1) = _longest_chord(mouth)
+    (x0, y0), (x1, y1) = _longest_chord(_open_part(mouth, ring, contour, radius, tolerance))
     width = dist((x0, y0), (x1, y1))
     from_middle = sqrt(max(radius * radius - width * width / 4, 0.0))
     in_corner = radius * radius / from_middle - radius if from_middle > 0.0 else depth
     if depth <= in_corner * CORNER_SHARE + CORNER_SLACK:
         return Left((x, y), width, depth, True)
     return Left(((x0 + x1) / 2, (y0 + y1) / 2), width, depth, False)
+
+
+def _along(piece: Any, edge: Any) -> Any:
+    """The stretches of a piece's own edge that lie on another one, as lines."""
+    import shapely
+
+    every = _segments(piece)
+    return shapely.multilinestrings(every[shapely.dwithin(_middles(every), edge, SAME_PLACE)])
+
+
+def _segments(piece: Any) -> Any:
+    """The lines that bound a piece, from corner to corner."""
+    import numpy as np
+    import shapely
+
+    rings = shapely.get_rings(shapely.get_parts(piece))
+    ends, number = shapely.get_coordinates(rings, return_index=True)
+    follows = number[1:] == number[:-1]
+    return shapely.linestrings(np.stack((ends[:-1][follows], ends[1:][follows]), axis=1))
+
+
+def _middles(segments: Any) -> Any:
+    import shapely
+
+    return shapely.points(shapely.get_coordinates(segments).reshape(-1, 2, 2).mean(axis=1))
+
+
+def _open_part(mouth: Any, ring: Any, contour: Any, radius: float, tolerance: float) -> "Floats":
+    """Points of a mouth without the slivers beside the contour that lead to it.
+
+    Between a contour and the edge of what the beam takes away may be up to the tolerance, and so
+    a piece has slivers that are longer than itself. They are no part of what the beam touches
+    from the places where it stands before the mouth.
+    """
+    import shapely
+
+    corners: Floats = shapely.get_coordinates(mouth)
+    points = shapely.points(corners)
+    clear = points[~shapely.dwithin(points, contour, tolerance)]
+    if not len(clear):
+        return corners
+    stands = shapely.get_coordinates(shapely.shortest_line(clear, ring))[1::2]
+    away = shapely.distance(points, shapely.multipoints(stands))
+    touched: Floats = corners[away <= radius + tolerance * FINE_SHARE]
+    return touched
 
 
 def _longest_chord(points: "Floats") -> tuple[Point, Point]:

@@ -18,7 +18,9 @@ from beamcam.geometry.array_types import Counts, Flags, Floats
 from beamcam.verify.sheets import rules
 from beamcam.verify.sheets.bridges import in_bridges
 from beamcam.verify.sheets.grid import Pairs
+from beamcam.verify.sheets.left import left_faults
 from beamcam.verify.sheets.paths import on_contour
+from beamcam.verify.sheets.sides import on_own_side
 from beamcam.verify.sheets.ways import Ways
 from beamcam.verify.sheets.work import SHOWN, SPACING, Traced, Work
 
@@ -40,16 +42,20 @@ def cover(work: Work, traced: Sequence[Traced]) -> list[Diagnostic]:
     pairs = work.path.near(points, float(reach.max(initial=0.0)))
     if work.half_kerf:
         pairs = _own(work, traced, pairs, beside[owner])
+        pairs = on_own_side(work, (element, share, owner), points, pairs)
     away, feet = work.path.feet(pairs, len(points))
     missing = np.flatnonzero((away > reach) & ~work.small[owner])
+    said: list[Diagnostic] = []
     if len(missing) and work.half_kerf:
         from beamcam.verify.sheets.corners import in_corners
 
         missing = missing[~work.on_kept_off(points[missing]) | beside[owner[missing]]]
-        missing = missing[~in_corners(work, traced, missing, (element, share, owner))]
+        is_left, corners = in_corners(work, traced, missing, (element, share, owner))
+        missing = missing[~is_left]
+        said = left_faults(work, corners)
     missing = missing[~in_bridges(work, traced, points[missing])]
     _, firsts = np.unique(owner[missing], return_index=True)
-    said = [work.missing(int(owner[k]), points[k]) for k in missing[firsts][:SHOWN]]
+    said += [work.missing(int(owner[k]), points[k]) for k in missing[firsts][:SHOWN]]
     covered = np.flatnonzero(away <= reach)
     places = points
     if work.half_kerf:

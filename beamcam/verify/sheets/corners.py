@@ -13,26 +13,36 @@ that is too narrow for the beam does not, and both ends of a neck are touched fr
 from collections.abc import Iterator, Sequence
 
 import numpy as np
+from msgspec import Struct
 
 from beamcam.geometry.array_types import Counts, Flags, Floats
+from beamcam.geometry.plane import Point
+from beamcam.verify.sheets.sides import Samples, is_behind, off
 from beamcam.verify.sheets.work import Traced, Work
 
 HALVINGS = 24  #: of the way between a place that has a path and one that has none
 SHALLOW = 2.0  #: by half the kerf; what is less deep need not grow narrow
 NARROWS = 0.75  #: width half way down, by that of the mouth
 
-LINE = 0
-BESIDE_LINE = 2e-4  #: mm off a line, where it is asked on which side of it the part is
 
-Samples = tuple[Counts, Floats, Counts]  #: element, share of it and way of each
+class Corner(Struct, frozen=True):
+    """Samples that no beam reaches, between two that one beam touches."""
+
+    samples: Counts
+    depth: float  #: of the farthest place from the beam
+    place: Point
+    way: int  #: that the place is on
 
 
-def in_corners(work: Work, traced: Sequence[Traced], missing: Counts, samples: Samples) -> Flags:
-    """Which of the samples without a path lie in a corner."""
+def in_corners(
+    work: Work, traced: Sequence[Traced], missing: Counts, samples: Samples
+) -> tuple[Flags, list[Corner]]:
+    """Which of the samples without a path lie in a corner, and these corners."""
     element, share, owner = samples
     found = np.zeros(len(missing), dtype=bool)
+    corners: list[Corner] = []
     if work.region is None or not len(missing):
-        return found
+        return found, corners
     which = np.flatnonzero(work.beside[owner[missing]])
     which = which[_no_room(work, element[missing[which]], share[missing[which]])]
     beam = _Beam(work, traced)
@@ -40,20 +50,18 @@ def in_corners(work: Work, traced: Sequence[Traced], missing: Counts, samples: S
     left[missing[which]] = True
     is_missing = np.zeros(len(owner), dtype=bool)
     is_missing[missing] = True
-    behind = beam.only_behind(samples, left)
-    left[behind[_no_room(work, element[behind], share[behind])]] = True
-    is_missing[behind] = True
     good = np.zeros(len(owner), dtype=bool)
     # The tip of a needle may be all of it that the beam touches: it parts two corners. Where the
     # beam touches a tip from behind, both sides are one.
     whole = np.arange(len(owner)), samples, is_missing
     for rows, some, gone in (whole, beam.with_ends(samples, is_missing)):
         stretches = [s for s in _stretches(work, some[2], gone) if left[_own(rows, s[1:-1])].all()]
-        for stretch in beam.corners(stretches, some):
-            good[_own(rows, stretch[1:-1])] = True
+        for corner in beam.corners(stretches, some):
+            good[_own(rows, corner.samples)] = True
+            corners.append(corner)
     # A curve that lies on another is where that one is.
     found[:] = good[missing] | (left[missing] & work.region.twins[owner[missing]])
-    return found
+    return found, corners
 
 
 def _own(rows: Counts, some: Counts) -> Counts:
@@ -75,18 +83,13 @@ def _no_room(work: Work, element: Counts, share: Floats) -> Flags:
         middle = points + sign * half * normal
         pairs = work.need.near(middle, half)
         pairs = pairs.kept(closed[work.need.owner[pairs.element]])
-        away, way, _ = work.need.nearest_of(pairs, len(middle))
-        room = away >= half - work.slack[way] - work.tolerance
+        away, _, _ = work.need.nearest_of(pairs, len(middle))
+        room = away >= half - 2 * work.fine
         # Behind a thin wall there may be waste as well, from which the beam cuts its other side.
-        off = _off(work, work.need.owner[element])[:, None]
-        is_waste = ~work.region.in_part(points + sign * off * normal)
+        aside = off(work, work.need.owner[element])[:, None]
+        is_waste = ~work.region.in_part(points + sign * aside * normal)
         found &= ~(room & is_waste & ~work.region.in_part(middle))
     return found
-
-
-def _off(work: Work, way: Counts) -> Floats:
-    """How far off some ways it is sure what is part: the region has chords for all but lines."""
-    return np.where(work.need.kinds[way] == LINE, BESIDE_LINE, 2 * work.fine)
 
 
 def _stretches(work: Work, owner: Counts, missing: Flags) -> Iterator[Counts]:
@@ -136,23 +139,11 @@ class _Beam:
         full = np.insert(element, at, first), np.insert(share, at, ends), np.insert(owner, at, ways)
         return rows, full, np.insert(missing, at, gone)
 
-    def only_behind(self, samples: Samples, left: Flags) -> Counts:
-        """Samples near those `left` by the beam that have a path behind a thin wall alone."""
-        import shapely
+    def corners(self, stretches: Sequence[Counts], samples: Samples) -> Iterator[Corner]:
+        """Those of some stretches that are corners.
 
-        element, share, owner = samples
-        points = self._work.need.elements.places(element, share)
-        asked = np.flatnonzero(self._work.beside[owner] & ~left)
-        places, reach = shapely.points(points[asked]), 2 * self._work.half_kerf
-        near, _ = shapely.STRtree(shapely.points(points[left])).query(
-            places, "dwithin", distance=reach
-        )
-        asked = asked[np.unique(near)]
-        found: Counts = asked[np.isinf(self._nearest(points[asked], owner[asked])[0])]
-        return found
-
-    def corners(self, stretches: Sequence[Counts], samples: Samples) -> Iterator[Counts]:
-        """Those of some stretches, each with the samples that have a path before and behind it."""
+        Each stretch has the samples that have a path before and behind it.
+        """
         if not stretches:
             return
         work = self._work
@@ -174,7 +165,23 @@ class _Beam:
             inner = stretches[k][1:-1]
             points = work.need.elements.places(element[inner], share[inner])
             if self._narrows(points, firsts[k], lasts[k], middles[k]):
-                yield stretches[k]
+                yield self._corner(inner, points, owner, middles[k])
+
+    def _corner(self, inner: Counts, points: Floats, owner: Counts, middle: Floats) -> Corner:
+        """The corner that some samples lie in, as deep as the farthest of them and of the ends
+        between them."""
+        ways, ends = owner[inner], points[:0]
+        if len(turns := np.flatnonzero(np.diff(ways))):
+            starts, ends = self._work.need.starts[ways[turns]], self._work.need.ends[ways[turns]]
+            to_start = np.hypot(*(starts - points[turns + 1]).T)
+            to_end = np.hypot(*(ends - points[turns + 1]).T)
+            ends = np.where((to_start < to_end)[:, None], starts, ends)
+        places = np.concatenate((points, ends))
+        away = np.hypot(*(places - middle).T)
+        deepest = int(np.argmax(away))
+        x, y = places[deepest].tolist()
+        way = int(np.concatenate((ways, ways[turns]))[deepest])
+        return Corner(inner, float(away[deepest]) - self._work.half_kerf, (x, y), way)
 
     def _touched(
         self, stretches: Sequence[Counts], samples: Samples, have: int, lack: int
@@ -221,14 +228,5 @@ class _Beam:
         pairs = work.path.near(points, 2 * work.half_kerf + 2 * float(work.slack.max()))
         pairs = pairs.kept(self._keeps_off[work.of_way[work.path.owner[pairs.element]]])
         away, feet = work.path.feet(pairs, len(points))
-        return np.where(self._is_behind(points, way, away, feet), np.inf, away), feet
-
-    def _is_behind(self, points: Floats, way: Counts, away: Floats, feet: Floats) -> Flags:
-        """Whether the part lies between places of a contour and the path: behind a thin wall."""
-        assert self._work.region is not None
-        found = np.isfinite(away) & (away > 0.0)
-        step = _off(self._work, way[found]) / away[found]
-        found[found] = self._work.region.in_part(
-            points[found] + step[:, None] * (feet[found] - points[found])
-        )
-        return found
+        behind = is_behind(work, points, way, away, feet - points)
+        return np.where(behind, np.inf, away), feet

@@ -1,29 +1,33 @@
 """Notches beside a needle of the part, whose tip the beam passes on both sides."""
 
+import re
+from collections.abc import Iterator
+
 import pytest
 from hypothesis import event, given, settings
 from hypothesis import strategies as st
 
-from beamcam.errors import PlanError
+from beamcam.errors import Diagnostic, PlanError
 from beamcam.geometry.curves import Bezier, Curve, Line
 from beamcam.model.part import Part
-from beamcam.pipeline import post
+from beamcam.pipeline import RefusedProgram, post
+from beamcam.planning.contours import kerf as kerfs
 from beamcam.verify.sheets import verify_sheet
+from tests.unit.sheets.notches import Notch, left_at_best, left_in_program
 from tests.unit.sheets.parts import contour, drawing, lines, table
 
 MACHINE = table("plate-linuxcnc")
+KERF = 1.9  #: of 8 mm of steel
+OFF = 0.12  #: that figures of two measurements may differ by
 
 
 def sheet(curves: tuple[Curve, ...]) -> Part:
     return drawing(contour(curves), thickness=8.0)
 
 
-def notched(mouth: float, tip: float, depth: float) -> tuple[Curve, ...]:
+def notched(mouth: float, tip: float, depth: float) -> Part:
     """A plate with a V notch in its top, left of a needle that ends as high as the plate."""
-    return lines(
-        (0, 0), (40, 0), (40, 20), (25 + tip, 20), (25 + tip, 40), (25, 40),
-        (25 - mouth / 2, 40 - depth), (25 - mouth, 40), (0, 40),
-    )  # fmt: skip
+    return Notch(mouth, depth, tip).part()
 
 
 HOOK = (
@@ -31,26 +35,79 @@ HOOK = (
     Line((101.6, 10.0), (10.16, 10.0)), Line((10.16, 10.0), (10.16, 58.26)),
     Bezier(((10.16, 58.26), (10.16, 59.657), (11.303, 60.8), (10.16, 60.8))),
 )  # fmt: skip
+SHIELD = lines((5, 4.995), (7, 8), (7, 12), (6, 7), (4, 130), (3, 12), (3, 8))
 
 
-@pytest.mark.parametrize("curves", [
-    HOOK,
-    lines((5, 4.995), (7, 8), (7, 12), (6, 7), (4, 130), (3, 12), (3, 8)),
-    notched(1.2, 0.02, 5.0),
-], ids=["hook", "shield", "notch"])  # fmt: skip
-def test_what_lies_beside_a_needle_passes(curves: tuple[Curve, ...]) -> None:
-    post((sheet(curves),), MACHINE)
+def depths(said: tuple[Diagnostic, ...], code: str) -> list[float]:
+    """How deep what is told of by messages of a code is."""
+    found = (
+        re.search(r"(\S+) mm (?:of it|in a corner)", d.message) for d in said if d.code == code
+    )
+    return [float(one[1]) for one in found if one]
 
 
-@settings(deadline=None, max_examples=30)
-@given(st.floats(0.3, 4.0), st.floats(0.1, 2.0), st.floats(0.5, 12.0))
-def test_a_notch_is_made_or_refused_by_the_planner(mouth: float, tip: float, depth: float) -> None:
+@pytest.mark.parametrize("part", [sheet(HOOK), notched(1.2, 0.02, 1.0)], ids=["hook", "notch"])
+def test_what_lies_beside_a_needle_passes(part: Part) -> None:
+    assert not depths(post((part,), MACHINE).remarks, "plan-left-in-corner")
+
+
+@pytest.mark.parametrize(("part", "depth"), [
+    (sheet(SHIELD), 5.049), (notched(1.2, 0.02, 5.0), 4.786), (notched(1.2, 15.0, 5.0), 4.786),
+], ids=["shield", "notch", "no needle"])  # fmt: skip
+def test_a_slot_behind_a_needle_is_as_deep_as_any(part: Part, depth: float) -> None:
+    """The path on the needle's other side is no nearer to what is waste."""
+    with pytest.raises(PlanError) as refused:
+        post((part,), MACHINE)
+    (found,) = depths(refused.value.diagnostics, "plan-narrow")
+    assert found == pytest.approx(depth, abs=0.01)
+
+
+notches = st.builds(
+    Notch, st.floats(0.3, 6.0), st.floats(0.5, 15.0), st.floats(0.06, 1.5),
+    st.sampled_from(["lines", "arcs", "curves"]), st.floats(0.0, 0.1), st.booleans(), st.booleans(),
+)  # fmt: skip
+
+
+@settings(deadline=None, max_examples=25)
+@given(notches)
+def test_what_is_left_in_a_notch_is_told_as_deep_as_it_is(notch: Notch) -> None:
+    """Measured by the areas that the beam sweeps, and that a beam could sweep."""
+    steel = notch.steel()
     try:
-        post((sheet(notched(mouth, tip, depth)),), MACHINE)
+        posted = post((notch.part(),), MACHINE)
     except PlanError as error:
-        event(f"refused, {error.diagnostics[0].code}")
+        event("refused")
+        (found,) = depths(error.diagnostics, "plan-narrow")
+        assert found == pytest.approx(left_at_best(steel, KERF), abs=OFF)
+        assert found > KERF
         return
+    told = max(depths(posted.remarks, "plan-left-in-corner"), default=0.0)
+    left = left_in_program(steel, posted.text, KERF)
+    event(f"made, {'told' if told else 'nothing told'}")
+    assert told == pytest.approx(left, abs=OFF) if told else left < 0.55 * KERF + OFF
+
+
+@settings(deadline=None, max_examples=15)
+@given(notches)
+def test_the_read_back_refuses_what_is_left_untold(notch: Notch) -> None:
+    """The planner keeps silent about all that it leaves."""
+    left = left_at_best(notch.steel(), KERF)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(kerfs, "told_of", silent)
+        try:
+            post((notch.part(),), MACHINE)
+        except RefusedProgram as refused:
+            codes = {said.code for said in refused.diagnostics}
+            event("refused")
+            assert codes <= {"verify-sheet-untold", "verify-sheet-missing"}
+            assert left > KERF - OFF
+            return
     event("made")
+    assert left < KERF + OFF
+
+
+def silent(*_: object) -> Iterator[Diagnostic]:
+    return iter(())
 
 
 @settings(deadline=None, max_examples=8)
@@ -64,5 +121,5 @@ def test_a_notch_that_the_beam_enters_may_not_be_left(
         (25 - mouth, 40), (0, 40),
     )  # fmt: skip
     text = post((sheet(without),), MACHINE).text
-    part = sheet(notched(mouth, tip, 5.0 + narrow))
+    part = notched(mouth, tip, 5.0 + narrow)
     assert "verify-sheet-missing" in {said.code for said in verify_sheet(text, (part,), MACHINE)}
