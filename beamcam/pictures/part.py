@@ -130,7 +130,11 @@ def view_of(part: Part, face: Face) -> View:
     """A face with the box around all that lies on it, and the places that it is dimensioned at."""
     own = [f for f in part.features if face_of(f) == face]
     boxes: list[Box] = []
-    if face in FACE_NAMES and part.profile.face_width(face) and part.measures is None:
+    is_outlined = part.profile.code == "B" and any(
+        isinstance(f, Contour) and f.kind == "outer" and f.curves for f in own
+    )
+    is_stock = face in FACE_NAMES and part.profile.face_width(face) and part.measures is None
+    if is_stock and not is_outlined:
         boxes.append((0.0, 0.0, part.length, part.profile.face_width(face)))
     places: set[float] = set()
     edges: set[float] = set()

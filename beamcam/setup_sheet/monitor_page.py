@@ -10,7 +10,7 @@ from beamcam.machine.machine import Machine
 from beamcam.model.part import Profile
 from beamcam.pictures.program import ReadProgram, bar_made, table_made
 from beamcam.setup_sheet.html import shown
-from beamcam.setup_sheet.page import data_script, document_head, program_data
+from beamcam.setup_sheet.page import UNIT_CHOICE, data_script, document_head, program_data, unit_of
 from beamcam.setup_sheet.playback import NO_SECTION, bar_made_data, cell_data, path_data
 from beamcam.setup_sheet.static_files import page_script, static_text
 from beamcam.simulate.bars import cell_axes
@@ -65,7 +65,7 @@ def monitor_page(machine: Machine, every_s: float, address: str, work: Work) -> 
     )
     rows = "".join(
         f'<tr><th scope="row">{shown(axis.name)}</th><td class="n"><data id="axis-{k}" value="0">'
-        f"0</data></td><td>{axis.unit}</td></tr>"
+        f"0</data></td><td>{unit_of(axis)}</td></tr>"
         for k, axis in enumerate(axes_of(machine))
     )
     head = document_head(f"{machine.name} at {address}").replace(
@@ -78,7 +78,7 @@ def monitor_page(machine: Machine, every_s: float, address: str, work: Work) -> 
         program = data_script("program", program_data(work.program.data))
     return (
         f'<!doctype html>\n<html lang="en" data-unit="mm">\n{head}<body><main>\n'
-        f"<h1>{shown(machine.name)} at {shown(address)}</h1>\n"
+        f'<div class="top"><h1>{shown(machine.name)} at {shown(address)}</h1>{UNIT_CHOICE}</div>\n'
         '<div id="link" class="verdict" role="status">Not connected yet.</div>\n'
         f"{_work_said(work, data.get('section'))}"
         f'<section class="playback"><div class="stage"><div>{canvases}'

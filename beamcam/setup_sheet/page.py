@@ -13,6 +13,7 @@ from beamcam.setup_sheet.html import length, messages, number, row, shown, table
 from beamcam.setup_sheet.operations import Operation
 from beamcam.setup_sheet.playback import as_script, bar_data, table_data
 from beamcam.setup_sheet.static_files import page_script, page_style
+from beamcam.simulate.trace import TraceAxis
 
 MAX_TEXT = 1_500_000  #: characters of a program that the page holds
 HEAD_LINES = 200  #: that it shows of a longer one
@@ -22,6 +23,10 @@ VERDICTS = {
     "alone": "Read back by itself: nothing is wrong with it; no part was given to compare with.",
     "wrong": "Read back: this program is NOT RIGHT.",
 }
+UNIT_CHOICE = (
+    '<label id="unit-choice">Unit <select id="unit"><option>mm</option><option>inch</option>'
+    "</select></label>"
+)
 _UNIT = '<span class="unit">mm</span>'
 _RATE = '<span class="unit" data-per="min">mm/min</span>'
 
@@ -102,9 +107,7 @@ def _top(content: Content) -> Iterator[str]:
     program = content.program
     rows = "".join(f"<dt>{label}</dt><dd>{shown(value)}</dd>" for label, value in content.header)
     yield (
-        f'<div class="top"><h1>{shown(program.name)}</h1>'
-        '<label id="unit-choice">Unit <select id="unit"><option>mm</option><option>inch</option>'
-        "</select></label></div>\n"
+        f'<div class="top"><h1>{shown(program.name)}</h1>{UNIT_CHOICE}</div>\n'
         f"<dl>{rows}<dt>SHA-256</dt><dd><code>{program.sha256}</code></dd></dl>\n"
         f'<div class="verdict {content.verdict}">{verdict_of(content)}'
     )
@@ -128,13 +131,14 @@ def _hand(content: Content) -> str:
     """The marks that are made manually."""
     heads = (("Part", False), ("Mark", False), ("Face", False), (f"X, {_UNIT}", True),
              (f"Y, {_UNIT}", True), (f"Height, {_UNIT}", True), ("Pieces", True))  # fmt: skip
-    rows = (
-        row([shown(h["mark"]), shown(f"{h['kind']} {h['text']}".strip()), shown(h["face"]),
-             length(h["x"]), length(h["y"]), length(h["height"]) if h["height"] else "",
-             str(h["pieces"])])
+    cells = [
+        [shown(h["mark"]), shown(f"{h['kind']} {h['text']}".strip()), shown(h["face"]),
+         length(h["x"]), length(h["y"]), length(h["height"]) if h["height"] else "",
+         str(h["pieces"])]
         for h in content.hand
-    )  # fmt: skip
-    return table("hand", heads, rows)
+    ]  # fmt: skip
+    used, cells = used_columns(heads, cells)
+    return table("hand", used, map(row, cells))
 
 
 def _playback(content: Content) -> str:
@@ -146,6 +150,11 @@ def _playback(content: Content) -> str:
     return playback_section(content.trace.axes, views, True, is_bar)
 
 
+def unit_of(axis: TraceAxis) -> str:
+    """The unit of an axis; of a length the one that the reader chose."""
+    return _UNIT if axis.unit == "mm" else axis.unit
+
+
 def playback_section(axes: Any, views: dict[str, str], listing: bool, whole: bool) -> str:
     """The controls, the views and the axes; `listing` with the program, `whole` with the choice."""
     canvases = "".join(
@@ -155,7 +164,7 @@ def playback_section(axes: Any, views: dict[str, str], listing: bool, whole: boo
     )
     rows = "".join(
         f'<tr><th scope="row">{shown(axis.name)}</th><td class="n"><data id="axis-{k}" value="0">'
-        f"0</data></td><td>{_UNIT if axis.unit == 'mm' else axis.unit}</td></tr>"
+        f"0</data></td><td>{unit_of(axis)}</td></tr>"
         for k, axis in enumerate(axes)
     )
     choice = '<label><input type="checkbox" id="whole"> whole length</label>' if whole else ""

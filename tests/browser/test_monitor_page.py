@@ -102,6 +102,10 @@ def test_a_cell_is_drawn_while_it_moves(browser: Browser) -> None:
         assert browser.text("state") == "spindle 2, tool 18 mm, turning, coolant"
         assert browser.text("line") == f"block {rows[-1].line}"
         assert browser.run("return Sheet.model.section.height") == 300.0
+        browser.run("const u = document.getElementById('unit'); u.value = 'inch';"
+                    "u.dispatchEvent(new Event('change'))")  # fmt: skip
+        assert browser.text("axis-0") == f"{rows[-1].positions[0] / 25.4:.4f}"
+        assert positions(browser)[0] == rows[-1].positions[0]
         drawn = {drawing(browser, view) for view in ("above", "side", "space")}
         assert len(drawn) == 3
         assert min(map(len, drawn)) > 3000

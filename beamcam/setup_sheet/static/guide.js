@@ -20,7 +20,9 @@ class Guide {
     view.chain([at(0, 0), at(end, 0)], Colours.pale);
     view.chain(this.samples.map(([time, v]) => at(time, v)), Colours.tool, { width: 2 });
     view.chain([at(t, this.low), at(t, this.high)], Colours.work, { width: 2 });
-    view.text(this.labels[1], left, 16, Colours.ink);
+    const speed = this.samples.reduce((v, s) => (s[0] <= t ? s[1] : v), 0);
+    view.text(`${this.labels[1]}: ${Numbers.plain(speed, 1)} of ${Numbers.plain(this.high, 1)}`,
+      left, 16, Colours.ink);
     const rail = view.high - 36;
     view.chain([[left, rail], [right, rail]], Colours.ink, { width: 4 });
     const [x] = this.trace.positions(t);
@@ -28,6 +30,9 @@ class Guide {
     const place = left + 24 + share * (right - left - 48);
     view.chain([[place - 24, rail - 26], [place + 24, rail - 26], [place + 24, rail - 3],
       [place - 24, rail - 3]], Colours.ink, { fill: Colours.part, closed: true });
-    view.text(this.labels[0], left, view.high - 12, Colours.ink);
+    const edge = (x) => Numbers.plain(x, 1);
+    view.text(edge(this.first), left, rail + 20, Colours.ink);
+    view.text(`${edge(this.last)}; ${this.labels[0]}`, right, rail + 20, Colours.ink, "right");
+    view.text(`${edge(t)} s`, at(t, 0)[0], bottom + 16, Colours.ink, "center");
   }
 }

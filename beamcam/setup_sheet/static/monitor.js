@@ -71,7 +71,7 @@ class LiveTable {
     const [p, q] = this.whole || !this.box ? [[a, c], [b, d]]
       : [0, 1].map((k) => this.box.map((range) => range[k]));
     view.text(corner(p), at(p)[0], at(p)[1] + 16, Colours.ink);
-    view.text(`${corner(q)} mm`, at(q)[0], at(q)[1] - 8, Colours.ink, "right");
+    view.text(`${corner(q)} ${Numbers.unit}`, at(q)[0], at(q)[1] - 8, Colours.ink, "right");
   }
 }
 
