@@ -46,8 +46,11 @@ class PlainMoves(Record, Protocol):
     def lines(self) -> list[int]:
         """Of the plain moves, ascending."""
 
-    def block(self, row: int) -> tuple[int, Words]:
-        """The motion and the words of a plain move."""
+    def motion(self, row: int) -> int:
+        """The motion of a plain move."""
+
+    def words(self, row: int) -> Words:
+        """The words of a plain move."""
 
     def run(self, first: int, last: int, start: Point, feed: float) -> tuple[Point, float]:
         """Carries out plain moves from a place, with its feed; place and feed behind them."""
@@ -173,7 +176,7 @@ class Interpreter(ABC):
             return
         while lines[first] < line and not self._is_simple():
             if not self.is_over(int(lines[first])):
-                self._carry_out(int(lines[first]), *plain.block(first))
+                self._carry_out(int(lines[first]), plain.motion(first), plain.words(first))
             first += 1
         last = bisect_left(lines, line, first) if lines[first] < line else first
         self._next = last
@@ -181,7 +184,7 @@ class Interpreter(ABC):
             x, y, z = self._place
             (x, y), self._feed = plain.run(first, last, (x, y), self._feed)
             self._place = x, y, z
-            self._motion, _ = plain.block(last - 1)
+            self._motion = plain.motion(last - 1)
             self._row = 0
 
     def _is_simple(self) -> bool:

@@ -62,12 +62,15 @@ class Track:
         lines: list[int] = self.plain.line.tolist()
         return lines
 
-    def block(self, row: int) -> tuple[int, dict[str, float]]:
-        """The motion and the words of a plain move."""
+    def motion(self, row: int) -> int:
+        """The motion of a plain move."""
+        return int(self.plain.motion[row])
+
+    def words(self, row: int) -> dict[str, float]:
+        """The words of a plain move."""
         plain = self.plain
         numbers = (*plain.end[row].tolist(), *plain.centre[row].tolist(), float(plain.feed[row]))
-        words = {k: v for k, v in zip("XYIJF", numbers, strict=True) if v == v}
-        return int(plain.motion[row]), words
+        return {k: v for k, v in zip("XYIJF", numbers, strict=True) if v == v}
 
     def event(self, event: Other) -> None:
         """Anything but a move."""

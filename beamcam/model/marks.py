@@ -14,15 +14,12 @@ def mark_kind(feature: Feature) -> MarkKind | None:
 
     The process of a line in a drawing follows from its layer and colour, not from a policy.
     """
-    match feature:
-        case TextMark():
-            return "text"
-        case Hole(kind="mark"):
-            return "points"
-        case Contour(layer=None, colour=None) if feature.process != "cut":
-            return "contours"
-        case _:
-            return None
+    if isinstance(feature, Hole):
+        return "points" if feature.kind == "mark" else None
+    if isinstance(feature, Contour):
+        seen = feature.layer is not None or feature.colour is not None
+        return None if seen or feature.process == "cut" else "contours"
+    return "text" if isinstance(feature, TextMark) else None
 
 
 def policy_on(feature: Feature, marks: Marks) -> Policy | None:

@@ -14,8 +14,7 @@ from beamcam.planning.contours.shape import Shape
 #: five times; work that takes every pair of curves on one place grows with the square of it.
 MAX_PASSES = 64
 MAX_ASKED = 1000  #: stretches of which the neighbours are counted
-CELL = 1.0  #: mm, of the grid in which neighbours are looked for
-MAX_CELLS = 1 << 24
+CELLS = 512  #: along the longer side of the grid in which neighbours are looked for
 
 
 def refuse_crowds(shapes: Sequence[Shape], drawn: Drawn, tolerance: float) -> None:
@@ -60,24 +59,22 @@ def refuse_crowds(shapes: Sequence[Shape], drawn: Drawn, tolerance: float) -> No
 def _may_pass(starts: Floats, ends: Floats, places: Floats, tolerance: float) -> Counts:
     """The stretches that may pass a place within the tolerance.
 
-    Those are all that are longer than half a cell, and of the others those that start in a cell
-    with a place, or beside one.
+    Those have a place in a cell of a grid that the box around them comes into. How many places lie
+    in the cells of a box follows from the sums of all cells below and to the left of its corners.
     """
-    cell = max(CELL, 8 * tolerance)
-    low = np.minimum(starts.min(axis=0), ends.min(axis=0)) - 2 * cell
-    high = np.maximum(starts.max(axis=0), ends.max(axis=0))
-    columns, rows = (np.floor((high - low) / cell).astype(np.int64) + 3).tolist()
-    if columns * rows > MAX_CELLS:
-        return np.arange(len(starts))
+    low, high = np.minimum(starts, ends) - tolerance, np.maximum(starts, ends) + tolerance
+    origin = low.min(axis=0)
+    cell = max(float((high.max(axis=0) - origin).max()) / CELLS, tolerance)
 
     def cells(points: Floats) -> Counts:
-        x, y = ((points - low) / cell).astype(np.int64).T
-        found: Counts = x * rows + y
+        found: Counts = ((points.T - origin[:, None]) / cell).astype(np.int64)
         return found
 
-    wanted = np.zeros(columns * rows, dtype=bool)
-    for step in (-rows - 1, -rows, 1 - rows, -1, 0, 1, rows - 1, rows, rows + 1):
-        wanted[cells(places) + step] = True
-    is_long = np.maximum(*np.abs(ends - starts).T) > cell / 2
-    found: Counts = np.flatnonzero(wanted[cells(starts)] | is_long)
+    side = CELLS + 2
+    x, y = cells(places)
+    sums = np.bincount((x + 1) * side + y + 1, minlength=side * side).reshape(side, side)
+    sums = sums.cumsum(axis=0).cumsum(axis=1).ravel()
+    (x0, y0), (x1, y1) = cells(low), cells(high) + 1
+    held = sums[x1 * side + y1] - sums[x0 * side + y1] - sums[x1 * side + y0]
+    found: Counts = np.flatnonzero(held + sums[x0 * side + y0])
     return found
