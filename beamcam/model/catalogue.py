@@ -7,6 +7,7 @@ EN 10210-2 and EN 10219-2.
 
 import json
 import re
+from bisect import bisect_left, bisect_right
 from importlib.resources import files
 
 from beamcam.caches import cached
@@ -30,11 +31,16 @@ def sections() -> dict[str, tuple[ProfileCode, Sizes]]:
 
 
 @cached("sections.by_code")
-def _by_code() -> dict[str, tuple[tuple[str, Sizes], ...]]:
-    grouped: dict[str, list[tuple[str, Sizes]]] = {}
+def _by_code() -> dict[str, tuple[tuple[Sizes, str], ...]]:
+    """Measures and name of the sections of each code, ascending by height; as given if equal."""
+    grouped: dict[str, list[tuple[Sizes, str]]] = {}
     for name, (code, sizes) in sections().items():
-        grouped.setdefault(code, []).append((name, sizes))
-    return {code: tuple(rows) for code, rows in grouped.items()}
+        grouped.setdefault(code, []).append((sizes, name))
+    return {code: tuple(sorted(rows, key=_height)) for code, rows in grouped.items()}
+
+
+def _height(row: tuple[Sizes, str]) -> float:
+    return row[0][0]
 
 
 def plain_name(name: str) -> str:
@@ -54,7 +60,11 @@ def measures_of(name: str) -> tuple[ProfileCode, Sizes] | None:
 def name_of(profile: Profile) -> str | None:
     """The catalogue's name of a section with these measures, the nearest within the tolerance."""
     best: tuple[float, str] | None = None
-    for name, sizes in _by_code().get(profile.code, ()):
+    rows = _by_code().get(profile.code, ())
+    # Twice as far up and down as a section may be, so that no rounding decides.
+    first = bisect_left(rows, profile.height - 2 * TOLERANCE, key=_height)
+    last = bisect_right(rows, profile.height + 2 * TOLERANCE, key=_height)
+    for sizes, name in rows[first:last]:
         off = difference(profile, sizes)
         if off <= TOLERANCE and (best is None or off < best[0]):
             best = (off, name)
