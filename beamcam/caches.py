@@ -70,6 +70,7 @@ CACHES = {
     "planning.reaches": Kept(64, _OF_A_BUILDING),
     "simotion.runtime": Kept(16, "the text is the same for every job of a machine"),
     "simotion.trial": Kept(16, "the text is run once with simulated axes, 50 ms"),
+    "codesys.blocks": Kept(4096, "the programs of a job have most of their blocks in common"),
     "controllers.dialects": Kept(16, "as many machines as a service runs"),
     "motion.sections": Kept(64, _OF_A_BUILDING),
     "motion.machines": Kept(16, "as many machines as a service runs"),

@@ -38,7 +38,11 @@ def interpreter_of(machine: Machine, name: str) -> Interpreter:
 def cell_events(
     text: str, machine: Machine, name: str = "program"
 ) -> tuple[list[BarEvent], list[Diagnostic]]:
-    """The events of a program for bars, and the faults of its blocks."""
+    """The events of a program, block by block, and the faults of its blocks.
+
+    So are the short programs of bars read, and what is tried of a machine's words; `table_run`
+    gives the same of a table's program in arrays.
+    """
     events, interpreter = EventList(), interpreter_of(machine, name)
     interpreter.record(events)
     lines = text.rstrip().split("\n")

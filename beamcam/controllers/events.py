@@ -7,13 +7,15 @@
     Acceleration  from here on the head runs up or brakes at another acceleration
     Lettering     a unit stamps or prints a text
 
-Plain tuples, because every run of `post` makes thousands of them, and a drawing tens of thousands.
-Coordinates are mm, feeds mm/min; a coordinate that no block has named yet is not a number (nan). A
-controller that has more (outputs that are switched on the way) adds its event here, so that whoever
-follows a program learns one set of words.
+Every run of `post` makes thousands of them, and a drawing tens of thousands. Coordinates are mm,
+feeds mm/min; a coordinate that no block has named yet is not a number (nan). A controller that has
+more (outputs that are switched on the way) adds its event here, so that whoever follows a program
+learns one set of words.
 """
 
-from typing import Generic, Literal, NamedTuple, TypeVar
+from typing import Generic, Literal, TypeVar
+
+from msgspec import Struct
 
 from beamcam.geometry.curves import Arc, Bezier, EllipseArc
 from beamcam.geometry.plane import Point
@@ -24,7 +26,7 @@ Where = TypeVar("Where", Point, Place)
 Side = Literal["on", "left", "right"]
 
 
-class Move(NamedTuple, Generic[Where]):
+class Move(Struct, Generic[Where], frozen=True, gc=False):
     """A move: of a cell in X, Y and Z, of the head of a table in X and Y."""
 
     line: int
@@ -36,7 +38,7 @@ class Move(NamedTuple, Generic[Where]):
     curve: Curve | None = None  #: in X and Y; None for a straight one
 
 
-class Switch(NamedTuple):
+class Switch(Struct, frozen=True, gc=False):
     """An M word."""
 
     line: int
@@ -55,14 +57,14 @@ class Switch(NamedTuple):
 Said = tuple[int, tuple[tuple[str, float], ...]]  #: number of an M word, and its parameters
 
 
-class Pause(NamedTuple):
+class Pause(Struct, frozen=True, gc=False):
     """A dwell."""
 
     line: int
     seconds: float
 
 
-class Compensation(NamedTuple):
+class Compensation(Struct, frozen=True, gc=False):
     """From here on the controller keeps beside the contour, by a radius."""
 
     line: int
@@ -70,7 +72,7 @@ class Compensation(NamedTuple):
     radius: float
 
 
-class Acceleration(NamedTuple):
+class Acceleration(Struct, frozen=True, gc=False):
     """From here on the head runs up, or brakes, at an acceleration in mm/s2."""
 
     line: int
@@ -78,7 +80,7 @@ class Acceleration(NamedTuple):
     mm_s2: float
 
 
-class Lettering(NamedTuple):
+class Lettering(Struct, frozen=True, gc=False):
     """A text that a stamp or printer is told."""
 
     line: int

@@ -9,7 +9,7 @@ draw the tool back, switch off what they switched on.
 from collections.abc import Iterator
 
 from beamcam.caches import PerObject
-from beamcam.controllers import cell_events, interpreter_of, table_events
+from beamcam.controllers import cell_events, interpreter_of
 from beamcam.controllers.dialect import (
     DOCUMENTED,
     FIELD,
@@ -18,7 +18,7 @@ from beamcam.controllers.dialect import (
     dialect_of,
     role_of,
 )
-from beamcam.controllers.events import BarEvent, Lettering, Move, Place, Switch, TableEvent
+from beamcam.controllers.events import BarEvent, Lettering, Move, Place, Switch
 from beamcam.controllers.rules import SETTING, SHEET_SETTING
 from beamcam.errors import Diagnostic, MachineError
 from beamcam.machine import rules
@@ -286,7 +286,7 @@ def _table_faults(machine: Machine) -> Iterator[WordFault]:
         if getattr(words, side):
             lines += (*_filled(machine, side), *feed, *_filled(machine, "straight"))
     lines += _filled(machine, "footer")
-    events, said = table_events(_text(lines), machine, "")
+    events, said = cell_events(_text(lines), machine, "")
     yield from _said(lines, said)
     yield from _standing(lines, events)
     assert machine.torch is not None
@@ -300,7 +300,7 @@ def _table_faults(machine: Machine) -> Iterator[WordFault]:
             yield key, text, found, f"one within the table of {high[0]:g} x {high[1]:g} mm"
 
 
-def _standing(lines: list[Line], events: list[TableEvent]) -> Iterator[WordFault]:
+def _standing(lines: list[Line], events: list[BarEvent]) -> Iterator[WordFault]:
     """Each template of a move or a switch that does not make that move or switch."""
     moving = {lines[event.line - 1][0] for event in events if isinstance(event, Move)}
     switching = {lines[event.line - 1][0] for event in events if isinstance(event, Switch)}
@@ -317,7 +317,7 @@ def _standing(lines: list[Line], events: list[TableEvent]) -> Iterator[WordFault
             if name in ("feed", *_CURVES) and event.rapid:
                 yield key, text, "a traverse", "a move at the feed, such as G1"
             if name.endswith(("_on", "_off")):
-                x, y = event.end
+                x, y = event.end[:2]
                 yield key, text, f"a move to X {x:g}, Y {y:g}", "the tool switched where it stands"
 
 

@@ -13,7 +13,10 @@ those of N, G, M and H. Source: CODESYS online help, "CNC: DIN 66025".
 
 import re
 from collections.abc import Set
-from typing import NamedTuple
+
+from msgspec import Struct
+
+from beamcam.caches import cached
 
 #: Letters that the controller's help describes; a machine file may use more in its templates.
 LETTERS = frozenset("NGMXYZABCPQUVWDEFHIJKLORT")
@@ -30,7 +33,7 @@ USUAL = re.compile(
 )
 
 
-class Block(NamedTuple):
+class Block(Struct, frozen=True, gc=False):
     """One block, whatever its number."""
 
     command: str  #: "G", "M", or "" where the last travel command goes on
@@ -38,14 +41,15 @@ class Block(NamedTuple):
     words: dict[str, float]  #: the others
 
 
-class Fault(NamedTuple):
+class Fault(Struct, frozen=True):
     """A syntax error in a block."""
 
     found: str
     expected: str
 
 
-def read_block(text: str, letters: Set[str] = LETTERS) -> Block | Fault | None:
+@cached("codesys.blocks")
+def read_block(text: str, letters: frozenset[str] = LETTERS) -> Block | Fault | None:
     """A line without its block number; None where there is nothing in it.
 
     `letters` are the addresses that the controller knows.

@@ -90,7 +90,7 @@ class Codesys(Interpreter):
             self._known[body] = block
         if self._over and self.is_over(line):
             return
-        command, number, words = block
+        command, number, words = block.command, block.number, block.words
         if command == "M":
             self._m_word(line, number, words)
         elif not command:

@@ -10,6 +10,8 @@ modal. Source: LinuxCNC documentation, "G-Code Overview".
 
 import re
 
+from msgspec.structs import replace
+
 from beamcam.controllers.arcs import arc_of
 from beamcam.controllers.dialect import Dialect
 from beamcam.controllers.events import Curve, Other, Switch
@@ -176,5 +178,5 @@ class Rs274(Interpreter):
 
 
 def _on_line(line: int, event: Other) -> Other:
-    """The same event, said on a line; `_replace` takes three times as long."""
-    return type(event)(line, *event[1:])
+    """The same event, said on a line."""
+    return replace(event, line=line)

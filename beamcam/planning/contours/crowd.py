@@ -72,9 +72,9 @@ def _may_pass(starts: Floats, ends: Floats, places: Floats, tolerance: float) ->
 
     side = CELLS + 2
     x, y = cells(places)
-    sums = np.bincount((x + 1) * side + y + 1, minlength=side * side).reshape(side, side)
-    sums = sums.cumsum(axis=0).cumsum(axis=1).ravel()
+    held = np.bincount((x + 1) * side + y + 1, minlength=side * side).reshape(side, side)
+    sums = held.cumsum(axis=0).cumsum(axis=1).ravel()
     (x0, y0), (x1, y1) = cells(low), cells(high) + 1
-    held = sums[x1 * side + y1] - sums[x0 * side + y1] - sums[x1 * side + y0]
-    found: Counts = np.flatnonzero(held + sums[x0 * side + y0])
+    inside = sums[x1 * side + y1] - sums[x0 * side + y1] - sums[x1 * side + y0]
+    found: Counts = np.flatnonzero(inside + sums[x0 * side + y0])
     return found

@@ -45,8 +45,8 @@ class Cell(CellState):
         return made_in_order(tuple(self.section.items()), self.order)
 
     def _move(self, move: Move[Place]) -> None:
-        line, rapid, start, end, feed_mm_min, _, curve = move
-        if curve is not None:
+        line, start, end = move.line, move.start, move.end
+        if move.curve is not None:
             expected = "straight strokes, the cell has no mill"
             self.say(WORD, line, found="an arc", expected=expected)
             return
@@ -54,8 +54,8 @@ class Cell(CellState):
         moved = x != self.x and not isnan(x)
         if moved:
             self._move_bar(x, move, self.cycle.along and self._in_work(move))
-        self.feed_mm_min = feed_mm_min
-        if not rapid and feed_mm_min <= 0 and self.dialect.feeds:
+        self.feed_mm_min = move.feed_mm_min
+        if not move.rapid and move.feed_mm_min <= 0 and self.dialect.feeds:
             self.say(rules.NO_FEED, line, found="move")
         choice = self.choice
         if choice is None:

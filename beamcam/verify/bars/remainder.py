@@ -60,7 +60,7 @@ def verify_remainder(
     said = [one for one in alone.diagnostics if one.code != TOOL_CHANGE.code]
     done = _done(begun, lines[first - 2])
     after = whole.count("\n") + 1
-    moved = (type(e)(e.line + after, *e[1:]) for e in cell_events(rest, machine, name)[0])
+    moved = [replace(e, line=e.line + after) for e in cell_events(rest, machine, name)[0]]
     both = run_of_events([*done, *moved], machine, profile, name, grades)
     found = (
         *both.diagnostics, *compared(both, parts, machine, profile, skips, name, order, turn, bar),

@@ -82,11 +82,11 @@ def test_a_name_in_the_middle() -> None:
 
 def test_two_accelerations_are_one_word_of_two_values() -> None:
     words = {"X": 100.0, "Y": 90.0, "E": 100.0, "F": 80.0, "E-": -200.0}
-    assert read_block("G01 X100 Y90 E100 F80 E-200") == ("G", 1, words)
+    assert read_block("G01 X100 Y90 E100 F80 E-200") == Block("G", 1, words)
 
 
 def test_more_letters_where_a_machine_has_them() -> None:
-    assert read_block("M03 S800", frozenset("MS")) == ("M", 3, {"S": 800.0})
+    assert read_block("M03 S800", frozenset("MS")) == Block("M", 3, {"S": 800.0})
 
 
 words = st.dictionaries(
@@ -105,4 +105,4 @@ def test_order_blanks_and_zeros_count_for_nothing(
     pad = "00" if zeros else ""
     text = gap.join([f"M{pad}{number}", *(f"{w}{given_words[w]}" for w in order)])
     found = {w: float(str(v)) for w, v in given_words.items()}
-    assert read_block(text) == ("M", number, found)
+    assert read_block(text) == Block("M", number, found)

@@ -15,7 +15,7 @@ CELL = load("beamline")
 def events(text: str) -> list[BarEvent]:
     found, said = cell_events(text + "\nM30", CELL, "a")
     assert said == []
-    assert found[-1][1:] == (30, {})
+    assert found[-1] == Switch(text.count("\n") + 2, 30, {})
     return found[:-1]
 
 
