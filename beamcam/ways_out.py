@@ -3,6 +3,8 @@
 from collections.abc import Collection, Iterable, Iterator, Sequence
 from itertools import chain, islice
 
+from msgspec.structs import replace
+
 from beamcam.errors import BeamcamError, Diagnostic, Rule, Severity, Source
 from beamcam.machine.machine import Machine
 from beamcam.model.part import Part
@@ -40,7 +42,7 @@ def ways_out(
     """
     source = parts[0].source if parts else Source("beamcam")
     bar = max(lengths, default=None)
-    found = [
+    found = [*_first(_by_thickness(parts, machine, skips) for machine in tried)] or [
         *(f"--machine {machine.name}" for machine in others if _made(parts, machine, bar, skips)),
         *_first(_by_leave(parts, machine, bar, skips) for machine in tried),
         *_first(_by_bar(parts, machine, bar, skips) for machine in tried),
@@ -66,6 +68,18 @@ def _made(
         return post_of(machine).plan(job)
     except BeamcamError:
         return None
+
+
+def _by_thickness(parts: Sequence[Part], machine: Machine, skips: Collection[str]) -> Iterator[str]:
+    """The least thickness of the machine's cut chart that would do, where none is known."""
+    torch = machine.torch
+    if torch is None or torch.thickness or any(part.profile.web_thickness for part in parts):
+        return
+    for thickness in sorted({row.up_to for row in torch.rows}):
+        known = replace(machine, torch=replace(torch, thickness=thickness))
+        if _made(parts, known, None, skips) is not None:
+            yield f"--thickness {thickness:g}"
+            return
 
 
 def _by_leave(

@@ -12,7 +12,13 @@ from beamcam.commands.kinds import program
 from beamcam.commands.parts import part_options, read_parts
 from beamcam.commands.quantities import program_names, quantity
 from beamcam.commands.remainders import ONE_BAR, from_operation
-from beamcam.commands.settings import files_read, machines_for, map_remarks, settled
+from beamcam.commands.settings import (
+    files_read,
+    machine_asked,
+    machines_for,
+    map_remarks,
+    settled,
+)
 from beamcam.commands.tables import job_name, outputs, table_style, write_list
 from beamcam.config.values import Config
 from beamcam.errors import BeamcamError, Diagnostic, PlanError, Source
@@ -92,8 +98,9 @@ def command(
     try:
         config = settled(asked, inputs)
         parts, said = read_parts(inputs, config, asked, voice)
-        machines = machines_for(config, parts, output)
-        said += map_remarks(config, parts, machines[0])
+        chosen = machines_for(config, parts, output)
+        said += map_remarks(config, parts, chosen[0])
+        machines = chosen
 
         def posted_on(machine: Machine) -> list[tuple[str, Posted]]:
             told = table_style(machine, output, style)
@@ -143,12 +150,12 @@ def _ways_out(
     parts: Sequence[Part], tried: Sequence[Machine], config: Config
 ) -> tuple[Diagnostic, ...]:
     """What could be asked for instead, of the machines that are shipped for such stock."""
-    from beamcam.machine import load, shipped
+    from beamcam.machine import shipped
     from beamcam.ways_out import ways_out
 
     known = {machine.name for machine in tried}
-    others = [load(name) for name in shipped() if name not in known]
-    alike = [machine for machine in others if machine.stock == tried[0].stock]
+    others = [machine_asked(name, config) for name in shipped() if name not in known]
+    alike = [one for one in others if one is not None and one.stock == tried[0].stock]
     return (ways_out(parts, tried, alike, config.stock_lengths, config.allow_skips),)
 
 

@@ -101,7 +101,7 @@ def _stock(
 ) -> tuple[Stock, tuple[Diagnostic, ...]]:
     """The bar's section and steel, of a part's file or by the section's name. Raises ReadError."""
     if profile is None:
-        return Stock(), ()
+        return Stock(has_thickness=config.sheet.thickness is not None), ()
     by_name = measures_of(profile)
     if by_name is not None and not os.path.exists(profile):
         code, sizes = by_name

@@ -12,7 +12,7 @@ from msgspec.structs import replace
 from beamcam.commands.common import remark
 from beamcam.config.values import COMMAND_LINE, Config, Stock, beside, over
 from beamcam.controllers.machine_words import load_machine
-from beamcam.errors import Diagnostic, MachineError, PlanError, Source
+from beamcam.errors import BeamcamError, Diagnostic, MachineError, PlanError, Source
 from beamcam.files import FilesRead
 from beamcam.machine import Machine
 from beamcam.machine.defaults import default_machines, is_of_sheets
@@ -229,6 +229,14 @@ def machines_of_stock(
     else:
         found = [load_machine(name) for name in default_machines(stock, output)]
     return tuple(_as_asked(machine, config, is_one_of_two) for machine in found)
+
+
+def machine_asked(name: str, config: Config) -> Machine | None:
+    """A machine as the job wants it; None where it cannot do what is asked for."""
+    try:
+        return _as_asked(load_machine(name), config, is_one_of_two=False)
+    except BeamcamError:
+        return None
 
 
 def _as_asked(machine: Machine, config: Config, is_one_of_two: bool) -> Machine:

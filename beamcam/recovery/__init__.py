@@ -21,7 +21,7 @@ STOCK = Stock()  #: of which nothing is known
 def recover(text: str, machine: Machine, name: str = "program", stock: Stock = STOCK) -> Recovered:
     """The parts that a program makes, those of a bar in their order along it.
 
-    `stock` is what is known of a bar; of a sheet the machine's file says it. Where an error
+    `stock` is what is known of the bar or the sheet. Where an error
     is among what is said there are no parts.
     """
     if machine.torch is None:
@@ -29,7 +29,7 @@ def recover(text: str, machine: Machine, name: str = "program", stock: Stock = S
     else:
         from beamcam.recovery.sheets import recover_sheet
 
-        found = recover_sheet(text, machine, name)
+        found = recover_sheet(text, machine, name, stock.has_thickness)
     if errors_in(found.said):
         return Recovered((), found.said)
     head = head_of(text)

@@ -13,10 +13,11 @@ DECIMALS = 9  #: beyond which a figure is the noise of arithmetic
 
 
 class Stock(Struct, frozen=True):
-    """Known data of a program's bar."""
+    """Known data of a program's bar or sheet."""
 
     profile: Profile | None = None
     grade: str = ""
+    has_thickness: bool = False  #: whether the machine has the thickness of this very sheet
 
 
 class Recovered(Struct, frozen=True):

@@ -43,6 +43,14 @@ SHEET = Rule(
     "a row covers",
     "What starts the tool, and the kerf, are those of the sheet's thickness.",
 )
+FITTED = Rule(
+    "recover-thickness-fitted",
+    Severity.WARNING,
+    "found the feeds and pierce times of a sheet of {found} mm; taken as such, --thickness gives "
+    "another",
+    "A program does not say how thick its sheet is. Thinner ones may have the same row of the cut "
+    "chart.",
+)
 KERF = Rule(
     "recover-kerf",
     Severity.ERROR,
@@ -58,4 +66,4 @@ BY_HAND = Rule(
     "what they are. The list is the `.hand.csv` beside the program.",
 )
 
-RULES = (NO_PIECE, FACES, PROFILE, CATALOGUE, PATH, SHEET, KERF, BY_HAND)
+RULES = (NO_PIECE, FACES, PROFILE, CATALOGUE, PATH, SHEET, FITTED, KERF, BY_HAND)

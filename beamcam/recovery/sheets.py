@@ -39,11 +39,28 @@ class _Path(Struct, frozen=True):
     source: Source
 
 
-def recover_sheet(text: str, machine: Machine, name: str) -> Recovered:
-    """The part of a sheet, its lower left corner at 0, 0 unless the machine leaves it in place."""
+def recover_sheet(text: str, machine: Machine, name: str, is_known: bool) -> Recovered:
+    """The part of a sheet, its lower left corner at 0, 0 unless the machine leaves it in place.
+
+    Unless its thickness `is_known`, one of the machine's cut chart is taken that the program suits.
+    """
     torch = machine.torch
     if torch is None:
         raise TypeError(f"{machine.name} has no torch")
+    found = _recovered(text, machine, torch, name)
+    if is_known or not errors_in(found.said):
+        return found
+    for thickness in sorted({row.up_to for row in torch.rows} - {torch.thickness}):
+        fitted = replace(torch, thickness=thickness)
+        other = _recovered(text, replace(machine, torch=fitted), fitted, name)
+        if not errors_in(other.said):
+            note = rules.FITTED.at(Source(name), found=f"{thickness:g}")
+            return Recovered(other.parts, (*other.said, note))
+    return found
+
+
+def _recovered(text: str, machine: Machine, torch: Torch, name: str) -> Recovered:
+    """The part of a sheet of the machine's own thickness."""
     thickness = torch.thickness
     sheet = Part(
         name.rpartition("/")[2].partition(".")[0] or "part",

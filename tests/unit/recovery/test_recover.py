@@ -1,5 +1,6 @@
 """What programs make, kind by kind, and every message of `beamcam recover`."""
 
+import re
 from pathlib import Path
 
 import pytest
@@ -134,8 +135,26 @@ def test_a_broken_program_is_refused_with_the_messages_of_the_read_back() -> Non
 def test_a_sheet_needs_its_thickness() -> None:
     machine = table("plate-linuxcnc", thickness=6.0)
     text = post((drawing(contour(box(0, 0, 60, 40))),), machine).text
-    assert codes(text, table("plate-linuxcnc", thickness=300.0)) == [rules.SHEET.code]
+    other = table("plate-linuxcnc", thickness=300.0)
+    assert codes(text, other, Stock(has_thickness=True)) == [rules.SHEET.code]
     assert codes(text, machine) == []
+
+
+@pytest.mark.parametrize("thickness", [3.0, 12.0, 20.0])
+def test_a_thickness_that_nobody_says_is_the_programs(thickness: float) -> None:
+    machine = table("plate-linuxcnc", thickness=thickness)
+    outline, hole = contour(box(0, 0, 260, 140)), contour(circle(130, 70, 60))
+    text = post((drawing(outline, hole, thickness=thickness),), machine).text
+    shipped = table("plate-linuxcnc")
+    found = recover(text, shipped, "p")
+    assert [d.code for d in found.said] == [rules.FITTED.code]
+    (part,) = found.parts
+    assert part.profile.web_thickness is not None
+    assert part.profile.web_thickness >= thickness
+    again = post((part,), shipped).text
+    assert re.findall("^[FM].*", again, re.M) == re.findall("^[FM].*", text, re.M)
+    wrong = recover(text, shipped, "p", Stock(has_thickness=True))
+    assert wrong.parts == ()
 
 
 def test_a_path_without_room_for_the_kerf_is_refused() -> None:
