@@ -67,8 +67,8 @@ def command(
 
     What `batch` wrote is posted again as its record says: the same inputs, machine, options, names
     and folders. Elsewhere FOLDER/MACHINE/a.gcode is made from the sample a on MACHINE, a+b.gcode
-    from a and b on one bar. What is true of several programs is one line. Exit status: 0 all are
-    the same byte for byte, or --update accepted what is not; 1 one is not.
+    from a and b on one bar. A change that several programs share is one line. Exit status: 0 all
+    are the same byte for byte, or --update accepted what is not; 1 one is not.
 
     \b
     beamcam batch parts -o golden

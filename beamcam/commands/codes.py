@@ -50,7 +50,7 @@ def as_markdown(rules: list[Rule]) -> str:
 def command(code: str | None, markdown: bool, as_json: bool) -> None:
     """Explain the CODE of a message, or list all codes, with severity, message and reason.
 
-    Which options make a part that was refused is said by `post` itself (plan-ways-out).
+    `post` itself says which options make a refused part (plan-ways-out).
 
     \b
     beamcam codes plan-cope

@@ -37,8 +37,8 @@ def command(inputs: tuple[str, ...], as_json: bool, keys: bool, **asked: Any) ->
     """Show every value of the configuration that a job would have, and where it comes from.
 
     The configuration is the file given by --config, else the beamcam.toml beside IN or in the
-    nearest folder above, else that of this folder or above, else the user's own. What stands on the
-    command line of the job goes over it.
+    nearest folder above, else that of this folder or above, else the user's own. Options on the
+    command line of the job override it.
 
     \b
     beamcam config

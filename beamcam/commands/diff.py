@@ -31,16 +31,16 @@ from beamcam.readers.content import shown_name
 @options.as_json
 @options.voiced
 def command(a: str, b: str, output: str | None, as_json: bool, voice: Voice, **asked: Any) -> None:
-    """Say what program or part B makes otherwise than A; of two folders, file by file.
+    """Say what program or part B makes differently from A; of two folders, file by file.
 
-    Files of two folders belong together that have the same name below them. What is true of
-    several is one line.
+    Files of two folders belong together that have the same name below them. A change that
+    several share is one line.
 
     With -o both are drawn over each other: what moved, what is new, what is gone.
 
     Block numbers, comments, spacing, and the order of holes in a part's file count for nothing.
-    Exit status: 0 they mean the same, 1 they differ, or one cannot be read, or would be refused for
-    what it does: a word that is missing, a retract, a feed, a tool that is not there.
+    Exit status: 0 they mean the same, 1 they differ, or one cannot be read, or would be
+    refused: for a missing word, retract, feed or tool.
 
     \b
     beamcam diff yesterday.gcode today.gcode --machine beamline-annex

@@ -78,8 +78,8 @@ class Finding(Struct, frozen=True):
 def command(as_json: bool) -> None:
     """Print what is installed and where settings come from, and post a sample in memory.
 
-    Exit status 1 if something that beamcam needs does not work; an extra that is missing is nothing
-    wrong. Nothing is written. Send what it prints in with a report of a fault.
+    Exit status 1 if something that beamcam needs does not work; a missing extra is not an
+    error. Nothing is written. Send what it prints in with a report of a fault.
 
     \b
     beamcam doctor

@@ -49,7 +49,7 @@ def command(
 ) -> None:  # fmt: skip
     """Read a controller's axes over Modbus TCP and draw them in a page, until Ctrl-C.
 
-    Which register has which axis says the table `[modbus]` of the machine's file. Nothing is
+    The table `[modbus]` of the machine file says which register holds which axis. Nothing is
     written to the controller. The section of the bar is that of --part or of --program.
     Exit status: 130 after Ctrl-C, 1 if there is no controller.
 

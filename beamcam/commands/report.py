@@ -47,7 +47,7 @@ def command(
 
     INPUTs are parts, which are posted as `post` would, or a program, and behind it the parts that
     it has to make. The page holds the verdict of the read-back, the pictures, the operations with
-    their times, the tools to load and a playback of the machine; it fetches nothing. PDF needs
+    their times, the tools to load and a playback of the machine; it is self-contained. PDF needs
     beamcam[pictures].
 
     \b

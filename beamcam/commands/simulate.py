@@ -95,11 +95,11 @@ def command(
     voice: Voice,
     **asked: Any,
 ) -> None:
-    """Run PROGRAM on a model of its machine and write where the axes are when.
+    """Run PROGRAM on a model of its machine and write its axes over time.
 
     Of any machine: bars, plates, lasers, trigger programs and step tables. Axes beyond their
-    limits, cuts beyond the saw's reach and bodies of the machine that strike each other are
-    warnings with their time and block. --encoder adds what an encoder reads of each axis in mm, a
+    limits, cuts beyond the saw's reach and colliding bodies of the machine are warnings with
+    their time and block. --encoder adds what an encoder reads of each axis in mm, a
     row for each count unless --every is given, and says what is lost by its resolution; as a
     picture it is the staircase about the corner that is read furthest off. PNG and PDF need
     beamcam[pictures].

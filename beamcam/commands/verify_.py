@@ -53,14 +53,14 @@ def command(
     voice: Voice,
     **asked: Any,
 ) -> None:
-    """Read PROGRAM back and say what it makes otherwise than its parts.
+    """Read PROGRAM back and say where it differs from its parts.
 
     The PARTs are given in their order on the bar, --quantity says how many of each. Without them
     the program is only checked by itself: syntax, limits, spindles, feeds, clearances, tools.
-    Nothing is said of a program that is right.
+    Nothing is printed for a correct program.
 
-    What may be missing is what --allow-skips or the configuration names, and where they do not,
-    what the program's head says; under --strict or with --allow-skips none it is not believed.
+    Only features that --allow-skips or the configuration names may be missing; where these name
+    none, those of the program's head, which --strict and --allow-skips none ignore.
 
     The remainder that `post --from-operation` made is read back by itself and behind the
     operations before it, of the program that was stopped (--after) or of the one that `post`

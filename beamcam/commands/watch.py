@@ -54,11 +54,11 @@ def command(
     voice: Voice,
     **asked: Any,
 ) -> None:
-    """Post what is put into IN_FOLDER, as it comes, until Ctrl-C.
+    """Post the files put into IN_FOLDER as they arrive, until Ctrl-C.
 
     A file that is still being written is left until it stays the same for a while and has its
     end; one that changes later is posted again. What was posted before the command began is known
-    and not done again. It says where it looks, and of each file what became of it. Exit status:
+    and not done again. It prints the folder and the result of each file. Exit status:
     130 after Ctrl-C, 1 if a file was refused under --once.
 
     \b
