@@ -239,6 +239,14 @@ class Part(Struct, frozen=True):
     guid: str | None = None  #: IFC GlobalId
     #: Of a drawing: what was seen and is no feature, and so makes no difference between parts.
     measures: Measures | None = None
+    #: Of the file, where the angles of `cuts` stand, in their order; None where they have no lines.
+    cut_lines: tuple[int, int, int, int] | None = None
+
+    def cut_source(self, kind: Literal["web", "flange"], at: Literal["start", "end"]) -> Source:
+        """Where an angle of an end stands; of one without a place of its own that of the part."""
+        if self.cut_lines is None:
+            return self.source
+        return Source(self.source.file, self.cut_lines[2 * (kind == "flange") + (at == "end")])
 
     @property
     def holes(self) -> Iterator[Hole]:

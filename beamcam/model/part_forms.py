@@ -213,6 +213,8 @@ class PartForm(Keys, frozen=True, kw_only=True):
     phase: str = ""
     grade: str = ""
     cuts: EndCuts = EndCuts()
+    #: of the file, where the four angles stand
+    cut_lines: tuple[Whole, Whole, Whole, Whole] | None = None
     holes: tuple[HoleForm, ...] = ()
     slots: tuple[SlotForm, ...] = ()
     contours: tuple[ContourForm, ...] = ()

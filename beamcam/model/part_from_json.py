@@ -114,6 +114,7 @@ def part_from_json(value: object, file: str) -> Part:
         form.info,
         form.comments,
         form.guid,
+        cut_lines=form.cut_lines,
     )
 
 

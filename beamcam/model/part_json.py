@@ -64,6 +64,7 @@ def part_to_json(part: Part) -> Json:
             "flange_start": part.cuts.flange_start,
             "flange_end": part.cuts.flange_end,
         },
+        "cut_lines": part.cut_lines,
         **lists,
         "planes": [_plane(plane, part.source.file) for plane in part.planes],
         "weight": part.weight,

@@ -107,6 +107,7 @@ def turned(part: Part, turn: Turn) -> Part:
         part,
         profile=mapper.profile(),
         cuts=mapper.cuts(),
+        cut_lines=mapper.cut_lines(),
         features=tuple(mapper.feature(f) for f in part.features),
         planes=tuple(mapper.plane(p) for p in part.planes),
         section=tuple(
@@ -249,6 +250,15 @@ class _Mapper:
         if turn.swap:
             web, flange = flange, web
         return EndCuts(web[0] + 0.0, web[1] + 0.0, flange[0] + 0.0, flange[1] + 0.0)
+
+    def cut_lines(self) -> tuple[int, int, int, int] | None:
+        """The lines of the angles, which go with them."""
+        lines, turn = self._part.cut_lines, self._turn
+        if lines is not None and turn.reverse_x:
+            lines = (lines[1], lines[0], lines[3], lines[2])
+        if lines is not None and turn.swap:
+            lines = (lines[2], lines[3], lines[0], lines[1])
+        return lines
 
     def feature(self, feature: Feature) -> Feature:
         match feature:

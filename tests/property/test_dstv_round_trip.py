@@ -29,6 +29,7 @@ def without_places(part: Part) -> Part:
     return replace(
         part,
         source=NOWHERE,
+        cut_lines=None,
         features=tuple(replace(feature, source=NOWHERE) for feature in part.features),
         planes=tuple(replace(plane, source=NOWHERE) for plane in part.planes),
     )

@@ -67,10 +67,8 @@ def ends_of(part: Part, min_mitre: float) -> tuple[Ends, tuple[Diagnostic, ...]]
     elif header == ((0.0, 0.0), (0.0, 0.0)):
         return (End("start", 0.0, 0.0), End("end", 0.0, part.length)), ()
     remarks: list[Diagnostic] = []
-    web, flange = (
-        _agreed(part, name, said, seen, min_mitre, remarks)
-        for name, said, seen in zip(("web", "flange"), header, drawn, strict=True)
-    )
+    web = _agreed(part, "web", header[0], drawn[0], min_mitre, remarks)
+    flange = _agreed(part, "flange", header[1], drawn[1], min_mitre, remarks)
     leans = [[y * t + z * s for y, z in corners(part.profile)] for t, s in _tangents(web, flange)]
     start = End("start", web[0], max(leans[0]), flange[0])
     end = End("end", web[1], part.length + min(leans[1]), flange[1])
@@ -96,7 +94,7 @@ def corners(profile: Profile) -> tuple[tuple[float, float], ...]:
 
 def _agreed(
     part: Part,
-    name: str,
+    name: Literal["web", "flange"],
     header: tuple[float, float],
     drawn: tuple[float, float] | None,
     min_mitre: float,
@@ -104,23 +102,24 @@ def _agreed(
 ) -> tuple[float, float]:
     """The angles of both ends on which header and contour agree."""
     found = []
-    for at, said, seen in zip(("start", "end"), header, drawn or (None, None), strict=True):
-        angle = said
+    ends: tuple[Literal["start", "end"], ...] = ("start", "end")
+    for at, said, seen in zip(ends, header, drawn or (None, None), strict=True):
+        angle, source = said, part.cut_source(name, at)
         if seen is not None and abs(seen - said) > ANGLE_TOLERANCE_DEG:
             if abs(said) >= min_mitre:
                 raise PlanError(
                     rules.CUT_DENIED.at(
-                        part.source, kind=name, found=f"{said:g}", end=at, expected=f"{seen:.3f}"
+                        source, kind=name, found=f"{said:g}", end=at, expected=f"{seen:.3f}"
                     )
                 )
             remarks.append(
-                rules.CUT_FROM_CONTOUR.at(part.source, kind=name, found=f"{seen:.3f}", end=at)
+                rules.CUT_FROM_CONTOUR.at(source, kind=name, found=f"{seen:.3f}", end=at)
             )
             angle = seen
         if 0.0 < abs(angle) < min_mitre:
             remarks.append(
                 rules.CUT_NOISE.at(
-                    part.source, kind=name, found=f"{angle:.3g}", end=at, expected=f"{min_mitre:g}"
+                    source, kind=name, found=f"{angle:.3g}", end=at, expected=f"{min_mitre:g}"
                 )
             )
         found.append(angle if abs(angle) >= min_mitre else 0.0)

@@ -9,10 +9,10 @@ from math import atan, cos, degrees, radians, tan
 
 from msgspec.structs import replace
 
-from beamcam.errors import Diagnostic, Rule, Severity, Source
+from beamcam.errors import Diagnostic, Rule, Severity
 from beamcam.machine.machine import Machine
 from beamcam.machine.saw import Saw, SawSection
-from beamcam.model.part import Profile
+from beamcam.model.part import Part, Profile
 from beamcam.model.plan import Bar, Piece, SawOp
 from beamcam.planning.operations.bench import Bench
 from beamcam.planning.operations.ends import End, Ends, corners
@@ -80,10 +80,10 @@ def _needs(end: End, bench: Bench) -> Diagnostic | None:
     """Why the saw cannot make one end; None if it can."""
     if end.is_square:
         return None
-    return _refuse_cut(end, _turning_saw(bench.line.saw, bench.machine), bench.part.source)
+    return _refuse_cut(end, _turning_saw(bench.line.saw, bench.machine), bench.part)
 
 
-def _refuse_cut(end: End, saw: Saw, source: Source) -> Diagnostic | None:
+def _refuse_cut(end: End, saw: Saw, part: Part) -> Diagnostic | None:
     """Why the saw cannot make a skew end; None if it can."""
     angle, tilt = saw_angles(end, saw)
     if end.web_deg and not saw.min_angle <= angle <= saw.max_angle:
@@ -91,16 +91,18 @@ def _refuse_cut(end: End, saw: Saw, source: Source) -> Diagnostic | None:
             (limit - saw.square) * saw.angle_sign for limit in (saw.min_angle, saw.max_angle)
         )
         return SAW_ANGLE.at(
-            source, found=f"{end.web_deg:g}", end=end.at, least=f"{least:g}",
-            greatest=f"{greatest:g}",
+            part.cut_source("web", end.at), found=f"{end.web_deg:g}", end=end.at,
+            least=f"{least:g}", greatest=f"{greatest:g}",
         )  # fmt: skip
     if end.flange_deg and not saw.min_tilt <= tilt <= saw.max_tilt:
         expected = "0, the blade does not tilt"
         if saw.min_tilt != saw.max_tilt:
             least, greatest = sorted(saw.tilt_sign * t for t in (saw.min_tilt, saw.max_tilt))
             expected = f"one from {least + 0.0:g} to {greatest + 0.0:g}"
+        source = part.cut_source("flange", end.at)
         return FLANGE_CUT.at(source, found=f"{end.flange_deg:g}", end=end.at, expected=expected)
     if end.web_deg and end.flange_deg and not saw.compound:
+        source = part.cut_source("flange", end.at)
         return COMPOUND.at(source, web=f"{end.web_deg:g}", flange=f"{end.flange_deg:g}", end=end.at)
     return None
 
@@ -120,12 +122,13 @@ def _refusals(ends: Ends, bench: Bench) -> Iterator[Diagnostic]:
     """Errors and remarks on the two ends of a part, together and one by one."""
     part, saw = bench.part, bench.line.saw
     start, end = ends
+    at_end = part.cut_source("web" if end.web_deg else "flange", "end")
     if not (start.is_square and end.is_square):
         left, y, z = min((end.x(y, z) - start.x(y, z), y, z) for y, z in corners(part.profile))
         if left < -TOUCH:
-            yield CUTS_CROSS.at(part.source, found=f"{-left:.3f}", y=f"{y:g}", z=f"{z:g}")
+            yield CUTS_CROSS.at(at_end, found=f"{-left:.3f}", y=f"{y:g}", z=f"{z:g}")
         elif left <= TOUCH:
-            yield CUTS_TOUCH.at(part.source, y=f"{y:g}", z=f"{z:g}")
+            yield CUTS_TOUCH.at(at_end, y=f"{y:g}", z=f"{z:g}")
     if not saw.max_sections:
         return
     height, width = part.profile.height, part.profile.width
@@ -135,7 +138,8 @@ def _refusals(ends: Ends, bench: Bench) -> Iterator[Diagnostic]:
         if reach is None or (height <= reach.max_height and width <= reach.max_width):
             continue
         yield SAW_REACH.at(
-            part.source, found=f"{height:g} x {width:g}", angle=f"{angle:g}", end=each.at,
+            part.cut_source("web", each.at), found=f"{height:g} x {width:g}",
+            angle=f"{each.web_deg:g}", end=each.at,
             expected=f"{reach.max_height:g} x {reach.max_width:g}",
         )  # fmt: skip
 

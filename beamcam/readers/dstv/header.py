@@ -48,6 +48,7 @@ class Header(Struct):
     surface: float
     cuts: EndCuts
     notes: tuple[str, ...]
+    cut_lines: tuple[int, int, int, int]  #: of the four angles
 
 
 class HeaderLines(Struct):
@@ -172,6 +173,7 @@ def read_header(head: HeaderLines, log: Log) -> Header | None:
         surface,
         EndCuts(*cuts),
         _notes(values[MIN_LINES:]),
+        (lines[16], lines[17], lines[18], lines[19]),
     )
 
 

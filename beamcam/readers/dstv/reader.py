@@ -124,6 +124,7 @@ def read_with_account(data: bytes, name: str, asked: str | None = None) -> tuple
         tuple(content.section),
         tuple(content.info),
         placed,
+        cut_lines=header.cut_lines,
     )
     check(part, content.contours, head.numbers, log)
     data_lines = [*head.numbers]

@@ -163,7 +163,7 @@ class CutFaults:
             else:
                 self.said.append(
                     rules.CUT_MISSING.at(
-                        part.source,
+                        part.cut_source("web" if end.web else "flange", end.name),
                         angle=_shown(*angles),
                         x=f"{x:.6g}",
                         end=end.name,

@@ -9,7 +9,7 @@ and touch x = 0 and x = length at their furthest points.
 """
 
 from math import atan, atan2, cos, degrees, hypot, radians, tan
-from typing import NamedTuple
+from typing import Literal, NamedTuple
 
 from beamcam.geometry.curves import Line, Point
 from beamcam.machine.saw import Saw
@@ -30,7 +30,7 @@ class End(NamedTuple):
     tan_flange: float = 0.0
 
     @property
-    def name(self) -> str:
+    def name(self) -> Literal["start", "end"]:
         return "start" if self.side < 0 else "end"
 
     @property
