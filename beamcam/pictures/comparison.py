@@ -30,6 +30,7 @@ from beamcam.pictures.views import (
     WIDTH,
     Paper,
     View,
+    figures,
     footing,
     head_height,
     heading,
@@ -55,11 +56,16 @@ class Compared(Struct, frozen=True):
 def compared_parts(a: Part, b: Part) -> Compared:
     """The features of two parts over each other."""
     faces = [f for f in ("h", "o", "v", "u") if f in {*faces_of(a), *faces_of(b)}]
-    views = tuple(_joined(view_of(a, face), view_of(b, face)) for face in faces)
+    pairs = list(part_pairs(a, b))
+    views = tuple(
+        replace(_joined(view_of(a, face), view_of(b, face)), places=_changed_places(
+            pair for pair in pairs if face_of(pair.a or pair.b) == face  # type: ignore[arg-type]
+        ))
+        for face in faces
+    )  # fmt: skip
     files = [PurePath(part.source.file).name for part in (a, b)]
     lines = [f"{a.mark or 'A'} and {b.mark or 'B'}", f"A {files[0]}", f"B {files[1]}"]
     paper = laid_out(views, head_height(lines))
-    pairs = list(part_pairs(a, b))
     drawn: list[Shape] = [*heading(lines), *titles(views, paper)]
     for view in views:
         frame = paper.frames[view.name]
@@ -67,7 +73,15 @@ def compared_parts(a: Part, b: Part) -> Compared:
         for pair in _rising(pairs):
             if face_of(pair.a or pair.b) == view.name:  # type: ignore[arg-type]
                 drawn += _pair(pair, partial(feature_shapes, frame=frame), frame)
+        drawn += figures(view, paper, "mm")
     return _done(f"{a.mark} and {b.mark}", lines, drawn, paper, pairs)
+
+
+def _changed_places(pairs: Iterable[Pair], origin: float = 0.0) -> tuple[float, ...]:
+    """Where along x things lie that are not as they were, from `origin` on."""
+    changed = [pair for pair in pairs if not pair.is_same]
+    places = {p[0] for pair in changed for p in (pair.place_a, pair.place_b) if p is not None}
+    return tuple(sorted(round(place - origin, 3) for place in places))
 
 
 def _joined(a: View, b: View) -> View:
@@ -140,15 +154,16 @@ def _compared_bars(a: BarMade, b: BarMade) -> Compared:
     faces = [f for f in ("h", "o", "v", "u") if f in used]
     end = max(a.end, b.end)
     width = max(1.0, *(m.profile.face_width(f) for m in (a, b) for f in faces))
+    drill = a.machine.drill.x if a.machine.drill else 0.0
+    pairs = list(made_pairs(a.made, b.made, a.machine.format.resolution))
     views = tuple(
         View(f, f"{f}   {FACE_NAMES[f]}",
-             (0.0, 0.0, end, max(a.profile.face_width(f), b.profile.face_width(f)) or width))
+             (0.0, 0.0, end, max(a.profile.face_width(f), b.profile.face_width(f)) or width),
+             _changed_places((p for p in pairs if getattr(p.a or p.b, "face", "") == f), drill))
         for f in faces
     )  # fmt: skip
     lines = _names(a.name, a.sha256, b.name, b.sha256)
     paper = laid_out(views, head_height(lines))
-    drill = a.machine.drill.x if a.machine.drill else 0.0
-    pairs = list(made_pairs(a.made, b.made, a.machine.format.resolution))
     drawn: list[Shape] = [*heading(lines), *titles(views, paper)]
     for view in views:
         frame = paper.frames[view.name]
@@ -160,6 +175,7 @@ def _compared_bars(a: BarMade, b: BarMade) -> Compared:
             thing = pair.a or pair.b
             if isinstance(thing, Bore | Trail | Written) and thing.face == view.name:
                 drawn += _pair(pair, partial(_made_shapes, frame=shifted), shifted)
+        drawn += figures(view, paper, "mm", -drill)
     return _done("two programs", lines, drawn, paper, pairs)
 
 
@@ -299,10 +315,12 @@ def _done(
 def _scene(title: str, lines: Sequence[str], drawn: list[Shape], paper: Paper, about: str) -> Scene:
     y = paper.bottom + 8.0
     x = SIDE
-    for style, text in (("same", "as it was"), ("gone", "in A"), ("new", "in B"),
+    for style, text in (("same", "the same"), ("gone", "in A"), ("new", "in B"),
                         ("moved", "moved")):  # fmt: skip
         drawn.append(Polyline(f"{style} legend", ((x, y), (x + 18.0, y))))
         drawn.append(Text("label", (x + 23.0, y + 4.0), text))
         x += 100.0
-    drawn += footing([about], y + 10.0)
-    return Scene(title, about, WIDTH, y + 40.0, tuple(drawn))
+    has_figures = any(isinstance(shape, Text) and shape.mm is not None for shape in drawn)
+    notes = ["lengths in mm; figures are where things differ"] if has_figures else []
+    drawn += footing([about, *notes], y + 10.0)
+    return Scene(title, about, WIDTH, y + 53.0, tuple(drawn))

@@ -52,6 +52,7 @@ def test_moved_new_and_gone_holes_are_told_apart() -> None:
     assert picture.count("gone", "hole-of") == picture.count("new", "hole-of") == 2
     assert picture.count("new-text") == 1
     assert picture.count("same", "hole-of") == len(holes) - 2
+    assert {f"{h.x:g}" for h in (holes[0], moved, holes[1], new)} <= set(picture.texts)
 
 
 def test_programs_of_bars_are_compared_by_what_they_make() -> None:
@@ -65,6 +66,7 @@ def test_programs_of_bars_are_compared_by_what_they_make() -> None:
     assert found.changed == 2  # the two holes of the right end
     picture = drawn(found)
     assert picture.count("moved", "arrow") == 2
+    assert {"3698.6", "3668.6"} <= set(picture.texts)  # where the stop is for them
     assert a.sha256 in " ".join(picture.texts)
     assert b.sha256 in " ".join(picture.texts)
 
