@@ -72,3 +72,36 @@ def test_threads_of_one_process(expected: bytes, workers: int) -> None:
 
     with ThreadPoolExecutor(workers) as pool:
         assert set(pool.map(text, range(12))) == {expected}
+
+
+PICTURES = (
+    "plot part.nc1 -o part.svg", "plot part.nc1 -o part.pdf", "plot job.gcode -o job.png",
+    "report job.gcode part.nc1 -o job.html", "report part.nc1 -o sheet.pdf",
+    "simulate job.gcode --encoder 512/65 -o study.svg", "diff part.nc1 other.nc1 -o diff.html",
+)  # fmt: skip
+
+
+def drawn(folder: Path, **environment: str) -> dict[str, bytes]:
+    """All kinds of pictures and pages, as a fresh process writes them."""
+    folder.mkdir()
+    part = (SAMPLES / "dstv" / "strut.nc1").read_bytes()
+    (folder / "part.nc1").write_bytes(part)
+    (folder / "other.nc1").write_bytes(part.replace(b"120.00", b"125.00"))
+    calls = ["post part.nc1 -o job.gcode", *PICTURES]
+    code = (
+        "import sys; from click.testing import CliRunner; from beamcam.cli import main\n"
+        "for call in sys.argv[1:]: CliRunner().invoke(main, call.split())"
+    )
+    run = subprocess.run(
+        [sys.executable, "-c", code, *calls], cwd=folder,
+        env={"PATH": os.environ["PATH"], "PYTHONPATH": str(ROOT), **environment},
+    )  # fmt: skip
+    assert run.returncode == 0
+    return {call.split()[-1]: (folder / call.split()[-1]).read_bytes() for call in PICTURES}
+
+
+def test_pictures_and_pages(tmp_path: Path) -> None:
+    one = drawn(tmp_path / "one", PYTHONHASHSEED="1", TZ="UTC")
+    other = drawn(tmp_path / "another", PYTHONHASHSEED="2", LC_ALL="de_DE.UTF-8", TZ="Asia/Tokyo")
+    assert [name for name in one if one[name] != other[name]] == []
+    assert all(len(data) > 1000 for data in one.values())
