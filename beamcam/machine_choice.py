@@ -1,6 +1,7 @@
 """The machine that makes parts, of those in a shop: the first in order that makes all of them."""
 
 from collections.abc import Callable, Iterable, Sequence
+from contextlib import suppress
 from typing import TypeVar
 
 from beamcam.errors import Diagnostic, PlanError, Rule, Severity, Source, errors_in
@@ -27,13 +28,20 @@ RULES = (CHOSEN, NONE_MAKES_IT)
 
 
 def first_that_makes(
-    machines: Sequence[Machine], attempt: Callable[[Machine], Made], source: Source
-) -> tuple[Machine, Made, tuple[Diagnostic, ...]]:
+    machines: Sequence[Machine], attempt: Callable[[Machine], Made], source: Source,
+    whole: Callable[[Machine], object] | None = None,
+) -> tuple[Machine, Made, tuple[Diagnostic, ...]]:  # fmt: skip
     """The first machine that `attempt` is not refused on, what it gave, and a note of the choice.
 
-    Only what a machine cannot make (PlanError) has the next one tried. Where none makes it the
-    PlanError has what the one said that lacks least, and for each machine why.
+    `whole` is the attempt with nothing left out, where the other one may leave out what is allowed:
+    a machine that makes all of it goes before one that does not. Only what a machine cannot make
+    (PlanError) has the next one tried. Where none makes it the PlanError has what the one said that
+    lacks least, and for each machine why.
     """
+    if whole is not None and len(machines) > 1:
+        with suppress(PlanError):
+            machine, _, said = first_that_makes(machines, whole, source)
+            return machine, attempt(machine), said
     refused: list[tuple[Machine, tuple[Diagnostic, ...]]] = []
     for machine in machines:
         try:

@@ -59,7 +59,7 @@ def test_a_feature_that_is_left_out_is_a_warning_at_its_line(
 
 
 def test_what_is_left_out_has_an_exit_status_if_asked_for(tmp_path: Path) -> None:
-    words = ("--allow-skips", "slot", "--exit-left-out", 3)
+    words = ("--machine", "beamline", "--allow-skips", "slot", "--exit-left-out", 3)
     assert call("post", SLOT, "-o", tmp_path / "a.gcode", *words).exit_code == 3
     whole = call("post", SAMPLES / "dstv/channel.nc1", "-o", tmp_path / "b.gcode", *words)
     assert whole.exit_code == 0
@@ -77,13 +77,14 @@ def test_what_is_left_out_has_an_exit_status_if_asked_for(tmp_path: Path) -> Non
 
 
 def test_strict_takes_what_is_allowed_by_name(tmp_path: Path) -> None:
-    done = call("post", SLOT, "-o", tmp_path / "a", "--allow-skips", "slot", "--strict")
+    words = ("--machine", "beamline", "--allow-skips", "slot", "--strict")
+    done = call("post", SLOT, "-o", tmp_path / "a", *words)
     assert done.exit_code == 0
     assert LEFT_OUT.code in done.stderr
 
 
 def test_a_part_that_lies_on_the_bar_twice_is_told_of_once(tmp_path: Path) -> None:
-    words = ("--allow-skips", "slot", "--bar", 12000)
+    words = ("--machine", "beamline", "--allow-skips", "slot", "--bar", 12000)
     done = call("post", SLOT, SLOT, "-o", tmp_path / "a", *words)
     assert done.exit_code == 0
     assert done.stderr.count(LEFT_OUT.code) == 1

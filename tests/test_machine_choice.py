@@ -106,3 +106,31 @@ def test_a_batch_spreads_its_parts_and_checks_them(tmp_path: Path) -> None:
     assert [part["machine"] for part in rows] == ["beamline", "beamline-pusher", "beamline-pusher"]
     checked = run("check", out)
     assert checked.exit_code == 0, checked.stdout + checked.stderr
+
+
+SLOT = str(BAD / "slot.nc1")
+
+
+@pytest.mark.parametrize("command", ["post", "plan", "batch", "report"])
+def test_a_machine_that_makes_all_of_it_goes_before_one_that_leaves_something_out(
+    command: str, tmp_path: Path
+) -> None:
+    """The beamline has no mill and could leave the slot out, as is allowed; the pusher mills it."""
+    out = {"post": "job.gcode", "plan": "plan.json", "batch": "programs", "report": "sheet.html"}
+    words = (command, SLOT, "--allow-skips", "slot", "-o", tmp_path / out[command])
+    done = run(*words)
+    assert done.exit_code == 0, done.stderr
+    told = "made on beamline-pusher; beamline cannot: plan-slot" in done.stderr
+    assert told == (command != "batch")  # whose notes stand in its report
+    assert "plan-left-out" not in done.stderr
+    written = b"".join(p.read_bytes() for p in tmp_path.rglob("*") if p.is_file())
+    assert b"beamline-pusher" in written
+
+
+def test_where_no_machine_makes_all_of_it_the_first_leaves_out_what_is_allowed(
+    tmp_path: Path,
+) -> None:
+    job = tmp_path / "job.gcode"
+    done = run("post", BAD / "cope.nc1", "--allow-skips", "cope", "-o", job)
+    assert done.exit_code == 0, done.stderr
+    assert "MACHINE beamline " in job.read_text("ascii")

@@ -13,7 +13,7 @@ from pathlib import PurePosixPath
 
 from msgspec import Struct
 
-from beamcam.batch.work import PlannedJob, Shop, planned_jobs, posted_job, thaw
+from beamcam.batch.work import PlannedJob, Shop, planned_jobs, posted_job, thaw, whole_jobs
 from beamcam.errors import BeamcamError
 from beamcam.files import write_whole
 from beamcam.machine.machine import Machine
@@ -124,8 +124,9 @@ def _sheets(programs: Programs, shop: Shop) -> Iterator[Sheet]:
     for part in counted(sound(reading)):
         with suppress(BeamcamError):
             machine, planned, _ = first_that_makes(
-                shop.machines_for(part), partial(planned_jobs, part, shop), part.source
-            )
+                shop.machines_for(part), partial(planned_jobs, part, shop), part.source,
+                whole_jobs(part, shop),
+            )  # fmt: skip
             for each in planned:
                 posted = _posted(each, shop)
                 digest = sha256(posted.text.encode("utf-8")).hexdigest()

@@ -206,8 +206,9 @@ def _post_all(
     for number, part in enumerate(parts, 1):
         try:
             machine, planned, choice = first_that_makes(
-                shop.machines_for(part), partial(planned_jobs, part, shop), part.source
-            )
+                shop.machines_for(part), partial(planned_jobs, part, shop), part.source,
+                whole_jobs(part, shop),
+            )  # fmt: skip
         except BeamcamError as error:
             row["status"] = "refused"
             row["messages"] += map(as_message, error.diagnostics)
@@ -233,6 +234,11 @@ def planned_jobs(part: Part, shop: Shop, machine: Machine) -> list[PlannedJob]:
     """
     jobs = jobs_of((part,), machine, shop.quantity, shop.stock_lengths, named_skips(shop.skips))
     return [PlannedJob(job, _planned(job, machine, shop)) for job in jobs]
+
+
+def whole_jobs(part: Part, shop: Shop) -> Callable[[Machine], object] | None:
+    """As `planned_jobs` with nothing left out; None where nothing may be."""
+    return partial(planned_jobs, part, replace(shop, skips=())) if shop.skips else None
 
 
 def _planned(job: BarJob, machine: Machine, shop: Shop) -> Generator[str, None, Posted]:

@@ -1,6 +1,7 @@
 """What the commands share that look at work: parts posted without a file, or a program that is."""
 
 from collections.abc import Mapping, Sequence
+from functools import partial
 from pathlib import PurePath
 from typing import Any
 
@@ -66,10 +67,10 @@ def posted_job(
 
     parts, said = read_pieces(inputs, config, asked, voice)
 
-    def posted_on(machine: Machine) -> Posted:
+    def posted_on(machine: Machine, skips: Sequence[str] = config.allow_skips) -> Posted:
         def made(bar: float | None) -> Posted:
             return post(
-                parts, machine, config.job, bar, config.allow_skips, True, order, turn,
+                parts, machine, config.job, bar, skips, True, order, turn,
                 config.strict, None, voice.did if voice.verbose else untold,
             )  # fmt: skip
 
@@ -77,8 +78,9 @@ def posted_job(
 
     source = parts[0].source if parts else Source("beamcam")
     machine, posted, choice = first_that_makes(
-        machines_for(config, parts, output), posted_on, source
-    )
+        machines_for(config, parts, output), posted_on, source,
+        partial(posted_on, skips=()) if config.allow_skips else None,
+    )  # fmt: skip
     said += choice
     # One part's program is called after its file, as a batch would; `post` is given a name.
     stem = PurePath(shown_name(inputs[0])).stem if len(inputs) == 1 else config.job

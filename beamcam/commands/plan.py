@@ -1,9 +1,11 @@
 """`beamcam plan`: the work that makes parts, step by step, with the reasons and the time."""
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
+from functools import partial
 from typing import Any
 
 import click
+from msgspec.structs import replace
 
 from beamcam.commands import options
 from beamcam.commands.common import Voice, write
@@ -72,8 +74,10 @@ def command(
         source = parts[0].source if parts else Source("beamcam")
         if machines[0].stock == "sheet":
             machine, sheet, choice = first_that_makes(
-                machines, lambda m: _planned_sheet(parts, said, m, config), source
-            )
+                machines, lambda m: _planned_sheet(parts, said, m, config), source,
+                (lambda m: _planned_sheet(parts, said, m, replace(config, allow_skips=())))
+                if config.allow_skips else None,
+            )  # fmt: skip
             voice.remark(choice)
             voice.did(f"planned a sheet on {machine.name}")
             _print(output, files_read(config, inputs), voice, as_json, *sheet)
@@ -81,14 +85,16 @@ def command(
         skips = config.allow_skips
         longest = max((part.length for part in parts), default=0.0)
 
-        def planned(machine: Machine) -> Plan:
+        def planned(machine: Machine, skips: Sequence[str] = config.allow_skips) -> Plan:
             return from_store(
                 lambda bar: plan_bar(parts, machine, bar, skips, order, turn),
                 config.stock_lengths,
                 longest,
             )
 
-        machine, plan, choice = first_that_makes(machines, planned, source)
+        machine, plan, choice = first_that_makes(
+            machines, planned, source, partial(planned, skips=()) if skips else None
+        )
         voice.remark(choice)
         remarks = (*plan.remarks, *told(plan))
         if config.strict and errors_in(refused := tuple(map(as_error, remarks))):

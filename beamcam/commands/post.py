@@ -1,6 +1,7 @@
 """`beamcam post`: parts in, a program out."""
 
 from collections.abc import Sequence
+from functools import partial
 from typing import Any
 
 import click
@@ -102,19 +103,23 @@ def command(
         said += map_remarks(config, parts, chosen[0])
         machines = chosen
 
-        def posted_on(machine: Machine) -> list[tuple[str, Posted]]:
+        def posted_on(
+            machine: Machine, skips: Sequence[str] = config.allow_skips
+        ) -> list[tuple[str, Posted]]:
             told = table_style(machine, output, style)
             job = job_name(config, machine, output)
             jobs = _jobs(parts, machine, config)
             return [
-                (name, _posted(each, machine, job, told))
+                (name, _posted(each, machine, job, told, skips))
                 for name, each in zip(program_names(output, len(jobs)), jobs, strict=True)
             ]
 
-        def _posted(each: BarJob, machine: Machine, job: str, told: str | None) -> Posted:
+        def _posted(
+            each: BarJob, machine: Machine, job: str, told: str | None, skips: Sequence[str]
+        ) -> Posted:
             def made(bar: float | None) -> Posted:
                 return post(
-                    each.parts, machine, job, bar, config.allow_skips, not no_verify, order, turn,
+                    each.parts, machine, job, bar, skips, not no_verify, order, turn,
                     config.strict, told, voice.did if voice.verbose else untold,
                 )  # fmt: skip
 
@@ -122,7 +127,10 @@ def command(
             return from_store(made, each.lengths, longest)
 
         source = parts[0].source if parts else Source("beamcam")
-        machine, made, choice = first_that_makes(machines, posted_on, source)
+        machine, made, choice = first_that_makes(
+            machines, posted_on, source,
+            partial(posted_on, skips=()) if config.allow_skips else None,
+        )  # fmt: skip
         said += choice
         if first is not None:
             jobs = _jobs(parts, machine, config)
