@@ -18,6 +18,7 @@ from msgspec import Struct
 from beamcam.geometry.array_types import Counts, Flags, Floats
 from beamcam.geometry.plane import Point
 from beamcam.verify.sheets.sides import Samples, is_behind, off
+from beamcam.verify.sheets.touching import waste_rings
 from beamcam.verify.sheets.work import Traced, Work
 
 HALVINGS = 24  #: of the way between a place that has a path and one that has none
@@ -94,10 +95,9 @@ def _no_room(work: Work, element: Counts, share: Floats) -> Flags:
 
 def _stretches(work: Work, owner: Counts, missing: Flags) -> Iterator[Counts]:
     """Samples of a ring that have no path, one behind the other, between two that have one."""
-    assert work.region is not None
     firsts = np.searchsorted(owner, np.arange(work.need.count + 1))
     lost = np.add.reduceat(missing, firsts[:-1]) > 0
-    for ring in work.region.rings:
+    for ring in waste_rings(work):
         if not lost[[k for k, _ in ring]].any():
             continue
         rows = [np.arange(firsts[k], firsts[k + 1])[:: -1 if turned else 1] for k, turned in ring]

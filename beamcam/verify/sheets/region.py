@@ -101,7 +101,8 @@ def small_ways(ways: Ways, gap: float) -> Flags:
     """
     low, high = ways.boxes
     sizes: Floats = np.hypot(*(high - low).T)
-    if not (sizes <= gap).any():
+    most = gap + SAME_POINT
+    if not (sizes <= most).any():
         return np.zeros(ways.count, dtype=bool)
     every = np.arange(ways.count)
     places = shapely.points(np.concatenate((ways.starts, ways.ends)))
@@ -116,7 +117,7 @@ def small_ways(ways: Ways, gap: float) -> Flags:
     wide_low, wide_high = low.copy(), high.copy()
     np.minimum.at(wide_low, group, low)
     np.maximum.at(wide_high, group, high)
-    small: Flags = np.hypot(*(wide_high - wide_low)[group].T) <= gap
+    small: Flags = np.hypot(*(wide_high - wide_low)[group].T) <= most
     return small
 
 

@@ -34,7 +34,7 @@ def on_own_side(work: Work, samples: Samples, points: Floats, pairs: Pairs) -> P
         return pairs
     element, share, owner = samples
     ahead = work.need.elements.directions(element, share)
-    to_waste = _waste_sides(work)[owner][:, None] * np.column_stack((-ahead[:, 1], ahead[:, 0]))
+    to_waste = waste_sides(work)[owner][:, None] * np.column_stack((-ahead[:, 1], ahead[:, 0]))
     path = work.path.elements
     length = path.length[pairs.element]
     at = np.divide(pairs.along, length, out=np.zeros(len(length)), where=length > 0.0)
@@ -57,7 +57,7 @@ def is_behind(work: Work, points: Floats, way: Counts, away: Floats, to_path: Fl
     return found
 
 
-def _waste_sides(work: Work) -> Floats:
+def waste_sides(work: Work) -> Floats:
     """Of each way 1 if the waste lies left of it, -1 right of it, 0 if it bounds no part."""
     assert work.region is not None
     need = work.need

@@ -1,0 +1,89 @@
+"""Contours that touch one another or themselves at corners, as those of square codes do."""
+
+from math import cos, radians, sin
+
+import pytest
+from hypothesis import event, given, settings
+from hypothesis import strategies as st
+
+from beamcam.errors import PlanError
+from beamcam.geometry.plane import Point
+from beamcam.model.part import Part
+from beamcam.pipeline import post
+from beamcam.verify.sheets import verify_sheet
+from tests.unit.sheets.parts import contour, drawing, lines, table
+
+MACHINE = table("plate-linuxcnc")
+Cell = tuple[int, int]
+#: Steps round a cell, and to the cell beside each of its sides.
+SIDES = (((0, 0), (1, 0), (0, -1)), ((1, 0), (1, 1), (1, 0)),
+         ((1, 1), (0, 1), (0, 1)), ((0, 1), (0, 0), (-1, 0)))  # fmt: skip
+
+
+def rings(cells: set[Cell]) -> list[list[Cell]]:
+    """The edges of cells as rings, which go on along the waste where cells share a corner only."""
+    onward: dict[Cell, list[Cell]] = {}
+    for x, y in sorted(cells):
+        for (ax, ay), (bx, by), (ox, oy) in SIDES:
+            if (x + ox, y + oy) not in cells:
+                onward.setdefault((x + ax, y + ay), []).append((x + bx, y + by))
+    found = []
+    while onward:
+        at = start = min(onward)
+        came, ring = (0, 0), []
+        while True:
+            ring.append(at)
+            ends = onward[at]
+            # The part is on the left: turning right stays at the same waste.
+            right = (at[0] + came[1], at[1] - came[0])
+            to = right if right in ends else ends[0]
+            ends.remove(to)
+            if not ends:
+                del onward[at]
+            came, at = (to[0] - at[0], to[1] - at[1]), to
+            if at == start and (at not in onward or len(ring) > 3):
+                break
+        found.append(ring)
+    return found
+
+
+def code(cells: set[Cell], size: float = 12.0, turned_deg: float = 0.0) -> Part:
+    """A part of square cells, drawn by their edges."""
+    x, y = cos(radians(turned_deg)) * size, sin(radians(turned_deg)) * size
+
+    def place(cell: Cell) -> Point:
+        return (cell[0] * x - cell[1] * y, cell[0] * y + cell[1] * x)
+
+    found = rings(cells)
+    return drawing(*(contour(lines(*map(place, ring)), line=k) for k, ring in enumerate(found)))
+
+
+STAIRS = {(0, 0), (1, 1), (2, 2)}
+
+
+@pytest.mark.parametrize("cells", [
+    STAIRS, {(0, 0), (1, 0), (1, 1), (2, 2), (2, 1), (3, 0)},
+    {(0, 0), (1, 1), (0, 2), (-1, 1)},
+], ids=["stairs", "bent", "round"])  # fmt: skip
+@pytest.mark.parametrize("turned_deg", [0.0, 27.0])
+def test_squares_that_share_a_corner_are_cut(cells: set[Cell], turned_deg: float) -> None:
+    part = code(cells, turned_deg=turned_deg)
+    text = post((part,), MACHINE).text
+    more = code({*cells, (9, 9)}, turned_deg=turned_deg)
+    assert "verify-sheet-missing" in {said.code for said in verify_sheet(text, (more,), MACHINE)}
+
+
+@settings(deadline=None, max_examples=25)
+@given(
+    st.sets(st.tuples(st.integers(0, 4), st.integers(0, 4)), min_size=1, max_size=18),
+    st.sampled_from([5.0, 12.0]), st.sampled_from([0.0, 45.0, 61.0]),
+)  # fmt: skip
+def test_a_square_code_is_cut_or_refused_by_the_planner(
+    cells: set[Cell], size: float, turned_deg: float
+) -> None:
+    try:
+        post((code(cells, size, turned_deg),), MACHINE)
+    except PlanError as error:
+        event(f"refused, {error.diagnostics[0].code}")
+        return
+    event("made")
