@@ -127,7 +127,7 @@ def test_a_table_has_its_program_under_the_head(browser: Browser, tmp_path: Path
         browser.open(page, 390)
         for row in rows[5:30:8]:
             send([row], machine.modbus, HOST, controller.port)
-            wait_for(browser, row.positions, machine.modbus.scale / 2 + 1e-9)
+            wait_for(browser, row.positions, 1e-3)
             assert browser.text("state") == "tool on"
             now = browser.run("return document.querySelector('#listing .now').dataset.line")
             assert now == str(row.line)
