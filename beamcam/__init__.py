@@ -4,12 +4,16 @@ From Python: `beamcam.read`, `load`, `plan`, `post`, `verify` and `convert`, whi
 functions of `beamcam.api`, imported when they are first asked for.
 """
 
+from __future__ import annotations
+
 import sys
 from importlib import import_module
 from types import ModuleType
-from typing import TYPE_CHECKING, Any
 
+TYPE_CHECKING = False  # as `typing` has it, which is not loaded before Ctrl-C is seen to
 if TYPE_CHECKING:
+    from typing import Any
+
     from beamcam.api import convert, load, plan, post, read, verify
 
 __version__ = "0.1.0"

@@ -3,7 +3,9 @@
 Only the modules of `beamcam.commands` print, exit or read the environment.
 """
 
+import signal
 import sys
+from collections.abc import Callable
 from importlib import import_module
 from io import TextIOWrapper
 from typing import Any
@@ -45,6 +47,8 @@ COMMANDS = {
 class Commands(click.Group):
     """A group that knows its commands by name and imports only the one that runs."""
 
+    loading: Callable[..., object] | None = None  #: handler of Ctrl-C until a command begins
+
     def main(self, *args: Any, **values: Any) -> Any:
         """Run a command; a fault of standard output is reported like that of any other output."""
         collector_seldom()
@@ -71,6 +75,8 @@ class Commands(click.Group):
 
     def invoke(self, ctx: click.Context) -> Any:
         """Run a command; messages about wrong usage name files, and must not steer a terminal."""
+        if self.loading is not None and signal.getsignal(signal.SIGINT) is self.loading:
+            signal.signal(signal.SIGINT, signal.default_int_handler)
         try:
             return super().invoke(ctx)
         except KeyboardInterrupt:

@@ -53,6 +53,54 @@ def shop(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
+#: Imports into a start, counted from that of the command line, at which Ctrl-C comes.
+AT_IMPORTS = {"post a.nc1 -o x.gcode": (1, 30, 120, 260), "inspect big.dxf": (5, 400, 500)}
+#: What a Python loads at its start: it sends itself Ctrl-C in the midst of an import.
+INTERRUPTS_ITSELF = """
+import os, signal, sys
+
+class Counting:
+    left = None
+
+    @classmethod
+    def find_spec(cls, name, *_):
+        if name == "beamcam.cli":
+            cls.left = int(os.environ["AT_IMPORT"])
+        if cls.left is not None:
+            cls.left -= 1
+            if cls.left == 0:
+                os.kill(os.getpid(), signal.SIGINT)
+
+sys.meta_path.insert(0, Counting)
+"""
+
+
+@pytest.mark.parametrize(
+    ("command", "at"), [(command, at) for command, each in AT_IMPORTS.items() for at in each]
+)
+def test_a_command_that_is_being_loaded(command: str, at: int, shop: Path, tmp_path: Path) -> None:
+    (tmp_path / "sitecustomize.py").write_text(INTERRUPTS_ITSELF)
+    path = os.pathsep.join((str(tmp_path), str(ROOT)))
+    run = subprocess.run(
+        [sys.executable, "-m", "beamcam", *command.split()], cwd=shop, check=False,
+        env={**os.environ, "PYTHONPATH": path, "AT_IMPORT": str(at)}, capture_output=True,
+        text=True, preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),
+    )  # fmt: skip
+    assert (run.returncode, run.stderr) == (130, "")
+
+
+def test_a_command_that_is_to_hear_of_no_interrupt_hears_of_none(shop: Path) -> None:
+    """As `nohup` and shells start what they leave in the background."""
+    run = subprocess.run(
+        [sys.executable, "-c", "import atexit, signal; from beamcam.__main__ import main; "
+         "atexit.register(lambda: print(signal.getsignal(2) is signal.SIG_IGN)); main()",
+         "--version"], cwd=shop, check=True, env={**os.environ, "PYTHONPATH": str(ROOT)},
+        capture_output=True, text=True,
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_IGN),
+    )  # fmt: skip
+    assert run.stdout.endswith("True\n")
+
+
 @pytest.fixture
 def started(shop: Path, request: pytest.FixtureRequest) -> Iterator[subprocess.Popen[bytes]]:
     """The command, with a standard input that gives nothing and does not end."""

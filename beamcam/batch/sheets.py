@@ -25,7 +25,7 @@ from beamcam.pictures.svg import inline_svg
 from beamcam.pipeline import Posted, counted, sound
 from beamcam.planning.bar_jobs import BarJob
 from beamcam.processes import Died, Pool
-from beamcam.readers import read
+from beamcam.readers import is_interruptible, read
 from beamcam.report.run import Row
 from beamcam.report.run_page import Extra
 from beamcam.setup_sheet.content import Source, content_of
@@ -94,14 +94,13 @@ def _made(rows: Iterable[Row], shop: Shop, jobs: int) -> Iterator[Sheet]:
         for row in rows
         if row["parts"]
     )
-    if jobs <= 1:
-        for task in tasks:
-            yield from maker(task)
-        return
-    pool = Pool[Programs, tuple[Sheet, ...]](maker, jobs, maker.begin)
+    pool = Pool[Programs, tuple[Sheet, ...]](maker, max(jobs, 1), maker.begin)
     try:
         left = 0
         for task in tasks:
+            if jobs <= 1 and is_interruptible(task.path):
+                yield from maker(task)
+                continue
             while not pool.has_room():
                 for _, made in pool.wait():
                     left -= 1

@@ -76,7 +76,7 @@ def command(
         config = settled(asked, names)
         shop = shop_of(config, asked, timed=report is not None)
         found = find_inputs(names, leave_out=(output,))
-        workers = workers_of(shop, config.jobs, scheduler, len(found.inputs))
+        workers = workers_of(shop, config.jobs, scheduler, found.inputs)
     except BeamcamError as error:
         voice.stop(error.diagnostics)
     said = [as_message(d) for d in (*found.diagnostics, *unused(found, config))]

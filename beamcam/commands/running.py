@@ -3,7 +3,7 @@
 import os
 import sys
 from collections import Counter
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import PurePath
 from time import monotonic, perf_counter
@@ -13,7 +13,7 @@ from typing import IO, Any, Self
 import click
 
 from beamcam.asked import check_asked
-from beamcam.batch import Found, Here, Shop, Workers, check_template
+from beamcam.batch import Found, Here, Input, Shop, Workers, check_template
 from beamcam.commands import options
 from beamcam.commands.common import Voice, say_lines
 from beamcam.commands.kinds import KINDS, expected
@@ -27,6 +27,7 @@ from beamcam.errors import Diagnostic, Severity, Source
 from beamcam.files import write_whole
 from beamcam.machine import Machine
 from beamcam.plain_text import json_text
+from beamcam.readers import is_interruptible
 from beamcam.report.ledger import ledger_line
 from beamcam.report.run import Counts, Message, Row, dumped, loaded, message_line
 from beamcam.system import cores, stop_signals
@@ -138,21 +139,23 @@ def unmatched_keys(config: Config, counts: Counts) -> tuple[Diagnostic, ...]:
     return tuple(idle(config.map, counts.mapped, Source(config.file or "--map")))
 
 
-def workers_of(shop: Shop, jobs: int | None, scheduler: str | None, most: int) -> Workers:
-    """The workers: a cluster, as many processes as there are cores, or this process.
+def workers_of(
+    shop: Shop, jobs: int | None, scheduler: str | None, inputs: Sequence[Input]
+) -> Workers:
+    """The workers for some files: a cluster, processes up to the number of cores, or this process.
 
-    `most` is the number of files, and no more workers are of use. Raises SchedulerError.
+    Building models go to another process, even a single one. Raises SchedulerError.
     """
     if scheduler is not None:
         from beamcam.batch.cluster import Cluster
 
         return Cluster(shop, scheduler)
-    count = min(jobs or cores(), most)
-    if count <= 1:
+    count = min(jobs or cores(), len(inputs))
+    if count <= 1 and all(is_interruptible(one.path) for one in inputs):
         return Here(shop)
     from beamcam.batch.processes import Processes
 
-    return Processes(shop, count)
+    return Processes(shop, max(count, 1))
 
 
 #: Messages of one code that a run prints one by one; thousands would hide what is different.

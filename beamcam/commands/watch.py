@@ -101,7 +101,7 @@ def command(
                     for one in hot.endless
                 )
                 if ready:
-                    workers = workers_of(shop, config.jobs, scheduler, len(ready))
+                    workers = workers_of(shop, config.jobs, scheduler, ready)
                     read = files_read(config, (one.path for one in ready))
                     rows = run(
                         ready, output, shop, workers, config.flat, claims=claims, read=read,

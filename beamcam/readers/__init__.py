@@ -46,6 +46,16 @@ FORMATS = (
 )
 
 
+def is_interruptible(name: str) -> bool:
+    """Whether Ctrl-C is heard while a file called `name` is read.
+
+    The geometry kernel of building models lets nothing through; without a known suffix the content
+    may be one.
+    """
+    suffix = os.path.splitext(name)[1].lower()
+    return any(suffix in known.suffixes for known in FORMATS if known.name != "ifc")
+
+
 def read(data: bytes, name: str, **options: object) -> Reading:
     """The parts of a file called `name`; a file that no reader knows is refused.
 
