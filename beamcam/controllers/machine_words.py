@@ -289,8 +289,8 @@ def _table_faults(machine: Machine) -> Iterator[WordFault]:
     events, said = cell_events(_text(lines), machine, "")
     yield from _said(lines, said)
     yield from _standing(lines, events)
-    assert machine.torch is not None
-    low, high = machine.torch.area[:2], (machine.torch.length, machine.torch.width)
+    torch = machine.needed(machine.torch, "torch")
+    low, high = torch.area[:2], (torch.length, torch.width)
     for event in events:
         key, text, _ = lines[event.line - 1]
         if isinstance(event, Move) and not all(

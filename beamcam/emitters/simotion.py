@@ -39,9 +39,7 @@ def emit(table: TriggerTable, machine: Machine, style: str | None = None) -> str
     `style` is "chain" or "table", or None for the machine's own; a path beyond the machine's
     greatest chain is a table then. Raises ChainError for a chain that is asked for and too long.
     """
-    triggers = machine.triggers
-    if triggers is None:
-        raise TypeError(f"{machine.name} has no trigger program")
+    triggers = machine.needed(machine.triggers, "trigger program")
     count = len(table.operations)
     if style == "chain" and count > triggers.max_chain:
         raise ChainError(count, triggers.max_chain)

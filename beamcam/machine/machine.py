@@ -6,7 +6,7 @@ so that where a station measures from is a line of the machine file and not of t
 
 from collections.abc import Mapping
 from math import inf
-from typing import Annotated, Literal
+from typing import Annotated, Literal, TypeVar
 
 from msgspec import Meta, field
 
@@ -24,6 +24,8 @@ from beamcam.machine.words import Words
 
 #: No machine resolves a nanometre; the texts of all decimals are kept, of more they would not fit.
 Decimals = Annotated[int, Meta(ge=0, le=6)]
+
+Station = TypeVar("Station")
 
 
 class NumberFormat(Keys, frozen=True):
@@ -139,3 +141,9 @@ class Machine(MachineFile, frozen=True):
     remarks: tuple[
         Diagnostic, ...
     ] = ()  #: on its files, such as keys of an older version; no key of it
+
+    def needed(self, station: Station | None, what: str) -> Station:
+        """A station that a stage works with. Raises TypeError for a machine of another kind."""
+        if station is None:
+            raise TypeError(f"{self.name} has no {what}")
+        return station

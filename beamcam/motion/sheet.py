@@ -72,9 +72,8 @@ class Pen:
     """Follows curves from one written place to the next."""
 
     def __init__(self, machine: Machine) -> None:
-        if machine.torch is None:
-            raise TypeError(f"{machine.name} has no torch")
-        torch, form, words = machine.torch, machine.format, machine.words
+        torch = machine.needed(machine.torch, "torch")
+        form, words = machine.format, machine.words
         self._fit = torch.tolerance * FIT_SHARE
         self._arcs = bool(words.arc_cw)
         self._parabolas = bool(words.parabola)

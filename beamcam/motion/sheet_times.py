@@ -64,10 +64,8 @@ def program_time(plan: SheetPlan, program: Program, machine: Machine) -> WorkTim
 
 def _passes(program: Program, machine: Machine) -> Iterator[float]:
     """Seconds of each pass with the traverse before it, and of the return home."""
-    if machine.torch is None:
-        raise TypeError(f"{machine.name} has no torch")
     limits = path_limits(machine)
-    rapid = machine.torch.traverse_mm_min / SECONDS_PER_MINUTE
+    rapid = machine.needed(machine.torch, "torch").traverse_mm_min / SECONDS_PER_MINUTE
     here, seconds, feed = HOME, 0.0, 0.0
     segments: list[Segment] = []
     for command in program.commands:

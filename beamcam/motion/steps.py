@@ -29,9 +29,7 @@ FEW = 64
 
 def step_table(plan: SheetPlan, machine: Machine, job: str) -> StepTable:
     """The table that carries out a plan. Raises ValueError where the machine has no speed."""
-    stepper = machine.stepper
-    if stepper is None:
-        raise TypeError(f"{machine.name} has no stepping motors")
+    stepper = machine.needed(machine.stepper, "stepping motors")
     found = ways(plan, machine)
     planned: list[PlannedPath] = []  # with the first run through the rows
     return StepTable(

@@ -23,9 +23,7 @@ def trigger_time(plan: SheetPlan, table: TriggerTable, machine: Machine) -> Work
     Each operation runs from rest to rest; the next begins in the cycle behind the one that sees
     its arrival. Homing is not included, as its start position is unknown.
     """
-    triggers = machine.triggers
-    if triggers is None:
-        raise TypeError(f"{machine.name} has no trigger program")
+    triggers = machine.needed(machine.triggers, "trigger program")
     passes = _passes(table, triggers)
     operations = tuple(sum(next(passes) for _ in op.passes) for op in plan.operations)
     return WorkTime(operations, 0.0, sum(passes))
@@ -76,9 +74,7 @@ def step_time(plan: SheetPlan, machine: Machine) -> WorkTime:
 
     Each way is planned by the look-ahead, from rest to rest, as for the rows themselves.
     """
-    stepper = machine.stepper
-    if stepper is None:
-        raise TypeError(f"{machine.name} has no stepping motors")
+    stepper = machine.needed(machine.stepper, "stepping motors")
     rest_us = int(2 * MICROSECONDS / stepper.max_hz) + 1
     passes: list[float] = []
     microseconds = 0

@@ -24,16 +24,13 @@ TRUNCATION_SLACK = 1e-6  #: as in `rounding`: 0.29 is a hair less than 0.29 in b
 
 def trigger_table(plan: SheetPlan, machine: Machine, job: str) -> TriggerTable:
     """The operations that carry out a plan, from the corner of the work area and back to it."""
-    if machine.torch is None or machine.triggers is None:
-        raise TypeError(f"{machine.name} has no trigger program")
     said: list[str] = []
     operations = tuple(_operations(plan, machine, said))
     return TriggerTable(job, operations, tuple(said))
 
 
 def _operations(plan: SheetPlan, machine: Machine, said: list[str]) -> Iterator[TriggerOp]:
-    triggers = machine.triggers
-    assert triggers is not None
+    triggers = machine.needed(machine.triggers, "trigger program")
     here = HOME
     for number, op in enumerate(plan.operations, 1):
         for one in op.passes:
@@ -57,9 +54,8 @@ class _Way:
     """Follows the curves of one contour in the numbers that will be written."""
 
     def __init__(self, op: ContourOp, machine: Machine) -> None:
-        torch, triggers = machine.torch, machine.triggers
-        assert torch is not None
-        assert triggers is not None
+        torch = machine.needed(machine.torch, "torch")
+        triggers = machine.needed(machine.triggers, "trigger program")
         self.speed_mm_s = op.row.feed_mm_min / SECONDS_PER_MINUTE
         self.slowest = self.speed_mm_s
         self.tolerance = torch.tolerance - triggers.in_position / 2

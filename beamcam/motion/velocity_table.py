@@ -29,9 +29,8 @@ class Way:
 
 def ways(plan: SheetPlan, machine: Machine) -> list[Way]:
     """Traverses and contours in order; the first begins and the last ends in the corner."""
-    torch, stepper = machine.torch, machine.stepper
-    if torch is None or stepper is None:
-        raise TypeError(f"{machine.name} has no stepping motors")
+    torch = machine.needed(machine.torch, "stepping motors")
+    stepper = machine.needed(machine.stepper, "stepping motors")
     material = plan.pieces[0].part.grade or torch.material
     rules = DensifyRules(torch.tolerance / 2)
     found: list[Way] = []

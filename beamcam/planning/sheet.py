@@ -42,9 +42,7 @@ def plan_sheet(parts: Sequence[Part], machine: Machine, skips: Collection[str] =
     `skips` names what may be left out (`planning.SKIP_NAMES`). Raises PlanError with everything
     that the machine cannot make; nothing is left out that is not in the plan's outcomes.
     """
-    torch = machine.torch
-    if torch is None:
-        raise TypeError(f"{machine.name} has no torch")
+    torch = machine.needed(machine.torch, "torch")
     _refuse_stock(parts, machine, torch)
     if len(parts) > 1:
         return _plan_of_several(parts, machine, torch, skips)

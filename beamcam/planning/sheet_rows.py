@@ -128,6 +128,4 @@ def _sheet_of(part: Part, torch: Torch) -> tuple[float, str]:
 
 
 def _torch(machine: Machine) -> Torch:
-    if machine.torch is None:
-        raise TypeError(f"{machine.name} has no torch")
-    return machine.torch
+    return machine.needed(machine.torch, "torch")

@@ -47,9 +47,8 @@ def first_fit(parts: Sequence[Part], machine: Machine, lengths: Sequence[float])
     `lengths` (mm) are those in store; without any there is one bar for each section and grade, as
     long as its parts need. Raises TypeError for a machine without saw and layout.
     """
-    saw, layout = machine.saw, machine.layout
-    if saw is None or layout is None:
-        raise TypeError(f"{machine.name} has no saw and layout")
+    saw = machine.needed(machine.saw, "saw and layout")
+    layout = machine.needed(machine.layout, "saw and layout")
     store = sorted(lengths)
     longest = store[-1] if store else None
     ends: dict[int, Ends] = {}

@@ -44,9 +44,7 @@ def recover_sheet(text: str, machine: Machine, name: str, is_known: bool) -> Rec
 
     Unless its thickness `is_known`, one of the machine's cut chart is taken that the program suits.
     """
-    torch = machine.torch
-    if torch is None:
-        raise TypeError(f"{machine.name} has no torch")
+    torch = machine.needed(machine.torch, "torch")
     found = _recovered(text, machine, torch, name)
     if is_known or not errors_in(found.said):
         return found

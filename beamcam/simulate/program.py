@@ -64,9 +64,7 @@ def _sheet(text: str, machine: Machine, name: str, parts: Sequence[Part]) -> Sim
     from beamcam.verify.sheets.need import rows_of
     from beamcam.verify.sheets.strokes import strokes_of
 
-    torch = machine.torch
-    if torch is None:
-        raise TypeError(f"{machine.name} has no torch")
+    torch = machine.needed(machine.torch, "torch")
     done, said = table_run(text, machine, name)
     if errors_in(said):
         raise VerifyError(said)
@@ -97,9 +95,7 @@ def _steps(data: str | bytes, machine: Machine, name: str, style: str) -> Simula
     from beamcam.verify.steps import FORMS, VELOCITIES
     from beamcam.verify.steps.velocities import stretches
 
-    stepper = machine.stepper
-    if stepper is None:
-        raise TypeError(f"{machine.name} has no stepping motors")
+    stepper = machine.needed(machine.stepper, "stepping motors")
     form = style if style in FORMS else machine.suffix
     stream = Stream((data.encode() if isinstance(data, str) else data,), name)
     try:

@@ -68,11 +68,9 @@ class _Head:
     """The way of the head, gathered first so that all of it is timed at once."""
 
     def __init__(self, machine: Machine) -> None:
-        if machine.torch is None:
-            raise TypeError(f"{machine.name} has no torch")
         self.machine = machine
         self.limits = path_limits(machine)
-        self.rapid_mm_min = machine.torch.traverse_mm_min
+        self.rapid_mm_min = machine.needed(machine.torch, "torch").traverse_mm_min
         self.state = State()
         self.here: Point = (0.0, 0.0)  #: a program begins in the corner of the table
         self.curves: list[Curve] = []

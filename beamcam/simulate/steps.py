@@ -37,9 +37,7 @@ def velocity_trace(rows: Iterable[TableRow], machine: Machine) -> Trace:
 
 def step_trace(blocks: Iterable[Rows], machine: Machine) -> Trace:
     """The head over time, from the rows of a step table."""
-    stepper = machine.stepper
-    if stepper is None:
-        raise TypeError(f"{machine.name} has no stepping motors")
+    stepper = machine.needed(machine.stepper, "stepping motors")
     builder = TraceBuilder(head_axes(machine), (0.0, 0.0))
     clock_s = 0.0
     for times, places, lines, laser in _strokes(blocks, stepper):

@@ -28,9 +28,7 @@ ARC = 7  #: kind of an operation along an arc; 0 is a line, odd kinds start a to
 
 def trigger_trace(job: JobRead, machine: Machine) -> Trace:
     """The head over time, from the corner of the work area on; homing is not in it."""
-    triggers = machine.triggers
-    if triggers is None:
-        raise TypeError(f"{machine.name} has no trigger program")
+    triggers = machine.needed(machine.triggers, "trigger program")
     builder = TraceBuilder(head_axes(machine), (0.0, 0.0))
     state = State()
     here: Point = (0.0, 0.0)

@@ -32,9 +32,7 @@ def compare_polylines(
     from beamcam.verify.sheets.strokes import Stroke, Strokes
     from beamcam.verify.sheets.texts import add_texts
 
-    torch = machine.torch
-    if torch is None:
-        raise TypeError(f"{machine.name} has no torch")
+    torch = machine.needed(machine.torch, "torch")
     rows = {row.process: row for row in reversed(rows_on(part, torch))}
     need = need_of(part, machine, torch, skips)
     strokes: list[Stroke] = []

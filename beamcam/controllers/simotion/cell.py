@@ -29,9 +29,8 @@ class Cell:
     """Runs a program cycle by cycle."""
 
     def __init__(self, units: Sequence[Unit], machine: Machine, name: str) -> None:
-        triggers, torch = machine.triggers, machine.torch
-        if triggers is None or torch is None:
-            raise TypeError(f"{machine.name} has no trigger program")
+        triggers = machine.needed(machine.triggers, "trigger program")
+        torch = machine.needed(machine.torch, "trigger program")
         self.machine, self.triggers, self.torch, self.name = machine, triggers, torch, name
         self.clock_s = 0.0
         brake = BRAKE * triggers.acceleration

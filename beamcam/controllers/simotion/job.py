@@ -99,9 +99,9 @@ class _Lines:
 
 class _Job:
     def __init__(self, text: JobText, machine: Machine, name: str) -> None:
-        assert machine.triggers is not None
-        self.text, self.name, self.triggers = text, name, machine.triggers
-        self.paths = machine.triggers.path_objects
+        self.text, self.name = text, name
+        self.triggers = machine.needed(machine.triggers, "trigger program")
+        self.paths = self.triggers.path_objects
 
     def read(self) -> JobRead:
         lines = _Lines(self.text.declarations, self.name)

@@ -32,9 +32,7 @@ def trial(machine: Machine) -> tuple[Diagnostic, ...]:
 
 def project_objects(machine: Machine) -> dict[str, str]:
     """Names of the project that a program uses, with their types."""
-    triggers = machine.triggers
-    if triggers is None:
-        raise TypeError(f"{machine.name} has no trigger program")
+    triggers = machine.needed(machine.triggers, "trigger program")
     places = (*triggers.limits, triggers.start, triggers.acknowledge, *triggers.outputs.values(),
               triggers.fault_lamp)  # fmt: skip
     found = {place: "BOOL" for place in places if place and not is_address(place)}

@@ -39,9 +39,7 @@ def runtime_of(machine: Machine, style: str) -> Runtime:
 
 def library_runtime(machine: Machine, style: str) -> Runtime:
     """The same, with the names of the controller's library as the manuals have them."""
-    triggers = machine.triggers
-    if triggers is None:
-        raise TypeError(f"{machine.name} has no trigger program")
+    triggers = machine.needed(machine.triggers, "trigger program")
     text = _shipped("cut_part")
     text = text.replace("<motion>\n", _shipped("paths" if triggers.path_objects else "lines"))
     text = text.replace("<operations>\n", _shipped(style))

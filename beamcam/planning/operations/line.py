@@ -21,7 +21,5 @@ class Line(Struct, frozen=True):
 
 def line_of(machine: Machine) -> Line:
     """The line of a machine. Raises TypeError if it has no layout."""
-    if machine.layout is None:
-        raise TypeError(f"{machine.name} has no layout")
-    rack = rack_of(machine)
-    return Line(machine, saw_of(machine), drill_of(machine), machine.layout, rack)
+    layout = machine.needed(machine.layout, "layout")
+    return Line(machine, saw_of(machine), drill_of(machine), layout, rack_of(machine))

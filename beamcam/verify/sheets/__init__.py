@@ -36,9 +36,7 @@ def verify_sheet(
     from beamcam.verify.sheets.strokes import strokes_of
     from beamcam.verify.sheets.texts import add_texts
 
-    torch = machine.torch
-    if torch is None:
-        raise TypeError(f"{machine.name} has no torch")
+    torch = machine.needed(machine.torch, "torch")
     done, said = table_run(text, machine, name)
     if errors_in(said) or not parts:
         return tuple(said)

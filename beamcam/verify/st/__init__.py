@@ -26,9 +26,8 @@ def verify_triggers(
     """
     from beamcam.verify.sheets.need import rows_of
 
-    torch, triggers = machine.torch, machine.triggers
-    if torch is None or triggers is None:
-        raise TypeError(f"{machine.name} has no trigger program")
+    torch = machine.needed(machine.torch, "trigger program")
+    triggers = machine.needed(machine.triggers, "trigger program")
     job, said = read_program(text, machine, name)
     if job is None:
         return tuple(said)

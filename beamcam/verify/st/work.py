@@ -43,9 +43,9 @@ class Work:
     """
 
     def __init__(self, job: JobRead, machine: Machine, rows: Sequence[TorchRow], name: str) -> None:
-        assert machine.triggers is not None
-        assert machine.torch is not None
-        self.job, self.triggers, self.torch, self.name = job, machine.triggers, machine.torch, name
+        self.job, self.name = job, name
+        self.triggers = machine.needed(machine.triggers, "trigger program")
+        self.torch = machine.needed(machine.torch, "torch")
         self.rows: dict[str, list[TorchRow]] = {}
         for row in rows:
             self.rows.setdefault(row.process, []).append(row)

@@ -47,9 +47,7 @@ def verify_table(
     `form` is the suffix of its file, one of `FORMS`; `pieces` are its bytes in any cut. Without
     parts it is looked at by itself. Raises ValueError for another form.
     """
-    stepper = machine.stepper
-    if stepper is None:
-        raise TypeError(f"{machine.name} has no stepping motors")
+    stepper = machine.needed(machine.stepper, "stepping motors")
     if form not in FORMS:
         raise ValueError(f"found a table of form {form!r}; expected one of {', '.join(FORMS)}")
     stream = Stream(pieces, name)

@@ -67,9 +67,9 @@ class Followed:
     """A step table that is followed block by block; its strokes go to an outline."""
 
     def __init__(self, machine: Machine, name: str, outline: Outline) -> None:
-        if machine.stepper is None or machine.torch is None:
-            raise TypeError(f"{machine.name} has no stepping motors")
-        self.stepper, self.torch, self.name = machine.stepper, machine.torch, name
+        self.stepper = machine.needed(machine.stepper, "stepping motors")
+        self.torch = machine.needed(machine.torch, "torch")
+        self.name = name
         self.outline = outline
         self.motors = (_Motor("X", self.stepper), _Motor("Y", self.stepper))
         self.said: list[Diagnostic] = []

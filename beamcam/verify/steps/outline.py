@@ -143,9 +143,8 @@ class Outline:
         simplify: float,
         name: str,
     ) -> None:
-        if machine.torch is None:
-            raise TypeError(f"{machine.name} has no torch")
-        self.part, self.machine, self.torch = part, machine, machine.torch
+        self.part, self.machine = part, machine
+        self.torch = machine.needed(machine.torch, "torch")
         self.skips, self.name = skips, name
         self.rounding, self.simplify = rounding, simplify
         self.said: list[Diagnostic] = []
@@ -271,9 +270,7 @@ class Outline:
             found = f"a wait of {times.waited_s:.3f} s behind the start of the laser"
             expected = f"{work.pierce_s:g} s{self._beside(points[0], process)}"
             self.said.append(rules.LASER.at(source, found=found, expected=expected))
-        stepper = self.machine.stepper
-        if stepper is None:
-            raise TypeError(f"{self.machine.name} has no stepping motors")
+        stepper = self.machine.needed(self.machine.stepper, "stepping motors")
         speed = min(work.speed_mm_s, stepper.step * stepper.max_hz * (1.0 - BELOW_GREATEST))
         ramp_s = speed / stepper.acceleration + stepper.acceleration / stepper.jerk
         corners = simple(points, COARSE * stepper.step)

@@ -79,9 +79,9 @@ class Velocities:
     """A velocity table that is followed row by row; its strokes go to an outline."""
 
     def __init__(self, machine: Machine, name: str, outline: Outline) -> None:
-        if machine.stepper is None or machine.torch is None:
-            raise TypeError(f"{machine.name} has no stepping motors")
-        self.stepper, self.torch, self.name = machine.stepper, machine.torch, name
+        self.stepper = machine.needed(machine.stepper, "stepping motors")
+        self.torch = machine.needed(machine.torch, "torch")
+        self.name = name
         self.outline = outline
         self.said: list[Diagnostic] = []
         self.steps = [0, 0]
