@@ -52,6 +52,7 @@ class Diagnostic(Struct, frozen=True):
 #: Characters of a value that a message shows; a list of all keys of a machine has 900.
 MAX_SHOWN = 1500
 #: Messages of one code that are shown one by one.
+MAX_OF_A_PROGRAM = 5  #: messages of one code about a program that is followed row by row
 MAX_OF_A_KIND = 20
 
 
@@ -90,6 +91,12 @@ def first_of_each_kind(diagnostics: Iterable[Diagnostic]) -> Iterator[Diagnostic
         if count > MAX_OF_A_KIND:
             more = count - MAX_OF_A_KIND
             yield MORE.at(Source("beamcam"), found=more, code=code, of=count)
+
+
+def add_few(said: list[Diagnostic], one: Diagnostic) -> None:
+    """Add a message to those of a program, unless `MAX_OF_A_PROGRAM` of its code are there."""
+    if sum(d.code == one.code for d in said) < MAX_OF_A_PROGRAM:
+        said.append(one)
 
 
 RuleMaker = Callable[[str, str, str], Rule]

@@ -63,6 +63,16 @@ def free_edges(profile: Profile, face: Face) -> tuple[bool, bool]:
     return all(w.least > 0.0 for w in walls), all(w.greatest < size for w in walls)
 
 
+def corners(profile: Profile) -> tuple[tuple[float, float], ...]:
+    """The outermost places (y, z) of a section that hold material."""
+    height, width = profile.height, profile.width
+    if profile.code == "L":
+        return (0.0, 0.0), (height, 0.0), (0.0, width)
+    if profile.code == "T":
+        return (0.0, 0.0), (height, 0.0), (height / 2, width)
+    return (0.0, 0.0), (height, 0.0), (0.0, width), (height, width)
+
+
 def section_fault(profile: Profile) -> str | None:
     """What is impossible in a section's dimensions, in words; None if nothing is."""
     if profile.code not in WALLED:

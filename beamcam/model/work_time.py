@@ -13,3 +13,11 @@ class WorkTime(Struct, frozen=True):
     @property
     def total_s(self) -> float:
         return sum(self.operations) + self.reloads_s + self.home_s
+
+
+def clock(seconds: float) -> str:
+    """A time as minutes and seconds, or hours where there are any."""
+    whole = round(seconds)
+    if whole < 3600:
+        return f"{whole // 60}:{whole % 60:02d} min"
+    return f"{whole // 3600}:{whole % 3600 // 60:02d}:{whole % 60:02d} h"

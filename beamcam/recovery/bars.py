@@ -13,6 +13,7 @@ from beamcam.machine.absent import drill_of, text_x
 from beamcam.machine.machine import Machine
 from beamcam.machine.saw import Saw
 from beamcam.model.part import EndCuts, Face, Feature, Part, Profile, TextMark
+from beamcam.model.section import corners
 from beamcam.recovery import rules
 from beamcam.recovery.found import Recovered, Stock, plain
 from beamcam.recovery.holes import holes_of
@@ -21,7 +22,6 @@ from beamcam.recovery.section import section_of
 from beamcam.verify.bars import run
 from beamcam.verify.bars.compare import Asked, Comparison
 from beamcam.verify.bars.made import Bore, Made, Trail
-from beamcam.verify.bars.part_ends import corners
 from beamcam.verify.bars.pieces import Piece, Plane, pieces, planes
 from beamcam.verify.bars.shop import Shop
 

@@ -12,6 +12,7 @@ from urllib.parse import quote
 
 from msgspec import Struct
 
+from beamcam.model.work_time import clock
 from beamcam.plain_text import terminal_text
 from beamcam.report.ledger import ledger_line
 from beamcam.report.run import STATUSES, Counts, Message, PartRow, Row, encoded, message_line
@@ -118,7 +119,7 @@ def _totals(rows: Iterable[Row]) -> str:
 
 def _total_row(name: str, total: _Total) -> str:
     return (
-        f'<tr><td>{_shown(name)}<td class="n">{_clock(total.seconds)}'
+        f'<tr><td>{_shown(name)}<td class="n">{clock(total.seconds)}'
         f'<td class="n">{total.programs}<td class="n">{total.pieces}'
         f'<td class="n">{f"{total.stock / MM_PER_M:.2f}" if total.stock else ""}</tr>'
     )
@@ -134,7 +135,7 @@ def _row(row: Row, extras: Mapping[str, Extra]) -> str:
         f"<td>{'<br>'.join(_shown(part['machine']) for part in parts)}"
         f"<td>{'<br>'.join(map(_ledger, parts))}"
         f"<td>{'<br>'.join(_tools(part['tools']) for part in parts)}"
-        f'<td class="n" data-value="{seconds:.3f}">{_clock(seconds) if parts else ""}'
+        f'<td class="n" data-value="{seconds:.3f}">{clock(seconds) if parts else ""}'
         f'<td class="n" data-value="{row["seconds"]:.6f}">{1000 * row["seconds"]:.0f} ms'
         f'<td class="messages">{"".join(map(_message, row["messages"]))}</tr>\n'
     )
@@ -172,11 +173,3 @@ def _message(said: Message, file: bool = False) -> str:
 def _shown(text: str) -> str:
     """A text of an input as HTML shows it."""
     return escape(terminal_text(text))
-
-
-def _clock(seconds: float) -> str:
-    """Hours, minutes and seconds, as far as there are any."""
-    whole = round(seconds)
-    if whole < 3600:
-        return f"{whole // 60}:{whole % 60:02d} min"
-    return f"{whole // 3600}:{whole % 3600 // 60:02d}:{whole % 60:02d} h"

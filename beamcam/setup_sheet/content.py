@@ -10,6 +10,7 @@ from msgspec.structs import replace
 from beamcam.errors import Diagnostic, Severity, errors_in
 from beamcam.model.part import Part
 from beamcam.model.plan import Plan, SheetPlan
+from beamcam.model.work_time import clock
 from beamcam.pictures.bar import BarMade
 from beamcam.pictures.program import ReadProgram
 from beamcam.pictures.scene import Scene, Unit
@@ -140,14 +141,6 @@ def _quantities(parts: Sequence[Part]) -> str:
         here = sum(1 for p in parts if p == part)
         rows.append(f"{part.mark or 'part'}: {here} of {max(part.quantity, here)}")
     return ", ".join(rows)
-
-
-def clock(seconds: float) -> str:
-    """A time as minutes and seconds, or hours where there are any."""
-    whole = round(seconds)
-    if whole < 3600:
-        return f"{whole // 60}:{whole % 60:02d} min"
-    return f"{whole // 3600}:{whole % 3600 // 60:02d}:{whole % 60:02d} h"
 
 
 def _bar_tools(source: Source, operations: Sequence[Operation]) -> tuple[ToolRow, ...]:

@@ -7,8 +7,9 @@ from collections.abc import Iterator
 from typing import Any
 
 from beamcam import __version__
+from beamcam.model.work_time import clock
 from beamcam.pictures.svg import inline_svg
-from beamcam.setup_sheet.content import Content, clock
+from beamcam.setup_sheet.content import Content
 from beamcam.setup_sheet.html import length, messages, number, row, shown, table, used_columns
 from beamcam.setup_sheet.operations import Operation
 from beamcam.setup_sheet.playback import as_script, bar_data, table_data

@@ -6,11 +6,12 @@ from html import escape
 from typing import Any
 
 from beamcam import __version__
+from beamcam.model.work_time import clock
 from beamcam.pictures.pdf import MARGIN, POINTS_PER_PIXEL, draw_scene, needed_canvas, plain_letters
 from beamcam.pictures.scene import Scene, Unit, shown
 from beamcam.plain_text import terminal_text
 from beamcam.report.run import as_message, message_line
-from beamcam.setup_sheet.content import Content, clock
+from beamcam.setup_sheet.content import Content
 from beamcam.setup_sheet.html import used_columns
 from beamcam.setup_sheet.operations import Operation
 from beamcam.setup_sheet.page import MAX_ROWS, verdict_of

@@ -12,9 +12,10 @@ from beamcam.machine import load
 from beamcam.machine.machine import Machine
 from beamcam.model.part import EndCuts, Part, Profile
 from beamcam.model.plan import Plan, SawOp
+from beamcam.model.section import corners
 from beamcam.planning.beam import plan_bar
 from beamcam.planning.nesting import best_order, lay_on_bar
-from beamcam.planning.operations.ends import corners, ends_of
+from beamcam.planning.operations.ends import ends_of
 from beamcam.planning.operations.saw_cut import kerf_along_bar, pivot_edge
 
 SOURCE = Source("a.nc1", 1)

@@ -12,7 +12,7 @@ from beamcam.controllers.simotion.axes import Axis, Path
 from beamcam.controllers.simotion.circles import circle_points
 from beamcam.controllers.simotion.interpreter import Interpreter
 from beamcam.controllers.simotion.syntax import Unit
-from beamcam.errors import Diagnostic, Rule, Source
+from beamcam.errors import Diagnostic, Rule, Source, add_few
 from beamcam.machine.machine import Machine
 from beamcam.machine.runtime import PROCESSES, is_address
 
@@ -22,7 +22,6 @@ SAMPLES = 4  #: of the path in each cycle
 BEGIN: Place = (6.0, 4.5)  #: axis positions before homing
 BRAKE = 2.0  #: a stop brakes so many times as hard as work does
 REFUSED = 1
-SHOWN = 5
 
 
 class Cell:
@@ -118,8 +117,7 @@ class Cell:
 
     def say(self, rule: Rule, line: int | None, **values: object) -> None:
         """Add a message, unless there are many of the kind already."""
-        if sum(d.code == rule.code for d in self.said) < SHOWN:
-            self.said.append(rule.at(Source(self.name, line), **values))
+        add_few(self.said, rule.at(Source(self.name, line), **values))
 
     def _dynamics(self, values: dict[str, Any], line: int) -> bool:
         """Whether velocity and accelerations are above 0, as commands want them."""

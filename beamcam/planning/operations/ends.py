@@ -20,6 +20,7 @@ from msgspec import Struct
 from beamcam.errors import Diagnostic, PlanError
 from beamcam.geometry.curves import Line, Point
 from beamcam.model.part import Contour, Part, Profile
+from beamcam.model.section import corners
 from beamcam.planning import rules
 
 CONTOUR_TOLERANCE = 1.0  #: mm between contour and header that exporters leave; no cope is smaller
@@ -80,16 +81,6 @@ def _tangents(
 ) -> Iterator[tuple[float, float]]:
     for w, f in zip(web, flange, strict=True):
         yield tan(radians(w)), tan(radians(f))
-
-
-def corners(profile: Profile) -> tuple[tuple[float, float], ...]:
-    """The outermost places (y, z) of a section that hold material."""
-    height, width = profile.height, profile.width
-    if profile.code == "L":
-        return (0.0, 0.0), (height, 0.0), (0.0, width)
-    if profile.code == "T":
-        return (0.0, 0.0), (height, 0.0), (height / 2, width)
-    return (0.0, 0.0), (height, 0.0), (0.0, width), (height, width)
 
 
 def _agreed(

@@ -14,6 +14,7 @@ from typing import Literal, NamedTuple
 from beamcam.geometry.curves import Line, Point
 from beamcam.machine.saw import Saw
 from beamcam.model.part import Contour, Face, Part, Profile
+from beamcam.model.section import corners
 
 OUTLINE_TOLERANCE = 1.0  #: mm that exporters leave between outline and header
 ANGLE_TOLERANCE_DEG = 0.2  #: between header and outline, and between a bevel and its mitre
@@ -98,16 +99,6 @@ def _instead(
     """The header's angles, and what is drawn where they are 0."""
     start, end = (a if abs(a) >= least else d for a, d in zip(angles, drawn, strict=True))
     return start, end
-
-
-def corners(profile: Profile) -> tuple[Point, ...]:
-    """The outermost places (y, z) of a section that hold material."""
-    height, width = profile.height, profile.width
-    if profile.code == "L":
-        return (0.0, 0.0), (height, 0.0), (0.0, width)
-    if profile.code == "T":
-        return (0.0, 0.0), (height, 0.0), (height / 2, width)
-    return (0.0, 0.0), (height, 0.0), (0.0, width), (height, width)
 
 
 def _drawn(part: Part, face: Face) -> tuple[float, float]:

@@ -13,6 +13,7 @@ from math import atan2, cos, degrees, radians, sin, tan
 from msgspec.structs import replace
 
 from beamcam.geometry.curves import Matrix, Point
+from beamcam.geometry.plane import mapped
 from beamcam.model.part import (
     Contour,
     EndCuts,
@@ -123,7 +124,7 @@ def _feature(feature: Feature, part: Part, rotation: Rotation) -> Feature:
         return replace(
             feature, face=face, curves=tuple(c.transformed(matrix) for c in feature.curves)
         )
-    x, y = _mapped(matrix, (feature.x, feature.y))
+    x, y = mapped(matrix, (feature.x, feature.y))
     if isinstance(feature, Hole):
         return replace(feature, face=face, x=x, y=y)
     turn = radians(feature.angle)
@@ -150,12 +151,6 @@ def _map(face: Face, part: Part, rotation: Rotation) -> tuple[Face, Matrix]:
         (round(x1 - x0), round(x2 - x0), x0),
         (round(y1 - y0), round(y2 - y0), y0),
     )
-
-
-def _mapped(matrix: Matrix, point: Point) -> Point:
-    (a, b, c), (d, e, f) = matrix
-    x, y = point
-    return a * x + b * y + c, d * x + e * y + f
 
 
 def _apply(rotation: Rotation, v: Vector) -> Vector:

@@ -14,7 +14,7 @@ from msgspec import Struct, field
 from beamcam.controllers.simotion import rules
 from beamcam.controllers.simotion.circles import circle_points
 from beamcam.controllers.simotion.job import JobRead, Operation
-from beamcam.errors import Diagnostic, Rule, Source
+from beamcam.errors import Diagnostic, Rule, Source, add_few
 from beamcam.machine.machine import Machine
 from beamcam.machine.runtime import PROCESSES
 from beamcam.machine.torch import TorchProcess, TorchRow
@@ -22,7 +22,6 @@ from beamcam.machine.torch import TorchProcess, TorchRow
 Place = tuple[float, float]
 
 LINE, ARC = 0, 7
-SHOWN = 5  #: messages of a kind
 SLACK = 1e-6
 LONGEST_ARC = 1.1  #: times its two chords; the runtime allows for no more time
 SLOWEST = 0.9  #: of the speed that the machine's table has, or that the cycle time allows
@@ -74,8 +73,7 @@ class Work:
 
     def say(self, rule: Rule, line: int, **values: object) -> None:
         """Add a message, unless there are many of the kind already."""
-        if sum(d.code == rule.code for d in self.said) < SHOWN:
-            self.said.append(rule.at(Source(self.name, line), **values))
+        add_few(self.said, rule.at(Source(self.name, line), **values))
 
     # -- tools ------------------------------------------------------------------------------
 

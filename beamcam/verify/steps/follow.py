@@ -7,15 +7,13 @@ import numpy as np
 
 from beamcam.controllers.step_table import rules as row_rules
 from beamcam.controllers.step_table.rows import Rows
-from beamcam.errors import Diagnostic, Source
+from beamcam.errors import Diagnostic, Source, add_few
 from beamcam.geometry.array_types import Counts, Floats
 from beamcam.machine.machine import Machine
 from beamcam.machine.tables import Stepper
 from beamcam.verify.steps import rules
 from beamcam.verify.steps.outline import Outline, Seen, Times
 from beamcam.verify.steps.step_rates import Pace, Swerve
-
-SHOWN = 5  #: of one kind of fault
 
 
 class _Motor:
@@ -84,8 +82,7 @@ class Followed:
     def say(self, found: Iterable[Diagnostic]) -> None:
         """Note what is wrong, a few of each kind."""
         for one in found:
-            if sum(d.code == one.code for d in self.said) < SHOWN:
-                self.said.append(one)
+            add_few(self.said, one)
 
     def follow(self, rows: Rows) -> None:
         """Take some rows."""

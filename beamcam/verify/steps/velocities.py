@@ -14,7 +14,7 @@ import shapely
 
 from beamcam.controllers.step_table import rules as row_rules
 from beamcam.controllers.step_table.rows import Stream, shown
-from beamcam.errors import Diagnostic, Rule, Source
+from beamcam.errors import Diagnostic, Rule, Source, add_few
 from beamcam.machine.machine import Machine
 from beamcam.verify.steps import rules
 from beamcam.verify.steps.outline import BELOW_GREATEST, SPEED_SLACK, Outline, Seen
@@ -24,7 +24,6 @@ COLUMNS = b"x,y,velocity_x,velocity_y,laser,steps_x,steps_y,hz_x,hz_y"
 ROUND, ROUND_HZ = 0.5e-4, 0.5e-2
 SPACING = 0.25  #: of the points of a stretch that are looked at
 BLOCK = 4096  #: stretches that are looked at together
-SHOWN = 5  #: of one kind of fault
 NOTHING_FAST, NOTHING_SLOW = Seen(0.0, 0), Seen(inf, 0)
 _FIRST_LINE = re.compile(rb"# beamcam/velocities/1 job [\w.-]+ step (\d+(?:\.\d+)?) mm")
 _NUMBER = rb"(-?\d{1,9}(?:\.\d+)?)"
@@ -93,8 +92,7 @@ class Velocities:
 
     def say(self, rule: Rule, line: int | None, **values: object) -> None:
         """Note what is wrong, a few of each kind."""
-        if sum(d.code == rule.code for d in self.said) < SHOWN:
-            self.said.append(rule.at(Source(self.name, line), **values))
+        add_few(self.said, rule.at(Source(self.name, line), **values))
 
     def follow(self, row: TableRow) -> None:
         """Take a row."""

@@ -10,8 +10,9 @@ from beamcam.geometry.curves import Line
 from beamcam.machine import load
 from beamcam.model.part import Bevel, Contour, EndCuts, Part
 from beamcam.model.plan import Plan, SawOp
+from beamcam.model.section import corners
 from beamcam.planning.beam import plan_bar
-from beamcam.planning.operations.ends import End, corners, ends_of, leaves_stock, web_borders
+from beamcam.planning.operations.ends import End, ends_of, leaves_stock, web_borders
 from beamcam.planning.operations.saw_cut import saw_angles
 from beamcam.planning.stock import from_store
 from tests.unit.planning.shop import ANGLE, BEAM, CHANNEL, SOURCE, TUBE, part, plan
