@@ -36,8 +36,7 @@ from beamcam.verify.bars.made import Bore, Cut, Made, Trail, Written
 from beamcam.verify.bars.pieces import Plane, planes
 
 OPEN_END = 120.0  #: of bar that is drawn behind the last cut where its length is not known
-NUMBER_SIZE = 9.0
-MAX_RINGS = 6  #: about a hole in which there may be room for its number
+NUMBER_SIZES = (9.0, 6.0)  #: of an operation's number, and where there is no room for it
 
 
 class Piece(Struct, frozen=True):
@@ -226,6 +225,10 @@ def _strokes(
     numbers = order_numbers(bar.made)
     places: list[tuple[int, int, Point, float]] = []  #: number, line, where, and how far off it
     labels = Labels()
+    for plane in bar.saw_planes:
+        width = view.box[3]
+        ends = [frame.at(bar.x_on(plane, view.name, y), y) for y in (0.0, width)]
+        labels.block_line(*ends)
     for op in bar.made.order:
         number = numbers[op.line]
         if isinstance(op, Bore) and op.face == view.name:
@@ -251,8 +254,9 @@ def _strokes(
             x, y = frame.at(bar.x_on(plane, "v", view.box[3]), view.box[3])
             places.append((number, op.line, (x, y), 2.0))
     for number, line, at, gap in places:
-        found = labels.place(at, gap, str(number), NUMBER_SIZE, MAX_RINGS)
-        yield Text("number order", found or at, str(number), NUMBER_SIZE, line=line)
+        placed = ((size, labels.place(at, gap, str(number), size, 2)) for size in NUMBER_SIZES)
+        size, found = next((one for one in placed if one[1] is not None), (NUMBER_SIZES[-1], at))
+        yield Text("number order", found or at, str(number), size, line=line)
 
 
 def _written(op: Written, number: int, bar: BarMade, frame: Frame) -> Text:

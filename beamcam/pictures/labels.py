@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator
 from itertools import product
+from math import ceil, dist
 
 from beamcam.pictures.scene import Point
 
@@ -10,6 +11,7 @@ Box = tuple[float, float, float, float]
 #: Ways to go from a place: up to the right first, where a reader looks for a number.
 SIDES = ((1, -1), (-1, -1), (1, 1), (-1, 1), (0, -1), (0, 1), (1, 0), (-1, 0))
 CELL = 16.0  #: pixels of the squares by which neighbours are found
+LINE_STEP = 3.0  #: pixels between the boxes that stand for a line
 LETTER = 0.6  #: width of a letter, in sizes of the text
 CAPITAL = 0.72  #: height of a capital
 
@@ -24,6 +26,13 @@ class Labels:
         """Nothing is to lie over this box."""
         for cell in _cells(box):
             self._cells.setdefault(cell, []).append(box)
+
+    def block_line(self, a: Point, b: Point) -> None:
+        """Nothing is to lie over the line between two points."""
+        count = max(1, ceil(dist(a, b) / LINE_STEP))
+        for k in range(count):
+            x, y = (p + (k + 0.5) / count * (q - p) for p, q in zip(a, b, strict=True))
+            self.block((x - 1.0, y - 1.0, x + 1.0, y + 1.0))
 
     def place(self, at: Point, gap: float, text: str, size: float, rings: int = 3) -> Point | None:
         """The base line's beginning of a text near a place, which is taken from then on.
