@@ -1,7 +1,8 @@
 """Steel members and drawings in, verified machine programs out.
 
-From Python: `beamcam.read`, `load`, `plan`, `post`, `verify` and `convert`, which are the
-functions of `beamcam.api`, imported when they are first asked for.
+From Python: `beamcam.read`, `load`, `plan`, `post`, `verify`, `convert`, `simulate`, `diff`,
+`recover`, `plot` and `report`, which are the functions of `beamcam.api`, imported when they are
+first asked for.
 """
 
 from __future__ import annotations
@@ -10,24 +11,42 @@ import sys
 from importlib import import_module
 from types import ModuleType
 
+from beamcam.version import __version__
+
 TYPE_CHECKING = False  # as `typing` has it, which is not loaded before Ctrl-C is seen to
 if TYPE_CHECKING:
     from typing import Any
 
-    from beamcam.api import convert, load, plan, post, read, verify
+    from beamcam.api import (
+        convert,
+        diff,
+        load,
+        plan,
+        plot,
+        post,
+        read,
+        recover,
+        report,
+        simulate,
+        verify,
+    )
 
-__version__ = "0.1.0"
+__all__ = [
+    "__version__", "convert", "diff", "load", "plan", "plot", "post", "read", "recover", "report",
+    "simulate", "verify",
+]  # fmt: skip
 
-__all__ = ["__version__", "convert", "load", "plan", "post", "read", "verify"]
+
+#: Names of functions that are those of sub-packages too.
+_BOTH = ("diff", "report", "simulate", "verify")
 
 
-class _Verify(ModuleType):
-    """The sub-package `beamcam.verify`, which can be called as the function of that name."""
+class _Function(ModuleType):
+    """A sub-package, such as `beamcam.verify`, which can be called as the function of its name."""
 
     def __call__(self, *args: Any, **kwargs: Any) -> Any:
-        from beamcam.api import verify as function
-
-        return function(*args, **kwargs)
+        functions = import_module("beamcam.api")
+        return getattr(functions, self.__name__.rpartition(".")[2])(*args, **kwargs)
 
 
 class _Package(ModuleType):
@@ -35,8 +54,8 @@ class _Package(ModuleType):
     so that either is meant rightly, whichever comes first, the sub-package is made callable."""
 
     def __setattr__(self, name: str, value: object) -> None:
-        if name == "verify" and isinstance(value, ModuleType):
-            value.__class__ = _Verify
+        if name in _BOTH and isinstance(value, ModuleType):
+            value.__class__ = _Function
         super().__setattr__(name, value)
 
 
@@ -45,8 +64,8 @@ sys.modules[__name__].__class__ = _Package
 
 def __getattr__(name: str) -> Any:
     if name in __all__:
-        if name == "verify":
-            return import_module("beamcam.verify")
+        if name in _BOTH:
+            return import_module(f"beamcam.{name}")
         return getattr(import_module("beamcam.api"), name)
     raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
 

@@ -69,16 +69,16 @@ def check_asked(job: object = "JOB", bar: object = None, skips: object = ()) -> 
 
 def _faults(job: object, bar: object, skips: object) -> Iterator[Diagnostic]:
     if not isinstance(job, str):
-        yield _type("job", job, "a text")
+        yield ask_type("job", job, "a text")
     elif terminal_text(job) != job:
         yield ASK_JOB.at(_HERE, found=job)
     if bar is not None:
         if isinstance(bar, bool | str | bytes) or not hasattr(bar, "__float__"):
-            yield _type("bar", bar, "a number, or None")
+            yield ask_type("bar", bar, "a number, or None")
         elif not (isfinite(bar) and bar > 0):  # type: ignore[operator]
             yield ASK_BAR.at(_HERE, found=f"{bar}")
     if isinstance(skips, str | bytes) or not isinstance(skips, Collection):
-        yield _type("skips", skips, "a list of names")
+        yield ask_type("skips", skips, "a list of names")
         return
     for name in skips:
         if name not in SKIP_NAMES and name != ALL_SKIPS:
@@ -90,13 +90,21 @@ def check_flags(**flags: object) -> None:
     """Raise AskError for what is neither True nor False."""
     for name, flag in flags.items():
         if not isinstance(flag, bool):
-            raise AskError(_type(name, flag, "True or False"))
+            raise AskError(ask_type(name, flag, "True or False"))
+
+
+def check_choice(name: str, value: object, choices: Collection[str]) -> None:
+    """Raise AskError for what is none of the choices."""
+    if value not in choices:
+        raise AskError(ask_type(name, value, " or ".join(map(repr, choices))))
 
 
 def check_text(name: str, value: object, *others: type) -> None:
     """Raise AskError for what is no text, nor one of `others`."""
     if not isinstance(value, (str, *others)):
-        raise AskError(_type(name, value, " or ".join(("a text", *(t.__name__ for t in others)))))
+        raise AskError(
+            ask_type(name, value, " or ".join(("a text", *(t.__name__ for t in others))))
+        )
 
 
 def parts_asked(parts: Part | Iterable[Part]) -> tuple[Part, ...]:
@@ -104,11 +112,11 @@ def parts_asked(parts: Part | Iterable[Part]) -> tuple[Part, ...]:
     if isinstance(parts, Part):
         parts = (parts,)
     if isinstance(parts, str | bytes) or not isinstance(parts, Iterable):
-        raise AskError(_type("parts", parts, "a Part, or several"))
+        raise AskError(ask_type("parts", parts, "a Part, or several"))
     found = tuple(parts)
     for part in found:
         if not isinstance(part, Part):
-            raise AskError(_type("parts", part, "a Part, or several"))
+            raise AskError(ask_type("parts", part, "a Part, or several"))
         _check_numbers(part)
     return found
 
@@ -121,7 +129,7 @@ def machine_of(machine: AnyMachine) -> Machine:
     if isinstance(machine, Machine):
         return machine
     if not isinstance(machine, str | os.PathLike):
-        raise AskError(_type("machine", machine, "a name, the path of a file, or a Machine"))
+        raise AskError(ask_type("machine", machine, "a name, the path of a file, or a Machine"))
     return load_machine(str(os.fspath(machine)))
 
 
@@ -135,7 +143,8 @@ def converted(value: object, kind: type[Asked], name: str = "") -> Asked:
         raise AskError(ASK_VALUE.at(_HERE, name=place or "the options", fault=fault)) from error
 
 
-def _type(name: str, value: object, expected: str) -> Diagnostic:
+def ask_type(name: str, value: object, expected: str) -> Diagnostic:
+    """What is said of a value of another type than the call takes."""
     found = f"{type(value).__name__} {value!r:.60}" if value is not None else "None"
     return ASK_TYPE.at(_HERE, name=name, found=found, expected=expected)
 

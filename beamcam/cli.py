@@ -12,10 +12,10 @@ from typing import Any
 
 import click
 
-from beamcam import __version__
 from beamcam.collector import collector_seldom
 from beamcam.plain_text import terminal_lines
 from beamcam.system import INTERRUPTED, is_unicode
+from beamcam.version import __version__
 
 #: name -> module of beamcam.commands whose `command` it is, and its help in a line
 COMMANDS = {

@@ -7,6 +7,7 @@ what cannot be posted raises a `BeamcamError` that carries its diagnostics.
 
 from collections.abc import Callable, Iterable, Iterator
 from enum import Enum
+from typing import Any
 
 from msgspec import Struct
 
@@ -132,6 +133,10 @@ class BeamcamError(Exception):
             diagnostics = (diagnostics,)
         self.diagnostics: tuple[Diagnostic, ...] = tuple(diagnostics)
         super().__init__("\n".join(map(str, self.diagnostics)))
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Pickled by its diagnostics; an exception would be by its text."""
+        return type(self), (self.diagnostics,)
 
 
 class ReadError(BeamcamError):

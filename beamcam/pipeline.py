@@ -9,7 +9,7 @@ Which planner, motion step, emitter and read-back belong together stands in `pos
 import re
 from collections import Counter
 from collections.abc import Callable, Collection, Generator, Iterable, Iterator, Sequence
-from typing import Literal
+from typing import Any, Literal
 
 from msgspec import Struct
 from msgspec.structs import replace
@@ -95,6 +95,9 @@ class RefusedProgram(VerifyError):
     def __init__(self, diagnostics: Iterable[Diagnostic], written: Written) -> None:
         super().__init__(diagnostics)
         self.written = written
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return type(self), (self.diagnostics, self.written)
 
     def pieces(self) -> Iterable[bytes]:
         """The program as it would have stood in the file."""

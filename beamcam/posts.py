@@ -5,6 +5,7 @@ that a bar never loads what only a sheet needs.
 """
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
+from functools import partial
 from typing import Any
 
 from msgspec import Struct
@@ -159,7 +160,7 @@ def step_post() -> Post:
 
     def emit(program: Any, job: Job) -> Written:
         form = FORMS[job.style or job.machine.suffix]
-        return lambda: form(program)
+        return partial(form, program)  # which can be pickled
 
     def read_back(program: Written, request: Request) -> tuple[Diagnostic, ...]:
         w = request

@@ -1,9 +1,13 @@
 """The Python API: what it gives, what it raises, and that importing it costs nothing."""
 
+import pickle
+import re
 import subprocess
 import sys
 from collections.abc import Callable
 from functools import partial
+from inspect import signature
+from io import BytesIO, StringIO
 from pathlib import Path
 from typing import Any
 
@@ -17,6 +21,7 @@ from beamcam.asked import AskError
 from beamcam.cli import main
 from beamcam.errors import BeamcamError, MachineError, PlanError, ReadError
 from beamcam.machine import load
+from beamcam.pipeline import RefusedProgram
 from tests.conftest import ROOT, SAMPLES
 from tests.runs import BAD, part
 
@@ -87,6 +92,7 @@ ORDERS = (
     "from beamcam import verify as f",
     "import beamcam; beamcam.read; f = beamcam.verify",
     "import beamcam.verify as f; from beamcam.verify import bars",
+    "import beamcam.simulate, beamcam.diff, beamcam.report; import beamcam; f = beamcam.verify",
     "from beamcam.api import verify as f",
 )
 
@@ -111,7 +117,7 @@ def test_importing_it_costs_nothing() -> None:
         "print([m for m in ('numpy', 'ezdxf', 'ifcopenshell', 'shapely') if m in sys.modules])\n"
     )
     done = subprocess.run([sys.executable, "-c", code], cwd=ROOT, capture_output=True, text=True)
-    assert done.stdout == "['beamcam']\n[]\n", done.stderr
+    assert done.stdout == "['beamcam', 'beamcam.version']\n[]\n", done.stderr
 
 
 def test_names() -> None:
@@ -122,8 +128,14 @@ def test_names() -> None:
 
 
 def test_it_is_typed(tmp_path: Path) -> None:
-    """A caller's mistakes are found by mypy, and the example of the documentation has none."""
+    """A caller's mistakes are found by mypy, and the examples of the documentation have none."""
     source = tmp_path / "use.py"
+    page = (ROOT / "docs" / "api.md").read_text(encoding="utf-8")
+    examples = re.findall(r"^```python\n(.*?)^```", page, re.MULTILINE | re.DOTALL)
+    assert len(examples) == 5
+    files = [tmp_path / f"example_{k}.py" for k in range(len(examples))]
+    for file, text in zip(files, examples, strict=True):
+        file.write_text(text, encoding="utf-8")
     source.write_text(
         "import beamcam\n"
         "reading = beamcam.read('a.nc1')\n"
@@ -134,11 +146,12 @@ def test_it_is_typed(tmp_path: Path) -> None:
     )
     done = subprocess.run(
         [sys.executable, "-m", "mypy", "--strict", "--follow-imports=silent",
-         "--cache-dir", str(tmp_path / "cache"), str(source)],
+         "--cache-dir", str(tmp_path / "cache"), str(source), *map(str, files)],
         cwd=ROOT, capture_output=True, text=True,
     )  # fmt: skip
     assert "use.py:6: error" in done.stdout
     assert done.stdout.count("use.py:") == 1, done.stdout
+    assert "example_" not in done.stdout, done.stdout
 
 
 NAN, INF = float("nan"), float("inf")
@@ -305,3 +318,146 @@ def test_the_time_of_a_machine_by_name_path_and_record(tmp_path: Path) -> None:
     posted = beamcam.post(beamcam.read(CHANNEL).parts)
     times = {posted.time(m).total_s for m in ("beamline", path, str(path), load("beamline"))}
     assert len(times) == 1
+
+
+#: Options of commands that are of the command line alone, or have another name here.
+ELSEWHERE = {
+    "output", "config_file", "quiet", "verbose", "as_json", "quantity", "exit_left_out", "schema",
+    "against", "colours", "no_verify", "first", "inputs", "program", "a", "b", "show", "help",
+    "every", "encoder", "modbus", "serve", "pace", "machine", "source",
+}  # fmt: skip
+CALLED = {"no_verify": "read_back", "first": "from_operation", "colours": "map"}
+
+
+@pytest.mark.parametrize("command", [
+    "post", "verify", "plan", "inspect", "convert", "diff", "recover", "plot", "report", "simulate",
+])  # fmt: skip
+def test_what_a_command_takes_can_be_asked_from_python(command: str) -> None:
+    from beamcam.api.jobs import ReadOptions, SheetOptions
+
+    function = getattr(api, {"inspect": "read"}.get(command, command))
+    names = {*signature(function).parameters, *ReadOptions.__annotations__, "map"}
+    names |= {*SheetOptions.__annotations__, *signature(beamcam.post).parameters}
+    names |= {*signature(beamcam.convert).parameters}
+    context = main.make_context("beamcam", [], resilient_parsing=True)
+    asked = {p.name for p in main.get_command(context, command).params}  # type: ignore[union-attr]
+    missing = {name for name in asked - ELSEWHERE if name not in names}
+    assert missing == set()
+    assert set(CALLED.values()) <= names
+
+
+def test_what_comes_back_and_what_is_raised_can_be_pickled() -> None:
+    def again(value: Any) -> Any:
+        return pickle.loads(pickle.dumps(value))
+
+    parts = beamcam.read(CHANNEL).parts
+    posted = beamcam.post(parts)
+    for value in (parts, beamcam.read(CHANNEL), beamcam.plan(parts), posted, load("beamline")):
+        assert again(value) == value
+    plate = beamcam.read(SAMPLES / "dxf" / "plate.dxf").parts
+    steps = beamcam.post(plate, beamcam.load("laser-stepper", thickness=3))
+    assert again(steps).text == steps.text
+    calls: tuple[Callable[[], object], ...] = (
+        lambda: beamcam.read(b""), lambda: beamcam.plan(parts, "beamlime"),
+        lambda: beamcam.post(parts, "plate-linuxcnc"), lambda: beamcam.post(parts, bar=-1),
+    )  # fmt: skip
+    for call in calls:
+        with pytest.raises(BeamcamError) as told:
+            call()
+        other = again(told.value)
+        assert (type(other), str(other)) == (type(told.value), str(told.value))
+        assert other.diagnostics == told.value.diagnostics
+    refused = again(RefusedProgram(told.value.diagnostics, "M30"))
+    assert (refused.written, refused.diagnostics) == ("M30", told.value.diagnostics)
+
+
+def test_a_file_is_its_path_its_bytes_or_open(tmp_path: Path) -> None:
+    data = CHANNEL.read_bytes()
+    texts = StringIO(data.decode())
+    forms = (data, bytearray(data), memoryview(data), BytesIO(data), CHANNEL.open("rb"), texts)
+    marks = [beamcam.read(form, name="a.nc1").parts[0].mark for form in forms]
+    assert set(marks) == {"C1"}
+    posted = beamcam.post(beamcam.read(CHANNEL).parts)
+    path = tmp_path / "a.gcode"
+    path.write_text(posted.text)
+    for program in (posted.text, posted.text.encode(), path, BytesIO(posted.text.encode())):
+        assert beamcam.verify(program, beamcam.read(CHANNEL).parts) == ()
+    with pytest.raises(ReadError, match="read-file"):
+        beamcam.verify(tmp_path / "none.gcode", ())
+
+
+def test_members_of_a_model_are_chosen() -> None:
+    model = SAMPLES / "ifc" / "beam_openings.ifc"
+    every = beamcam.read(model).parts
+    one = beamcam.read(model, guids=[every[0].guid], check=False).parts
+    assert [part.guid for part in one] == [every[0].guid]
+    lettered = beamcam.read(model, letter="mark", check=False).parts[0]
+    assert any(type(feature).__name__ == "TextMark" for feature in lettered.features)
+    for options in ({"clases": ["x"]}, {"letter": "name"}, {"workers": 0}, {"marks": 5}):
+        with pytest.raises(AskError, match="ask-value"):
+            beamcam.read(model, **options)  # type: ignore[arg-type]
+
+
+def test_order_turn_style_and_strict() -> None:
+    strut = beamcam.read(SAMPLES / "dstv" / "strut.nc1").parts * 3
+    best = beamcam.post(strut, order="best", turn=True)
+    assert beamcam.verify(best.text, strut, order="best", turn=True) == ()
+    assert best.plan == beamcam.plan(strut, order="best", turn=True)
+    plate = beamcam.read(SAMPLES / "dxf" / "plate.dxf").parts
+    table = beamcam.load("table-simotion", thickness=3)
+    texts = [beamcam.post(plate, table, style=style).text for style in ("chain", "table")]
+    assert texts[0] != texts[1]
+    tie = beamcam.read(SAMPLES / "dstv" / "tie.nc1").parts
+    warned = str(SAMPLES / "machines" / "hall-drill.toml")
+    assert beamcam.post(tie, warned).remarks
+    calls: tuple[Callable[[], object], ...] = (
+        lambda: beamcam.post(strut, order="beast"),  # type: ignore[arg-type]
+        lambda: beamcam.post(strut, turn=1),  # type: ignore[arg-type]
+        lambda: beamcam.post(plate, table, style=".bin"),
+        lambda: beamcam.post(strut, style="chain"),
+        lambda: beamcam.verify(best.text, strut, from_operation="3"),  # type: ignore[arg-type]
+        lambda: beamcam.post(plate, table, from_operation=3),
+    )
+    for call in calls:
+        with pytest.raises(AskError):
+            call()
+
+
+def test_a_remainder_is_posted_and_verified() -> None:
+    (channel,) = beamcam.read(CHANNEL).parts
+    whole, rest = beamcam.post(channel), beamcam.post(channel, from_operation=8)
+    assert beamcam.verify(rest.text, channel, from_operation=8) == ()
+    assert beamcam.verify(rest.text, channel, from_operation=8, after=whole.text) == ()
+    assert beamcam.verify(rest.text, channel, from_operation=9)
+    with pytest.raises(PlanError, match="plan-operation"):
+        beamcam.post(channel, from_operation=99)
+
+
+def test_a_program_is_simulated_compared_recovered_and_drawn() -> None:
+    (channel,) = beamcam.read(CHANNEL).parts
+    posted = beamcam.post(channel)
+    run = beamcam.simulate(posted.text, parts=channel)
+    assert run.trace.duration_s == pytest.approx(posted.time("beamline").total_s, rel=0.01)
+    assert beamcam.diff(posted.text, posted.text).differences == ()
+    changed = posted.text.replace("L14", "L16")
+    assert len(beamcam.diff(posted.text, changed).differences) >= 4
+    assert beamcam.diff(channel, [channel]).differences == ()
+    found = beamcam.recover(posted.text, profile="UPN200").parts
+    assert len([*found[0].holes]) == len([*channel.holes])
+    assert beamcam.recover(posted.text, profile=channel).parts[0].grade == channel.grade
+    assert str(beamcam.plot(channel)).startswith("<svg")
+    assert str(beamcam.plot(posted.text, "beamline")).startswith("<svg")
+    pages = [beamcam.report(channel), beamcam.report(channel, program=posted)]
+    assert pages[0] == pages[1]
+    given = beamcam.report(channel, program=posted.text, name="x.gcode")
+    assert str(given).startswith("<!doctype html>")
+    calls: tuple[Callable[[], object], ...] = (
+        lambda: beamcam.diff(channel, posted.text),
+        lambda: beamcam.plot(channel, to="jpg"),  # type: ignore[arg-type]
+        lambda: beamcam.report(channel, unit="m"),  # type: ignore[arg-type]
+        lambda: beamcam.recover(posted.text, profile="XYZ"),
+        lambda: beamcam.simulate(5),  # type: ignore[arg-type]
+    )
+    for call in calls:
+        with pytest.raises(AskError):
+            call()

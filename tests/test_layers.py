@@ -13,7 +13,7 @@ PACKAGE = ROOT / "beamcam"
 
 #: A package may import those of lower steps; packages on one step never import each other.
 STEPS = (
-    ("caches", "conversion", "plain_text", "system"),
+    ("caches", "conversion", "plain_text", "system", "version"),
     ("collector", "errors", "files", "processes"),
     ("geometry",),
     ("machine",),
@@ -33,7 +33,8 @@ STEPS = (
     ("pictures",),
     ("setup_sheet",),
     ("pipeline", "machine_choice", "ways_out"),
-    ("batch", "api", "remainder"),
+    ("remainder",),
+    ("batch", "api"),
     ("watch",),
     ("commands",),
     ("cli",),

@@ -66,7 +66,7 @@ class Cluster:
 
         def version_there() -> str:
             try:
-                from beamcam import __version__
+                from beamcam.version import __version__
             except ImportError:
                 return ""
             return __version__
@@ -85,7 +85,7 @@ class Cluster:
                 raise self._error(f"the worker {worker} has {has}")
 
     def _error(self, found: str) -> SchedulerError:
-        from beamcam import __version__
+        from beamcam.version import __version__
 
         return SchedulerError(
             rules.SCHEDULER.at(
@@ -144,7 +144,7 @@ class Cluster:
 
 def make_there(frozen: bytes, chunk: tuple[Task, ...]) -> list[Made]:
     """`make_all` on a worker. Raises RuntimeError if its beamcam is another than the shop's."""
-    from beamcam import __version__
+    from beamcam.version import __version__
 
     shop = thaw(frozen)
     if shop.version != __version__:

@@ -15,7 +15,6 @@ from typing import cast
 from msgspec import Struct, field, json
 from msgspec.structs import replace
 
-from beamcam import __version__
 from beamcam.batch import rules
 from beamcam.batch.names import Names, output_name
 from beamcam.caches import cached
@@ -43,6 +42,7 @@ from beamcam.posts import Job
 from beamcam.readers import read
 from beamcam.report.hand_list import hand_rows
 from beamcam.report.run import Ledger, PartRow, Row, as_message
+from beamcam.version import __version__
 
 
 class Shop(Struct, frozen=True):

@@ -1,28 +1,20 @@
 """Two files compared, both programs or both parts."""
 
-from collections.abc import Iterator
 from pathlib import PurePath
 
 import click
 from msgspec.structs import replace
 
 from beamcam import readers
+from beamcam.api.comparison import compared
 from beamcam.commands.kinds import KINDS, expected
-from beamcam.controllers import rules
-from beamcam.diff.differ import diff_parts, diff_programs
+from beamcam.diff.differ import diff_parts
 from beamcam.diff.pairing import Difference
-from beamcam.diff.statements import diff_sheets
-from beamcam.errors import Diagnostic, Severity, VerifyError
+from beamcam.errors import Diagnostic
 from beamcam.machine import Machine
 from beamcam.machine.defaults import is_of_programs
 from beamcam.model.part import Part
-from beamcam.pipeline import as_error, parts_of, read_back
-from beamcam.posts import Request
-from beamcam.verify.bars import run
-from beamcam.verify.head import head_of
-
-#: Faults that make a program's meaning unknown.
-NOT_UNDERSTOOD = {r.code for r in (rules.SYNTAX, rules.WORD, rules.ARC)}
+from beamcam.pipeline import as_error, parts_of
 
 
 def differences_of(
@@ -39,7 +31,8 @@ def differences_of(
         (first, of_a), (second, of_b) = (_parts(*one, strict) for one in data)
         return diff_parts(first, second), (*of_a, *of_b)
     texts = [(name, content.decode("utf-8", "replace")) for name, content in data]
-    return _diff_programs(texts, machine)
+    found = compared(texts, machine)
+    return found.differences, found.diagnostics
 
 
 def drawn_over(
@@ -94,35 +87,3 @@ def _parts(name: str, data: bytes, strict: bool) -> tuple[tuple[Part, ...], tupl
     if strict:
         reading = replace(reading, diagnostics=tuple(map(as_error, reading.diagnostics)))
     return parts_of([reading])
-
-
-def _diff_programs(
-    texts: list[tuple[str, str]], machine: Machine
-) -> tuple[tuple[Difference, ...], tuple[Diagnostic, ...]]:
-    """What two programs, each with its name, make otherwise, and what is wrong with them.
-
-    Raises VerifyError where their blocks are not understood.
-    """
-    if machine.stock == "sheet":
-        (name, first), (_, second) = texts
-        found, said = diff_sheets(first, second, machine, name)
-        if said:
-            raise VerifyError(said)
-        found = (*found, *_left_to_hand(texts))
-        alone = (read_back(text, Request((), machine, name=name)) for name, text in texts)
-        return found, tuple(d for said in alone for d in said if d.severity is not Severity.NOTE)
-    runs = [run(text, machine, None, name) for name, text in texts]
-    said = tuple(d for done in runs for d in done.diagnostics)
-    if any(d.code in NOT_UNDERSTOOD for d in said):
-        raise VerifyError(said)
-    old, new = (done.made for done in runs)
-    return (*diff_programs(old, new, machine.format.resolution), *_left_to_hand(texts)), said
-
-
-def _left_to_hand(texts: list[tuple[str, str]]) -> Iterator[Difference]:
-    """Whether the heads of two programs leave different numbers of marks for manual work."""
-    heads = [head_of(text) for _, text in texts]
-    old, new = (0 if head is None else head.by_hand for head in heads)
-    if old != new:
-        text = f"marks left for manual work: {old} in A, {new} in B"
-        yield Difference("feature", "changed", text)

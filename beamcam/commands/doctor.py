@@ -11,13 +11,13 @@ import click
 from msgspec import Struct
 from msgspec.structs import asdict
 
-from beamcam import __version__
 from beamcam.commands import options
 from beamcam.commands.common import REFUSED, say_json, say_lines
 from beamcam.config.values import CONFIG_NAME, beside
 from beamcam.errors import BeamcamError
 from beamcam.machine import shipped
 from beamcam.system import user_folder
+from beamcam.version import __version__
 
 LIBRARIES = ("click", "ezdxf", "ifcopenshell", "msgspec", "numpy", "shapely")
 #: Extra of beamcam -> what it is for, and the packages that it installs.

@@ -4,6 +4,7 @@ plan -> ways -> planned motion -> steps of each axis (step_events) -> rows of wo
 """
 
 from collections.abc import Iterator
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -36,8 +37,8 @@ def step_table(plan: SheetPlan, machine: Machine, job: str) -> StepTable:
         job,
         stepper.step,
         stepper.sequence,
-        lambda: step_rows(found, stepper, planned),
-        lambda: stretches(found, stepper.step, max_speed(stepper)),
+        partial(step_rows, found, stepper, planned),
+        partial(stretches, found, stepper.step, max_speed(stepper)),
     )
 
 

@@ -2,7 +2,6 @@
 
 from collections.abc import Sequence
 
-from beamcam import __version__
 from beamcam.diff.pairing import Difference
 from beamcam.pictures.comparison import Compared
 from beamcam.pictures.scene import Unit
@@ -10,6 +9,7 @@ from beamcam.pictures.svg import inline_svg
 from beamcam.setup_sheet.html import shown
 from beamcam.setup_sheet.page import document_head
 from beamcam.setup_sheet.static_files import static_text
+from beamcam.version import __version__
 
 MAX_LISTED = 2000  #: differences in the list
 SHOWN = (("same", "what is the same"), ("gone", "A"), ("new", "B"), ("moved", "arrows"))

@@ -1,6 +1,5 @@
 """The velocity profile of an axis as a page: the carriage on its guide under the curve."""
 
-from beamcam import __version__
 from beamcam.geometry.velocity_profile import Profile
 from beamcam.pictures.profile import profile_scene, sample_times
 from beamcam.pictures.svg import inline_svg
@@ -10,6 +9,7 @@ from beamcam.setup_sheet.playback import trace_data
 from beamcam.setup_sheet.static_files import page_script
 from beamcam.simulate.state import State
 from beamcam.simulate.trace import Trace, TraceAxis, TraceBuilder
+from beamcam.version import __version__
 
 DIGITS = 6
 

@@ -5,7 +5,6 @@ from typing import Any
 
 from msgspec import Struct
 
-from beamcam import __version__
 from beamcam.machine.machine import Machine
 from beamcam.model.part import Profile
 from beamcam.pictures.program import ReadProgram, bar_made, table_made
@@ -16,6 +15,7 @@ from beamcam.setup_sheet.static_files import page_script, static_text
 from beamcam.simulate.bars import cell_axes
 from beamcam.simulate.state import State
 from beamcam.simulate.trace import TraceAxis, head_axes
+from beamcam.version import __version__
 
 UNKNOWN = (
     "The section is not known: a dashed one of {height:g} x {width:g} mm stands for it. "

@@ -6,7 +6,6 @@ header, verdict, hash -> playback with the program's text -> pictures -> operati
 from collections.abc import Iterator
 from typing import Any
 
-from beamcam import __version__
 from beamcam.model.work_time import clock
 from beamcam.pictures.svg import inline_svg
 from beamcam.setup_sheet.content import Content
@@ -15,6 +14,7 @@ from beamcam.setup_sheet.operations import Operation
 from beamcam.setup_sheet.playback import as_script, bar_data, table_data
 from beamcam.setup_sheet.static_files import page_script, page_style
 from beamcam.simulate.trace import TraceAxis
+from beamcam.version import __version__
 
 MAX_TEXT = 1_500_000  #: characters of a program that the page holds
 HEAD_LINES = 200  #: that it shows of a longer one

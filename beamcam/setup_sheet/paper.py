@@ -5,7 +5,6 @@ from collections.abc import Iterator, Sequence
 from html import escape
 from typing import Any
 
-from beamcam import __version__
 from beamcam.model.work_time import clock
 from beamcam.pictures.pdf import MARGIN, POINTS_PER_PIXEL, draw_scene, needed_canvas, plain_letters
 from beamcam.pictures.scene import Scene, Unit, shown
@@ -15,6 +14,7 @@ from beamcam.setup_sheet.content import Content
 from beamcam.setup_sheet.html import used_columns
 from beamcam.setup_sheet.operations import Operation
 from beamcam.setup_sheet.page import MAX_ROWS, verdict_of
+from beamcam.version import __version__
 
 BODY = 9.0
 ROOM = 539.0  #: points between the margins of an A4 page

@@ -1,10 +1,10 @@
 """What an encoder reads of a program, as one HTML file that fetches nothing."""
 
-from beamcam import __version__
 from beamcam.pictures.encoder import Study, encoder_scene
 from beamcam.pictures.svg import inline_svg
 from beamcam.setup_sheet.html import shown
 from beamcam.setup_sheet.page import document_head
+from beamcam.version import __version__
 
 
 def study_page(study: Study) -> str:

@@ -1,0 +1,27 @@
+"""beamcam from Python: read a part, plan the work, post the program, verify any program.
+
+    import beamcam
+
+    reading = beamcam.read("samples/dstv/channel.nc1")
+    posted = beamcam.post(reading.parts, "beamline")
+    assert not beamcam.verify(posted.text, reading.parts, "beamline")
+    print(posted.text)
+
+    jobs      read, load, convert, plan, post, verify
+    results   simulate, diff, recover, plot, report
+
+These functions and what they give back are stable. A machine is everywhere the name of a shipped
+one, the path of a TOML file, or a `Machine`; `load` gives one as a job wants it. A file is its
+path, its bytes, or open; a text is a path to `read`, and to all others the program itself. What
+cannot be done raises a `BeamcamError` that carries its diagnostics, an `AskError` where the call is
+wrong by itself; what is only to be said comes back as diagnostics beside the result. All of them
+may be called from several threads at once; what they give and raise can be pickled.
+"""
+
+from beamcam.api.jobs import convert, load, plan, post, read, verify
+from beamcam.api.results import diff, plot, recover, report, simulate
+
+__all__ = [
+    "convert", "diff", "load", "plan", "plot", "post", "read", "recover", "report", "simulate",
+    "verify",
+]  # fmt: skip

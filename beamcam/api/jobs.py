@@ -1,0 +1,328 @@
+"""From a file to a verified program, from Python; what the commands take, by the names that they
+have there."""
+
+import os
+from collections.abc import Collection, Iterable, Mapping, Sequence
+from typing import Any, Literal, TypedDict, Unpack, get_args
+
+from msgspec import Struct
+from msgspec.structs import replace
+
+from beamcam.api.inputs import FileInput, bytes_of, program_bytes
+from beamcam.asked import (
+    ASK_TYPE,
+    ASK_VALUE,
+    AnyMachine,
+    AskError,
+    ask_type,
+    check_asked,
+    check_choice,
+    check_flags,
+    check_text,
+    converted,
+    machine_of,
+    parts_asked,
+)
+from beamcam.conversion import PositiveCount
+from beamcam.errors import Diagnostic, PlanError, ReadError, Source, errors_in
+from beamcam.machine import Machine
+from beamcam.machine.defaults import DEFAULT_MACHINE
+from beamcam.model.part import Part
+from beamcam.model.plan import Order, Plan, SheetPlan
+from beamcam.pipeline import Posted, as_error, read_file
+from beamcam.pipeline import post as post_bar
+from beamcam.pipeline import read_back as read_program_back
+from beamcam.planning.left_out import told
+from beamcam.planning.rules import named_skips
+from beamcam.posts import Job, Request, post_of
+from beamcam.readers import read as read_bytes
+from beamcam.readers.reading import Reading
+
+Process = Literal["cut", "mark", "engrave", "ignore"]
+
+
+class _ReadOptions(Struct, forbid_unknown_fields=True):
+    """What a caller asks of a reader, checked."""
+
+    units: str | None = None
+    width: str | None = None
+    layers: tuple[str, ...] = ()
+    letters: tuple[str, ...] = ()
+    fit: tuple[str, ...] = ()
+    encoding: str | None = None
+    marks: tuple[str, ...] = ()
+    guids: tuple[str, ...] = ()
+    classes: tuple[str, ...] = ()
+    assemblies: tuple[str, ...] = ()
+    force: bool = False
+    letter: Literal["mark"] | None = None
+    check: bool = True
+    workers: PositiveCount = 1
+
+
+class SheetOptions(TypedDict, total=False):
+    """How a sheet is cut, as the options of the command line and the keys of `[sheet]`; mm."""
+
+    thickness: float
+    material: str
+    kerf: float
+    kerf_by: Literal["none", "offset", "machine"]
+    lead: Literal["none", "line", "arc"]
+    tabs: int
+    inner_tabs: bool
+    place: Literal["corner", "drawn"]
+    origin: Literal["table", "lower-left", "lower-right", "upper-left", "upper-right", "centre"]
+    mirror: Literal["none", "x", "y"]
+    rotate: float
+    copies: tuple[int, int]
+    spacing: float
+    sheet_size: tuple[float, float]
+    unrolled: bool
+
+
+def load(
+    machine: AnyMachine = DEFAULT_MACHINE,
+    *,
+    map: Mapping[str, Process | Mapping[str, object]] | None = None,
+    tolerances: Mapping[str, float] | None = None,
+    **sheet: Unpack[SheetOptions],
+) -> Machine:
+    """A machine as a job wants it, for every function that takes one.
+
+    `map` says what is done with a colour or layer, `tolerances` are those of a drill (merge,
+    duplicate, sink, path, twin), `sheet` how a sheet is cut; all as in `beamcam.toml`, over what
+    the machine's file says. Raises MachineError; AskError for a name or value that cannot be
+    meant; ConfigError and PlanError for what this machine cannot do.
+    """
+    from beamcam.config.values import Config, ConfigFile
+
+    loaded = machine_of(machine)
+    tables: dict[str, Any] = {"sheet": sheet, "map": map or {}, "tolerances": tolerances or {}}
+    asked = converted(tables, ConfigFile)
+    config = Config(loaded.name, sheet=asked.sheet, map=asked.map, tolerances=asked.tolerances)
+    if config.tolerances:
+        from beamcam.config.apply import with_tolerances
+
+        loaded = with_tolerances(loaded, config)
+    if not (config.map or sheet):
+        return loaded
+    from beamcam.machine.overlay import with_torch
+
+    try:
+        return with_torch(
+            loaded, config.meanings, settings=config.look_settings, **config.sheet.given()
+        )
+    except ValueError as error:
+        from beamcam.planning.contours.rules import OPTION
+
+        raise PlanError(OPTION.at(Source(loaded.name), found=error)) from error
+
+
+class ReadOptions(TypedDict, total=False):
+    """How a file is read, as the options of the command line."""
+
+    units: str | None  #: of a drawing's numbers: "mm", "in"
+    width: str | None  #: of an SVG's page: "600mm"
+    layers: Sequence[str]  #: of a drawing, those to read
+    letters: Sequence[str]  #: layers whose texts become strokes
+    fit: Sequence[str]  #: layers whose polylines become polynomials through their vertices
+    encoding: str | None  #: of a DSTV file
+    marks: Sequence[str]  #: members of a model by mark,
+    guids: Sequence[str]  #: by GlobalId,
+    classes: Sequence[str]  #: by IFC class
+    assemblies: Sequence[str]  #: or by assembly
+    force: bool  #: whether members with contradictory data are accepted
+    letter: Literal["mark"] | None  #: whether they are lettered with their marks
+    check: bool  #: whether their cuts are checked by the geometry kernel; True
+    workers: int  #: processes that read a large model; 1
+
+
+def read(
+    source: FileInput, *, name: str = "part", strict: bool = False, **options: Unpack[ReadOptions]
+) -> Reading:
+    """What is in a file of any format: `parts` and `diagnostics`.
+
+    A file is given by its path, its bytes, or open. `name` is what bytes are called in messages;
+    its suffix, if any, says which format is tried first. `strict` makes warnings errors. Raises
+    ReadError if there is an error; its diagnostics are all of them.
+    """
+    check_flags(strict=strict)
+    check_text("name", name)
+    data = bytes_of(source, "source")
+    asked = _reader_options(options)
+    if data is None:
+        reading = read_file(os.fspath(source), strict, **asked)  # type: ignore[arg-type]
+    else:
+        reading = read_bytes(data, name, **asked)
+        if strict:
+            reading = replace(reading, diagnostics=tuple(map(as_error, reading.diagnostics)))
+    if reading.refused:
+        raise ReadError(reading.diagnostics)
+    return reading
+
+
+def _reader_options(asked: ReadOptions) -> dict[str, object]:
+    """What was asked of a reader, by the names that readers have for it. Raises AskError."""
+    values = converted(asked, _ReadOptions)
+    if values.encoding is not None:
+        try:
+            "a".encode(values.encoding)
+        except (LookupError, UnicodeError) as error:
+            said = ASK_VALUE.at(Source("beamcam"), name="encoding", fault=str(error))
+            raise AskError(said) from error
+    names = ("units", "width", "encoding", "layers", "letters", "fit")
+    given = {name: value for name in names if (value := getattr(values, name)) not in (None, ())}
+    from beamcam.readers.ifc.options import Options, Selection
+
+    members = (values.marks, values.guids, values.classes, values.assemblies)
+    options = Options(
+        values.force, values.check, letter=values.letter == "mark", workers=values.workers
+    )
+    return given | {"selection": Selection(*map(frozenset, members)), "options": options}
+
+
+def convert(part: Part, to: str = "dstv", *, thickness: float | None = None) -> str:
+    """The text of a part in another format: "dstv", "part-json" or "faces-dxf".
+
+    `thickness` is that of a drawing's sheet in mm, which no drawing says. Raises AskError, and
+    BeamcamError for what the format cannot hold.
+    """
+    from beamcam.writers import TARGETS
+
+    (only,) = parts_asked(part)
+    target = next((target for target in TARGETS if target.name == to), None)
+    if target is None:
+        expected = ", ".join(target.name for target in TARGETS)
+        said = ASK_TYPE.at(Source("beamcam"), name="to", found=repr(to), expected=expected)
+        raise AskError(said)
+    if thickness is not None and only.profile.web_thickness is None:
+        from beamcam.config.values import Sheet
+
+        asked = converted({"thickness": thickness}, Sheet).thickness
+        only = replace(only, profile=replace(only.profile, web_thickness=asked))
+    return target.write(only)
+
+
+def plan(
+    parts: Part | Iterable[Part],
+    machine: AnyMachine = DEFAULT_MACHINE,
+    *,
+    bar: float | None = None,
+    skips: Collection[str] = (),
+    order: Order = "given",
+    turn: bool = False,
+    strict: bool = False,
+) -> Plan | SheetPlan:
+    """The work that makes `parts` from one bar, in the order given, or from one sheet.
+
+    `bar` is its length in mm; without it the bar is as long as the parts need. `skips` names what
+    may be left out, as `--allow-skips` does. `order` "best" lays the parts so that mitres nest,
+    `turn` lets them lie turned; `strict` makes warnings errors. Raises PlanError and MachineError.
+    """
+    check_asked(bar=bar, skips=skips)
+    check_flags(turn=turn, strict=strict)
+    check_choice("order", order, get_args(Order))
+    loaded = machine_of(machine)
+    job = Job(parts_asked(parts), loaded, bar=bar, skips=named_skips(skips), order=order, turn=turn)
+    made = post_of(loaded).plan(job)
+    if strict and errors_in(said := tuple(map(as_error, (*made.remarks, *told(made))))):
+        raise PlanError(said)
+    return made
+
+
+def post(
+    parts: Part | Iterable[Part],
+    machine: AnyMachine = DEFAULT_MACHINE,
+    *,
+    job: str = "JOB",
+    bar: float | None = None,
+    skips: Collection[str] = (),
+    order: Order = "given",
+    turn: bool = False,
+    style: str | None = None,
+    strict: bool = False,
+    read_back: bool = True,
+    from_operation: int | None = None,
+) -> Posted:
+    """The program that makes `parts` from one bar: its `text`, the `plan`, and `remarks`.
+
+    `order`, `turn` and `strict` as of `plan`; `style` is "chain" or "table" of triggers, of step
+    tables the suffix of their form. `from_operation` gives the remainder of the program only, from
+    that operation of the plan on. It was read back and compared with the parts, unless `read_back`
+    is False, which the program then says. Raises PlanError, MachineError, and VerifyError for a
+    program that would make anything else.
+    """
+    check_flags(read_back=read_back, turn=turn, strict=strict)
+    check_asked(job, bar, skips)
+    loaded, wanted = machine_of(machine), parts_asked(parts)
+    check_choice("order", order, get_args(Order))
+    check_style(style, loaded)
+    posted = post_bar(wanted, loaded, job, bar, skips, read_back, order, turn, strict, style)
+    if from_operation is None:
+        return posted
+    from beamcam.remainder import rest_of
+
+    first = _operation(from_operation, loaded)
+    length = posted.plan.bar.length if isinstance(posted.plan, Plan) else None
+    allowed = named_skips(skips)
+    return rest_of(posted, Request(wanted, loaded, allowed, job, order, turn, length), first)
+
+
+def verify(
+    program: FileInput,
+    parts: Part | Iterable[Part],
+    machine: AnyMachine = DEFAULT_MACHINE,
+    *,
+    skips: Collection[str] = (),
+    name: str = "program",
+    order: Order = "given",
+    turn: bool = False,
+    bar: float | None = None,
+    style: str | None = None,
+    from_operation: int | None = None,
+    after: FileInput | None = None,
+) -> tuple[Diagnostic, ...]:
+    """Everything that is wrong with a program, by itself and against `parts`.
+
+    It is its text, its bytes, or its file as a `Path` or open. Nothing comes back for a program
+    that makes exactly the parts, in their order on the bar; `order` "best" and `turn` take them in
+    another one and turned. `skips` names the kinds of features that may be missing, as
+    `--allow-skips` does; `bar` is the bar's length, where it is known. With `from_operation` the
+    program is the remainder of one, of `after`, or of the program that `post` makes of the parts.
+    Raises MachineError, and PlanError where that cannot be posted.
+    """
+    check_asked(bar=bar, skips=skips)
+    check_flags(turn=turn)
+    check_text("name", name)
+    loaded, wanted, data = machine_of(machine), parts_asked(parts), program_bytes(program)
+    check_choice("order", order, get_args(Order))
+    check_style(style, loaded)
+    request = Request(wanted, loaded, named_skips(skips), name, order, turn, bar, style)
+    if from_operation is None:
+        return read_program_back(data, request)
+    from beamcam.remainder import faults_of
+
+    first = _operation(from_operation, loaded)
+    if after is None:
+        whole = post_bar(wanted, loaded, "JOB", bar, skips, False, order, turn).text
+    else:
+        whole = program_bytes(after).decode("utf-8", "replace")
+    return faults_of(data.decode("utf-8", "replace"), whole, first, request)
+
+
+def check_style(style: object, machine: Machine) -> None:
+    """Raise AskError for what is no form of a program of the machine's controller."""
+    known = {"simotion": ("chain", "table"), "stepper": (".steps", ".csv", ".bin", ".h")}
+    forms = known.get(machine.controller, ())
+    if style is not None and style not in forms:
+        expected = " or ".join(map(repr, (*forms, None)))
+        raise AskError(ask_type("style", style, expected))
+
+
+def _operation(first: object, machine: Machine) -> int:
+    """The operation that a remainder begins with. Raises AskError."""
+    number: int = converted(first, int, "from_operation")
+    if machine.stock != "beam":
+        fault = f"{machine.name} works on no bars"
+        raise AskError(ASK_VALUE.at(Source("beamcam"), name="from_operation", fault=fault))
+    return number

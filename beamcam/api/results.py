@@ -1,0 +1,217 @@
+"""What is seen of a program from Python: its course, its parts, pictures and sheets, and how two
+of them differ."""
+
+from collections.abc import Iterable
+from pathlib import PurePath
+from typing import TYPE_CHECKING, Any, Literal, get_args
+
+from msgspec.structs import replace
+
+from beamcam.api.comparison import Compared, compared
+from beamcam.api.inputs import FileInput, program_bytes
+from beamcam.api.jobs import post
+from beamcam.asked import (
+    AnyMachine,
+    AskError,
+    ask_type,
+    check_choice,
+    check_text,
+    machine_of,
+    parts_asked,
+)
+from beamcam.errors import VerifyError, errors_in
+from beamcam.machine.defaults import DEFAULT_MACHINE
+from beamcam.model.part import Part, Profile
+from beamcam.model.plan import Plan
+from beamcam.pipeline import Posted, read_back
+from beamcam.posts import Request
+
+if TYPE_CHECKING:
+    from beamcam.pictures.program import ReadProgram
+    from beamcam.pictures.scene import Scene
+    from beamcam.recovery import Recovered
+    from beamcam.simulate.program import Simulated
+
+Picture = Literal["svg", "png", "pdf"]
+Unit = Literal["mm", "inch"]
+
+
+def simulate(
+    program: FileInput,
+    machine: AnyMachine = DEFAULT_MACHINE,
+    *,
+    parts: Part | Iterable[Part] = (),
+    name: str = "program",
+) -> "Simulated":
+    """The axes of the machine over time while it runs a program: `trace`, and `diagnostics`.
+
+    `parts` say which section or sheet it is, where the program does not; `name` is the program's,
+    its suffix the form of a step table. Axes beyond their limits and bodies that strike are
+    warnings. Raises VerifyError for a program that cannot be understood, and MachineError.
+    """
+    from beamcam.simulate.limits import run_warnings
+    from beamcam.simulate.program import simulate_program
+
+    check_text("name", name)
+    loaded = machine_of(machine)
+    data, style = program_bytes(program), PurePath(name).suffix.lower()
+    done = simulate_program(data, loaded, name, style, parts_asked(parts))
+    if errors_in(done.diagnostics):
+        raise VerifyError(done.diagnostics)
+    said = run_warnings(done.trace, loaded, done.section, name)
+    return replace(done, diagnostics=(*done.diagnostics, *said))
+
+
+def diff(
+    a: FileInput | Part | Iterable[Part],
+    b: FileInput | Part | Iterable[Part],
+    machine: AnyMachine = DEFAULT_MACHINE,
+) -> Compared:
+    """What `b` makes otherwise than `a`: two programs of a machine, or two parts or lists of them.
+
+    Raises VerifyError where the blocks of a program are not understood.
+    """
+    if _is_parts(a) and _is_parts(b):
+        from beamcam.diff.differ import diff_parts
+
+        return Compared(diff_parts(parts_asked(a), parts_asked(b)), ())  # type: ignore[arg-type]
+    if _is_parts(a) or _is_parts(b):
+        raise AskError(ask_type("b", type(b).__name__, "two programs, or two parts"))
+    texts = [(name, _text(program)) for name, program in (("A", a), ("B", b))]
+    return compared(texts, machine_of(machine))
+
+
+def recover(
+    program: FileInput,
+    machine: AnyMachine = DEFAULT_MACHINE,
+    *,
+    profile: str | Part | None = None,
+    name: str = "program",
+) -> "Recovered":
+    """The parts that a program makes, and what there is to say; none where an error is said.
+
+    `profile` is the section of the bar: a name such as "IPE200", or a part that has it. The program
+    was read back against what was found.
+    """
+    from beamcam.model.catalogue import measures_of
+    from beamcam.recovery import Stock
+    from beamcam.recovery import recover as recover_parts
+
+    check_text("name", name)
+    stock = Stock()
+    if isinstance(profile, Part):
+        stock = Stock(profile.profile, profile.grade)
+    elif profile is not None:
+        check_text("profile", profile, Part)
+        known = measures_of(profile)
+        if known is None:
+            raise AskError(ask_type("profile", profile, "a section such as IPE200, or a Part"))
+        code, sizes = known
+        stock = Stock(Profile(code, profile.upper(), *sizes))
+    return recover_parts(_text(program), machine_of(machine), name, stock)
+
+
+def plot(
+    shown: FileInput | Part,
+    machine: AnyMachine | None = None,
+    *,
+    to: Picture = "svg",
+    unit: Unit = "mm",
+    name: str = "program",
+    bar: float | None = None,
+    parts: Part | Iterable[Part] = (),
+) -> str | bytes:
+    """A picture of a part with its faces unfolded, or of what a program makes on its machine.
+
+    It is the text of an SVG, or the bytes of a PNG or PDF. Raises PictureError without the library
+    of the format, VerifyError for a program that cannot be understood.
+    """
+    check_choice("to", to, get_args(Picture))
+    check_choice("unit", unit, get_args(Unit))
+    if isinstance(shown, Part):
+        from beamcam.pictures.part import part_scene
+
+        torch = machine_of(machine).torch if machine is not None else None
+        scene = part_scene(parts_asked(shown)[0], unit, torch.colours if torch else None)
+    else:
+        from beamcam.pictures.program import program_scene
+
+        scene = program_scene(_read_program(shown, machine, name, bar, parts), unit)
+    return _picture(scene, to)
+
+
+def report(
+    parts: Part | Iterable[Part] = (),
+    machine: AnyMachine = DEFAULT_MACHINE,
+    *,
+    program: FileInput | Posted | None = None,
+    to: Literal["html", "pdf"] = "html",
+    unit: Unit = "mm",
+    name: str = "program",
+    bar: float | None = None,
+    skips: Iterable[str] = (),
+) -> str | bytes:
+    """The setup sheet of the program that makes `parts`: posted for it, or the one that is given.
+
+    It is an HTML page, or the bytes of a PDF. Raises what `post` raises, and PictureError.
+    """
+    from beamcam.setup_sheet.content import Source, content_of
+
+    check_choice("to", to, ("html", "pdf"))
+    check_choice("unit", unit, get_args(Unit))
+    loaded, wanted, left_out = machine_of(machine), parts_asked(parts), tuple(skips)
+    posted = program
+    if program is None:
+        posted = post(wanted, loaded, bar=bar, skips=left_out)
+    if isinstance(posted, Posted):
+        plan = posted.plan
+        length = plan.bar.length if isinstance(plan, Plan) else None
+        data: FileInput = b"".join(posted.pieces())
+        read = _read_program(data, loaded, f"{name}{loaded.suffix}", length, wanted)
+        source = Source(read, plan, posted.remarks)
+    else:
+        read = _read_program(posted, loaded, name, bar, wanted)
+        request = Request(wanted, loaded, left_out, name, bar=bar, style=read.style)
+        source = Source(read, None, (), read_back(read.data, request))
+    content = content_of(source, unit)
+    if to == "pdf":
+        from beamcam.setup_sheet.paper import setup_pdf
+
+        return setup_pdf(content)
+    from beamcam.setup_sheet.page import setup_page
+
+    return setup_page(content)
+
+
+def _is_parts(value: object) -> bool:
+    return isinstance(value, Part | tuple | list)
+
+
+def _text(program: object) -> str:
+    return program_bytes(program).decode("utf-8", "replace")
+
+
+def _read_program(
+    program: Any, machine: AnyMachine | None, name: str, bar: float | None,
+    parts: Part | Iterable[Part],
+) -> "ReadProgram":  # fmt: skip
+    from beamcam.pictures.program import ReadProgram
+
+    check_text("name", name)
+    loaded = machine_of(DEFAULT_MACHINE if machine is None else machine)
+    style = PurePath(name).suffix.lower()
+    return ReadProgram(program_bytes(program), loaded, name, style, parts_asked(parts), bar)
+
+
+def _picture(scene: "Scene", form: Picture) -> str | bytes:
+    if form == "pdf":
+        from beamcam.pictures.pdf import to_pdf
+
+        return to_pdf([scene])
+    if form == "png":
+        from beamcam.pictures.png import to_png
+
+        return to_png(scene)
+    from beamcam.pictures.svg import to_svg
+
+    return to_svg(scene)
