@@ -13,7 +13,8 @@ from tests.conftest import ROOT
 BENCHMARKS = ROOT / "benchmarks"
 #: Are there to be imported.
 OTHERS = (
-    "damage", "faults", "heads", "letterings", "liars", "mutants", "script", "sheet_liars", "uses",
+    "damage", "faults", "heads", "ifc_anyhow", "ifc_families", "letterings", "liars", "mutants",
+    "script", "sheet_liars", "uses",
 )  # fmt: skip
 SCRIPTS = sorted(path.name for path in BENCHMARKS.glob("*.py") if path.stem not in OTHERS)
 

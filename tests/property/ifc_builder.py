@@ -114,7 +114,7 @@ class Lie(Struct, frozen=True):
 def lie(code: str, sizes: Sequence[float]) -> Lie:
     h, b = sizes[:2]
     match code:
-        case "U":
+        case "U" | "C":
             return Lie((-b / 2, h / 2), (0, -1), (1, 0))
         case "L":
             return Lie((-b / 2, -h / 2), (0, 1), (1, 0), False)

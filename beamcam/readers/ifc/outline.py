@@ -13,6 +13,10 @@ from beamcam.readers.ifc.curves2d import Chain, arc_by_points
 
 MIN_CORNERS = 12  #: of a polygon that stands for a circle; fewer are meant as they are
 MIN_RUN = 3  #: chords of a polygon that stand for an arc
+STEEPEST_RAD = 2 * pi / MIN_CORNERS + 0.02  #: between chords of one arc
+COARSE_RAD = radians(2)  #: between chords that nobody takes for a straight line
+FINEST_RAD = radians(0.2)
+MANY_CHORDS = 45  #: of a quarter circle, where they turn less than that
 ON_CIRCLE = 0.02  #: mm that a vertex may lie off its circle
 PARALLEL_RAD = 1e-4
 STRAIGHT = 0.002  #: mm that a point may lie off the line between its neighbours
@@ -44,16 +48,21 @@ def with_arcs(chain: Chain) -> Chain:
     """The chain with polygon runs on a circle as arcs, and pieces of one curve joined."""
     if not all(isinstance(c, Line) for c in chain):
         return joined(chain)
-    lines = joined(chain)
-    n = len(lines)
-    if n < MIN_RUN + 1:
+    # Chords that turn less than this lie on one line for `joined`, two by two.
+    fine = _arcs_of_runs(chain, FINEST_RAD, COARSE_RAD) if len(chain) >= MANY_CHORDS else chain
+    lines = joined(fine)
+    if len(lines) < MIN_RUN + 1:
         return lines
-    whole = _regular(lines)
-    if whole is not None:
-        return whole
-    fits = [_alike(lines[i - 1], lines[i]) for i in range(n)]
+    whole = _regular(lines) if fine is chain else None
+    return _arcs_of_runs(lines, COARSE_RAD, STEEPEST_RAD) if whole is None else whole
+
+
+def _arcs_of_runs(lines: Chain, least: float, most: float) -> Chain:
+    """The chain with an arc for each run of chords, which turn by `least` to `most` radians."""
+    n = len(lines)
+    fits = [_alike(lines[i - 1], lines[i], least, most) for i in range(n)]
     breaks = [i for i in range(n) if not fits[i]]
-    if not breaks:
+    if not breaks or len(breaks) == n:
         return lines
     out: list[Curve] = []
     for k, first in enumerate(breaks):
@@ -110,11 +119,12 @@ def turn(a: Curve, b: Curve) -> float:
     return atan2(ax * by - ay * bx, ax * bx + ay * by)
 
 
-def _alike(a: Curve, b: Curve) -> bool:
+def _alike(a: Curve, b: Curve, least: float, most: float) -> bool:
     """Whether two lines may be neighbouring chords of one circle."""
-    angle = abs(turn(a, b))
     return (
-        radians(2) < angle < 2 * pi / MIN_CORNERS + 0.02
+        isinstance(a, Line)
+        and isinstance(b, Line)
+        and least < abs(turn(a, b)) < most
         and abs(a.length - b.length) < 0.02 * a.length + 0.01
     )
 

@@ -15,6 +15,7 @@ from beamcam.readers.ifc.naming import named
 from beamcam.readers.ifc.outline import Round, Slotted, shape_of, with_arcs
 from beamcam.readers.ifc.profiles import rounded_box
 from tests.property.ifc_builder import Member, bore_polygon, section_polygon
+from tests.property.ifc_cuts import Bar, angle_corners
 
 SIZES = {
     "I": (300.0, 150.0, 10.7, 7.1),
@@ -138,3 +139,21 @@ def test_a_name_stands_unless_the_measures_deny_it() -> None:
     odd = Profile("I", "", 281.0, 280.0, 18.0, 10.5, 24.0)
     assert named(odd, "") == ("I281x280x10.5x18", None)
     assert catalogue.name_of(Profile("I", "", 280.25, 280.0, 18.0, 10.5)) == "HEB280"
+
+
+@settings(max_examples=40, deadline=None)
+@given(
+    st.floats(60.0, 250.0), st.floats(50.0, 200.0), st.floats(5.0, 14.0), st.floats(5.0, 14.0),
+    st.floats(5.0, 12.0), st.integers(12, 180),
+)  # fmt: skip
+def test_an_angle_is_read_whatever_the_steps_of_its_fillet(
+    height: float, width: float, flange: float, web: float, radius: float, chords: int
+) -> None:
+    """Its legs may be of two thicknesses; steps of half a degree are no straight lines."""
+    bar = Bar("L", 1000.0, (height, width, flange, web, radius))
+    found = classify(points_chain([(z, y) for y, z in angle_corners(bar, chords)]))
+    assert found is not None
+    assert found.code == "L"
+    sizes = (found.height, found.width, found.flange_thickness, found.web_thickness, found.radius)
+    expected = bar.sizes if height >= width else (width, height, web, flange, radius)
+    assert sizes == pytest.approx(expected, abs=1e-3)
