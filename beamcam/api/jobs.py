@@ -69,7 +69,9 @@ class SheetOptions(TypedDict, total=False):
     kerf_by: Literal["none", "offset", "machine"]
     lead: Literal["none", "line", "arc"]
     tabs: int
+    tab_width: float
     inner_tabs: bool
+    overcut: float
     place: Literal["corner", "drawn"]
     origin: Literal["table", "lower-left", "lower-right", "upper-left", "upper-right", "centre"]
     mirror: Literal["none", "x", "y"]

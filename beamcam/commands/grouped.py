@@ -19,8 +19,9 @@ GROUPS: Mapping[str, tuple[str, ...]] = {
     ),
     "How files are read": ("units", "width", "layers", "fit", "encoding", "against"),
     "How sheets are cut": (
-        "colours", "thickness", "material", "kerf", "kerf_by", "lead", "tabs", "place",
-        "inner_tabs", "origin", "mirror", "rotate", "copies", "spacing", "sheet_size", "unrolled",
+        "colours", "thickness", "material", "kerf", "kerf_by", "lead", "tabs", "tab_width",
+        "inner_tabs", "overcut", "place", "origin", "mirror", "rotate", "copies", "spacing",
+        "sheet_size", "unrolled",
     ),
     "How the work is done": (
         "jobs", "scheduler", "redo", "dry", "settle", "end_wait", "every", "once", "update",

@@ -35,6 +35,9 @@ class LookSettings(Keys, frozen=True):
     order: Count = 0  #: place in the order of work, lower ones first
     hatch: Positive | None = None  #: closed contours are filled by lines so far apart
     hatch_angle: Degrees = 0.0  #: of these lines
+    hatch_one_way: bool = False  #: all lines of a hatch in its angle; otherwise the nearest first
+    hatch_outline: bool = True  #: whether contours that are filled are followed besides
+    overcut: NotNegative | None = None  #: over that of the machine, of closed contours to cut
 
     def given(self) -> tuple[str, ...]:
         """The keys that say something."""
@@ -82,7 +85,11 @@ class Torch(Keys, frozen=True):
     direction: Literal["drawn", "climb", "conventional"] = "drawn"  #: climb: material at the right
     tabs: Count = 0  #: bridges that hold a part in the sheet
     inner_tabs: bool = False  #: whether inner contours have as many
-    tab_width: Positive = 1.0
+    tab_width: Positive = 1.0  #: of a bridge, along the contour
+    #: between a bridge and a corner of its contour, where a place is near that has it; a corner is
+    #: a turn of more than 20 degrees
+    min_tab_to_corner: NotNegative = 0.0
+    overcut: NotNegative = 0.0  #: how far a closed cut goes on along its contour beyond its start
     min_hole: NotNegative = 0.0  #: smallest diameter that can be cut
     min_hole_share: NotNegative = 0.0  #: smallest diameter that can be cut, by the thickness
     #: Holes and slots that the torch cannot make (smaller ones, threads, countersinks, blind ones):

@@ -56,6 +56,13 @@ def _hatched_looks(part: Part, torch: Torch) -> dict[str, list[Contour]]:
     return found
 
 
+def is_filled_only(contour: Contour, torch: Torch) -> bool:
+    """Whether a contour is filled and not followed."""
+    key = key_of(contour, torch.colours) if torch.settings else None
+    own = torch.settings.get(key) if key is not None else None
+    return own is not None and bool(own.hatch) and not own.hatch_outline and is_closed(contour)
+
+
 def is_closed(contour: Contour) -> bool:
     """Whether a contour ends where it begins."""
     return contour.curves[0].start == contour.curves[-1].end or contour.closed

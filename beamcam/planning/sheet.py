@@ -24,7 +24,11 @@ from beamcam.planning.contours import rules
 from beamcam.planning.contours.assign_process import OUTLINE, Assigned, assign_processes
 from beamcam.planning.contours.crowd import refuse_crowds
 from beamcam.planning.contours.join import Joined, join
-from beamcam.planning.contours.look_settings import refuse_order, refuse_settings
+from beamcam.planning.contours.look_settings import (
+    refuse_order,
+    refuse_overcuts,
+    refuse_settings,
+)
 from beamcam.planning.contours.material import Material
 from beamcam.planning.contours.nest import nest
 from beamcam.planning.contours.operations import operations_of
@@ -50,6 +54,7 @@ def plan_sheet(parts: Sequence[Part], machine: Machine, skips: Collection[str] =
     assigned = assign_processes(part, torch, machine, skips)
     material = Material(part, torch)
     refusals = [*assigned.refusals, *refuse_settings(assigned.wanted, torch, machine)]
+    refusals += refuse_overcuts(assigned.wanted, torch) if torch.settings else ()
     refusals += material.refusals({w.process for w in assigned.wanted})
     if refusals:
         raise PlanError(refusals)
@@ -164,6 +169,8 @@ def _outcomes(
             yield Outcome((0, index), "listed", assigned.listed[index])
         elif index in made:
             yield Outcome((0, index), "made", made[index])
+        elif index in assigned.filled:
+            yield Outcome((0, index), "made", assigned.filled[index])
         elif index in assigned.skipped:
             yield Outcome((0, index), "skipped", assigned.skipped[index])
         elif index in stands:

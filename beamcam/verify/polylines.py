@@ -51,4 +51,4 @@ def compare_polylines(
     add_texts(need, part, machine, loose, done)
     if not need.curves and not strokes:
         return need.said
-    return need.said + compare(done, need, machine, loose, shift_of(need, torch), name)
+    return need.said + compare(done, need, machine, loose, shift_of(need, torch), name, True)

@@ -14,6 +14,7 @@ from beamcam.machine.machine import Machine
 from beamcam.machine.marking import Marks
 from beamcam.machine.torch import Torch, TorchProcess
 from beamcam.model.colour import colour_name, key_of, process_of
+from beamcam.model.hatch import is_filled_only
 from beamcam.model.marks import policy_on
 from beamcam.model.part import (
     Contour,
@@ -58,6 +59,7 @@ class Assigned(Struct):
     wanted: list[AssignedCurve] = field(default_factory=list)
     rings: set[int] = field(default_factory=set)  #: features that are closed by what they say
     skipped: dict[int, str] = field(default_factory=dict)  #: feature: the code it is left out by
+    filled: dict[int, str] = field(default_factory=dict)  #: hatched, not followed: the process
     listed: dict[int, str] = field(default_factory=dict)  #: marks left for manual work, and why
     refusals: list[Diagnostic] = field(default_factory=list)
     remarks: list[Diagnostic] = field(default_factory=list)
@@ -85,6 +87,8 @@ def assign_processes(
                 first.setdefault(look, feature.source)
             elif meaning == "ignore":
                 found.skipped[index] = IGNORED
+            elif is_filled_only(feature, torch):
+                found.filled[index] = meaning
             else:
                 source = feature.source
                 if feature.closed:

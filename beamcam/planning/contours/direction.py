@@ -1,4 +1,4 @@
-"""Direction, start point and bridges of a contour."""
+"""Direction and start point of a contour, and stretches of it."""
 
 from collections.abc import Sequence
 from math import dist
@@ -57,28 +57,6 @@ def _size(curve: Curve) -> float:
     So the first of equal ones is taken, whatever the last digits of their ends are.
     """
     return round(dist(curve.start, curve.end), 6)
-
-
-def bridged(curves: Curves, tabs: int, width: float) -> tuple[Curves, ...]:
-    """The stretches of a closed contour between `tabs` bridges of `width` mm each.
-
-    The bridges lie at equal distances, the first half of that from the start. A contour that has
-    not four times as much length as its bridges gets fewer of them, or none.
-    """
-    lengths = [c.length for c in curves]
-    total = sum(lengths)
-    while tabs and total < 4 * tabs * width:
-        tabs -= 1
-    if not tabs:
-        return (curves,)
-    cuts: list[tuple[float, float]] = []
-    begin = 0.0
-    for k in range(tabs):
-        middle = total * (k + 0.5) / tabs
-        cuts.append((begin, middle - width / 2))
-        begin = middle + width / 2
-    cuts.append((begin, total))
-    return tuple(stretch(curves, lengths, a, b) for a, b in cuts)
 
 
 def stretch(curves: Curves, lengths: Sequence[float], low: float, high: float) -> Curves:

@@ -23,6 +23,7 @@ from beamcam.planning.contours import rules
 from beamcam.planning.contours.direction import Curves, stretch
 from beamcam.planning.contours.lead_in import waste_side
 from beamcam.planning.contours.outline import ways as polylines_of
+from beamcam.planning.contours.overcut import overcut_length
 from beamcam.planning.contours.shape import Shape
 
 #: The shares of the machine's length of a lead that are tried, longest first.
@@ -69,6 +70,10 @@ def entries(
             lines = shapely.linestrings([way for _, way in tried.values()])
             apart = max(kerfs) / 2 - torch.tolerance / 2
             hit = set(tree.query(lines, "dwithin", distance=apart)[0].tolist())
+            stops = shapely.points(
+                [_beam_at_end(one, shapes[k], kerfs[k]) for k, (one, _) in tried.items()]
+            )
+            hit |= set(tree.query(stops, "dwithin", distance=apart)[0].tolist())
             free = (k for n, k in enumerate(tried) if n not in hit)
             found |= {k: tried[k][0] for k in free}
         if len(found) == len(asked):
@@ -109,8 +114,18 @@ def _entry(
         x + radius * tangent[0] + rise * normal[0],
         y + radius * tangent[1] + rise * normal[1],
     )
-    again = stretch((first,), (first.length,), 0.0, beyond)
+    # Behind a corner the beam would end in the part.
+    over = min(overcut_length(shape, torch), max(0.0, first.length / 2 - beyond - radius))
+    again = stretch((first,), (first.length,), 0.0, beyond + over)
     return Entry(curves, (Line(start, first.start),), again), (start, at)
+
+
+def _beam_at_end(entry: Entry, shape: Shape, kerf: float) -> Point:
+    """Where the beam is when the torch stops: beside the end of what is cut again."""
+    last = entry.lead_out[-1]
+    (x, y), (tx, ty) = last.end, last.tangent(1.0)
+    off = waste_side(shape.area, shape.is_hole) * kerf / 2
+    return x - off * ty, y + off * tx
 
 
 def _begun(curves: Curves, candidate: int) -> Curves:

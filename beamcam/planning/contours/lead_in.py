@@ -15,19 +15,22 @@ def waste_side(area: float, is_hole: bool) -> int:
     return 1 if (area > 0.0) == is_hole else -1
 
 
-def leads(curves: Curves, side: int, torch: Torch, share: float) -> tuple[Curves, Curves]:
+def leads(
+    curves: Curves, side: int, torch: Torch, share: float, over: Curves = ()
+) -> tuple[Curves, Curves]:
     """Lead-in and lead-out of a closed contour on its waste side, `share` of the machine's length.
 
-    A line comes square to the contour; an arc is a quarter circle that is tangent to it.
+    The lead-out begins at the end of the overcut, `over`. A line comes square to the contour; an
+    arc is a quarter circle that is tangent to it.
 
           |  line            .-  arc
           v                 (
         --o--->           --o--->
     """
-    start = curves[0].start
+    start, last = curves[0].start, (over or curves)[-1]
     return (
         _lead(start, curves[0].tangent(0.0), side, torch, torch.lead_in * share, False),
-        _lead(start, curves[-1].tangent(1.0), side, torch, torch.lead_out * share, True),
+        _lead(last.end, last.tangent(1.0), side, torch, torch.lead_out * share, True),
     )
 
 

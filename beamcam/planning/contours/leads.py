@@ -23,7 +23,12 @@ class Leads:
     """The lead-ins and lead-outs of the shapes that need them."""
 
     def __init__(
-        self, ways: Sequence[Shape], torch: Torch, half_kerf: float, contours: Sequence[Shape]
+        self,
+        ways: Sequence[Shape],
+        overs: Sequence[tuple[Curve, ...]],
+        torch: Torch,
+        half_kerf: float,
+        contours: Sequence[Shape],
     ) -> None:
         self._leads: dict[int, Lead] = {}
         self.remarks: list[Diagnostic] = []
@@ -37,7 +42,7 @@ class Leads:
         fence = _Fence([s for s in contours if s.process == "cut"], torch, clearance)
         short: list[Shape] = []
         for share in SHARES:
-            tried = {k: leads(ways[k].curves, sides[k], torch, share) for k in waiting}
+            tried = {k: leads(ways[k].curves, sides[k], torch, share, overs[k]) for k in waiting}
             kept = fence.clear(tried, torch)
             self._leads |= {k: tried[k] for k in kept}
             if share == SHARES[0]:
@@ -74,7 +79,10 @@ class _Fence:
         for k, (way_in, way_out) in tried.items():
             # All of them as they lead away from the contour.
             for curve in (*(c.reversed() for c in way_in), *way_out):
-                leads.append((curve.split(AT_CONTOUR)[1],))
+                share = AT_CONTOUR
+                if self._clearance > 0.0:  # no farther than to where it would enter the part
+                    share = min(share, self._clearance / curve.length)
+                leads.append((curve.split(share)[1],))
                 owners.append(k)
         if not leads:
             return set(tried)

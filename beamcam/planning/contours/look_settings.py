@@ -6,6 +6,7 @@ from beamcam.errors import Diagnostic
 from beamcam.machine.faults import TABLE_CONTROLLERS
 from beamcam.machine.machine import Machine
 from beamcam.machine.torch import LookSettings, Torch
+from beamcam.model.hatch import HATCH
 from beamcam.planning.contours import rules
 from beamcam.planning.contours.assign_process import AssignedCurve
 from beamcam.planning.contours.shape import Shape
@@ -39,9 +40,22 @@ def refuse_settings(
 def _can(machine: Machine, process: str, name: str) -> bool:
     """Whether a machine has words for a setting of a process."""
     if machine.controller in TABLE_CONTROLLERS:
-        return name in ("order", "hatch", "hatch_angle")
+        return name == "order" or name.startswith("hatch")
     words = getattr(machine.words, f"{process}_on")
     return name != "power" or any("{power}" in line for line in words)
+
+
+def refuse_overcuts(wanted: Iterable[AssignedCurve], torch: Torch) -> Iterator[Diagnostic]:
+    """An error for each colour or layer with an overcut that is not cut."""
+    for look, process, w in {(w.look, w.process): (w.look, w.process, w) for w in wanted}.values():
+        if process != "cut" and torch.settings.get(look, PLAIN).overcut is not None:
+            yield rules.LOOK_OVERCUT.at(w.source, key=look, found=process)
+
+
+def is_one_way(shape: Shape, torch: Torch) -> bool:
+    """Whether a shape is a line of a hatch that is followed as it is drawn."""
+    own = torch.settings.get(shape.look, PLAIN)
+    return own.hatch_one_way and shape.source.where == HATCH
 
 
 def refuse_order(shapes: Sequence[Shape], torch: Torch) -> Iterator[Diagnostic]:

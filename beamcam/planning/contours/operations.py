@@ -14,16 +14,18 @@ from beamcam.machine.torch import Torch
 from beamcam.model.plan import ContourOp, Pass
 from beamcam.planning.contours import rules
 from beamcam.planning.contours.assign_process import OUTLINE
-from beamcam.planning.contours.direction import begun, bridged, is_turned, reversed_chain
+from beamcam.planning.contours.direction import begun, is_turned, reversed_chain
 from beamcam.planning.contours.entry import entries
 from beamcam.planning.contours.kerf import common_cuts, compensated
 from beamcam.planning.contours.lead_in import waste_side
 from beamcam.planning.contours.leads import Lead, Leads
-from beamcam.planning.contours.look_settings import rank
+from beamcam.planning.contours.look_settings import is_one_way, rank
 from beamcam.planning.contours.material import Material
 from beamcam.planning.contours.order import order
+from beamcam.planning.contours.overcut import is_shortened, overcut, overcut_length
 from beamcam.planning.contours.place import moved
 from beamcam.planning.contours.shape import Shape
+from beamcam.planning.contours.tabs import stretches_of, wants_tabs
 
 Way = tuple[Shape, float]  #: with the kerf that is kept off
 
@@ -56,10 +58,15 @@ def operations_of(
         short = sum(
             len(op.passes) != (torch.tabs + 1) * op.row.passes
             for op, (shape, _) in zip(found, ways, strict=True)
-            if _wants_tabs(shape, torch)
+            if wants_tabs(shape, torch)
         )
         if short:
             said.append(rules.NO_TABS.at(ways[0][0].source, count=short, found=torch.tabs))
+    if short_over := [shape for shape, kerf, _ in led if is_shortened(shape, kerf, torch)]:
+        asked = overcut_length(short_over[0], torch)
+        said.append(
+            rules.OVERCUT.at(short_over[0].source, count=len(short_over), found=f"{asked:g}")
+        )
     return tuple(found), said
 
 
@@ -68,7 +75,8 @@ def _by_offset(
 ) -> tuple[list[tuple[Shape, float, Lead]], list[Diagnostic]]:
     """The toolpaths with their leads, and the number of shortened leads."""
     kerf = max((kerf for _, kerf in ways), default=0.0) if torch.kerf_by == "offset" else 0.0
-    leads = Leads([shape for shape, _ in ways], torch, kerf / 2, fence)
+    overs = [overcut(shape, own, torch) for shape, own in ways]
+    leads = Leads([shape for shape, _ in ways], overs, torch, kerf / 2, fence)
     return [(*way, leads.of(k)) for k, way in enumerate(ways)], leads.remarks
 
 
@@ -94,13 +102,14 @@ def _by_machine(
 def _in_order(shapes: Sequence[Shape], torch: Torch) -> Iterator[tuple[int, Shape]]:
     """The shapes by index in order of work, each with its direction."""
     here: Point = (0.0, 0.0)
-    for index, turned in order(shapes, ranks=[rank(s, torch) for s in shapes]):
+    fixed = [is_one_way(s, torch) for s in shapes]
+    for index, turned in order(shapes, ranks=[rank(s, torch) for s in shapes], fixed=fixed):
         shape = shapes[index]
         if shape.closed:
             if shape.process == "cut" and is_turned(shape.area, shape.is_hole, torch):
                 shape = replace(shape, curves=reversed_chain(shape.curves), area=-shape.area)
             shape = replace(shape, curves=begun(shape.curves, torch, here))
-        elif turned:
+        elif turned and not fixed[index]:
             shape = replace(shape, curves=reversed_chain(shape.curves))
         yield index, shape
         here = shape.curves[-1].end
@@ -114,12 +123,12 @@ def _operation(
     if row is None:
         raise AssertionError("a process without a row was let through")
     side: Literal["on", "left", "right"] = "on"
-    stretches = [shape.curves]
-    if torch.tabs and _wants_tabs(shape, torch):
-        stretches = list(bridged(shape.curves, torch.tabs, torch.tab_width + kerf))
+    stretches = list(stretches_of(shape, kerf, torch))
     if torch.kerf_by == "machine" and kerf:
         side = "left" if waste_side(shape.area, shape.is_hole) > 0 else "right"
     last = len(stretches) - 1
+    if side == "on":
+        stretches[last] = (*stretches[last], *overcut(shape, kerf, torch))
     passes = tuple(
         [
             Pass(lead[0] if k == 0 else (), curves, lead[1] if k == last else ())
@@ -131,11 +140,6 @@ def _operation(
     return ContourOp(
         row, passes, shape.closed, shape.depth, side, kerf, features, shape.source
     )  # fmt: skip
-
-
-def _wants_tabs(shape: Shape, torch: Torch) -> bool:
-    is_meant = torch.inner_tabs or not shape.is_hole
-    return shape.process == "cut" and shape.is_ring and is_meant
 
 
 def _open_cuts(shapes: Sequence[Shape]) -> Iterator[Diagnostic]:

@@ -17,16 +17,22 @@ from beamcam.planning.contours.two_opt import turn_stretches
 Tour = list[tuple[int, bool]]
 
 
-def order(shapes: Sequence[Shape], home: Point = (0.0, 0.0), ranks: Sequence[int] = ()) -> Tour:
+def order(
+    shapes: Sequence[Shape],
+    home: Point = (0.0, 0.0),
+    ranks: Sequence[int] = (),
+    fixed: Sequence[bool] = (),
+) -> Tour:
     """Each shape by its index, and whether it is followed backwards, in the order of work.
 
-    Those of lower `ranks` come first, whatever they are.
+    Those of lower `ranks` come first, whatever they are; those that are `fixed` are never turned.
 
     Closed shapes are met at their first point; which way round they go is not said here.
     """
     starts = [s.curves[0].start for s in shapes]
     ends = [
-        start if s.closed else s.curves[-1].end for s, start in zip(shapes, starts, strict=True)
+        start if s.closed or is_fixed else s.curves[-1].end
+        for s, start, is_fixed in zip(shapes, starts, fixed or [False] * len(shapes), strict=True)
     ]
     parents = [s.parent for s in shapes]
     ranks = ranks or [0] * len(shapes)

@@ -73,6 +73,12 @@ LOOK_SETTING = Rule(
     "Without words for it the machine would run at another speed, power or number of passes; the "
     "settings of a process in the machine file hold for all its lines.",
 )
+LOOK_OVERCUT = Rule(
+    "plan-map-overcut",
+    _E,
+    "found map.{key}.overcut of lines to {found}; expected it of what is cut",
+    "An overcut severs what a cut leaves where it closes; a mark would be darker there.",
+)
 LOOK_ORDER = Rule(
     "plan-map-order",
     _E,
@@ -337,6 +343,13 @@ NO_TABS = Rule(
     "found {count} contours too short for {found} bridges; they get fewer or none",
     "Bridges need more contour between them than they take away.",
 )
+OVERCUT = Rule(
+    "plan-overcut",
+    _N,
+    "found {count} contours too short for an overcut of {found} mm; theirs is half of the way to "
+    "the first bridge, or of the contour",
+    "An overcut that went round again would be a second pass, and cut through a bridge.",
+)
 
 CHAIN = Rule(
     "plan-chain",
@@ -347,10 +360,10 @@ CHAIN = Rule(
 
 RULES = (
     CHAIN, SHEETS, MIXED, SHEET_FULL, UNROLLED, QUANTITY, NOTHING, UNMAPPED, MAP, OPTION,
-    LOOK_SETTING, LOOK_ORDER, LAYOUT, HATCH, NO_PROCESS, NO_THICKNESS, THICKNESS,
+    LOOK_SETTING, LOOK_OVERCUT, LOOK_ORDER, LAYOUT, HATCH, NO_PROCESS, NO_THICKNESS, THICKNESS,
     OTHER_THICKNESS, OTHER_MATERIAL, ASSUMED,
     SHEET_SIZE, SHEET_PLACE, JUNCTION, BRANCHED, NOT_CLOSED, TINY, SHARED, COMMON, RUNS_BACK_KERF,
     RUNS_BACK, GAP, OPEN_CUT,
     MORE_OPEN, OVERLAP, VANISHED, NARROW, NEAR, LEFT, CROWDED, CROSSING, MORE_CROSSINGS, CROSSED,
-    MORE_CROSSED, NO_LEAD, SQUARE, NOISE, NEEDS_LEAD, UNCOMPENSATED, MACHINE_TABS, NO_TABS,
+    MORE_CROSSED, NO_LEAD, SQUARE, NOISE, NEEDS_LEAD, UNCOMPENSATED, MACHINE_TABS, NO_TABS, OVERCUT,
 )  # fmt: skip

@@ -17,6 +17,7 @@ from beamcam.verify.sheets.contours import cover
 from beamcam.verify.sheets.look_settings import Turn, settings_faults, turn_faults
 from beamcam.verify.sheets.need import Need
 from beamcam.verify.sheets.order import order_faults
+from beamcam.verify.sheets.overcut import overcut_faults
 from beamcam.verify.sheets.paths import follow
 from beamcam.verify.sheets.strokes import Strokes
 from beamcam.verify.sheets.work import Traced, Work, work_of
@@ -29,6 +30,7 @@ def compare(
     torch: Torch,
     shift: tuple[float, float],
     name: str,
+    stepped: bool = False,
 ) -> list[Diagnostic]:
     """All differences of the strokes from the part."""
     said: list[Diagnostic] = []
@@ -42,11 +44,17 @@ def compare(
             return said
     processes = dict.fromkeys([*need.curves, *(s.process for s in strokes.each)])
     for process in processes:
-        work = work_of(process, strokes, need, machine.format.resolution, torch, shift, name)
+        work = work_of(
+            process, strokes, need, machine.format.resolution, torch, shift, name, stepped
+        )
         works[process] = work
         mine, more = _compared(work)
         said += more
         traced += mine
+        if any(own.hatch_one_way for own in torch.settings.values()) and process in need.curves:
+            from beamcam.verify.sheets.hatch import one_way_faults
+
+            said += one_way_faults(work)
     if torch.settings or any(row.passes > 1 for row in need.rows.values()):
         said += _settings(works, traced, name)
     if any(own.hatch for own in torch.settings.values()):
@@ -81,6 +89,11 @@ def _compared(work: Work) -> tuple[Sequence[Traced], list[Diagnostic]]:
         return [], [work.missing(k, work.need.starts[k]) for k in asked[:1].tolist()]
     traced, said = follow(work)
     said += cover(work, traced)
+    said += overcut_faults(work, traced)
+    if work.bridged:
+        from beamcam.verify.sheets.tabs import tab_faults
+
+        said += tab_faults(work, traced)
     if work.half_kerf:
         from beamcam.verify.sheets.band import band_faults
 

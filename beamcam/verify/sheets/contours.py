@@ -138,7 +138,7 @@ def _overlap(work: Work, traced: Sequence[Traced], near: Pairs) -> Flags:
     lasts = np.array([t.last for t in traced]) - 1
     ends = path.begins[lasts] + path.lengths[lasts]
     stroke = work.of_way[path.owner[near.element]]
-    over = OVER * work.half_kerf + work.torch.lead_out
+    over = OVER * work.half_kerf + work.torch.lead_out + work.most_over
     found: Flags = path.at(near.element, near.along) > ends[stroke] - over
     return found
 

@@ -8,7 +8,6 @@ import numpy as np
 from beamcam.errors import Diagnostic, Source
 from beamcam.geometry.array_types import Floats
 from beamcam.verify.sheets import rules
-from beamcam.verify.sheets.bridges import is_bridge
 from beamcam.verify.sheets.elements import points_as_elements
 from beamcam.verify.sheets.grid import Grid
 from beamcam.verify.sheets.ways import Ways
@@ -38,11 +37,11 @@ def end_faults(work: Work, traced: Sequence[Traced]) -> list[Diagnostic]:
     branches = _Branches(work.need, work.tolerance, work.torch.gap)
     out_of_starts, out_of_stops = branches.at(starts), branches.at(stops)
     for k, t in enumerate(opened):
-        for what, place, count, others, way, at in (
-            ("begins", starts[k], out_of_starts[k], stops, t.first, begin[k]),
-            ("ends", stops[k], out_of_stops[k], starts, t.last - 1, end[k]),
+        for what, place, count, way, at in (
+            ("begins", starts[k], out_of_starts[k], t.first, begin[k]),
+            ("ends", stops[k], out_of_stops[k], t.last - 1, end[k]),
         ):
-            if count != 2 or is_bridge(work, place, others, t.half_kerf):
+            if count != 2 or t.joined:
                 continue
             if _on_another(work, place, way, at) or work.on_kept_off(place.reshape(1, 2))[0]:
                 continue

@@ -1,68 +1,175 @@
-"""Check by polygons that the lines of a hatch are inside their contours and fill them."""
+"""Check that the lines of a hatch are those that fill its contours, each in its place.
 
+What an odd number of closed contours of a look enclose is drawn as polygons and cut by lines a
+distance apart, the first half of it above the lowest point of the contours:
+
+    required   every piece of a cut line that is longer than two distances, without half a distance
+               at both ends
+    allowed    nothing else; a piece that is as long as that but for the slack may be there or not
+
+Nothing of this is taken from `model.hatch`, by which the lines are made.
+"""
+
+from collections.abc import Iterator
 from itertools import groupby
+from math import cos, radians, sin
 
+import numpy as np
 import shapely
 from msgspec import Struct
 
 from beamcam.errors import Diagnostic, Source
+from beamcam.geometry.array_types import Floats
 from beamcam.geometry.curves import Curve, Line
-from beamcam.machine.torch import Torch, TorchProcess
+from beamcam.machine.torch import LookSettings, Torch, TorchProcess
 from beamcam.verify.sheets import rules
 from beamcam.verify.sheets.need import Need
+from beamcam.verify.sheets.work import Work
 
 CHORD = 0.1  #: mm
-ROOM = 1.5  #: distances from the edge, and about a line, within which all is filled
+SLACK = 0.05  #: mm that an end may be elsewhere, where lines run flat into a contour
 HATCH = "hatch"  #: where the input's reader says that a line of a hatch is
 
 
-class Filled(Struct):
-    """The filled area of one look, and its lines."""
+class _Fault(Struct, frozen=True):
+    what: str
+    place: tuple[float, float]  #: where the lines lie along x
 
-    rings: list[shapely.Polygon]
-    lines: list[shapely.LineString]
+
+class _Filled(Struct):
+    """The filled area of one look, and its lines; both turned so that these lie along x."""
+
+    rings: list[Floats]
+    lines: list[Floats]
 
 
 def hatch_faults(need: Need, torch: Torch, name: str) -> list[Diagnostic]:
-    """Hatches of which a line leaves its contours, or that leave a place of them empty."""
+    """Hatches with a line too few or too many, or one that is elsewhere than it has to be."""
     said: list[Diagnostic] = []
-    for process, curves in need.curves.items():
-        for look in dict.fromkeys(need.looks[process]):
-            own = torch.settings.get(look)
-            if own is None or own.hatch is None:
-                continue
-            filled = _filled(need, process, look, curves)
-            inside: shapely.Geometry = shapely.Polygon()
-            for ring in filled.rings:
-                inside = shapely.symmetric_difference(inside, shapely.make_valid(ring))
-            lines = shapely.MultiLineString(filled.lines)
-            outside = shapely.difference(lines, shapely.buffer(inside, torch.tolerance))
-            empty = shapely.difference(
-                shapely.buffer(inside, -ROOM * own.hatch), shapely.buffer(lines, ROOM * own.hatch)
-            )
-            for what, found in (("a line outside", outside), ("an empty place inside", empty)):
-                if not found.is_empty:
-                    x, y = found.representative_point().coords[0]
-                    values = {"x": f"{x:.3f}", "y": f"{y:.3f}", "expected": f"{own.hatch:g}"}
-                    said.append(rules.HATCH.at(Source(name), key=look, found=what, **values))
+    keys = {look: process for process in need.curves for look in need.looks[process]}
+    for key in dict.fromkeys([*keys, *need.filled]):
+        own = torch.settings.get(key)
+        if own is None or own.hatch is None:
+            continue
+        filled = _filled(need, keys.get(key), key, own)
+        for fault in _faults(filled, own.hatch):
+            c, s = cos(radians(own.hatch_angle)), sin(radians(own.hatch_angle))
+            (x, y) = fault.place
+            said.append(
+                rules.HATCH.at(
+                    Source(name), key=key, found=fault.what, x=f"{c * x - s * y:.3f}",
+                    y=f"{s * x + c * y:.3f}", expected=f"{own.hatch:g}",
+                    angle=f"{own.hatch_angle:g}",
+                )
+            )  # fmt: skip
+            break
     return said
 
 
-def _filled(need: Need, process: TorchProcess, look: str, curves: list[Curve]) -> Filled:
-    found = Filled([], [])
-    rows = zip(need.features[process], need.looks[process], curves, strict=True)
+def _faults(filled: _Filled, distance: float) -> Iterator[_Fault]:
+    """Where lines differ from those that fill the area."""
+    if not filled.rings:
+        return
+    low, pieces = _pieces(filled.rings, distance)
+    slack = max(SLACK, distance / 4)
+    left = {k: list(spans) for k, spans in pieces.items()}
+    for line in filled.lines:
+        (x0, y), (x1, y1) = line[0].tolist(), line[-1].tolist()
+        k = round((y - low) / distance - 0.5)
+        expected = low + (k + 0.5) * distance
+        if abs(y - y1) > SLACK / 10 or abs(y - expected) > SLACK / 10:
+            yield _Fault("a line between those that fill it, or at another angle", (x0, y))
+            continue
+        a, b = min(x0, x1) - distance / 2, max(x0, x1) + distance / 2
+        spans = left.get(k, [])
+        fits = [span for span in spans if max(abs(span[0] - a), abs(span[1] - b)) <= slack]
+        if not fits:
+            yield _Fault("a line that ends elsewhere, or is there twice", (x0, y))
+        else:
+            spans.remove(fits[0])
+    for k, spans in left.items():
+        for a, b in spans:
+            if b - a > 2 * distance + 2 * slack:
+                yield _Fault("no line", ((a + b) / 2, low + (k + 0.5) * distance))
+
+
+def _pieces(
+    rings: list[Floats], distance: float
+) -> tuple[float, dict[int, list[tuple[float, float]]]]:
+    """The lowest y of the area, and the pieces of each line in it, by the number of the line."""
+    inside: shapely.Geometry = shapely.Polygon()
+    for ring in rings:
+        inside = shapely.symmetric_difference(inside, shapely.make_valid(shapely.Polygon(ring)))
+    points = np.concatenate(rings)
+    (x0, low), (x1, high) = points.min(axis=0).tolist(), points.max(axis=0).tolist()
+    count = int((high - low) / distance + 0.5)
+    ys = low + (np.arange(count) + 0.5) * distance
+    ends = np.stack((np.full(count, x0 - 1), ys, np.full(count, x1 + 1), ys), axis=1)
+    cut = shapely.intersection(shapely.linestrings(ends.reshape(-1, 2, 2)), inside)
+    parts, number = shapely.get_parts(cut, return_index=True)
+    found: dict[int, list[tuple[float, float]]] = {}
+    for (a, _, b, _), k in zip(shapely.bounds(parts).tolist(), number.tolist(), strict=True):
+        found.setdefault(k, []).append((a, b))
+    return low, found
+
+
+def _filled(need: Need, process: TorchProcess | None, key: str, own: LookSettings) -> _Filled:
+    """The closed contours and the lines of a look, turned."""
+    filled = _Filled([], [])
+    c, s = cos(radians(own.hatch_angle)), sin(radians(own.hatch_angle))
+
+    def turned(points: list[tuple[float, float]]) -> Floats:
+        found: Floats = np.array(points) @ np.array([[c, -s], [s, c]])
+        return found
+
+    for contour in need.filled.get(key, []):
+        filled.rings.append(turned([p for curve in contour.curves for p in _points(curve)]))
+    if process is None:
+        return filled
+    rows = zip(need.features[process], need.looks[process], need.curves[process], strict=True)
     for feature, group in groupby(rows, key=lambda row: row[0]):
-        mine = [curve for _, key, curve in group if key == look]
+        mine = [curve for _, look, curve in group if look == key]
         if not mine:
             continue
         points = [p for curve in mine for p in _points(curve)]
         if need.sources[feature].where == HATCH:
-            found.lines.append(shapely.LineString(points))
+            filled.lines.append(turned(points))
         elif len(points) > 3 and mine[0].start == mine[-1].end:
-            found.rings.append(shapely.Polygon(points))
-    return found
+            filled.rings.append(turned(points))
+    return filled
 
 
 def _points(curve: Curve) -> list[tuple[float, float]]:
     count = 1 if isinstance(curve, Line) else max(16, int(curve.length / CHORD))
     return [curve.point(k / count) for k in range(count + 1)]
+
+
+def one_way_faults(work: Work) -> list[Diagnostic]:
+    """The first line of a hatch that is followed backwards where all are to run one way."""
+    torch, need = work.torch, work.need
+    every = [
+        k for k, (look, feature) in enumerate(
+            zip(work.asked.looks[work.process], work.asked.features[work.process], strict=True)
+        )
+        if look in torch.settings and torch.settings[look].hatch_one_way
+        and work.asked.sources[feature].where == HATCH
+    ]  # fmt: skip
+    if not every or not work.strokes:
+        return []
+    ways = np.array(every)
+    points = need.point(ways, need.lengths[ways] / 2)
+    pairs = work.path.near(points, float(work.slack.max(initial=0.0)))
+    legs = work.path.elements.directions(pairs.element, np.zeros(len(pairs.element)))
+    angles = [torch.settings[work.asked.looks[work.process][k]].hatch_angle for k in every]
+    turns = np.radians(angles)[pairs.point]
+    along = legs[:, 0] * np.cos(turns) + legs[:, 1] * np.sin(turns)
+    # What crosses a line is no part of it.
+    back = np.flatnonzero(along < -0.99)
+    if not len(back):
+        return []
+    k = int(back[0])
+    way = int(work.path.owner[pairs.element[k]])
+    x, y = points[pairs.point[k]].tolist()
+    line = int(work.moves.line[way])
+    key = work.asked.looks[work.process][every[int(pairs.point[k])]]
+    return [rules.HATCH_WAY.at(Source(work.name, line), key=key, x=f"{x:.3f}", y=f"{y:.3f}")]

@@ -1,4 +1,4 @@
-"""Lead-ins and lead-outs of strokes."""
+"""Lead-ins, lead-outs and overcuts of strokes."""
 
 from collections.abc import Sequence
 
@@ -7,10 +7,12 @@ from beamcam.verify.sheets.work import Work
 
 Bounds = Sequence[tuple[int, int]]
 
+LEAST = 16.0  #: squares of two steps that a ring of one curve is longer than
+
 
 def rings(work: Work, bounds: Bounds, bad: Flags) -> list[tuple[int, int]]:
     """The ways of each stroke along its contour; `bad` are those that follow none."""
-    if work.process != "cut" or work.torch.lead == "none":
+    if work.process != "cut" or (work.torch.lead == "none" and not work.most_over):
         return list(bounds)
     shape = _Shape(work)
     wrong = bad.tolist()
@@ -24,15 +26,16 @@ class _Shape:
         self._starts = work.path.starts.tolist()
         self._ends = work.path.ends.tolist()
         self._lengths = work.path.lengths.tolist()
-        self._most_in = work.most(work.torch.lead_in)
-        self._most_out = work.most(work.torch.lead_out)
-        self._near = (2 * work.step) ** 2
+        self._most_in, self._most_out = work.most_in, work.most_out
+        self._near = work.meeting**2
 
     def _meets(self, low: int, high: int) -> bool:
-        """Whether the way before `high` ends where way `low` starts."""
+        """Whether the way before `high` ends where way `low` starts, and went round something."""
         (x0, y0), (x1, y1) = self._starts[low], self._ends[high - 1]
         dx, dy = x1 - x0, y1 - y0
-        return bool(dx * dx + dy * dy <= self._near)
+        if dx * dx + dy * dy > self._near:
+            return False
+        return high - low > 1 or self._lengths[low] ** 2 > LEAST * self._near
 
     def ring(self, first: int, last: int, bad: Sequence[bool]) -> tuple[int, int]:
         """The ways that are no leads: those that close, with the longest leads that may be.

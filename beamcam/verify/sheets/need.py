@@ -37,6 +37,8 @@ class Need(Struct):
     looks: dict[TorchProcess, list[str]] = field(default_factory=dict)  #: keys of their settings
     rows: dict[TorchProcess, TorchRow] = field(default_factory=dict)  #: of processes on the sheet
     sources: dict[int, Source] = field(default_factory=dict)  #: of the features
+    #: contours that are filled and not followed, by the key of their settings
+    filled: dict[str, list[Contour]] = field(default_factory=dict)
     said: list[Diagnostic] = field(default_factory=list)
     drawn: "dict[tuple[TorchProcess, float], Ways]" = field(default_factory=dict)
 
@@ -116,6 +118,9 @@ def need_of(part: Part, machine: Machine, torch: Torch, skips: Collection[str]) 
                 _not_made(need, part, feature, "map")
             elif process != "ignore":
                 key = key_of(feature, torch.colours) if torch.settings and any(look) else ""
+                if _is_filled_only(feature, key or "", torch):
+                    need.filled.setdefault(key or "", []).append(feature)
+                    continue
                 kind = cast("TorchProcess", process)
                 need.add(kind, feature.curves, index, feature.source, key or "")
         elif isinstance(feature, Hole) and feature.kind == "mark":
@@ -129,6 +134,14 @@ def need_of(part: Part, machine: Machine, torch: Torch, skips: Collection[str]) 
         ends = zip(corners, [*corners[1:], corners[0]], strict=True)
         need.add("cut", [Line(a, b) for a, b in ends], OUTLINE, part.source)
     return need
+
+
+def _is_filled_only(contour: Contour, key: str, torch: Torch) -> bool:
+    """Whether a closed contour is to be filled by a hatch, and not followed."""
+    own = torch.settings.get(key)
+    if own is None or own.hatch is None or own.hatch_outline:
+        return False
+    return contour.closed or contour.curves[0].start == contour.curves[-1].end
 
 
 def _is_begun(feature: Feature, lack: str | None, torch: Torch) -> bool:

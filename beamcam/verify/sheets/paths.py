@@ -48,7 +48,11 @@ def follow(work: Work) -> tuple[list[Traced], list[Diagnostic]]:
     traced = _traced(work, kept, expected)
     if work.half_kerf:
         _round_contours(work, traced, stroke, off[1])
-    said = join_bridged(work, bounds, traced)
+    join_bridged(work, bounds, traced)
+    for t in traced:
+        t.members = t.members or ([t] if t.closed else [])
+    _overs(work, bounds, traced, points, way)
+    said = []
     wrong = np.flatnonzero(~followed & on_contour(work, traced)[way])
     _, firsts = np.unique(stroke[wrong], return_index=True)
     for k in wrong[firsts][:SHOWN].tolist():
@@ -58,6 +62,44 @@ def follow(work: Work) -> tuple[list[Traced], list[Diagnostic]]:
         off_by += f"that of {work.contour(nearest)}"
         said.append(work.extra(int(work.moves.line[way[k]]), points[k], off_by, kept_off))
     return traced, said + end_faults(work, traced)
+
+
+def _overs(
+    work: Work, bounds: Bounds, traced: Sequence[Traced], points: Floats, way: Counts
+) -> None:
+    """Tells each stroke how much of what is not of its ring runs along that all the same.
+
+    `points` are places of the path, `way` those that they lie on.
+    """
+    on_ring = on_contour(work, traced)
+    outside = np.zeros(work.path.count, dtype=bool)
+    for t, (first, last) in zip(traced, bounds, strict=True):
+        if t.members or t.joined:
+            outside[first : t.first] = outside[t.last : last] = True
+    asked = np.flatnonzero(outside[way])
+    if not len(asked):
+        return
+    number = np.arange(len(traced))
+    for k, t in enumerate(traced):
+        if len(t.members) > 1:
+            number[k : k + len(t.members)] = k
+    pairs = work.path.near(points[asked], work.tolerance)
+    other = work.path.owner[pairs.element]
+    own = number[work.of_way[way[asked[pairs.point]]]] == number[work.of_way[other]]
+    missed = np.ones(len(asked), dtype=bool)
+    missed[pairs.point[own & on_ring[other]]] = False
+    outside[way[asked[missed]]] = False
+    for t, (first, _) in zip(traced, bounds, strict=True):
+        if not t.members:
+            continue
+        # A lead may come along the contour; what begins where the contour has an end is no lead.
+        heads = [work.path.starts[m.first : m.last] for m in t.members]
+        for k in np.flatnonzero(outside[first : t.first]).tolist():
+            away = np.hypot(*(np.concatenate(heads) - work.path.starts[first + k]).T)
+            outside[first + k] = bool(away.min() <= work.meeting)
+    reached = np.concatenate(([0.0], np.cumsum(np.where(outside, work.path.lengths, 0.0))))
+    for t, (first, last) in zip(traced, bounds, strict=True):
+        t.over = float(reached[last] - reached[first])
 
 
 def _nearest(work: Work, points: Floats) -> tuple[Near, Near]:

@@ -91,8 +91,27 @@ OPEN = Rule(
 TABS = Rule(
     "verify-sheet-tabs",
     _E,
-    "found {found} bridges in the contour of {contour}; expected at most {expected}",
-    "What was asked to hold the part is what has to be broken off afterwards.",
+    "found {found} bridge(s) in the contour of {contour}; expected {expected}",
+    "With fewer the part comes loose while it is cut; each one more has to be broken off.",
+)
+TAB_WIDTH = Rule(
+    "verify-sheet-tab-width",
+    _E,
+    "found a bridge {found} mm wide in the contour of {contour} at X {x}, Y {y}; expected "
+    "{expected} mm between the strokes beside it",
+    "A narrow bridge breaks while the part is cut, a wide one does not break afterwards.",
+)
+TAB_PLACE = Rule(
+    "verify-sheet-tab-place",
+    _E,
+    "found a bridge in the contour of {contour} at X {x}, Y {y}, {found}; expected {expected}",
+    "Bridges on one side let a part tilt, and one in a corner leaves a burr that no file reaches.",
+)
+OVERCUT = Rule(
+    "verify-sheet-overcut",
+    _E,
+    "found the contour of {contour} cut {found} mm beyond its start; expected {expected} mm",
+    "Without its overcut a part hangs where the cut closes; a longer one burns the edge.",
 )
 LEAD = Rule(
     "verify-sheet-lead",
@@ -121,9 +140,16 @@ TURN = Rule(
 HATCH = Rule(
     "verify-sheet-hatch",
     _E,
-    "found {found} of the contours that {key!r} fills, at x {x}, y {y}; expected lines "
-    "{expected} mm apart, inside of them",
+    "found {found} in the contours that {key!r} fills, at x {x}, y {y}; expected lines "
+    "{expected} mm apart at {angle} degrees, each once and inside of them",
     "What is filled would be patchy, or run over its outline.",
+)
+HATCH_WAY = Rule(
+    "verify-sheet-hatch-way",
+    _E,
+    "found a line of the hatch of {key!r} that runs backwards at X {x}, Y {y}; expected all of "
+    "them to run one way",
+    "Lines both ways differ in shade where a machine has play; `hatch_one_way` asks for one.",
 )
 NOT_MADE = Rule(
     "verify-sheet-not-made",
@@ -148,5 +174,6 @@ OTHER_SHEET = Rule(
 )
 RULES = (
     *SHEET_RULES, OTHER_SHEET, FEED, RAMP, TOOL, RAPID, IDLE, AREA, MISSING, EXTRA, TWICE,
-    SIDE, BAND, COMPENSATION, OPEN, TABS, LEAD, ORDER, SETTINGS, TURN, HATCH, NOT_MADE, CROWDED,
+    SIDE, BAND, COMPENSATION, OPEN, TABS, TAB_WIDTH, TAB_PLACE, OVERCUT,
+    LEAD, ORDER, SETTINGS, TURN, HATCH, HATCH_WAY, NOT_MADE, CROWDED,
 )  # fmt: skip

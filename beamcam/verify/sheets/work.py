@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
-from msgspec import Struct
+from msgspec import Struct, field
 
 from beamcam.controllers.moves import Moves
 from beamcam.errors import Diagnostic, Source
@@ -24,6 +24,7 @@ if TYPE_CHECKING:
 SPACING = 4.0  #: mm between samples
 MITRE = 2.5  #: how far from a corner a path may pass it, by half the kerf
 SHOWN = 5  #: of one kind of fault
+STAIRS = 20.0  #: tolerances of which the direction of stairs is told
 
 
 class Traced(Struct):
@@ -42,6 +43,12 @@ class Traced(Struct):
     group: int  #: of strokes of one contour
     goes_round: bool  #: by itself, or with others and the bridges between them
     contour: "Polygon | None" = None  #: inside of the closed contour that it keeps off
+    over: float = 0.0  #: mm of its ways that are no part of the ring, and run along a contour
+    bridge_to: tuple[float, float] | None = None  #: start of the stroke behind a bridge at its end
+    members: list["Traced"] = field(
+        default_factory=list
+    )  #: strokes that go round with it, it first
+    joined: bool = False  #: whether it goes round a contour together with others
 
     def inside(self) -> "Polygon | None":
         """The polygon that it goes round; None of less than a triangle, or if another has it."""
@@ -82,6 +89,7 @@ class Work(Struct, frozen=True):
     small: Flags  #: needed curves that are too small to be cut
     shift: tuple[float, float]
     name: str
+    stepped: bool = False  #: whether paths are stairs of a table's steps
 
     @property
     def beside(self) -> Flags:
@@ -104,14 +112,56 @@ class Work(Struct, frozen=True):
         """Whether contours may have bridges."""
         return bool(self.torch.tabs) and self.process == "cut"
 
-    def most(self, length: float) -> float:
-        """Maximum length of a lead; the controller takes up half a kerf along it."""
+    @property
+    def meeting(self) -> float:
+        """How far apart two ends may be that meet."""
+        return 2 * (self.tolerance if self.stepped else self.step)
+
+    @property
+    def most_in(self) -> float:
+        """Maximum length of a lead-in; the controller takes up half a kerf along it."""
+        return self._most(self.torch.lead_in) if self.torch.lead != "none" else 0.0
+
+    @property
+    def most_out(self) -> float:
+        """Maximum length of what follows a contour: an overcut, and a lead-out."""
+        lead = self._most(self.torch.lead_out) if self.torch.lead != "none" else 0.0
+        return lead + self.most_over
+
+    @property
+    def most_over(self) -> float:
+        """The longest overcut that may be asked of a contour; 0 of a process without one."""
+        if self.process != "cut":
+            return 0.0
+        asked = [own.overcut for own in self.torch.settings.values() if own.overcut is not None]
+        most = max([self.torch.overcut, *asked])
+        return self._most(most) + 2 * self.tolerance if most else 0.0
+
+    def _most(self, length: float) -> float:
         taken_up = 2 * self.half_kerf if self.torch.kerf_by == "machine" else 0.0
         return length * 1.001 + 8 * self.step + taken_up
 
     def tab_width(self, half_kerf: float) -> float:
         """How far apart the strokes on both sides of a bridge may be."""
         return self.torch.tab_width + 2 * half_kerf + 2 * self.tolerance
+
+    def heading(self, t: Traced, at_end: bool) -> Floats:
+        """The direction in which a stroke ends or begins; of stairs that of a little of them."""
+        path = self.path
+        way = np.array([t.last - 1 if at_end else t.first])
+        if self.stepped:
+            size = float(path.begins[t.last - 1] + path.lengths[t.last - 1] - path.begins[t.first])
+            back = min(size, STAIRS * self.tolerance)
+            here = path.begins[t.first] + (size - back if at_end else back)
+            owner = np.searchsorted(path.begins, [here], "right") - 1
+            place = path.point(owner, here - path.begins[owner])[0]
+            found = path.ends[way[0]] - place if at_end else place - path.starts[way[0]]
+            size = float(np.hypot(*found))
+            if size > 0.0:
+                return np.array(found / size)
+        element = path.last(way) if at_end else path.first(way)
+        direction: Floats = path.elements.directions(element, np.full(1, float(at_end)))[0]
+        return direction
 
     def contour(self, way: int) -> str:
         """Source of a required curve."""
@@ -144,6 +194,7 @@ def work_of(
     torch: Torch,
     shift: tuple[float, float],
     name: str,
+    stepped: bool = False,
 ) -> Work:
     """The strokes of a process among all, and the curves that it needs."""
     mine = [s for s in strokes.each if s.process == process]
@@ -172,7 +223,7 @@ def work_of(
     return Work(
         process, mine, moves, ways, need, Ways.of_moves(moves, fine),
         np.repeat(np.arange(len(mine)), counts), torch, step, fine, tolerance,
-        slack, half_kerf, region, _small(ways, torch.gap), shift, name,
+        slack, half_kerf, region, _small(ways, torch.gap), shift, name, stepped,
     )  # fmt: skip
 
 

@@ -332,7 +332,7 @@ def test_a_square_between_others_is_made_by_their_cuts() -> None:
 OF_OTHERS = {
     "plan-map", "plan-sheet-option", "plan-sheet-quantity", "plan-chain",
     "plan-thickness-other", "plan-material-other", "plan-map-setting", "plan-map-order",
-    "plan-sheet-layout", "plan-map-hatch",
+    "plan-sheet-layout", "plan-map-hatch", "plan-map-overcut", "plan-overcut",
 }  # fmt: skip
 
 

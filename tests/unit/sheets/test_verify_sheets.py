@@ -247,7 +247,7 @@ NAMED: list[tuple[dict[str, object], Change, str]] = [
      "on the part's side of the contour of sheet.dxf:5; expected it in the waste"),
     ({"kerf_by": "machine", "lead": "line"}, swap("D1.5", "D0.9"),
      "0.448 mm from the contour of sheet.dxf:5 at X"),
-    ({"tabs": 2}, more_tabs, "found 3 bridges in the contour of sheet.dxf:1; expected at most 2"),
+    ({"tabs": 2}, more_tabs, "found 3 bridge(s) in the contour of sheet.dxf:1; expected 2"),
 ]  # fmt: skip
 
 
@@ -355,7 +355,8 @@ def test_every_rule_has_a_case() -> None:
     shown = {code for _, _, _, code in MUTANTS} | {
         "verify-sheet-arc", "verify-sheet-side", "verify-sheet-lead", "verify-sheet-not-made",
         "verify-sheet-crowded", "verify-sheet-settings", "verify-sheet-turn", "verify-sheet-hatch",
-        "verify-sheet-other",
+        "verify-sheet-other", "verify-sheet-overcut", "verify-sheet-tab-width",
+        "verify-sheet-tab-place", "verify-sheet-hatch-way",
     }  # fmt: skip
     assert {rule.code for rule in rules.RULES} == shown
 

@@ -1,0 +1,98 @@
+"""Bridges that hold a part in its sheet: stretches of a closed contour that are not cut.
+
+start                                        e: the even place of a bridge
+  |----x---------------x---------------x---- x: its middle, moved off a corner by a quarter of
+       e             corner e                   the distance of two bridges at most
+"""
+
+from bisect import bisect_left, bisect_right
+from collections.abc import Sequence
+from math import acos, degrees
+
+from beamcam.geometry.curves import Arc
+from beamcam.geometry.plane import dot
+from beamcam.machine.torch import Torch
+from beamcam.planning.contours.direction import Curves, stretch
+from beamcam.planning.contours.shape import Shape
+
+#: A turn of more degrees is a corner.
+CORNER_DEG = 20.0
+ROUNDING = 1e-9
+#: The corner of a mitre lies so far beyond that of the contour at most, by the kerf.
+MITRE = 1.25
+
+
+def wants_tabs(shape: Shape, torch: Torch) -> bool:
+    """Whether a contour is asked to have bridges."""
+    is_meant = torch.inner_tabs or not shape.is_hole
+    return bool(torch.tabs) and shape.process == "cut" and shape.is_ring and is_meant
+
+
+def stretches_of(shape: Shape, kerf: float, torch: Torch) -> tuple[Curves, ...]:
+    """The stretches of a contour between its bridges, one if it has none."""
+    if not wants_tabs(shape, torch):
+        return (shape.curves,)
+    clear = torch.min_tab_to_corner and torch.min_tab_to_corner + MITRE * kerf
+    return bridged(shape.curves, torch.tabs, torch.tab_width + kerf, clear, kerf)
+
+
+def bridged(
+    curves: Curves, tabs: int, width: float, clear: float = 0.0, kerf: float = 0.0
+) -> tuple[Curves, ...]:
+    """The stretches of a closed contour between `tabs` bridges of `width` mm each.
+
+    The bridges lie at equal distances, the first half of that from the start; one that is nearer
+    to a corner than `clear` is moved to the nearest place that is not, if there is one within a
+    quarter of these distances. A contour that has not four times as much length as its bridges
+    gets fewer of them, or none.
+    """
+    lengths = [c.length for c in curves]
+    total = sum(lengths)
+    while tabs and total < 4 * tabs * width:
+        tabs -= 1
+    if not tabs:
+        return (curves,)
+    corners = _corners(curves, lengths, kerf) if clear else []
+    cuts: list[tuple[float, float]] = []
+    begin = 0.0
+    for k in range(tabs):
+        even = total * (k + 0.5) / tabs
+        middle = _clear_place(even, corners, width / 2 + clear, total / (4 * tabs))
+        cuts.append((begin, middle - width / 2))
+        begin = middle + width / 2
+    cuts.append((begin, total))
+    return tuple(stretch(curves, lengths, a, b) for a, b in cuts)
+
+
+def _corners(curves: Curves, lengths: Sequence[float], kerf: float) -> list[float]:
+    """Where a closed contour turns at once, along it; what lies at its start counts at its end too.
+
+    In a contour that is moved, what was a corner may be an arc of half the kerf, whose ends count.
+    """
+    found: list[float] = []
+    place = 0.0
+    for k, curve in enumerate(curves):
+        turn = max(-1.0, min(1.0, dot(curves[k - 1].tangent(1.0), curve.tangent(0.0))))
+        if degrees(acos(turn)) > CORNER_DEG:
+            found += [place] if k else [0.0, sum(lengths)]
+        if isinstance(curve, Arc) and curve.radius < kerf and abs(curve.sweep_deg) > CORNER_DEG:
+            found += [place, place + lengths[k]]
+        place += lengths[k]
+    return sorted(found)
+
+
+def _clear_place(even: float, corners: Sequence[float], reach: float, most: float) -> float:
+    """The place nearest to `even`, at most so far from it, with no corner within `reach`.
+
+    `even` itself where there is none.
+    """
+    near = corners[
+        bisect_left(corners, even - most - reach) : bisect_right(corners, even + most + reach)
+    ]
+    places = [even, *(corner + side * reach for corner in near for side in (-1.0, 1.0))]
+    for place in sorted(places, key=lambda p: abs(p - even)):
+        if abs(place - even) > most:
+            break
+        if all(abs(place - corner) >= reach - ROUNDING for corner in near):
+            return place
+    return even

@@ -1,0 +1,123 @@
+"""How far closed cuts go on beyond their start, compared with what is asked of their contour."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from beamcam.errors import Diagnostic, Source
+from beamcam.machine.torch import LookSettings
+from beamcam.verify.sheets import rules
+from beamcam.verify.sheets.work import SHOWN, Traced, Work
+
+PLAIN = LookSettings()
+#: An overcut that the controller leads stays on the first curve, by this share of it at least.
+STAYS = 0.4
+Limits = tuple[float, float, float]  #: mm beyond the start: found, least, most
+MIN_WIDTH = 1e-3  #: mm, half of it on an average, of what a ring goes round
+
+
+def overcut_faults(work: Work, traced: Sequence[Traced]) -> list[Diagnostic]:
+    """Closed cuts that run over their start by less or more than their overcut."""
+    if work.process != "cut" or work.stepped:  # of steps and points none is asked
+        return []
+    by_machine = work.torch.kerf_by == "machine"
+    said = []
+    for t in traced:
+        if by_machine and t.half_kerf:
+            limits = _beside(work, t)
+        elif t.members:
+            limits = _along(work, t)
+        elif t.joined or t.closed or not (over := _retraced(work, t)):
+            continue
+        else:
+            limits = over, _asked(work, t), _asked(work, t)
+        found, least, most = limits
+        if least - 2 * work.tolerance <= found <= most + 2 * work.tolerance:
+            continue
+        said.append(
+            rules.OVERCUT.at(
+                Source(work.name, t.stroke.line), found=f"{found:.3f}", expected=f"{least:.3f}",
+                contour=work.contour_at(work.path.starts[t.first]),
+            )
+        )  # fmt: skip
+    return said[:SHOWN]
+
+
+def _along(work: Work, t: Traced) -> Limits:
+    """How far a ring runs over its start, and what is asked: at most half of the way to a bridge.
+
+    A line there and back again is no ring.
+    """
+    over = sum(other.over for other in t.members)
+    first = float(work.path.lengths[t.first : t.last].sum())
+    if len(t.members) == 1:
+        inside = t.inside()
+        if inside is None or inside.area <= MIN_WIDTH * inside.length:
+            return over, 0.0, 0.0
+    else:
+        first += t.over
+    asked = min(_asked(work, t), first / 2)
+    # From an inner corner a line leads out along the contour.
+    return over, asked, asked + (work.torch.lead_out if work.torch.lead == "line" else 0.0)
+
+
+def _retraced(work: Work, t: Traced) -> float:
+    """How far a stroke that does not end where it began has gone on along its own first curves."""
+    path = work.path
+    begin = path.begins[t.first]
+    length = float(path.begins[t.last - 1] + path.lengths[t.last - 1] - begin)
+    places = np.array([path.starts[t.first], path.ends[t.last - 1]])
+    pairs = path.near(places, work.tolerance)
+    at = path.at(pairs.element, pairs.along) - begin
+    mine = (work.of_way[path.owner[pairs.element]] == work.of_way[t.first]) & (at >= 0.0)
+    again, ends = at[mine & (pairs.point == 0)], at[mine & (pairs.point == 1)]
+    found = [
+        float(ends[k])
+        for place in again
+        for k in np.flatnonzero(np.abs(length - place - ends) <= 2 * work.tolerance)
+        if place > 4 * work.tolerance and ends[k] > 2 * work.tolerance
+    ]  # fmt: skip
+    over = min(found, default=0.0)
+    return 0.0 if over and _is_drawn_twice(work, t, over / 2) else over
+
+
+def _is_drawn_twice(work: Work, t: Traced, along: float) -> bool:
+    """Whether the part itself has more than one curve a little behind the start of a stroke."""
+    place = work.path.begins[t.first] + along
+    way = np.searchsorted(work.path.begins, [place], "right") - 1
+    point = work.path.point(way, place - work.path.begins[way])
+    pairs = work.need.near(point, work.tolerance)
+    at = np.sort(work.need.at(pairs.element, pairs.along))
+    return bool((np.diff(at) > 8 * work.tolerance).any())
+
+
+def _asked(work: Work, t: Traced) -> float:
+    """The overcut of a contour: that of its colour or layer, or the machine's."""
+    _, way = work.need.nearest_to(work.path.starts[t.first])
+    own = work.torch.settings.get(work.asked.looks[work.process][way], PLAIN).overcut
+    return work.torch.overcut if own is None else own
+
+
+def _beside(work: Work, t: Traced) -> Limits:
+    """How far a beam that the controller leads runs over its start, and within which limits.
+
+    It comes to the contour half a kerf behind the start, and runs at least up to there. The overcut
+    of a programmed arc is longer or shorter on the arc beside it.
+    """
+    path = work.path
+    end = path.ends[t.last - 1]
+    pairs = path.near(end.reshape(1, 2), work.tolerance)
+    first = int(np.searchsorted(work.of_way, work.of_way[t.first]))
+    # A lead so near to the contour that it was taken for a part of that is none all the same.
+    start = min(t.first + (t.first == first), t.last - 1)
+    at = path.at(pairs.element, pairs.along) - path.begins[start]
+    mine = (work.of_way[path.owner[pairs.element]] == work.of_way[t.first]) & (at >= 0.0)
+    found = float(np.min(at[mine], initial=np.inf))
+    length = float(path.lengths[start : t.last].sum())
+    found = 0.0 if found > length - 2 * work.tolerance else found
+    room = STAYS * float(path.lengths[start]) - 3 * t.half_kerf
+    asked = _asked(work, t)
+    least = min(asked, max(0.0, room))
+    radius = float(path.elements.arcs[path.first(np.array([start]))[0], 2])
+    share = min(0.5, t.half_kerf / radius) if radius else 0.0
+    return found, least * (1 - share), asked * (1 + 2 * share) + 2 * t.half_kerf
