@@ -1,7 +1,7 @@
 """The picture of a bar's program: what its cuts and strokes make, as the read-back found it.
 
 o  [ trim |  part 1  (1) (3)   / part 2   (7)    | remnant ]     numbers: order of the work
-v  [      |     (2)            /                 |         ]     dashed: ways between strokes
+v  [      |     (2)            /                 |         ]     dashed: moves between strokes
      ^ stop positions of the bar: machine x of each stroke and cut
 """
 
@@ -36,6 +36,8 @@ from beamcam.verify.bars.made import Bore, Cut, Made, Trail, Written
 from beamcam.verify.bars.pieces import Plane, planes
 
 OPEN_END = 120.0  #: of bar that is drawn behind the last cut where its length is not known
+LONG_REMNANT = 1.0  #: share of the worked length, above which a remnant is broken off
+BROKEN_REMNANT = 0.25  #: share of the worked length that is drawn of such a remnant
 NUMBER_SIZES = (9.0, 6.0)  #: of an operation's number, and where there is no room for it
 
 
@@ -67,13 +69,22 @@ class BarMade(Struct, frozen=True):
 
     @property
     def end(self) -> float:
-        """End of the bar in the picture."""
-        if self.bar is not None:
-            return self.bar
+        """End of the bar; where its length is not known, a little behind what is worked."""
+        return self.worked + OPEN_END if self.bar is None else self.bar
+
+    @property
+    def worked(self) -> float:
+        """Bar x of the last cut or hole."""
         drill = self.machine.drill
         places = [p.at_pivot for p in self.saw_planes]
         places += [b.x - drill.x for b in self.made.bores] if drill else []
-        return max(places, default=0.0) + OPEN_END
+        return max(places, default=0.0)
+
+    @property
+    def drawn_end(self) -> float:
+        """End of the bar in the picture, where a long remnant is broken off."""
+        is_long = self.end - self.worked > LONG_REMNANT * self.worked > 0.0
+        return self.worked * (1 + BROKEN_REMNANT) if is_long else self.end
 
     def pieces(self) -> list[Piece]:
         """Trim, parts and remnant, along the bar; kerfs as thick as wedges count as trim."""
@@ -124,7 +135,7 @@ def bar_scene(bar: BarMade, unit: Unit = "mm") -> Scene:
     views = tuple(
         View(
             face, f"{face}   {FACE_NAMES.get(face, '')}",
-            (0.0, 0.0, bar.end, max(bar.profile.face_width(face), 1.0)),
+            (0.0, 0.0, bar.drawn_end, max(bar.profile.face_width(face), 1.0)),
             tuple({round(b.x - drill_x, 3) for b in made.bores if b.face == face}
                   | {round(t.points[0][0] - drill_x, 3) for t in made.trails if t.face == face}),
             tuple({round(b.y, 3) for b in made.bores if b.face == face}),
@@ -183,7 +194,7 @@ def _stock(bar: BarMade, view: View, paper: Paper) -> Iterator[Shape]:
     on_web = face == "v"
     for piece in bar.pieces():
         a, b = _edge(bar, piece.start, face, 0.0, 1)
-        c, d = _edge(bar, piece.end, face, bar.end, -1)
+        c, d = _edge(bar, piece.end, face, bar.drawn_end, -1)
         points = frame.all(((a, 0.0), (c, 0.0), (d, width), (b, width)))
         tip = piece.mark or piece.kind
         yield Polyline(f"{piece.kind} piece", points, True, tip)
@@ -193,11 +204,22 @@ def _stock(bar: BarMade, view: View, paper: Paper) -> Iterator[Shape]:
             if long > 12.0:
                 text = piece.mark[: max(1, int(long / 6.5))]
                 yield Text("label piece-mark", (middle[0], middle[1] - 4), text, 11.0, "middle")
+    if bar.drawn_end < bar.end:
+        yield _break(frame.at(bar.drawn_end, width), frame.at(bar.drawn_end, 0.0))
     for plane in bar.saw_planes:
         ends = frame.all(((bar.x_on(plane, face, 0.0), 0.0), (bar.x_on(plane, face, width), width)))
         cut = plane.cut
         tip = f"cut at machine x {cut.x:g}, {plane.web_deg:g} and {plane.flange_deg:g} degrees"
         yield Polyline("cut" if on_web else "cut-edge", ends, False, tip, cut.line)
+
+
+def _break(top: Point, bottom: Point) -> Polyline:
+    """The sign that a bar goes on: a zigzag across its end."""
+    (x, y0), (_, y1) = top, bottom
+    middle = (y0 + y1) / 2
+    points = ((x, y0 - 4.0), (x, middle - 4.0), (x - 4.0, middle - 1.5), (x + 4.0, middle + 1.5),
+              (x, middle + 4.0), (x, y1 + 4.0))  # fmt: skip
+    return Polyline("dim break", points, False, "the bar goes on")
 
 
 def tool_numbers(made: Made) -> dict[tuple[str, float], int]:
@@ -273,7 +295,7 @@ def _noun(bore: Bore) -> str:
 
 
 def _ways(bar: BarMade, view: View, paper: Paper, drill_x: float) -> Iterator[Polyline]:
-    """The rapid ways from stroke to stroke of a face, as they lie over the bar."""
+    """The rapid moves from stroke to stroke of a face, as they lie over the bar."""
     frame = paper.frames[view.name]
     here: tuple[float, float] | None = None
     for op in bar.made.order:
@@ -314,7 +336,7 @@ def _legend(tools: dict[tuple[str, float], int], y: float) -> Iterator[Shape]:
         text = f"{kind} {diameter:g}"
         yield Text("label", (x + 12.0, y + 4.0), text)
         x += 26.0 + 6.2 * len(text)
-    for style, text in (("cut", "saw cut"), ("rapid", "rapid way"), ("stop", "stop position")):
+    for style, text in (("cut", "saw cut"), ("rapid", "rapid move"), ("stop", "stop position")):
         yield Polyline(f"{style} legend", ((x, y), (x + 16.0, y)))
         yield Text("label", (x + 21.0, y + 4.0), text)
         x += 34.0 + 6.2 * len(text)

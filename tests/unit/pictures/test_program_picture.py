@@ -167,3 +167,17 @@ def test_the_same_program_gives_the_same_bytes() -> None:
     machine = load("plate-linuxcnc")
     program = program_of([SAMPLES / "dstv" / "gusset.nc1"], machine)
     assert to_svg(program_scene(program)) == to_svg(program_scene(program))
+
+
+@pytest.mark.parametrize(("length", "is_long"), [(3000.0, True), (600.0, False)])
+def test_a_long_remnant_is_broken_off_and_all_else_is_drawn(length: float, is_long: bool) -> None:
+    machine, parts = load("beamline"), parts_of([SAMPLES / "dstv" / "tie.nc1"])
+    data = b"".join(post(parts, machine, bar=length).pieces())
+    program = ReadProgram(data, machine, "job.gcode", "", parts, length)
+    found = drawn(program)
+    faces = found.count("remnant", "piece")
+    assert found.count("break") == (faces if is_long else 0)
+    assert found.count("hole") == len(interpret(program.text, machine).bores)
+    bar = bar_made(program)
+    assert bar.worked < bar.drawn_end <= bar.end == length
+    assert f"bar {length:g} mm" in " ".join(found.texts)

@@ -162,7 +162,8 @@ def test_a_wrong_program_has_a_sheet_that_says_so(tmp_path: Path) -> None:
 
 def test_manual_work_is_listed(tmp_path: Path) -> None:
     page = tmp_path / "slot.html"
-    report(str(SAMPLES / "bad" / "slot.nc1"), "--allow-skips", "slot", "-o", str(page))
+    words = ("--machine", "beamline", "--allow-skips", "slot")
+    report(str(SAMPLES / "bad" / "slot.nc1"), *words, "-o", str(page))
     text = page.read_text()
     hand = text[text.index("Manual work") :].split("</ul>")[0]
     assert "slot" in hand
