@@ -17,6 +17,7 @@ from beamcam.pictures.scene import Scene, Unit
 from beamcam.report.hand_list import HandRow, hand_rows
 from beamcam.report.ledger import ledger_of
 from beamcam.setup_sheet.operations import Operation, operations_of, table_operations
+from beamcam.simulate.limits import run_warnings
 from beamcam.simulate.program import simulate_program
 from beamcam.simulate.trace import Trace
 
@@ -52,7 +53,7 @@ class Content(Struct, frozen=True):
     bar: tuple[Stretch, ...]
     left_out: tuple[str, ...]
     hand: tuple[HandRow, ...]  #: marks on the list of manual work
-    messages: tuple[Diagnostic, ...]  #: of readers, planner and read-back
+    messages: tuple[Diagnostic, ...]  #: of readers, planner, read-back and simulator
     ledger: str  #: blank where no part is known
     verdict: Literal["made", "alone", "wrong"]
 
@@ -94,7 +95,8 @@ def content_of(source: Source, unit: Unit = "mm") -> Content:
     else:
         operations = table_operations(program, trace)
         tools = tuple(ToolRow("head", "", p) for p in dict.fromkeys(o.what for o in operations))
-    messages = tuple(map(_without_folder, (*source.said, *source.found)))
+    run = run_warnings(trace, machine, done.section, program.name)
+    messages = tuple(map(_without_folder, (*source.said, *source.found, *run)))
     verdict: Literal["made", "alone", "wrong"] = "made" if program.parts else "alone"
     if errors_in(source.found) or not source.compared:
         verdict = "wrong"

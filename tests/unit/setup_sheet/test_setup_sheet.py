@@ -181,6 +181,18 @@ def test_marks_of_manual_work_are_listed_with_their_place(tmp_path: Path) -> Non
     report(str(source), "-o", str(tmp_path / "t.pdf"))
 
 
+def test_a_run_that_strikes_is_warned_of_on_the_sheet(tmp_path: Path) -> None:
+    job, page = tmp_path / "job.gcode", tmp_path / "job.html"
+    assert CliRunner().invoke(main, ["post", DSTV[0], "-o", str(job)]).exit_code == 0
+    report(str(job), "-o", str(page))
+    assert "simulate-" not in page.read_text()
+    job.write_text(job.read_text().replace("Y17.706", "Y400"))
+    report(str(job), "-o", str(page))
+    warnings = page.read_text().partition("Warnings and remarks")[2].partition("</section>")[0]
+    assert "simulate-collision" in warnings
+    assert "left spindle and right spindle" in warnings
+
+
 def test_odd_names_cannot_break_the_page() -> None:
     part = read_file(DSTV[0]).parts[0]
     part = replace(part, mark="</script><b>\u2028", grade="<i>")
