@@ -31,7 +31,8 @@ ASK_BAR = _error(
 ASK_JOB = _error(
     "job",
     "found the job name {found!r}; expected one line of printable characters",
-    "The name stands in the program's first line; a line end would make blocks of the rest.",
+    "The name is written in the program's first line; a line end in it would turn the rest into "
+    "blocks.",
 )
 ASK_SKIP = _error(
     "skip",

@@ -76,7 +76,9 @@ CACHES = {
     "motion.machines": Kept(16, "as many machines as a service runs"),
     "motion.strokes": Kept(256, _OF_A_BUILDING),
     "verify.machines": Kept(16, "as many machines as a service runs"),
-    "verify.stations": Kept(256, "where the spindles stand on a section holds for all programs"),
+    "verify.stations": Kept(
+        256, "the positions of the spindles on a section hold for all programs"
+    ),
     "verify.grades": Kept(64, "the cutting data of a steel hold for all programs in it"),
     "verify.runs": Kept(1024, _OF_A_BUILDING),
     "verify.sizes": Kept(64, _OF_A_BUILDING),

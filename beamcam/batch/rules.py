@@ -64,7 +64,7 @@ KEPT = Rule(
     Severity.NOTE,
     "the refused program is kept in {found}; look at the lines that the messages name",
     "A program that does not make the part is never written where a machine would take it. Under "
-    "this name it can be looked at, or sent in with a report.",
+    "this name it can be inspected, or sent in with a report.",
 )
 RECORD = Rule(
     "batch-record",

@@ -70,8 +70,8 @@ def command(
         machine = machine_for_program(config, program, text)
         if machine.controller not in READ_BY:
             raise click.UsageError(
-                f"found the machine {machine.name}; expected one for bars, or a table that is told "
-                "by G-code: recover reads no triggers and no step tables."
+                f"found the machine {machine.name}; expected one for bars, or a table that runs "
+                "G-code: recover reads no triggers and no step tables."
             )
         stock, said = _stock(profile, config, voice)
         name = shown_name(program)

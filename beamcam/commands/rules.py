@@ -113,8 +113,8 @@ UNKNOWN = Rule(
     Severity.WARNING,
     "found {found} program(s) that no record names and no machine's folder holds ({names}); "
     "expected none, they are not checked",
-    "What a program is made of stands in the record of its batch, or follows from a folder that is "
-    "called after a machine.",
+    "The parts of a program are in the record of its batch, or follow from a folder with the name "
+    "of a machine.",
 )
 
 RULES = (

@@ -77,7 +77,7 @@ def command(
     if against and not parts:
         raise click.UsageError("--against needs at least one PART.")
     if parts and not against:
-        raise click.UsageError("PARTs stand behind --against.")
+        raise click.UsageError("PARTs come after --against.")
     if first is not None and not parts:
         raise click.UsageError("--from-operation needs the PARTs, behind --against.")
     if after is not None and first is None:

@@ -34,7 +34,7 @@ ARC = Rule(
     "verify-arc",
     _E,
     "found an arc {found}; expected one that start, end and centre agree on",
-    "CODESYS replaces an arc that does not fit together by a straight line without a word.",
+    "CODESYS silently replaces an inconsistent arc by a straight line.",
 )
 SETTING = Rule(
     "verify-setting",
@@ -53,7 +53,7 @@ SHEET_WORD = Rule("verify-sheet-word", _E, WORD.message, WORD.reason)
 SHEET_ARC = Rule(
     "verify-sheet-arc",
     _E,
-    "found an arc {found}; expected one that {controller} takes for what it is",
+    "found an arc {found}; expected one that {controller} reads as meant",
     "Controllers refuse an arc whose ends and centre disagree, or make a line or a circle of it.",
 )
 SHEET_SETTING = Rule("verify-sheet-setting", _E, SETTING.message, SETTING.reason)

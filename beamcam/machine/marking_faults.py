@@ -57,7 +57,7 @@ def _word_faults(machine: Machine) -> Iterator[Fault]:
         return
     behind = telling[0].partition("{string}")[2][:1]
     if not behind or behind == "{" or behind in marks.characters:
-        expected = "a sign behind {string} that is none of marks.characters, such as a quote"
+        expected = "a character behind {string} that is not in marks.characters, such as a quote"
         yield key, telling[0], expected
     for name in ("y", *(name for name, _ in _CARRIED)):
         if telling[0].count("{" + name) > 1:

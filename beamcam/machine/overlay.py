@@ -34,7 +34,7 @@ def with_torch(
         return machine
     torch = machine.torch
     if torch is None:
-        raise ValueError(f"{machine.name} has no torch, so that nothing can be said about it")
+        raise ValueError(f"{machine.name} has no torch, so the option has no effect")
     if sheet_size:
         if sheet_size[0] > torch.length or sheet_size[1] > torch.width:
             size = " x ".join(f"{v:g}" for v in sheet_size)

@@ -21,7 +21,7 @@ JSON_KEY_TWICE = Rule(
     "json-key-twice",
     Severity.ERROR,
     "found key {key!r} twice in one object, expected it once",
-    "One of the two values would be lost in silence.",
+    "One of the two values would be lost silently.",
 )
 
 RULES = (JSON_SYNTAX, JSON_KEY_TWICE, *JSON_PART_RULES)

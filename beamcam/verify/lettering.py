@@ -36,7 +36,8 @@ TEXT_MISSING = Rule(
     Severity.ERROR,
     "found no text {text!r} on face {face} of {mark} at {angle} degrees; "
     "expected it at x {x}, y {y}",
-    "A text that the machine's stamp or printer could letter has to be told to it, sign by sign.",
+    "A text that the machine's stamp or printer could letter has to be in the program, character "
+    "by character.",
 )
 TEXT_EXTRA = Rule(
     "verify-text-extra",

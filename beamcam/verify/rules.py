@@ -102,16 +102,16 @@ UNSEEN = Rule(
 UNKNOWN_STEEL = Rule(
     "verify-unknown-steel",
     _N,
-    "which steel the bar is of is not in the program, so feeds and speeds were held against the "
-    "fastest that the machine has for any; give the parts by --against",
+    "the program does not name the steel, so feeds and speeds were compared with the highest that "
+    "the machine has for any; give the parts by --against",
     "Only a part says its grade.",
 )
 NO_FEED = Rule(
     "verify-no-feed",
     _E,
     "found a {found} without a feed; expected an F word",
-    "The controller's own default feed is 0, or what somebody has set there; a feed that still "
-    "holds from a cut before is not the drill's.",
+    "The controller's default feed is 0 or unknown; a feed still active from an earlier cut is "
+    "not the drill's.",
 )
 FEED = Rule(
     "verify-feed",
@@ -153,7 +153,7 @@ CUT_ANGLE = Rule(
     "verify-cut-angle",
     _E,
     "found a cut of {found} degrees for the {end} of {mark}; expected {expected}",
-    "The end would be askew.",
+    "The end would be skew.",
 )
 ONE_PART = Rule(
     "verify-no-saw",
@@ -234,7 +234,7 @@ NOT_MADE = Rule(
     "verify-not-made",
     _E,
     "found nothing that makes {found} of {mark}; expected it to be made, or skipped by name",
-    "Nothing is left out in silence.",
+    "Nothing is left out silently.",
 )
 
 RULES = (

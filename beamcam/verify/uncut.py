@@ -13,8 +13,8 @@ UNCUT_TOLD = Rule(
     "verify-sheet-untold",
     Severity.ERROR,
     "found {found} mm of waste in a corner at x {x}, y {y} that the beam does not reach; expected "
-    "it to be told",
-    "What stays on a part is told by the plan and found in the program, and both have to be the "
-    "same. It is a fault of beamcam; send in the part.",
+    "it to be reported by the plan",
+    "The plan reports what stays on a part, the read-back finds it in the program, and both have "
+    "to agree. It is a fault of beamcam; send in the part.",
 )
 RULES = (UNCUT, UNCUT_TOLD)

@@ -61,7 +61,7 @@ class _Checker:
         for block in unit.blocks:
             if block.kind == "PROGRAM" and block.name.upper() not in exported:
                 found = f"PROGRAM {block.name}"
-                expected = "its name in the INTERFACE, so that a task can take it"
+                expected = "its name in the INTERFACE, so that a task can call it"
                 self.names.say(rules.NAME, block.line, found=found, expected=expected)
             if [b.name.upper() for b in unit.blocks].count(block.name.upper()) > 1:
                 self.names.twice(block.name, block.line)

@@ -44,7 +44,7 @@ def _tokens(text: str, name: str, said: list[Diagnostic]) -> Iterator[Token]:
         match = _TOKEN.match(text, at)
         if match is None or not match[0].isascii():
             shown = text[at : at + 12].split("\n")[0]
-            expected = "ASCII letters, numbers and signs of Structured Text"
+            expected = "ASCII letters, numbers and characters of Structured Text"
             said.append(rules.SYNTAX.at(Source(name, line), found=shown, expected=expected))
             at += len(match[0]) if match else 1
             continue

@@ -26,7 +26,7 @@ PARAMETER = Rule(
     "st-parameter",
     _E,
     "found {found} in a call of {callee}; expected {expected}",
-    "A command that misses a parameter runs with the project's default, which nobody sees here.",
+    "A command without a parameter runs with the project's default, which is unknown here.",
 )
 TYPE = Rule(
     "st-type",

@@ -119,7 +119,7 @@ def text_rows(stream: Stream, stepper: Stepper) -> Iterator[Rows]:
         if len(data) % ROW_BYTES:
             whole = len(data) // ROW_BYTES
             found = repr(shown(data[whole * ROW_BYTES :]))
-            raise stream.fault(found, "rows of 20 signs", stream.line + whole)
+            raise stream.fault(found, "rows of 20 characters", stream.line + whole)
         rows = _text_block(data, stream)
         yield rows
         stream.line += len(rows.x)

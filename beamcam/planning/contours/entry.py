@@ -98,7 +98,7 @@ def _entry(
     curves = _begun(shape.curves, candidate)
     first, length, radius = curves[0], torch.lead_in * SHARES[share], kerf / 2
     if not isinstance(first, Line | Arc):
-        raise TypeError("a controller keeps off lines and arcs")
+        raise TypeError("a controller compensates lines and arcs only")
     (x, y), tangent = first.start, first.tangent(0.0)
     side = waste_side(shape.area, shape.is_hole)
     normal = (-side * tangent[1], side * tangent[0])

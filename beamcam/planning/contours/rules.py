@@ -178,8 +178,8 @@ TINY = Rule(
     "plan-tiny",
     _W,
     "found {count} curves no larger than {expected} mm; they are left out",
-    "Two ends as near as that are one point to the machine (`torch.gap`), so that the tool would "
-    "be started and not moved.",
+    "Two ends that close are one point to the machine (`torch.gap`), so the tool would be started "
+    "and not moved.",
 )
 SHARED = Rule(
     "plan-shared-edge",

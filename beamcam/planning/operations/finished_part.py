@@ -57,7 +57,7 @@ FILLET = Rule(
     _E,
     "found {what} at x {x}, y {y} on face {face} where the root fillet is {found} mm high; "
     "expected at most {expected} mm, {because}",
-    "The fillet makes the wall thicker than the stroke is deep, or stands in the drill's way.",
+    "The fillet makes the wall thicker than the stroke is deep, or is in the drill's way.",
 )
 NEAR_FILLET = Rule(
     "plan-near-fillet",

@@ -28,8 +28,8 @@ TOO_NEAR = Rule(
     Severity.ERROR,
     "found a hole of diameter {found} on face {face} at x {x}, y {y}, {apart} mm from that of "
     "{first}; expected the same place, or one more than {expected} mm away",
-    "Holes nearer than the program's decimals tell apart are one hole that was drawn twice, not "
-    "quite at the same place.",
+    "Holes closer than the program's decimals can distinguish are one hole that was drawn twice, "
+    "not quite at the same place.",
 )
 RULES = (OVERLAP, TOO_NEAR)
 THREADS = ("thread", "left-thread")

@@ -23,8 +23,8 @@ OFF_FACE = Rule(
 IN_THE_WAY = Rule(
     "plan-reach",
     _E,
-    "found {what} at y {y} on face {face}; expected y from {least} to {greatest}, the flange "
-    "stands in the tool's way",
+    "found {what} at y {y} on face {face}; expected y from {least} to {greatest}, the flange is "
+    "in the tool's way",
     "A tool that comes to the web between the flanges needs room beside them.",
 )
 

@@ -64,7 +64,7 @@ SAW_REACH = Rule(
 )
 RULES = (SAW_ANGLE, FLANGE_CUT, COMPOUND, CUTS_CROSS, CUTS_TOUCH, SAW_REACH)
 REASONS = {
-    "cut-trim": "the bar's front is sawn square, since no cut before it does so",
+    "cut-trim": "the bar's front is sawn square, since no cut comes before it",
     "cut-mitre-start": "the part starts skew",
     "cut-mitre-end": "the part ends skew",
     "cut-common": "two parts share the angle, so one cut ends the one and starts the other",

@@ -25,7 +25,7 @@ from beamcam.planning.operations.slot import slot_ends
 
 REASONS = {
     "letter": "a text lettered by strokes",
-    "tell": "a text that the machine's stamp or printer is told",
+    "tell": "a text that the machine's stamp or printer can letter",
 }
 
 

@@ -38,7 +38,7 @@ AFTER_EN = _error(
 UNREAD = _note(
     "unread",
     "{count} more lines were not read, because the header could not be read",
-    "Says how much of a refused file was not looked at.",
+    "How much of a refused file was not read.",
 )
 BLOCK_UNKNOWN = _error(
     "block-unknown",

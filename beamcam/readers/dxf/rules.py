@@ -79,7 +79,7 @@ EDGE_ON = _warning(
 NOT_FLAT = _warning(
     "not-flat",
     "found heights from {low:g} to {high:g} mm, expected a flat drawing; projected along Z",
-    "The projection shortens curves that stand at a slope.",
+    "The projection shortens sloping curves.",
 )
 ENTITY = _error(
     "entity",

@@ -196,7 +196,7 @@ def _extruded(curve: _Curve, along: Vec) -> Surface:
     if isinstance(curve, _Circle):
         if size(cross(curve.frame.z, along)) <= STRAIGHT * size(along):
             return Cylinder(curve.frame, curve.radius)
-        return Unnamed("circle extruded askew")
+        return Unnamed("circle extruded at a slant")
     if isinstance(curve, _Straight):
         x = unit(curve.along)
         square = unit(cross(cross(x, along), x))

@@ -27,7 +27,7 @@ def stock_of(model: Model, element: Entity, base: Swept) -> Stock:
     depth = size(base.along)
     plane = unit(cross(base.frame.x, base.frame.y))
     if depth <= 0 or abs(abs(dot(plane, base.along)) - depth) > 1e-6 * depth:
-        raise Unreadable("a profile that is pushed askew")
+        raise Unreadable("a profile that is extruded at a slant")
     factor = size(base.frame.x)
     if abs(size(base.frame.y) - factor) > 1e-6 * factor:
         raise Unreadable("a profile that is stretched unevenly")

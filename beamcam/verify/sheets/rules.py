@@ -53,7 +53,7 @@ EXTRA = Rule(
     "verify-sheet-extra",
     _E,
     "found a path at X {x}, Y {y} that is {away}; expected {expected}",
-    "It cuts what nobody drew.",
+    "It cuts where nothing is drawn.",
 )
 TWICE = Rule(
     "verify-sheet-twice",
@@ -156,7 +156,7 @@ NOT_MADE = Rule(
     _E,
     "found {found} that the machine does not make ({kind}); expected that kind to be named by "
     "--allow-skips, or its colour by --map",
-    "Nothing is left out in silence.",
+    "Nothing is left out silently.",
 )
 CROWDED = Rule(
     "verify-sheet-crowded",

@@ -124,7 +124,7 @@ CASES: tuple[Case, ...] = (
      "found a hole at x 500, y 301 on face v; expected it within 3000 x 300 mm"),
     ("plan-reach", "beamline", (part(hole(500, 19.0)),), {},
      "found a hole of diameter 18 at y 19 on face v; expected y from 19.7 to 280.3, "
-     "the flange stands in the tool's way"),
+     "the flange is in the tool's way"),
     ("plan-stroke", "beamline-annex", (part(hole(500, 200, 22), profile=HEB400),), {},
      "found a stroke to 6.750 mm below face v, the same for every hole; "
      "expected at least 20.109 mm for a hole of diameter 22"),
@@ -133,7 +133,7 @@ CASES: tuple[Case, ...] = (
      "expected 9.408 mm for a hole of diameter 18"),
     ("plan-reach", "beamline-pusher", (part(replace(LINE, curves=(Line((100, 50), (200, 5)),))),),
      {}, "found 109.659 mm of line to mark at y 5 on face v; expected y from 10.7 to 289.3, "
-     "the flange stands in the tool's way"),
+     "the flange is in the tool's way"),
     ("plan-too-near", "beamline-annex", (part(hole(500), hole(500.12, 150.05)),), {},
      "found a hole of diameter 18 on face v at x 500.12, y 150.05, 0.13 mm from that of p.nc1:7; "
      "expected the same place, or one more than 0.2 mm away"),

@@ -244,4 +244,4 @@ def test_a_machine_of_triggers_is_wrong_usage(program: str) -> None:
     words = ("recover", program, "--machine", "table-simotion", "-o", "part.nc1")
     code, said = call(*words)
     assert code == 2
-    assert "expected one for bars, or a table that is told by G-code" in said
+    assert "expected one for bars, or a table that runs G-code" in said

@@ -87,8 +87,8 @@ SAID_OF_RUNTIMES = [
     (r"END_IF;\n +END_FUNCTION_BLOCK", "END_FUNCTION_BLOCK",
      "st-syntax: found 'END_FUNCTION_BLOCK'; expected a statement or ELSE"),
     ("TYPE := DIRECT|Type := DIRECT", "Type := \xdcBER",
-     "st-syntax: found '\xdcBER, veloci'; expected ASCII letters, numbers and signs of Structured "
-     "Text"),
+     "st-syntax: found '\xdcBER, veloci'; expected ASCII letters, numbers and characters of "
+     "Structured Text"),
     ("INT := INT#0", "INT := INT#99999",
      "st-syntax: found 'INT#99999'; expected a value of INT"),
     (r"wait\.Q", "wait.P", "st-name: found .P, which is not declared; expected a name that is"),

@@ -86,7 +86,7 @@ def test_no_such_program(command: str) -> None:
 def test_what_is_left_out_by_name(tmp_path: Path) -> None:
     slotted = SAMPLES / "bad" / "slot.nc1"
     path = tmp_path / "a.gcode"
-    made = cli("post", slotted, "--allow-skips", "slot", "-o", path)
+    made = cli("post", slotted, "--machine", "beamline", "--allow-skips", "slot", "-o", path)
     assert made.exit_code == 0, made.stderr
     for doubt in ("mark", "none"):
         assert cli("verify", path, "--against", slotted, "--allow-skips", doubt).exit_code == 1

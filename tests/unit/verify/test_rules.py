@@ -295,9 +295,9 @@ def test_what_a_program_alone_leaves_open() -> None:
     assert [str(said) for said in verify(PROGRAM, (), BEAM, name="P1.gcode")] == [
         "P1.gcode: note verify-unseen: how far face v lies below the flanges is not in the "
         "program, so rapids towards it were not checked; give the parts by --against",
-        "P1.gcode: note verify-unknown-steel: which steel the bar is of is not in the program, so "
-        "feeds and speeds were held against the fastest that the machine has for any; give the "
-        "parts by --against",
+        "P1.gcode: note verify-unknown-steel: the program does not name the steel, so feeds "
+        "and speeds were compared with the highest that the machine has for any; give the parts "
+        "by --against",
     ]
     annex = verify("N1 G90\nN2 M30\n", (), ANNEX)
     assert "verify-unknown-steel" not in {said.code for said in annex}  # it carries no feeds
@@ -340,7 +340,7 @@ def test_every_rule_has_a_test_of_its_message() -> None:
     folder = Path(__file__).parent
     texts = "".join(path.read_text("utf-8") for path in sorted(folder.glob("test_*.py")))
     for rule in rules.RULES:
-        said = {"verify-unseen": "how far", "verify-unknown-steel": "which steel"}.get(
+        said = {"verify-unseen": "how far", "verify-unknown-steel": "the program"}.get(
             rule.code, "found"
         )
         assert f" {rule.code}: {said}" in texts, rule.code

@@ -209,7 +209,7 @@ def test_recover_diff_simulate_and_plot_follow_the_texts(tmp_path: Path) -> None
 
 BAD: list[tuple[str, Callable[[str], str], str]] = [
     ("no characters", lambda t: t.replace("ABC", "\\t"), "marks.characters"),
-    ("a quote among them", lambda t: t.replace("/. ", "/. \\\""), "sign behind {string}"),
+    ("a quote among them", lambda t: t.replace("/. ", "/. \\\""), "character behind {string}"),
     ("no face", lambda t: t.replace("faces = { v = 1, o = 2 }", ""), "marks.faces"),
     ("a face that is none", lambda t: t.replace("v = 1", "w = 1"), "among v, o, u, h"),
     ("one number for two", lambda t: t.replace("o = 2", "o = 1"), "a number of its own"),

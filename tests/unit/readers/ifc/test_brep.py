@@ -184,7 +184,7 @@ def test_surfaces_of_every_version(surface: str, kind: type, version: int) -> No
     [
         (f"4 {AXES} 1", "sphere"),
         (f"5 {AXES} 2 1", "torus"),
-        (f"6 0 0.6 0.8 2 {AXES} 0.5", "circle extruded askew"),
+        (f"6 0 0.6 0.8 2 {AXES} 0.5", "circle extruded at a slant"),
         (f"6 0 0 1 3 {AXES} 2 1", "extruded ellipse"),
         (f"6 0 0 1 4 {AXES} 2", "extruded parabola"),
         (f"6 0 0 1 5 {AXES} 2 1", "extruded hyperbola"),
