@@ -20,7 +20,7 @@ from typing import Any, Generic, TypeVar
 
 from msgspec import Struct
 
-from beamcam.system import max_workers, start_method
+from beamcam.system import interrupts_waiting, max_workers, start_method
 
 Given = TypeVar("Given")
 Made = TypeVar("Made")
@@ -56,12 +56,15 @@ class Pool(Generic[Given, Made]):
 
     def submit(self, given: Given) -> None:
         """Hand over a task; there has to be room."""
-        if self._executor is None:
-            self._executor = self._started(self.at_once)
-        try:
-            self._given[self._executor.submit(_call, given)] = given
-        except BrokenProcessPool:
-            self._again.append(given)  # what it was lost with is seen by `wait`
+        # It starts processes: what hears of a fork swallows exceptions, and an executor that is
+        # half started cannot be ended.
+        with interrupts_waiting():
+            if self._executor is None:
+                self._executor = self._started(self.at_once)
+            try:
+                self._given[self._executor.submit(_call, given)] = given
+            except BrokenProcessPool:
+                self._again.append(given)  # what it was lost with is seen by `wait`
 
     def wait(self) -> Iterator[tuple[Given, Made | Died]]:
         """Wait until something is done, and give it; there has to be something under way.
@@ -94,9 +97,10 @@ class Pool(Generic[Given, Made]):
 
     def _alone(self, given: Given) -> Made | Died:
         self.close()
-        self._executor = self._started(1)
         try:
-            future: Future[Made] = self._executor.submit(_call, given)
+            with interrupts_waiting():
+                self._executor = self._started(1)
+                future: Future[Made] = self._executor.submit(_call, given)
             return future.result()
         except BrokenProcessPool:
             return Died()

@@ -4,7 +4,8 @@ import errno
 import os
 import stat
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from time import sleep
 from typing import Literal
 
@@ -62,6 +63,29 @@ def cores() -> int:
 def max_workers(wanted: int) -> int:
     """As many of the workers as one process can wait for."""
     return min(wanted, MAX_WORKERS_WINDOWS) if is_windows() else wanted
+
+
+@contextmanager
+def interrupts_waiting() -> Iterator[None]:
+    """An interrupt meanwhile does what it does at the end; only the main thread hears of any."""
+    import signal
+    import threading
+
+    before = {number: signal.getsignal(number) for number in (signal.SIGINT, *stop_signals())}
+    own = {number: handler for number, handler in before.items() if callable(handler)}
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    heard: list[int] = []
+    try:
+        for number in own:
+            signal.signal(number, lambda number, _: heard.append(number))
+        yield
+    finally:
+        for number, handler in own.items():
+            signal.signal(number, handler)
+        for number in heard:
+            signal.raise_signal(number)
 
 
 def stop_signals() -> tuple[int, ...]:

@@ -89,6 +89,21 @@ def test_a_command_that_is_being_loaded(command: str, at: int, shop: Path, tmp_p
     assert (run.returncode, run.stderr) == (130, "")
 
 
+def test_a_command_that_starts_processes(shop: Path, tmp_path: Path) -> None:
+    """What Python calls at a fork swallows exceptions."""
+    (tmp_path / "sitecustomize.py").write_text(
+        "import os, signal\n"
+        "os.register_at_fork(after_in_parent=lambda: os.kill(os.getpid(), signal.SIGINT))\n"
+    )
+    path = os.pathsep.join((str(tmp_path), str(ROOT)))
+    run = subprocess.run(
+        [sys.executable, "-m", "beamcam", "batch", "many", "-o", "out", "--jobs", "2"], cwd=shop,
+        env={**os.environ, "PYTHONPATH": path}, capture_output=True, text=True, check=False,
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),
+    )  # fmt: skip
+    assert (run.returncode, run.stderr[:8]) == (130, "0 posted")
+
+
 def test_a_command_that_is_to_hear_of_no_interrupt_hears_of_none(shop: Path) -> None:
     """As `nohup` and shells start what they leave in the background."""
     run = subprocess.run(

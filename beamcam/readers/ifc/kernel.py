@@ -1,9 +1,6 @@
 """Geometry kernel results for an element: a fine shell in mm, its surfaces, and the log."""
 
-import signal
-import threading
 from collections.abc import Iterable, Iterator, Mapping
-from contextlib import contextmanager
 from typing import Any
 
 import numpy as np
@@ -17,6 +14,7 @@ from beamcam.readers.ifc.relations import features_of
 from beamcam.readers.ifc.shell import Shell, shell
 from beamcam.readers.ifc.space import cross, size, sub
 from beamcam.readers.ifc.surfaces import Cylinder, Unnamed
+from beamcam.system import interrupts_waiting
 
 CHORD = 0.0002  #: m between a curve and its facets
 ANGLE = 0.25  #: rad between two facets, 26 on a circle; every vertex lies on the curve
@@ -96,26 +94,9 @@ def _kernel() -> Any:
 
     An interrupt waits until it is loaded: ifcopenshell's own code would swallow it.
     """
-    with _interrupt_waiting():
+    with interrupts_waiting():
         import ifcopenshell.geom
     return ifcopenshell
-
-
-@contextmanager
-def _interrupt_waiting() -> Iterator[None]:
-    """An interrupt meanwhile does what it does at the end; only the main thread hears of any."""
-    before = signal.getsignal(signal.SIGINT)
-    if before is None or threading.current_thread() is not threading.main_thread():
-        yield
-        return
-    heard: list[int] = []
-    signal.signal(signal.SIGINT, lambda number, _: heard.append(number))
-    try:
-        yield
-    finally:
-        signal.signal(signal.SIGINT, before)
-    if heard:
-        signal.raise_signal(signal.SIGINT)
 
 
 def _made(form: tuple[str, str], solid: Any) -> Any:
