@@ -93,7 +93,7 @@ def test_defaults_come_from_nowhere() -> None:
          " expected 0 or more"),
         ("[map]\nred = 'burn'", "expected one of 'cut', 'mark', 'engrave', 'ignore'"),
         ("[map]\n'#ff' = 'cut'", "expected a colour such as '#ff0000'"),
-        ("a = ", "beamcam.toml: error config-toml: found no TOML (Invalid value"),
+        ("a = ", "beamcam.toml:1: error config-toml: found no TOML (Invalid value"),
     ],
 )  # fmt: skip
 def test_what_is_wrong(tmp_path: Path, text: str, said: str) -> None:

@@ -26,7 +26,8 @@ def load(path: str | Path) -> Config:
         said = rules.UNREADABLE.at(Source(str(path)), found=error.strerror or error)
         raise ConfigError(said) from error
     except TomlError as error:
-        raise ConfigError(rules.NOT_TOML.at(Source(str(path)), found=error)) from error
+        source = Source(str(path), error.line)
+        raise ConfigError(rules.NOT_TOML.at(source, found=error)) from error
     place = Place({"": (str(path), text)})
     try:
         read = converted(table, ConfigFile)

@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from math import isfinite
+from typing import Any
 
 from beamcam.caches import cached
 from beamcam.errors import MachineError, Source
@@ -44,13 +45,24 @@ class Formula(str):
         return number
 
 
-def _without_value(formula: Formula, values: Mapping[str, float], why: str) -> MachineError:
+class NoValueError(MachineError):
+    """A formula that has no value for a section and a hole."""
+
+    def __init__(self, formula: str, expected: str) -> None:
+        self.formula, self.expected = formula, expected
+        source = Source("machine")
+        super().__init__(
+            rules.WRONG_VALUE.at(source, key="spindles", found=repr(formula), expected=expected)
+        )
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return type(self), (self.formula, self.expected)
+
+
+def _without_value(formula: Formula, values: Mapping[str, float], why: str) -> NoValueError:
     given = ", ".join(f"{name} {value:g}" for name, value in sorted(values.items()))
     expected = f"arithmetic that has a value for {given} ({why})"
-    said = rules.WRONG_VALUE.at(
-        Source("machine"), key="spindles", found=repr(str(formula)), expected=expected
-    )
-    return MachineError(said)
+    return NoValueError(str(formula), expected)
 
 
 def as_formula(kind: type, value: object) -> Formula:

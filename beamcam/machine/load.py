@@ -23,10 +23,11 @@ from beamcam.machine.faults import (
     view_faults,
 )
 from beamcam.machine.former_keys import KeyTwice, with_present_keys
-from beamcam.machine.formula import as_formula
+from beamcam.machine.formula import NoValueError, as_formula
 from beamcam.machine.machine import Machine, MachineFile
 from beamcam.machine.marking_faults import marking_faults
 from beamcam.machine.more_rows import with_more_rows
+from beamcam.machine.name_faults import name_faults
 from beamcam.machine.range_faults import range_faults
 from beamcam.machine.templates import template_faults
 from beamcam.machine.toml import Place, TomlError, TomlFile, line_of, toml_text
@@ -127,8 +128,7 @@ def _said(fault: Fault, place: Place) -> Diagnostic:
     if fault.kind == "unknown":
         return rules.UNKNOWN_KEY.at(at.source, found=at.key, expected=fault.expected)
     if fault.kind == "missing":
-        above = place.child(*fault.path[:-1])
-        return rules.MISSING_KEY.at(above.source, expected=at.key)
+        return rules.MISSING_KEY.at(at.source, expected=at.key)
     found = shown(fault.found)
     return rules.WRONG_VALUE.at(at.source, key=at.key, found=found, expected=fault.expected)
 
@@ -175,7 +175,7 @@ def files_of_machine(name: str) -> tuple[TomlFile, ...]:
     """The file of a machine and those that it is based on, the last one first said."""
     found: list[TomlFile] = []
     while True:
-        path = _find(name, found[-1].path if found else None)
+        path = _find(name, found[-1] if found else None)
         if any(path == file.path for file in found):
             raise MachineError(rules.BASE_LOOP.at(Source(str(found[0].path)), found=path.stem))
         shown = path.name if path.parent == SHIPPED else str(path)
@@ -183,7 +183,8 @@ def files_of_machine(name: str) -> tuple[TomlFile, ...]:
             file = TomlFile(path, shown, toml_text(path.read_bytes()))
             base = file.table.get("base")
         except TomlError as error:
-            raise MachineError(rules.NOT_TOML.at(Source(shown), found=error)) from error
+            source = Source(shown, error.line)
+            raise MachineError(rules.NOT_TOML.at(source, found=error)) from error
         except OSError as error:
             expected = error.strerror or "a file that can be read"
             said = rules.UNKNOWN_MACHINE.at(Source(shown), found=name, expected=expected)
@@ -252,8 +253,9 @@ def _overlay(
         table.pop("more_rows", None)
 
 
-def _find(name: str, below: Path | None) -> Path:
+def _find(name: str, over: TomlFile | None) -> Path:
     """The file of a machine: a shipped name, or a path (of a base: beside the file it is in)."""
+    below = None if over is None else over.path
     if name.endswith(".toml"):
         name = portable_path(name) if below is None else name.replace("\\", "/")
         path = Path(name) if below is None else below.parent / name
@@ -264,9 +266,8 @@ def _find(name: str, below: Path | None) -> Path:
     elif below is not None and isfile(beside := below.parent / f"{name}.toml"):
         return beside.resolve()  # one's own, laid over another one's own
     expected = f"{nearest(name, shipped())} or the path of a .toml file"
-    raise MachineError(
-        rules.UNKNOWN_MACHINE.at(Source(str(below or name)), found=name, expected=expected)
-    )
+    source = Source(name) if over is None else Source(over.shown, line_of(over.text, "base"))
+    raise MachineError(rules.UNKNOWN_MACHINE.at(source, found=name, expected=expected))
 
 
 def _size_faults(machine: Machine) -> Iterator[tuple[str, object, str]]:
@@ -281,11 +282,23 @@ def _size_faults(machine: Machine) -> Iterator[tuple[str, object, str]]:
 
 def _check(machine: Machine, place: Place) -> None:
     """Raise MachineError where keys contradict each other."""
+    try:
+        _check_keys(machine, place)
+    except NoValueError as error:
+        key = next(key for key, value in _leaves(machine) if value == error.formula)
+        said = rules.WRONG_VALUE.at(
+            place.child(key).source, key=key, found=repr(error.formula), expected=error.expected
+        )
+        raise MachineError(said) from None
+
+
+def _check_keys(machine: Machine, place: Place) -> None:
     for faults in (
         _size_faults,
         template_faults,
         code_faults,
         number_faults,
+        name_faults,
         spindle_faults,
         tool_faults,
         pair_faults,
@@ -300,6 +313,6 @@ def _check(machine: Machine, place: Place) -> None:
             raise MachineError(said)
     for table in ("layout",) if machine.stock == "beam" else ("torch",):
         if getattr(machine, table) is None:
-            raise MachineError(rules.MISSING_KEY.at(place.source, expected=table))
+            raise MachineError(rules.MISSING_KEY.at(place.child(table).source, expected=table))
     if machine.stock == "beam" and machine.saw is None and machine.drill is None:
-        raise MachineError(rules.MISSING_KEY.at(place.source, expected="saw"))
+        raise MachineError(rules.MISSING_KEY.at(place.child("saw").source, expected="saw"))

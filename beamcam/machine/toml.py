@@ -1,5 +1,6 @@
 """TOML of machines and configurations: text to a table, and the line numbers of its keys."""
 
+import re
 import tomllib
 from collections.abc import Mapping
 from pathlib import Path
@@ -15,11 +16,16 @@ from beamcam.machine.former_keys import former_name
 MAX_TOML_BYTES = 500_000
 MAX_LINE = 4096  #: characters; the parser's time grows with the square of a dotted key's length
 MAX_DEPTH = 16  #: of tables and lists in each other
+_AT_LINE = re.compile(r" \(at line (\d+), column \d+\)$")
 UTF_16 = (b"\xff\xfe", b"\xfe\xff")
 
 
 class TomlError(ValueError):
-    """A file that is no TOML, or none that anybody wrote."""
+    """A file that is no TOML, or none that anybody wrote; `line` is where it is none."""
+
+    def __init__(self, message: str, line: int = 1) -> None:
+        super().__init__(message)
+        self.line = line
 
 
 class TomlFile(Struct, frozen=True):
@@ -47,7 +53,7 @@ def toml_text(data: bytes) -> str:
         raise TomlError(str(error)) from error
     for number, line in enumerate(text.split("\n"), 1):
         if len(line) > MAX_LINE:
-            raise TomlError(f"more than {MAX_LINE} characters (at line {number})")
+            raise TomlError(f"more than {MAX_LINE} characters", number)
     return text
 
 
@@ -58,10 +64,19 @@ def _table(text: str) -> dict[str, Any]:
     except RecursionError:
         raise TomlError(f"nested more than {MAX_DEPTH} deep") from None
     except ValueError as error:  # of numbers with too many digits too
-        raise TomlError(str(error)) from error
+        raise _error_of(str(error), text) from error
     if _depth(table) > MAX_DEPTH:
         raise TomlError(f"nested more than {MAX_DEPTH} deep")
     return table
+
+
+def _error_of(said: str, text: str) -> TomlError:
+    """What the parser says, with its line."""
+    at = _AT_LINE.search(said)
+    if at is not None:
+        return TomlError(said[: at.start()], int(at[1]))
+    at_end = " (at end of document)"
+    return TomlError(said.removesuffix(at_end), len(text.splitlines()) if at_end in said else 1)
 
 
 def _depth(table: dict[str, Any]) -> int:
@@ -96,7 +111,7 @@ class Place:
         while key not in self._files and "." in key:
             key = key.rpartition(".")[0]
         file, text = self._files.get(key, self._files[""])
-        return Source(file, line_of(text, self.key))
+        return Source(file, line_of(text, self.key) or 1)
 
 
 def line_of(text: str, key: str) -> int | None:
@@ -124,6 +139,7 @@ def _lines(text: str) -> dict[str, int]:
             name = _bare(line[2:].partition("]]")[0])
             counts[name] = counts.get(name, -1) + 1
             here = table = f"{name}.{counts[name]}"
+            found.setdefault(name, number)
         elif line.startswith("["):
             here = table = _bare(line[1:].partition("]")[0])
         elif "=" in line and not line.startswith("#"):

@@ -80,8 +80,10 @@ def test_both_names_of_one_key_are_refused(tmp_path: Path) -> None:
 
 
 def test_names_that_the_user_chooses_stay(tmp_path: Path) -> None:
-    machine = load(_machine(tmp_path, 'base = "beamline"\n[sections]\nleast_one = 7\n'))
-    assert machine.sections["least_one"] == 7
+    text = 'base = "laser-grbl"\n[torch.colours]\nleast_one = "cut"\n'
+    torch = load(_machine(tmp_path, text)).torch
+    assert torch is not None
+    assert torch.colours["least_one"] == "cut"
 
 
 def test_a_command_says_it_once(tmp_path: Path) -> None:

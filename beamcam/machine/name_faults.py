@@ -1,0 +1,43 @@
+"""Checks of what a machine's keys name: axes, faces, sections, suffixes."""
+
+import re
+from collections.abc import Iterator
+
+from beamcam.machine.machine import Machine
+
+NameFault = tuple[str, object, str]  #: dotted key, what was found, what was expected
+
+#: DSTV codes of sections.
+SECTION_CODES = ("I", "U", "L", "M", "RO", "RU", "C", "T", "B", "SO")
+_SUFFIX = re.compile(r"\.[A-Za-z0-9_-]{1,16}")
+
+
+def name_faults(machine: Machine) -> Iterator[NameFault]:
+    """Each key that names what there is not, or the same thing twice."""
+    if not _SUFFIX.fullmatch(machine.suffix):
+        yield "suffix", machine.suffix, "a dot and letters or digits, such as .gcode"
+    known = ", ".join(SECTION_CODES)
+    for code in machine.sections:
+        if code not in SECTION_CODES:
+            yield f"sections.{code}", code, f"a DSTV code of a section: {known}"
+    if machine.layout is not None:
+        layout = machine.layout
+        for code in layout.profiles:
+            if code not in SECTION_CODES:
+                yield "layout.profiles", code, f"DSTV codes of sections: {known}"
+        if layout.max_bar is not None and layout.min_bar > layout.max_bar:
+            yield "layout.min_bar", layout.min_bar, f"at most layout.max_bar, {layout.max_bar:g}"
+    for index, pair in enumerate(machine.pairs):
+        if pair.faces[0] == pair.faces[1]:
+            yield f"pairs.{index}.faces", list(pair.faces), "two faces"
+    yield from _axis_faults(machine)
+
+
+def _axis_faults(machine: Machine) -> Iterator[NameFault]:
+    seen: set[tuple[str, int | None]] = set()
+    for index, axis in enumerate(machine.axes):
+        moved = axis.moves, axis.spindle
+        if moved in seen:
+            whose = "" if axis.spindle is None else f" of spindle {axis.spindle}"
+            yield f"axes.{index}.moves", axis.moves, f"one axis that moves {axis.moves}{whose}"
+        seen.add(moved)
