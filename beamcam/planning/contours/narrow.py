@@ -159,10 +159,11 @@ def _left(
     import numpy as np
     import shapely
 
-    piece = shapely.segmentize(piece, radius / 4)
-    mouth = _along(piece, swept)
+    # The rings by themselves: of a polygon that is not quite valid nothing would be left.
+    outline = shapely.segmentize(shapely.get_rings(piece), radius / 4)
+    mouth = _along(outline, swept)
     is_closed = mouth.is_empty  # a neck that has no width
-    corners = shapely.get_coordinates(piece)
+    corners = shapely.get_coordinates(outline)
     away = shapely.distance(shapely.points(corners), swept if is_closed else mouth)
     depth = float(away.max())
     if depth <= tolerance:
@@ -171,7 +172,7 @@ def _left(
         x, y = corners[int(np.argmin(away))].tolist()
         return Left((x, y), 0.0, depth, False)
     x, y = corners[int(np.argmax(away))].tolist()
-    walls = _segments(piece)
+    walls = _segments(outline)
     walls = walls[~shapely.dwithin(_middles(walls), mouth, tolerance)]
     merged = shapely.get_parts(shapely.line_merge(shapely.multilinestrings(walls))).tolist()
     sides = [wall for wall in merged if wall.length > radius / 4]
@@ -187,20 +188,19 @@ def _left(
     return Left(((x0 + x1) / 2, (y0 + y1) / 2), width, depth, False)
 
 
-def _along(piece: Any, edge: Any) -> Any:
-    """The stretches of a piece's own edge that lie on another one, as lines."""
+def _along(rings: Any, edge: Any) -> Any:
+    """The stretches of some rings that lie on an edge, as lines."""
     import shapely
 
-    every = _segments(piece)
+    every = _segments(rings)
     return shapely.multilinestrings(every[shapely.dwithin(_middles(every), edge, SAME_PLACE)])
 
 
-def _segments(piece: Any) -> Any:
-    """The lines that bound a piece, from corner to corner."""
+def _segments(rings: Any) -> Any:
+    """The lines of some rings, from corner to corner."""
     import numpy as np
     import shapely
 
-    rings = shapely.get_rings(shapely.get_parts(piece))
     ends, number = shapely.get_coordinates(rings, return_index=True)
     follows = number[1:] == number[:-1]
     return shapely.linestrings(np.stack((ends[:-1][follows], ends[1:][follows]), axis=1))

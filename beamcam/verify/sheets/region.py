@@ -30,6 +30,7 @@ from beamcam.verify.sheets.ways import Ways
 
 SAME_PLACE = 5e-3  #: curves as near as this are drawn twice
 SAME_POINT = 1e-6  #: of a gap, what its last digits may be
+WIDEST_LOOP = 4.0  #: gaps, corner to corner, of a ring that crosses itself by a hair
 MIN_WIDTH = 1e-3  #: half the width, on an average, of what has an inside
 #: Of a curve, where it is asked whether it lies on another; most are out after the first.
 SHARES = (0.5, 0.29, 0.71, 0.13, 0.87)
@@ -86,9 +87,7 @@ def region_of(ways: Ways, features: Counts, gap: float, fine: float) -> Region:
     apart = np.maximum(apart, np.where(closed, 0.0, _loose_ends(ways, gap)))
     apart[[k for r in again | under for k, _ in once[r]]] += gap
     wide[list(again)] = False
-    # A ring that crosses itself by a hair has a loop there, which nothing can follow.
-    crossed = np.flatnonzero(~shapely.is_valid(polygons)).tolist()
-    apart[[k for r in crossed for k, _ in once[r]]] += gap
+    apart[[k for r in _looped(polygons, gap) for k, _ in once[r]]] += gap
     once = [ring for ring, is_kept in zip(once, wide.tolist(), strict=True) if is_kept]
     polygons = polygons[wide]
     return Region(polygons, once, closed, twins, apart)
@@ -119,6 +118,18 @@ def small_ways(ways: Ways, gap: float) -> Flags:
     np.maximum.at(wide_high, group, high)
     small: Flags = np.hypot(*(wide_high - wide_low)[group].T) <= most
     return small
+
+
+def _looped(polygons: NDArray[np.object_], gap: float) -> list[int]:
+    """Rings that cross themselves by a hair and so have a loop there, which nothing can follow."""
+    alike = shapely.set_precision(polygons, SAME_POINT, mode="pointwise")
+    found = []
+    for k in np.flatnonzero(~shapely.is_valid(alike)).tolist():
+        boxes = shapely.bounds(shapely.get_parts(shapely.make_valid(polygons[k])))
+        sizes = np.hypot(*(boxes[:, 2:] - boxes[:, :2]).T)
+        if np.any((sizes > SAME_POINT) & (sizes <= WIDEST_LOOP * gap)):
+            found.append(k)
+    return found
 
 
 def _ranks(ways: Ways, own: Flags) -> Counts:

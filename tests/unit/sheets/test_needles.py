@@ -4,6 +4,7 @@ import re
 from collections.abc import Iterator
 
 import pytest
+import shapely
 from hypothesis import event, given, settings
 from hypothesis import strategies as st
 
@@ -12,6 +13,7 @@ from beamcam.geometry.curves import Bezier, Curve, Line
 from beamcam.model.part import Part
 from beamcam.pipeline import RefusedProgram, post
 from beamcam.planning.contours import kerf as kerfs
+from beamcam.planning.contours import narrow
 from beamcam.verify.sheets import verify_sheet
 from tests.unit.sheets.notches import Notch, left_at_best, left_in_program
 from tests.unit.sheets.parts import contour, drawing, lines, table
@@ -60,6 +62,28 @@ def test_a_slot_behind_a_needle_is_as_deep_as_any(part: Part, depth: float) -> N
         post((part,), MACHINE)
     (found,) = depths(refused.value.diagnostics, "plan-narrow")
     assert found == pytest.approx(depth, abs=0.01)
+
+
+def test_a_sliver_is_measured_that_shapely_makes_nothing_of() -> None:
+    """Valid, and empty once its sides are divided as a polygon."""
+    corners = [
+        (30.25, 85.9),
+        (30.25, 85.35259275292748),
+        (30.239423623278157, 85.49395489788482),
+        (30.207929987311708, 85.63216946536998),
+        (30.156220331170804, 85.76415896204792),
+        (30.08544602496808, 85.88698450236028),
+        (29.997182933386963, 85.99791124591675),
+        (29.893396327389976, 86.09446929160497),
+        (29.776397125384914, 86.1745086725476),
+        (29.394836415991552, 86.39566806461637),
+    ]
+    apex, mouth = corners[:1], shapely.LineString(corners[1:])
+    walls = shapely.LineString([corners[-1], *apex, corners[1]])
+    beam = shapely.Point(29.3, 85.35).buffer(0.01).exterior
+    left = narrow._left(shapely.Polygon(corners), mouth, beam, walls, 0.95, 0.02)
+    assert left is not None
+    assert left.depth == pytest.approx(shapely.Point(apex).distance(mouth), abs=1e-6)
 
 
 notches = st.builds(
