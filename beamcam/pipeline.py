@@ -28,6 +28,7 @@ from beamcam.errors import (
 from beamcam.machine.machine import Machine
 from beamcam.model.part import Part
 from beamcam.model.plan import Order, Plan, SheetPlan
+from beamcam.model.program import Program
 from beamcam.model.work_time import WorkTime
 from beamcam.planning.by_hand import TEXT_MOVED
 from beamcam.planning.left_out import BY_HAND, LEFT_OUT, by_hand_sources, left_out_sources, told
@@ -197,17 +198,19 @@ def post(
     strict: bool = False,
     style: str | None = None,
     stage: Stage = untold,
+    date: str = "",
 ) -> Posted:
     """The program that makes `parts` from one bar or sheet, read back and compared with them.
 
     `style` is the form of program for a controller that knows several: "chain" or "table" of
     triggers; of step tables the suffix of the output. Unless `verified` a comment in the program
-    says so. `stage` is called with each step that is done. Raises PlanError if the machine cannot
+    says so. `stage` is called with each step that is done. `date` is what `{date}` of the machine's
+    words says. Raises PlanError if the machine cannot
     make the parts, or under `strict` if there is a warning; VerifyError if
     the program would make anything else.
     """
     check_asked(job, bar, skips)  # before a text is taken for a list of letters
-    asked = Job(tuple(parts), machine, job, bar, named_skips(skips), order, turn, style)
+    asked = Job(tuple(parts), machine, job, bar, named_skips(skips), order, turn, style, date)
     stages = posting(asked, verified, strict)
     while True:
         try:
@@ -230,6 +233,8 @@ def posting(
         raise PlanError(refused)
     program = kind.motion(plan, asked.machine, asked.name)
     by_hand = sum(1 for _ in by_hand_sources(plan))
+    if asked.date and isinstance(program, Program):
+        program = replace(program, about={**program.about, "date": asked.date})
     program = kind.with_head(program, tuple(head_lines(asked, verified, by_hand)))
     yield "put in motion"
     written = kind.emit(program, asked)

@@ -40,6 +40,7 @@ class Job(Struct, frozen=True):
     order: Order = "given"
     turn: bool = False
     style: str | None = None  #: "chain" or "table" of triggers; the suffix of a step table
+    date: str = ""  #: for words of the machine; only where it is asked for
 
 
 class Request(Struct, frozen=True):

@@ -109,7 +109,12 @@ def test_post_refuses_a_head_that_says_otherwise(
 
 def test_verify_believes_the_head_unless_told_otherwise(tmp_path: Path) -> None:
     program = tmp_path / "a.gcode"
-    assert call("post", SLOT, "-o", program, "--allow-skips", "slot").exit_code == 0
+    assert (
+        call(
+            "post", SLOT, "-o", program, "--machine", "beamline", "--allow-skips", "slot"
+        ).exit_code
+        == 0
+    )
     against = ("verify", program, "--against", SLOT)
     for words in ((), ("--allow-skips", "slot")):
         done = call(*against, *words)

@@ -31,8 +31,8 @@ def test_a_bar_says_the_data_of_its_parts_once(tmp_path: Path) -> None:
              (("A", 2), ("B", 2), ("A", 2))]  # fmt: skip
     text = post(parts, on).text
     assert (
-        "(mark=A+B profile=UPN200 grade=S235JR length=2000 quantity=2 order=TEST drawing=1 phase=1)"
-        in text
+        "(mark=A+B name=a profile=UPN200 grade=S235JR length=2000 quantity=2 order=TEST "
+        "drawing=1 phase=1 date=)" in text
     )
     assert part_data(parts)["mark"] == "A+B"
 

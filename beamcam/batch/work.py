@@ -62,6 +62,7 @@ class Shop(Struct, frozen=True):
     timed: bool = True  #: whether the machine's time is worked out
     clock: Callable[[], float] | None = None
     more: tuple[Machine, ...] = ()  #: machines of either stock that are tried after the first
+    date: str = ""  #: for words of the machine
 
     @property
     def freeze(self) -> bytes:
@@ -243,7 +244,9 @@ def whole_jobs(part: Part, shop: Shop) -> Callable[[Machine], object] | None:
 
 def _planned(job: BarJob, machine: Machine, shop: Shop) -> Generator[str, None, Posted]:
     def planned(bar: float | None) -> Generator[str, None, Posted]:
-        stages = posting(Job(job.parts, machine, shop.job, bar, shop.skips), shop.read_back)
+        stages = posting(
+            Job(job.parts, machine, shop.job, bar, shop.skips, date=shop.date), shop.read_back
+        )
         next(stages)  # the plan, which is all that a bar can be too short for
         return stages
 

@@ -9,6 +9,7 @@ the configuration. An option that a configuration can set is None where it is no
 
 from collections.abc import Callable
 from contextlib import suppress
+from datetime import date
 from functools import wraps
 from math import inf, isfinite, nan
 from typing import Any
@@ -115,6 +116,28 @@ bar = click.option(
     help="Length of the bar; by default the shortest in stock, or what the parts need.",
 )  # fmt: skip
 job_name = click.option("--job", metavar="NAME", help="In the program's first line; else JOB.")
+
+
+def _day(ctx: click.Context, param: click.Parameter, value: str | None) -> str | None:
+    """A day as 2024-02-29; today's by the clock, which is looked at for nothing else."""
+    if value is None:
+        return None
+    if value == "today":
+        return date.today().isoformat()
+    try:
+        return date.fromisoformat(value).isoformat()
+    except ValueError:
+        raise click.BadParameter(
+            f"found {value!r}; expected today or a day as 2024-02-29"
+        ) from None
+
+
+job_date = click.option(
+    "--date",
+    callback=_day,
+    metavar="DAY",
+    help="For {date} in the machine's words: today, or as 2024-02-29; else empty.",
+)
 order = click.option(
     "--order",
     type=click.Choice(["given", "best"]),

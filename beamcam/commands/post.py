@@ -43,6 +43,7 @@ from beamcam.planning.stock import from_store
 @options.bar
 @quantity
 @options.job_name
+@options.job_date
 @options.skips
 @options.exit_left_out
 @options.order
@@ -121,6 +122,7 @@ def command(
                 return post(
                     each.parts, machine, job, bar, skips, not no_verify, order, turn,
                     config.strict, told, voice.did if voice.verbose else untold,
+                    asked["date"] or "",
                 )  # fmt: skip
 
             longest = max((p.length for p in each.parts), default=0.0)

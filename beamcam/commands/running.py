@@ -56,6 +56,7 @@ run_options = options.group(
     options.bar,
     quantity,
     options.job_name,
+    options.job_date,
     click.option(
         "--name", callback=_template, metavar="TEMPLATE", help='As "{mark}_{quantity}.gcode".'
     ),
@@ -110,6 +111,7 @@ def shop_of(config: Config, asked: Mapping[str, Any], timed: bool = False) -> Sh
         timed=timed,
         clock=perf_counter,
         more=(*more_bars, *more_sheets),
+        date=asked.get("date") or "",
     )
 
 

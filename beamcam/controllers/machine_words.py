@@ -47,6 +47,7 @@ _FIGURES = {
     "speed": "300", "peck": "5", "power": "1", "pierce": "0.5", "kerf": "1.5", "half_kerf": "0.75",
     "pierce_height": "4", "cut_height": "2",
     "acceleration": "100", "ratio": "0.5", "string": "A1", "face": "1",
+    "tool_name": "drill 20",
 }  # fmt: skip
 #: Where curves that begin at 0, 0 end, and what I and J are, from there as from the start.
 _CURVES = {

@@ -1,6 +1,6 @@
 """Programs of cutting tables: the machine's word templates, filled in."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from itertools import chain, count
 
 import numpy as np
@@ -16,6 +16,7 @@ from beamcam.model.program import (
     Compensate,
     EllipseFeed,
     Feed,
+    OfPart,
     Pace,
     ParabolaFeed,
     Program,
@@ -62,6 +63,7 @@ class _Writer:
         self._feed = "0"
         self._carried: tuple[str, ...] = ()  #: words of `modal` as they were written last
         self._wanted: tuple[str, ...] = ()
+        self._of_part = _texts(program.about)
 
     def blocks(self) -> list[str]:
         """All of them; what stands for one command may be several, with newlines between."""
@@ -127,12 +129,12 @@ class _Writer:
                     getattr(words, f"{command.process}_on"), feed=self._feed,
                     power=number(command.power, 3), pierce=number(command.pierce_s, 3),
                     pierce_height=number(command.pierce_height, 3),
-                    cut_height=number(command.cut_height, 3),
+                    cut_height=number(command.cut_height, 3), **self._of_part,
                 )  # fmt: skip
             case Pace(feed_mm_min):
                 self._want(feed_mm_min)
             case ToolOff():
-                return _filled(getattr(words, f"{command.process}_off"))
+                return _filled(getattr(words, f"{command.process}_off"), **self._of_part)
             case ParabolaFeed() | EllipseFeed():
                 return [self._move("\n".join(self._curve(command)))]
             case Compensate():
@@ -144,9 +146,9 @@ class _Writer:
             case Comment():
                 return [words.comment.format(text=comment_text(command.text))]
             case StartSheet():
-                about = {**dict.fromkeys(PART_DATA, ""), **self._program.about}
-                texts = {name: comment_text(text) for name, text in about.items()}
-                return _filled(words.header, job=comment_text(self._program.job), **texts)
+                return _filled(words.header, job=comment_text(self._program.job), **self._of_part)
+            case OfPart():
+                self._of_part = _texts({**self._program.about, **command.about})
         return []
 
     def _curve(self, command: ParabolaFeed | EllipseFeed) -> list[str]:
@@ -160,6 +162,12 @@ class _Writer:
             angle=number(command.angle, form.angle_decimals),
             ratio=number(command.ratio, RATIO_DECIMALS), **values,
         )  # fmt: skip
+
+
+def _texts(about: Mapping[str, str]) -> dict[str, str]:
+    """What is known of a part, and nothing for what is not."""
+    known = {name: comment_text(text) for name, text in about.items()}
+    return {**dict.fromkeys(PART_DATA, ""), **known}
 
 
 def _filled(template: tuple[str, ...], **values: str) -> list[str]:

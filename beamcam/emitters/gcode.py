@@ -1,6 +1,6 @@
 """G-code of a saw and drilling line: the machine's word templates, filled in and numbered."""
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 
 from beamcam.emitters.numbers import number
 from beamcam.machine.machine import Machine, NumberFormat
@@ -11,6 +11,7 @@ from beamcam.model.program import (
     ChangeTool,
     Comment,
     DrillCycle,
+    OfPart,
     PathCycle,
     PathPoint,
     Program,
@@ -51,24 +52,27 @@ def _blocks(program: Program, machine: Machine) -> Iterator[str]:
     words, form = machine.words, machine.format
     numbers = tool_numbers(machine.tools)
     strokes: dict[SpindleStroke, Values] = {}  #: most strokes are like one before, at another X
-    started = False
+    started, of_part = False, _texts(program.about)
     for command in program.commands:
         match command:
             case DrillCycle(stroke=stroke):
                 if stroke not in strokes:
                     strokes[stroke] = _stroke_values(stroke, form, numbers)
                 x = number(command.x, form.length_decimals)
-                yield _filled(getattr(words, stroke.kind), {**strokes[stroke], "x": x})
+                yield _filled(getattr(words, stroke.kind), {**of_part, **strokes[stroke], "x": x})
             case SawStroke() if words.saw:
-                yield _cut(command, words, form)
+                yield _cut(command, words, form, of_part)
             case StartBar():
                 started = True
                 if words.header:
                     yield _header(program, command, words, form)
+            case OfPart():
+                of_part = _texts({**program.about, **command.about})
             case PathCycle():
-                yield from _path_blocks(command, words, form, numbers)
+                yield from _path_blocks(command, words, form, numbers, of_part)
             case TellText():
-                yield _filled(getattr(words, command.kind), _text_values(command, form))
+                values = {**of_part, **_text_values(command, form)}
+                yield _filled(getattr(words, command.kind), values)
             case ChangeTool() if words.change:
                 yield _change(command, words)
             case Comment():
@@ -80,8 +84,7 @@ def _blocks(program: Program, machine: Machine) -> Iterator[str]:
 def _header(program: Program, command: StartBar, words: Words, form: NumberFormat) -> str:
     """The text before the work."""
     values = {
-        **dict.fromkeys(PART_DATA, ""),
-        **{name: comment_text(text) for name, text in program.about.items()},
+        **_texts(program.about),
         "job": comment_text(program.job),
         "section": str(command.section),
         "width": number(command.width, form.length_decimals),
@@ -90,9 +93,16 @@ def _header(program: Program, command: StartBar, words: Words, form: NumberForma
     return _filled(words.header, values)
 
 
-def _cut(command: SawStroke, words: Words, form: NumberFormat) -> str:
+def _texts(about: Mapping[str, str]) -> Values:
+    """What is known of a part, and nothing for what is not."""
+    known = {name: comment_text(text) for name, text in about.items()}
+    return {**dict.fromkeys(PART_DATA, ""), **known}
+
+
+def _cut(command: SawStroke, words: Words, form: NumberFormat, of_part: Values) -> str:
     """The text of a cut."""
-    return _filled(words.saw, _cut_values(command, number(command.x, form.length_decimals), form))
+    values = _cut_values(command, number(command.x, form.length_decimals), form)
+    return _filled(words.saw, {**of_part, **values})
 
 
 def _change(command: ChangeTool, words: Words) -> str:
@@ -134,6 +144,8 @@ def _stroke_values(stroke: SpindleStroke, form: NumberFormat, numbers: ToolNumbe
     return {
         **_place_values(stroke, form),
         "tool": _tool(stroke.kind, stroke.diameter, numbers),
+        "tool_name": comment_text(stroke.tool_name),
+        "station": str(stroke.station),
         "spindle": str(stroke.spindle),
         "diameter": number(stroke.diameter, 3),
         "feed": _feed(stroke.feed_mm_min, form),
@@ -150,13 +162,16 @@ def _tool(kind: str, diameter: float, numbers: ToolNumbers) -> str:
 
 
 def _path_blocks(
-    command: PathCycle, words: Words, form: NumberFormat, numbers: ToolNumbers
+    command: PathCycle, words: Words, form: NumberFormat, numbers: ToolNumbers, of_part: Values
 ) -> Iterator[str]:
     """The words of a mill or scribe: down at the first point, to each other one, and up."""
     down, along, up = (getattr(words, command.kind + end) for end in ("", "_to", "_end"))
     values = {
+        **of_part,
         "spindle": str(command.spindle),
         "tool": _tool(command.kind, command.diameter, numbers),
+        "tool_name": comment_text(command.tool_name),
+        "station": str(command.station),
         "diameter": number(command.diameter, 3),
         "feed": _feed(command.feed_mm_min, form),
         "speed": number(command.speed_rpm, 0),

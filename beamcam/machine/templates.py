@@ -7,10 +7,11 @@ from string import Formatter
 from beamcam.conversion import nearest
 from beamcam.machine.faults import Fault
 from beamcam.machine.machine import Machine
-from beamcam.machine.words import WORD_NAMES
+from beamcam.machine.words import PART_NAMES, WORD_NAMES
 
 #: How a value may be set in a template; a greater width would fill the memory with blanks.
 _FIELD_FORM = re.compile(r"[^{}]?[<>^]?[0-9]{0,2}")
+_COMMENT = re.compile(r"\([^()]*\)")
 #: What the head of a sheet's program cannot say.
 _OF_BARS = frozenset({"section", "width", "height"})
 
@@ -27,6 +28,15 @@ def template_faults(machine: Machine) -> Iterator[Fault]:
         for line in (template,) if isinstance(template, str) else template:
             for found, expected in _line_faults(line, names):
                 yield f"words.{key}", found, expected
+            if machine.stock == "sheet" and key != "header":
+                yield from _outside_comments(f"words.{key}", line)
+
+
+def _outside_comments(key: str, line: str) -> Iterator[Fault]:
+    """Data of a part that would be a figure of a table's program: nothing says which is right."""
+    for _, name, _, _ in Formatter().parse(_COMMENT.sub("", line)):
+        if name in PART_NAMES:
+            yield key, "{" + name + "}", "it in a comment, between ( and )"
 
 
 def _line_faults(line: str, names: frozenset[str]) -> Iterator[tuple[str, str]]:

@@ -1,5 +1,8 @@
 """The templates of a program's blocks, and what each may name in braces."""
 
+import re
+from collections.abc import Iterable
+
 from beamcam.conversion import Keys
 
 
@@ -43,40 +46,47 @@ class Words(Keys, frozen=True):
     modal: tuple[str, ...] = ()  #: words of a move, each written when its value changes
 
 
-_STROKE_NAMES = frozenset(
+#: What is known of the part that work is on, and of the job.
+PART_NAMES = frozenset(
     {
-        "spindle", "tool", "diameter", "x", "y", "z", "near_y", "near_z", "bottom_y", "bottom_z",
-        "feed", "speed",
+        "mark", "name", "profile", "grade", "length", "quantity", "order", "drawing", "phase",
+        "date",
+    }
+)  # fmt: skip
+#: Templates of work on a part, in which `PART_NAMES` may stand besides the header.
+WORK_WORDS = (
+    "saw", "drill", "tap", "countersink", "punch", "mill", "mill_to", "mill_end", "scribe",
+    "scribe_to", "scribe_end", "stamp", "printer", "cut_on", "cut_off", "mark_on", "mark_off",
+    "engrave_on", "engrave_off",
+)  # fmt: skip
+
+
+def names_in(words: Words, templates: Iterable[str]) -> frozenset[str]:
+    """The names in braces that some templates carry."""
+    lines = (line for template in templates for line in getattr(words, template))
+    return frozenset(name for line in lines for name in _IN_BRACES.findall(line))
+
+
+_IN_BRACES = re.compile(r"\{(\w+)")
+_STROKE_NAMES = PART_NAMES | frozenset(
+    {
+        "spindle", "tool", "tool_name", "station", "diameter", "x", "y", "z", "near_y", "near_z",
+        "bottom_y", "bottom_z", "feed", "speed",
     }
 )  # fmt: skip
 
-_TEXT_NAMES = frozenset({"string", "x", "y", "height", "angle", "face"})
+_TEXT_NAMES = PART_NAMES | frozenset({"string", "x", "y", "height", "angle", "face"})
 _TO_NAMES = frozenset({"x", "y", "feed"})
 _ARC_NAMES = _TO_NAMES | {"i", "j"}
 _ELLIPSE_NAMES = _ARC_NAMES | {"angle", "ratio"}
-_TORCH_NAMES = frozenset({"power", "pierce", "feed", "pierce_height", "cut_height"})
+_TORCH_NAMES = PART_NAMES | frozenset({"power", "pierce", "feed", "pierce_height", "cut_height"})
 _SIDE_NAMES = frozenset({"kerf", "half_kerf"})
 
 #: What each template of `Words` may name.
 WORD_NAMES: dict[str, frozenset[str]] = {
-    "header": frozenset(
-        {
-            "job",
-            "section",
-            "width",
-            "height",
-            "mark",
-            "profile",
-            "grade",
-            "length",
-            "quantity",
-            "order",
-            "drawing",
-            "phase",
-        }
-    ),
+    "header": PART_NAMES | {"job", "section", "width", "height"},
     "footer": frozenset(),
-    "saw": frozenset({"x", "angle", "tilt", "feed"}),
+    "saw": PART_NAMES | frozenset({"x", "angle", "tilt", "feed"}),
     "drill": _STROKE_NAMES | {"peck"},
     "tap": _STROKE_NAMES | {"pitch"},
     "countersink": _STROKE_NAMES,
@@ -98,11 +108,11 @@ WORD_NAMES: dict[str, frozenset[str]] = {
     "ellipse_cw": _ELLIPSE_NAMES,
     "ellipse_ccw": _ELLIPSE_NAMES,
     "cut_on": _TORCH_NAMES,
-    "cut_off": frozenset(),
+    "cut_off": PART_NAMES,
     "mark_on": _TORCH_NAMES,
-    "mark_off": frozenset(),
+    "mark_off": PART_NAMES,
     "engrave_on": _TORCH_NAMES,
-    "engrave_off": frozenset(),
+    "engrave_off": PART_NAMES,
     "left": _SIDE_NAMES,
     "right": _SIDE_NAMES,
     "straight": frozenset(),

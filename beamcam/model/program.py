@@ -43,6 +43,8 @@ class SpindleStroke(Struct, frozen=True, cache_hash=True):
     kind: Literal["drill", "tap", "countersink", "punch"] = "drill"
     pitch: float = 0.0  #: of a tap
     peck: float = 0.0  #: depth fed at a time; 0 to the bottom at once
+    tool_name: str = ""
+    station: int = 0  #: from 1; 0 where the machine's words do not say it
 
 
 class DrillCycle(Struct, frozen=True):
@@ -72,6 +74,14 @@ class PathCycle(Struct, frozen=True):
     feed_mm_min: float
     speed_rpm: float
     source: Source
+    tool_name: str = ""
+    station: int = 0
+
+
+class OfPart(Struct, frozen=True):
+    """The work that follows is on this part; where the machine's words say anything of it."""
+
+    about: Mapping[str, str]  #: by the names of `part_data.PART_DATA`
 
 
 class TellText(Struct, frozen=True):
@@ -186,7 +196,7 @@ class EllipseFeed(NamedTuple):
 
 Movement = Feed | ArcFeed | ParabolaFeed | EllipseFeed
 Command = (
-    StartBar | SawStroke | DrillCycle | PathCycle | TellText | ChangeTool | Comment
+    StartBar | OfPart | SawStroke | DrillCycle | PathCycle | TellText | ChangeTool | Comment
     | StartSheet | ToolOn | ToolOff | Pace | Compensate | Traverse | Movement
 )  # fmt: skip
 

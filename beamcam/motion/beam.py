@@ -10,6 +10,7 @@ from beamcam.machine.absent import drill_of, saw_of
 from beamcam.machine.cutting import speed_and_feed
 from beamcam.machine.drill import Axis, Drill
 from beamcam.machine.machine import Machine
+from beamcam.machine.words import PART_NAMES, WORK_WORDS, names_in
 from beamcam.model.part import Profile
 from beamcam.model.part_data import part_data
 from beamcam.model.plan import AS_GIVEN, DrillOp, PathOp, Plan, SawOp, SpindleOp, TextOp, ToolLoad
@@ -18,6 +19,7 @@ from beamcam.model.program import (
     Command,
     Comment,
     DrillCycle,
+    OfPart,
     PathCycle,
     PathPoint,
     Program,
@@ -27,6 +29,7 @@ from beamcam.model.program import (
     TellText,
 )
 from beamcam.model.stroke import Stroke, Strokes
+from beamcam.motion.stations import stations_of
 
 
 class Section(Struct, frozen=True):
@@ -66,7 +69,15 @@ def _commands(plan: Plan, machine: Machine) -> Iterator[Command]:
             yield Comment(f"part {index + 1}, {piece.part.mark}: {piece.turn}")
     section = _section_of(profile, machine)
     waiting = list(plan.reloads)
+    said = names_in(machine.words, WORK_WORDS)
+    stations = [*stations_of(plan, machine)] if "station" in said else None
+    worked: int | None = None  #: piece of the last operation
     for index, op in enumerate(plan.operations):
+        on = op.pieces[0] if isinstance(op, SawOp) else op.features[0][0]
+        if on != worked and said & PART_NAMES:
+            yield OfPart(part_data([plan.pieces[on].part]))
+            worked = on
+        station = 0 if stations is None else stations[index]
         while waiting and waiting[0].before == index:
             yield from _change(waiting.pop(0))
         if isinstance(op, SawOp):
@@ -80,9 +91,9 @@ def _commands(plan: Plan, machine: Machine) -> Iterator[Command]:
             continue
         grade = plan.pieces[op.features[0][0]].part.grade
         if isinstance(op, PathOp):
-            yield _path_cycle(op, section.strokes, *speed_and_feed(op.tool, drill, grade))
+            yield _path_cycle(op, section.strokes, *speed_and_feed(op.tool, drill, grade), station)
         else:
-            yield DrillCycle(op.x, _stroke(op, section, drill, grade), op.source)
+            yield DrillCycle(op.x, _stroke(op, section, drill, grade, station), op.source)
 
 
 def _change(load: ToolLoad) -> Iterator[Command]:
@@ -93,9 +104,9 @@ def _change(load: ToolLoad) -> Iterator[Command]:
     yield ChangeTool(load.number, load.station, load.tool.diameter, text)
 
 
-def _stroke(op: DrillOp, section: Section, drill: Drill, grade: str) -> SpindleStroke:
+def _stroke(op: DrillOp, section: Section, drill: Drill, grade: str, station: int) -> SpindleStroke:
     """The stroke of an operation; most are like one before, at another X."""
-    key = grade, op.spindle, op.tool, op.faces, op.y, op.depth
+    key = grade, op.spindle, op.tool, op.faces, op.y, op.depth, station
     known = section.made.get(key)
     if known is not None:
         return known
@@ -112,11 +123,15 @@ def _stroke(op: DrillOp, section: Section, drill: Drill, grade: str) -> SpindleS
         cast("str", op.tool.kind),  # type: ignore[arg-type]
         op.tool.pitch,
         op.tool.max_peck,
+        op.tool.name,
+        station,
     )
     return section.made.keep(key, stroke)
 
 
-def _path_cycle(op: PathOp, strokes: Strokes, speed_rpm: float, feed_mm_min: float) -> PathCycle:
+def _path_cycle(
+    op: PathOp, strokes: Strokes, speed_rpm: float, feed_mm_min: float, station: int
+) -> PathCycle:
     points = tuple(_point(op, strokes, x, y) for x, y in op.path)
     return PathCycle(
         "mill" if op.tool.kind == "mill" else "scribe",
@@ -126,6 +141,8 @@ def _path_cycle(op: PathOp, strokes: Strokes, speed_rpm: float, feed_mm_min: flo
         feed_mm_min,
         speed_rpm,
         op.source,
+        op.tool.name,
+        station,
     )
 
 

@@ -12,7 +12,7 @@ from beamcam.geometry.curves import Arc, Curve, EllipseArc, Line, bezier_pieces
 from beamcam.geometry.plane import Point
 from beamcam.machine.machine import Machine
 from beamcam.machine.path_limits import path_limits
-from beamcam.machine.words import Words
+from beamcam.machine.words import PART_NAMES, WORK_WORDS, Words, names_in
 from beamcam.model.part_data import part_data
 from beamcam.model.plan import ContourOp, SheetPlan
 from beamcam.model.program import (
@@ -20,6 +20,7 @@ from beamcam.model.program import (
     Comment,
     Compensate,
     Movement,
+    OfPart,
     Program,
     StartSheet,
     ToolOff,
@@ -44,7 +45,10 @@ def sheet_program(plan: SheetPlan, machine: Machine, job: str) -> Program:
     passes = [one for op in plan.operations for one in op.passes]
     paths = pen.along([(*p.lead_in, *p.curves, *p.lead_out) for p in passes])
     commands: list[Command] = [StartSheet(plan.thickness), *map(Comment, plan.notes)]
+    tells = len(plan.pieces) > 1 and names_in(machine.words, WORK_WORDS) & PART_NAMES
     for op in plan.operations:
+        if tells:
+            commands.append(OfPart(part_data([plan.pieces[op.features[0][0]].part])))
         for _ in op.passes:
             commands += _pass(op, next(paths), pen)
     return Program(job, tuple(commands), part_data([piece.part for piece in plan.pieces]))

@@ -54,6 +54,7 @@ class CellState:
         self.section: dict[str, float] = {}
         self.order: list[Thing] = []
         self.tools: list[Chosen | Changed] = []
+        self.held: dict[tuple[int, float], tuple[str, float]] = {}  #: by spindle and station
         self.choice: Choice | None = None
         self.diameter = 0.0
         self.cycle = _NO_CYCLE  #: of the tool that is chosen
@@ -214,7 +215,21 @@ class CellState:
             numbers = ", ".join(str(n) for n in self.choices)
             self.say(WORD, switch.line, found=f"spindle {number:g}", expected=f"one of {numbers}")
             return
-        self.tools.append(Chosen(switch.line, self.choice.number, (self.cycle.kind, self.diameter)))
+        tool = self.cycle.kind, self.diameter
+        self.tools.append(Chosen(switch.line, self.choice.number, tool))
+        if "station" in values:
+            self._take_station(switch.line, self.choice.stations[0].number, values["station"])
+
+    def _take_station(self, line: int, spindle: int, station: float) -> None:
+        """The station that the tool is said to stand in: one of the spindle's, no other tool's."""
+        count = next((s.stations for s in self.machine.spindles if s.number == spindle), 1)
+        kind, size = self.held.setdefault((spindle, station), (self.cycle.kind, self.diameter))
+        expected = f"the {kind} {size:g} that stands there"
+        if station not in range(1, count + 1):
+            expected = f"a station from 1 to {count}"
+        elif (kind, size) == (self.cycle.kind, self.diameter):
+            return
+        self.say(WORD, line, found=f"{self.tool} in station {station:g}", expected=expected)
 
     def _take_numbered(self, line: int, values: Values) -> None:
         """The tool that a number means, which has to be of the size that is said beside it."""
@@ -233,6 +248,11 @@ class CellState:
         self.at_rest(switch.line, "a manual tool change")
         spindle, diameter = values.get("spindle"), values.get("diameter")
         size = None if diameter is None else self.dialect.size(diameter)
+        station = values.get("station")
+        self.held = {
+            (number, at): tool for (number, at), tool in self.held.items()
+            if spindle not in (None, number) or station not in (None, at)
+        }  # fmt: skip
         self.tools.append(Changed(switch.line, None if spindle is None else int(spindle), size))
 
     def _check_magazines(self) -> None:
@@ -375,7 +395,5 @@ class CellState:
         )  # fmt: skip
 
     def sideways(self, line: int, what: str, station: Station, at: float) -> None:
-        self.say(
-            rules.SIDEWAYS, line, found=what, face=station.face,
-            axis=AXES[station.stroke], at=f"{at:g}",
-        )  # fmt: skip
+        axis = AXES[station.stroke]
+        self.say(rules.SIDEWAYS, line, found=what, face=station.face, axis=axis, at=f"{at:g}")

@@ -25,6 +25,7 @@ from beamcam.errors import Diagnostic, Rule, Source
 from beamcam.geometry.array_types import Counts
 from beamcam.machine.machine import Machine
 from beamcam.machine.torch import Torch, TorchProcess, TorchRow
+from beamcam.model.part_data import PART_DATA
 from beamcam.verify.sheets import rules
 from beamcam.verify.sheets.ability import expected_feeds, told_limits
 
@@ -295,6 +296,7 @@ def _words_of(row: TorchRow, machine: Machine, parse: Callable[[str], list[Table
                 feed="1",
                 pierce_height=f"{row.pierce_height:.3f}",
                 cut_height=f"{row.cut_height:.3f}",
+                **PART_DATA,  # in comments only, as the machine's file is checked
             )
             for line in template
         ]
