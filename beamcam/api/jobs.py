@@ -245,21 +245,25 @@ def post(
     strict: bool = False,
     read_back: bool = True,
     from_operation: int | None = None,
+    date: str = "",
 ) -> Posted:
     """The program that makes `parts` from one bar: its `text`, the `plan`, and `remarks`.
 
     `order`, `turn` and `strict` as of `plan`; `style` is "chain" or "table" of triggers, of step
     tables the suffix of their form. `from_operation` gives the remainder of the program only, from
-    that operation of the plan on. It was read back and compared with the parts, unless `read_back`
-    is False, which the program then says. Raises PlanError, MachineError, and VerifyError for a
-    program that would make anything else.
+    that operation of the plan on; `date` is what `{date}` of the machine's words says. It was read
+    back and compared with the parts, unless `read_back` is False, which the program then says.
+    Raises PlanError, MachineError, and VerifyError for a program that would make anything else.
     """
     check_flags(read_back=read_back, turn=turn, strict=strict)
     check_asked(job, bar, skips)
     loaded, wanted = machine_of(machine), parts_asked(parts)
     check_choice("order", order, get_args(Order))
     check_style(style, loaded)
-    posted = post_bar(wanted, loaded, job, bar, skips, read_back, order, turn, strict, style)
+    check_text("date", date)
+    posted = post_bar(
+        wanted, loaded, job, bar, skips, read_back, order, turn, strict, style, date=date
+    )
     if from_operation is None:
         return posted
     from beamcam.remainder import rest_of
