@@ -113,5 +113,5 @@ class Torch(Keys, frozen=True):
     def area(self) -> tuple[float, float, float, float]:
         """Work area of the head: minimum X and Y, maximum X and Y."""
         u, v = ORIGINS.get(self.origin, (0.0, 0.0))
-        x, y = -u * self.length, -v * self.width
+        x, y = 0.0 - u * self.length, 0.0 - v * self.width  # never -0, which would be shown
         return x, y, x + self.length, y + self.width
