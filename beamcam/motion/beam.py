@@ -39,11 +39,9 @@ class Section(Struct, frozen=True):
     made: BoundedCache[tuple[object, ...], SpindleStroke]  #: by the steel's grade and the operation
 
 
-def _no_sections(machine: Machine) -> BoundedCache[Profile, Section]:
-    return BoundedCache("motion.sections")
-
-
-_sections_of = PerObject("motion.machines", _no_sections)
+_sections_of: PerObject[Machine, BoundedCache[Profile, Section]] = PerObject(
+    "motion.machines", lambda _: BoundedCache("motion.sections")
+)
 
 
 def _section_of(profile: Profile, machine: Machine) -> Section:

@@ -18,7 +18,7 @@ from beamcam.planning.operations.saw_cut import cuts_of
 from beamcam.planning.operations.work import Work, spindle_operations, work_on
 from beamcam.planning.order import sort_along_x
 from beamcam.planning.times import time_of
-from beamcam.planning.turning import TURNS, Turn, lies, turn_between, turned
+from beamcam.planning.turning import TURNS, Turn, alike, lies, turned
 
 MIN_GAIN_S = 1.0  #: a turn that gains less is not worth the lifting
 
@@ -49,7 +49,7 @@ def try_turns(part: Part, line: Line, skips: Collection[str]) -> tuple[Trial, ..
             trials.append(Trial(turn, part, None, because))
             continue
         lying = turned(part, turn)
-        same = next((t for t in trials if t.seconds is not None and _is_same(t.part, lying)), None)
+        same = next((t for t in trials if t.seconds is not None and alike(t.part, lying)), None)
         if same is not None:
             trials.append(Trial(turn, lying, None, f"no different from {same.turn.name!r}"))
             continue
@@ -65,12 +65,6 @@ def try_turns(part: Part, line: Line, skips: Collection[str]) -> tuple[Trial, ..
 
 
 SKIP_WEIGHT_S = 1e6  #: so that an orientation that leaves nothing out is always preferred
-
-
-def _is_same(a: Part, b: Part) -> bool:
-    """Whether two parts are equal and have the same orientation."""
-    found = turn_between(a, b)
-    return found is not None and found.name == AS_GIVEN
 
 
 def _seconds(part: Part, work: Work, line: Line) -> float:

@@ -20,6 +20,7 @@ from msgspec import Struct
 from msgspec.structs import replace
 
 from beamcam.geometry.curves import Matrix, Point
+from beamcam.geometry.plane import mapped
 from beamcam.model.part import (
     Bend,
     Camber,
@@ -118,16 +119,11 @@ def turned(part: Part, turn: Turn) -> Part:
     )
 
 
-def turn_between(part: Part, other: Part, tolerance: float = 1e-6) -> Turn | None:
-    """The turn that makes `part` the same piece of steel as `other`; None if there is none.
+def alike(a: Part, b: Part, tolerance: float = 1e-6) -> bool:
+    """Whether two parts are the same piece of steel in the same orientation.
 
-    Only what is made counts: length, section, end cuts and features, in any order. Parts that
-    are mirror images of each other have no such turn, unless they are symmetrical.
+    Only what is made counts: length, section, end cuts and features, in any order.
     """
-    return next((t for t in TURNS if _alike(turned(part, t), other, tolerance)), None)
-
-
-def _alike(a: Part, b: Part, tolerance: float) -> bool:
     if a.profile.code != b.profile.code or len(a.features) != len(b.features):
         return False
     mine, theirs = _figures(a), _figures(b)
@@ -278,7 +274,7 @@ class _Mapper:
                     face=face,
                     curves=tuple(curve.transformed(matrix) for curve in feature.curves),
                     notches=tuple(
-                        replace(n, corner=_mapped(matrix, n.corner)) for n in feature.notches
+                        replace(n, corner=mapped(matrix, n.corner)) for n in feature.notches
                     ),
                     edge=self._edge(feature),
                 )
@@ -286,7 +282,7 @@ class _Mapper:
                 # Both ends of the line are on face v, or h once it lies upside down.
                 _, matrix = self._on("v")
                 sign = -1.0 if self._turn.reverse_z else 1.0
-                ends = (_mapped(matrix, p) for p in (feature.start, feature.end))
+                ends = (mapped(matrix, p) for p in (feature.start, feature.end))
                 start, end = ends
                 return replace(feature, start=start, end=end, angle=sign * feature.angle)
             case EndPlane():
@@ -309,7 +305,7 @@ class _Mapper:
 
     def _place(self, face: Face, x: float, y: float) -> tuple[Face, Point]:
         to, matrix = self._on(face)
-        return to, _mapped(matrix, (x, y))
+        return to, mapped(matrix, (x, y))
 
     def _angle(self, face: Face, angle: float) -> float:
         """An angle in the face's numbers."""
@@ -322,8 +318,3 @@ class _Mapper:
         """The edge that rolling tolerances count from, seen in the face's numbers."""
         _, (_, (_, across, _)) = self._on(feature.face)
         return {"u": "o", "o": "u"}.get(feature.edge, feature.edge) if across < 0 else feature.edge
-
-
-def _mapped(matrix: Matrix, point: Point) -> Point:
-    (a, _, c), (_, e, f) = matrix
-    return a * point[0] + c, e * point[1] + f

@@ -31,7 +31,7 @@ from beamcam.model.plan import DrillOp, PathOp, SawOp
 from beamcam.planning.beam import plan_bar
 from beamcam.planning.operations.ends import ends_of
 from beamcam.planning.rules import SKIP_NAMES
-from beamcam.planning.turning import TURNS, Turn, lies, turn_between, turned
+from beamcam.planning.turning import TURNS, Turn, alike, lies, turned
 
 SOURCE = Source("a.nc1", 1)
 PROFILES = {
@@ -43,6 +43,14 @@ PROFILES = {
 }
 CODES = st.sampled_from(sorted(PROFILES))
 FACES = st.sampled_from(("v", "o", "u", "h"))
+
+
+def turn_between(part, other):
+    """The turn that makes `part` the same piece of steel as `other`; None if there is none.
+
+    Parts that are mirror images of each other have no such turn, unless they are symmetrical.
+    """
+    return next((t for t in TURNS if alike(turned(part, t), other)), None)
 
 
 @st.composite

@@ -7,9 +7,8 @@ from msgspec.structs import replace
 from beamcam.errors import PlanError
 from beamcam.machine import load
 from beamcam.model.part import EndCuts, Hole, Part
-from beamcam.model.plan import AS_GIVEN
 from beamcam.pipeline import post
-from beamcam.planning.turning import TURNS, lies, turn_between, turned
+from beamcam.planning.turning import TURNS, alike, lies, turned
 from beamcam.verify.bars import verify
 from beamcam.verify.bars.turned import ROTATIONS, rotated, standing
 from tests.strategies import CHANNEL, SOURCE, parts
@@ -18,8 +17,7 @@ MACHINE = load("beamline")
 
 
 def same(one: Part, other: Part) -> bool:
-    turn = turn_between(one, other)
-    return turn is not None and turn.name == AS_GIVEN
+    return alike(one, other)
 
 
 def determinant(rows: tuple[tuple[float, ...], ...]) -> float:

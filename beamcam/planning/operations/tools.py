@@ -128,16 +128,12 @@ class Rack:
         return max((t.diameter for t in self.of_kind("drill", faces)), default=0.0)
 
 
-def rack_of(machine: Machine) -> Rack:
-    """The tools of a machine; none of one that does not drill."""
-    return _racks(machine)
-
-
 def _rack(machine: Machine) -> Rack:
     return Rack(machine.tools, drill_of(machine))
 
 
-_racks = PerObject("planning.rack", _rack)
+#: The tools of a machine; none of one that does not drill.
+rack_of = PerObject("planning.rack", _rack)
 
 
 def _tools(tools: ToolSet) -> Iterable[Tool]:

@@ -61,17 +61,13 @@ class _Known:
 
     def choices(self, profile: Profile | None) -> dict[int, Choice]:
         """The stations of each spindle number on a section."""
-        known = self._choices.get(profile)
-        if known is not None:
-            return known
-        return self._choices.keep(profile, choices_of(self.machine, profile))
+        known = self._choices
+        return known.get(profile) or known.keep(profile, choices_of(self.machine, profile))
 
     def data(self, grades: tuple[str, ...] | None) -> CuttingData:
         """The cutting data for steel of some grades."""
-        known = self._data.get(grades)
-        if known is not None:
-            return known
-        return self._data.keep(grades, CuttingData(self.machine, self.shop.drill, grades))
+        known, drill = self._data, self.shop.drill
+        return known.get(grades) or known.keep(grades, CuttingData(self.machine, drill, grades))
 
 
 _known_of = PerObject("verify.machines", _Known)
