@@ -26,6 +26,7 @@ STEP = 0.1  #: mm that places and heights of moved texts are rounded to
 FINEST = 0.25  #: mm, half the side of the smallest square that is looked at
 MOST_SQUARES = 10_000  #: of a face that are looked at for all of its texts
 SAGITTA = 0.005  #: mm by which chords of an edge are off it at most
+WIDEST = 20_000.0  #: mm of a face or radius of a hole; of larger ones chords are longer
 RUN = 16  #: chords that stand together in the index of edges
 BETWEEN = 0.1  #: mm from the box of one text to that of another, both where the part has them
 BESIDE = 1.0  #: mm from other texts to one that is moved, if so much is kept from edges
@@ -79,6 +80,7 @@ class Room:
         #: Of boxes by their shape at height 1: the least height for which there is no place. Texts
         #: are only added, so that none comes free later.
         self.without_place: dict[object, float] = {}
+        self._extent = max(box[2] - box[0], box[3] - box[1])
         self._chains: list[Floats] = []
         self._texts: list[Placed] = []
         self._index: _Edges | None = None
@@ -87,7 +89,7 @@ class Room:
         """Take the curves of an edge or a hole; they close."""
         from beamcam.geometry.polylines import polylines
 
-        drawn = polylines(curves, SAGITTA)
+        drawn = polylines(curves, SAGITTA * max(1.0, self._extent / WIDEST))
         self._chains += (drawn.points[a:b] for a, b in pairwise(drawn.begins.tolist()))
 
     def bound(self, corners: Sequence[Point]) -> None:
@@ -100,8 +102,9 @@ class Room:
         """Take a round hole."""
         import shapely
 
-        segments = ceil(pi / 4 / acos(max(0.5, 1.0 - SAGITTA / radius))) if radius > 0.0 else 1
-        disc = shapely.Point(centre).buffer(max(radius, SAGITTA), quad_segs=segments)
+        radius = max(radius, SAGITTA)
+        segments = ceil(pi / 4 / acos(max(0.5, 1.0 - SAGITTA / min(radius, WIDEST))))
+        disc = shapely.Point(centre).buffer(radius, quad_segs=segments)
         self._chains.append(shapely.get_coordinates(disc))
 
     def take(self, box: Placed) -> None:

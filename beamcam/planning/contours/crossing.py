@@ -24,6 +24,7 @@ FINE_SHARE = 0.02
 
 #: Segments that one of a contour meets, itself and its neighbours among them, on an average.
 MAX_MEETINGS = 12
+GRID = 1e-6  #: mm, on which a ring is taken apart where it meets itself
 MAX_ASKED = 1000  #: segments of which the meetings are counted
 SHOWN = 20  #: crossings are named one by one up to so many
 
@@ -133,14 +134,18 @@ def _crosses_itself(ring: Any, tolerance: float, gap: float) -> Point | None:
 
     Where it crosses there is a loop that it goes round the wrong way, or more than once. A loop
     thinner than what counts as touching is none, nor is one no larger than twice the `gap` that
-    was closed between two ends.
+    was closed between two ends. The ring is taken apart on a fine grid, on which a stretch that is
+    followed many times over comes out once; exactly that takes minutes, or fails.
     """
     import numpy as np
     import shapely
 
     edge = shapely.get_exterior_ring(ring)
-    faces = shapely.get_parts(shapely.polygonize([shapely.node(edge)]))
+    noded = shapely.unary_union(edge, grid_size=GRID)
+    faces = shapely.get_parts(shapely.polygonize([noded]))
     corners = shapely.get_coordinates(edge)
+    if not len(faces):
+        return None
     turns = _turns(corners, shapely.get_coordinates(shapely.point_on_surface(faces)))
     right = int(np.sign(signed_areas(np.array([ring]))[0]))
     low, high = shapely.bounds(faces)[:, :2], shapely.bounds(faces)[:, 2:]
@@ -150,7 +155,8 @@ def _crosses_itself(ring: Any, tolerance: float, gap: float) -> Point | None:
     if not len(wrong):
         return None
     points = shapely.get_coordinates(faces[wrong[0]])
-    own = np.isin(points.view(np.complex128), corners.view(np.complex128)).ravel()
+    cells = (np.round(some / (4 * GRID)).view(np.complex128) for some in (points, corners))
+    own = np.isin(*cells).ravel()
     x, y = points[int(np.argmin(own))].tolist()
     return x, y
 
