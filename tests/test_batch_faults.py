@@ -301,7 +301,9 @@ def test_a_worker_that_dies_is_told_for_its_file(
     said = tmp_path / "r.json"
     result = batch(tmp_path / "in", "-o", tmp_path / "out", "--jobs", 2, "--report", said)
     assert counts(result) == (39, 0, 0, 1)
-    assert "P013.nc1: error batch-worker: found a worker dead at this file" in result.stderr
+    assert (
+        "P013.nc1: error batch-worker: found the worker process dead at this file" in result.stderr
+    )
     assert len(programs(tmp_path / "out")) == 39
     monkeypatch.undo()
     assert counts(batch(tmp_path / "in", "-o", tmp_path / "out", "--jobs", 2)) == (1, 39, 0, 0)

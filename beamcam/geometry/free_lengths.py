@@ -11,6 +11,7 @@ Homogeneous = tuple[float, float, float]  #: w x, w y, w
 #: How far a length may be off, relative; the estimate is the gain of the last halving.
 RELATIVE_ERROR = 1e-10
 _MOST_HALVINGS = 24
+_RULE = np.polynomial.legendre.leggauss(12)
 #: Control points of all pieces together, beyond those given, that may be in the work at once: 30
 #: MB. A curve that wants more swings beyond all measure, and keeps the error of its last halving.
 _MOST_POINTS = 100_000
@@ -22,7 +23,7 @@ def bezier_length(curves: Sequence[Sequence[Homogeneous]]) -> float:
     Each is given by its control points. A curve is halved until both halves together say the same
     as the whole: a smooth curve needs one halving, one with a cusp some twenty.
     """
-    nodes, weights = np.polynomial.legendre.leggauss(12)
+    nodes, weights = _RULE
     rows = np.array(curves)  # (n, degree + 1, 3)
     most = len(rows) + _MOST_POINTS // rows.shape[1]
     with np.errstate(all="ignore"):
