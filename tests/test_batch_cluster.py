@@ -2,11 +2,14 @@
 
 import json
 import os
+import socket
 import subprocess
 import sys
+import time
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
+from threading import Thread
 from time import monotonic, sleep
 from types import SimpleNamespace
 from typing import Any
@@ -138,10 +141,44 @@ def test_a_scheduler_that_goes_away_is_told(
 @pytest.mark.parametrize("address", ["tcp://127.0.0.1:9", "no-such-thing://x", "\0"])
 def test_no_cluster(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, address: str) -> None:
     fill(tmp_path / "in", 1)
-    monkeypatch.setattr(cluster, "CONNECT_S", 1)
+    monkeypatch.setattr(cluster, "ANSWER_S", 1)
     result = batch(tmp_path / "in", "-o", tmp_path / "out", "--scheduler", address)
     assert result.exit_code == 1
     assert "error batch-scheduler: found no cluster that works at" in result.stderr
+
+
+def test_the_cluster_of_the_configuration(tmp_path: Path) -> None:
+    fill(tmp_path / "in", 1)
+    config = tmp_path / "in" / "beamcam.toml"
+    config.write_text('[dask]\nscheduler = "tcp://127.0.0.1:9"\nanswer_s = 0.5\nchunks = 3\n')
+    begun = time.monotonic()
+    result = batch(tmp_path / "in", "-o", tmp_path / "out")
+    assert "error batch-scheduler: found no cluster that works at tcp://127.0.0.1:9" in (
+        result.stderr
+    )
+    assert time.monotonic() - begun < 15.0
+    other = batch(tmp_path / "in", "-o", tmp_path / "out", "--scheduler", "tcp://127.0.0.1:7")
+    assert "works at tcp://127.0.0.1:7" in other.stderr
+    config.write_text("[dask]\nanswer_s = 0\n")
+    result = batch(tmp_path / "in", "-o", tmp_path / "out")
+    assert "beamcam.toml:2: error config-value: found 0 for 'dask.answer_s'" in result.stderr
+
+
+def test_another_service_at_the_address(tmp_path: Path) -> None:
+    """Such as the page of a dashboard, whose answer is no word of a scheduler's."""
+    fill(tmp_path / "in", 1)
+    page = b"HTTP/1.0 400 Bad Request\r\n\r\n<html>this is no scheduler</html>"
+    with socket.create_server(("127.0.0.1", 0)) as server:
+
+        def answer() -> None:
+            with suppress(OSError):
+                while True:
+                    server.accept()[0].sendall(page)
+
+        Thread(target=answer, daemon=True).start()
+        address = f"tcp://127.0.0.1:{server.getsockname()[1]}"
+        result = batch(tmp_path / "in", "-o", tmp_path / "out", "--scheduler", address)
+    assert (result.exit_code, "error batch-scheduler" in result.stderr) == (1, True)
 
 
 def test_without_the_extra(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

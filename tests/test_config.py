@@ -35,6 +35,10 @@ merge = 0.25
 thickness = 3
 lead = "arc"
 
+[dask]
+scheduler = "tcp://hall:8786"
+answer_s = 3.5
+
 [map]
 "#F00" = "cut"
 ENGRAVE = "engrave"
@@ -61,8 +65,9 @@ def test_every_key_is_read_and_knows_its_line(tmp_path: Path) -> None:
     assert where == {
         "machine": 2, "machines.sheet": 3, "stock_lengths": 4, "allow_skips": 5, "strict": 6,
         "job": 7, "jobs": 8, "name": 9, "flat": 10, "quantity": 11,
-        "tolerances.merge": 14, "sheet.thickness": 17, "sheet.lead": 18, "map.#F00": 21,
-        "map.ENGRAVE": 22,
+        "tolerances.merge": 14, "sheet.thickness": 17, "sheet.lead": 18,
+        "dask.scheduler": 21, "dask.answer_s": 22, "map.#F00": 25,
+        "map.ENGRAVE": 26,
     }  # fmt: skip
 
 

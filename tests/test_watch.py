@@ -65,6 +65,9 @@ def test_nothing_is_taken_early_twice_or_never(looks: list[tuple[float, int]]) -
 
 
 IFC = "ISO-10303-21;\nHEADER;\nENDSEC;\nDATA;\n#1=IFCPERSON($);\nENDSEC;\nEND-ISO-10303-21;\n"
+DXF = "  0\nSECTION\n  1\nTEXT EOF\n  1\n  0\n  0\nENDSEC\n  0\nEOF\n"
+BINARY_DXF = b"AutoCAD Binary DXF\r\n\x1a\0\0\0SECTION\0\1\0EOF\0x\0\0\0ENDSEC\0\0\0EOF\0"
+SVG = "<svg>\n<!-- </svg> -->\n<g><svg><path/></svg>\n</g></svg>\n"
 JSON = '{"parts": [{"mark": "A }"}, {"mark": "B"}]}\n'
 
 
@@ -76,6 +79,12 @@ JSON = '{"parts": [{"mark": "A }"}, {"mark": "B"}]}\n'
         ("a.NC1", part("A").encode("utf-16-le"), 2 * len(part("A").rstrip()) - 1),
         ("a.ifc", IFC.encode(), len(IFC.rstrip())),
         ("a.json", JSON.encode(), len(JSON.rstrip())),
+        ("a.dxf", DXF.encode(), len(DXF.rstrip())),
+        ("a.dxf", DXF.replace("\n", "\r\n").encode(), len(DXF.replace("\n", "\r\n").rstrip())),
+        ("a.dxf", BINARY_DXF, len(BINARY_DXF)),
+        ("a.svg", SVG.encode(), len(SVG.rstrip())),
+        ("a.svg", b"<?xml?><s:svg><s:svg/></s:svg>\n", 30),
+        ("a.svg", b"<svg width='9'/>", 16),
     ],
 )
 def test_no_part_of_a_file_has_its_end(tmp_path: Path, name: str, data: bytes, whole: int) -> None:

@@ -13,8 +13,8 @@ from beamcam.batch.pool import Chunk, Result
 from beamcam.batch.work import Made, Shop, Task, make_all, thaw
 from beamcam.errors import BeamcamError, Source
 
-CONNECT_S = 10  #: for the scheduler to answer
-ANSWER_S = 10  #: for the workers to say which beamcam they have
+ANSWER_S = 6.0  #: for the scheduler to answer, and for its workers to say which beamcam they have
+CHUNKS = 2  #: that each thread of the cluster has at most, one of them in work
 LOOK_S = 2  #: between two looks at whether the scheduler is still there
 FETCH_S = 60  #: for what is done to arrive
 
@@ -29,11 +29,13 @@ class SchedulerError(BeamcamError):
 class Cluster:
     """Work on the cluster of a running Dask scheduler."""
 
-    PER_THREAD = 2  #: chunks that each thread of the cluster has at most
-
-    def __init__(self, shop: Shop, address: str) -> None:
+    def __init__(
+        self, shop: Shop, address: str, answer_s: float | None = None, chunks: int | None = None
+    ) -> None:
         """Raises SchedulerError if there is none at `address`, or it has no worker."""
         self._address = address
+        self._answer_s = ANSWER_S if answer_s is None else answer_s
+        self._per_thread = CHUNKS if chunks is None else chunks
         self._frozen = shop.freeze
         self._chunks: dict[Any, Chunk] = {}
         try:
@@ -44,8 +46,8 @@ class Cluster:
         self._wait, self._killed = library.wait, library.KilledWorker
         self._closed: type[Exception] = library.client.ClosedClientError
         try:
-            self._client = library.Client(address, timeout=CONNECT_S, set_as_default=False)
-        except (OSError, ValueError, TypeError) as error:
+            self._client = library.Client(address, timeout=self._answer_s, set_as_default=False)
+        except Exception as error:  # another service than a scheduler may answer anything
             raise self._error(str(error) or type(error).__name__) from error
         self.at_once: int = sum(self._client.nthreads().values())
         if not self.at_once:
@@ -66,17 +68,17 @@ class Cluster:
 
         def version_there() -> str:
             try:
-                from beamcam.version import __version__
+                from beamcam import __version__
             except ImportError:
                 return ""
             return __version__
 
         try:
             found = self._client.sync(
-                self._client._run, version_there, on_error="return", callback_timeout=ANSWER_S
+                self._client._run, version_there, on_error="return", callback_timeout=self._answer_s
             )
         except (OSError, TimeoutError) as error:
-            raise self._error(f"its workers give no answer within {ANSWER_S} s") from error
+            raise self._error(f"its workers give no answer within {self._answer_s:g} s") from error
         for worker, has in sorted(found.items()):
             if not isinstance(has, str):
                 raise self._error(f"the worker {worker} gives no answer: {has!r}")
@@ -94,7 +96,7 @@ class Cluster:
         )
 
     def has_room(self) -> bool:
-        return len(self._chunks) < self.PER_THREAD * self.at_once
+        return len(self._chunks) < self._per_thread * self.at_once
 
     def submit(self, chunk: Chunk) -> None:
         # Each call is a task of its own: `pure` would let equal chunks share a result.

@@ -49,8 +49,8 @@ OVER_INPUT = Rule(
 NO_END = Rule(
     "batch-no-end",
     Severity.WARNING,
-    "found no end of the file for {found} s (EN, END-ISO-10303-21, the closing bracket); expected "
-    "its writer to be done, --end-wait waits longer",
+    "found no end of the file for {found} s (EN, END-ISO-10303-21, EOF, </svg>, the closing "
+    "bracket); expected its writer to be done, --end-wait waits longer",
     "A writer may pause in mid file. A file that stays without its end is read as it stands.",
 )
 WRITE = Rule(

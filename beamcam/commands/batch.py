@@ -45,7 +45,6 @@ FILES_A_WORKER = 20  #: of setup sheets; for fewer a process of their own is not
 def command(
     inputs: tuple[str, ...],
     output: str,
-    scheduler: str | None,
     redo: bool,
     dry: bool,
     report: str | None,
@@ -76,7 +75,7 @@ def command(
         config = settled(asked, names)
         shop = shop_of(config, asked, timed=report is not None)
         found = find_inputs(names, leave_out=(output,))
-        workers = workers_of(shop, config.jobs, scheduler, found.inputs)
+        workers = workers_of(shop, config.jobs, config.dask, found.inputs)
     except BeamcamError as error:
         voice.stop(error.diagnostics)
     said = [as_message(d) for d in (*found.diagnostics, *unused(found, config))]

@@ -22,7 +22,7 @@ from beamcam.commands.quantities import quantity
 from beamcam.commands.settings import machines_of_stock
 from beamcam.commands.sheets import drawing_choice, drawing_options, torch_options
 from beamcam.config.rules import UNUSED
-from beamcam.config.values import Config
+from beamcam.config.values import Config, Dask
 from beamcam.errors import Diagnostic, Severity, Source
 from beamcam.files import write_whole
 from beamcam.machine import Machine
@@ -141,17 +141,15 @@ def unmatched_keys(config: Config, counts: Counts) -> tuple[Diagnostic, ...]:
     return tuple(idle(config.map, counts.mapped, Source(config.file or "--map")))
 
 
-def workers_of(
-    shop: Shop, jobs: int | None, scheduler: str | None, inputs: Sequence[Input]
-) -> Workers:
+def workers_of(shop: Shop, jobs: int | None, dask: Dask, inputs: Sequence[Input]) -> Workers:
     """The workers for some files: a cluster, processes up to the number of cores, or this process.
 
     Building models go to another process, even a single one. Raises SchedulerError.
     """
-    if scheduler is not None:
+    if dask.scheduler is not None:
         from beamcam.batch.cluster import Cluster
 
-        return Cluster(shop, scheduler)
+        return Cluster(shop, dask.scheduler, dask.answer_s, dask.chunks)
     count = min(jobs or cores(), len(inputs))
     if count <= 1 and all(is_interruptible(one.path) for one in inputs):
         return Here(shop)

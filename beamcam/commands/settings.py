@@ -98,7 +98,11 @@ def _wanted(asked: Mapping[str, Any]) -> dict[str, Any]:
     if asked.get("bar") is not None:
         wanted["stock_lengths"] = (asked["bar"],)
     sheet = {name: asked[name] for name in SHEET_OPTIONS if asked.get(name) is not None}
-    return wanted | {"sheet": sheet} if sheet else wanted
+    if sheet:
+        wanted["sheet"] = sheet
+    if asked.get("scheduler") is not None:
+        wanted["dask"] = {"scheduler": asked["scheduler"]}
+    return wanted
 
 
 def machine_for(config: Config, parts: Sequence[Part], output: str) -> Machine:

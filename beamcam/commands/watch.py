@@ -33,7 +33,8 @@ from beamcam.watch import END_S, HotFolder, file_away, look
 )  # fmt: skip
 @click.option(
     "--end-wait", default=END_S, show_default=True, type=options.Number(least=0),
-    help="Seconds that a file without its end (EN, END-ISO-10303-21, closing bracket) is left.",
+    help="Seconds that a file without its end (EN, END-ISO-10303-21, EOF, </svg>, "
+    "closing bracket) is left.",
 )  # fmt: skip
 @click.option(
     "--every", default=1.0, show_default=True, type=options.Number(least=0.01, most=86400),
@@ -43,7 +44,6 @@ from beamcam.watch import END_S, HotFolder, file_away, look
 def command(
     folder: str,
     output: str,
-    scheduler: str | None,
     done: str | None,
     refused: str | None,
     settle: float,
@@ -101,7 +101,7 @@ def command(
                     for one in hot.endless
                 )
                 if ready:
-                    workers = workers_of(shop, config.jobs, scheduler, ready)
+                    workers = workers_of(shop, config.jobs, config.dask, ready)
                     read = files_read(config, (one.path for one in ready))
                     rows = run(
                         ready, output, shop, workers, config.flat, claims=claims, read=read,

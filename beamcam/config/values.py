@@ -6,9 +6,9 @@ file if there is one.
 
 import os.path
 from collections.abc import Iterable, Mapping
-from typing import Any, Literal
+from typing import Annotated, Any, Literal
 
-from msgspec import Struct, field
+from msgspec import Meta, Struct, field
 from msgspec.structs import asdict, replace
 
 from beamcam.conversion import Count, Keys, NotNegative, Positive, PositiveCount, Text
@@ -61,6 +61,18 @@ class Sheet(Keys, frozen=True):
         return {name: value for name, value in asdict(self).items() if value is not None}
 
 
+class Dask(Keys, frozen=True):
+    """The cluster that batches are worked on."""
+
+    scheduler: Text | None = None  #: its address, as tcp://host:8786; without one no cluster
+    answer_s: Annotated[float, Meta(gt=0, le=600)] | None = None  #: for it and its workers
+    chunks: PositiveCount | None = None  #: of files that each thread has at a time, one in work
+
+    def given(self) -> dict[str, Any]:
+        """The values that are set, by their names."""
+        return {name: value for name, value in asdict(self).items() if value is not None}
+
+
 class MapRow(LookSettings, frozen=True, kw_only=True):
     """Process and settings of a layer or a colour."""
 
@@ -92,6 +104,7 @@ class ConfigFile(Keys, frozen=True):
     #: of drills, over the machine's own, mm
     tolerances: Mapping[Tolerance, NotNegative] = field(default_factory=dict)
     sheet: Sheet = Sheet()  #: how sheets are cut, over the machine's own
+    dask: Dask = Dask()  #: cluster of a batch
     #: what is done with a layer or a colour of a drawing
     map: Mapping[str, Meaning | MapRow] = field(default_factory=dict)
 
@@ -119,15 +132,15 @@ class Config(ConfigFile, frozen=True):
 
     def rows(self, table: str) -> Mapping[str, Any]:
         """The rows of a key that is a table, by their names."""
-        value: Mapping[str, Any] | Sheet = getattr(self, table)
-        return value.given() if isinstance(value, Sheet) else value
+        value: Mapping[str, Any] | Sheet | Dask = getattr(self, table)
+        return value.given() if isinstance(value, Sheet | Dask) else value
 
     def settings(self) -> tuple[Setting, ...]:
         """Every value, the defaults included, each with where it was set."""
         rows: list[Setting] = []
         for key in self.__struct_fields__[:-2]:
             value = getattr(self, key)
-            tabular = isinstance(value, Mapping | Sheet)
+            tabular = isinstance(value, Mapping | Sheet | Dask)
             for name, row in self.rows(key).items() if tabular else (("", value),):
                 dotted = f"{key}.{name}" if name else key
                 value = row.said() if isinstance(row, MapRow) else row
@@ -154,6 +167,8 @@ def over(config: Config, asked: Mapping[str, Any]) -> Config:
             sources[key] = COMMAND_LINE
     if "sheet" in changed:
         changed["sheet"] = Sheet(**changed["sheet"])
+    if "dask" in changed:
+        changed["dask"] = Dask(**changed["dask"])
     if "machine" in changed:
         changed["machines"] = {}
     return replace(config, **changed, sources=sources) if changed else config
