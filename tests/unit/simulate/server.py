@@ -8,14 +8,14 @@ from pymodbus.simulator import DataType, SimData, SimDevice
 
 
 class Server:
-    """A server on a port of the loopback that the system chooses."""
+    """A server on the loopback, on a port that the system chooses where none is said."""
 
-    def __init__(self, size: int) -> None:
+    def __init__(self, size: int, port: int = 0) -> None:
         block = SimData(0, values=[0] * size, datatype=DataType.REGISTERS)
         self.device = SimDevice(0, block)
         self.loop = asyncio.new_event_loop()
         self.ready = threading.Event()
-        self.port = 0
+        self.port = port
         self.thread = threading.Thread(target=self._serve, daemon=True)
 
     def _serve(self) -> None:
@@ -24,7 +24,7 @@ class Server:
         self.loop.run_forever()
 
     async def _start(self) -> None:
-        self.server = ModbusTcpServer(self.device, address=("127.0.0.1", 0))
+        self.server = ModbusTcpServer(self.device, address=("127.0.0.1", self.port))
         await self.server.listen()
         self.port = self.server.transport.sockets[0].getsockname()[1]
         self.ready.set()

@@ -4,7 +4,9 @@ import json
 import os
 import subprocess
 import sys
+import threading
 import time
+from collections.abc import Callable
 from typing import Any
 from urllib.request import urlopen
 
@@ -12,6 +14,7 @@ import pytest
 from click.testing import CliRunner
 
 from beamcam.cli import main
+from beamcam.commands.monitor import Reader
 from beamcam.simulate.state import State
 from beamcam.simulate.trace import TraceRow
 from tests.conftest import ROOT
@@ -79,3 +82,27 @@ def test_no_controller_and_a_page_that_is_taken() -> None:
         done = CliRunner().invoke(main, ["monitor", at, "--page", at])
     assert done.exit_code == 1
     assert "error simulate-port: found" in done.stderr
+
+
+def test_a_lost_connection_is_told_and_tried_again() -> None:
+    with Server(15) as controller:
+        port = controller.port
+        send([row(1000.0)], BEAM.modbus, LOOPBACK, port)
+        reader = Reader((LOOPBACK, port), BEAM, 9, 0.02)
+        reader.read_first()
+        threading.Thread(target=reader.run, daemon=True).start()
+
+    def said(wanted: Callable[[dict[str, Any]], bool]) -> dict[str, Any]:
+        until = time.monotonic() + 10
+        while not wanted(last := dict(json.loads(reader.as_json()))):
+            assert time.monotonic() < until, last
+            time.sleep(0.02)
+        return last
+
+    lost = said(lambda last: bool(last["fault"]))
+    assert "expected a controller that shows its axes" in lost["fault"]
+    assert lost["positions"][0] == 1000.0
+    with Server(15, port):
+        send([row(1234.0)], BEAM.modbus, LOOPBACK, port)
+        assert said(lambda last: not last["fault"])["reads"] > lost["reads"]
+        said(lambda last: last["positions"][0] == 1234.0)
