@@ -39,10 +39,11 @@ def diff_page(
     rest = f"<p>{more} more differences are not listed.</p>" if more > 0 else ""
     said = f"<ol>{listed}</ol>{rest}" if listed else "<p>They mean the same.</p>"
     verdict = "wrong" if differences else "made"
+    noun = "difference" if len(differences) == 1 else "differences"
     return (
         f'<!doctype html>\n<html lang="en" data-unit="{unit}">\n{document_head(title)}'
         f"<body><main>\n<h1>A: {shown(names[0])}<br>B: {shown(names[1])}</h1>\n"
-        f'<p class="verdict {verdict}">{len(differences)} difference(s); {counts}</p>\n'
+        f'<p class="verdict {verdict}">{len(differences)} {noun}; {counts}</p>\n'
         f'<div class="controls">Show {choices}</div>\n'
         f'<section class="pictures">{drawn}</section>\n<h2>Differences</h2>{said}\n</main>\n'
         f"<footer>beamcam {__version__}</footer>\n"

@@ -107,7 +107,7 @@ def test_the_command_writes_a_page_or_a_picture(tmp_path: Path) -> None:
     run(str(a), str(b), "-o", str(page))
     content = page.read_text()
     same = len(channel().features) - 2
-    assert f"2 difference(s); {same} the same, 2 changed, 0 gone, 0 new" in content
+    assert f"2 differences; {same} the same, 2 changed, 0 gone, 0 new" in content
     assert "<li>hole o at x 400.0 moved by 5.0 mm across" in content
     assert run(str(a), str(b), "-o", str(tmp_path / "x.txt")).exit_code == 2
     assert run(str(tmp_path), str(tmp_path), "-o", str(page)).exit_code == 2
