@@ -43,6 +43,7 @@ def ways_out(
     source = parts[0].source if parts else Source("beamcam")
     bar = max(lengths, default=None)
     found = [*_first(_by_thickness(parts, machine, skips) for machine in tried)] or [
+        *_first(_by_placing(parts, machine, skips) for machine in tried),
         *(f"--machine {machine.name}" for machine in others if _made(parts, machine, bar, skips)),
         *_first(_by_leave(parts, machine, bar, skips) for machine in tried),
         *_first(_by_bar(parts, machine, bar, skips) for machine in tried),
@@ -80,6 +81,15 @@ def _by_thickness(parts: Sequence[Part], machine: Machine, skips: Collection[str
         if _made(parts, known, None, skips) is not None:
             yield f"--thickness {thickness:g}"
             return
+
+
+def _by_placing(parts: Sequence[Part], machine: Machine, skips: Collection[str]) -> Iterator[str]:
+    """The corner of the table, where work that is left where it is drawn is refused."""
+    torch = machine.torch
+    if torch is not None and torch.place == "drawn":
+        moved = replace(machine, torch=replace(torch, place="corner"))
+        if _made(parts, moved, None, skips) is not None:
+            yield "--place corner"
 
 
 def _by_leave(

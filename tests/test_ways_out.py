@@ -79,3 +79,23 @@ def test_one_code_is_explained(code: str, status: int, says: str) -> None:
     assert done.exit_code == status
     assert says in done.output
     assert done.output.count("\n") <= 6
+
+
+@pytest.mark.parametrize(("words", "way"), [
+    (("layers.dxf", "--machine", "table-simotion", "--thickness", "3"), "--place corner"),
+    (("plate.dxf", "--machine", "laser-stepper", "--map", "CUT=cut"), "--thickness 2"),
+])  # fmt: skip
+def test_a_drawing_is_told_the_option_that_it_lacks(words: tuple[str, ...], way: str) -> None:
+    name, *more = words
+    asked = ("post", SAMPLES / "dxf" / name, *more, "-o", "-")
+    said = run(*asked).stderr
+    assert f"{FOUND}{way}" in said, said
+    assert run(*asked, *way.split()).exit_code == 0
+
+
+def test_other_machines_are_tried_with_the_options_of_the_job() -> None:
+    """A key of the map that no curve has is refused by all machines."""
+    asked = ("post", SAMPLES / "dxf" / "plate.dxf", "--machine", "plate-linuxcnc", "-o", "-")
+    done = run(*asked, "--thickness", "3", "--map", "pink=cut")
+    assert "plan-map-key" in done.stderr
+    assert "plan-ways-out" not in done.stderr

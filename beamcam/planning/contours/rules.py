@@ -135,8 +135,8 @@ OTHER_MATERIAL = Rule(
 ASSUMED = Rule(
     "plan-thickness-assumed",
     _N,
-    "the sheet is taken as {found} mm {material}, as the machine's file has it",
-    "A drawing says no thickness; --thickness and --material say it.",
+    "found no thickness in the drawing; the sheet is taken as {found} mm {material}",
+    "--thickness and --material say it, and where they do not, the machine's file.",
 )
 SHEET_SIZE = Rule(
     "plan-sheet-size",
