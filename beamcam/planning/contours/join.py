@@ -14,7 +14,7 @@ from beamcam.geometry.arrays import CurveTable, ends_of
 from beamcam.geometry.chains import Chains, join_curves
 from beamcam.geometry.curves import Line
 from beamcam.machine.torch import Torch, TorchProcess
-from beamcam.planning.contours import rules
+from beamcam.planning.contours import rounds, rules
 from beamcam.planning.contours.assign_process import AssignedCurve
 from beamcam.planning.contours.doubling import told
 from beamcam.planning.contours.repeats import Repeats, contours_once, loose_once, overlapping
@@ -52,7 +52,7 @@ def join(
     that they are closed (`rings`) have to be.
     """
     found = Joined()
-    for said in told(wanted, curves.free(), kerf):
+    for said in (*told(wanted, curves.free(), kerf), *rounds.told(wanted, curves.free())):
         (found.refusals if said.severity is Severity.ERROR else found.remarks).append(said)
     may_repeat = bool(overlapping(curves, [w.process for w in wanted]))
     loose, gaping = _closed_features(wanted, curves, torch.gap, rings, found)

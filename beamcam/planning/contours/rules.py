@@ -208,6 +208,14 @@ RUNS_BACK = Rule(
     "is followed as it is drawn",
     "The tool may pass that stretch twice, which burns or widens it.",
 )
+RUNS_OVER = Rule(
+    "plan-runs-over-itself",
+    _E,
+    "found a curve that runs over itself from x {x}, y {y} on, for {found} mm; expected one that "
+    "passes each place once",
+    "The torch would burn one place over and over, as where a formula goes round more than once. "
+    "Passes one over the other are asked for by `passes` of the machine file or the map.",
+)
 GAP = Rule(
     "plan-gap",
     _W,
@@ -363,7 +371,7 @@ RULES = (
     LOOK_SETTING, LOOK_OVERCUT, LOOK_ORDER, LAYOUT, HATCH, NO_PROCESS, NO_THICKNESS, THICKNESS,
     OTHER_THICKNESS, OTHER_MATERIAL, ASSUMED,
     SHEET_SIZE, SHEET_PLACE, JUNCTION, BRANCHED, NOT_CLOSED, TINY, SHARED, COMMON, RUNS_BACK_KERF,
-    RUNS_BACK, GAP, OPEN_CUT,
+    RUNS_BACK, RUNS_OVER, GAP, OPEN_CUT,
     MORE_OPEN, OVERLAP, VANISHED, NARROW, NEAR, LEFT, CROWDED, CROSSING, MORE_CROSSINGS, CROSSED,
     MORE_CROSSED, NO_LEAD, SQUARE, NOISE, NEEDS_LEAD, UNCOMPENSATED, MACHINE_TABS, NO_TABS, OVERCUT,
 )  # fmt: skip

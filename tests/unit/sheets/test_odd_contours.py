@@ -3,10 +3,13 @@
 import re
 from math import cos, pi, sin
 
+import numpy as np
 import pytest
 
 from beamcam.errors import PlanError
 from beamcam.geometry.curves import Bezier, Line
+from beamcam.machine import Machine
+from beamcam.model.part import Part
 from beamcam.pipeline import post
 from beamcam.verify.sheets import verify_sheet
 
@@ -118,6 +121,35 @@ def test_a_curve_that_runs_back_along_itself_is_told(curve: Bezier, length: floa
     with pytest.raises(PlanError, match=f"along itself for {length:.3f} mm; expected") as caught:
         post((part,), PLASMA)
     assert [d.code for d in caught.value.diagnostics] == ["plan-doubles-back-kerf"]
+
+
+def wound(rounds: float, growth: float = 0.0) -> Part:
+    """A curve about a centre that goes round so often, so much farther out each time."""
+    turns = np.linspace(0.0, 2 * np.pi * rounds, int(24 * rounds) + 1)
+    radius = 30.0 + growth * turns / (2 * np.pi)
+    slope = growth / (2 * np.pi)
+    at = np.column_stack((radius * np.cos(turns), radius * np.sin(turns)))
+    speed = np.column_stack((slope * np.cos(turns) - at[:, 1], slope * np.sin(turns) + at[:, 0]))
+    reach = speed * (turns[1] - turns[0]) / 3
+    hulls = np.stack((at[:-1], at[:-1] + reach[:-1], at[1:] - reach[1:], at[1:]), axis=1)
+    curves = tuple(Bezier(tuple(map(tuple, hull))) for hull in hulls.tolist())
+    return drawing(contour(curves), thickness=3.0)
+
+
+@pytest.mark.parametrize("machine", [MACHINE, PLASMA], ids=["laser", "plasma"])
+@pytest.mark.parametrize(("rounds", "length"), [(1.25, 47.1), (2.0, 188.5), (3.5, 471.2)])
+def test_a_curve_that_runs_over_itself_is_refused(
+    machine: Machine, rounds: float, length: float
+) -> None:
+    with pytest.raises(PlanError, match="plan-runs-over-itself") as caught:
+        post((wound(rounds),), machine)
+    found = float(re.findall(r"for (\S+) mm", caught.value.diagnostics[0].message)[0])
+    assert found == pytest.approx(length, abs=0.6)
+
+
+@pytest.mark.parametrize("part", [wound(1.0), wound(3.5, 4.0)], ids=["ring", "spiral"])
+def test_a_ring_and_a_spiral_do_not_run_over_themselves(part: Part) -> None:
+    post((part,), MACHINE)
 
 
 def test_a_cusp_does_not_run_back() -> None:

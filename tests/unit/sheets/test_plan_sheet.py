@@ -169,6 +169,8 @@ TO_AND_FRO = BSpline(
     (0.0, 0.0, *map(float, range(199)), 198.0, 198.0),
 )
 THERE_AND_BACK = Bezier(((0, 0), (40, 0), (0, 0)))
+OCTAGON = ((20, 0), (14, 14), (0, 20), (-14, 14), (-20, 0), (-14, -14), (0, -20), (14, -14))
+TWICE_ROUND = BSpline(3, tuple(OCTAGON[k % 8] for k in range(19)), tuple(range(23)))
 SPIKED = contour(lines((0, 0), (40, 0), (40, 50), (40, 40), (0, 40)))
 NOTCHED = contour(lines((0, 0), (40, 0), (40, 40), (23, 40), (20, 31), (17, 40), (0, 40)))
 CENTRE = Hole("v", 50, 40, 0.0, S, kind="mark")
@@ -209,6 +211,7 @@ OTHERS: list[tuple[tuple[Part, ...], dict[str, object], str, str]] = [
      "plan-shared-edge", "lies on line 1 for 20.000 mm near x 50.000, y 20.000"),
     ((drawing(contour((THERE_AND_BACK,))),), {},
      "plan-doubles-back-kerf", "turns round at x 20.000, y 0.000 and runs back along itself"),
+    ((drawing(contour((TWICE_ROUND,))),), {}, "plan-runs-over-itself", "runs over itself from x "),
     ((drawing(replace(OPEN, closed=True)),), {},
      "plan-not-closed", "from x 0.000, y 0.000 to x 50.000, y 50.000"),
     ((drawing(SPIKED),), {}, "plan-shared-edge", "lies on itself for 10.000 mm near x 40.000"),
