@@ -247,6 +247,9 @@ def _strokes(
     numbers = order_numbers(bar.made)
     places: list[tuple[int, int, Point, float]] = []  #: number, line, where, and how far off it
     labels = Labels()
+    if view.box[3] * frame.scale < 2 * NUMBER_SIZES[0]:  # no room within: beside the face
+        for y in (0.0, view.box[3]):
+            labels.block_line(frame.at(0.0, y), frame.at(view.box[2], y))
     for plane in bar.saw_planes:
         width = view.box[3]
         ends = [frame.at(bar.x_on(plane, view.name, y), y) for y in (0.0, width)]

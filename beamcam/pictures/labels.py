@@ -9,7 +9,8 @@ from beamcam.pictures.scene import Point
 Box = tuple[float, float, float, float]
 
 #: Ways to go from a place: up to the right first, where a reader looks for a number.
-SIDES = ((1, -1), (-1, -1), (1, 1), (-1, 1), (0, -1), (0, 1), (1, 0), (-1, 0))
+SIDES = ((1, -1), (-1, -1), (1, 1), (-1, 1), (0, -1), (0, 1))
+LEVEL = ((1, 0), (-1, 0))
 CELL = 16.0  #: pixels of the squares by which neighbours are found
 LINE_STEP = 3.0  #: pixels between the boxes that stand for a line
 LETTER = 0.6  #: width of a letter, in sizes of the text
@@ -40,8 +41,9 @@ class Labels:
         The first free one of the sides, `gap` away, then further off; None where none is free.
         """
         wide, high = LETTER * size * len(text), CAPITAL * size
-        for ring in range(rings):
-            for right, down in SIDES:
+        # Level with a place run the ways from hole to hole, so that it is tried last.
+        for sides, ring in product((SIDES, LEVEL), range(rings)):
+            for right, down in sides:
                 off = gap + ring * (high + 1.0)
                 x = at[0] + right * off - wide * (1 - right) / 2
                 y = at[1] + down * off + high * (1 + down) / 2

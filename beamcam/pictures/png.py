@@ -72,7 +72,8 @@ class _Pen:
         anchor = {"start": "ls", "middle": "ms", "end": "rs"}[shape.anchor]
         x, y = (FINER * v for v in shape.at)
         if not shape.turn_deg:
-            self.pen.text((x, y), shape.text, style.fill, font, anchor)
+            bold = 1 if style.bold else 0  # the font has no bold letters: a rim around each
+            self.pen.text((x, y), shape.text, style.fill, font, anchor, stroke_width=bold)
             return
         half = int(font.getlength(shape.text)) + 4 * FINER
         mask = Image.new("L", (2 * half, 2 * half), 0)
