@@ -201,3 +201,11 @@ def test_a_folder_and_a_file_are_not_compared(shop: Path) -> None:
     done = CliRunner().invoke(main, ["diff", "in", "in/P000.nc1"])
     assert done.exit_code == 2
     assert "A and B have to be two files or two folders." in done.stderr
+
+
+def test_a_folder_alone_is_told_what_compares_it(tmp_path: Path) -> None:
+    done = CliRunner().invoke(main, ["diff", str(tmp_path)])
+    assert done.exit_code == 2
+    assert f"`beamcam check {tmp_path}` posts its programs again" in done.stderr
+    done = CliRunner().invoke(main, ["diff", str(tmp_path / "a.gcode")])
+    assert "Missing argument 'B'." in done.stderr

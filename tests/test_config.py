@@ -98,6 +98,8 @@ def test_defaults_come_from_nowhere() -> None:
          " expected 0 or more"),
         ("[map]\nred = 'burn'", "expected one of 'cut', 'mark', 'engrave', 'ignore'"),
         ("[map]\n'#ff' = 'cut'", "expected a colour such as '#ff0000'"),
+        ("\nthickness = 3", "beamcam.toml:2: error config-key: found unknown key 'thickness'; "
+         "expected it below [sheet], as sheet.thickness"),
         ("a = ", "beamcam.toml:1: error config-toml: found no TOML (Invalid value"),
     ],
 )  # fmt: skip

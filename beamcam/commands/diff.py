@@ -18,7 +18,7 @@ from beamcam.readers.content import shown_name
 
 @click.command("diff")
 @click.argument("a", type=options.FILE)
-@click.argument("b", type=options.FILE)
+@click.argument("b", type=options.FILE, required=False, metavar="B")
 @click.option(
     "-o",
     "--output",
@@ -30,7 +30,9 @@ from beamcam.readers.content import shown_name
 @options.strict
 @options.as_json
 @options.voiced
-def command(a: str, b: str, output: str | None, as_json: bool, voice: Voice, **asked: Any) -> None:
+def command(
+    a: str, b: str | None, output: str | None, as_json: bool, voice: Voice, **asked: Any
+) -> None:
     """Say what program or part B makes differently from A; of two folders, file by file.
 
     Files of two folders belong together that have the same name below them. A change that
@@ -49,6 +51,13 @@ def command(a: str, b: str, output: str | None, as_json: bool, voice: Voice, **a
     beamcam diff golden programs
     beamcam post M58.nc1 -o - | beamcam diff yesterday.gcode -
     """
+    if b is None and os.path.isdir(a):
+        raise click.UsageError(
+            f"found the folder {a!r} alone; expected another one. `beamcam check {a}` posts its "
+            f"programs again and says what differs, `beamcam diff {a} B` compares two folders."
+        )
+    if b is None:
+        raise click.UsageError("Missing argument 'B'.")
     folders = [os.path.isdir(path) for path in (a, b)]
     if all(folders):
         from beamcam.commands.folders import diff_folders

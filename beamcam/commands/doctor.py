@@ -23,7 +23,7 @@ LIBRARIES = ("click", "ezdxf", "ifcopenshell", "msgspec", "numpy", "shapely")
 #: Extra of beamcam -> what it is for, and the packages that it installs.
 EXTRAS: Mapping[str, tuple[str, tuple[str, ...]]] = {
     "dask": ("batches on a cluster", ("distributed",)),
-    "labels": ("labels for pieces", ("reportlab", "segno")),
+    "labels": ("labels for pieces", ("ppf.datamatrix", "reportlab", "segno")),
     "modbus": ("simulate --modbus", ("pymodbus",)),
     "pictures": ("pictures as PNG and PDF", ("pillow", "reportlab")),
     "xlsx": ("lists as spreadsheets", ("openpyxl",)),

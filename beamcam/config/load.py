@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import Any
 
 from beamcam.config import rules
-from beamcam.config.values import Config, ConfigFile
+from beamcam.config.values import Config, ConfigFile, Dask, Sheet
 from beamcam.conversion import Fault, converted
 from beamcam.errors import BeamcamError, Diagnostic, Source
 from beamcam.machine.toml import Place, TomlError, TomlFile, toml_text
@@ -76,6 +76,9 @@ def _said(fault: Fault, place: Place) -> Diagnostic:
 
     at = place.child(*fault.path)
     if fault.kind == "unknown":
-        return rules.UNKNOWN_KEY.at(at.source, found=at.key, expected=fault.expected)
+        tables = {"sheet": Sheet, "dask": Dask}
+        of = next((t for t, kind in tables.items() if at.key in kind.__struct_fields__), None)
+        expected = fault.expected if of is None else f"it below [{of}], as {of}.{at.key}"
+        return rules.UNKNOWN_KEY.at(at.source, found=at.key, expected=expected)
     found = shown(fault.found)
     return rules.WRONG_VALUE.at(at.source, key=at.key, found=found, expected=fault.expected)
