@@ -8,10 +8,10 @@ from typing import Any, TypeVar
 import msgspec
 from msgspec import Struct
 
-from beamcam.controllers.machine_words import load_machine
 from beamcam.conversion import nearest
 from beamcam.errors import BeamcamError, Diagnostic, Source, rule_makers
 from beamcam.machine.machine import Machine
+from beamcam.machine_proof import load_proved
 from beamcam.model.part import Part
 from beamcam.plain_text import terminal_text
 from beamcam.planning.rules import ALL_SKIPS, SKIP_NAMES
@@ -131,7 +131,7 @@ def machine_of(machine: AnyMachine) -> Machine:
         return machine
     if not isinstance(machine, str | os.PathLike):
         raise AskError(ask_type("machine", machine, "a name, the path of a file, or a Machine"))
-    return load_machine(str(os.fspath(machine)))
+    return load_proved(str(os.fspath(machine)))
 
 
 def converted(value: object, kind: type[Asked], name: str = "") -> Asked:

@@ -31,6 +31,7 @@ CACHES = {
     "files.lines": Kept(4, "messages and `machines show` ask for the line of each key"),
     "machine.formula": Kept(1024, "a formula of a machine file is compiled once, used per stroke"),
     "machine.words": Kept(16, "the words of a machine are tried once, half a millisecond"),
+    "machine.proof": Kept(16, "a machine file is proved by a part once, some milliseconds"),
     "machine.post": Kept(16, "the modules of a kind of machine are imported once"),
     "readers.module": Kept(16, "the module of a format is imported once"),
     "batch.shop": Kept(4, "a worker thaws its machines once, so that what is known of them stays"),

@@ -40,12 +40,12 @@ def work(kind: str, data: bytes, chance: random.Random) -> tuple[str, str]:
 
 def _use_machine(data: bytes) -> None:
     """Load a machine file, and post a sample with it."""
-    from beamcam.controllers.machine_words import load_machine
+    from beamcam.machine_proof import load_proved
 
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "mine.toml"
         path.write_bytes(data)
-        machine = load_machine(str(path))
+        machine = load_proved(str(path))
     sample = "channel" if machine.stock == "beam" else "plate"
     _post(f"{sample}.nc1", (ROOT / f"samples/dstv/{sample}.nc1").read_bytes(), machine)
 

@@ -9,12 +9,12 @@ from beamcam.batch.names import cleaned
 from beamcam.commands import options
 from beamcam.commands.common import Voice, cannot_write, say_json, say_lines
 from beamcam.config.values import beside
-from beamcam.controllers.machine_words import load_machine
 from beamcam.errors import BeamcamError, Diagnostic
 from beamcam.files import write_whole
 from beamcam.machine import Machine, load, settings, shipped
 from beamcam.machine.names import machine_folders, own_machines, resolved
 from beamcam.machine.starting_file import starting_file
+from beamcam.machine_proof import load_proved
 
 
 @click.group("machines")
@@ -113,7 +113,7 @@ def show(name: str, as_json: bool) -> None:
     """
     try:
         place = resolved(name, next(iter(beside(())), None))
-        rows, machine = settings(place), load_machine(place)
+        rows, machine = settings(place), load_proved(place)
     except BeamcamError as error:
         Voice(as_json=as_json).stop(error.diagnostics)
     Voice(as_json=as_json).say(machine.remarks)

@@ -11,12 +11,12 @@ from msgspec.structs import replace
 
 from beamcam.commands.common import remark
 from beamcam.config.values import COMMAND_LINE, Config, Stock, beside, over
-from beamcam.controllers.machine_words import load_machine
 from beamcam.errors import BeamcamError, Diagnostic, MachineError, PlanError, Source
 from beamcam.files import FilesRead
 from beamcam.machine import Machine
 from beamcam.machine.defaults import default_machines, is_of_sheets
 from beamcam.machine.rules import UNKNOWN_MACHINE
+from beamcam.machine_proof import load_proved
 from beamcam.model.part import Part
 from beamcam.pipeline import stock_of
 from beamcam.readers.reading import Reading
@@ -232,14 +232,14 @@ def machines_of_stock(
     if names:
         found = [_named_machine(config, stock, name) for name in names]
     else:
-        found = [load_machine(name) for name in default_machines(stock, output)]
+        found = [load_proved(name) for name in default_machines(stock, output)]
     return tuple(_as_asked(machine, config, is_one_of_two) for machine in found)
 
 
 def machine_asked(name: str, config: Config) -> Machine | None:
     """A machine as the job wants it; None where it cannot do what is asked for."""
     try:
-        return _as_asked(load_machine(name), config, is_one_of_two=False)
+        return _as_asked(load_proved(name), config, is_one_of_two=False)
     except BeamcamError:
         return None
 
@@ -263,7 +263,7 @@ def _named_machine(config: Config, stock: Stock, named: str) -> Machine:
     """
     key = f"machines.{stock}" if stock in config.machines else "machine"
     try:
-        return load_machine(named)
+        return load_proved(named)
     except MachineError as error:
         source = config.sources.get(key)
         if source in (None, COMMAND_LINE) or error.diagnostics[0].code != UNKNOWN_MACHINE.code:

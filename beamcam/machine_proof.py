@@ -1,0 +1,159 @@
+"""Machine files proved by a small part: what is written for it by their words is read back.
+
+`controllers.machine_words` tries each template by itself; here all of them stand in a program, in
+the order in which programs have them. What the read-back refuses of it, it would refuse of any
+part: it is a fault of the file. A file with which nothing can be planned has no such program, and
+is refused for each part by its planner.
+"""
+
+import re
+from collections.abc import Iterator
+
+from beamcam.caches import PerObject
+from beamcam.controllers.machine_words import load_machine
+from beamcam.errors import Diagnostic, MachineError, PlanError, Source, errors_in
+from beamcam.geometry.curves import Arc, Bezier, Curve, Line
+from beamcam.machine import rules
+from beamcam.machine.load import shipped, source_in
+from beamcam.machine.machine import Machine
+from beamcam.model.part import Contour, EndCuts, Feature, Hole, Part, Process, Profile
+from beamcam.planning.rules import SKIP_NAMES
+from beamcam.posts import Job, Request, Written, head_lines, post_of
+
+_AT = Source("the part that proves a machine")
+_LENGTH = 1000.0  #: mm of the bar's part, if the machine makes so short ones
+#: A section of each kind that bars have, by their DSTV codes.
+_SECTIONS = (
+    Profile("I", "IPE200", 200.0, 100.0, 8.5, 5.6, 12.0),
+    Profile("U", "UPN200", 200.0, 75.0, 11.5, 8.5, 11.5),
+    Profile("L", "L100x10", 100.0, 100.0, 10.0, 10.0, 12.0),
+    Profile("M", "RHS100x5", 100.0, 100.0, 5.0, 5.0, 5.0),
+    Profile("RO", "CHS100x5", 100.0, 100.0, 0.0, 5.0),
+    Profile("RU", "RD50", 50.0, 50.0, 0.0, 0.0),
+    Profile("B", "FL100x10", 100.0, 0.0, 0.0, 10.0),
+)
+
+Fault = tuple[str, str, str, str]  #: key, text of its line, what was found, what was expected
+
+
+def load_proved(name: str) -> Machine:
+    """The machine called `name`, or the one in the file at that path, whose programs can be read.
+
+    Those that are shipped are proved by the tests. Raises MachineError.
+    """
+    machine = load_machine(name)
+    if name in shipped():
+        return machine
+    said = tuple(
+        rules.WORD.at(source_in(name, key, text), key=key, found=found, expected=expected)
+        for key, text, found, expected in _faults(machine)
+    )
+    if said:
+        raise MachineError(said[:1])
+    return machine
+
+
+def proof_faults(machine: Machine) -> tuple[Fault, ...]:
+    """What the read-back refuses of the program of a small part, by the words that wrote it."""
+    for part in _parts(machine):
+        asked = Job((part,), machine, skips=SKIP_NAMES)
+        try:
+            written = _written(asked)
+        except PlanError:
+            continue  # the next one asks for less
+        request = Request(asked.parts, machine, asked.skips, asked.name)
+        said = errors_in(post_of(machine).verify(written, request))
+        lines = written.splitlines() if isinstance(written, str) else []
+        return tuple(_fault(one, lines, machine) for one in said)
+    return ()
+
+
+_faults = PerObject("machine.proof", proof_faults)
+
+
+def _written(asked: Job) -> Written:
+    post = post_of(asked.machine)
+    program = post.motion(post.plan(asked), asked.machine, asked.name)
+    return post.emit(post.with_head(program, tuple(head_lines(asked, True, 0))), asked)
+
+
+def _fault(said: Diagnostic, lines: list[str], machine: Machine) -> Fault:
+    found, _, expected = said.message.removeprefix("found ").rpartition("; expected ")
+    line = said.source.line
+    block = lines[line - 1] if said.source.file == "JOB" and line and line <= len(lines) else ""
+    key, text = _template_of(block, machine)
+    return key, text, found, expected
+
+
+def _template_of(block: str, machine: Machine) -> tuple[str, str]:
+    """The key of the words, and the line of theirs, that a block was written by."""
+    for name in machine.words.__struct_fields__:
+        template = getattr(machine.words, name)
+        for text in (template,) if isinstance(template, str) else template:
+            pattern = re.sub(r"\\\{.*?\\\}", ".*", re.escape(text))
+            if text.strip() and block and re.fullmatch(rf"(N\d+ )?{pattern}.*", block):
+                return f"words.{name}", text
+    return "words", ""
+
+
+# --- parts ----------------------------------------------------------------------------------------
+
+
+def _parts(machine: Machine) -> Iterator[Part]:
+    """Parts that prove a machine, the one that asks for most first."""
+    if machine.torch is not None:
+        yield from _sheets(machine)
+        return
+    profiles = machine.layout.profiles if machine.layout else ()
+    for profile in _SECTIONS:
+        if profile.code in profiles:
+            holes = tuple(_holes(profile, machine))
+            length = max(_LENGTH, 1.1 * machine.layout.min_part if machine.layout else 0.0)
+            cuts = EndCuts(web_end=20.0)
+            yield Part("P1", profile, length, _AT, features=holes, cuts=cuts)
+            yield Part("P1", profile, length, _AT, features=holes)
+            yield Part("P1", profile, length, _AT)
+
+
+def _holes(profile: Profile, machine: Machine) -> Iterator[Hole]:
+    """Two through holes on each face that a spindle reaches, by two tools where there are two."""
+    sizes = [size for tools in machine.tools if tools.kind == "drill" for size in tools.sizes]
+    if not sizes:
+        return
+    small = min(sizes, key=lambda size: abs(size - 14.0))
+    large = min(sizes, key=lambda size: abs(size - 18.0))
+    for spindle in machine.spindles:
+        width = profile.face_width(spindle.face)
+        y = width / 2 if spindle.face == "v" or profile.code != "I" else width / 5
+        yield Hole(spindle.face, 300.0, y, small, _AT)
+        yield Hole(spindle.face, 600.0, y, large, _AT)
+
+
+def _sheets(machine: Machine) -> Iterator[Part]:
+    assert machine.torch is not None
+    cut = next(row for row in machine.torch.rows if row.process == "cut")
+    profile = Profile("B", "PL", 80.0, 0.0, 0.0, machine.torch.thickness or cut.up_to)
+    outer: tuple[Curve, ...] = (
+        Line((0.0, 0.0), (120.0, 0.0)), Line((120.0, 0.0), (120.0, 60.0)),
+        Arc((100.0, 60.0), 20.0, 0.0, 90.0), Line((100.0, 80.0), (0.0, 80.0)),
+        Line((0.0, 80.0), (0.0, 0.0)),
+    )  # fmt: skip
+    free: tuple[Curve, ...] = (
+        Bezier(((60.0, 20.0), (60.0, 50.0), (100.0, 50.0), (100.0, 20.0))),
+        Line((100.0, 20.0), (60.0, 20.0)),
+    )
+    round_hole: tuple[Curve, ...] = (Arc((30.0, 40.0), 15.0, 0.0, 360.0),)
+    cuts = [
+        _contour(outer, "outer"), _contour(round_hole, "inner"), _contour(free, "inner"),
+    ]  # fmt: skip
+    rest = dict.fromkeys(row.process for row in machine.torch.rows if row.process != "cut")
+    others: list[Feature] = [
+        _contour((Line((20.0, 4.0 + 7 * k), (50.0, 4.0 + 7 * k)),), "open", process)
+        for k, process in enumerate(rest)
+    ]
+    for features in ((*cuts, *others), cuts, cuts[:2]):
+        yield Part("P1", profile, 120.0, _AT, features=tuple(features))
+
+
+def _contour(curves: tuple[Curve, ...], kind: str, process: Process = "cut") -> Contour:
+    return Contour("v", kind, curves, _AT, process, kind != "open")  # type: ignore[arg-type]
