@@ -66,9 +66,8 @@ def command(
 ) -> None:  # fmt: skip
     """Write the part list of files and folders, and the cutting list of their bars.
 
-    The part list has mark, profile, length, quantity, grade, weight, holes and marks, and what the
-    machine's program leaves to the hand: marks and bevels. Beams are
-    laid on bars of stock in the order given, first fit, one section and grade to a bar, with the
+    The part list has mark, profile, length, quantity, grade, weight, holes and marks, and the manual
+    work that the machine's program leaves: marks and bevels. Beams are laid on bars of stock in the order given, first fit, one section and grade to a bar, with the
     kerfs and trims of the machine. Exit status 1 if an input is refused; the others are listed.
 
     \b
@@ -92,7 +91,7 @@ def command(
 
 
 def _by_hand(part: Part, config: Config) -> ByHand | None:
-    """What is left to the hand by the first machine that makes a part; None if none does."""
+    """The manual work left by the first machine that makes a part; None if none does."""
     machines = machines_of_stock(config, stock_of([part]), "", is_one_of_two=True)
     skips = named_skips(config.allow_skips)
 

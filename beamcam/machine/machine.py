@@ -56,7 +56,7 @@ class Layout(Keys, frozen=True):
     )
     min_part: NotNegative = 0.0  #: shortest part that does not fall between the rollers
     min_bar_left: NotNegative = 0.0  #: of the bar while its last part is worked; 0: nothing known
-    min_remnant: NotNegative = 1000.0  #: a remnant of at least this length goes back to the store
+    min_remnant: NotNegative = 1000.0  #: a remnant of at least this length goes back to stock
     profiles: tuple[str, ...] = ("I", "U", "L", "M", "C", "T")  #: DSTV codes that it takes
 
 

@@ -25,7 +25,7 @@ class PartCount(Struct, frozen=True):
 
 
 class ByHand(Struct, frozen=True):
-    """What a machine's program leaves to the hand of one piece."""
+    """The manual work on one piece that a machine's program leaves."""
 
     marks: int
     bevels: int

@@ -259,7 +259,7 @@ def test_laws_of_the_plan(batch: int) -> None:
         part = random_part(random, batch * PARTS + number)
         plan, codes = planned(part, machine, SKIP_NAMES)
         if plan is None:
-            # Features are left out by leave, so only the ends can refuse a part.
+            # All features may be left out, so only the ends can refuse a part.
             assert set(codes) == {"plan-saw-angle"}
             refused += 1
             continue
