@@ -66,9 +66,10 @@ def command(
 ) -> None:  # fmt: skip
     """Write the part list of files and folders, and the cutting list of their bars.
 
-    The part list has mark, profile, length, quantity, grade, weight, holes and marks, and the manual
-    work that the machine's program leaves: marks and bevels. Beams are laid on bars of stock in the order given, first fit, one section and grade to a bar, with the
-    kerfs and trims of the machine. Exit status 1 if an input is refused; the others are listed.
+    The part list has mark, profile, length, quantity, grade, weight, holes and marks, and the
+    manual work that the machine's program leaves: marks and bevels. Beams are laid on bars of stock
+    in the order given, first fit, one section and grade to a bar, with the kerfs and trims of the
+    machine. Exit status 1 if an input is refused; the others are listed.
 
     \b
     beamcam list jobs/
