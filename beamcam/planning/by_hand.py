@@ -42,6 +42,7 @@ RULES = (TEXT_MOVED, TEXT_SIGN, TEXT_HEIGHT, TEXT_SEARCH)
 BY_POLICY, NO_UNIT = "marks", "no-unit"
 NO_ROOM, TOO_SMALL, BLANK, FACE = "no-room", "too-small", "blank", "face"
 CHARACTERS, ANGLE, HEIGHT = "characters", "angle", "height"
+NOT_MOVED = "not-moved"
 DRILL, BEVEL = "drill", "bevel"  #: of a sheet's features that are only begun by the machine
 REASONS = {
     BY_POLICY: "the machine file leaves such marks for manual work",
@@ -52,6 +53,7 @@ REASONS = {
     FACE: "the lettering unit does not reach that face",
     CHARACTERS: "the machine has no characters for it",
     ANGLE: "the machine does not letter at that angle",
+    NOT_MOVED: "it is not clear of edges and holes there, and the machine moves no text",
     HEIGHT: "the machine does not letter at that height, which is binding",
     DRILL: "the torch cannot make it and marks its centre for the drill",
     BEVEL: "the torch cuts its bevelled edges square",

@@ -370,7 +370,7 @@ def judge(
         yield TEXT.at(feature.source, expected=expected, **said)
     elif exact:
         return
-    elif feature.option == "z" or _is_surely_clear(text, sure or steel, others, marks):
+    elif feature.option == "z" or is_surely_clear(text, sure or steel, others, marks):
         expected = f"it at x {feature.x:g}, y {feature.y:g}, {text.height:g} mm high"
         yield TEXT.at(feature.source, expected=expected, **said)
     else:
@@ -380,7 +380,7 @@ def judge(
         )  # fmt: skip
 
 
-def _is_surely_clear(text: Wanted, steel: Steel, others: Sequence["Polygon"], marks: Marks) -> bool:
+def is_surely_clear(text: Wanted, steel: Steel, others: Sequence["Polygon"], marks: Marks) -> bool:
     feature = text.feature
     box = box_of(text, feature.x, feature.y, text.height)
     return is_clear(box, steel, others, marks.min_distance + SURE, SURE)
@@ -398,7 +398,7 @@ class Places:
         marks = self._face[2]
         if not text.pieces or text.height < marks.min_height:
             return False
-        if _is_surely_clear(text, *self._face):
+        if is_surely_clear(text, *self._face):
             return True
         if text.feature.option == "z":
             return False

@@ -6,12 +6,12 @@ from itertools import pairwise, product
 from typing import Literal, cast
 
 from msgspec import Struct, field
+from msgspec.structs import replace
 
 from beamcam.errors import Diagnostic, Source
 from beamcam.geometry.curves import Arc, Curve, Line, unit_vector
 from beamcam.geometry.plane import Point, join_boxes
 from beamcam.machine.machine import Machine
-from beamcam.machine.marking import Marks
 from beamcam.machine.torch import Torch, TorchProcess
 from beamcam.model.colour import colour_name, key_of, process_of
 from beamcam.model.hatch import is_filled_only
@@ -26,7 +26,15 @@ from beamcam.model.part import (
     TextMark,
 )
 from beamcam.planning import rules as bar_rules
-from beamcam.planning.by_hand import BEVEL, DRILL, FACE, listed_by, refuse_mark
+from beamcam.planning.by_hand import (
+    BEVEL,
+    DRILL,
+    FACE,
+    NO_ROOM,
+    NOT_MOVED,
+    listed_by,
+    refuse_mark,
+)
 from beamcam.planning.contours import rules
 from beamcam.planning.contours.ability import PLATE_FACES, is_drilled, refusal
 from beamcam.planning.lettering import place_text, remarks
@@ -107,7 +115,7 @@ def assign_processes(
     found.remarks += _noise(part, torch)
     if _needs_outline(part):
         found.wanted += (AssignedCurve(c, "cut", OUTLINE, part.source) for c in _rectangle(part))
-    letter(part, machine.marks, found)
+    letter(part, machine, found)
     found.refusals += _unknown_processes(found.wanted, torch, machine.name)
     return found
 
@@ -182,8 +190,9 @@ class _Meanings:
         return key if key is not None and key in self._settings else ""
 
 
-def letter(part: Part, marks: Marks, found: Assigned) -> None:
+def letter(part: Part, machine: Machine, found: Assigned) -> None:
     """Add the strokes of the texts, each where it is clear of what is cut and of the others."""
+    marks = machine.marks
     texts = [
         (index, feature) for index, feature in enumerate(part.features)
         if isinstance(feature, TextMark)
@@ -201,7 +210,11 @@ def letter(part: Part, marks: Marks, found: Assigned) -> None:
         room.add(curves)
     process: TorchProcess = "engrave" if marks.unit == "laser" else "mark"
     for index, text in texts:
-        lettered = place_text(text, marks, room) if text.face in TOP_FACES else FACE
+        # The read-back of a table of steps finds a text where the part has it, and nowhere else.
+        bound = replace(text, option="z") if machine.stepper is not None else text
+        lettered = place_text(bound, marks, room) if text.face in TOP_FACES else FACE
+        if lettered == NO_ROOM and bound is not text:
+            lettered = NOT_MOVED
         if isinstance(lettered, str):
             found.listed[index] = lettered
             continue

@@ -15,10 +15,14 @@ from beamcam.model.marks import policy_on
 from beamcam.model.part import Part, TextMark
 from beamcam.verify.by_hand import by_hand, is_by_hand
 from beamcam.verify.lettering import (
+    EXACT,
     Drawn,
     Places,
+    Steel,
     Wanted,
     box_of,
+    is_clear,
+    is_surely_clear,
     judge,
     steel_within,
     wanted,
@@ -45,8 +49,7 @@ def add_texts(need: Need, part: Part, machine: Machine, torch: Torch, strokes: "
     ]  # fmt: skip
     if not texts:
         return
-    marks = machine.marks
-    process: TorchProcess = "engrave" if marks.unit == "laser" else "mark"
+    marks, process = machine.marks, text_process(machine)
     asked = [(index, wanted(feature, marks)) for index, feature in texts]
     if not need.curves.get("cut"):  # a sheet that is only marked lies where its marks do
         for index, text in asked:
@@ -54,7 +57,11 @@ def add_texts(need: Need, part: Part, machine: Machine, torch: Torch, strokes: "
         need.drawn.clear()
         return
     steel = steel_within([piece for curve in need.curves["cut"] for piece in _chords(curve)])
-    drawn = Drawn(_pieces(strokes, process, shift_of(need, torch)), max(0.03, torch.tolerance))
+    pieces = _pieces(strokes, process, shift_of(need, torch))
+    if machine.stepper is not None:
+        _where_they_are(need, asked, part, machine, steel, pieces)
+        return
+    drawn = Drawn(pieces, max(0.03, torch.tolerance))
     found = {index: drawn.find(text, marks) for index, text in asked if text.feature.face in FACES}
     boxes = {
         index: box_of(text, one.x, one.y, one.height)
@@ -73,6 +80,42 @@ def add_texts(need: Need, part: Part, machine: Machine, torch: Torch, strokes: "
         else:
             need.said.append(by_hand(feature, part, machine))
     need.drawn.clear()
+
+
+def _where_they_are(
+    need: Need, asked: Sequence[tuple[int, Wanted]], part: Part, machine: Machine, steel: Steel,
+    pieces: Sequence[tuple[Point, Point]],
+) -> None:  # fmt: skip
+    """Add the texts that a table letters where the part has them; it moves none.
+
+    Stairs of steps do not tell one stroke from the next, so that no text is looked for elsewhere.
+    """
+    import shapely
+
+    marks = machine.marks
+    boxes: list[shapely.Polygon] = []
+    middles = shapely.MultiPoint([((a + c) / 2, (b + d) / 2) for (a, b), (c, d) in pieces])
+    for index, text in asked:
+        feature = text.feature
+        box = None
+        if feature.face in FACES and text.pieces and text.height >= marks.min_height:
+            box = box_of(text, feature.x, feature.y, text.height)
+        if (
+            box is not None
+            and is_clear(box, steel, boxes, marks.min_distance - EXACT)
+            and (is_surely_clear(text, steel, boxes, marks) or box.intersects(middles))
+        ):
+            place = feature.x, feature.y, text.height
+            _need(need, text_process(machine), index, text, *place)
+            boxes.append(box)
+        else:
+            need.said.append(by_hand(feature, part, machine))
+    need.drawn.clear()
+
+
+def text_process(machine: Machine) -> TorchProcess:
+    """The process that draws the strokes of texts."""
+    return "engrave" if machine.marks.unit == "laser" else "mark"
 
 
 def _need(

@@ -15,6 +15,7 @@ from beamcam.machine.torch import Torch, TorchProcess
 from beamcam.model.part import Part
 from beamcam.verify.polylines import compare_polylines
 from beamcam.verify.sheets.need import Need, need_of, rows_of, shift_of, thickness_of
+from beamcam.verify.sheets.texts import text_process
 from beamcam.verify.sheets.ways import Ways
 from beamcam.verify.steps import rules
 
@@ -153,7 +154,11 @@ class Outline:
         self.work: dict[TorchProcess, Work] = {}
         self.need = Need()
         self._stroke: _Stroke | None = None
+        #: the process of texts, whose strokes are found when all are known; None without texts
+        self.letters: TorchProcess | None = None
         if part is not None:
+            if any(part.texts) and machine.marks.text == "make" and machine.marks.unit != "none":
+                self.letters = text_process(machine)
             need = self.need = need_of(part, machine, self.torch, skips)
             shift = shift_of(need, self.torch)
             self.work = work_of(part, self.torch)
@@ -199,6 +204,8 @@ class Outline:
             stroke.away, key=lambda p: (stroke.away[p] > self.tracks[p].most, stroke.away[p]),
             default=None,
         )  # fmt: skip
+        if self.letters and (process is None or stroke.away[process] > self.tracks[process].most):
+            process = self.letters
         points = np.concatenate(stroke.pieces)
         source = Source(self.name, stroke.line)
         if (points == points[0]).all():
@@ -208,7 +215,7 @@ class Outline:
         elif process is None:
             said = rules.PLACE.at(source, x="any", y="any", expected="the laser off")
             self.said.append(said)
-        elif stroke.away[process] > (most := self.tracks[process].most):
+        elif process != self.letters and stroke.away[process] > (most := self.tracks[process].most):
             x, y = (f"{v:.2f}" for v in stroke.worst[process])
             off = f"{stroke.away[process]:.4f}"
             expected = f"it within {most:.4f} mm of the path, not {off} mm off it"
