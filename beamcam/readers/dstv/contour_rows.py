@@ -9,10 +9,8 @@ from msgspec import Struct, field
 from beamcam.errors import Severity
 from beamcam.geometry.curves import Point
 from beamcam.readers.dstv import rules
-from beamcam.readers.dstv.place import FACE_LETTERS, Place
-from beamcam.readers.dstv.tokens import EDGES, LARGEST, Block, Log, RowError, numbers, tokenise
-
-_NO_BEVEL = (["0.00"] * 4, ["0.00"] * 2)  #: the columns as most programs write them
+from beamcam.readers.dstv.place import Place
+from beamcam.readers.dstv.tokens import EDGES, Block, Log, RowError, numbers, tokenise
 
 #: A notch corner this many radii from its arc comes of tangents that are (nearly) parallel.
 _FARTHEST_CORNER = 1000.0
@@ -43,75 +41,40 @@ class Rows(Struct):
 def read_contour_rows(block: Block, code: str, place: Place) -> list[Rows]:
     """The contours of one block; a row that changes the face, or follows a closed one, begins
     another."""
-    log = place.log
     found: list[Rows] = []
     rows: Rows | None = None
-    points: list[Point] = []
-    radii: list[float] = []
-    lines: list[int] = []
     for line, row in zip(block.numbers, block.rows, strict=True):
-        # "  v   0.00u   20.00   0.00   0.00   0.00   0.00   0.00"
-        #   face, x + reference, y + t or w, radius, bevel angle, land, second angle, land
-        tokens = row.split()
-        try:
-            first = 0
-            face = tokens[0]
-            if face in FACE_LETTERS:
-                first = 1
-                if place.fixed or face == place.face:
-                    pass
-                else:
-                    place.face = face
-                    rows = None
-            elif not place.face:
-                raise RowError(row)
-            text = tokens[first]
-            edge = text[-1]
-            if edge in EDGES:
-                x = float(text[:-1])
-            else:
-                x, edge = float(text), ""
-            y = float(tokens[first + 1])
-            rest = tokens[first + 2 :]
-            radius = float(rest[0]) if rest else 0.0
-            bevel = rest[1:]
-            if not -LARGEST < x + y + radius < LARGEST or "_" in row:
-                raise RowError(row)
-            if bevel and bevel not in _NO_BEVEL:
-                raise RowError(row)
-        except (ValueError, IndexError):
-            fields = _careful(row, line, place)
-            if fields is None:
-                continue
-            x, edge, y, notch, radius, pairs = fields
-            if rows is not None and rows.face != place.face:
-                rows = None
-        else:
-            notch, pairs = "", ()
-        if rows is None:
+        fields = _fields(row, line, place)
+        if fields is None:
+            continue
+        x, edge, y, notch, radius, pairs = fields
+        if rows is None or rows.face != place.face:
             rows = Rows(code, place.face, edge, line)
-            points, radii, lines = rows.points, rows.radii, rows.lines
             found.append(rows)
         if edge and edge not in rows.edges:
             rows.edge = rows.edge or edge
             rows.edges += edge
         if notch:
-            _add_notch(rows, notch, (x, y), radius, line, log)
+            _add_notch(rows, notch, (x, y), radius, line, place.log)
             continue
         if pairs:
-            rows.bevels[len(points)] = pairs
-        points.append((x, y))
-        radii.append(radius)
-        lines.append(line)
+            rows.bevels[len(rows.points)] = pairs
+        rows.points.append((x, y))
+        rows.radii.append(radius)
+        rows.lines.append(line)
     if code in "AI":
         found = [part for rows in found for part in _split_closed(rows)]
     return found
 
 
-def _careful(
+def _fields(
     row: str, line: int, place: Place
 ) -> tuple[float, str, float, str, float, tuple[BevelPair, ...]] | None:
-    """x, reference, y, notch letter, radius and bevels of any row; None if no rule explains it."""
+    """x, reference, y, notch letter, radius and bevels of a row; None if no rule explains it.
+
+    "  v   0.00u   20.00   0.00   0.00   0.00   0.00   0.00" is face, x and reference, y and notch
+    letter, radius, angle of a bevel, its land, angle and land of a second one.
+    """
     log = place.log
     before = len(log.diagnostics)
     try:

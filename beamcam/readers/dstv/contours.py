@@ -71,48 +71,31 @@ def build_contour(rows: Rows, mirrored: bool, thickness: float, log: Log) -> Con
     `mirrored`: a positive radius is clockwise in the numbers. Outer contours come out
     counter-clockwise seen from outside, closed inner ones clockwise.
     """
-    points, radii, lines = rows.points, rows.radii, rows.lines
-    bevels, notches = rows.bevels, rows.notches
-    if len(set(points)) < 2:
+    if len(set(rows.points)) < 2:
         _refuse_point(rows, log)
         return None
     if len(rows.edges) > 1:
         log.add(rules.EDGE_MIXED, rows.line, found=" ".join(rows.edges), kept=rows.edge)
+    points, radii, lines, bevel_rows, notch_rows = _drop_repeated(rows, log)
     if mirrored:
         radii = [-r for r in radii]
-    # most contours: no point twice in a row, so that nothing is to be left out
-    if any(map(tuple.__eq__, points, points[1:])):
-        points, radii, lines, bevels, notches = _drop_repeated(rows, radii, log)
     closed = points[0] == points[-1]
     if not closed and rows.code in "AI":
         points, radii = _close(points, radii, lines, log)
         closed = True
     kind: ContourKind = "outer" if rows.code == "A" else "inner" if closed else "open"
-    turned = False
     if closed:
-        rows.area = area = polygon_area(points)
-        if any(radii):
-            area += segments_area(points, radii)
-        if area == 0.0:
-            log.add(rules.CONTOUR_AREA, rows.line)
-        wants_positive = (kind == "outer") != (rows.face in MIRRORED_FACES)
-        turned = area > 0 if not wants_positive else area < 0
-    bevel_list = _place_bevels(rows, bevels, len(points) - 1, closed, thickness, lines, log)
-    last = len(points) - 2
-    notch_list = [
-        Notch(i if 0 <= i <= last else last, kind_, corner, -radius if mirrored else radius)
-        for i, group in sorted(notches.items())
-        for kind_, corner, radius in group
-    ]
-    if turned:
-        lines = lines[: len(points) - 1][::-1]  # of each edge, the row that it began on
+        rows.turned = _runs_the_other_way(rows, kind, points, radii, log)
+    last = len(points) - 2  #: edge
+    bevels = _place_bevels(rows, bevel_rows, last + 1, closed, thickness, lines, log)
+    notches = _place_notches(notch_rows, last, mirrored)
+    if rows.turned:
+        lines = lines[: last + 1][::-1]  # of each edge, the row that it began on
         points = points[::-1]
         radii = [-r for r in radii[-2::-1]] + [0.0]
-        bevel_list = [Bevel(last - b.curve, b.angle, b.land) for b in bevel_list]
-        bevel_list.sort(key=lambda b: b.curve)
-        notch_list = [
-            Notch(last - n.curve, n.kind, n.corner, -n.radius) for n in reversed(notch_list)
-        ]
+        bevels = [Bevel(last - b.curve, b.angle, b.land) for b in bevels]
+        bevels.sort(key=lambda b: b.curve)
+        notches = [Notch(last - n.curve, n.kind, n.corner, -n.radius) for n in reversed(notches)]
     curves = _curves(points, radii, lines, log)
     if curves is None:
         log.left_out.extend(rows.lines + rows.notch_lines)
@@ -120,7 +103,6 @@ def build_contour(rows: Rows, mirrored: bool, thickness: float, log: Log) -> Con
     log.taken.extend(rows.lines)
     log.taken.extend(rows.notch_lines)
     process: Process = "punch" if rows.code == "K" else "powder" if rows.code == "P" else "cut"
-    rows.turned = turned
     return Contour(
         rows.face,
         kind,
@@ -128,10 +110,31 @@ def build_contour(rows: Rows, mirrored: bool, thickness: float, log: Log) -> Con
         Source(log.file, rows.line),
         process,
         closed,
-        tuple(bevel_list),
-        tuple(notch_list),
+        tuple(bevels),
+        tuple(notches),
         rows.edge,
     )
+
+
+def _runs_the_other_way(
+    rows: Rows, kind: ContourKind, points: list[Point], radii: list[float], log: Log
+) -> bool:
+    """Whether a closed contour runs against the sense in which ours run, seen from outside."""
+    rows.area = polygon_area(points)
+    area = rows.area + segments_area(points, radii)
+    if area == 0.0:
+        log.add(rules.CONTOUR_AREA, rows.line)
+    wants_positive = (kind == "outer") != (rows.face in MIRRORED_FACES)
+    return area < 0 if wants_positive else area > 0
+
+
+def _place_notches(notches: dict[int, list[NotchRow]], last: int, mirrored: bool) -> list[Notch]:
+    """The notches at the edges that they stand on, the last one at most."""
+    return [
+        Notch(i if 0 <= i <= last else last, kind, corner, -radius if mirrored else radius)
+        for i, group in sorted(notches.items())
+        for kind, corner, radius in group
+    ]
 
 
 def _refuse_point(rows: Rows, log: Log) -> None:
@@ -146,7 +149,7 @@ def _refuse_point(rows: Rows, log: Log) -> None:
 
 
 def _drop_repeated(
-    rows: Rows, radii: list[float], log: Log
+    rows: Rows, log: Log
 ) -> tuple[
     list[Point],
     list[float],
@@ -163,10 +166,10 @@ def _drop_repeated(
         if kept and points[kept[-1]] == point:
             log.add(rules.REPEATED_POINT, lines[i])
             rows.left_out.append(lines[i])
-            new_radii[-1] = radii[i]
+            new_radii[-1] = rows.radii[i]
         else:
             kept.append(i)
-            new_radii.append(radii[i])
+            new_radii.append(rows.radii[i])
         place.append(len(kept) - 1)
     new_bevels = {place[i]: pairs for i, pairs in rows.bevels.items()}
     new_notches: dict[int, list[NotchRow]] = {}

@@ -74,13 +74,7 @@ def header_lines(lines: list[str], texts: list[str], start: int) -> HeaderLines:
     while start < len(lines) and (text := texts[start])[:2] == "**":
         comments.append((1, text[2:]))
         start += 1
-    if (end := start + MOST_LINES) < len(lines):  # as most files have it: 24 lines and a code
-        values = texts[start:end]
-        code = texts[end]
-        plain = "\n**" not in "\n".join(values) and 2 not in map(len, values[MIN_LINES:])
-        if plain and len(code) == 2 and _is_code(code, lines, end, indent, MOST_LINES):
-            return HeaderLines(values, list(range(start + 1, end + 1)), comments, trailing, end)
-    values = []
+    values: list[str] = []
     numbers: list[int] = []
     for index in range(start, len(lines)):
         text = texts[index]
@@ -146,19 +140,10 @@ def read_header(head: HeaderLines, log: Log) -> Header | None:
         log.add(rules.HEIGHT, lines[9], found=height)
     elif min(width, flange, web) > 0 and (fault := section_fault(profile)) is not None:
         log.add(rules.SECTION, lines[9], found=fault, code=code)
+    _warn_of_texts(values, lines, log)
+    said = {d.source.line for d in log.diagnostics[before:]}
+    log.taken.extend(line for line in lines if line not in said)
     texts = [_text(values[i]) for i in (0, 1, 2, 4)]
-    if max(map(len, values)) > TEXT_LIMIT:
-        for i, value in enumerate(values):
-            if len(value) > TEXT_LIMIT:
-                log.add(rules.TEXT_LONG, lines[i], count=len(value), limit=TEXT_LIMIT)
-    for i in range(MOST_LINES, len(values)):
-        log.add(rules.HEADER_EXTRA, lines[i], found=values[i], number=i + 1)
-    _warn_of_mark(values, lines, log)
-    if len(log.diagnostics) == before:
-        log.taken.extend(lines)
-    else:
-        said = {d.source.line for d in log.diagnostics[before:]}
-        log.taken.extend(line for line in lines if line not in said)
     return Header(
         texts[0],
         texts[1],
@@ -175,6 +160,16 @@ def read_header(head: HeaderLines, log: Log) -> Header | None:
         _notes(values[MIN_LINES:]),
         (lines[16], lines[17], lines[18], lines[19]),
     )
+
+
+def _warn_of_texts(values: list[str], lines: list[int], log: Log) -> None:
+    """Warn of texts that are longer or more than the standard has, and of an odd mark."""
+    for value, line in zip(values, lines, strict=True):
+        if len(value) > TEXT_LIMIT:
+            log.add(rules.TEXT_LONG, line, count=len(value), limit=TEXT_LIMIT)
+    for i in range(MOST_LINES, len(values)):
+        log.add(rules.HEADER_EXTRA, lines[i], found=values[i], number=i + 1)
+    _warn_of_mark(values, lines, log)
 
 
 def _text(value: str) -> str:
