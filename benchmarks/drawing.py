@@ -29,7 +29,7 @@ from beamcam.emitters import cutting
 from beamcam.machine import load
 from beamcam.machine.machine import Machine
 from beamcam.machine.overlay import with_torch
-from beamcam.model.program import Feed
+from beamcam.model.program import Feed, Movement, Traverse
 from beamcam.motion.sheet import sheet_program
 from beamcam.pipeline import post, read_file
 from beamcam.planning.sheet import plan_sheet
@@ -100,7 +100,7 @@ def report(path: Path, machine: Machine, theirs: float, chords: int) -> None:
     verify_s, said = least(lambda: verify_sheet(text, reading.parts, machine))
     assert not said
     whole, _ = least(lambda: post(read_file(str(path)).parts, machine))
-    moves = sum(isinstance(c, tuple) for c in program.commands)
+    moves = sum(isinstance(c, Traverse | Movement) for c in program.commands)
     lines = sum(type(c) is Feed for c in program.commands)
     print(
         f"beamcam post {path.name:14} {whole:7.2f} s   {moves} moves, {lines} of them lines: "

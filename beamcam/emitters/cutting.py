@@ -4,6 +4,7 @@ from collections.abc import Iterator, Mapping
 from itertools import chain, count
 
 import numpy as np
+from msgspec.structs import astuple
 
 from beamcam.emitters.columns import lines
 from beamcam.emitters.numbers import number
@@ -94,7 +95,8 @@ class _Writer:
         return [self._formatted(*kind) for kind in kinds]
 
     def _formatted(self, template: tuple[str, ...], names: str, rows: list[Row]) -> Iterator[str]:
-        table = np.fromiter(chain.from_iterable(rows), dtype=np.float64).reshape(-1, len(names))
+        numbers = chain.from_iterable(map(astuple, rows))
+        table = np.fromiter(numbers, dtype=np.float64).reshape(-1, len(names))
         text = BETWEEN.join(template).replace("{feed}", FEED)
         columns = dict(zip(names, table.T, strict=True))
         found = lines(text, columns, self._form.length_decimals).split("\n")

@@ -37,7 +37,7 @@ SLACK = 1 + 1e-6
 WIDEST_PLACE = 2.0
 
 
-class Chain(Struct, frozen=True):
+class Chain(Struct, frozen=True, gc=False):
     """Curves that follow one another."""
 
     curves: tuple[Curve, ...]

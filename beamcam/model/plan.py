@@ -53,7 +53,7 @@ class Bar(Struct, frozen=True):
         )
 
 
-class SawOp(Struct, frozen=True):
+class SawOp(Struct, frozen=True, gc=False):
     """One cut through the bar."""
 
     x: float  #: machine X, of the blade's middle on the pivot edge
@@ -66,7 +66,7 @@ class SawOp(Struct, frozen=True):
     reasons: tuple[str, ...] = ()  #: codes of `planning.operations`
 
 
-class DrillOp(Struct, frozen=True):
+class DrillOp(Struct, frozen=True, gc=False):
     """One stroke of a spindle, or of two at once, with any tool that makes a round place."""
 
     x: float  #: machine X
@@ -142,7 +142,7 @@ class ToolLoad(Struct, frozen=True):
 NOT_MADE = {"skipped": "left out", "listed": "left for manual work"}
 
 
-class Outcome(Struct, frozen=True):
+class Outcome(Struct, frozen=True, gc=False):
     """The outcome of one feature."""
 
     feature: FeatureRef
@@ -164,7 +164,7 @@ class Plan(Struct, frozen=True):
     reloads: tuple[ToolLoad, ...] = ()  #: changed manually during the work, in its order
 
 
-class Pass(Struct, frozen=True):
+class Pass(Struct, frozen=True, gc=False):
     """The work of the head between tool on and tool off."""
 
     lead_in: tuple[Curve, ...]  #: from the pierced hole to the contour
@@ -172,7 +172,7 @@ class Pass(Struct, frozen=True):
     lead_out: tuple[Curve, ...]
 
 
-class ContourOp(Struct, frozen=True):
+class ContourOp(Struct, frozen=True, gc=False):
     """A contour cut, marked or engraved, in one pass, or in several with bridges between them."""
 
     row: TorchRow  #: the process and how it runs

@@ -5,7 +5,7 @@ Lengths are mm in machine coordinates, feeds mm/min, speeds rpm.
 """
 
 from collections.abc import Mapping
-from typing import Literal, NamedTuple
+from typing import Literal
 
 from msgspec import Struct
 
@@ -20,7 +20,7 @@ class StartBar(Struct, frozen=True):
     height: float
 
 
-class SawStroke(Struct, frozen=True):
+class SawStroke(Struct, frozen=True, gc=False):
     """Bring the bar to `x` and cut through it."""
 
     x: float
@@ -47,7 +47,7 @@ class SpindleStroke(Struct, frozen=True, cache_hash=True):
     station: int = 0  #: from 1; 0 where the machine's words do not say it
 
 
-class DrillCycle(Struct, frozen=True):
+class DrillCycle(Struct, frozen=True, gc=False):
     """Bring the bar to `x`, choose the spindle and its tool, and make one stroke."""
 
     x: float
@@ -118,7 +118,7 @@ class StartSheet(Struct, frozen=True):
     thickness: float
 
 
-class ToolOn(Struct, frozen=True):
+class ToolOn(Struct, frozen=True, gc=False):
     """Start the tool of a process where the head stands, and wait until it is through."""
 
     process: Literal["cut", "mark", "engrave"]
@@ -130,13 +130,13 @@ class ToolOn(Struct, frozen=True):
     cut_height: float = 0.0
 
 
-class ToolOff(Struct, frozen=True):
+class ToolOff(Struct, frozen=True, gc=False):
     """Stop the tool of a process."""
 
     process: Literal["cut", "mark", "engrave"]
 
 
-class Pace(NamedTuple):
+class Pace(Struct, frozen=True, gc=False):
     """From the next move on the tool moves at this feed: what its axes can follow there."""
 
     feed_mm_min: float
@@ -149,21 +149,21 @@ class Compensate(Struct, frozen=True):
     kerf: float
 
 
-class Traverse(NamedTuple):
-    """The head to a place, its tool off. A plain tuple, as a drawing has tens of thousands."""
+class Traverse(Struct, frozen=True, gc=False):
+    """The head to a place, its tool off."""
 
     x: float
     y: float
 
 
-class Feed(NamedTuple):
+class Feed(Struct, frozen=True, gc=False):
     """The tool along a line to a place."""
 
     x: float
     y: float
 
 
-class ArcFeed(NamedTuple):
+class ArcFeed(Struct, frozen=True, gc=False):
     """The tool along an arc; its centre counts from where the arc starts."""
 
     x: float
@@ -173,7 +173,7 @@ class ArcFeed(NamedTuple):
     clockwise: bool
 
 
-class ParabolaFeed(NamedTuple):
+class ParabolaFeed(Struct, frozen=True, gc=False):
     """The tool along a parabola, whose tangent is parallel to the chord at the vertex (i, j)."""
 
     x: float
@@ -182,7 +182,7 @@ class ParabolaFeed(NamedTuple):
     j: float
 
 
-class EllipseFeed(NamedTuple):
+class EllipseFeed(Struct, frozen=True, gc=False):
     """The tool along an ellipse; its centre counts from where it starts."""
 
     x: float

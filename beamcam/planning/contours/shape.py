@@ -7,7 +7,7 @@ from beamcam.geometry.curves import Curve
 from beamcam.machine.torch import TorchProcess
 
 
-class Shape(Struct, frozen=True):
+class Shape(Struct, frozen=True, gc=False):
     """A contour that one process follows, and where it lies among the cut ones.
 
     The part is the set of points that an odd number of closed cut contours enclose, contours
