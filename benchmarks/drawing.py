@@ -70,10 +70,10 @@ def by_ezdxf(path: Path, tolerance: float) -> int:
 
 def main() -> None:
     """Runs all and prints the table."""
-    collector_seldom()
     parser = arguments(__doc__)
     parser.add_argument("--kerf", action="store_true", help="keep off by half a kerf, lead in")
     kerf: bool = parser.parse_args().kerf
+    collector_seldom()
     machine = load("plate-linuxcnc")
     if not kerf:
         machine = with_torch(machine, None, 0.0, lead="none")

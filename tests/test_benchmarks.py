@@ -2,8 +2,10 @@
 
 import ast
 import os
+import runpy
 import subprocess
 import sys
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -26,30 +28,53 @@ def run(script: str, *arguments: str, cwd: Path) -> subprocess.CompletedProcess[
     )  # fmt: skip
 
 
+@pytest.fixture
+def called(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> Callable[..., tuple[object, str, str]]:
+    """Runs a script in this process, which has its libraries: its status, output and errors."""
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.syspath_prepend(str(BENCHMARKS))
+
+    def call(script: str, *given: str) -> tuple[object, str, str]:
+        monkeypatch.setattr(sys, "argv", [str(BENCHMARKS / script), *given])
+        with pytest.raises(SystemExit) as ended:
+            runpy.run_path(str(BENCHMARKS / script), run_name="__main__")
+        assert list(tmp_path.iterdir()) == []
+        said = capsys.readouterr()
+        return ended.value.code, said.out, said.err
+
+    return call
+
+
 @pytest.mark.parametrize("script", SCRIPTS)
-def test_help_is_what_the_script_says_of_itself(script: str, tmp_path: Path) -> None:
-    done = run(script, "--help", cwd=tmp_path)
-    assert (done.returncode, done.stderr) == (0, "")
+def test_help_is_what_the_script_says_of_itself(
+    script: str, called: Callable[..., tuple[object, str, str]]
+) -> None:
+    status, out, errors = called(script, "--help")
+    assert (status, errors) == (0, "")
     said = ast.get_docstring(ast.parse((BENCHMARKS / script).read_text(encoding="utf-8")))
     assert said is not None
-    assert said in done.stdout
+    assert said in out
     assert f"python benchmarks/{script}" in said
-    assert list(tmp_path.iterdir()) == []
 
 
 @pytest.mark.parametrize("script", SCRIPTS)
-def test_an_option_that_is_none_is_refused(script: str, tmp_path: Path) -> None:
-    done = run(script, "--nothing", "1", "2", "3", cwd=tmp_path)
-    assert (done.returncode, done.stdout) == (2, "")
-    assert "error: " in done.stderr
-    assert list(tmp_path.iterdir()) == []
+def test_an_option_that_is_none_is_refused(
+    script: str, called: Callable[..., tuple[object, str, str]]
+) -> None:
+    status, out, errors = called(script, "--nothing", "1", "2", "3")
+    assert (status, out) == (2, "")
+    assert "error: " in errors
 
 
 @pytest.mark.parametrize("number", ["0", "-1", "x", "1.5"])
-def test_a_number_that_is_too_small_or_none(number: str, tmp_path: Path) -> None:
-    done = run("dstv.py", f"--rounds={number}", cwd=tmp_path)
-    assert done.returncode == 2
-    assert f"argument --rounds: found '{number}'; expected 1 or more" in done.stderr
+def test_a_number_that_is_too_small_or_none(
+    number: str, called: Callable[..., tuple[object, str, str]]
+) -> None:
+    status, _, errors = called("dstv.py", f"--rounds={number}")
+    assert status == 2
+    assert f"argument --rounds: found '{number}'; expected 1 or more" in errors
 
 
 def test_a_model_is_written_where_it_is_asked_for(tmp_path: Path) -> None:
