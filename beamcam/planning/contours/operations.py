@@ -4,6 +4,7 @@ shapes -> half a kerf off the part -> in order -> turned and begun -> led into -
 """
 
 from collections.abc import Iterator, Sequence
+from math import hypot
 from typing import Literal
 
 from msgspec.structs import replace
@@ -147,8 +148,9 @@ def _open_cuts(shapes: Sequence[Shape]) -> Iterator[Diagnostic]:
     for shape in opened[:SHOWN_OPEN]:
         (x0, y0), (x1, y1) = shape.curves[0].start, shape.curves[-1].end
         yield rules.OPEN_CUT.at(
-            shape.source, x0=f"{x0:.3f}", y0=f"{y0:.3f}", x1=f"{x1:.3f}", y1=f"{y1:.3f}"
-        )
+            shape.source, x0=f"{x0:.3f}", y0=f"{y0:.3f}", x1=f"{x1:.3f}", y1=f"{y1:.3f}",
+            apart=f"{hypot(x1 - x0, y1 - y0):.3f}",
+        )  # fmt: skip
     if len(opened) > SHOWN_OPEN:
         more = opened[SHOWN_OPEN]
         yield rules.MORE_OPEN.at(more.source, found=len(opened) - SHOWN_OPEN)

@@ -219,15 +219,17 @@ RUNS_OVER = Rule(
 GAP = Rule(
     "plan-gap",
     _W,
-    "found a gap of {found} mm at x {x}, y {y}; expected at most {expected} mm in a contour",
+    "found a gap of {found} mm at x {x}, y {y}; expected at most {expected} mm in a contour, or a "
+    "larger torch.gap in the machine file",
     "The contour stays open there, so that the part may not fall out.",
 )
 OPEN_CUT = Rule(
     "plan-open-cut",
     _W,
-    "found an open contour to cut from x {x0}, y {y0} to x {x1}, y {y1}; it is cut on its line, "
-    "without regard to the kerf",
-    "An open line has no side that the part lies on.",
+    "found an open contour to cut from x {x0}, y {y0} to x {x1}, y {y1}, {apart} mm apart; it is "
+    "cut on its line, without regard to the kerf",
+    "An open line has no side that the part lies on. Ends at most `torch.gap` of the machine file "
+    "apart are joined.",
 )
 MORE_OPEN = Rule(
     "plan-open-cuts",

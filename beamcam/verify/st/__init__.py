@@ -30,7 +30,11 @@ def verify_triggers(
     triggers = machine.needed(machine.triggers, "trigger program")
     job, said = read_program(text, machine, name)
     if job is None:
-        return tuple(said)
+        if not parts:
+            return tuple(said)
+        from beamcam.verify.st.contour_names import unread, with_contours
+
+        return tuple(with_contours(said, unread(text, said), parts[0], machine, skips))
     rows = rows_of(parts[0], torch) if parts else torch.rows
     work = Work(job, machine, rows, name)
     work.follow()

@@ -1,5 +1,6 @@
 """Messages about an operation, with the contour of the input that the operation is beside."""
 
+import re
 from collections.abc import Collection, Sequence
 
 import numpy as np
@@ -9,6 +10,22 @@ from beamcam.controllers.simotion.job import Operation
 from beamcam.errors import Diagnostic
 from beamcam.machine.machine import Machine
 from beamcam.model.part import Part
+
+#: Where the head goes, as the operations of a chain say it.
+_GOES_TO = re.compile(r"x := LREAL#(-?[\d.]+), y := LREAL#(-?[\d.]+)")
+BLOCK = 10  #: lines of a program in which the operation is that a line belongs to
+
+
+def unread(text: str, said: Sequence[Diagnostic]) -> list[Operation]:
+    """For messages about lines that cannot be read the operation there, or the one before it."""
+    lines = text.splitlines()
+    found = []
+    for line in {one.source.line for one in said if one.source.line}:
+        near = [lines[line - 1 : line + 1], lines[max(line - BLOCK, 0) : line][::-1]]
+        places = (_GOES_TO.search(row) for rows in near for row in rows)
+        if (place := next(filter(None, places), None)) is not None:
+            found.append(Operation(line, 0, float(place[1]), float(place[2]), 0.0, None))
+    return found
 
 
 def with_contours(

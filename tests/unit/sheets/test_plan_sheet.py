@@ -339,6 +339,21 @@ OF_OTHERS = {
 }  # fmt: skip
 
 
+def test_an_open_contour_says_how_far_its_ends_are_apart() -> None:
+    """Of an arrowhead whose ends nearly meet, and what would join them."""
+    head = lines((0, 0), (20, 8), (0, 16), (5, 8), (0.3, 0.4), closed=False)
+    (said,) = [
+        str(one) for one in post((drawing(contour(head)),), table()).remarks
+        if one.code == "plan-gap"
+    ]  # fmt: skip
+    assert "found a gap of 0.5000 mm at x 0.000, y 0.000" in said
+    assert said.endswith("or a larger torch.gap in the machine file")
+    far = lines((0, 0), (20, 8), (0, 16), (5, 8), (3, 4), closed=False)
+    (said,) = [str(one) for one in post((drawing(contour(far)),), table()).remarks]
+    assert "plan-open-cut" in said
+    assert "5.000 mm apart; it is cut on its line" in said
+
+
 def test_every_rule_has_a_case() -> None:
     shown = {c.code for c in REFUSALS} | {code for _, _, code, _ in OTHERS}
     shown |= {code for _, _, more in REMARKS for code in more} | {

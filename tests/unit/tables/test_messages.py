@@ -77,8 +77,9 @@ def test_what_is_said_of_a_program(style: str, find: str, put: str, says: str) -
     said = verify_triggers(changed, [part("shield")], table_machine(), (), "a.st")
     message, _, contour = str(said[0]).partition(", beside the contour of ")
     assert message == f"a.st:{says.format(**places)}"
-    # What is wrong with an operation is told with the contour of the input that is nearest.
-    is_of_operation = not says.startswith(("{line}", "{array}"))
+    # What is wrong with an operation, or in its block, is told with the contour that is nearest.
+    in_block = "triggerActive[" in find.replace("\\", "") or "speed :=" in find
+    is_of_operation = in_block or not says.startswith(("{line}", "{array}"))
     assert contour.startswith("shield.json:") == is_of_operation
 
 
