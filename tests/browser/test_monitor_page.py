@@ -96,7 +96,7 @@ def test_a_cell_is_drawn_while_it_moves(browser: Browser) -> None:
         wait_for(browser, rows[-1].positions, 1e-9)
         stops = [at[0] for at in seen]
         assert stops == sorted(stops)
-        assert len(set(stops)) > 5
+        assert len(set(stops)) > 2
         shown_rows = {row.positions for row in rows}
         assert all(tuple(at) in shown_rows for at in seen if at[0] and at[0] > 1000.0)
         assert browser.text("state") == "spindle 2, tool 18 mm, turning, coolant"
