@@ -18,7 +18,8 @@ BAD = sorted((SAMPLES / "bad").glob("*.*"))
 
 def sample(stem: str) -> str:
     """The path of the sample of that name, whatever its format."""
-    (path,) = (p for p in SAMPLES.glob(f"*/{stem}.*") if p.parent.name != "bad")
+    found = (p for p in SAMPLES.glob(f"*/{stem}.*") if p.parent.name != "bad")
+    (path,) = (p for p in found if p.suffix != ".toml")
     return str(path.relative_to(ROOT))
 
 
@@ -35,8 +36,12 @@ def test_program(
     monkeypatch.chdir(ROOT)
     inputs = [sample(stem) for stem in path.stem.split("+")]
     made = tmp_path / path.name  # the suffix may say in which form a table is written
+    # A sample may have a configuration of its name.
+    own = [p for p in (Path(name).with_suffix(".toml") for name in inputs) if p.is_file()]
+    config = [word for p in own for word in ("--config", str(p))]
+    machine = machine_of(path.parent.name)
     run = CliRunner().invoke(
-        main, ["post", *inputs, "--machine", machine_of(path.parent.name), "-o", str(made)]
+        main, ["post", *inputs, *config, "--machine", machine, "-o", str(made)]
     )
     assert run.exit_code == 0, run.stderr
     golden.check(path, made.read_text(encoding="utf-8"))

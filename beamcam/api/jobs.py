@@ -68,6 +68,8 @@ class SheetOptions(TypedDict, total=False):
     kerf: float
     kerf_by: Literal["none", "offset", "machine"]
     lead: Literal["none", "line", "arc"]
+    lead_in: float
+    lead_out: float
     tabs: int
     tab_width: float
     inner_tabs: bool

@@ -103,6 +103,8 @@ torch_options = group(
                  help="Kerf compensation: none, by offset, or by the machine."),
     click.option("--lead", type=click.Choice(["none", "line", "arc"]),
                  help="Lead-in from the pierce point to the contour."),
+    click.option("--lead-in", type=Number(least=0), help="Length of a lead-in, mm."),
+    click.option("--lead-out", type=Number(least=0), help="Length of a lead-out, mm."),
     click.option("--tabs", type=click.IntRange(min=0), help="Bridges in each outer contour."),
     click.option("--tab-width", type=Number(), help="Width of a bridge, mm."),
     click.option("--inner-tabs/--no-inner-tabs", default=None,

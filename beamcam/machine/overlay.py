@@ -64,6 +64,8 @@ def with_torch(
     if changed.kerf_by == "machine" and torch.lead == "arc":
         # A controller takes up its compensation along a line.
         changed = replace(changed, lead="line")
+    if changed.lead != "none" and not changed.lead_in:
+        raise ValueError(f"{machine.name} has no length of a lead-in; give one by --lead-in")
     if changed.overcut and machine.controller in TABLE_CONTROLLERS:
         raise ValueError(f"{machine.name} ends a closed contour where it begins; leave overcut out")
     if changed.origin != "table" and machine.controller in TABLE_CONTROLLERS:
