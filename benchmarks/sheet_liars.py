@@ -3,8 +3,9 @@
 The parts have every kind of feature that a cutting table makes, and what it leaves out: a layer
 that is mapped away, a line that is drawn twice, lettering. Each operation of their plans is dropped
 under every reason that there is, moved by a millimetre and by twice the tolerance, doubled, cut
-short, and made by another process; the work is put elsewhere and in another order. The program of
-each goes through the pipeline as any other, and all have to be refused.
+short, bridged and cut again otherwise, and made by another process or with other settings than
+asked for; the work is put elsewhere and in another order. The program of each goes through the
+pipeline as any other, and all have to be refused.
 """
 
 from collections import Counter
@@ -18,9 +19,11 @@ from beamcam.errors import PlanError, Source, VerifyError
 from beamcam.geometry.curves import Arc, Curve, Line
 from beamcam.machine import load
 from beamcam.machine.overlay import with_torch
+from beamcam.machine.torch import LookSettings, Torch
 from beamcam.model.drawing import Measures
 from beamcam.model.part import Contour, Hole, Part, Process, Profile, Slot, TextMark
 from beamcam.model.plan import ContourOp, Outcome, Pass, SheetPlan
+from beamcam.planning.contours.direction import stretch
 from beamcam.planning.rules import SKIP_NAMES
 from beamcam.posts import Job, Written, post_of
 from benchmarks.liars import REASONS, Lies
@@ -33,6 +36,23 @@ MACHINES: tuple[tuple[str, dict[str, object]], ...] = (
     ("plate-linuxcnc", {"tabs": 2}),
     ("plate-codesys", {}),
     ("laser-grbl", {"material": "wood"}),
+    ("laser-grbl", {"material": "wood", "tabs": 2, "inner_tabs": True, "overcut": 2.0}),
+    (
+        "laser-grbl",
+        {
+            "material": "wood",
+            "kerf_by": "offset",
+            "lead": "arc",
+            "lead_in": 2.0,
+            "lead_out": 1.0,
+            "overcut": 1.5,
+            "margin": 5.0,
+            "settings": {
+                "red": LookSettings(passes=2, power=800.0),
+                "blue": LookSettings(passes=3),
+            },
+        },
+    ),
     ("table-simotion", {}),
     ("laser-stepper", {"material": "wood"}),
 )
@@ -89,7 +109,7 @@ def _part(features: Sequence[object], measures: Measures | None) -> Part:
     return Part("P1", profile, 60.0, SOURCE, features=tuple(features), measures=measures)  # type: ignore[arg-type]
 
 
-def lies(plan: SheetPlan, tolerance: float) -> Iterator[tuple[str, SheetPlan]]:
+def lies(plan: SheetPlan, torch: Torch) -> Iterator[tuple[str, SheetPlan]]:
     """Plans that are not true, each with what it is."""
     for at, op in enumerate(plan.operations):
         before, after = plan.operations[:at], plan.operations[at + 1 :]
@@ -98,7 +118,7 @@ def lies(plan: SheetPlan, tolerance: float) -> Iterator[tuple[str, SheetPlan]]:
         for how, by in (*REASONS, ("skipped", "plan-tiny"), ("duplicate", "plan-overlap")):
             yield f"{kind} dropped", _excused(dropped, op, how, by)
         yield f"{kind} doubled", replace(plan, operations=(*before, op, op, *after))
-        for name, other in _altered(op, tolerance):
+        for name, other in _altered(op, torch):
             yield f"{kind} {name}", replace(plan, operations=(*before, other, *after))
     backwards = replace(plan, operations=tuple(reversed(plan.operations)))
     yield "sheet in another order", backwards
@@ -115,14 +135,63 @@ def _excused(plan: SheetPlan, op: ContourOp, how: str, by: str) -> SheetPlan:
     return replace(plan, outcomes=outcomes)
 
 
-def _altered(op: ContourOp, tolerance: float) -> Iterator[tuple[str, ContourOp]]:
+def _altered(op: ContourOp, torch: Torch) -> Iterator[tuple[str, ContourOp]]:
     """An operation made otherwise."""
+    tolerance, tab_width, overcut = torch.tolerance, torch.tab_width, torch.overcut
     yield "moved", _moved(op, 1.0)
     yield "moved by twice the tolerance", _moved(op, 2 * tolerance)
     last = op.passes[-1]
     if len(last.curves) > 1:
         short = Pass(last.lead_in, last.curves[:-1], ())
         yield "cut short", replace(op, passes=(*op.passes[:-1], short))
+
+    yield from _settled_otherwise(op)
+    if len(op.passes) > 1 and op.row.passes == 1:
+        yield from _bridged_otherwise(op, tab_width)
+    if overcut and op.closed and op.row.process == "cut" and op.side == "on":
+        for name, by in (("without overcut", -overcut), ("overcut too long", 1.0)):
+            yield name, _cut_again(op, by)
+
+
+def _settled_otherwise(op: ContourOp) -> Iterator[tuple[str, ContourOp]]:
+    """An operation with a pass less or more, another speed, another power."""
+    if op.row.passes > 1:
+        yield "a pass missing", replace(op, passes=op.passes[:-1])
+        yield "a pass too many", replace(op, passes=(*op.passes, op.passes[-1]))
+    yield "slower", replace(op, row=replace(op.row, feed_mm_min=op.row.feed_mm_min * 0.9))
+    yield "at less power", replace(op, row=replace(op.row, power=op.row.power * 0.9))
+
+
+def _bridged_otherwise(op: ContourOp, width: float) -> Iterator[tuple[str, ContourOp]]:
+    """An operation whose bridges are cut through, wider, narrower, or one more."""
+    first, second, *more = op.passes
+    (ax, ay), (bx, by) = first.curves[-1].end, second.curves[0].start
+    half = (ax + bx) / 2, (ay + by) / 2
+    through = (*first.curves, Line((ax, ay), (bx, by)), *second.curves)
+    yield "bridge cut through", replace(op, passes=(replace(second, curves=through), *more))
+    into = replace(first, curves=(*first.curves, Line((ax, ay), half)))
+    yield "bridge narrower", replace(op, passes=(into, second, *more))
+    lengths = [curve.length for curve in second.curves]
+    total = sum(lengths)
+    later = replace(second, curves=stretch(second.curves, lengths, 0.4 * width, total))
+    yield "bridge wider", replace(op, passes=(first, later, *more))
+    parts = [
+        replace(second, curves=stretch(second.curves, lengths, a, b))
+        for a, b in ((0.0, (total - width) / 2), ((total + width) / 2, total))
+    ]
+    yield "bridge more", replace(op, passes=(first, *parts, *more))
+
+
+def _cut_again(op: ContourOp, by: float) -> ContourOp:
+    """An operation that goes on along its contour by more or less."""
+    *others, last = op.passes
+    lengths = [curve.length for curve in last.curves]
+    if by < 0.0:
+        curves = stretch(last.curves, lengths, 0.0, sum(lengths) + by)
+    else:
+        (x, y), (tx, ty) = last.curves[-1].end, last.curves[-1].tangent(1.0)
+        curves = (*last.curves, Line((x, y), (x + by * tx, y + by * ty)))
+    return replace(op, passes=(*others, Pass(last.lead_in, curves, ())))
 
 
 def _moved(op: ContourOp, by: float) -> ContourOp:
@@ -155,7 +224,7 @@ def told(machines: Sequence[tuple[str, dict[str, object]]] = MACHINES, every: in
             plan = post_of(machine).plan(job)
             assert isinstance(plan, SheetPlan)
             truth = _text(plan, job)
-            for lie, false in lies(plan, machine.torch.tolerance):
+            for lie, false in lies(plan, machine.torch):
                 count += 1
                 if count % every == 0 and _text(false, job) != truth:
                     caught = _is_refused(false, job)

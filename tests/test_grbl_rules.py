@@ -102,24 +102,35 @@ shapes = st.one_of(
 )
 
 
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=18, deadline=None)
 @given(
     drawn=st.lists(shapes, min_size=1, max_size=5), rotate=st.floats(-180, 180),
     speed=st.floats(1, 9000), power=st.floats(0, 1000), passes=st.integers(1, 3),
     copies=st.tuples(st.integers(1, 2), st.integers(1, 2)),
     origin=st.sampled_from(["table", "centre", "upper-right"]),
+    hatch=st.none() | st.floats(2, 9), one_way=st.booleans(), outline=st.booleans(),
+    tabs=st.integers(0, 3), overcut=st.floats(0, 5), lead=st.sampled_from(["none", "arc"]),
 )  # fmt: skip
 def test_generated_programs_keep_the_rules(
     drawn: list[str], rotate: float, speed: float, power: float, passes: int,
-    copies: tuple[int, int], origin: str,
+    copies: tuple[int, int], origin: str, hatch: float | None, one_way: bool, outline: bool,
+    tabs: int, overcut: float, lead: str,
 ) -> None:  # fmt: skip
     text = f"""<svg xmlns="http://www.w3.org/2000/svg" width="200mm" height="200mm"
-    viewBox="0 0 200 200"><g fill="none" stroke="blue">{"".join(drawn)}</g></svg>"""
+    viewBox="0 0 200 200"><g fill="none" stroke="blue">{"".join(drawn)}</g>
+    <g fill="none"><rect x="1" y="1" width="95" height="95" stroke="red"/>
+    <circle cx="50" cy="50" r="7" stroke="black"/></g></svg>"""
     (part,) = read(text.encode(), "t.svg").parts
     part = replace(part, profile=replace(part.profile, web_thickness=3.0))
     machine = with_torch(
-        load("laser-grbl"), {"blue": "mark"},
-        settings={"blue": LookSettings(speed, power, passes)},
+        load("laser-grbl"), {"blue": "mark", "black": "engrave", "red": "cut"},
+        settings={
+            "blue": LookSettings(speed, power, passes),
+            "black": LookSettings(
+                hatch=hatch, hatch_angle=rotate, hatch_one_way=one_way, hatch_outline=outline
+            ),
+        },
+        tabs=tabs, overcut=overcut, lead=lead, lead_in=0.9, lead_out=0.5, margin=2.0,
         rotate=rotate, copies=copies, spacing=3.0, origin=origin,
     )  # fmt: skip
     written = post((part,), machine, "A NAME WITH (BRACKETS); AND $ % ! ? ~").text

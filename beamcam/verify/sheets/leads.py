@@ -27,6 +27,7 @@ class _Shape:
         self._ends = work.path.ends.tolist()
         self._lengths = work.path.lengths.tolist()
         self._most_in, self._most_out = work.most_in, work.most_out
+        self._most_lead = work.most_lead
         self._near = work.meeting**2
 
     def _meets(self, low: int, high: int) -> bool:
@@ -37,24 +38,30 @@ class _Shape:
             return False
         return high - low > 1 or self._lengths[low] ** 2 > LEAST * self._near
 
+    def _before(self, first: int, last: int, most: float) -> int:
+        """The way behind which no more than `most` is left."""
+        end, size = last, self._lengths[last - 1]
+        while end > first + 1 and size <= most:
+            end -= 1
+            size += self._lengths[end - 1]
+        return end
+
     def ring(self, first: int, last: int, bad: Sequence[bool]) -> tuple[int, int]:
         """The ways that are no leads: those that close, with the longest leads that may be.
 
         Where nothing closes, what lies off the contours is taken for the leads.
         """
-        begin, end = first, last
+        begin = first
         size = self._lengths[first]
         while begin < last - 1 and size <= self._most_in:
             begin += 1
             size += self._lengths[begin]
-        size = self._lengths[last - 1]
-        while end > first + 1 and size <= self._most_out:
-            end -= 1
-            size += self._lengths[end - 1]
+        end = self._before(first, last, self._most_out)
         for low in range(begin, first - 1, -1):
             for high in range(end, last + 1):
                 if low < high and self._meets(low, high):
                     return low, high
+        end = self._before(first, last, self._most_lead)
         while begin > first and not bad[begin - 1]:
             begin -= 1
         while end < last and not bad[end]:

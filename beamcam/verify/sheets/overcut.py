@@ -27,6 +27,7 @@ def overcut_faults(work: Work, traced: Sequence[Traced]) -> list[Diagnostic]:
             limits = _beside(work, t)
         elif t.members:
             limits = _along(work, t)
+            said += _beyond(work, t.members[-1])
         elif t.joined or t.closed or not (over := _retraced(work, t)):
             continue
         else:
@@ -41,6 +42,16 @@ def overcut_faults(work: Work, traced: Sequence[Traced]) -> list[Diagnostic]:
             )
         )  # fmt: skip
     return said[:SHOWN]
+
+
+def _beyond(work: Work, t: Traced) -> list[Diagnostic]:
+    """That a stroke runs on from its contour for longer than a lead-out."""
+    if t.beyond <= work.most_lead + 2 * work.tolerance:
+        return []
+    last = int(np.searchsorted(work.of_way, work.of_way[t.first], "right")) - 1
+    place, line = work.path.ends[last], int(work.moves.line[last])
+    away = f"{t.beyond:.3f} mm beyond its contour"
+    return [work.extra(line, place, away, f"at most {work.most_lead:.3f} mm to lead out")]
 
 
 def _along(work: Work, t: Traced) -> Limits:

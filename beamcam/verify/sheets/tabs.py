@@ -26,7 +26,12 @@ DOUBT_DEG = 5.0
 MITRE = 1.25  #: by the kerf, how far the corner of a path may lie from that of its contour
 
 
+OFF = 0.1  #: of its width, how far off the contour the ends of a bridge may be to be measured
+SHORT = 20.0  #: steps of the program's numbers, of a move whose direction is not told
+MIN_TURN = 1e-3  #: sine of an angle below which two directions are one
+
 Beside = tuple[float, float]
+Limits = tuple[float, float]  #: least and most
 
 
 class _Gap(NamedTuple):
@@ -164,16 +169,45 @@ def _gap(work: Work, before: Traced, after: Traced) -> _Gap:
     end, start = path.ends[before.last - 1], path.starts[after.first]
     a, b = work.heading(before, at_end=True), work.heading(after, at_end=False)
     chord = start - end
-    least = most = float(np.hypot(*chord))
-    turn = float(a[0] * b[1] - a[1] * b[0])
-    if abs(turn) > 1e-3 or float(a @ b) < 0.0:
-        ahead = float(chord[0] * b[1] - chord[1] * b[0]) / turn if turn else -1.0
-        behind = float(a[0] * chord[1] - a[1] * chord[0]) / turn if turn else -1.0
-        most = ahead + behind if ahead >= 0.0 and behind >= 0.0 else np.inf
+    least = float(np.hypot(*chord))
+    most = _over_corner(chord, a, b, work.tolerance)
+    if min(path.lengths[[before.last - 1, after.first]]) < SHORT * work.step:
+        most = np.inf  # rounding turns what is that short
+    elif work.half_kerf:
+        least, most = _beside(work, (end, start), (least, most), _turn_deg(a, b))
     if work.half_kerf == 0.0:
         way = _along_contour(work, end, start, 2 * work.torch.tab_width)
         least, most = (way, way) if way >= least - work.tolerance else (least, most)
     return _Gap(before, after, end, start, least, most)
+
+
+def _over_corner(chord: Floats, a: Floats, b: Floats, slack: float) -> float:
+    """The way over the place where the directions of both ends meet; infinite if they do not."""
+    turn = float(a[0] * b[1] - a[1] * b[0])
+    length = float(np.hypot(*chord))
+    if abs(turn) <= MIN_TURN:
+        return length if float(a @ b) > 0.0 else np.inf
+    ahead = float(chord[0] * b[1] - chord[1] * b[0]) / turn
+    behind = float(a[0] * chord[1] - a[1] * chord[0]) / turn
+    return max(ahead + behind, length) if min(ahead, behind) > -slack else np.inf
+
+
+def _beside(work: Work, ends: tuple[Floats, Floats], limits: Limits, turn_deg: float) -> Limits:
+    """The limits of a bridge of a beam that keeps off; both ends are beside one curve, or two.
+
+    Between two straight sides it goes over their corner, or round it on an arc of half the kerf.
+    Where more than a corner lies between the ends nothing but their distance is known.
+    """
+    need, (least, most) = work.need, limits
+    a, b = (need.nearest_to(place)[1] for place in ends)
+    places = np.array([need.starts[a], need.ends[a], need.starts[b], need.ends[b]])
+    apart = np.hypot(*(places[:2, None] - places[None, 2:]).T)
+    if a != b and apart.min() > work.torch.gap:
+        return least, np.inf
+    if need.kinds[[a, b]].any() or np.isinf(most):
+        return least, most
+    turn = float(np.radians(turn_deg))
+    return max(least, most - work.half_kerf * (2 * float(np.tan(turn / 2)) - turn)), most
 
 
 def _along_contour(work: Work, end: Floats, start: Floats, most: float) -> float:
@@ -182,7 +216,7 @@ def _along_contour(work: Work, end: Floats, start: Floats, most: float) -> float
     From curve to curve it goes on where ends are no farther apart than the machine's gap.
     """
     need = work.need
-    pairs = need.near(np.array([end, start]), 2 * work.tolerance)
+    pairs = need.near(np.array([end, start]), 2 * work.tolerance + OFF * work.torch.tab_width)
     #: Of both places the curves beside them: how far along, and how far away.
     places: tuple[dict[int, Beside], dict[int, Beside]] = {}, {}
     columns = (pairs.point, pairs.element, pairs.along, pairs.away)

@@ -44,6 +44,7 @@ class Traced(Struct):
     goes_round: bool  #: by itself, or with others and the bridges between them
     contour: "Polygon | None" = None  #: inside of the closed contour that it keeps off
     over: float = 0.0  #: mm of its ways that are no part of the ring, and run along a contour
+    beyond: float = 0.0  #: mm behind the ring that do not run along it
     bridge_to: tuple[float, float] | None = None  #: start of the stroke behind a bridge at its end
     members: list["Traced"] = field(
         default_factory=list
@@ -125,8 +126,12 @@ class Work(Struct, frozen=True):
     @property
     def most_out(self) -> float:
         """Maximum length of what follows a contour: an overcut, and a lead-out."""
-        lead = self._most(self.torch.lead_out) if self.torch.lead != "none" else 0.0
-        return lead + self.most_over
+        return self.most_lead + self.most_over
+
+    @property
+    def most_lead(self) -> float:
+        """Maximum length of a lead-out."""
+        return self._most(self.torch.lead_out) if self.torch.lead != "none" else 0.0
 
     @property
     def most_over(self) -> float:
