@@ -72,7 +72,14 @@ BLIND_DEPTH = Rule(
     "expected at most {expected} mm, the thickness of the wall",
     "A blind hole ends in its wall. A depth of 0 is through.",
 )
-RULES = (OFF_PART, NEAR_EDGE, WALL, FILLET, NEAR_FILLET, BLIND_DEPTH)
+SHALLOW = Rule(
+    "plan-blind-shallow",
+    _E,
+    "found {what} of depth {found} at x {x}, y {y} on face {face}; "
+    "expected at least {expected} mm, which programs of the machine can say",
+    "Nothing is left of such a depth in a program. A depth of 0 is through.",
+)
+RULES = (OFF_PART, NEAR_EDGE, WALL, FILLET, NEAR_FILLET, BLIND_DEPTH, SHALLOW)
 
 TOLERANCE = 0.01  #: mm; files round to it, so a hole that is as near is tangent
 OUTSIDE = ("o", "u", "h")  #: faces that a tool comes to from outside the section
@@ -177,6 +184,9 @@ class FinishedPart:
                 expected=f"{self._drill.min_edge_distance:g}", **where,
             )  # fmt: skip
         thickness = self.part.profile.thickness(face)
+        step = self._machine.format.resolution
+        if shape.depth is not None and shape.depth < step and shape.kind != "mark":
+            yield SHALLOW.at(shape.source, found=f"{shape.depth:g}", expected=f"{step:g}", **where)
         if shape.depth is not None and shape.depth > thickness + TOLERANCE > TOLERANCE:
             yield BLIND_DEPTH.at(
                 shape.source, found=f"{shape.depth:g}", expected=f"{thickness:g}", **where

@@ -243,6 +243,9 @@ CASES: tuple[Case, ...] = (
     ("plan-blind-depth", "beamline", (part(hole(500, kind="blind", depth=30.0)),), {},
      "found a hole of diameter 18 of depth 30 at x 500, y 150 on face v; "
      "expected at most 7.1 mm, the thickness of the wall"),
+    ("plan-blind-shallow", "beamline", (part(hole(500, kind="blind", depth=1e-12)),), {},
+     "found a hole of diameter 18 of depth 1e-12 at x 500, y 150 on face v; "
+     "expected at least 0.001 mm, which programs of the machine can say"),
     ("plan-blind-point", "beamline", (part(hole(500, kind="blind", depth=4.0)),), {},
      "found a hole of diameter 18 of depth 4 at x 500, y 150 on face v; "
      "its point comes 2.31 mm through the wall of 7.1 mm"),
