@@ -47,7 +47,7 @@ def follow(work: Work) -> tuple[list[Traced], list[Diagnostic]]:
     kept = rings(work, bounds, bad)
     traced = _traced(work, kept, expected)
     if work.half_kerf:
-        _round_contours(work, traced, stroke, off[1])
+        _round_contours(work, traced, points, stroke, off)
     join_bridged(work, bounds, traced)
     for t in traced:
         t.members = t.members or ([t] if t.closed else [])
@@ -157,13 +157,24 @@ def _traced(work: Work, kept: Bounds, radii: Floats) -> list[Traced]:
     ]  # fmt: skip
 
 
-def _round_contours(work: Work, traced: Sequence[Traced], stroke: Counts, nearest: Counts) -> None:
-    """Gives the strokes that keep off a contour the one that most of their samples are beside."""
+def _round_contours(
+    work: Work, traced: Sequence[Traced], points: Floats, stroke: Counts, beside: Near
+) -> None:
+    """Gives the strokes that keep off a contour the one that most of their samples are beside.
+
+    Of contours on one another only the first is a ring, whichever of them is the nearest.
+    """
     assert work.region is not None
     ring_of = np.full(work.need.count, -1)
     for k, ring in enumerate(work.region.rings):
         ring_of[[way for way, _ in ring]] = k
-    found = ring_of[nearest]
+    is_near = np.isfinite(beside[0])
+    found = np.where(is_near, ring_of[beside[1]], -1)
+    twin = np.flatnonzero(is_near & (found < 0))
+    if len(twin):
+        reach = beside[0][twin].max() + float(work.slack.max(initial=0.0))
+        away, nearest, _ = work.need.nearest_within(points[twin], (reach,), ring_of >= 0)
+        found[twin] = np.where(np.isfinite(away), ring_of[nearest], -1)
     known = found >= 0
     count = len(work.region.rings)
     pairs, times = np.unique(stroke[known] * max(count, 1) + found[known], return_counts=True)

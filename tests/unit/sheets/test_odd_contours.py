@@ -172,3 +172,13 @@ def test_contours_hardly_wider_than_nothing(width: float) -> None:
     """Planner and read-back agree on which of them have an inside."""
     part = drawing(contour(box(0, 0, width, 0.2)), contour(box(9, 0, 30, width)), thickness=3.0)
     assert post((part,), PLASMA).text
+
+
+def test_what_lies_beside_a_contour_drawn_twice_may_be_cut_after_it() -> None:
+    """The ring that is cut once is known, whichever of both drawings lies nearer to its path."""
+    features = (
+        contour(circle(50, 50, 101.6), line=1), contour(circle(50, 50, 50.8), line=2),
+        *(contour(circle(50 + x, 50 + y, 6.35), line=3) for x, y in ((41, 0), (-41, 0), (0, 41))),
+        contour(circle(50, 50, 50.8), line=4),
+    )  # fmt: skip
+    assert post((drawing(*features),), table("plate-codesys")).text
