@@ -17,6 +17,7 @@ from beamcam.model.part import Part
 from beamcam.pipeline import Posted, post, read_back
 from beamcam.posts import Request
 from beamcam.readers import read
+from beamcam.simulate.program import simulate_program
 from tests.conftest import SAMPLES
 from tests.runs import part
 
@@ -179,6 +180,21 @@ def test_random_holes_are_made_and_a_hole_less_is_found(
     fewer = PLAIN.replace("EN\n", f"BO\n{rows.splitlines()[0]}\nEN\n")
     if len(places) > 1:
         assert wrong(posted.text, parts_of(fewer), lines[name])
+
+
+@pytest.mark.parametrize("name", ["three-spindles", "saw", "web-only", "hall-drill"])
+def test_its_simulation_takes_as_long_as_its_plan(lines: dict[str, Machine], name: str) -> None:
+    """Cycles and spindles chosen by the number of a tool alone are timed as blocks are."""
+    text = PLAIN if name == "saw" else part("A")
+    hall = SAMPLES / "machines" / "hall-drill.toml"
+    parts, machine = parts_of(text), lines.get(name) or load(str(hall))
+    posted = post(parts, machine)
+    trace = simulate_program(posted.text, machine, parts=parts).trace
+    planned = posted.time(machine).total_s
+    assert trace.duration_s == pytest.approx(planned, abs=0.01)
+    if name != "saw":  # each hole takes the time of its stroke at least
+        holes = len([*parts[0].holes])
+        assert planned > 3.0 * holes
 
 
 def test_linuxcnc_runs_the_program_of_a_vertical_spindle(
