@@ -1,8 +1,8 @@
 """Steel members and drawings in, verified machine programs out.
 
 From Python: `beamcam.read`, `load`, `plan`, `post`, `verify`, `convert`, `simulate`, `diff`,
-`recover`, `plot` and `report`, which are the functions of `beamcam.api`, imported when they are
-first asked for.
+`recover`, `plot`, `report`, `lists` and `labels`, which are the functions of `beamcam.api`,
+imported when they are first asked for.
 """
 
 from __future__ import annotations
@@ -20,6 +20,8 @@ if TYPE_CHECKING:
     from beamcam.api import (
         convert,
         diff,
+        labels,
+        lists,
         load,
         plan,
         plot,
@@ -32,8 +34,8 @@ if TYPE_CHECKING:
     )
 
 __all__ = [
-    "__version__", "convert", "diff", "load", "plan", "plot", "post", "read", "recover", "report",
-    "simulate", "verify",
+    "__version__", "convert", "diff", "labels", "lists", "load", "plan", "plot", "post", "read",
+    "recover", "report", "simulate", "verify",
 ]  # fmt: skip
 
 

@@ -1,5 +1,6 @@
 """The Python API: what it gives, what it raises, and that importing it costs nothing."""
 
+import json
 import pickle
 import re
 import subprocess
@@ -324,21 +325,23 @@ def test_the_time_of_a_machine_by_name_path_and_record(tmp_path: Path) -> None:
 ELSEWHERE = {
     "output", "config_file", "quiet", "verbose", "as_json", "quantity", "exit_left_out", "schema",
     "against", "colours", "no_verify", "first", "inputs", "program", "a", "b", "show", "help",
-    "every", "encoder", "modbus", "serve", "pace", "machine", "source",
+    "every", "encoder", "name", "modbus", "serve", "pace", "machine", "source",
 }  # fmt: skip
 CALLED = {"no_verify": "read_back", "first": "from_operation", "colours": "map"}
 
 
 @pytest.mark.parametrize("command", [
     "post", "verify", "plan", "inspect", "convert", "diff", "recover", "plot", "report", "simulate",
+    "list", "labels",
 ])  # fmt: skip
 def test_what_a_command_takes_can_be_asked_from_python(command: str) -> None:
     from beamcam.api.jobs import ReadOptions, SheetOptions
 
-    function = getattr(api, {"inspect": "read"}.get(command, command))
+    function = getattr(api, {"inspect": "read", "list": "lists"}.get(command, command))
     names = {*signature(function).parameters, *ReadOptions.__annotations__, "map"}
     names |= {*SheetOptions.__annotations__, *signature(beamcam.post).parameters}
     names |= {*signature(beamcam.convert).parameters}
+    names |= {"bars", "table"} if command == "list" else set()  # called lengths; all three tables
     context = main.make_context("beamcam", [], resilient_parsing=True)
     asked = {p.name for p in main.get_command(context, command).params}  # type: ignore[union-attr]
     missing = {name for name in asked - ELSEWHERE if name not in names}
@@ -457,6 +460,33 @@ def test_a_program_is_simulated_compared_recovered_and_drawn() -> None:
         lambda: beamcam.report(channel, unit="m"),  # type: ignore[arg-type]
         lambda: beamcam.recover(posted.text, profile="XYZ"),
         lambda: beamcam.simulate(5),  # type: ignore[arg-type]
+    )
+    for call in calls:
+        with pytest.raises(AskError):
+            call()
+
+
+def test_lists_and_labels_are_those_of_the_commands(tmp_path: Path) -> None:
+    parts = beamcam.read(CHANNEL).parts
+    out = tmp_path / "list.json"
+    words = ["list", str(CHANNEL), "--quantity", "5", "--bar", "6000", "-o", str(out)]
+    assert CliRunner().invoke(main, words).exit_code == 0
+    tables = beamcam.lists(parts, lengths=[6000], quantity=5)
+    written = json.loads(out.read_text())
+    for key, table in zip(("part_list", "bars", "cutting_list"),
+                          (tables.parts, tables.bars, tables.cuts), strict=True):  # fmt: skip
+        assert [tuple(row.values()) for row in written[key]] == [*table.cells()]
+    assert tables.diagnostics == ()
+    assert beamcam.lists(parts, lengths=[1500]).diagnostics[0].code == "plan-bar-full"
+    zpl = str(beamcam.labels(parts, to="zpl", quantity=2, programs=["c.gcode"]))
+    assert (zpl.count("^XA"), "c.gcode" in zpl) == (2, True)
+    assert bytes(beamcam.labels(parts)).startswith(b"%PDF")  # type: ignore[arg-type]
+    calls: tuple[Callable[[], object], ...] = (
+        lambda: beamcam.lists(parts, quantity=0),
+        lambda: beamcam.lists(parts, lengths=[-1]),
+        lambda: beamcam.labels(parts, to="svg"),  # type: ignore[arg-type]
+        lambda: beamcam.labels(parts, code="bar"),  # type: ignore[arg-type]
+        lambda: beamcam.labels(parts, programs=["a", "b"]),
     )
     for call in calls:
         with pytest.raises(AskError):

@@ -7,8 +7,9 @@
     assert not beamcam.verify(posted.text, reading.parts, "beamline")
     print(posted.text)
 
-    jobs      read, load, convert, plan, post, verify
-    results   simulate, diff, recover, plot, report
+    jobs        read, load, convert, plan, post, verify
+    results     simulate, diff, recover, plot, report
+    shop_lists  lists, labels
 
 These functions and what they give back are stable. A machine is everywhere the name of a shipped
 one, the path of a TOML file, or a `Machine`; `load` gives one as a job wants it. A file is its
@@ -20,8 +21,9 @@ may be called from several threads at once; what they give and raise can be pick
 
 from beamcam.api.jobs import convert, load, plan, post, read, verify
 from beamcam.api.results import diff, plot, recover, report, simulate
+from beamcam.api.shop_lists import labels, lists
 
 __all__ = [
-    "convert", "diff", "load", "plan", "plot", "post", "read", "recover", "report", "simulate",
-    "verify",
+    "convert", "diff", "labels", "lists", "load", "plan", "plot", "post", "read", "recover",
+    "report", "simulate", "verify",
 ]  # fmt: skip

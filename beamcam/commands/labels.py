@@ -6,6 +6,7 @@ from typing import Any
 
 import click
 
+from beamcam.api.shop_lists import label_lines
 from beamcam.batch.names import Names, output_name
 from beamcam.commands import options
 from beamcam.commands.common import REFUSED, Voice, write
@@ -92,7 +93,7 @@ def _labels(counts: Sequence[PartCount], config: Config) -> Iterator[Label]:
         within = files[:number].count(files[number]) + 1
         program = names.take(_program(one.part, within, several, config), one.part.mark)
         for piece in range(1, one.quantity + 1):
-            yield Label(one.part.mark, tuple(_lines(one.part, piece, one.quantity)), program)
+            yield Label(one.part.mark, tuple(label_lines(one.part, piece, one.quantity)), program)
 
 
 def _program(part: Part, number: int, several: bool, config: Config) -> str:
@@ -100,14 +101,6 @@ def _program(part: Part, number: int, several: bool, config: Config) -> str:
     machine = machine_of_stock(config, stock_of([part]), config.name or "", is_one_of_two=True)
     stem = PurePath(part.source.file).stem
     return output_name(config.name, stem, part, number, several, machine)
-
-
-def _lines(part: Part, piece: int, of: int) -> Iterator[str]:
-    yield f"{part.profile.name or part.profile.code}, {part.length:g} mm"
-    yield ", ".join(text for text in (part.grade, f"piece {piece} of {of}") if text)
-    where = {"order": part.order, "drawing": part.drawing, "phase": part.phase}
-    if any(where.values()):
-        yield ", ".join(f"{word} {text}" for word, text in where.items() if text)
 
 
 def _written(output: str, labels: Sequence[Label], size: Size, code: Code) -> str | bytes:

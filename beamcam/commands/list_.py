@@ -7,6 +7,7 @@ from typing import Any
 import click
 from msgspec.structs import replace
 
+from beamcam.api.shop_lists import bars_of, left_to_hand
 from beamcam.commands import options
 from beamcam.commands.common import REFUSED, Voice, write
 from beamcam.commands.listed import counted_parts, refuse_missing
@@ -16,17 +17,11 @@ from beamcam.commands.rules import OUTPUT_FORMAT
 from beamcam.commands.settings import files_read, machine_of_stock, machines_of_stock, settled
 from beamcam.commands.sheets import drawing_options
 from beamcam.config.values import Config
-from beamcam.errors import BeamcamError, Diagnostic, PlanError, Severity, Source, errors_in
-from beamcam.machine.machine import Machine
-from beamcam.machine_choice import first_that_makes
+from beamcam.errors import BeamcamError, Diagnostic, Source, errors_in
 from beamcam.model.part import Part
-from beamcam.model.plan import Plan, SheetPlan
 from beamcam.pipeline import stock_of
 from beamcam.plain_text import terminal_text
 from beamcam.planning.rules import named_skips
-from beamcam.planning.stock_bars import first_fit
-from beamcam.posts import Job, post_of
-from beamcam.report.hand_list import MARKS, hand_rows
 from beamcam.report.part_list import (
     ByHand,
     CutBar,
@@ -94,42 +89,17 @@ def command(
 def _by_hand(part: Part, config: Config) -> ByHand | None:
     """The manual work left by the first machine that makes a part; None if none does."""
     machines = machines_of_stock(config, stock_of([part]), "", is_one_of_two=True)
-    skips = named_skips(config.allow_skips)
-
-    def planned(machine: Machine) -> Plan | SheetPlan:
-        return post_of(machine).plan(Job((part,), machine, skips=skips))
-
-    try:
-        _, plan, _ = first_that_makes(machines, planned, part.source)
-    except PlanError:
-        return None
-    kinds = [row["kind"] for row in hand_rows(plan)]
-    return ByHand(sum(kind in MARKS for kind in kinds), kinds.count("bevel"))
+    return left_to_hand(part, machines, named_skips(config.allow_skips))
 
 
 def _bars(
     counts: Sequence[PartCount], config: Config, lengths: Sequence[float]
 ) -> tuple[tuple[CutBar, ...], tuple[Diagnostic, ...]]:
     """The bars that the beams among the parts are cut from, and why some are on none."""
-    beams = [one for one in counts if one.part.profile.code != "B"]
-    if not beams:
+    if all(one.part.profile.code == "B" for one in counts):
         return (), ()
     machine = machine_of_stock(config, "beam", "", is_one_of_two=True)
-    if machine.saw is None or machine.layout is None:
-        return (), ()
-    parts = tuple(one.part for one in beams for _ in range(one.quantity))
-    nesting = first_fit(parts, machine, lengths)
-    # A part that fits on no bar is reported once, whatever its quantity.
-    refused = dict.fromkeys(replace(said, severity=Severity.ERROR) for said in nesting.refusals)
-    bars: list[CutBar] = []
-    for bar in nesting.bars:
-        placed: list[tuple[Part, float]] = [
-            (parts[i], start) for i, start in zip(bar.pieces, bar.starts, strict=True)
-        ]
-        account = bar.account
-        cuts = account.front_trim + account.kerfs + account.end_trim - account.nested
-        bars.append(CutBar(tuple(placed), account.length, cuts, account.remnant))
-    return tuple(bars), tuple(refused)
+    return bars_of(counts, machine, lengths)
 
 
 def _written(
