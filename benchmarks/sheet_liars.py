@@ -158,7 +158,7 @@ def _settled_otherwise(op: ContourOp) -> Iterator[tuple[str, ContourOp]]:
     if op.row.passes > 1:
         yield "a pass missing", replace(op, passes=op.passes[:-1])
         yield "a pass too many", replace(op, passes=(*op.passes, op.passes[-1]))
-    yield "slower", replace(op, row=replace(op.row, feed_mm_min=op.row.feed_mm_min * 0.9))
+    yield "slower", replace(op, row=replace(op.row, feed_mm_min=op.row.feed_mm_min * 0.8))
     yield "at less power", replace(op, row=replace(op.row, power=op.row.power * 0.9))
 
 
