@@ -324,7 +324,7 @@ def _part_row(
         "sha256": sha256(content).hexdigest(),
         "bar": plan.bar.length if isinstance(plan, Plan) else 0.0,
         "ledger": cast(Ledger, ledger),
-        "by_hand": hand_rows(plan) if "listed" in how else [],
+        "by_hand": hand_rows(plan),
         "skipped_by": dict(sorted(skipped_by.items())),
         "mapped": _mapped(part, machine),
         "tools": sorted({_tool_name(op) for op in _of_each_tool(plan.operations)}),

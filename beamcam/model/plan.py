@@ -150,6 +150,12 @@ class Outcome(Struct, frozen=True, gc=False):
     #: What makes it (a kind of tool, or saw), why it is on the list of manual work, or the code
     #: by which it was left out.
     by: str
+    left: str = ""  #: why something of a feature that is made is on that list too
+
+    @property
+    def by_hand(self) -> str:
+        """Why it is on the list of manual work, wholly or in part; "" if it is not."""
+        return self.by if self.how == "listed" else self.left
 
 
 class Plan(Struct, frozen=True):

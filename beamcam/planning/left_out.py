@@ -47,7 +47,7 @@ def told(plan: Plan | SheetPlan) -> Iterator[Diagnostic]:
     skipped = [outcome for outcome in plan.outcomes if _is_by_name(outcome)]
     # A part that is on the bar several times is reported once.
     yield from dict.fromkeys(_left_out(plan, outcome) for outcome in skipped)
-    listed = [outcome for outcome in plan.outcomes if outcome.how == "listed"]
+    listed = [outcome for outcome in plan.outcomes if outcome.by_hand]
     yield from dict.fromkeys(_by_hand(plan, outcome) for outcome in listed)
     if isinstance(plan, SheetPlan):
         yield from _not_cut(plan)
@@ -64,7 +64,7 @@ def left_out_sources(plan: Plan | SheetPlan) -> Iterator[Source]:
 def by_hand_sources(plan: Plan | SheetPlan) -> Iterator[Source]:
     """Source of each mark that is left for manual work."""
     for outcome in plan.outcomes:
-        if outcome.how == "listed":
+        if outcome.by_hand:
             piece, index = outcome.feature
             yield plan.pieces[piece].part.features[index].source
 
@@ -87,7 +87,7 @@ def _left_out(plan: Plan | SheetPlan, outcome: Outcome) -> Diagnostic:
 def _by_hand(plan: Plan | SheetPlan, outcome: Outcome) -> Diagnostic:
     piece, index = outcome.feature
     feature = plan.pieces[piece].part.features[index]
-    return BY_HAND.at(feature.source, what=description(feature), why=REASONS[outcome.by])
+    return BY_HAND.at(feature.source, what=description(feature), why=REASONS[outcome.by_hand])
 
 
 def _not_cut(plan: SheetPlan) -> Iterator[Diagnostic]:

@@ -20,6 +20,7 @@ from beamcam.machine.torch import Torch
 from beamcam.model.part import Part
 from beamcam.model.plan import ContourOp, Outcome, Piece, SheetPlan
 from beamcam.planning import rules as bar_rules
+from beamcam.planning.by_hand import BEVEL
 from beamcam.planning.contours import rules
 from beamcam.planning.contours.assign_process import OUTLINE, Assigned, assign_processes
 from beamcam.planning.contours.crowd import refuse_crowds
@@ -165,8 +166,11 @@ def _outcomes(
     made = {feature: op.row.process for op in operations for _, feature in op.features}
     stands = joined.repeats.resolved(made)
     for index in range(len(part.features)):
-        if index in assigned.listed:
-            yield Outcome((0, index), "listed", assigned.listed[index])
+        why = assigned.listed.get(index)
+        if why == BEVEL and index in made:  # cut as it stands, its edges square
+            yield Outcome((0, index), "made", made[index], why)
+        elif why is not None:
+            yield Outcome((0, index), "listed", why)
         elif index in made:
             yield Outcome((0, index), "made", made[index])
         elif index in assigned.filled:

@@ -55,13 +55,13 @@ def hand_rows(plan: Plan | SheetPlan) -> list[HandRow]:
     rows: dict[tuple[int, int], list[HandRow]] = {}
     least = plan.min_bevel if isinstance(plan, SheetPlan) else 0.0
     for outcome in plan.outcomes:
-        if outcome.how != "listed":
+        if not outcome.by_hand:
             continue
         piece, index = outcome.feature
         part = plan.pieces[piece].part
         known = rows.get((id(part), index))
         if known is None:
-            rows[id(part), index] = list(_rows(part, part.features[index], outcome.by, least))
+            rows[id(part), index] = list(_rows(part, part.features[index], outcome.by_hand, least))
         for row in known or ():
             row["pieces"] += 1
     return [row for some in rows.values() for row in some]

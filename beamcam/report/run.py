@@ -100,6 +100,8 @@ class Counts(Struct):
                 count for code, count in part["skipped_by"].items() if code not in NOT_BY_NAME
             )
             self.by_hand += part["ledger"]["listed"]
+            # A contour with bevelled edges is made, and its edges are left.
+            self.by_hand += len({r["source"] for r in part["by_hand"] if r["kind"] == "bevel"})
             self.mapped.update(part["mapped"])
 
     @property

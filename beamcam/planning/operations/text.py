@@ -88,7 +88,10 @@ def _room(face: Face, bench: Bench) -> Room | None:
     low, high = 0.0, across.width
     if face in bench.reached:
         low, high = max(low, bench.reached[face].least), min(high, bench.reached[face].greatest)
-    if face not in OUTSIDE or (face == "h" and bench.part.profile.code == "I"):
+    profile = bench.part.profile
+    if profile.code == "M":  # closed: its walls stand behind the face, beyond round corners
+        low, high = low + profile.radius, high - profile.radius
+    elif face not in OUTSIDE or (face == "h" and profile.code == "I"):
         for wall in across.walls:
             if wall.least <= low:
                 low = max(low, wall.greatest + wall.radius)
@@ -108,6 +111,12 @@ def _room(face: Face, bench: Bench) -> Room | None:
     xs = [x for x, _ in outline]
     room = Room((min(xs), low, max(xs), high))
     room.bound([*outline, outline[0]])
+    if profile.code == "T" and face == "v":  # its stem stands there
+        for wall in across.walls:
+            room.bound(
+                box_corners(room.box[0], wall.least - wall.radius, room.box[2],
+                            wall.greatest + wall.radius)
+            )  # fmt: skip
     behind = OTHER_SIDE.get(bench.part.profile.code, {}).get(face)
     for feature in bench.part.features:
         if isinstance(feature, (Hole, Slot)) and feature.face in (face, behind):
@@ -117,6 +126,11 @@ def _room(face: Face, bench: Bench) -> Room | None:
             if isinstance(feature, Slot):
                 room.bound([*_around(feature)])
     return room
+
+
+def box_corners(x0: float, y0: float, x1: float, y1: float) -> list[tuple[float, float]]:
+    """The corners of a box along the axes; the first one twice."""
+    return [(x0, y0), (x1, y0), (x1, y1), (x0, y1), (x0, y0)]
 
 
 def _around(slot: Slot) -> list[tuple[float, float]]:

@@ -201,6 +201,8 @@ def _sides(face: Face, part: Part) -> tuple[float, float]:
     """Range of y that is free for a scribe, between edges, flanges and their fillets."""
     profile = part.profile
     width = profile.face_width(face)
+    if profile.code == "M":
+        return profile.radius, width - profile.radius
     walled = ("v", "h") if profile.code == "I" else ("v",)
     if face not in walled or profile.code not in ("I", "U", "C", "L"):
         return 0.0, width
@@ -234,11 +236,23 @@ def _steel(face: Face, part: Part, ends: tuple[End, End], sides: tuple[float, fl
     corners += ((max(_ends_at(ends[0], face, part.profile, y)), y) for y in (high, low))
     corners += ((min(_ends_at(ends[1], face, part.profile, y)), y) for y in (low, high))
     pieces: list[Segment] = [*pairwise([*corners, corners[0]])]
+    if part.profile.code == "T" and face == "v":
+        pieces += _stem(part.profile, [x for x, _ in corners])
     behind = OTHER_SIDE.get(part.profile.code, {}).get(face)
     for feature in part.features:
         if isinstance(feature, (Hole, Slot)) and feature.face in (face, behind):
             pieces += pairwise(_rim(feature))
     return steel_within(pieces)
+
+
+def _stem(profile: Profile, xs: Sequence[float]) -> Iterator[Segment]:
+    """The foot of a T's stem with its fillets, amid the face that it stands on."""
+    half = profile.flange_thickness / 2 + profile.radius
+    low, high = profile.height / 2 - half, profile.height / 2 + half
+    yield (min(xs), low), (max(xs), low)
+    yield (max(xs), low), (max(xs), high)
+    yield (max(xs), high), (min(xs), high)
+    yield (min(xs), high), (min(xs), low)
 
 
 def _ends_at(end: End, face: Face, profile: Profile, q: float) -> tuple[float, float]:

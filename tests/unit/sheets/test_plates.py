@@ -86,7 +86,7 @@ def test_heights_are_words_that_are_read_back() -> None:
 def test_bevels_are_cut_square_and_listed_edge_by_edge() -> None:
     part = plate(bevelled(Bevel(0, 45.0, 2.0), Bevel(2, -30.0, 4.0), Bevel(1, 0.4, 0.0)))
     made = posted(part)
-    assert [(o.how, o.by) for o in made.plan.outcomes] == [("listed", "bevel")]
+    assert [(o.how, o.by, o.left) for o in made.plan.outcomes] == [("made", "cut", "bevel")]
     assert [d.code for d in made.remarks] == [rules.NOISE.code, BY_HAND.code]
     rows = [
         (r["kind"], r["angle"], r["land"], r["length"], r["path"]) for r in hand_rows(made.plan)

@@ -10,7 +10,7 @@ from msgspec.structs import replace
 
 from beamcam.errors import Diagnostic, errors_in
 from beamcam.machine import load
-from beamcam.model.part import EndCuts, Feature, Part, Slot, TextMark
+from beamcam.model.part import EndCuts, Feature, Part, Profile, Slot, TextMark
 from beamcam.pipeline import Posted, post, read_back
 from beamcam.posts import Request
 from beamcam.verify.bars import run
@@ -98,6 +98,23 @@ def test_what_is_planned_is_read_back(
     one = part(text("M-4", x, y, angle, height, face), *drilled, length=1000.0, cuts=ends)
     posted = post([one], PUSHER, skips=("all",))
     assert posted.plan.outcomes[0].how in ("made", "listed")
+
+
+T_BAR = Profile("T", "T100", 100.0, 100.0, 11.0, 11.0, 11.0)
+
+
+@pytest.mark.parametrize("y", [1.0, 4.0, 6.0, 9.0, 40.0, 45.0, 60.0, 88.0, 95.0])
+@pytest.mark.parametrize("profile", [TUBE, T_BAR], ids=["tube", "T"])
+def test_a_text_stands_clear_of_corners_and_stems(profile: Profile, y: float) -> None:
+    """Wherever the part has it: what is planned is read back, and no letter is on the stem."""
+    one = part(text("X7", y=y), profile=profile, length=1200.0)
+    posted = post([one], PUSHER)
+    ys = [point[1] for line in lettered(posted.text, one, "v") for point in line]
+    if profile is TUBE:
+        assert min(ys) >= 8.0 + 3.0 - 0.01
+    else:
+        foot = 11.0 / 2 + 11.0 + 3.0 - 0.01
+        assert max(ys) <= 50.0 - foot or min(ys) >= 50.0 + foot
 
 
 def test_what_cannot_be_lettered_is_left_to_the_hand() -> None:
