@@ -134,3 +134,36 @@ def test_where_no_machine_makes_all_of_it_the_first_leaves_out_what_is_allowed(
     done = run("post", BAD / "cope.nc1", "--allow-skips", "cope", "-o", job)
     assert done.exit_code == 0, done.stderr
     assert "MACHINE beamline " in job.read_text("ascii")
+
+
+OF_SAMPLES = {
+    "beamline-annex": ("tie.nc1",), "beamline-pusher": ("tie.nc1",),
+    "plate-codesys": ("gusset.nc1",), "plate-oxyfuel": ("gusset.nc1",),
+    "laser-grbl": ("../svg/corel-x6.svg", "--thickness", "3"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("machine", OF_SAMPLES)
+def test_a_program_is_read_on_the_machine_that_its_head_names(machine: str, tmp_path: Path) -> None:
+    name, *words = OF_SAMPLES[machine]
+    job = tmp_path / "job.txt"
+    made = run("post", GOOD / name, "--machine", machine, *words, "-o", job)
+    assert made.exit_code == 0, made.stderr
+    for asked in (
+        ("verify", job), ("verify", job, "--against", GOOD / name, *words), ("diff", job, job),
+        ("simulate", job, "-o", tmp_path / "t.csv"),
+    ):  # fmt: skip
+        done = run(*asked)
+        assert done.exit_code == 0, (asked, done.output)
+
+
+def test_a_head_names_no_file(tmp_path: Path) -> None:
+    """A program that names a machine file is judged by a machine that is known here."""
+    lax, job = tmp_path / "lax.toml", tmp_path / "job.gcode"
+    lax.write_text('base = "beamline"\nname = "lax"\n\n[limits]\n', encoding="ascii")
+    assert run("post", GOOD / "tie.nc1", "-o", job).exit_code == 0
+    text = job.read_text(encoding="ascii").replace("MACHINE beamline", f"MACHINE {lax}")
+    job.write_text(text, encoding="ascii")
+    done = run("simulate", job, "-o", tmp_path / "t.json")
+    assert done.exit_code == 0, done.output
+    assert json.loads((tmp_path / "t.json").read_text(encoding="utf-8"))["machine"] == "beamline"

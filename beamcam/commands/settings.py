@@ -195,22 +195,38 @@ def _is_asked(config: Config, key: str) -> bool:
     return config.sources.get(f"map.{key}") == COMMAND_LINE
 
 
-def machine_for_program(config: Config, program: str, data: bytes | str = b"") -> Machine:
-    """The machine that a program is for: of those that its name allows the one that its head names.
+def machine_for_program(
+    config: Config, program: str, data: bytes | str = b"", parts: Sequence[Part] = ()
+) -> Machine:
+    """The machine that a program is for: the one that its head names, as the job wants it.
 
+    Where machines are named by the command line or the configuration it is one of them. A program
+    whose head names none of them is for the first that its `parts`, or else its name, allow.
     `data` is what stands in it, where that is known.
     """
-    stock: Stock = "sheet" if is_of_sheets(program) else "beam"
-    return machine_named_by(data, machines_of_stock(config, stock, program))
+    if parts:
+        allowed = machines_for(config, parts, program)
+    else:
+        allowed = machines_of_stock(config, "sheet" if is_of_sheets(program) else "beam", program)
+    from beamcam.machine.names import is_file_name
+
+    named = _machine_in_head(data)
+    if named is None:
+        return allowed[0]
+    chosen = [*config.machine_names("beam"), *config.machine_names("sheet")]
+    # A head names machines that are known here, never a file.
+    more = chosen or ([] if is_file_name(named) else [named])
+    others = (machine_asked(name, config) for name in dict.fromkeys(more))
+    known = (one for one in (*allowed, *others) if one is not None and one.name == named)
+    return next(known, allowed[0])
 
 
-def machine_named_by(data: bytes | str, machines: Sequence[Machine]) -> Machine:
-    """The machine that the head of a program names; the first where it names none of them."""
+def _machine_in_head(data: bytes | str) -> str | None:
+    """The machine that the head of a program names."""
     from beamcam.verify.head import head_of
 
     head = head_of(data.decode("utf-8", "replace") if isinstance(data, bytes) else data)
-    named = (machine for machine in machines if head is not None and machine.name == head.machine)
-    return next(named, machines[0])
+    return None if head is None else head.machine
 
 
 def machine_of_stock(
@@ -237,7 +253,8 @@ def machines_of_stock(
 
 
 def machine_asked(name: str, config: Config) -> Machine | None:
-    """A machine as the job wants it; None where it cannot do what is asked for."""
+    """A machine as the job wants it; None where there is none, or it cannot do what is asked."""
+
     try:
         return _as_asked(load_proved(name), config, is_one_of_two=False)
     except BeamcamError:

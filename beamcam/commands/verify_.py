@@ -11,7 +11,7 @@ from beamcam.commands.grouped import Grouped
 from beamcam.commands.parts import looking_options, read_pieces
 from beamcam.commands.programs import input_bytes
 from beamcam.commands.remainders import after, faults_of_rest, from_operation
-from beamcam.commands.settings import machine_for_program, machine_named_by, machines_for, settled
+from beamcam.commands.settings import machine_for_program, settled
 from beamcam.config.values import Config
 from beamcam.errors import BeamcamError, Diagnostic, errors_in
 from beamcam.model.plan import Order
@@ -89,10 +89,7 @@ def command(
         config = settled(asked, parts or (program,))
         wanted, said = read_pieces(parts, config, asked, voice)
         data = input_bytes(program)
-        if wanted:
-            machine = machine_named_by(data, machines_for(config, wanted, program))
-        else:
-            machine = machine_for_program(config, program, data)
+        machine = machine_for_program(config, program, data, wanted)
         name, style = shown_name(program), PurePath(program).suffix.lower()
         head = head_of(data.decode("utf-8", "replace") if isinstance(data, bytes) else data)
         skips = _allowed(config, head)

@@ -29,12 +29,17 @@ def own_machines(config_file: str | None) -> dict[str, str]:
     return dict(sorted(found.items()))
 
 
+def is_file_name(name: str) -> bool:
+    """Whether a machine that is called so is meant as a file, not as one that is known."""
+    return name.endswith(".toml") or os.path.basename(name) != name
+
+
 def resolved(name: str, config_file: str | None) -> str:
     """The path of a machine of one's own that is called so; the name as it is of any other.
 
     Raises MachineError where a shipped machine has the name too.
     """
-    if name.endswith(".toml") or os.path.basename(name) != name:
+    if is_file_name(name):
         return name
     for folder in machine_folders(config_file):
         path = os.path.join(folder, f"{name}.toml")
