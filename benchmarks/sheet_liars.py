@@ -18,6 +18,7 @@ from beamcam import pipeline
 from beamcam.errors import PlanError, Source, VerifyError
 from beamcam.geometry.curves import Arc, Curve, Line
 from beamcam.machine import load
+from beamcam.machine.faults import TABLE_CONTROLLERS
 from beamcam.machine.overlay import with_torch
 from beamcam.machine.torch import LookSettings, Torch
 from beamcam.model.drawing import Measures
@@ -158,7 +159,7 @@ def _settled_otherwise(op: ContourOp) -> Iterator[tuple[str, ContourOp]]:
     if op.row.passes > 1:
         yield "a pass missing", replace(op, passes=op.passes[:-1])
         yield "a pass too many", replace(op, passes=(*op.passes, op.passes[-1]))
-    yield "slower", replace(op, row=replace(op.row, feed_mm_min=op.row.feed_mm_min * 0.8))
+    yield "slower", replace(op, row=replace(op.row, feed_mm_min=op.row.feed_mm_min * 0.9))
     yield "at less power", replace(op, row=replace(op.row, power=op.row.power * 0.9))
 
 
@@ -225,6 +226,8 @@ def told(machines: Sequence[tuple[str, dict[str, object]]] = MACHINES, every: in
             assert isinstance(plan, SheetPlan)
             truth = _text(plan, job)
             for lie, false in lies(plan, machine.torch):
+                if lie.endswith("slower") and machine.controller in TABLE_CONTROLLERS:
+                    continue  # a chord may take as long as the cycles of the controller need
                 count += 1
                 if count % every == 0 and _text(false, job) != truth:
                     caught = _is_refused(false, job)
