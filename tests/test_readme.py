@@ -1,20 +1,23 @@
 """The examples of the README and of the documentation are run as they stand there.
 
-All lines of the `sh` blocks of a page are run by one shell, in the folder of a new user, and each
-has to exit 0, unless a comment behind it says another status, as `# exit 1`. Lines for PowerShell
-are held against the words that it and beamcam take.
+All lines of the `sh` blocks of a page are run in the folder of a new user, one after another, and
+each has to exit 0, unless a comment behind it says another status, as `# exit 1`. Lines for
+PowerShell are held against the words that it and beamcam take.
 """
 
+import os
 import re
 import shlex
 import subprocess
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from pathlib import Path, PureWindowsPath
 
 import click
 import pytest
+from click.testing import CliRunner
 
+from beamcam.cli import main
 from tests import new_user
 from tests.conftest import ROOT
 from tests.test_docs import WORDS
@@ -39,10 +42,10 @@ def commands(text: str) -> list[tuple[str, int]]:
     return found
 
 
-def script(text: str) -> str:
-    """The commands of a page as one script, which ends at the first that does not do as it says."""
+def script(asked: Iterable[tuple[str, int]]) -> str:
+    """Commands as one script, which ends at the first that does not do as it says."""
     lines = []
-    for command, status in commands(text):
+    for command, status in asked:
         told = shlex.quote(f"{command}: expected exit {status}, found exit ")
         lines += [
             "status=0", f"{command} || status=$?",
@@ -51,18 +54,70 @@ def script(text: str) -> str:
     return "\n".join(lines)
 
 
-@pytest.mark.parametrize("page", PAGES, ids=lambda p: p.name)
+#: What a shell does more with than to take a line apart into words.
+_OF_A_SHELL = frozenset("|&;<>$*?`~")
+
+
+def run_here(command: str) -> tuple[int, str]:
+    """A command of beamcam run in this process, which has its libraries: status and output."""
+    done = CliRunner().invoke(main, shlex.split(command, comments=True)[1:], prog_name="beamcam")
+    if not isinstance(done.exception, SystemExit | None):
+        raise done.exception
+    return done.exit_code, done.output
+
+
+def run_examples(
+    asked: Iterable[tuple[str, int]], folder: Path, environment: dict[str, str]
+) -> None:
+    """Runs commands one after another, so that they may build on each; by a shell where it takes
+    one."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.chdir(folder)
+        for name in os.environ.keys() - environment.keys():
+            patch.delenv(name)
+        for name, value in environment.items():
+            patch.setenv(name, value)
+        for command, expected in asked:
+            if command.startswith("beamcam ") and _OF_A_SHELL.isdisjoint(command):
+                found, output = run_here(command)
+                assert found == expected, f"{command}\n{output}"
+            else:
+                run_by_shell([(command, expected)], folder, environment)
+
+
+@pytest.mark.parametrize("page", PAGES[1:], ids=lambda p: p.name)
 def test_examples_run(page: Path, tmp_path: Path) -> None:
-    """The commands of a page, one after another in one folder, so that they may build on each."""
-    text = page.read_text(encoding="utf-8")
     folder, environment = new_user.lay_out(tmp_path)
-    if page.name != "README.md" or page.parent != ROOT:
-        new_user.install(tmp_path)
+    new_user.install(tmp_path)
+    text = page.read_text(encoding="utf-8")
+    run_examples(commands(text), folder, environment)
+    run_python(text, folder, environment)
+
+
+def test_examples_of_the_readme_run(tmp_path: Path) -> None:
+    """By one shell until beamcam is installed, and is found there."""
+    folder, environment = new_user.lay_out(tmp_path)
+    text = (ROOT / "README.md").read_text(encoding="utf-8")
+    asked = commands(text)
+    first = next(k for k, (command, _) in enumerate(asked) if command.startswith("beamcam "))
+    run_by_shell(asked[: first + 1], folder, environment)
+    new_user.install(tmp_path)
+    run_examples(asked[first + 1 :], folder, environment)
+    run_python(text, folder, environment)
+
+
+def run_by_shell(
+    asked: Iterable[tuple[str, int]], folder: Path, environment: dict[str, str]
+) -> None:
     done = subprocess.run(
-        ["sh", "-c", script(text)], cwd=folder, env=environment, capture_output=True, text=True,
+        ["sh", "-c", script(asked)], cwd=folder, env=environment, capture_output=True, text=True,
         stdin=subprocess.DEVNULL, timeout=240,
     )  # fmt: skip
     assert done.returncode == 0, done.stderr
+
+
+def run_python(text: str, folder: Path, environment: dict[str, str]) -> None:
+    """Runs the Python examples of a page."""
     for example in blocks(text, "python"):
         done = subprocess.run(
             [sys.executable, "-c", example], cwd=folder, env=environment, capture_output=True,
