@@ -49,3 +49,11 @@ def test_a_machine_that_makes_no_such_part_is_not_refused_for_it() -> None:
     machine = load("beamline")
     assert machine.saw is not None
     assert proof_faults(replace(machine, saw=replace(machine.saw, max_height=1.0))) == ()
+
+
+@pytest.mark.parametrize("name", ["plate-codesys", "plate-linuxcnc"])
+def test_leads_of_a_machine_without_small_arcs_are_chords(name: str) -> None:
+    """The first of them lies on the contour, and is no overcut."""
+    machine = load(name)
+    assert machine.torch is not None
+    assert proof_faults(replace(machine, torch=replace(machine.torch, min_radius=5.0))) == ()

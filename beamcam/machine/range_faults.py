@@ -21,6 +21,7 @@ MIN_ACCELERATION = 1.0  #: mm/s2, which programs say to 0.001
 MIN_FEED_PER_TURN = 0.001  #: mm
 MIN_SPEED_RPM = 1.0  #: which programs say to 1
 MIN_CROSS = 1.0  #: mm of a cross that marks a centre, if there is one
+MIN_STEP = 0.0005  #: mm that a motor makes; a table has a row for each
 GAPS = 4.0  #: gaps that a cross is long at least, so that its lines are not closed
 
 
@@ -32,6 +33,11 @@ def range_faults(machine: Machine) -> Iterator[Fault]:
         yield from _of_drill(machine.drill)
     if machine.torch is not None:
         yield from _of_torch(machine.torch)
+    if machine.stepper is not None and machine.stepper.step < MIN_STEP:
+        expected = (
+            f"at least {MIN_STEP * machine.stepper.steps_per_turn:g}, steps of {MIN_STEP:g} mm"
+        )
+        yield "stepper.pitch", machine.stepper.pitch, expected
 
 
 def _feed(key: str, found: float) -> Iterator[Fault]:

@@ -1,6 +1,7 @@
 """How far closed cuts go on beyond their start, compared with what is asked of their contour."""
 
 from collections.abc import Sequence
+from math import hypot, sqrt
 
 import numpy as np
 
@@ -69,7 +70,22 @@ def _along(work: Work, t: Traced) -> Limits:
         first += t.over
     asked = min(_asked(work, t), first / 2)
     # From an inner corner a line leads out along the contour.
-    return over, asked, asked + (work.torch.lead_out if work.torch.lead == "line" else 0.0)
+    lead = work.torch.lead_out if work.torch.lead == "line" else _tangent(work, t.members[-1])
+    return over, asked, asked + lead
+
+
+def _tangent(work: Work, t: Traced) -> float:
+    """How far an arc that leads out in chords stays on the contour that it leaves by its tangent.
+
+    It is off by the tolerance after sqrt(2 radius tolerance); the chord there may go on as far.
+    """
+    path = work.path
+    if t.last >= path.count or work.of_way[t.last] != work.of_way[t.first]:
+        return 0.0
+    chord = hypot(*(path.ends[t.last] - path.starts[t.last]))
+    if chord < (1.0 - 1e-9) * float(path.lengths[t.last]):
+        return 0.0  # an arc, of which no place is on the contour
+    return 2 * sqrt(2 * work.torch.lead_out * work.tolerance)
 
 
 def _retraced(work: Work, t: Traced) -> float:

@@ -168,6 +168,11 @@ BAD = [
     ("[saw]\nmax_angle = -1", "machine-value", "at least 0, the square cut"),
     (f"{TURNS}max = -1", "machine-value", "at least 0, the square cut"),
     (f"{TURNS}min = 1", "machine-value", "at most 0, the square cut"),
+    (
+        "base = 'laser-stepper'\n[stepper]\npitch = 0.001",
+        "machine-value",
+        "found 0.001 for 'stepper.pitch'; expected at least 0.1, steps of 0.0005 mm",
+    ),
     ("[saw]\nfeed_mm_min = 0.9", "machine-value", "expected at least 1 mm/min"),
     ("[saw]\nkerf = 5e-324", "machine-value", "expected 0, or a number of at least 1e-06"),
     ("[drill]\nmin_speed_rpm = 0.5", "machine-value", "'drill.min_speed_rpm'; expected at least 1"),
