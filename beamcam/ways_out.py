@@ -5,7 +5,7 @@ from itertools import chain, islice
 
 from msgspec.structs import replace
 
-from beamcam.errors import BeamcamError, Diagnostic, Rule, Severity, Source
+from beamcam.errors import BeamcamError, Diagnostic, Rule, Severity, Source, errors_in
 from beamcam.machine.machine import Machine
 from beamcam.model.part import Part
 from beamcam.model.plan import Plan, SheetPlan
@@ -28,7 +28,24 @@ NO_WAY_OUT = Rule(
     "The drawing or the part has to change, or a machine file of one's own says that a machine can "
     "do more.",
 )
-RULES = (WAYS_OUT, NO_WAY_OUT)
+NO_WAY_TO_READ = Rule(
+    "read-no-way-out",
+    Severity.NOTE,
+    "found no way out: no option reads the file as it stands; expected it corrected where the "
+    "messages say",
+    "Whoever wrote the file has to export it again; a guess would make another part.",
+)
+RULES = (WAYS_OUT, NO_WAY_OUT, NO_WAY_TO_READ)
+#: Readers whose files no option reads otherwise, by the beginning of their codes.
+_WITHOUT_OPTIONS = ("dstv-", "json-", "read-empty")
+
+
+def no_way_to_read(said: Iterable[Diagnostic], strict: bool) -> Iterator[Diagnostic]:
+    """A note behind the errors of a file that nothing but its correction helps; at the first."""
+    wrong = errors_in(said)
+    codes = (one.code.startswith(_WITHOUT_OPTIONS) for one in wrong)
+    if wrong and not strict and all(codes):
+        yield NO_WAY_TO_READ.at(Source(wrong[0].source.file))
 
 
 def ways_out(

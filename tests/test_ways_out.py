@@ -68,7 +68,7 @@ def test_no_way_out_is_none_on_any_machine() -> None:
     assert "plan-no-way-out" in run("post", path, "-o", "-").stderr
     beams = [name for name in shipped() if load(name).stock == "beam"]
     assert all(run("post", path, "-o", "-", "--machine", name).exit_code == 1 for name in beams)
-    assert {rule.code for rule in RULES} == {"plan-ways-out", "plan-no-way-out"}
+    assert {rule.code for rule in RULES} == {"plan-ways-out", "plan-no-way-out", "read-no-way-out"}
 
 
 @pytest.mark.parametrize(("code", "status", "says"), [
@@ -99,3 +99,19 @@ def test_other_machines_are_tried_with_the_options_of_the_job() -> None:
     done = run(*asked, "--thickness", "3", "--map", "pink=cut")
     assert "plan-map-key" in done.stderr
     assert "plan-ways-out" not in done.stderr
+
+
+def test_a_file_that_cannot_be_read_says_that_no_option_helps() -> None:
+    """And none does: with all of them the same errors come."""
+    options = ("--allow-skips", "all", "--turn", "--bar", "18000", "--machine", "beamline-pusher")
+    seen = 0
+    for path in inputs():
+        done = run("post", path, "-o", "-")
+        errors = [line for line in done.stderr.splitlines() if ": error " in line]
+        if not errors or not all(": error dstv-" in line or "read-" in line for line in errors):
+            continue
+        seen += 1
+        assert done.stderr.splitlines()[-1].startswith(f"{path}: note read-no-way-out: "), path
+        again = run("post", path, "-o", "-", *options)
+        assert [line for line in again.stderr.splitlines() if ": error " in line] == errors
+    assert seen >= 5

@@ -97,8 +97,10 @@ def command(
     """
     said: tuple[Diagnostic, ...] = ()
     machines: tuple[Machine, ...] = ()
+    strict = bool(asked["strict"])
     try:
         config = settled(asked, inputs)
+        strict = config.strict
         parts, said = read_parts(inputs, config, asked, voice)
         chosen = machines_for(config, parts, output)
         said += map_remarks(config, parts, chosen[0])
@@ -144,7 +146,10 @@ def command(
         ways = _ways_out(parts, machines, config) if machines else ()
         voice.stop((*said, *error.diagnostics, *ways))
     except BeamcamError as error:
-        voice.stop((*said, *error.diagnostics))
+        from beamcam.ways_out import no_way_to_read
+
+        ways = tuple(no_way_to_read(error.diagnostics, strict))
+        voice.stop((*said, *error.diagnostics, *ways))
     _write(made, machine, files_read(config, inputs), voice)
     voice.say((*said, *dict.fromkeys(one for _, each in made for one in each.remarks)))
     if exit_left_out is not None and any(each.leaves_out for _, each in made):
