@@ -98,7 +98,7 @@ def test_whatever_the_planner_says_of_a_sheet_that_lies_it_is_refused() -> None:
     lies = told([m for m in LIARS if m[0] != "laser-stepper"], every=19)
     assert lies.missed == []
     assert sum(lies.made.values()) > 60
-    assert {lie.split(" ")[0] for lie in lies.made} == {"cut", "engrave", "mark"}
+    assert {lie.split(" ")[0] for lie in lies.made} >= {"cut", "engrave", "mark"}
     steps = told([m for m in LIARS if m[0] == "laser-stepper"], every=97)
     assert steps.missed == []
     assert steps.made
