@@ -102,7 +102,8 @@ def _moved(
         if torch.kerf_by == "machine" and not offset.exact:
             said.append(uncompensated(shape, kerf))
         path = replace(shape, curves=ring, area=area)
-        left = sharp if offset.exact else left_in(shape, path, kerf, torch.tolerance)
+        others = [chain for chain in offset.chains if chain is not ring]
+        left = sharp if offset.exact else left_in(shape, path, kerf, torch.tolerance, others)
         said += told_of(shape, left, kerf)
         yield k, path
 

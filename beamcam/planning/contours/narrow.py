@@ -11,9 +11,11 @@ from math import cos, dist, pi, sqrt
 from typing import TYPE_CHECKING, Any
 
 from msgspec import Struct
+from msgspec.structs import replace
 
 from beamcam.errors import Diagnostic
 from beamcam.geometry.arrays import CurveTable
+from beamcam.geometry.curves import Curve
 from beamcam.geometry.plane import Point
 from beamcam.machine.torch import Torch
 from beamcam.planning.contours import rules
@@ -51,6 +53,7 @@ class Left(Struct, frozen=True):
     width: float  #: of the way to it
     depth: float  #: the farthest of it from where the beam comes
     is_corner: bool  #: no more than any corner of that angle leaves
+    is_cut_off: bool = False  #: the beam would have room, but does not get there
 
 
 class Near(Struct, frozen=True):
@@ -101,9 +104,16 @@ def told_near(shapes: Sequence[Shape], near: Near, kerf: float) -> Diagnostic:
     )  # fmt: skip
 
 
-def left_in(shape: Shape, path: Shape, kerf: float, tolerance: float) -> list[Left]:
+def left_in(
+    shape: Shape,
+    path: Shape,
+    kerf: float,
+    tolerance: float,
+    others: Sequence[Sequence[Curve]] = (),
+) -> list[Left]:
     """What the beam leaves of the waste beside a contour, the deepest first.
 
+    `others` are the rings behind necks, on which the beam does not go.
     The waste that it reaches is all that a disc of the kerf's width covers whose middle is no
     nearer to the contour than half of that: the inside of the path grown by half a kerf for a
     hole, shrunk for an outline.
@@ -122,11 +132,14 @@ def left_in(shape: Shape, path: Shape, kerf: float, tolerance: float) -> list[Le
         return []
     swept = _swept(shape, contour, ring, reached)
     taken, middle, edge = (shapely.boundary(one) for one in (swept, ring, contour))
+    beyond = shapely.buffer(shapely.multilinestrings(ways(others, tolerance)), kerf / 2)
     found = []
-    for piece in pieces.tolist():
+    for piece, is_cut_off in zip(
+        pieces.tolist(), shapely.intersects(pieces, beyond).tolist(), strict=True
+    ):
         left = _left(piece, taken, middle, edge, kerf / 2, tolerance)
         if left is not None:
-            found.append(left)
+            found.append(replace(left, is_cut_off=is_cut_off))
     return sorted(found, key=lambda left: -left.depth)
 
 
@@ -246,7 +259,7 @@ def _longest_chord(points: "Floats") -> tuple[Point, Point]:
 def told_of(shape: Shape, left: Sequence[Left], kerf: float) -> Iterator[Diagnostic]:
     """An error for the deepest place that is refused, else a warning if there is one to give."""
     for rule, which in (
-        (rules.NARROW, [one for one in left if one.depth > _deepest(one) * kerf]),
+        (rules.NARROW, [one for one in left if one.is_cut_off or one.depth > _deepest(one) * kerf]),
         (rules.LEFT, [one for one in left if one.depth > TOLD * kerf]),
     ):
         if which:

@@ -150,7 +150,8 @@ class _Beam:
         firsts, first_middles = self._touched(stretches, samples, 0, 1)
         lasts, last_middles = self._touched(stretches, samples, -1, -2)
         element, share, owner = samples
-        # A touch is found where the tip is thicker than the part's outline is fine.
+        # A touch is found where the tip is thicker than the part's outline is fine. No more waste
+        # is let pass by the tolerance that this takes: beside none of the samples is there room.
         reach = work.half_kerf + work.slack[owner] + work.tolerance
         apart = np.hypot(*(last_middles - first_middles).T)
         same = apart <= work.half_kerf / 4 + 4 * work.tolerance

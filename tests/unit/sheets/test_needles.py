@@ -16,7 +16,7 @@ from beamcam.planning.contours import kerf as kerfs
 from beamcam.planning.contours import narrow
 from beamcam.verify.sheets import verify_sheet
 from tests.unit.sheets.notches import Notch, left_at_best, left_in_program
-from tests.unit.sheets.parts import contour, drawing, lines, table
+from tests.unit.sheets.parts import box, contour, drawing, lines, table
 
 MACHINE = table("plate-linuxcnc")
 KERF = 1.9  #: of 8 mm of steel
@@ -62,6 +62,21 @@ def test_a_slot_behind_a_needle_is_as_deep_as_any(part: Part, depth: float) -> N
         post((part,), MACHINE)
     (found,) = depths(refused.value.diagnostics, "plan-narrow")
     assert found == pytest.approx(depth, abs=0.01)
+
+
+@pytest.mark.parametrize("neck", [1.7, 1.86, 1.89])
+@pytest.mark.parametrize("pocket", [1.95, 2.4, 6.0])
+def test_a_pocket_behind_a_neck_is_refused_by_name(neck: float, pocket: float) -> None:
+    """The beam has room in it and does not get there, so that it is no corner."""
+    a, b = 5 - neck / 2, 5 + neck / 2
+    c, d = 5 - pocket / 2, 5 + pocket / 2
+    hole = lines(
+        (0, 0), (20, 0), (20, a), (21, a), (21, c), (21 + pocket, c), (21 + pocket, d), (21, d),
+        (21, b), (20, b), (20, 10), (0, 10),
+    )  # fmt: skip
+    part = drawing(contour(box(-20, -20, 80, 60)), contour(hole), thickness=8.0)
+    with pytest.raises(PlanError, match="plan-narrow"):
+        post((part,), MACHINE)
 
 
 def test_a_sliver_is_measured_that_shapely_makes_nothing_of() -> None:
