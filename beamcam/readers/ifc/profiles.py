@@ -8,6 +8,7 @@ from msgspec import Struct
 from msgspec.structs import replace
 
 from beamcam.geometry.curves import Arc, Line, Point, signed_area
+from beamcam.geometry.plane import MAX_COORDINATE
 from beamcam.model.part import ProfileCode
 from beamcam.readers.ifc.classify import classify
 from beamcam.readers.ifc.curves2d import Chain, chain_of, points_chain
@@ -35,6 +36,9 @@ def section_of(model: Model, entity: Entity) -> Section:
     known: Section | None = model.sections.get(key)
     if known is None:
         known = model.sections[key] = _section(model, entity)
+    widest = max(known.height, known.width)
+    if widest > MAX_COORDINATE:
+        raise Unreadable(f"a section {widest:g} mm wide")
     return known
 
 
