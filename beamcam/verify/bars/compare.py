@@ -99,7 +99,8 @@ class Comparison:
                     missing.add((p, target.feature))
                 else:
                     led.append(Led(p, target, from_x))
-        unmade = self.holes.take(wants)
+        # A hole at the end of a slot is one of the part before it is one that a mill goes into.
+        unmade = self.holes.take(sorted(wants, key=lambda want: want.target.optional))
         left = self._missed(unmade, optional)
         self.said += self.holes.complain(left, parts)
         needed = {(w.part, w.target.feature) for w in left}

@@ -7,7 +7,7 @@ from msgspec.structs import replace
 
 from beamcam.errors import PlanError, Source, errors_in
 from beamcam.machine import load
-from beamcam.model.part import Hole, HoleKind, Part, Profile
+from beamcam.model.part import Hole, HoleKind, Part, Profile, Slot
 from beamcam.pipeline import post
 from beamcam.planning.rules import SKIP_NAMES
 from beamcam.verify.bars import verify
@@ -85,3 +85,11 @@ def crowded(rng: random.Random, machine: str) -> Hole:
         depth = rng.choice((4.0, 6.0))
     x, y = rng.choice((300.0, 300.0, 300.05, 300.3)), rng.choice((40.0, 40.05))
     return hole(rng.choice("vou"), x, y, diameter, kind, depth, angle)
+
+
+@pytest.mark.parametrize("times", [1, 2])
+def test_a_hole_where_a_mill_goes_in_is_the_part_s(times: int) -> None:
+    """The end of a slot may be drilled before it is milled; a hole of the part there has to be."""
+    slot = Slot("v", 500.0, 150.0, 100.0, 20.0, 0.0, 0.0, Source("p", 1))
+    made = replace(part(IPE300), features=(slot,) * times + (hole("v", 490, 150, 14),))
+    assert post([made], load("beamline-pusher")).text
