@@ -111,7 +111,10 @@ class Torch(Keys, frozen=True):
 
     @property
     def area(self) -> tuple[float, float, float, float]:
-        """Work area of the head: minimum X and Y, maximum X and Y."""
-        u, v = ORIGINS.get(self.origin, (0.0, 0.0))
-        x, y = 0.0 - u * self.length, 0.0 - v * self.width  # never -0, which would be shown
-        return x, y, x + self.length, y + self.width
+        """Work area of the head: minimum X and Y, maximum X and Y.
+
+        An origin in the work may be anywhere on the table, and leads go round it on all sides.
+        """
+        if self.origin in ORIGINS:
+            return -self.length, -self.width, self.length, self.width
+        return 0.0, 0.0, self.length, self.width

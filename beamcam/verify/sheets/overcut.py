@@ -103,9 +103,18 @@ def _retraced(work: Work, t: Traced) -> float:
         for place in again
         for k in np.flatnonzero(np.abs(length - place - ends) <= 2 * work.tolerance)
         if place > 4 * work.tolerance and ends[k] > 2 * work.tolerance
+        and _runs_again(work, t, float(place), float(ends[k]))
     ]  # fmt: skip
     over = min(found, default=0.0)
     return 0.0 if over and _is_drawn_twice(work, t, over / 2) else over
+
+
+def _runs_again(work: Work, t: Traced, place: float, over: float) -> bool:
+    """Whether a stroke follows its first curves again from a place on, not only their ends."""
+    steps = over * np.linspace(0.125, 0.875, 7)
+    way = np.full(len(steps), t.first)
+    first, again = work.path.point(way, steps), work.path.point(way, place + steps)
+    return bool((np.hypot(*(first - again).T) <= 2 * work.tolerance).all())
 
 
 def _is_drawn_twice(work: Work, t: Traced, along: float) -> bool:

@@ -15,6 +15,7 @@ from beamcam.machine.overlay import with_torch
 from beamcam.machine.torch import LookSettings
 from beamcam.pipeline import post, read_back
 from beamcam.posts import Request
+from beamcam.readers import read
 from beamcam.verify.sheets import verify_sheet
 from tests.unit.sheets.parts import box, circle, contour, drawing
 from tests.unit.sheets.test_tabs import PART, STROKE, WORD
@@ -142,3 +143,16 @@ def test_a_line_there_and_back_again_has_none() -> None:
         thickness=3.0,
     )  # fmt: skip
     assert re.search("M4", post((part,), asked(overcut=2.0)).text)
+
+
+def test_a_path_that_comes_by_its_start_is_no_overcut() -> None:
+    """An open curve whose ends lie on itself, alike from either end."""
+    loops = "M10 40 a10 10 0 0 1 20 0 v5 a10 10 0 0 1 -20 0 v-20 a30 30 0 0 1 60 0 v20 "
+    drawn = f'<path d="{loops}a10 10 0 0 1 -20 0 v-5 a10 10 0 0 1 20 0"/>'
+    text = f"""<svg xmlns="http://www.w3.org/2000/svg" width="80mm" height="80mm"
+    viewBox="0 0 80 80"><g fill="none" stroke="red">{drawn}</g></svg>"""
+    parts = read(text.encode(), "t.svg").parts
+    machine = with_torch(load("plate-linuxcnc"), {"red": "cut"}, thickness=3.0)
+    posted = post(parts, machine)
+    assert "plan-open-cut" in {d.code for d in posted.remarks}
+    assert posted.text.count("M3 S1") == 1
