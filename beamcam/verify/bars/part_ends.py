@@ -173,6 +173,8 @@ def _span(end: End, face: Face, profile: Profile, q: float) -> tuple[float, floa
         xs = [end.x(y, q) for y in surfaces]
     else:
         middle = (profile.width - web) / 2 if profile.code == "I" else 0.0
-        whole = profile.code in ("M", "SO", "RO", "RU")
+        if profile.code == "M" and face == "v":
+            middle = profile.width - web
+        whole = profile.code in ("SO", "RO", "RU")
         xs = [end.x(q, z) for z in ((0.0, profile.width) if whole else (middle, middle + web))]
     return min(xs) - OUTLINE_TOLERANCE, max(xs) + OUTLINE_TOLERANCE

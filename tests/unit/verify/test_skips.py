@@ -5,9 +5,10 @@ from hypothesis import event, given, settings
 from hypothesis import strategies as st
 
 from beamcam.errors import PlanError, Source
+from beamcam.geometry.curves import Line
 from beamcam.machine import load
 from beamcam.machine.machine import Machine
-from beamcam.model.part import Face, Hole, Part, Profile, Slot
+from beamcam.model.part import Contour, EndCuts, Face, Hole, Part, Profile, Slot
 from beamcam.pipeline import post
 from beamcam.planning.beam import plan_bar
 from beamcam.verify.bars import skippable
@@ -87,3 +88,15 @@ def test_a_hole_of_another_wall_is_no_repeat(face: Face) -> None:
     left = [said.source for said in posted.remarks if said.code == "plan-left-out"]
     assert left in ([], [behind.source])
     assert {g for _, g in skippable((made,), load("beamline-pusher"), ("face",))} <= {1}
+
+
+def test_the_outline_of_a_tube_lies_on_the_wall_of_its_face() -> None:
+    """A cut skew through the width of a tube leaves each web an end of its own."""
+    tube = Profile("M", "RHS120*80*5", 120.0, 80.0, 5.0, 5.0, 7.5)
+    corners = ((60.0, 0.0), (1000.0, 0.0), (1000.0, 120.0), (0.0, 120.0), (60.0, 3.0))
+    sides = zip(corners, (*corners[1:], corners[0]), strict=True)
+    outline = Contour("v", "outer", tuple(Line(a, b) for a, b in sides), SOURCE)
+    cuts = EndCuts(web_start=14.7, flange_start=26.565)
+    part = Part("T", tube, 1000.0, SOURCE, features=(outline,), cuts=cuts)
+    posted = post([part], load("beamline-pusher"), skips=("cope",))
+    assert [o.by for o in posted.plan.outcomes] == ["plan-cope"]
