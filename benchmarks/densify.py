@@ -13,7 +13,7 @@ from math import ceil, cos, hypot, inf, pi, radians, sin
 from script import arguments, start
 
 from beamcam.geometry.curves import Arc, Bezier, Curve, EllipseArc, NewtonCurve
-from beamcam.geometry.newton import newton_coefficients
+from beamcam.geometry.newton import divided_differences
 from beamcam.motion.densify import DensifyRules, densify
 from beamcam.motion.spans import chord_step_rad
 
@@ -81,7 +81,7 @@ def plain_loop(curve: Curve, count: int) -> tuple[list[tuple[float, float]], flo
             points.append((x, y))
     elif isinstance(curve, NewtonCurve):
         nodes = [x for x, _ in curve.nodes]
-        c0, *rest = newton_coefficients(nodes, [y for _, y in curve.nodes])
+        c0, *rest = divided_differences(nodes, [y for _, y in curve.nodes])
         for k in range(count):
             x = nodes[0] + (nodes[-1] - nodes[0]) * k / (count - 1)
             y, product = c0, 1.0
@@ -107,7 +107,7 @@ def seconds(action: Callable[[], object]) -> float:
 
 
 def run(paths: Sequence[tuple[Curve, ...]], rules: DensifyRules) -> int:
-    return sum(densify(path, rules).certificate.points for path in paths)
+    return sum(len(densify(path, rules).points) for path in paths)
 
 
 def main() -> None:
@@ -119,7 +119,7 @@ def main() -> None:
     for name, paths in random_paths(200).items():
         points = run(paths, rules)
         fast = seconds(lambda paths=paths: run(paths, rules))
-        counts = [densify(path, rules).certificate.points for path in paths]
+        counts = [len(densify(path, rules).points) for path in paths]
         few = list(zip(paths, counts, strict=True))[:40]
         begun = time.perf_counter()
         for path, count in few:
@@ -145,7 +145,7 @@ def main() -> None:
     for tolerance in (1e-6, 1e-8, 1e-10):
         tracemalloc.start()
         circle = (Arc((0.0, 0.0), 1000.0, 0.0, 360.0),)
-        count = densify(circle, DensifyRules(tolerance + 1e-10)).certificate.points
+        count = len(densify(circle, DensifyRules(tolerance + 1e-10)).points)
         peak = tracemalloc.get_traced_memory()[1]
         tracemalloc.stop()
         print(f"{count:9} {peak / 1e6:8.1f} {peak / count:12.1f}")

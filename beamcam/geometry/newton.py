@@ -6,7 +6,7 @@ the nodes: any spacing is right, and the curve passes through every node, the la
 
 import itertools
 from collections.abc import Sequence
-from math import factorial, hypot
+from math import hypot
 
 from msgspec import Struct
 
@@ -14,9 +14,6 @@ from beamcam.caches import cached
 from beamcam.geometry import bernstein
 from beamcam.geometry.bezier import MAX_DEGREE, Bezier
 from beamcam.geometry.plane import Box, Matrix, Point, box_around, distance, mapped
-
-#: Spacings that differ by less than this share count as equal.
-EQUIDISTANT_SLACK = 1e-12
 
 #: Polynomials through more nodes than this swing between them more often than not.
 CALM_NODES = 5
@@ -36,38 +33,6 @@ def divided_differences(u: Sequence[float], values: Sequence[float]) -> tuple[fl
         row = [(b - a) / (u[i + order] - u[i]) for i, (a, b) in enumerate(itertools.pairwise(row))]
         found.append(row[0])
     return tuple(found)
-
-
-def forward_differences(step: float, values: Sequence[float]) -> tuple[float, ...]:
-    """The same coefficients for nodes `step` apart: the k-th difference over k! step^k."""
-    row = list(values)
-    found = [row[0]]
-    for order in range(1, len(values)):
-        row = [b - a for a, b in itertools.pairwise(row)]
-        found.append(row[0] / (factorial(order) * step**order))
-    return tuple(found)
-
-
-def are_equidistant(u: Sequence[float]) -> bool:
-    """Whether all neighbours in `u` are equally far apart, to `EQUIDISTANT_SLACK` of the whole."""
-    step = (u[-1] - u[0]) / (len(u) - 1)
-    slack = EQUIDISTANT_SLACK * max(abs(u[0]), abs(u[-1]))
-    return all(abs(b - a - step) <= slack for a, b in itertools.pairwise(u))
-
-
-def newton_coefficients(u: Sequence[float], values: Sequence[float]) -> tuple[float, ...]:
-    """Newton's coefficients: by forward differences where `u` is equidistant, else divided."""
-    if len(u) > 1 and are_equidistant(u):
-        return forward_differences((u[-1] - u[0]) / (len(u) - 1), values)
-    return divided_differences(u, values)
-
-
-def newton_value(coefficients: Sequence[float], u: Sequence[float], at: float) -> float:
-    """The polynomial of Newton's `coefficients` over the nodes `u`, by Horner's scheme."""
-    total = coefficients[-1]
-    for c, node in zip(coefficients[-2::-1], u[-2::-1], strict=True):
-        total = total * (at - node) + c
-    return total
 
 
 def newton_derivatives(
@@ -130,13 +95,13 @@ class NewtonCurve(Struct, frozen=True):
 
     def point(self, t: float) -> Point:
         """The point at parameter `t`; the parameters of the nodes give the nodes exactly."""
-        u, xs, ys = _newton_form(self)
+        u, _, ys = _newton_form(self)
         if t in u:
             return self.nodes[u.index(t)]
         if self.is_function:
             (x0, _), (x1, _) = self.nodes[0], self.nodes[-1]
-            return x0 + t * (x1 - x0), newton_value(ys, u, t)
-        return newton_value(xs, u, t), newton_value(ys, u, t)
+            return x0 + t * (x1 - x0), newton_derivatives(ys, u, t)[0]
+        return self.derivatives(t)[0]
 
     def derivatives(self, t: float) -> tuple[Point, Point, Point]:
         """The point, the first and the second derivative at `t`."""
@@ -188,16 +153,6 @@ def newton_through(nodes: tuple[Point, ...]) -> NewtonCurve:
     return curve
 
 
-def parabola_of(curve: Bezier) -> tuple[Point, Point, Point]:
-    """Start, vertex and end of a quadratic Bezier curve, as G06 takes them.
-
-    Raises ValueError for another degree or for weights.
-    """
-    if curve.degree != 2 or curve.weights is not None:
-        raise ValueError(f"a parabola is of degree 2 without weights, found {curve.degree}")
-    return curve.start, curve.point(0.5), curve.end
-
-
 @cached("curves.newton")
 def _newton_form(
     curve: NewtonCurve,
@@ -215,8 +170,8 @@ def _newton_form(
         if not here < there:
             x, y = nodes[k + 1]
             raise ValueError(f"node ({x:g}, {y:g}) is too near to the one before")
-    xs = newton_coefficients(u, [node[0] for node in nodes])
-    ys = newton_coefficients(u, [node[1] for node in nodes])
+    xs = divided_differences(u, [node[0] for node in nodes])
+    ys = divided_differences(u, [node[1] for node in nodes])
     return u, xs, ys
 
 

@@ -4,7 +4,7 @@ Two rules meet here. The chord rule says how far apart points may be, so that th
 near the curve. The cycle rule says how far apart they must be, so that a controller that looks
 every T seconds sees each of them: at speed v no chord may be shorter than k v T. The points
 follow the chord rule, in equal steps as large as it allows; where the cycle rule forbids that,
-the speed of the stretch is lowered until it does not, and the certificate says so.
+the speed of the stretch is lowered until it does not, and the speeds of its steps say so.
 
             tolerance = chord error + rounding of the points + gaps between the curves
 """
@@ -41,7 +41,6 @@ class DensifyRules(Struct, frozen=True):
     speed_mm_s: float = inf
     cycle_s: float = 0.0  #: time between two looks of the controller; 0 for no cycle rule
     cycles_per_chord: float = 3.0
-    quadrants: bool = False  #: a point wherever x or y turns
 
     def __post_init__(self) -> None:
         if not self.tolerance > 0.0:
@@ -54,36 +53,18 @@ class DensifyRules(Struct, frozen=True):
             )
 
 
-class SlowSection(Struct, frozen=True):
-    """Points `first` to `last` are passed at less than the programmed speed."""
-
-    first: int
-    last: int
-    speed_mm_s: float
-
-
-class Certificate(Struct, frozen=True):
-    """Properties of a densified path."""
-
-    deviation: float  #: no point of curve or path is farther from the other, rounding included
-    points: int
-    min_step: float
-    max_step: float
-    slowed: tuple[SlowSection, ...]
-
-
 class Densified(Struct, frozen=True):
     """The points of a path, read-only, with the speed of each step between them."""
 
     points: Floats  #: (n, 2)
     speeds_mm_s: Floats  #: (n - 1,)
-    certificate: Certificate
+    deviation: float  #: no point of curve or path is farther from the other, rounding included
 
 
 def densify(path: Sequence[Curve], rules: DensifyRules) -> Densified:
     """The points of curves that follow one another, start and end included.
 
-    `certificate.deviation` bounds the distance between curves and polyline both ways and is at
+    `deviation` bounds the distance between curves and polyline both ways and is at
     most `rules.tolerance`. The number of points grows with 1 / sqrt(tolerance); time and memory
     are linear in it. Points that rounding makes one are put out once.
 
@@ -102,7 +83,7 @@ def densify(path: Sequence[Curve], rules: DensifyRules) -> Densified:
             f"tolerance {rules.tolerance:g} is used up: rounding takes {rules.rounding.worst:g}, "
             f"the widest gap {gap:g} (before curve {gaps.index(gap) + 2 if gaps else 1})"
         )
-    spans = _collect_spans(path, left * (1 - 1e-8), rules.quadrants)
+    spans = _collect_spans(path, left * (1 - 1e-8))
     exact = draw(path[0].start, spans)
     rounded = rules.rounding.apply(exact)
     moved = 0.0
@@ -127,7 +108,7 @@ def _reach(curve: Curve) -> float:
             return max(abs(v) for piece in bezier_pieces(curve) for p in piece.points for v in p)
 
 
-def _collect_spans(path: Sequence[Curve], tolerance: float, quadrants: bool) -> Spans:
+def _collect_spans(path: Sequence[Curve], tolerance: float) -> Spans:
     spans = Spans()
     free: dict[tuple[int, bool], list[tuple[int, Bezier]]] = defaultdict(list)
     slots: list[list[int]] = []  # steps of each curve's spans, in the order of the path
@@ -137,12 +118,12 @@ def _collect_spans(path: Sequence[Curve], tolerance: float, quadrants: bool) -> 
                 spans.lines.append((len(slots), end))
                 slots.append([1])
             case Arc() | EllipseArc():
-                for span in span_arc(curve, tolerance, quadrants):
-                    spans.arcs.append((len(slots), span))
-                    spans.deviation = max(spans.deviation, span.deviation)
-                    slots.append([span.steps])
+                span = span_arc(curve, tolerance)
+                spans.arcs.append((len(slots), span))
+                spans.deviation = max(spans.deviation, span.deviation)
+                slots.append([span.steps])
             case _:
-                for piece in _turning_pieces(bezier_pieces(curve), quadrants):
+                for piece in bezier_pieces(curve):
                     free[piece.degree, piece.weights is not None].append((len(slots), piece))
                     slots.append([])
     for kind, pieces in free.items():
@@ -154,21 +135,6 @@ def _collect_spans(path: Sequence[Curve], tolerance: float, quadrants: bool) -> 
     for pieces_of_kind in spans.free.values():
         pieces_of_kind[:] = [(first[k], c, n, end) for k, c, n, end in pieces_of_kind]
     return spans
-
-
-def _turning_pieces(pieces: Sequence[Bezier], quadrants: bool) -> list[Bezier]:
-    """The curves, cut where x or y turns if `quadrants` asks for it."""
-    if not quadrants:
-        return list(pieces)
-    found: list[Bezier] = []
-    for piece in pieces:
-        done, rest = 0.0, piece
-        for t in piece.extremes():
-            left, rest = rest.split((t - done) / (1.0 - done))
-            found.append(left)
-            done = t
-        found.append(rest)
-    return found
 
 
 def _span_free(
@@ -197,7 +163,7 @@ def _span_free(
 
 
 def _finish(points: Floats, steps: Counts, rules: DensifyRules, deviation: float) -> Densified:
-    """Drops steps of no length, lowers speeds by the cycle rule, writes the certificate."""
+    """Drops steps of no length, lowers speeds by the cycle rule."""
     lengths = _step_lengths(points)
     span = np.repeat(np.arange(len(steps)), steps) if rules.cycle_s > 0.0 else lengths
     if np.min(lengths) == 0.0:
@@ -205,23 +171,14 @@ def _finish(points: Floats, steps: Counts, rules: DensifyRules, deviation: float
         points = points[np.concatenate(([True], kept))]
         lengths, span = lengths[kept], span[kept]
     speeds = np.full(len(lengths), rules.speed_mm_s)
-    slowed: tuple[SlowSection, ...] = ()
     if rules.cycle_s > 0.0 and len(lengths):
         starts = np.concatenate(([0], np.flatnonzero(np.diff(span)) + 1))
         least = np.minimum.reduceat(lengths, starts)
         allowed = np.minimum(rules.speed_mm_s, least / (rules.cycles_per_chord * rules.cycle_s))
         speeds = np.repeat(allowed, np.diff(np.concatenate((starts, [len(lengths)]))))
-        slowed = _slowed_stretches(speeds, rules.speed_mm_s)
     points.setflags(write=False)
     speeds.setflags(write=False)
-    certificate = Certificate(
-        deviation,
-        len(points),
-        float(np.min(lengths, initial=inf)) if len(lengths) else 0.0,
-        float(np.max(lengths, initial=0.0)),
-        slowed,
-    )
-    return Densified(points, speeds, certificate)
+    return Densified(points, speeds, deviation)
 
 
 def _step_lengths(points: Floats) -> Floats:
@@ -230,13 +187,3 @@ def _step_lengths(points: Floats) -> Floats:
     step *= step
     squares: Floats = step[:, 0] + step[:, 1]
     return np.sqrt(squares, out=squares)
-
-
-def _slowed_stretches(speeds: Floats, asked: float) -> tuple[SlowSection, ...]:
-    changes = np.flatnonzero(np.abs(np.diff(speeds)) > 1e-9 * speeds[1:]) + 1
-    edges = [0, *changes.tolist(), len(speeds)]
-    return tuple(
-        SlowSection(a, b, float(speeds[a]))
-        for a, b in itertools.pairwise(edges)
-        if speeds[a] < asked * (1 - 1e-12)
-    )

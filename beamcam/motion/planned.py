@@ -2,10 +2,8 @@
 
 import numpy as np
 from msgspec import Struct
-from numpy.typing import ArrayLike
 
 from beamcam.geometry.array_types import Counts, Floats
-from beamcam.geometry.velocity_profile import Phase
 from beamcam.motion.jerk_ramps import peak_rises, ramp_phases
 from beamcam.motion.speed_sections import SpeedSection
 
@@ -16,8 +14,6 @@ class PlannedPath(Struct, frozen=True):
     points: Floats  #: (n + 1, axes)
     lengths: Floats  #: (n,)
     directions: Floats  #: (n, axes)
-    entry_mm_s: Floats  #: (n,)
-    exit_mm_s: Floats  #: (n,)
     duration_s: float
     phase_segment: Counts  #: (m,), the segment of each phase
     phase_start_s: Floats  #: (m,), from the start of the path
@@ -26,30 +22,6 @@ class PlannedPath(Struct, frozen=True):
     phase_velocity: Floats  #: (m,)
     phase_acceleration: Floats  #: (m,)
     phase_jerk: Floats  #: (m,)
-
-    def phases_of(self, segment: int) -> tuple[Phase, ...]:
-        """The phases of one segment; positions are from its start, times from the path's."""
-        low, high = np.searchsorted(self.phase_segment, [segment, segment + 1]).tolist()
-        columns = (
-            self.phase_start_s, self.phase_duration_s, self.phase_position,
-            self.phase_velocity, self.phase_acceleration, self.phase_jerk,
-        )  # fmt: skip
-        return tuple(Phase(*(float(c[k]) for c in columns)) for k in range(low, high))
-
-    def sample(self, t_s: ArrayLike) -> tuple[Floats, Floats, Floats]:
-        """Position, velocity and acceleration of the axes at times `t_s`: (k, axes) each."""
-        t = np.clip(np.asarray(t_s, dtype=np.float64), 0.0, self.duration_s)
-        k = np.clip(
-            np.searchsorted(self.phase_start_s, t, side="right") - 1, 0, len(self.phase_jerk) - 1
-        )
-        s = np.minimum(t - self.phase_start_s[k], self.phase_duration_s[k])
-        v0, a0, j = self.phase_velocity[k], self.phase_acceleration[k], self.phase_jerk[k]
-        way = self.phase_position[k] + s * (v0 + s * (a0 / 2 + s * j / 6))
-        segment = self.phase_segment[k]
-        along = self.directions[segment]
-        position = self.points[segment] + along * way[:, None]
-        velocity = along * (v0 + s * (a0 + s * j / 2))[:, None]
-        return position, velocity, along * (a0 + s * j)[:, None]
 
 
 def cut_phases(
@@ -72,14 +44,9 @@ def cut_phases(
     came = ramps.x[at] + s * (ramps.v[at] + s * (ramps.start_a[at] / 2 + s * ramps.held_j[at] / 6))
     came = np.maximum(0.0, came - (before[segment] - before[first[stretch]]))
     kept = spent > 0.0
-    opens = np.flatnonzero(is_segment == 1)
-    entry = np.empty(len(lengths))
-    entry[first] = speeds[:-1]
-    entry[segment[opens]] = speed[opens]
-    exits = np.append(entry[1:], speeds[-1])
     base = np.cumsum(end_t[:, 6]) - end_t[:, 6]
     return PlannedPath(
-        points, lengths, along, entry, exits, float(np.sum(end_t[:, 6])),
+        points, lengths, along, float(np.sum(end_t[:, 6])),
         segment[kept], (base[stretch] + time)[kept], spent[kept], came[kept],
         np.maximum(0.0, speed[kept]), a[kept], ramps.held_j[at][kept],
     )  # fmt: skip

@@ -49,12 +49,9 @@ def draw(start: tuple[float, float], spans: Spans) -> Floats:
     return points
 
 
-#: Spans with as many steps as this are drawn one by one, shorter ones together: that is where
-#: the cost of a numpy call and the cost of repeating a span's numbers for each point meet.
+#: Arcs with as many steps as this are drawn one by one, shorter ones together: that is where the
+#: cost of a numpy call and the cost of repeating an arc's numbers for each point meet.
 LONG_SPAN = 40
-
-#: Beyond this degree the powers of a point's number grow too large to be added up safely.
-MOST_POWER = 8
 
 #: So many points are drawn together: enough to hide the cost of the calls, few enough to stay
 #: in the processor's cache.
@@ -128,43 +125,15 @@ def _draw_free(
     about = control.copy()
     about[..., :2] -= origin * control[..., 2:]
     powers = np.einsum("pi,mic->pcm", _to_powers(degree), about)
-    long = (steps >= LONG_SPAN) & (degree <= MOST_POWER)
-    if long.any():
-        _draw_long_spans(points, begins[long], powers[..., long], origin[long, 0], steps[long])
-    few = np.flatnonzero(~long)
-    for low, high in _batches(steps[few]):
-        which, index = _numbered(steps[few[low:high]])
-        which = few[low:high][which]
+    for low, high in _batches(steps):
+        which, index = _numbered(steps[low:high])
+        which += low
         t = index / steps[which]
         at = begins[which] + index
         scale = 1.0 / _horner(powers[:, 2, which], t) if weighted else 1.0
         for i in (0, 1):
             points[at, i] = _horner(powers[:, i, which], t) * scale + origin[which, 0, i]
     points[begins + steps] = control[:, -1, :2] / control[:, -1, 2:]
-
-
-def _draw_long_spans(
-    points: Floats, begins: Counts, powers: Floats, origin: Floats, steps: Counts
-) -> None:
-    """Draws spans one by one, each as one product of matrices.
-
-    The row of point k of a span with n steps is 1, k, k^2, ...; the same rows serve all spans,
-    as n goes into the coefficients: c_p / n^p. Coefficients (d + 1, 3, m), origins (m, 2).
-    """
-    degree = len(powers) - 1
-    rows = np.arange(1.0, float(np.max(steps)) + 1)[:, None] ** np.arange(degree + 1)
-    scaled = powers / steps.astype(np.float64) ** np.arange(degree + 1)[:, None, None]
-    weighted = bool(np.any(powers[1:, 2] != 0.0))
-    if not weighted:
-        scaled = scaled[:, :2] / powers[0, 2]
-        scaled[0] += origin.T
-    for k, (begin, n) in enumerate(zip(begins.tolist(), steps.tolist(), strict=True)):
-        block = points[begin + 1 : begin + n + 1]
-        if weighted:
-            found = rows[:n] @ scaled[..., k]
-            block[:] = found[:, :2] / found[:, 2:] + origin[k]
-        else:
-            np.matmul(rows[:n], scaled[..., k], out=block)
 
 
 def _horner(coefficients: Floats, t: Floats) -> Floats:

@@ -4,7 +4,6 @@ A span is a stretch of a curve that is drawn in equal steps of its parameter. Fo
 module finds the number of steps and a bound on the distance between curve and chords.
 """
 
-import itertools
 from math import asin, ceil, pi, sqrt
 
 import numpy as np
@@ -55,8 +54,8 @@ class ArcSpan(Struct, frozen=True):
     deviation: float
 
 
-def span_arc(curve: Arc | EllipseArc, tolerance: float, quadrants: bool) -> list[ArcSpan]:
-    """An arc as one span, or as one for each stretch between points where x or y turns.
+def span_arc(curve: Arc | EllipseArc, tolerance: float) -> ArcSpan:
+    """An arc as one span.
 
     An ellipse is the image of a circle, stretched by no more than its major half axis: so that
     stands for the radius.
@@ -67,24 +66,10 @@ def span_arc(curve: Arc | EllipseArc, tolerance: float, quadrants: bool) -> list
         (ax, ay), r = curve.axis, curve.ratio
         radius, u, v = max(curve.major, curve.minor), (ax, ay), (-r * ay, r * ax)
     step = np.degrees(chord_step_rad(radius, tolerance))
-    stops = [0.0, *(curve.extremes() if quadrants else ()), 1.0]
-    spans = []
-    for a, b in itertools.pairwise(stops):
-        sweep = (b - a) * curve.sweep_deg
-        steps = max(1, ceil(abs(sweep) / step - COUNT_SLACK))
-        deviation = sagitta(radius, float(np.radians(abs(sweep))) / steps)
-        start_deg = curve.start_deg + a * curve.sweep_deg
-        end = curve.end if b == 1.0 else _turning_point(curve, b)
-        spans.append(ArcSpan(curve.centre, u, v, start_deg, sweep, end, steps, deviation))
-    return spans
-
-
-def _turning_point(curve: Arc | EllipseArc, t: float) -> tuple[float, float]:
-    if isinstance(curve, EllipseArc):
-        return curve.point(t)
-    angle = curve.start_deg + t * curve.sweep_deg
-    # Arcs turn at multiples of 90 degrees: exactly there, not a hair beside.
-    return Arc(curve.centre, curve.radius, 90.0 * round(angle / 90.0), 90.0).start
+    sweep = curve.sweep_deg
+    steps = max(1, ceil(abs(sweep) / step - COUNT_SLACK))
+    deviation = sagitta(radius, float(np.radians(abs(sweep))) / steps)
+    return ArcSpan(curve.centre, u, v, curve.start_deg, sweep, curve.end, steps, deviation)
 
 
 @cached("curves.division")

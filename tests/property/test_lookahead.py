@@ -13,6 +13,7 @@ from beamcam.motion.jerk_ramps import reachable_speed
 from beamcam.motion.lookahead import LookAheadRules, plan_speeds
 from beamcam.motion.profile import Limits, fastest_profile
 from beamcam.motion.rounding import decimals
+from tests.path_samples import entries, positions
 from tests.property.curve_strategies import curves
 
 axes = st.builds(
@@ -72,8 +73,8 @@ def test_no_axis_passes_its_limits_and_every_segment_is_made(points, rules, spee
     assert path.phase_start_s == pytest.approx(starts, abs=1e-9 * path.duration_s)
     assert path.duration_s == pytest.approx(np.sum(path.phase_duration_s), rel=1e-9)
     assert v[-1, :-1] == pytest.approx(path.phase_velocity[1:], abs=1e-5 * speed)
-    assert path.entry_mm_s[0] == path.exit_mm_s[-1] == 0.0
-    assert np.array_equal(path.entry_mm_s[1:], path.exit_mm_s[:-1])
+    assert v[0, 0] == 0.0
+    assert abs(v[-1, -1]) <= 1e-5 * speed
     if max(limit["jerk"]) < inf:
         jump = np.abs(a[-1, :-1] - path.phase_acceleration[1:])
         assert np.all(jump <= 1e-4 * max(limit["acceleration"]))
@@ -91,7 +92,7 @@ def test_no_axis_passes_its_limits_and_every_segment_is_made(points, rules, spee
 @given(polylines(), rules_of_tables)
 def test_junctions_are_passed_no_faster_than_their_circles_allow(points, rules):
     path = plan_speeds(points, 1e4, rules)
-    u, v = path.directions, path.exit_mm_s[:-1]
+    u, v = path.directions, entries(path)[1:]
     turn = u[1:] - u[:-1]
     size = np.hypot(*turn.T)
     bent = size > 1e-6
@@ -136,7 +137,7 @@ def test_the_reached_speed_needs_the_whole_way(speed, way, axis):
 def test_samples_lie_on_the_path_and_end_at_rest(points, rules):
     path = plan_speeds(points, 50.0, rules)
     t = np.linspace(0, path.duration_s, 500)
-    position, velocity, _ = path.sample(t)
+    position, velocity = positions(path, t)
     assert position[0] == pytest.approx(points[0])
     size = np.sum(path.lengths)
     assert position[-1] == pytest.approx(points[-1], abs=1e-6 * size)
@@ -161,8 +162,8 @@ def test_a_densified_circle_is_driven_smoothly(places, tolerance):
     ideal = 262.8 / steady + 0.3
     assert path.duration_s <= (1.05 if places > 3 else 1.6) * ideal
     # Seen through a window wider than a chord, the axes keep their limits on the curve too.
-    window = 2 * np.max(path.lengths[1:-1]) / np.min(path.entry_mm_s[1:])
+    window = 2 * np.max(path.lengths[1:-1]) / np.min(entries(path)[1:])
     t = np.arange(window, path.duration_s - window, window / 4)
-    x = [path.sample(t + k * window)[0] for k in (-1, 0, 1)]
+    x = [positions(path, t + k * window)[0] for k in (-1, 0, 1)]
     seen = np.abs(x[0] - 2 * x[1] + x[2]) / window**2
     assert np.max(seen) <= 1000.0 * 1.05

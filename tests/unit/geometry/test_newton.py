@@ -9,15 +9,11 @@ from beamcam.geometry import approximation
 from beamcam.geometry.approximation import curves_of_function, curves_of_way
 from beamcam.geometry.curves import Bezier, Line, NewtonCurve
 from beamcam.geometry.newton import (
-    are_equidistant,
     divided_differences,
     find_oscillation,
-    forward_differences,
-    newton_coefficients,
+    newton_derivatives,
     newton_through,
-    newton_value,
     node_error,
-    parabola_of,
 )
 
 TABLE = ((10, 11), (40, 22), (60, 20), (90, 5))
@@ -35,27 +31,19 @@ def test_nodes_that_are_not_equidistant_are_all_met():
         near = curve.point(t + (1e-9 if t < 1 else -1e-9))
         assert near == pytest.approx(node, abs=1e-6)
     assert curve.end == (90, 5)
-    assert not are_equidistant([x for x, _ in TABLE])
 
 
-def test_forward_and_divided_differences_are_one_polynomial():
+def test_the_polynomial_of_divided_differences_meets_its_values():
     xs, ys = (0.0, 30.0, 60.0, 90.0), (11.0, 22.0, 20.0, 5.0)
-    assert are_equidistant(xs)
-    assert forward_differences(30.0, ys) == pytest.approx(divided_differences(xs, ys), rel=1e-14)
-    coefficients = newton_coefficients(xs, ys)
-    assert [newton_value(coefficients, xs, x) for x in xs] == pytest.approx(ys)
-
-
-def test_forward_differences_over_uneven_nodes_miss_the_last_one():
-    wrong = forward_differences(30.0, [y for _, y in TABLE])
-    assert newton_value(wrong, (10, 40, 70, 100), 90) == pytest.approx(11.0, abs=0.5)
+    coefficients = divided_differences(xs, ys)
+    assert [newton_derivatives(coefficients, xs, x)[0] for x in xs] == pytest.approx(ys)
 
 
 def test_three_nodes_are_a_parabola_with_its_vertex():
     curve = NewtonCurve(((0, 0), (10, 30), (40, 0)))
-    start, vertex, end = parabola_of(curve.as_bezier())
-    assert (start, end) == ((0, 0), (40, 0))
-    assert vertex == pytest.approx((20, 40))  # y = x (40 - x) / 10
+    form = curve.as_bezier()
+    assert (form.degree, form.start, form.end) == (2, (0, 0), (40, 0))
+    assert form.point(0.5) == pytest.approx((20, 40))  # y = x (40 - x) / 10
     assert curve.tangent(0.5) == pytest.approx((1, 0))
 
 
@@ -64,7 +52,7 @@ def test_a_curve_that_is_no_function_of_x_is_parametric():
     assert not curve.is_function
     assert curve.point(0.5) == (10, 10)
     assert curve.tangent(0.5) == pytest.approx((0, 1), abs=1e-12)
-    assert parabola_of(curve.as_bezier())[1] == pytest.approx((10, 10))
+    assert curve.as_bezier().point(0.5) == pytest.approx((10, 10))
     closed = NewtonCurve(((0, 0), (10, 10), (0, 20), (-10, 10), (0, 0)))
     assert closed.start == closed.end
     assert [closed.point(t) for t in closed.parameters] == list(closed.nodes)
@@ -187,7 +175,6 @@ def test_a_straight_function_is_one_line():
 @pytest.mark.parametrize(
     ("call", "message"),
     [
-        (lambda: parabola_of(Bezier(((0, 0), (1, 1)))), "degree 2 without weights, found 1"),
         (lambda: curves_of_function("x", 1, 1, 0.1), "two different ends, found 1 and 1"),
         (lambda: curves_of_function("x", 0, 1, 0), "tolerance must be above 0, found 0"),
         (lambda: curves_of_function("1 / x", 0, 1, 0.1), "'1 / x' has no value at x = 0"),

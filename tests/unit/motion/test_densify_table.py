@@ -17,7 +17,7 @@ ELLIPSE = EllipseArc((0, 0), (9, 0), 0.5, 0, 90)
 )
 def test_points_of_a_circle(radius, tolerance, points):
     result = densify((Arc((0, 0), radius, 0, 360),), DensifyRules(tolerance))
-    assert result.certificate.points == points + 1
+    assert len(result.points) == points + 1
     assert result.points[0].tolist() == result.points[-1].tolist() == [radius, 0]
 
 
@@ -30,20 +30,12 @@ def test_lines_are_left_alone():
     path = (Line((0, 0), (10, 0)), Line((10, 0), (10, 5)))
     result = densify(path, DensifyRules(0.01))
     assert result.points.tolist() == [[0, 0], [10, 0], [10, 5]]
-    assert result.certificate.max_step == 10
 
 
 def test_points_are_read_only():
     result = densify((Line((0, 0), (10, 0)),), DensifyRules(0.01))
     with pytest.raises(ValueError, match="read-only"):
         result.points[0, 0] = 1
-
-
-def test_quadrant_points_of_a_circle_are_exact():
-    rules = DensifyRules(0.01, quadrants=True)
-    points = densify((Arc((1, 2), 7, 33.3, 360),), rules).points.tolist()
-    for corner in ([8, 2], [1, 9], [-6, 2], [1, -5]):
-        assert corner in points
 
 
 def test_newton_polynomial_ends_on_its_last_node():
@@ -55,29 +47,29 @@ def test_newton_polynomial_ends_on_its_last_node():
 def test_speed_is_lowered_where_points_come_too_fast():
     path = (Line((0, 0), (40, 0)), Arc((40, 10), 10, -90, 90), Line((50, 10), (50, 50)))
     result = densify(path, DensifyRules(0.01, speed_mm_s=20, cycle_s=0.025))
-    (stretch,) = result.certificate.slowed
-    assert (stretch.first, stretch.last) == (1, len(result.points) - 2)
+    slowed = np.flatnonzero(result.speeds_mm_s < 20)
+    assert slowed.tolist() == list(range(1, len(result.points) - 2))
     chord = 20 * np.sin(np.pi / 4 / (len(result.points) - 3))
-    assert stretch.speed_mm_s == pytest.approx(chord / (3 * 0.025))
+    assert result.speeds_mm_s[slowed] == pytest.approx(chord / (3 * 0.025))
     assert result.speeds_mm_s[0] == result.speeds_mm_s[-1] == 20
 
 
 def test_straight_free_curves_cost_one_step():
     cubic = Bezier(((0, 0), (1, 1), (5, 5), (9, 9)))
-    assert densify((cubic,), DensifyRules(0.001)).certificate.points == 2
+    assert len(densify((cubic,), DensifyRules(0.001)).points) == 2
 
 
 def test_points_that_rounding_makes_one_are_put_out_once():
     path = (Line((0, 0), (0.01, 0)), Line((0.01, 0), (5, 0)))
     result = densify(path, DensifyRules(0.2, BELT_ENCODER))
     assert len(result.points) == 2
-    tiny = densify((Line((0, 0), (0.01, 0)),), DensifyRules(0.2, BELT_ENCODER)).certificate
-    assert (tiny.points, tiny.min_step, tiny.max_step) == (1, 0, 0)
+    tiny = densify((Line((0, 0), (0.01, 0)),), DensifyRules(0.2, BELT_ENCODER))
+    assert len(tiny.points) == 1
 
 
 def test_a_gap_between_curves_is_paid_out_of_the_tolerance():
     path = (Line((0, 0), (10, 0)), Line((10, 0.004), (20, 0)))
-    assert densify(path, DensifyRules(0.01)).certificate.deviation == pytest.approx(0.004)
+    assert densify(path, DensifyRules(0.01)).deviation == pytest.approx(0.004)
 
 
 def test_truncation_knows_decimal_numbers():

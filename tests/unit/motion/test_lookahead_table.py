@@ -7,6 +7,7 @@ import pytest
 
 from beamcam.motion.lookahead import LookAheadRules, plan_speeds
 from beamcam.motion.profile import Limits
+from tests.path_samples import entries
 
 AXIS = Limits(200.0, 1000.0, 1e9)
 RULES = LookAheadRules((AXIS, AXIS))
@@ -17,17 +18,17 @@ def test_a_right_angle_is_passed_at_grbls_speed():
     half = sqrt(0.5)
     # Both axes help along the diagonal: the acceleration there is 1000 sqrt(2).
     expected = sqrt(1000 * sqrt(2) * 0.01 * half / (1 - half))
-    assert path.exit_mm_s.tolist() == pytest.approx([expected, 0.0], rel=1e-9)
+    assert entries(path).tolist() == pytest.approx([0.0, expected], rel=1e-9)
 
 
 def test_a_reversal_stops():
     path = plan_speeds([(0, 0), (100, 0), (0, 0)], 100.0, RULES)
-    assert path.exit_mm_s.tolist() == [0, 0]
+    assert entries(path).tolist() == [0, 0]
 
 
 def test_deviation_0_stops_at_corners():
     path = plan_speeds([(0, 0), (9, 0), (9, 9)], 100.0, LookAheadRules((AXIS, AXIS), 0.0))
-    assert path.exit_mm_s.tolist() == [0, 0]
+    assert entries(path).tolist() == [0, 0]
 
 
 def test_the_slow_axis_sets_the_pace_of_a_diagonal():
@@ -38,17 +39,17 @@ def test_the_slow_axis_sets_the_pace_of_a_diagonal():
 
 def test_speeds_of_segments_are_kept():
     path = plan_speeds([(0, 0), (100, 0), (200, 0)], [100.0, 20.0], RULES)
-    assert path.exit_mm_s[0] == pytest.approx(20.0)
-    assert max(p.velocity for p in path.phases_of(1)) == pytest.approx(20.0)
-    assert max(p.velocity for p in path.phases_of(0)) == pytest.approx(100.0)
-    assert path.phases_of(0)[0].velocity == 0.0
+    assert entries(path).tolist() == pytest.approx([0.0, 20.0])
+    first = path.phase_segment == 0
+    assert max(path.phase_velocity[~first]) == pytest.approx(20.0)
+    assert max(path.phase_velocity[first]) == pytest.approx(100.0)
     assert path.duration_s == pytest.approx(6.0, abs=0.2)
 
 
 def test_three_axes():
     rules = LookAheadRules((AXIS, AXIS, AXIS))
     path = plan_speeds([(0, 0, 0), (10, 10, 10), (20, 20, 20)], 50.0, rules)
-    assert path.exit_mm_s[0] == pytest.approx(50.0)
+    assert entries(path)[1] == pytest.approx(50.0)
 
 
 @pytest.mark.parametrize(

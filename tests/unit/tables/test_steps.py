@@ -22,6 +22,7 @@ from beamcam.motion import step_events, steps
 from beamcam.motion.step_events import BACK, FORWARD, MOVE_BITS, MOVES, TIME_BIT, events
 from beamcam.motion.velocity_table import Way, speed_at
 from beamcam.verify.steps import verify_table
+from tests.path_samples import positions
 
 from .shop import NAMES, part, plan
 
@@ -89,7 +90,7 @@ def test_steps_follow_any_path_within_half_a_step(
         at = np.floor(path[0][axis] / STEPPER.step + 0.5) + np.cumsum(signs)
         # Between a step and the next the axis stands; both ends of that time are looked at.
         for moment in (times, np.append(times[1:] - 1, planned.duration_s * 1e6)):
-            true = planned.sample(moment / 1e6)[0][:, axis]
+            true = positions(planned, moment / 1e6)[0][:, axis]
             off = np.abs(at * STEPPER.step - true)
             assert off.max(initial=0.0) <= STEPPER.step / 2 + 2e-6 * 120.0
         last = at[-1] if len(at) else np.floor(path[0][axis] / STEPPER.step + 0.5)
