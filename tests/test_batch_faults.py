@@ -157,13 +157,13 @@ def test_unreadable_files_and_folders(tmp_path: Path, monkeypatch: pytest.Monkey
     fill(tmp_path / "in" / "locked", 1)
     real_open, real_scan = os.open, os.scandir
 
-    def refuse_file(path: str, *how: int) -> int:
-        if path.endswith("P001.nc1"):
+    def refuse_file(path: str | Path, *how: int) -> int:
+        if os.fspath(path).endswith("P001.nc1"):
             raise PermissionError(errno.EACCES, os.strerror(errno.EACCES))
         return real_open(path, *how)
 
-    def refuse_folder(path: str) -> object:
-        if path.endswith("locked"):
+    def refuse_folder(path: str | Path) -> object:
+        if os.fspath(path).endswith("locked"):
             raise PermissionError(errno.EACCES, os.strerror(errno.EACCES))
         return real_scan(path)
 

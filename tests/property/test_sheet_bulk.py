@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from msgspec.structs import astuple
 from numpy.typing import NDArray
 
 from beamcam.controllers import table_events
@@ -92,7 +93,7 @@ def walk(machine: str, random: Random) -> str:
 def flat(event: TableEvent) -> list[object]:
     """All numbers and words of an event."""
     found: list[object] = [type(event).__name__]
-    for value in event:
+    for value in astuple(event):
         if isinstance(value, Arc):
             found += [*value.centre, value.radius, value.sweep_deg % 360.0]
         else:

@@ -10,6 +10,7 @@ from msgspec.structs import replace
 from beamcam.geometry.curves import Arc, Line, Point, signed_area
 from beamcam.geometry.plane import MAX_COORDINATE
 from beamcam.model.part import ProfileCode
+from beamcam.model.section import section_fault
 from beamcam.readers.ifc.classify import classify
 from beamcam.readers.ifc.curves2d import Chain, chain_of, points_chain
 from beamcam.readers.ifc.entities import Entity, Model, NoSection, Unreadable
@@ -39,6 +40,9 @@ def section_of(model: Model, entity: Entity) -> Section:
     widest = max(known.height, known.width)
     if widest > MAX_COORDINATE:
         raise Unreadable(f"a section {widest:g} mm wide")
+    fault = section_fault(known.profile(""))
+    if fault is not None:
+        raise NoSection(f"a section with {fault}")
     return known
 
 

@@ -7,8 +7,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from beamcam.errors import Severity
 from beamcam.model import catalogue
 from beamcam.model.part import Profile
+from beamcam.readers.ifc import Options, read
 from beamcam.readers.ifc.classify import classify
 from beamcam.readers.ifc.curves2d import Chain, points_chain
 from beamcam.readers.ifc.naming import named
@@ -16,6 +18,7 @@ from beamcam.readers.ifc.outline import Round, Slotted, shape_of, with_arcs
 from beamcam.readers.ifc.profiles import rounded_box
 from tests.property.ifc_builder import Member, bore_polygon, section_polygon
 from tests.property.ifc_cuts import Bar, angle_corners
+from tests.unit.readers.ifc.models import Small
 
 SIZES = {
     "I": (300.0, 150.0, 10.7, 7.1),
@@ -157,3 +160,18 @@ def test_an_angle_is_read_whatever_the_steps_of_its_fillet(
     sizes = (found.height, found.width, found.flange_thickness, found.web_thickness, found.radius)
     expected = bar.sizes if height >= width else (width, height, web, flange, radius)
     assert sizes == pytest.approx(expected, abs=1e-3)
+
+
+@pytest.mark.parametrize(("flange", "said"), [
+    ("1.E201", "flanges of 1e+201 mm in a height of 300 mm"), ("150.", "flanges of 150 mm"),
+    ("0.", "a flange thickness of 0 mm"),
+])  # fmt: skip
+def test_a_section_that_cannot_be_is_refused(flange: str, said: str) -> None:
+    m = Small()
+    sizes = f"150.,300.,7.1,{flange},$,$,$"
+    m.element(m.extruded(m.add(f"IFCISHAPEPROFILEDEF(.AREA.,$,{m.flat},{sizes})"), 2000.0))
+    found = read(m.data, "m.ifc", options=Options(kernel=False))
+    assert not found.parts
+    (error,) = [d for d in found.diagnostics if d.severity is Severity.ERROR]
+    assert error.code == "ifc-section"
+    assert said in error.message
