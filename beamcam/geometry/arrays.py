@@ -21,11 +21,7 @@ from beamcam.geometry.curves import (
     Line,
     signed_area,
 )
-from beamcam.geometry.plane import Point
-from beamcam.geometry.splines import spline_ends
-
-#: How far, relative to the size of all, a curve may lie inside a box and count as touching it.
-TOUCH = 1e-9
+from beamcam.geometry.plane import Point, box_around
 
 
 def by_kind(curves: Iterable[Curve]) -> dict[type, list[int]]:
@@ -86,8 +82,6 @@ class CurveTable:
             elif kind is Bezier:
                 points = [_control(curve) for curve in some]
                 found[which] = rows([(*p[0], *p[-1]) for p in points], 4)
-            elif kind is BSpline:
-                found[which] = spline_ends(some)  # type: ignore[arg-type]
             else:
                 found[which] = [(*curve.start, *curve.end) for curve in some]
         return found
@@ -106,35 +100,10 @@ class CurveTable:
                 centre, radius = self.arcs[:, :2], self.arcs[:, 2:3]
                 found[which] = np.hstack((centre - radius, centre + radius))
             elif kind is Bezier or kind is BSpline:
-                of_size: defaultdict[int, list[int]] = defaultdict(list)
-                for k in which:
-                    of_size[len(_control(self.curves[k]))].append(k)
-                for size, some in of_size.items():
-                    flat = chain.from_iterable(_control(self.curves[k]) for k in some)
-                    points = rows(flat, 2 * size).reshape(-1, size, 2)
-                    found[some] = np.hstack((points.min(axis=1), points.max(axis=1)))
+                found[which] = [box_around(_control(self.curves[k])) for k in which]
             else:
                 found[which] = [self.curves[k].bbox for k in which]
         return found
-
-    def outermost(self) -> list[Curve]:
-        """Those curves, few as a rule, that may touch the box around all: it is the box around
-        them.
-
-        A curve whose hull lies inside a box around ends of curves touches nothing. Raises
-        ValueError if there are no curves.
-        """
-        if not self.curves:
-            raise ValueError("no curves have no box")
-        inner, hulls = self._some_box(), self.hulls
-        slack = TOUCH * (1.0 + np.abs(inner))
-        out = (hulls[:, :2] <= (inner + slack)[:2]) | (hulls[:, 2:] >= (inner - slack)[2:])
-        return [self.curves[k] for k in np.flatnonzero(out.any(axis=1)).tolist()]
-
-    def _some_box(self) -> Floats:
-        """A box (4,) that the one around all curves holds: around their ends."""
-        ends = _sorted_ends(self.ends)
-        return np.concatenate((ends[:, :2].min(axis=0), ends[:, 2:].max(axis=0)))
 
 
 def ends_of(curves: Sequence[Curve]) -> Floats:

@@ -1,4 +1,4 @@
-"""Cubic B-splines without weights, many at once: their cubics and their ends."""
+"""Cubic B-splines without weights, many at once, as cubics."""
 
 from collections import defaultdict
 from collections.abc import Sequence
@@ -24,35 +24,6 @@ def spline_cubics(splines: Sequence[BSpline]) -> tuple[Floats, Counts]:
     owner = np.concatenate([part[1] for part in found])
     order = np.argsort(owner, kind="stable")
     return control[order], owner[order]
-
-
-def spline_ends(splines: Sequence[BSpline]) -> Floats:
-    """Start and end (n, 4) of B-splines of any kind, as each says itself, to the last bit."""
-    found = np.empty((len(splines), 4))
-    groups: defaultdict[int, list[int]] = defaultdict(list)
-    for number, spline in enumerate(splines):
-        if spline.degree == 3 and spline.weights is None:
-            groups[len(spline.control)].append(number)
-        else:
-            found[number] = (*spline.start, *spline.end)
-    for size, group in groups.items():
-        points, knots = _numbers([splines[k] for k in group])
-        rising = knots[:, 3:size] < knots[:, 4 : size + 1]
-        first = 3 + rising.argmax(axis=1)
-        last = size - 1 - rising[:, ::-1].argmax(axis=1)
-        row = np.arange(len(group))[:, None]
-        at_start, at_end = (
-            (points[row, k[:, None] + np.arange(-3, 1)], knots[row, k[:, None] + np.arange(-2, 4)])
-            for k in (first, last)
-        )
-        start = _blossoms(*at_start, [at_start[1][:, 2]] * 3)
-        end = _blossoms(*at_end, [at_end[1][:, 3]] * 3)
-        # A clamped spline begins and ends on its control points.
-        clamped = (knots[:, 1] == knots[:, 3])[:, None]
-        found[group, :2] = np.where(clamped, points[:, 0], start)
-        clamped = (knots[:, -2] == knots[:, size])[:, None]
-        found[group, 2:] = np.where(clamped, points[:, -1], end)
-    return found
 
 
 def _numbers(splines: Sequence[BSpline]) -> tuple[Floats, Floats]:

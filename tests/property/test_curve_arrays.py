@@ -9,9 +9,8 @@ from hypothesis import strategies as st
 
 from beamcam.geometry.arrays import CurveTable, ends_of
 from beamcam.geometry.cubics import cubics_of
-from beamcam.geometry.curves import Arc, Bezier, BSpline, NewtonCurve, bezier_pieces
+from beamcam.geometry.curves import Arc, Bezier, BSpline, NewtonCurve, bezier_pieces, join_boxes
 from beamcam.geometry.near import first_equal, near_pairs
-from beamcam.geometry.splines import spline_ends
 from beamcam.model.drawing import extent
 from tests.property.curve_strategies import arcs, beziers, ellipses, lines, newton_curves, splines
 
@@ -29,12 +28,6 @@ def test_ends_are_those_of_the_curves(found):
         assert row == pytest.approx([*curve.start, *curve.end], abs=1e-9)
 
 
-@settings(max_examples=60, deadline=None)
-@given(st.lists(splines(), max_size=6))
-def test_ends_of_splines_are_their_own_to_the_last_bit(found):
-    assert spline_ends(found).tolist() == [[*curve.start, *curve.end] for curve in found]
-
-
 @settings(max_examples=50, deadline=None)
 @given(curves)
 def test_hulls_lie_around_the_curves(found):
@@ -48,13 +41,8 @@ def test_hulls_lie_around_the_curves(found):
 
 @settings(max_examples=60, deadline=None)
 @given(curves)
-def test_the_outermost_curves_have_the_box_of_all(found):
-    assert extent(CurveTable(found).outermost()) == extent(found)
-
-
-def test_no_curves_have_no_box():
-    with pytest.raises(ValueError, match="no curves have no box"):
-        CurveTable([]).outermost()
+def test_the_box_of_all_is_around_the_boxes_of_each(found):
+    assert extent(found) == join_boxes([curve.bbox for curve in found])
 
 
 @settings(max_examples=60, deadline=None)

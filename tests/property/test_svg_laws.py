@@ -81,7 +81,7 @@ def test_paths_are_those_of_svgelements(d: str) -> None:
     assume(not MIXED.search(d))
     theirs = [s for s in Path(d) if not isinstance(s, Move)]
     theirs = [s for s in theirs if not isinstance(s, Close) or s.start is not None]
-    ours = [curve for subpath in parse_path(d) for curve in subpath.curves]
+    ours = [curve for subpath in parse_path(d) for curve in subpath]
     theirs = [s for s in theirs if s.start != s.end or s.length(error=1e-3) > 1e-6]
     assert len(ours) == len(theirs)
     for a, b in zip(ours, theirs, strict=True):

@@ -18,7 +18,7 @@ from beamcam.planning.contours.shape import Shape
 
 def box_of(curves: CurveTable) -> Box:
     """The bounding box of one or more curves."""
-    box = extent(curves.outermost())
+    box = extent(curves.curves)
     if box is None:
         raise AssertionError("curves without a box")
     return box
@@ -50,10 +50,7 @@ def refuse_large(curves: CurveTable, part: Part, torch: Torch) -> None:
 
     Asked first, because what a damaged file holds may be as large as a planet and take hours.
     """
-    (x0, y0), (x1, y1) = curves.hulls[:, :2].min(axis=0), curves.hulls[:, 2:].max(axis=0)
-    slack = torch.gap + torch.tolerance
-    if x1 - x0 > torch.length + slack or y1 - y0 > torch.width + slack:
-        _refuse_extent(box_of(curves), part, torch, slack)
+    _refuse_extent(box_of(curves), part, torch, torch.gap + torch.tolerance)
 
 
 def refuse_size(operations: Sequence[ContourOp], part: Part, torch: Torch) -> None:
@@ -61,10 +58,7 @@ def refuse_size(operations: Sequence[ContourOp], part: Part, torch: Torch) -> No
     passes = [one for op in operations for one in op.passes]
     ways = [way for p in passes for way in (p.lead_in, p.curves, p.lead_out)]
     curves = CurveTable([curve for way in ways for curve in way])
-    (x0, y0), (x1, y1) = curves.hulls[:, :2].min(axis=0), curves.hulls[:, 2:].max(axis=0)
     low_x, low_y, high_x, high_y = torch.area
-    if x0 >= low_x and y0 >= low_y and x1 <= high_x and y1 <= high_y:
-        return  # what the curves lie in fits, so that they need not be measured
     box = box_of(curves)
     slack = torch.tolerance
     _refuse_extent(box, part, torch, slack)

@@ -38,9 +38,6 @@ INITIAL: Mapping[str, str] = {
 
 Style = Mapping[str, str]
 
-_OWN = frozenset(OWN)
-_STYLED = _OWN.union(INHERITED, ("style",))  #: attributes that an element is styled by
-
 # No pattern here looks ahead without end from more than one place: a sheet of many beginnings would
 # take the square of its length.
 _STATEMENT = re.compile(r"@(?:import|charset|namespace)")
@@ -97,8 +94,6 @@ class StyleSheet(Struct):
 
     def rules_for(self, element: Element) -> list[CssRule]:
         """The rules that fit `element`, the weightiest last."""
-        if not self.by_key:
-            return []
         classes = (element.get("class") or "").split()
         keys = ["", element.tag, f"#{element.get('id')}", *(f".{name}" for name in classes)]
         found = [
@@ -167,8 +162,6 @@ def style_of(element: Element, above: Style, sheet: StyleSheet) -> Style:
     Attributes weigh least, then the style sheet, then the attribute `style`; what is important
     weighs most. What is not said is inherited.
     """
-    if not sheet.by_key and _STYLED.isdisjoint(element.attributes):
-        return above if _OWN.isdisjoint(above) else {name: above[name] for name in INHERITED}
     style = {name: above[name] for name in INHERITED}
     settings: list[tuple[str, str, bool]] = [
         (name, value, False) for name, value in element.attributes.items()

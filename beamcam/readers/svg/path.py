@@ -7,8 +7,6 @@ ellipse arcs, Z closes; small letters count from the current point. Source: SVG 
 import re
 from math import cos, hypot, inf, radians, sin, sqrt
 
-from msgspec import Struct
-
 from beamcam.caches import cached
 from beamcam.geometry.conics import direction_deg, ellipse_of
 from beamcam.geometry.curves import Bezier, Curve, Line
@@ -18,8 +16,6 @@ from beamcam.readers.drawing import round_if_circle
 _COMMANDS = re.compile(r"([MmZzLlHhVvCcSsQqTtAa])")
 _NUMBER = re.compile(r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?")
 _SEPARATORS = " \t\r\n\f,"
-#: Characters of numbers and separators: what is made of these alone may be numbers set apart.
-_APART = re.compile(r"[0-9eE.+\- \t\r\n\f,]*\Z")
 #: Number of arguments of a command; an arc has two flags, which may be without separators.
 _TAKES = {"M": 2, "L": 2, "H": 1, "V": 1, "C": 6, "S": 4, "Q": 4, "T": 2, "A": 7}
 _N = r"([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)"
@@ -35,10 +31,8 @@ class PathError(ValueError):
         super().__init__(f"found {found!r}, expected {expected}")
 
 
-class Subpath(Struct, frozen=True):
-    """A chain of curves; one that is not closed may still end where it began."""
-
-    curves: tuple[Curve, ...]  #: empty if it has no length
+#: A chain of curves, empty if it has no length; one that is not closed may end where it began.
+Subpath = tuple[Curve, ...]
 
 
 def parse_path(d: str) -> list[Subpath]:
@@ -72,12 +66,7 @@ def _numbers(command: str, text: str) -> list[float]:
 
 
 def _numbers_apart(text: str) -> list[float]:
-    """The numbers in a text, most of which stand apart; "1-2.5.5" are three as well."""
-    if _APART.match(text):
-        try:
-            return [float(word) for word in text.replace(",", " ").split()]
-        except ValueError:
-            pass  # some are glued together, or it is none
+    """The numbers in a text; "1-2.5.5" are three as well."""
     rest = _NUMBER.sub(" ", text).strip(_SEPARATORS)
     if rest:
         raise PathError(_short(rest), "a number")
@@ -182,7 +171,7 @@ class _Pen:
 
     def finish(self) -> None:
         if self.moved:
-            self.done.append(Subpath(tuple(self.curves)))
+            self.done.append(tuple(self.curves))
         self.curves, self.moved = [], False
 
 

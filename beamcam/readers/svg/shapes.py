@@ -33,7 +33,7 @@ def subpaths_of(element: Element, view: View) -> list[Subpath]:
         case "path":
             return parse_path(element.get("d") or "")
         case "rect":
-            return [Subpath(_rect(element, view))]
+            return [_rect(element, view)]
         case "circle":
             radius = length_of(element, "r", view)
             return [_round(element, view, radius, radius)]
@@ -42,12 +42,12 @@ def subpaths_of(element: Element, view: View) -> list[Subpath]:
             return [_round(element, view, rx, ry)]
         case "line":
             ends = [(length_of(element, x, view), length_of(element, y, view)) for x, y in _LINE]
-            return [Subpath(lines_through(ends))]
+            return [lines_through(ends)]
         case _:
             points = _points(element)
             if element.tag == "polygon" and points:
                 points.append(points[0])
-            return [Subpath(lines_through(points))]
+            return [lines_through(points)]
 
 
 _LINE = (("x1", "y1"), ("x2", "y2"))
@@ -140,9 +140,9 @@ def _radius(element: Element, attribute: str, view: View) -> float | None:
 
 def _round(element: Element, view: View, rx: float, ry: float) -> Subpath:
     if rx <= 0.0 or ry <= 0.0:
-        return Subpath(())
+        return ()
     centre = (length_of(element, "cx", view), length_of(element, "cy", view))
-    return Subpath((_arc(centre, rx, ry, 0.0, 360.0),))
+    return (_arc(centre, rx, ry, 0.0, 360.0),)
 
 
 def _arc(

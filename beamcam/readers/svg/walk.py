@@ -14,8 +14,8 @@ from msgspec import Struct, field
 from msgspec.structs import replace
 
 from beamcam.errors import Diagnostic, ReadError, Source
-from beamcam.geometry.curves import Arc, Curve, Line
-from beamcam.geometry.plane import MAX_COORDINATE, Matrix, Point
+from beamcam.geometry.curves import Curve
+from beamcam.geometry.plane import MAX_COORDINATE, Matrix
 from beamcam.model.colour import parse_colour
 from beamcam.model.part import Contour
 from beamcam.readers.drawing import as_contour, is_in_bounds, split_length
@@ -205,7 +205,7 @@ class Walk(Struct):
         chains: list[tuple[Curve, ...]] = []
         for subpath in subpaths:
             try:
-                chain = _moved(subpath.curves, matrix)
+                chain = tuple(curve.transformed(matrix) for curve in subpath)
             except ValueError:  # circles have no image if the map presses them to a line
                 self.found.counts["flattened"] += 1
                 continue
@@ -269,30 +269,7 @@ class Walk(Struct):
             return None
 
 
-def _moved(curves: Iterable[Curve], matrix: Matrix) -> tuple[Curve, ...]:
-    """The images of curves; where lines follow one another each point is moved once."""
-    (a, b, c), (d, e, f) = matrix
-    last: Point | None = None
-    image = (0.0, 0.0)
-    found: list[Curve] = []
-    for curve in curves:
-        if not isinstance(curve, Line):
-            found.append(curve.transformed(matrix))
-            continue
-        if curve.start is not last:
-            x, y = curve.start
-            image = a * x + b * y + c, d * x + e * y + f
-        start, last = image, curve.end
-        x, y = last
-        image = a * x + b * y + c, d * x + e * y + f
-        found.append(Line(start, image))
-    return tuple(found)
-
-
 def _has_length(curve: Curve) -> bool:
-    if isinstance(curve, Arc) and abs(curve.sweep_deg) == 360.0:
-        (x, y), r = curve.centre, curve.radius
-        return x - r != x + r or y - r != y + r
     return curve.start != curve.end or curve.bbox[:2] != curve.bbox[2:]
 
 

@@ -15,7 +15,7 @@ from tests.svg_text import box_of, codes, curves_of, length_of, read
 
 
 def lines(d: str) -> list[list[tuple[float, float]]]:
-    return [[p.curves[0].start, *(c.end for c in p.curves)] for p in parse_path(d) if p.curves]
+    return [[p[0].start, *(c.end for c in p)] for p in parse_path(d) if p]
 
 
 @pytest.mark.parametrize(
@@ -53,7 +53,7 @@ def test_points_of_no_length_are_counted() -> None:
 
 def test_curves() -> None:
     (path,) = parse_path("M0 0c0,10 10,10 10,0s10-10 10,0Q25 5 30 0t10 0T50 5")
-    assert path.curves == (
+    assert path == (
         Bezier(((0, 0), (0, 10), (10, 10), (10, 0))),
         Bezier(((10, 0), (10, -10), (20, -10), (20, 0))),
         Bezier(((20, 0), (25, 5), (30, 0))),
@@ -61,8 +61,8 @@ def test_curves() -> None:
         Bezier(((40, 0), (45, 5), (50, 5))),
     )
     (path,) = parse_path("M0 0S5 5 10 0T20 0")  # nothing to reflect
-    assert path.curves[0].points[1] == (0, 0)
-    assert path.curves[1].points[1] == (10, 0)
+    assert path[0].points[1] == (0, 0)
+    assert path[1].points[1] == (10, 0)
 
 
 @pytest.mark.parametrize(
@@ -71,7 +71,7 @@ def test_curves() -> None:
 )
 def test_arcs(flags: str, centre: tuple[float, float], sweep: float) -> None:
     (path,) = parse_path(f"M0 0A5 5 0 {flags} 5 5")
-    (arc,) = path.curves
+    (arc,) = path
     assert isinstance(arc, Arc)
     assert arc.centre == pytest.approx(centre, abs=1e-12)
     assert arc.sweep_deg == pytest.approx(sweep)
@@ -80,13 +80,13 @@ def test_arcs(flags: str, centre: tuple[float, float], sweep: float) -> None:
 
 def test_arcs_of_ellipses_glued_flags_and_small_radii() -> None:
     (path,) = parse_path("M0 0a10 5 90 0110 20")
-    (arc,) = path.curves
+    (arc,) = path
     assert isinstance(arc, EllipseArc)
     assert (arc.start, arc.end) == (pytest.approx((0, 0), abs=1e-12), pytest.approx((10, 20)))
-    (grown,) = parse_path("M0 0A1 1 0 0 1 10 0")[0].curves
+    (grown,) = parse_path("M0 0A1 1 0 0 1 10 0")[0]
     assert (grown.radius, abs(grown.sweep_deg)) == (pytest.approx(5), pytest.approx(180))
-    assert parse_path("M0 0A0 5 0 0 1 10 0")[0].curves == (Line((0, 0), (10, 0)),)
-    assert parse_path("M1 1A5 5 0 0 1 1 1")[0].curves == ()
+    assert parse_path("M0 0A0 5 0 0 1 10 0")[0] == (Line((0, 0), (10, 0)),)
+    assert parse_path("M1 1A5 5 0 0 1 1 1")[0] == ()
 
 
 @pytest.mark.parametrize(
