@@ -77,7 +77,7 @@ def test_cubics_too_far_off_their_circle_are_followed_as_drawn(size):
     drawn = [scaled(q, size, 7.0, 9.0) for q in QUARTERS]
     curves = fitted(drawn, 0.005)
     assert 4 < len(curves) <= 64
-    assert max(away_from(curves, q, 2000) for q in drawn) <= 0.0052 + 1e-7 * size
+    assert max(away_from(curves, q, 400) for q in drawn) <= 0.0052 + 1e-7 * size
 
 
 def test_three_quarters_and_a_line():
