@@ -35,7 +35,7 @@ for its drill, a sink for its hole.
 """
 
 from collections.abc import Iterable, Sequence
-from itertools import chain, pairwise
+from itertools import pairwise
 from operator import attrgetter, itemgetter
 from typing import Literal, NamedTuple
 
@@ -73,28 +73,18 @@ def sort_along_x(
     """
     operations = tuple(operations)
     at = [round(op.x / resolution) for op in operations]
-    if len(set(at)) == len(at):  # one at each X, and nothing to choose
-        return tuple([op for _, op in sorted(zip(at, operations, strict=True))])
     cuts: dict[int, list[SawOp]] = {}
     strokes: dict[int, list[WorkOp]] = {}
     for place, op in zip(at, operations, strict=True):
         if op.__class__ is SawOp:
             cuts.setdefault(place, []).append(op)
-        elif place in strokes:
-            strokes[place].append(op)  # type: ignore[arg-type]
         else:
-            strokes[place] = [op]  # type: ignore[list-item]
+            strokes.setdefault(place, []).append(op)  # type: ignore[arg-type]
     places = sorted(strokes)
     worked = dict(zip(places, _work_off([strokes[p] for p in places], times or ALIKE), strict=True))
-    if not cuts:
-        return tuple(chain.from_iterable(worked.values()))
     result: list[Operation] = []
     for place in sorted({*cuts, *strokes}):
-        spindles = worked.get(place, ())
-        if place not in cuts:
-            result += spindles
-            continue
-        sawn = sorted(cuts[place], key=_cut_rank)
+        spindles, sawn = worked.get(place, ()), sorted(cuts.get(place, ()), key=_cut_rank)
         result += (*sawn, *spindles) if layout == "saw-drill" else (*spindles, *sawn)
     return tuple(result)
 

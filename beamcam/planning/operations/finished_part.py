@@ -11,7 +11,6 @@ Across it a wall ends at a free edge or at another wall, which may have a root f
 
     u  |<- edge -> ( hole ) <- fillet -> )| web |( ...
 
-Most holes are far from all of that, so `is_plain` answers for them, and `judge` for the others.
 """
 
 from collections.abc import Iterator
@@ -91,7 +90,6 @@ class Across(Struct, frozen=True):
     width: float
     walls: tuple[Wall, ...]
     free: tuple[bool, bool]  #: whether the wall ends at y 0, and at its width
-    plain: tuple[tuple[float, float], ...]  #: y between which nothing is to be said
 
 
 class Along(Struct, frozen=True):
@@ -130,7 +128,7 @@ class FinishedPart:
         found = self._across.get(face)
         if found is None:
             known, key = _walls(self._machine), (self.part.profile, face)
-            found = known.get(key) or known.keep(key, _across(*key, self._drill))
+            found = known.get(key) or known.keep(key, _across(*key))
             self._across[face] = found
         return found
 
@@ -140,18 +138,6 @@ class FinishedPart:
         if found is None:
             found = self._along[face] = _along(self._ends, face, self.part.profile)
         return found
-
-    def is_plain(self, hole: Hole) -> bool:
-        """Whether the place of a hole is certainly free of remarks."""
-        radius, least = hole.diameter / 2, self._drill.min_edge_distance
-        start, end = self.along(hole.face).clear(hole.x, hole.y, radius)
-        if start < least or end < least:
-            return False
-        low, high = hole.y - radius, hole.y + radius
-        for first, last in self.across(hole.face).plain:
-            if first <= low and high <= last:
-                return hole.depth is None
-        return False
 
     def judge(
         self, what: str, shape: Hole | Slot, circles: tuple[tuple[float, float], ...]
@@ -230,17 +216,9 @@ class FinishedPart:
         )  # fmt: skip
 
 
-def _across(profile: Profile, face: Face, drill: Drill) -> Across:
-    """Walls and edges on a face, and the stretches between them where a hole is plain."""
-    width, walls = profile.face_width(face), walls_beside(profile, face)
-    free = free_edges(profile, face)
-    edge, fillet = drill.min_edge_distance, drill.min_fillet_distance
-    borders = [edge if free[0] else 0.0]
-    for wall in walls:
-        borders += [wall.least - wall.radius - fillet, wall.greatest + wall.radius + fillet]
-    borders.append(width - edge if free[1] else width)
-    plain = tuple(zip(borders[::2], borders[1::2], strict=True))
-    return Across(width, walls, free, tuple((a, b) for a, b in plain if a < b))
+def _across(profile: Profile, face: Face) -> Across:
+    """Walls and edges on a face."""
+    return Across(profile.face_width(face), walls_beside(profile, face), free_edges(profile, face))
 
 
 def _along(ends: Ends, face: Face, profile: Profile) -> Along:

@@ -77,8 +77,6 @@ def _refusals(hole: Hole, bench: Bench) -> Iterable[Diagnostic]:
     off = refuse_place(hole, hole.x, hole.y, bench.part, bench.reached[hole.face])
     if off is not None:
         return (off,)
-    if bench.finished.is_plain(hole):
-        return ()
     return bench.finished.judge(named(hole), hole, ((hole.x, hole.y),))
 
 

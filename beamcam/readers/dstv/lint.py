@@ -43,14 +43,6 @@ class _Outline(Struct):
     arcs: list[Arc]
 
     @property
-    def is_rectangle(self) -> bool:
-        """Whether it is a rectangle along the axes."""
-        if len(self.points) != 5 or self.arcs:
-            return False
-        x0, y0, x1, y1 = self.box
-        return set(self.points) == {(x0, y0), (x1, y0), (x1, y1), (x0, y1)}
-
-    @property
     def edges(self) -> Iterator[tuple[Point, Point]]:
         """Lines and the chords of arcs."""
         return pairwise(self.points)
@@ -84,11 +76,7 @@ def _outline(contour: Contour) -> _Outline:
     xs, ys = zip(*points, strict=True)
     box = (min(xs), min(ys), max(xs), max(ys))
     arcs = [curve for curve in curves if isinstance(curve, Arc)]
-    for arc in arcs:
-        (x, y), r = arc.centre, arc.radius
-        # most arcs are small and lie within the corners: only others are worth their own box
-        if x - r < box[0] or y - r < box[1] or x + r > box[2] or y + r > box[3]:
-            box = join_boxes([box, arc.bbox]) or box
+    box = join_boxes([box, *(arc.bbox for arc in arcs)]) or box
     points.append(points[0])
     return _Outline(points, box, arcs)
 
@@ -201,14 +189,11 @@ def _check_circle(contour: Contour, log: Log) -> None:
 
 def _check_holes(part: Part, outers: dict[str, list[_Outline]], log: Log) -> None:
     """Holes and texts in the air, holes that are there twice, those that are probably marks."""
-    holes = [feature for feature in part.features if type(feature) is Hole]
-    places = {(hole.face, hole.x, hole.y) for hole in holes}
-    seen: dict[object, int] | None = {} if len(places) < len(holes) else None
+    seen: dict[object, int] = {}
     regions: dict[str, _Region] = {}
     for feature in part.features:
         if type(feature) is Hole:
-            if seen is not None:
-                _check_twice(feature, seen, log)
+            _check_twice(feature, seen, log)
             if feature.diameter <= LARGEST_MARK and feature.kind in ("through", "blind"):
                 log.add(rules.HOLE_SMALL, feature.source.line or 0, diameter=feature.diameter)
         elif type(feature) is not Slot and type(feature) is not TextMark:
@@ -263,8 +248,6 @@ def _region(part: Part, outlines: list[_Outline] | None, face: str) -> _Region:
         width = _face_width(part.profile, face) or inf
         return (-slack, -slack if width < inf else -inf, part.length + slack, width + slack), []
     x0, y0, x1, y1 = join_boxes([outline.box for outline in outlines]) or outlines[0].box
-    if len(outlines) == 1 and outlines[0].is_rectangle:
-        outlines = []
     return (x0 - slack, y0 - slack, x1 + slack, y1 + slack), outlines
 
 
