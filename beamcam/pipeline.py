@@ -57,6 +57,7 @@ _UNCUT = re.compile(r"found (\S+) mm of waste .* at x (\S+), y (\S+) ")
 #: Where a text is, then where the part has it; the text itself may say anything before.
 _VALUE = r"(-?[\d.]+(?:e[-+]\d+)?)"
 _PLACE = re.compile(f"at x {_VALUE}, y {_VALUE}, {_VALUE} mm high")
+_TEXT = re.compile("the text (.+?)(?: is lettered)? at x ")
 TOLD_STEP = 0.1  #: mm that places and heights in messages are rounded to
 
 
@@ -302,10 +303,15 @@ def _untold(plan: Plan | SheetPlan, uncut: Diagnostic) -> Iterator[Diagnostic]:
 
 
 class _LetteredAt(Struct, frozen=True):
-    """The place and height that a message about a text gives it."""
+    """The place and height that a message about a text gives it.
+
+    Which of the texts it is follows from where it is wanted: two that are alike may stand in for
+    each other.
+    """
 
     source: Source
     values: tuple[float, ...]
+    wanted: tuple[str | None, tuple[float, ...], str]  #: file, place and height, letters
 
     def __str__(self) -> str:
         x, y, height = self.values
@@ -314,11 +320,13 @@ class _LetteredAt(Struct, frozen=True):
     def is_as(self, other: "_LetteredAt") -> bool:
         """Whether two are the same, each rounded to `TOLD_STEP`."""
         apart = (abs(a - b) for a, b in zip(self.values, other.values, strict=True))
-        return self.source == other.source and max(apart) <= 1.01 * TOLD_STEP
+        return self.wanted == other.wanted and max(apart) <= 1.01 * TOLD_STEP
 
 
 def _lettered_at(said: Diagnostic) -> _LetteredAt:
-    return _LetteredAt(said.source, tuple(map(float, _PLACE.findall(said.message)[-2])))
+    at, wanted = (tuple(map(float, place)) for place in _PLACE.findall(said.message)[-2:])
+    letters = _TEXT.findall(said.message)[0]
+    return _LetteredAt(said.source, at, (said.source.file, wanted, letters))
 
 
 def _head_faults(job: Job, written: Written, by_hand: int) -> Iterable[Diagnostic]:

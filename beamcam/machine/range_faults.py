@@ -38,6 +38,11 @@ def range_faults(machine: Machine) -> Iterator[Fault]:
             f"at least {MIN_STEP * machine.stepper.steps_per_turn:g}, steps of {MIN_STEP:g} mm"
         )
         yield "stepper.pitch", machine.stepper.pitch, expected
+    if machine.stepper is not None:
+        slowest = MIN_FEED_MM_MIN / 60.0 / machine.stepper.step
+        if machine.stepper.max_hz < slowest:
+            expected = f"at least {slowest:.3g}, for {MIN_FEED_MM_MIN:g} mm/min"
+            yield "stepper.max_hz", machine.stepper.max_hz, expected
 
 
 def _feed(key: str, found: float) -> Iterator[Fault]:

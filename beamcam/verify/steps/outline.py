@@ -240,8 +240,8 @@ class Outline:
         return self._beside(place, process)
 
     def _beside(self, place: Floats, process: TorchProcess | None) -> str:
-        """The contour of the input that a stroke at a place is beside."""
-        if process is None:
+        """The contour of the input that a stroke at a place is beside; letters have none."""
+        if process not in self.tracks:
             return ""
         nearest = self.tracks[process].ways.nearest_to(place)[1]
         return f", beside the contour of {self.need.source(process, nearest)}"

@@ -173,6 +173,11 @@ BAD = [
         "machine-value",
         "found 0.001 for 'stepper.pitch'; expected at least 0.1, steps of 0.0005 mm",
     ),
+    (
+        "base = 'laser-stepper'\n[stepper]\nmax_hz = 0.02",
+        "machine-value",
+        "found 0.02 for 'stepper.max_hz'; expected at least",
+    ),
     ("[saw]\nfeed_mm_min = 0.9", "machine-value", "expected at least 1 mm/min"),
     ("[saw]\nkerf = 5e-324", "machine-value", "expected 0, or a number of at least 1e-06"),
     ("[drill]\nmin_speed_rpm = 0.5", "machine-value", "'drill.min_speed_rpm'; expected at least 1"),

@@ -14,7 +14,7 @@ from msgspec.structs import replace
 from beamcam import pipeline
 from beamcam.controllers import table_events
 from beamcam.controllers.events import Move, Switch
-from beamcam.errors import Diagnostic, errors_in
+from beamcam.errors import Diagnostic, Source, errors_in
 from beamcam.geometry.curves import Arc, Curve, Line
 from beamcam.machine import load
 from beamcam.machine.machine import Machine
@@ -231,6 +231,23 @@ def test_texts_of_one_spelling_are_told_apart() -> None:
     assert post([part], PLATE).remarks == ()
 
 
+def test_texts_that_are_alike_may_stand_in_for_each_other() -> None:
+    """Three at one place: which of them is moved where says nothing of the letters."""
+    part = plate(*(replace(text("A7", 60.0, 40.0), source=Source("p.nc1", k)) for k in (1, 2, 3)))
+    posted = post([part], PLATE)
+    assert len(moved(posted)) == 2
+    assert [read([*lines], 10.0) for lines in _words(posted.text)] == ["A7"] * 3
+
+
+def _words(program: str) -> list[Lines]:
+    """The lines of a program's letters by the height at which they stand."""
+    found: dict[float, Lines] = {}
+    for line in lettered(program):
+        foot = next((y for y in found if abs(y - line[0][1]) < 11.0), line[0][1])
+        found.setdefault(foot, []).append(line)
+    return list(found.values())
+
+
 def test_the_height_may_be_that_of_the_body() -> None:
     machine = replace(PLATE, marks=replace(PLATE.marks, height_of="body"))
     posted = post([plate(text("A7", height=20.0))], machine)
@@ -257,6 +274,19 @@ def test_the_other_tables_letter_too() -> None:
     assert post([sheet], load("table-simotion")).plan.outcomes[0].how == "made"
     steps = post([laser], load("laser-stepper"), style=".csv")
     assert steps.plan.outcomes[0].how == "made"
+
+
+def test_letters_that_a_table_of_steps_engraves_too_slowly_are_refused() -> None:
+    laser = plate(text("L-7"))
+    laser = replace(laser, profile=replace(laser.profile, web_thickness=3.0))
+    machine = load("laser-stepper")
+    rows = post([laser], machine, style=".steps").text.splitlines()
+    head = next(k for k, row in enumerate(rows) if row.startswith("time_us")) + 1
+    slow = [re.sub(r"^\d+", lambda t: f"{9 * int(t[0]):012d}", row) for row in rows[head:]]
+    program = "\n".join([*rows[:head], *slow]) + "\n"
+    said = [*read_back(program, Request((laser,), machine, style=".steps"))]
+    assert "steps-speed" in codes(said)
+    assert any("engrave" in one.message for one in said)
 
 
 def test_a_drawing_that_is_only_lettered_stands_where_it_is_drawn() -> None:
