@@ -4,12 +4,12 @@ Filled shapes and curves on hidden layers are no features, since nothing is cut 
 are kept so that their lengths can be given when somebody asks.
 """
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable
 
 from msgspec import Struct
 
 from beamcam.geometry.curves import Arc, Bezier, BSpline, Curve, Line
-from beamcam.geometry.plane import Box, Point, box_around
+from beamcam.geometry.plane import Box, Point, box_around, join_boxes
 from beamcam.model.lengths import total_length
 
 
@@ -37,8 +37,7 @@ def extent(curves: Iterable[Curve]) -> Box | None:
     """The bounding box of all curves; None if there are none.
 
     An arc lies inside the box around its circle and a free curve inside the hull of its control
-    points. So they are measured only where these reach beyond the box that is known already, first
-    those that reach farthest.
+    points. So they are measured only where these reach beyond the box that is known already.
     """
     points: list[Point] = []
     bent: list[tuple[Box, Arc | Bezier | BSpline]] = []
@@ -55,19 +54,10 @@ def extent(curves: Iterable[Curve]) -> Box | None:
             x0, y0, x1, y1 = curve.bbox
             points += ((x0, y0), (x1, y1))
     box = box_around(points) if points else None
-    for hull, curve in (*_farthest(bent), *bent):
+    for hull, curve in bent:
         if not _holds(box, hull):
-            box = _joined(box, curve.bbox)
+            box = join_boxes([box or curve.bbox, curve.bbox])
     return box
-
-
-def _farthest(
-    bent: Sequence[tuple[Box, Arc | Bezier | BSpline]],
-) -> Iterator[tuple[Box, Arc | Bezier | BSpline]]:
-    """The curves whose bounding boxes reach farthest to each side."""
-    if bent:
-        yield from (min(bent, key=lambda one: one[0][side]) for side in (0, 1))
-        yield from (max(bent, key=lambda one: one[0][side]) for side in (2, 3))
 
 
 def _holds(box: Box | None, other: Box) -> bool:
@@ -75,14 +65,3 @@ def _holds(box: Box | None, other: Box) -> bool:
         return False
     low = box[0] <= other[0] and box[1] <= other[1]
     return low and other[2] <= box[2] and other[3] <= box[3]
-
-
-def _joined(first: Box | None, second: Box) -> Box:
-    if first is None:
-        return second
-    return (
-        min(first[0], second[0]),
-        min(first[1], second[1]),
-        max(first[2], second[2]),
-        max(first[3], second[3]),
-    )

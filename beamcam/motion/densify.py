@@ -26,7 +26,6 @@ from beamcam.motion.span_points import Spans, draw
 from beamcam.motion.spans import (
     bend_bounds,
     divided,
-    homogeneous,
     parts_for,
     span_arc,
     step_counts,
@@ -88,9 +87,7 @@ def densify(path: Sequence[Curve], rules: DensifyRules) -> Densified:
     rounded = rules.rounding.apply(exact)
     moved = 0.0
     if rules.rounding.counts:
-        shift = rounded - exact
-        shift *= shift
-        moved = float(np.sqrt(np.max(shift[:, 0] + shift[:, 1])))
+        moved = float(np.max(np.hypot(*(rounded - exact).T)))
     deviation = float(spans.deviation + moved + gap + blur)
     return _finish(rounded, np.asarray(spans.steps), rules, deviation)
 
@@ -145,7 +142,7 @@ def _span_free(
     slots: list[list[int]],
 ) -> None:
     """Cuts free curves of one degree in spans, all of them at once."""
-    control = np.stack([homogeneous(piece) for _, piece in pieces])
+    control = np.array([piece.homogeneous for _, piece in pieces])
     bend, smooth = bend_bounds(control)
     parts = parts_for(step_counts(bend, smooth, tolerance), smooth)
     for count in np.unique(parts).tolist():
@@ -164,7 +161,7 @@ def _span_free(
 
 def _finish(points: Floats, steps: Counts, rules: DensifyRules, deviation: float) -> Densified:
     """Drops steps of no length, lowers speeds by the cycle rule."""
-    lengths = _step_lengths(points)
+    lengths = np.hypot(*np.diff(points, axis=0).T)
     span = np.repeat(np.arange(len(steps)), steps) if rules.cycle_s > 0.0 else lengths
     if np.min(lengths) == 0.0:
         kept = lengths > 0.0
@@ -179,11 +176,3 @@ def _finish(points: Floats, steps: Counts, rules: DensifyRules, deviation: float
     points.setflags(write=False)
     speeds.setflags(write=False)
     return Densified(points, speeds, deviation)
-
-
-def _step_lengths(points: Floats) -> Floats:
-    """Distances of neighbours; np.hypot would guard against overflow and take thrice the time."""
-    step = points[1:] - points[:-1]
-    step *= step
-    squares: Floats = step[:, 0] + step[:, 1]
-    return np.sqrt(squares, out=squares)

@@ -53,17 +53,12 @@ def ramp_pieces(change: float, time_s: float, jerk_percent: float) -> list[Piece
     return [(rise, 0.0, jerk), *middle, (rise, peak, -jerk)]
 
 
-def ramp_time_s(change: float, limits: Limits) -> float:
-    """Least time in which the velocity changes by `change`, from and to acceleration 0."""
-    return ramp_seconds(abs(change), limits.acceleration, limits.jerk)
-
-
 def fastest_ramp(change: float, limits: Limits) -> list[Piece]:
     """The ramp that changes the velocity by `change` in the least time."""
     if change == 0.0:
         return []
     peak = min(limits.acceleration, sqrt(abs(change) * limits.jerk))
-    time_s = ramp_time_s(change, limits)
+    time_s = ramp_seconds(abs(change), limits.acceleration, limits.jerk)
     return ramp_pieces(change, time_s, min(100.0, 200.0 * peak / limits.jerk / time_s))
 
 
@@ -193,11 +188,11 @@ def fastest_profile(
 
 def ramp_distance(v0: float, v1: float, limits: Limits) -> float:
     """Distance covered while the velocity changes from `v0` to `v1` in minimum time."""
-    return (v0 + v1) / 2 * ramp_time_s(v1 - v0, limits)
+    return (v0 + v1) / 2 * ramp_seconds(abs(v1 - v0), limits.acceleration, limits.jerk)
 
 
 def _ramp_way(slow: float, change: float, limits: Limits) -> float:
-    return (slow + change / 2) * ramp_time_s(change, limits)
+    return (slow + change / 2) * ramp_seconds(change, limits.acceleration, limits.jerk)
 
 
 def _peak_rise(way: float, low: float, high: float, limits: Limits) -> tuple[float, bool]:

@@ -12,7 +12,6 @@ from numpy.typing import NDArray
 
 from beamcam.caches import cached
 from beamcam.geometry.array_types import Counts, Floats
-from beamcam.geometry.bezier import Bezier
 from beamcam.geometry.conics import Arc, EllipseArc
 
 #: No step of an arc turns further, whatever the tolerance.
@@ -181,8 +180,3 @@ def parts_for(counts: Counts, smooth: NDArray[np.bool_]) -> Counts:
     """
     wished = np.where(counts <= 2, 1, np.where(counts <= 8, 4, np.where(counts <= 64, 8, 16)))
     return np.asarray(np.where(smooth, wished, np.maximum(wished, 4)), dtype=np.int64)
-
-
-def homogeneous(curve: Bezier) -> Floats:
-    """Control points of one curve as (w x, w y, w), array (d + 1, 3)."""
-    return np.asarray(curve.homogeneous, dtype=np.float64)

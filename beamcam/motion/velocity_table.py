@@ -5,6 +5,7 @@ from itertools import pairwise
 from math import floor, hypot
 
 import numpy as np
+from msgspec import Struct
 
 from beamcam.geometry.array_types import Floats
 from beamcam.machine.machine import Machine
@@ -17,14 +18,13 @@ HOME = (0.0, 0.0)
 SECONDS_PER_MINUTE = 60.0
 
 
-class Way:
+class Way(Struct, frozen=True):
     """Points that follow one another and are passed at one speed."""
 
-    __slots__ = ("laser", "points", "speed_mm_s", "wait_s")
-
-    def __init__(self, points: Floats, speed_mm_s: float, laser: bool, wait_s: float) -> None:
-        self.points, self.speed_mm_s = points, speed_mm_s
-        self.laser, self.wait_s = laser, wait_s
+    points: Floats
+    speed_mm_s: float
+    laser: bool
+    wait_s: float
 
 
 def ways(plan: SheetPlan, machine: Machine) -> list[Way]:

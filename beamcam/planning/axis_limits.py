@@ -95,8 +95,6 @@ def _refuse_beyond(part: Part, machine: Machine, jobs: Sequence[Job]) -> Iterato
         if job.text is not None:
             continue  # no spindle's axis takes part
         how = job.tooling
-        if not job.path and known.get((how.faces, how.tools, how.depth, job.y), _UNKNOWN) is None:
-            continue  # as nearly all are
         # Of a path both sides, since every formula is a straight line in y.
         for y in _min_and_max([y for _, y in job.path]) if job.path else (job.y,):
             key = how.faces, how.tools, how.depth, y

@@ -166,15 +166,12 @@ def outer_level(wall: Wall) -> float:
 
 
 def _stock_shape(stock: Stock, wall: Wall, circles: Circles) -> Shape:
-    if stock.outline is not None or stock.hollows:
-        outline = stock.outline or ()
-        if not outline:
-            shape = rectangle(stock.x0, 0.0, stock.x1, wall.width)
-            for hollow in stock.hollows:
-                shape = shape.difference(polygon_of(hollow, (), circles))
-            return shape
-        return polygon_of(outline, stock.hollows, circles)
-    return rectangle(stock.x0, 0.0, stock.x1, wall.width)
+    if stock.outline:
+        return polygon_of(stock.outline, stock.hollows, circles)
+    shape = rectangle(stock.x0, 0.0, stock.x1, wall.width)
+    for hollow in stock.hollows:
+        shape = shape.difference(polygon_of(hollow, (), circles))
+    return shape
 
 
 def _sawn(

@@ -251,9 +251,7 @@ def records(text: str) -> Records:
     well: Truths = (behind > starts + 1) & (codes[equals] == _EQUALS) & (kinds < openings)
     well &= (codes[openings] == _OPENING) & (openings < closings) & (codes[closings] == _CLOSING)
     _refuse(text, starts[~well])
-    closed = np.append(opened[1:], len(marks) - 1) - 1  # but where something is between
-    if (marks[closed] != closings).any():
-        closed = np.searchsorted(marks, closings)
+    closed = np.searchsorted(marks, closings)
     spans = Spans(starts, kinds, openings, closings, opened, closed)
     return Records(text, codes, marks, numbers, spans)
 
@@ -321,8 +319,6 @@ def _index(numbers: Places) -> memoryview | dict[int, int]:
 
 def _second(numbers: Places) -> int | None:
     """The index of the first number that was there before; None if there is none."""
-    if (np.diff(numbers) > 0).all():
-        return None  # as in nearly all files
     order = np.argsort(numbers, kind="stable")
     again = order[1:][numbers[order[1:]] == numbers[order[:-1]]]
     return int(again.min()) if len(again) else None
