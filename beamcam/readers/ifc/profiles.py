@@ -37,9 +37,9 @@ def section_of(model: Model, entity: Entity) -> Section:
     known: Section | None = model.sections.get(key)
     if known is None:
         known = model.sections[key] = _section(model, entity)
-    widest = max(known.height, known.width)
+    widest = max(known.height, known.width, known.radius)
     if widest > MAX_COORDINATE:
-        raise Unreadable(f"a section {widest:g} mm wide")
+        raise Unreadable(f"a section with a measure of {widest:g} mm")
     fault = section_fault(known.profile(""))
     if fault is not None:
         raise NoSection(f"a section with {fault}")
