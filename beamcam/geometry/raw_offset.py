@@ -76,15 +76,14 @@ def raw_offsets(
     records = _records(moved)
     for k, piece in pieces.items():
         records[k] = piece
-    jointed = set(chain_of[list(joints)].tolist())
     rings: list[Ring | None] = []
-    for c, (begin, size) in enumerate(zip(begins.tolist(), sizes.tolist(), strict=True)):
-        if failed[c]:
+    for begin, size, has_failed in zip(
+        begins.tolist(), sizes.tolist(), failed.tolist(), strict=True
+    ):
+        if has_failed:
             rings.append(None)
-        elif c in jointed:
-            rings.append(_with_joints(records, joints, begin, begin + size))
         else:
-            rings.append(tuple(records[begin : begin + size]))
+            rings.append(_with_joints(records, joints, begin, begin + size))
     return rings
 
 

@@ -124,8 +124,6 @@ class _Arcs(Struct, frozen=True):
     ends: Floats  #: written start and end, (n, 4)
 
     def take(self, rows: Flags) -> "_Arcs":
-        if rows.all():  # as most are
-            return self
         return _Arcs(self.owner[rows], self.begin[rows], self.arcs[rows], self.ends[rows])
 
     def is_wide(self) -> Flags:

@@ -6,9 +6,8 @@
 
 The records of a class are mostly written alike: the same commas and brackets in the same order, or
 one list that is longer in some of them. Then arrays over the characters tell where each value
-stands, and values are looked up a column at a time. Records of a few forms, as curves that are
-trimmed here by a point and there by a number, are read form by form. What is written in another
-way is left to `Tokens.values`, which gives the same record by record.
+stands, and values are looked up a column at a time. What is written in another way is left to
+`Tokens.values`, which gives the same record by record.
 """
 
 from collections.abc import Callable
@@ -17,15 +16,12 @@ from typing import Any
 
 import numpy as np
 from msgspec import Struct
-from msgspec.structs import replace
 
-from beamcam.readers.ifc.characters import Places, numbers_at, words_before
+from beamcam.readers.ifc.characters import Places, numbers_at
 from beamcam.readers.ifc.step import Inners, Malformed, Typed, pieces
 from beamcam.readers.ifc.values import Tokens, Values
 
-_HASH, _OPENING, _CLOSING, _COMMA, _UNKNOWN = b"#(),?"
-_FORMS = 4  #: in which a class may be written, if it is to be read together
-_WORD = 8  #: characters up to which two values are compared as numbers
+_HASH, _OPENING, _CLOSING, _COMMA = b"#(),"
 
 #: What invalid values end in, and references to points that do not exist.
 NOT_READ = (ArithmeticError, LookupError, TypeError, ValueError)
@@ -49,31 +45,9 @@ class Alike(Struct, frozen=True):
         these, or strings with commas, brackets or doubled quotes.
         """
         try:
-            return self._rows(inners)
-        except NOT_READ:  # some of them may be well; which, is seen form by form and one by one
-            return self._form_by_form(inners)
-
-    def _form_by_form(self, of: Inners) -> list[Values] | None:
-        """As `values`, of a few forms, told by how many commas and brackets a record has."""
-        counts = of.closed - of.opened
-        forms = np.unique(counts)
-        if not 1 < len(forms) <= _FORMS:
+            return list(zip(*self._columns(inners), strict=True))
+        except NOT_READ:  # some of them may be well, which is seen one by one
             return None
-        found: list[Values] = [()] * len(counts)
-        for form in forms:
-            places = np.flatnonzero(counts == form)
-            some = replace(of, opened=of.opened[places], closed=of.closed[places])
-            try:
-                rows = self._rows(some)
-            except NOT_READ:
-                return None
-            for place, row in zip(places.tolist(), rows, strict=True):
-                found[place] = row
-        return found
-
-    def _rows(self, of: Inners) -> list[Values]:
-        """As `values`, or one of NOT_READ."""
-        return list(zip(*self._columns(of), strict=True))
 
     def _columns(self, of: Inners) -> list[Column]:
         """The first values of all records, the second, and so on. Raises Malformed."""
@@ -146,20 +120,7 @@ class Alike(Struct, frozen=True):
                 found = self.referred(numbers)
                 if found is not None:
                     return found
-        lengths = end - start
-        if (lengths == lengths[0]).all():
-            block = of.codes[start[:, None] + np.arange(lengths[0])]
-            if (block == block[0]).all() and _UNKNOWN not in block[0]:  # as .DIFFERENCE. mostly is
-                return [self.tokens[pieces(of.text, start[:1], end[:1])[0]]] * len(start)
-        if lengths.max() > _WORD:
-            return list(map(self.tokens.__getitem__, pieces(of.text, start, end)))
-        # Few differ of those that are short, as .T. or 12.5 do.
-        words = words_before(of.codes, end) >> (8 * (_WORD - lengths)).astype(np.uint64)
-        distinct, first, which = np.unique(words, return_index=True, return_inverse=True)
-        if (distinct.view(np.uint8) == _UNKNOWN).any():  # which may stand for any character
-            return list(map(self.tokens.__getitem__, pieces(of.text, start, end)))
-        values = list(map(self.tokens.__getitem__, pieces(of.text, start[first], end[first])))
-        return list(map(values.__getitem__, which.tolist()))
+        return list(map(self.tokens.__getitem__, pieces(of.text, start, end)))
 
 
 def _types(text: str, first: Places, last: Places) -> list[str]:
