@@ -64,13 +64,8 @@ def speed_at(torch: Torch, process: TorchProcess, material: str, thickness: floa
     )
     if not rows or not 0.0 < thickness <= rows[-1][0]:
         raise ValueError(f"no speed to {process} {thickness:g} mm of {material}")
-    if thickness <= rows[0][0]:
-        return rows[0][1] / SECONDS_PER_MINUTE
-    for (a, va), (b, vb) in pairwise(rows):
-        if thickness <= b:
-            share = (thickness - a) / (b - a)
-            return (va + share * (vb - va)) / SECONDS_PER_MINUTE
-    raise AssertionError("a thickness beyond the rows was let through")
+    limits, feeds = zip(*rows, strict=True)
+    return float(np.interp(thickness, limits, feeds)) / SECONDS_PER_MINUTE
 
 
 def stretches(job: list[Way], step: float, max_mm_s: float) -> Iterator[VelocityRow]:

@@ -154,11 +154,6 @@ def refuse_bar(
     for axis in machine.axes:
         if axis.moves != "X":
             continue
-        # The ends of all together first: nearly every bar is within reach.
-        xs = [op.x for op in operations]
-        xs += [x for op in operations if type(op) is PathOp for x, _ in op.path]
-        if all(_comes_to(x, axis, machine) for x in _min_and_max(xs)):
-            continue
         for op in operations:
             if not _is_moved_by(axis, op, machine):
                 continue

@@ -133,8 +133,6 @@ def _cut_rank(op: SawOp) -> tuple[int, int, float, float]:
 
 def _work_off(stations: Sequence[list[WorkOp]], times: Times) -> list[list[WorkOp]]:
     """The operations of each X in the best order."""
-    if all(map(_is_one_setup, stations)):
-        return [sorted(ops, key=_place) if len(ops) > 1 else ops for ops in stations]
     groups = [_by_setup(ops) for ops in stations]
     worked: list[list[WorkOp]] = []
     setups = iter(_cheapest(groups, times))
@@ -148,15 +146,7 @@ def _by_setup(ops: Sequence[WorkOp]) -> dict[Setup, list[WorkOp]]:
     found: dict[Setup, list[WorkOp]] = {}
     for op in ops:
         found.setdefault(setup_of(op), []).append(op)
-    return dict(sorted(found.items())) if len(found) > 1 else found
-
-
-def _is_one_setup(ops: Sequence[WorkOp]) -> bool:
-    """Whether all operations of one X are done with one spindle and tool."""
-    if len(ops) == 1:
-        return True
-    spindle, tool = ops[0].spindle, ops[0].tool
-    return all(op.spindle == spindle and op.tool is tool for op in ops)
+    return dict(sorted(found.items()))
 
 
 _place = attrgetter("x", "y", "features")
@@ -224,8 +214,6 @@ def _step(path: _Path, i: int, setup: Setup, faces: tuple[Face, ...], times: Tim
 def _prerequisites(group: dict[Setup, list[WorkOp]]) -> list[int]:
     """For each setup of one X those that have to be done before it, a bit each."""
     setups = list(group)
-    if setups[0][0] == setups[-1][0]:  # one stage: nothing waits
-        return [0] * len(setups)
     return [
         sum(
             1 << j
