@@ -61,6 +61,9 @@ def _along(work: Work, t: Traced) -> Limits:
     A line there and back again is no ring.
     """
     over = sum(other.over for other in t.members)
+    asked = _asked(work, t)
+    if not over and not asked:
+        return 0.0, 0.0, 0.0
     first = float(work.path.lengths[t.first : t.last].sum())
     if len(t.members) == 1:
         inside = t.inside()
@@ -68,7 +71,7 @@ def _along(work: Work, t: Traced) -> Limits:
             return over, 0.0, 0.0
     else:
         first += t.over
-    asked = min(_asked(work, t), first / 2)
+    asked = min(asked, first / 2)
     # From an inner corner a line leads out along the contour.
     lead = work.torch.lead_out if work.torch.lead == "line" else _tangent(work, t.members[-1])
     return over, asked, asked + lead
@@ -129,6 +132,8 @@ def _is_drawn_twice(work: Work, t: Traced, along: float) -> bool:
 
 def _asked(work: Work, t: Traced) -> float:
     """The overcut of a contour: that of its colour or layer, or the machine's."""
+    if all(own.overcut is None for own in work.torch.settings.values()):
+        return work.torch.overcut
     _, way = work.need.nearest_to(work.path.starts[t.first])
     own = work.torch.settings.get(work.asked.looks[work.process][way], PLAIN).overcut
     return work.torch.overcut if own is None else own
