@@ -34,7 +34,7 @@ from beamcam.planning.contours.material import Material
 from beamcam.planning.contours.nest import nest
 from beamcam.planning.contours.operations import operations_of
 from beamcam.planning.contours.outline import points_of
-from beamcam.planning.contours.place import refuse_large, refuse_size, shift_of
+from beamcam.planning.contours.place import box_of, refuse_large, refuse_size, shift_of
 
 SHEET_CODES = ("B",)
 #: How programs name a pipe that they write unrolled, as a plate.
@@ -63,8 +63,9 @@ def plan_sheet(parts: Sequence[Part], machine: Machine, skips: Collection[str] =
         raise PlanError(_nothing(part, assigned, 0, torch.gap))
     remarks = [*material.remarks, *assigned.remarks]
     curves = CurveTable([w.curve for w in assigned.wanted])
-    refuse_large(curves, part, torch)
-    shift = shift_of(curves, torch)
+    box = box_of(curves)
+    refuse_large(box, part, torch)
+    shift = shift_of(box, torch)
     kerf = material.kerf("cut")
     joined = join(assigned.wanted, curves, torch, kerf, assigned.rings)
     drawn = points_of([shape.curves for shape in joined.shapes], torch.tolerance / 4)

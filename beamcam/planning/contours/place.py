@@ -24,11 +24,10 @@ def box_of(curves: CurveTable) -> Box:
     return box
 
 
-def shift_of(curves: CurveTable, torch: Torch) -> Point:
-    """Machine coordinates of the part's x 0, y 0."""
+def shift_of(box: Box, torch: Torch) -> Point:
+    """Machine coordinates of the part's x 0, y 0, by the box of its work."""
     if torch.place == "drawn" and torch.origin == "table":
         return 0.0, 0.0
-    box = box_of(curves)
     if torch.origin in ORIGINS:
         (u, v), (x0, y0, x1, y1) = ORIGINS[torch.origin], box
         return -x0 - u * (x1 - x0), -y0 - v * (y1 - y0)
@@ -45,12 +44,12 @@ def moved(shapes: Sequence[Shape], shift: Point) -> list[Shape]:
     ]
 
 
-def refuse_large(curves: CurveTable, part: Part, torch: Torch) -> None:
-    """Raises PlanError if what is drawn is larger than the work area; kerf and leads add to it.
+def refuse_large(box: Box, part: Part, torch: Torch) -> None:
+    """Raises PlanError if the box of the work is larger than the area; kerf and leads add to it.
 
     Asked first, because what a damaged file holds may be as large as a planet and take hours.
     """
-    _refuse_extent(box_of(curves), part, torch, torch.gap + torch.tolerance)
+    _refuse_extent(box, part, torch, torch.gap + torch.tolerance)
 
 
 def refuse_size(operations: Sequence[ContourOp], part: Part, torch: Torch) -> None:

@@ -1,12 +1,13 @@
 """Free curves that run over themselves, as a formula's does that goes round more than once."""
 
 from collections.abc import Iterator, Sequence
+from itertools import pairwise
 from math import tau
 
 import numpy as np
 
 from beamcam.errors import Diagnostic
-from beamcam.geometry.array_types import Flags, Floats
+from beamcam.geometry.array_types import Counts, Flags, Floats
 from beamcam.geometry.curves import Curve
 from beamcam.geometry.polylines import polylines
 from beamcam.planning.contours import rules
@@ -26,25 +27,31 @@ def told(wanted: Sequence[AssignedCurve], which: Sequence[int]) -> Iterator[Diag
     for k in which:
         if wanted[k].process == "cut":
             features.setdefault(wanted[k].feature, []).append(k)
-    for some in features.values():
-        starts, steps = _chords([wanted[k].curve for k in some])
-        ahead = np.unwrap(np.arctan2(steps[:, 1], steps[:, 0]))
+    if not features:
+        return
+    starts, steps, owner = _chords([wanted[k].curve for some in features.values() for k in some])
+    ends = np.cumsum([len(some) for some in features.values()])
+    bounds = np.searchsorted(owner, [0, *ends.tolist()]).tolist()
+    for some, (low, high) in zip(features.values(), pairwise(bounds), strict=True):
+        own = steps[low:high]
+        ahead = np.unwrap(np.arctan2(own[:, 1], own[:, 0]))
         if len(ahead) and np.ptp(ahead) > TURNED_RAD:
-            again = _again(starts, steps)
-            if (found := float(np.hypot(*steps[again].T).sum())) > MIN_LENGTH:
-                x, y = starts[int(np.argmax(again))].tolist()
+            again = _again(starts[low:high], own)
+            if (found := float(np.hypot(*own[again].T).sum())) > MIN_LENGTH:
+                x, y = starts[low:high][int(np.argmax(again))].tolist()
                 yield rules.RUNS_OVER.at(
                     wanted[some[0]].source, found=f"{found:.3f}", x=f"{x:.3f}", y=f"{y:.3f}"
                 )
 
 
-def _chords(curves: Sequence[Curve]) -> tuple[Floats, Floats]:
-    """Where the chords of curves begin, and how far each goes, (n, 2) each."""
+def _chords(curves: Sequence[Curve]) -> tuple[Floats, Floats, Counts]:
+    """Where the chords of curves begin, how far each goes, (n, 2) each, and the curve of each."""
     drawn = polylines(curves, FINE)
     steps = np.diff(drawn.points, axis=0)
     inner = np.hypot(*steps.T) > 0.0
     inner[drawn.begins[1:-1] - 1] = False  # from one curve to the next
-    return drawn.points[:-1][inner], steps[inner]
+    owner = np.searchsorted(drawn.begins, np.flatnonzero(inner), "right") - 1
+    return drawn.points[:-1][inner], steps[inner], owner
 
 
 def _again(starts: Floats, steps: Floats) -> Flags:
