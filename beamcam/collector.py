@@ -7,7 +7,7 @@ import atexit
 import gc
 
 #: Thresholds of the cyclic garbage collector in a lasting process: cycles are rare.
-SELDOM = (20_000, 20, 100)
+SELDOM = (50_000, 20, 100)
 
 
 def collector_seldom() -> None:

@@ -6,7 +6,6 @@ Glyphs are fixed truth, which planning and the read-back share; each lays them o
 """
 
 from collections.abc import Iterator, Mapping
-from importlib.resources import files
 from itertools import pairwise
 from unicodedata import combining, name, normalize
 
@@ -61,6 +60,8 @@ class _Font(Struct, frozen=True):
 
 @cached("geometry.font")
 def _font(name: str) -> _Font:
+    from importlib.resources import files  # which takes as long as a small part to plan
+
     data = files("beamcam.geometry").joinpath(f"{name}.json").read_bytes()
     return msgspec.json.decode(data, type=_Font)
 
