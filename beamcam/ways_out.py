@@ -1,6 +1,6 @@
 """The ways out of a refusal: options with which it can be made, each tried before it is named."""
 
-from collections.abc import Collection, Iterable, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from itertools import chain, islice
 
 from msgspec.structs import replace
@@ -11,6 +11,7 @@ from beamcam.model.part import Part
 from beamcam.model.plan import Plan, SheetPlan
 from beamcam.planning.rules import SKIP_NAMES
 from beamcam.posts import Job, post_of
+from beamcam.readers.reading import Reading
 
 LONG_BARS = (6000.0, 12000.0, 15000.0, 18000.0)  #: mm that mills roll and stockists keep
 
@@ -28,6 +29,13 @@ NO_WAY_OUT = Rule(
     "The drawing or the part has to change, or a machine file of one's own says that a machine can "
     "do more.",
 )
+WAYS_TO_READ = Rule(
+    "read-ways-out",
+    Severity.NOTE,
+    "with {found} it can be read",
+    "The option was tried before it was named. Look whether it says what the drawing means: the "
+    "size of the work follows from it.",
+)
 NO_WAY_TO_READ = Rule(
     "read-no-way-out",
     Severity.NOTE,
@@ -35,17 +43,40 @@ NO_WAY_TO_READ = Rule(
     "messages say",
     "Whoever wrote the file has to export it again; a guess would make another part.",
 )
-RULES = (WAYS_OUT, NO_WAY_OUT, NO_WAY_TO_READ)
-#: Readers whose files no option reads otherwise, by the beginning of their codes.
-_WITHOUT_OPTIONS = ("dstv-", "json-", "read-empty")
+RULES = (WAYS_OUT, NO_WAY_OUT, WAYS_TO_READ, NO_WAY_TO_READ)
+#: Options of the readers, as on a command line and as they take them, by the file's format.
+_READING: Mapping[str, Sequence[tuple[str, Mapping[str, object]]]] = {
+    "dxf": (("--units mm", {"units": "mm"}), ("--units in", {"units": "in"})),
+    "svg": (
+        ("--units mm", {"units": "mm"}), ("--units px96", {"units": "px96"}),
+        ("--width 100mm", {"width": "100mm"}),
+    ),
+}  # fmt: skip
 
 
-def no_way_to_read(said: Iterable[Diagnostic], strict: bool) -> Iterator[Diagnostic]:
-    """A note behind the errors of a file that nothing but its correction helps; at the first."""
+def ways_to_read(
+    said: Iterable[Diagnostic], read: Callable[..., Reading], strict: bool
+) -> Iterator[Diagnostic]:
+    """A note behind the errors of a file that was not read: the option that helps, if there is one.
+
+    `read` takes the file's path and options of its reader. Of a file with members that were read
+    nothing is said.
+    """
     wrong = errors_in(said)
-    codes = (one.code.startswith(_WITHOUT_OPTIONS) for one in wrong)
-    if wrong and not strict and all(codes):
-        yield NO_WAY_TO_READ.at(Source(wrong[0].source.file))
+    if not wrong or strict or any(one.code.startswith(("plan-", "ifc-")) for one in wrong):
+        return
+    source = Source(wrong[0].source.file)
+    form = next((name for name in _READING if wrong[0].code.startswith(name)), "")
+    for words, options in _READING.get(form, ()):
+        try:
+            reading = read(source.file, **options)
+        except BeamcamError:
+            continue
+        if reading.parts and not errors_in(reading.diagnostics):
+            yield WAYS_TO_READ.at(source, found=words)
+            return
+    if wrong[0].code.startswith(("dstv-", "json-", "read-empty", "drawing-", *_READING)):
+        yield NO_WAY_TO_READ.at(source)
 
 
 def ways_out(

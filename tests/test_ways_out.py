@@ -1,5 +1,6 @@
 """Every refusal of a plan names its ways out, and each works; or says that there is none."""
 
+import re
 import shlex
 from collections.abc import Iterator
 from pathlib import Path
@@ -68,7 +69,9 @@ def test_no_way_out_is_none_on_any_machine() -> None:
     assert "plan-no-way-out" in run("post", path, "-o", "-").stderr
     beams = [name for name in shipped() if load(name).stock == "beam"]
     assert all(run("post", path, "-o", "-", "--machine", name).exit_code == 1 for name in beams)
-    assert {rule.code for rule in RULES} == {"plan-ways-out", "plan-no-way-out", "read-no-way-out"}
+    assert {rule.code for rule in RULES} == {
+        "plan-ways-out", "plan-no-way-out", "read-ways-out", "read-no-way-out",
+    }  # fmt: skip
 
 
 @pytest.mark.parametrize(("code", "status", "says"), [
@@ -115,3 +118,24 @@ def test_a_file_that_cannot_be_read_says_that_no_option_helps() -> None:
         again = run("post", path, "-o", "-", *options)
         assert [line for line in again.stderr.splitlines() if ": error " in line] == errors
     assert seen >= 5
+
+
+def test_a_drawing_that_cannot_be_read_names_the_option_that_reads_it() -> None:
+    seen = {"ways": 0, "none": 0}
+    for path in sorted((SAMPLES / "bad").glob("*/*.*")):
+        if path.suffix not in (".dxf", ".svg"):
+            continue
+        said = run("post", path, "-o", "-").stderr
+        if not any(code in said for code in (": error dxf-", ": error svg-", ": error drawing-")):
+            continue
+        last = said.splitlines()[-1]
+        if "read-no-way-out" in last:
+            seen["none"] += 1
+            continue
+        _, found, way = last.partition("read-ways-out: with ")
+        assert found, said
+        seen["ways"] += 1
+        again = run("post", path, "-o", "-", *way.removesuffix(" it can be read").split()).stderr
+        assert not re.search(": error (dxf|svg)-", again), again
+    assert seen["ways"] >= 5
+    assert seen["none"] >= 5

@@ -146,9 +146,10 @@ def command(
         ways = _ways_out(parts, machines, config) if machines else ()
         voice.stop((*said, *error.diagnostics, *ways))
     except BeamcamError as error:
-        from beamcam.ways_out import no_way_to_read
+        from beamcam.pipeline import read_file
+        from beamcam.ways_out import ways_to_read
 
-        ways = tuple(no_way_to_read(error.diagnostics, strict))
+        ways = tuple(ways_to_read(error.diagnostics, read_file, strict))
         voice.stop((*said, *error.diagnostics, *ways))
     _write(made, machine, files_read(config, inputs), voice)
     voice.say((*said, *dict.fromkeys(one for _, each in made for one in each.remarks)))
