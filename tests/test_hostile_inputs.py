@@ -289,7 +289,7 @@ def test_free_curves_on_each_other_take_no_quadratic_time(apart: float, tmp_path
     [
         ("bolted", "'IPE300',#15,", "'IPE300',#15000,", "a reference to #15000, which is not in"),
         ("beam_inch", "#80,0.354", "#80,-0.354", "found a circle of radius -9"),
-        ("beam_inch", "#23,5.9", "#23,9999999995.9", "a section 2.54e+11 mm wide"),
+        ("beam_inch", "#23,5.9", "#23,9999999995.9", "a section with a measure of 2.54e+11 mm"),
     ],
 )
 def test_members_of_a_damaged_model_are_refused(
