@@ -48,7 +48,7 @@ RULES = (WAYS_OUT, NO_WAY_OUT, WAYS_TO_READ, NO_WAY_TO_READ)
 _READING: Mapping[str, Sequence[tuple[str, Mapping[str, object]]]] = {
     "dxf": (("--units mm", {"units": "mm"}), ("--units in", {"units": "in"})),
     "svg": (
-        ("--units mm", {"units": "mm"}), ("--units px96", {"units": "px96"}),
+        ("--units px96", {"units": "px96"}), ("--units mm", {"units": "mm"}),
         ("--width 100mm", {"width": "100mm"}),
     ),
 }  # fmt: skip
