@@ -3,8 +3,11 @@
 import importlib
 import pkgutil
 from collections.abc import Iterator
+from importlib.resources import files
 
 import click
+import msgspec
+from msgspec import Struct
 
 import beamcam
 from beamcam.commands import options
@@ -24,6 +27,19 @@ def all_rules() -> Iterator[Rule]:
             if rule not in seen:
                 seen.add(rule)
                 yield rule
+
+
+class Explanation(Struct, frozen=True):
+    """What `beamcam codes CODE` says of a code beside its rule."""
+
+    example: str = ""  #: the message as a sample of beamcam has it
+    do: str = ""  #: as docs/refused.md has it
+
+
+def explanations() -> dict[str, Explanation]:
+    """The explanations by code, of those codes that a sample has or that refuse a file."""
+    data = files("beamcam.commands").joinpath("explanations.json").read_bytes()
+    return msgspec.json.decode(data, type=dict[str, Explanation])
 
 
 def as_markdown(rules: list[Rule]) -> str:
@@ -50,6 +66,8 @@ def as_markdown(rules: list[Rule]) -> str:
 def command(code: str | None, markdown: bool, as_json: bool) -> None:
     """Explain the CODE of a message, or list all codes, with severity, message and reason.
 
+    Of one code an example is shown too, and what to do.
+
     `post` itself says which options make a refused part (plan-ways-out).
 
     \b
@@ -72,5 +90,11 @@ def command(code: str | None, markdown: bool, as_json: bool) -> None:
         ]
         say_json(rows)
     else:
+        explained = explanations() if code is not None else {}
         for rule in rules:
             click.echo(f"{rule.code}  {rule.severity.value}\n    {rule.message}\n    {rule.reason}")
+            more = explained.get(rule.code, Explanation())
+            if more.example:
+                click.echo(f"example\n    {more.example}")
+            if more.do:
+                click.echo(f"what to do\n    {more.do}")
