@@ -72,9 +72,9 @@ def scan(
 ) -> Scan:
     """Takes a text apart; empty lines at its end do not count.
 
-    Odd are lines of more characters than `longest` too, those of a motion that is none of
-    `motions`, and those of a traverse with a feed where that may not be. The first plain move and
-    the last line always are: they are where a program begins to be, and ends as it should.
+    Odd as well are lines longer than `longest`, moves whose motion is not in `motions`, and, where
+    it is not allowed, a traverse with a feed. The first plain move and the last line always count
+    as odd, so that the beginning and the end of a program are interpreted one by one.
     """
     text = text.rstrip("\n") + "\n"
     data = text.encode("ascii", "replace")

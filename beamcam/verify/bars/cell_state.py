@@ -315,7 +315,7 @@ class CellState:
         self.peck = None
 
     def letter(self, event: Lettering) -> None:
-        """A text that the unit is told where the bar stands; figures it is not told are its own."""
+        """A text sent to the unit at the bar's position; values not sent are the unit's own."""
         self.at_rest(event.line, "a text")
         self.describe_first(event.line)
         marks = self.machine.marks

@@ -26,15 +26,12 @@ from beamcam.verify.lettering import (
     Drawn,
     Found,
     Places,
-    Segment,
     Steel,
-    Wanted,
     box_of,
     judge,
     steel_within,
-    told,
-    wanted,
 )
+from beamcam.verify.wanted_texts import Segment, Wanted, told, wanted
 
 ANGLE_DEG = 0.01  #: that a told angle may differ
 SPARE = 1.5  #: mm by which a place is surely within the reach of an axis

@@ -149,7 +149,7 @@ def _beside(work: Work, t: Traced) -> Limits:
     end = path.ends[t.last - 1]
     pairs = path.near(end.reshape(1, 2), work.tolerance)
     first = int(np.searchsorted(work.of_way, work.of_way[t.first]))
-    # A lead so near to the contour that it was taken for a part of that is none all the same.
+    # A lead that runs so close to the contour that it was traced as part of it is still a lead.
     start = min(t.first + (t.first == first), t.last - 1)
     at = path.at(pairs.element, pairs.along) - path.begins[start]
     mine = (work.of_way[path.owner[pairs.element]] == work.of_way[t.first]) & (at >= 0.0)

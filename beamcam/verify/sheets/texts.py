@@ -19,15 +19,14 @@ from beamcam.verify.lettering import (
     Drawn,
     Places,
     Steel,
-    Wanted,
     box_of,
     is_clear,
     is_surely_clear,
     judge,
     steel_within,
-    wanted,
 )
 from beamcam.verify.sheets.need import Need, shift_of
+from beamcam.verify.wanted_texts import Wanted, wanted
 
 if TYPE_CHECKING:
     from beamcam.verify.sheets.strokes import Strokes

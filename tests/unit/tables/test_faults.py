@@ -147,6 +147,7 @@ def test_whatever_happens_the_laws_of_every_cycle_hold(
     one = plant(*way, script=script)
     for _ in range(1000):
         one.cycle()
+    assert one.count == 1000  # each of them held against the laws
 
 
 @settings(max_examples=25, deadline=None)

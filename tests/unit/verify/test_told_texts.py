@@ -211,7 +211,7 @@ BAD: list[tuple[str, Callable[[str], str], str]] = [
     ("no characters", lambda t: t.replace("ABC", "\\t"), "marks.characters"),
     ("a quote among them", lambda t: t.replace("/. ", "/. \\\""), "character behind {string}"),
     ("no face", lambda t: t.replace("faces = { v = 1, o = 2 }", ""), "marks.faces"),
-    ("a face that is none", lambda t: t.replace("v = 1", "w = 1"), "among v, o, u, h"),
+    ("an unknown face", lambda t: t.replace("v = 1", "w = 1"), "among v, o, u, h"),
     ("one number for two", lambda t: t.replace("o = 2", "o = 1"), "a number of its own"),
     ("no angle", lambda t: t.replace("[0, 180]", "[]"), "marks.angles"),
     ("before the saw", lambda t: t.replace("x = 1800", "x = -5"), "at least saw.x"),
