@@ -48,7 +48,7 @@ def _refusals(line: Contour, bench: Bench) -> Iterator[Diagnostic]:
     if out is not None:
         yield IN_THE_WAY.at(
             line.source, what=f"{_length(line)} to mark", y=f"{out:g}", face=line.face,
-            least=f"{reach.least:g}", greatest=f"{reach.greatest:g}",
+            least=f"{reach.least:g}", greatest=f"{min(reach.greatest, reach.width):g}",
         )  # fmt: skip
 
 

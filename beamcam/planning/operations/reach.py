@@ -91,6 +91,6 @@ def refuse_place(
         return IN_THE_WAY.at(
             shape.source, what=f"a hole of diameter {shape.diameter:g}", y=f"{y:g}",
             face=shape.face, least=f"{reach.least + radius:g}",
-            greatest=f"{reach.greatest - radius:g}",
+            greatest=f"{min(reach.greatest, reach.width) - radius:g}",
         )  # fmt: skip
     return None

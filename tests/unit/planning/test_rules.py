@@ -125,6 +125,13 @@ CASES: tuple[Case, ...] = (
     ("plan-reach", "beamline", (part(hole(500, 19.0)),), {},
      "found a hole of diameter 18 at y 19 on face v; expected y from 19.7 to 280.3, "
      "the flange is in the tool's way"),
+    ("plan-reach", "beamline", (part(hole(500, 12.0), profile=ANGLE),), {},
+     "found a hole of diameter 18 at y 12 on face v; expected y from 21 to 141, "
+     "the flange is in the tool's way"),
+    ("plan-reach", "beamline-pusher",
+     (part(replace(LINE, curves=(Line((100, 50), (200, 5)),)), profile=ANGLE),),
+     {}, "found 109.659 mm of line to mark at y 5 on face v; expected y from 12 to 150, "
+     "the flange is in the tool's way"),
     ("plan-stroke", "beamline-annex", (part(hole(500, 200, 22), profile=HEB400),), {},
      "found a stroke to 6.750 mm below face v, the same for every hole; "
      "expected at least 20.109 mm for a hole of diameter 22"),
