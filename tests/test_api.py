@@ -270,6 +270,8 @@ def test_load_takes_tolerances_and_rows_of_a_map() -> None:
         ("plate-linuxcnc", {"lead": "spiral"}, "ask-value", "sheet.lead"),
         ("plate-linuxcnc", {"map": {"red": "burn"}}, "ask-value", "map"),
         ("beamline", {"tolerances": {"merge": -1}}, "ask-value", "tolerances"),
+        ("beamline", {"tolerances": {"twin": 2}}, "config-value", "tolerances.twin"),
+        ("plate-linuxcnc", {"kerf": 1e-4}, "plan-sheet-option", "a kerf of 0.0001 mm"),
         ("beamline", {"kerf": 1}, "plan-sheet-option", "beamline has no torch"),
         ("plate-linuxcnc", {"tolerances": {"merge": 1}}, "config-tolerance", "tolerances.merge"),
         (5, {}, "ask-type", "machine"),

@@ -272,6 +272,23 @@ def test_tolerances_without_a_drill(tmp_path: Path) -> None:
     assert with_tolerances(plate, over(config, {"machine": "plate-linuxcnc"})) is plate
 
 
+@pytest.mark.parametrize(
+    ("value", "expected"),
+    [
+        ("merge = 1.1", "at most 1 mm"), ("duplicate = 300", "at most 1 mm"),
+        ("twin = 10", "at most 1 mm"), ("sink = 90", "at most 1 mm"), ("path = 5", "at most 1 mm"),
+        ("path = 0", "at least 0.001 mm"),
+    ],
+)  # fmt: skip
+def test_tolerances_that_no_machine_file_may_have(
+    tmp_path: Path, value: str, expected: str
+) -> None:
+    """By one of 300 mm two holes would be one, with a warning only."""
+    config = load(write(tmp_path, f"[tolerances]\n{value}\n"))
+    with pytest.raises(ConfigError, match=f":2: error config-value: .*; expected {expected}"):
+        with_tolerances(load_machine("beamline-pusher"), config)
+
+
 def test_a_row_of_the_map_may_be_a_table(tmp_path: Path) -> None:
     file = tmp_path / "beamcam.toml"
     file.write_text('[map]\nblue = "mark"\n[map.red]\nprocess = "cut"\nspeed = 600\npasses = 2\n')

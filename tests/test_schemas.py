@@ -116,11 +116,19 @@ def test_what_is_not_valid(text: str, says: str) -> None:
     assert any(said.startswith(says) for said in faults(schema_of_machines(), tomllib.loads(text)))
 
 
-def test_every_key_with_a_meaning_has_it_in_the_schema() -> None:
+def test_every_key_has_a_meaning_that_is_in_the_schema_too() -> None:
     from beamcam.machine.keys import machine_keys
 
-    told = set(descriptions(schema_of_machines()))
-    assert {key.meaning for key in machine_keys() if key.meaning} <= told
+    assert [key.name for key in machine_keys() if not key.meaning] == []
+    assert {key.meaning for key in machine_keys()} <= set(descriptions(schema_of_machines()))
+
+
+def test_a_comment_of_several_lines_is_told_from_its_first_to_its_last_word() -> None:
+    from beamcam.machine.keys import machine_keys
+
+    (bevel,) = (key.meaning for key in machine_keys() if key.name == "torch.bevel")
+    assert bevel.startswith("Bevels: refused, or ")
+    assert bevel.endswith("tilts yet.")
 
 
 def descriptions(value: Any) -> Iterator[str]:

@@ -27,6 +27,7 @@ from beamcam.conversion import PositiveCount
 from beamcam.errors import Diagnostic, PlanError, ReadError, Source, errors_in
 from beamcam.machine import Machine
 from beamcam.machine.defaults import DEFAULT_MACHINE
+from beamcam.machine.tables import STEP_FORMS
 from beamcam.model.part import Part
 from beamcam.model.plan import Order, Plan, SheetPlan
 from beamcam.pipeline import Posted, as_error, read_file
@@ -320,7 +321,7 @@ def verify(
 
 def check_style(style: object, machine: Machine) -> None:
     """Raise AskError for what is no form of a program of the machine's controller."""
-    known = {"simotion": ("chain", "table"), "stepper": (".steps", ".csv", ".bin", ".h")}
+    known = {"simotion": ("chain", "table"), "stepper": STEP_FORMS}
     forms = known.get(machine.controller, ())
     if style is not None and style not in forms:
         expected = " or ".join(map(repr, (*forms, None)))

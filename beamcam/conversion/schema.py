@@ -45,7 +45,7 @@ def _records(hint: Any, known: dict[type, None]) -> dict[type, None]:
 def documented(record: type) -> dict[str, tuple[str, str]]:
     """Default and comment of each field, from the record's source.
 
-    A comment stands behind its field, or on the line before.
+    A comment stands behind its field, or on the lines before.
     """
     lines = inspect.getsource(sys.modules[record.__module__]).splitlines()
     tree = ast.parse("\n".join(lines))
@@ -54,11 +54,19 @@ def documented(record: type) -> dict[str, tuple[str, str]]:
     for node in body.body:
         if isinstance(node, ast.AnnAssign) and isinstance(node.target, ast.Name):
             comment = lines[(node.end_lineno or node.lineno) - 1].partition("#: ")[2]
-            above = lines[node.lineno - 2].strip()
-            if not comment and above.startswith("#: "):
-                comment = above.removeprefix("#: ")
-            found[node.target.id] = (_default(node.value), comment.strip())
+            found[node.target.id] = (
+                _default(node.value),
+                comment.strip() or _comment_above(lines[: node.lineno - 1]),
+            )
     return found
+
+
+def _comment_above(lines: list[str]) -> str:
+    """The comment that the last of these lines ends, on one line."""
+    above: list[str] = []
+    while (line := lines[-1 - len(above)].strip()).startswith("#: "):
+        above.insert(0, line.removeprefix("#: "))
+    return " ".join(above)
 
 
 def _default(value: ast.expr | None) -> str:

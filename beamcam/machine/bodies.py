@@ -17,7 +17,7 @@ class Body(Keys, frozen=True):
     called by its name, with - before it where it moves the box the other way.
     """
 
-    name: Text
+    name: Text  #: in messages
     min: tuple[Formula, Formula, Formula]  #: minimum x, y and z
     max: tuple[Formula, Formula, Formula]  #: maximum x, y and z
     x: str = ""  #: axis that carries it along x; fixed in x if absent

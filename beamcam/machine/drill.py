@@ -6,20 +6,20 @@ from beamcam.conversion import Count, Keys, NotNegative, Positive, PositiveCount
 from beamcam.machine.formula import Formula
 from beamcam.machine.tools import ToolKind
 
-Axis = Literal["X", "Y", "Z"]
+Axis = Literal["Y", "Z"]
 
 
 class Across(Keys, frozen=True):
     """The axis that sets a spindle across the bar."""
 
-    axis: Axis
-    position: Formula
+    axis: Axis  #: of the program; X is that of the bar
+    position: Formula  #: of the tool for the y of a hole
 
 
 class Stroke(Keys, frozen=True):
     """The axis that drives a spindle into the material."""
 
-    axis: Axis
+    axis: Axis  #: of the program; the other one
     start: Formula  #: free of the section, where the spindle may travel
     bottom: Formula  #: end of the stroke
     near: Formula | None = None  #: where the rapid approach ends; `start` if not given
@@ -28,26 +28,26 @@ class Stroke(Keys, frozen=True):
 class Spindle(Keys, frozen=True):
     """A drilling spindle: the face that it reaches, its axes and its stations."""
 
-    name: str
+    name: str  #: in messages and plans
     number: Count  #: what the program calls it
-    face: Literal["v", "o", "u", "h"]
+    face: Literal["v", "o", "u", "h"]  #: that it reaches
     across: Across
     stroke: Stroke
-    stations: PositiveCount = 1
+    stations: PositiveCount = 1  #: tools in its magazine
 
 
 class Pair(Keys, frozen=True):
     """Two spindles that can drill at once."""
 
-    name: str
-    number: Count
-    faces: tuple[str, str]
+    name: str  #: in messages and plans
+    number: Count  #: what the program calls it
+    faces: tuple[str, str]  #: of its spindles
 
 
 class Fit(Keys, frozen=True):
     """How far a drill may differ from its hole, for holes up to a diameter."""
 
-    up_to: Positive
+    up_to: Positive  #: diameter of the hole
     plus: NotNegative  #: the drill may be larger by this
     minus: NotNegative  #: or smaller by this
 
@@ -55,11 +55,11 @@ class Fit(Keys, frozen=True):
 class Cutting(Keys, frozen=True):
     """Speed and feed of a tool, for diameters up to a limit. The first row that fits counts."""
 
-    up_to: Positive
+    up_to: Positive  #: diameter of the tool
     speed_m_min: Positive  #: at the drill's edge
     feed_per_turn: Positive  #: mm
     grade: str = "*"  #: steel grades of the row, as shell patterns separated by |
-    kind: ToolKind = "drill"
+    kind: ToolKind = "drill"  #: of tool
     tool_material: Literal["*", "hss", "carbide"] = "*"  #: kind of tool the row applies to
 
 
@@ -67,16 +67,16 @@ class Drill(Keys, frozen=True):
     """The drilling station."""
 
     x: float  #: machine X of a hole at bar x 0
-    max_height: Positive
-    max_width: Positive
+    max_height: Positive  #: of the largest section
+    max_width: Positive  #: of the largest section
     fits: tuple[Fit, ...]
     cutting: tuple[Cutting, ...]
     merge_tolerance: NotNegative = 0.1  #: flange holes nearer than this are one operation
     clearance: NotNegative = 5.0  #: between tool and surface where the feed begins
     breakthrough: NotNegative = 2.0  #: of the drill's full diameter beyond the far side
-    min_speed_rpm: Positive = 150.0
-    max_speed_rpm: Positive = 2500.0
-    max_feed_mm_min: Positive = 20000.0
+    min_speed_rpm: Positive = 150.0  #: of a spindle
+    max_speed_rpm: Positive = 2500.0  #: of a spindle
+    max_feed_mm_min: Positive = 20000.0  #: of a tool
     twin: NotNegative = 0.02  #: tools that differ by no more are one: 20.64 and 13/16 in
     duplicate_tolerance: NotNegative = 0.01  #: holes of one face nearer than this are one hole
     slots: Literal["mill", "drill-mill"] = "drill-mill"  #: whether its ends are drilled first

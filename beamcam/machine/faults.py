@@ -8,6 +8,7 @@ from beamcam.machine.drill import Spindle
 from beamcam.machine.machine import Machine
 from beamcam.machine.modbus import modbus_faults
 from beamcam.machine.saw import Saw
+from beamcam.machine.tables import STEP_FORMS
 from beamcam.machine.tools import FLAT_DEG, ToolSet, inch_size
 from beamcam.machine.torch import Torch
 from beamcam.machine.trigger_faults import trigger_faults
@@ -300,6 +301,8 @@ def table_faults(machine: Machine) -> Iterator[Fault]:
         yield from trigger_faults(triggers, machine)
     if stepper is not None and sorted(stepper.sequence) != ["00", "01", "10", "11"]:
         yield "stepper.sequence", list(stepper.sequence), "each of 00, 01, 10, 11 once"
+    if machine.controller == "stepper" and machine.suffix not in STEP_FORMS:
+        yield "suffix", machine.suffix, f"one of {', '.join(STEP_FORMS)}, the forms of its tables"
     torch = machine.torch
     # A curve that is longer moves an axis by a step at least, in either direction.
     if stepper is not None and torch is not None and torch.gap < (least := sqrt(2) * stepper.step):

@@ -31,9 +31,9 @@ Station = TypeVar("Station")
 class NumberFormat(Keys, frozen=True):
     """Number and block format of the controller."""
 
-    length_decimals: Decimals = 3
-    angle_decimals: Decimals = 3
-    feed_unit: Literal["mm/s", "mm/min"] = "mm/min"
+    length_decimals: Decimals = 3  #: of lengths and feeds in a program
+    angle_decimals: Decimals = 3  #: of angles
+    feed_unit: Literal["mm/s", "mm/min"] = "mm/min"  #: of {feed}
     number_blocks: bool = False  #: N1, N2, ... before every block but % and comments
 
     @property
@@ -47,13 +47,12 @@ class Layout(Keys, frozen=True):
 
     order: Literal["saw-drill", "drill-saw"]  #: which station the bar reaches first
     min_bar: NotNegative = 0.0  #: shortest bar that the stop or gripper can hold
-    max_bar: float | None = None
+    max_bar: float | None = None  #: longest bar that it takes; None has no limit
     default_bar: NotNegative = 0.0  #: taken where no length is given and the parts need too little
     front_trim: NotNegative = 0.0  #: bar x at which the first part starts
     end_trim: NotNegative = 0.0  #: at the bar's end, scrap
-    dead_zone: NotNegative = (
-        0.0  #: at the bar's end, held by the gripper, out of the stations' reach
-    )
+    #: at the bar's end, held by the gripper, out of the stations' reach
+    dead_zone: NotNegative = 0.0
     min_part: NotNegative = 0.0  #: shortest part that does not fall between the rollers
     min_bar_left: NotNegative = 0.0  #: of the bar while its last part is worked; 0: nothing known
     min_remnant: NotNegative = 1000.0  #: a remnant of at least this length goes back to stock
@@ -78,13 +77,14 @@ class ControlledAxis(Keys, frozen=True):
     `spindle`; `angle` is the saw's rotation and `saw` its stroke, which the saw word moves.
     """
 
-    name: str
+    name: str  #: in traces, messages and the `bodies` that it carries
+    #: letter that moves it in a program; angle is the saw's rotation, saw its stroke
     moves: Literal["X", "Y", "Z", "angle", "saw"]
     speed: Positive  #: maximum, mm/s or deg/s; the rate of rapid moves
     acceleration: Positive  #: mm/s2 or deg/s2
     spindle: int | None = None  #: number of the spindle that it belongs to
     min: float | None = None  #: None has no limit
-    max: float | None = None
+    max: float | None = None  #: None has no limit
     park: float = 0.0  #: position at program start
     jerk: Positive | None = None  #: mm/s3 or deg/s3; None has no limit
 
@@ -104,13 +104,14 @@ CodeMeaning = Literal[
 class MachineFile(Keys, frozen=True):
     """What a machine's file may say; the fields are its keys."""
 
-    name: str
-    title: str
+    name: str  #: that of the file, if it gives none
+    title: str  #: what it is, in lists of machines
+    #: the family of its controller
     controller: Literal["codesys", "linuxcnc", "grbl", "simotion", "stepper"]
-    stock: Literal["beam", "sheet"]
+    stock: Literal["beam", "sheet"]  #: what it works on
     format: NumberFormat
     words: Words = Words()
-    suffix: str = ".gcode"
+    suffix: str = ".gcode"  #: of its programs
     default_for: tuple[str, ...] = ()  #: suffixes of outputs for which it is taken; not inherited
     choice: PositiveCount = 1  #: place among those tried for such an output; not inherited
     layout: Layout | None = None

@@ -23,8 +23,8 @@ class Marks(Keys, frozen=True):
     parts. A text without room goes on the list of manual work.
     """
 
-    text: Policy = "list"
-    points: Policy = "make"
+    text: Policy = "list"  #: texts; list: left for manual work
+    points: Policy = "make"  #: centre points
     contours: Policy = "make"  #: lines to scribe or to punch
     unit: MarkingUnit = "none"  #: what letters
     height_of: Literal["capital", "body"] = "capital"  #: what the height of a text is that of

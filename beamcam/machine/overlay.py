@@ -5,7 +5,7 @@ from typing import Any, Literal
 
 from msgspec.structs import replace
 
-from beamcam.machine.faults import TABLE_CONTROLLERS
+from beamcam.machine.faults import KERF_STEPS, TABLE_CONTROLLERS
 from beamcam.machine.machine import Machine
 from beamcam.machine.torch import LookSettings, Torch
 
@@ -26,8 +26,8 @@ def with_torch(
     `sheet_size` is the length and width of the sheet, no larger than the table. `colours` are laid
     over those of the machine, before them, each with its `settings` or with none; `kerf` replaces
     that of every row to cut, and 0 turns compensation off. `values` are fields of `Torch`; those
-    that are None count as not given. Raises ValueError for a machine without a torch, or without
-    words for what is asked.
+    that are None count as not given. Raises ValueError for a machine without a torch, without words
+    for what is asked, or whose numbers cannot write it.
     """
     given = {name: value for name, value in values.items() if value is not None}
     if not (colours or given or sheet_size or kerf is not None):
@@ -51,6 +51,10 @@ def with_torch(
         kept = {k: v for k, v in torch.settings.items() if k not in colours}
         given["settings"] = {**(settings or {}), **kept}
     if kerf is not None:
+        least = KERF_STEPS * machine.format.resolution
+        if 0.0 < kerf < least:
+            takes = f"{machine.name} takes 0, or {least:g} mm or more"
+            raise ValueError(f"a kerf of {kerf:g} mm; {takes}")
         given["rows"] = tuple(
             replace(row, kerf=kerf) if row.process == "cut" else row for row in torch.rows
         )

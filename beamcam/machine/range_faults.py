@@ -19,6 +19,7 @@ MAX_SLACK = 1.0
 MIN_FEED_MM_MIN = 1.0
 MIN_ACCELERATION = 1.0  #: mm/s2, which programs say to 0.001
 MIN_FEED_PER_TURN = 0.001  #: mm
+MIN_PATH_TOLERANCE = 0.001  #: mm of chords from their curve, finer than a mill cuts
 MIN_SPEED_RPM = 1.0  #: which programs say to 1
 MIN_CROSS = 1.0  #: mm of a cross that marks a centre, if there is one
 MIN_STEP = 0.0005  #: mm that a motor makes; a table has a row for each
@@ -31,6 +32,8 @@ def range_faults(machine: Machine) -> Iterator[Fault]:
         yield from _feed("saw.feed_mm_min", machine.saw.feed_mm_min)
     if machine.drill is not None:
         yield from _of_drill(machine.drill)
+        for name, found, expected in slack_faults(machine.drill):
+            yield f"drill.{name}", found, expected
     if machine.torch is not None:
         yield from _of_torch(machine.torch)
     if machine.stepper is not None and machine.stepper.step < MIN_STEP:
@@ -63,9 +66,17 @@ def _of_drill(drill: Drill) -> Iterator[Fault]:
         if row.feed_per_turn * drill.min_speed_rpm < MIN_FEED_MM_MIN:
             expected = f"{MIN_FEED_MM_MIN / row.feed_per_turn:.3g} or more, for a feed of 1 mm/min"
             yield "drill.min_speed_rpm", drill.min_speed_rpm, f"{expected} by {key}"
-    for key in ("merge_tolerance", "twin", "duplicate_tolerance"):
-        if (found := getattr(drill, key)) > MAX_SLACK:
-            yield f"drill.{key}", found, f"at most {MAX_SLACK:g} mm"
+
+
+def slack_faults(drill: Drill) -> Iterator[Fault]:
+    """Each tolerance with which a hole would be no hole any more, by its name in a drill."""
+    for name in (
+        "merge_tolerance", "twin", "duplicate_tolerance", "sink_tolerance", "path_tolerance",
+    ):  # fmt: skip
+        if (found := getattr(drill, name)) > MAX_SLACK:
+            yield name, found, f"at most {MAX_SLACK:g} mm"
+    if drill.path_tolerance < MIN_PATH_TOLERANCE:
+        yield "path_tolerance", drill.path_tolerance, f"at least {MIN_PATH_TOLERANCE:g} mm"
 
 
 def _of_torch(torch: Torch) -> Iterator[Fault]:

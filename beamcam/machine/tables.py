@@ -36,7 +36,7 @@ class Triggers(Keys, frozen=True):
     acknowledge: str = ""  #: input of the button that acknowledges a fault; a variable if absent
     fault_lamp: str = ""  #: output that shows a fault
     uses: tuple[str, ...] = ()  #: units of the project that declare named inputs and outputs
-    homing_mm_s: Positive = 10.0
+    homing_mm_s: Positive = 10.0  #: towards the limit switches
     max_homing_s: Positive = 120.0  #: of homing both axes; longer is a fault
     max_late_s: Positive = 2.0  #: behind its reckoned end, by which an operation has to arrive
     back_off: Positive = 30.0  #: from the limit switch to the corner of the work area
@@ -46,9 +46,9 @@ class Triggers(Keys, frozen=True):
     arrival_window: Positive = 0.26  #: of an actual position about its set position; encoder counts
     counts_per_turn: PositiveCount = 512  #: of the encoder
     travel_per_turn: Positive = 65.0  #: of an axis, for a turn of its encoder
-    cycles_per_chord: Positive = 3.0
+    cycles_per_chord: Positive = 3.0  #: that a chord takes at least; the feed is reduced for it
     package: str = ""  #: technology package; CAM for axes, PATH for path objects if absent
-    style: Literal["chain", "table"] = "chain"
+    style: Literal["chain", "table"] = "chain"  #: of its programs, where no job says another
     max_chain: PositiveCount = 500  #: operations of a chain; a longer path has to be a table
     max_data: UnitBytes = 65536  #: bytes of set-points in one unit
     path_objects: bool = False  #: whether the controller interpolates lines and circles
@@ -66,15 +66,19 @@ class Triggers(Keys, frozen=True):
         return self.travel_per_turn / self.counts_per_turn
 
 
+#: Forms of a stepper table, by their suffix.
+STEP_FORMS = (".steps", ".csv", ".bin", ".h")
+
+
 class Stepper(Keys, frozen=True):
     """Two stepping motors with lead screws, each driven by a word of two bits."""
 
     pitch: Positive  #: of the lead screw, a turn
-    steps_per_turn: PositiveCount
+    steps_per_turn: PositiveCount  #: of the motor
     acceleration: Positive  #: mm/s2 of each axis
     jerk: Positive  #: mm/s3 of each axis
     max_hz: Positive  #: step frequency of an axis
-    traverse_mm_s: Positive
+    traverse_mm_s: Positive  #: along the path with the laser off
     corner: Positive = 0.01  #: how far a circle that is as fast may pass from a corner
     sequence: tuple[str, ...] = ("00", "01", "10", "11")  #: words of forward steps
     reversed_axes: tuple[Literal["X", "Y"], ...] = field(default=())  #: whose motor turns back

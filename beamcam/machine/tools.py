@@ -54,14 +54,14 @@ MM_PER_INCH = 25.4
 class ToolSet(Keys, frozen=True):
     """Tools of one kind in the diameters that the shop has."""
 
-    kind: ToolKind
-    diameters: tuple[float, ...] = ()
+    kind: ToolKind  #: of all of them
+    diameters: tuple[float, ...] = ()  #: each is a tool
     inches: tuple[str, ...] = ()  #: more of them, as "13/16" or "1 1/16"
-    point_deg: Positive = 118.0
+    point_deg: Positive = 118.0  #: angle of the point or the cone; 180 is flat
     faces: tuple[Literal["v", "o", "u", "h"], ...] = ("v", "o", "u", "h")  #: of spindles
     pitches: tuple[float, ...] = ()  #: of taps, one for each diameter
     pre_drills: tuple[float, ...] = ()  #: of taps, the drill before each of them
-    hand: Literal["right", "left"] = "right"
+    hand: Literal["right", "left"] = "right"  #: of taps
     largest_hole: NotNegative = 0.0  #: of mills: largest that may be milled as a circle
     tool_material: ToolMaterial = "hss"  #: high-speed steel or cemented carbide
     max_peck: NotNegative = 0.0  #: depth that a drill is fed at a time, {peck}; 0: all at once

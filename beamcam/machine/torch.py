@@ -14,13 +14,13 @@ TorchProcess = Literal["cut", "mark", "engrave"]
 class TorchRow(Keys, frozen=True):
     """Parameters of a process on one material, up to a thickness."""
 
-    process: TorchProcess
+    process: TorchProcess  #: that the row is for
     up_to: Positive  #: thickness of the sheet
-    feed_mm_min: Positive
+    feed_mm_min: Positive  #: along the contour
     material: str = "*"  #: grade of the sheet, as a shell pattern
     power: NotNegative = 0.0  #: what the words call {power}
     pierce_s: NotNegative = 0.0  #: between the tool's start and the first move
-    kerf: NotNegative = 0.0
+    kerf: NotNegative = 0.0  #: width of the cut
     pierce_height: NotNegative = 0.0  #: of the torch over the sheet as it pierces; 0: not known
     cut_height: NotNegative = 0.0  #: of the torch over the sheet as it cuts; 0: not known
     passes: PositiveCount = 1  #: how often a contour is followed
@@ -79,8 +79,8 @@ class Torch(Keys, frozen=True):
     gap: Positive = 0.01  #: ends of curves as near as this belong together
     kerf_by: Literal["none", "offset", "machine"] = "none"  #: kerf compensation
     lead: Literal["none", "line", "arc"] = "none"  #: lead-in: from the pierce point to the contour
-    lead_in: NotNegative = 0.0
-    lead_out: NotNegative = 0.0
+    lead_in: NotNegative = 0.0  #: length of the lead-in
+    lead_out: NotNegative = 0.0  #: of the lead-out
     start: Literal["nearest", "drawn", "straight"] = "nearest"  #: straight: away from corners
     direction: Literal["drawn", "climb", "conventional"] = "drawn"  #: climb: material at the right
     tabs: Count = 0  #: bridges that hold a part in the sheet

@@ -52,6 +52,8 @@ WRONG = [
     (AXIS.format("X", -1), "machine-value: found -1 for 'axes.0.speed'; expected more than 0"),
     (AXIS.format("X", 1) * 2, "machine-value: found 'X' for 'axes.1.moves'; expected one axis"),
     ('[[tools]]\nkind = "reamer"\ndiameters = [3]', "machine-value: found 'reamer' for"),
+    (SPINDLE.format(axis="X", position="y"), "machine-value: found 'X' for"),
+    (SPINDLE.format(axis="Y", position="y").replace('"Z"', '"X"'), "machine-value: found 'X' for"),
     (SPINDLE.format(axis="Y", position="y +"), "machine-value: found 'y +' for"),
     (SPINDLE.format(axis="Y", position="yy"), "machine-value: found 'yy' for"),
     (SPINDLE.format(axis="Y", position="y / (y - y)"), "machine-value: found 'y / (y - y)' for"),
