@@ -25,12 +25,6 @@ BRAKING = "E-"  #: how `read_block` calls an E with a negative value, which may 
 NUMBER = r"[+-]?(?:[0-9]{1,15}(?:\.[0-9]{0,15})?|\.[0-9]{1,15})"  # no controller counts further
 _WORD = re.compile(rf"([A-Z])({NUMBER})")
 _COMMENT = re.compile(r"\([^()]*\)")
-# What nearly every block of a program looks like; anything else takes the slower way below.
-USUAL = re.compile(
-    rf"([GM])([0-9]{{1,15}})(?: X({NUMBER}))?(?: Y({NUMBER}))?(?: Z({NUMBER}))?"
-    rf"(?: F({NUMBER}))?(?: K({NUMBER}))?(?: L({NUMBER}))?"
-    rf"(?(6)|(?: F({NUMBER}))?)"  # one F: of a move before K, of a cut behind it
-)
 
 
 class Block(Struct, frozen=True, gc=False):
@@ -48,78 +42,66 @@ class Fault(Struct, frozen=True):
     expected: str
 
 
-@cached("codesys.blocks")
-def read_block(text: str, letters: frozenset[str] = LETTERS) -> Block | Fault | None:
-    """A line without its block number; None where there is nothing in it.
+class Word(Struct, frozen=True, gc=False):
+    """One word, wherever it stands."""
+
+    letter: str
+    name: str  #: the letter, or `BRAKING`
+    value: float
+    is_whole: bool  #: whether its number is digits and no more
+
+
+def read_block(text: str, letters: Set[str] = LETTERS) -> Block | Fault | None:
+    """The words of a line; None where there is nothing in it.
 
     `letters` are the addresses that the controller knows.
     """
-    usual = USUAL.fullmatch(text)
-    return _any_block(text, letters) if usual is None else _usual(usual)
-
-
-def _usual(match: re.Match[str]) -> Block:
-    command, number, x, y, z, f, k, second, last = match.groups()
-    words: dict[str, float] = {}
-    if x is not None:  # one by one: a loop takes twice as long
-        words["X"] = float(x)
-    if y is not None:
-        words["Y"] = float(y)
-    if z is not None:
-        words["Z"] = float(z)
-    if f is not None:
-        words["F"] = float(f)
-    if k is not None:
-        words["K"] = float(k)
-    if second is not None:
-        words["L"] = float(second)
-    if last is not None:
-        words["F"] = float(last)
-    return Block(command, int(number), words)
-
-
-def _any_block(raw: str, letters: Set[str]) -> Block | Fault | None:
-    if not raw.isascii():
-        raw = "".join(c if ord(c) < 128 else "\N{REPLACEMENT CHARACTER}" for c in raw)
-    bare = _COMMENT.sub(" ", raw).upper()
+    if not text.isascii():
+        text = "".join(c if c.isascii() else "\N{REPLACEMENT CHARACTER}" for c in text)
+    bare = text.upper()
     if "(" in bare or ")" in bare:
-        expected = "a comment that begins and ends on its line, none in another"
-        return Fault(raw.strip(), expected)
-    if bare.lstrip().startswith("/"):
-        return Fault(raw.strip(), "a block that always runs; `/` leaves that to a switch")
+        bare = _COMMENT.sub(" ", bare)
+        if "(" in bare or ")" in bare:
+            expected = "a comment that begins and ends on its line, none in another"
+            return Fault(text.strip(), expected)
     command, number = "", 0
     words: dict[str, float] = {}
-    for index, word in enumerate(bare.split()):
-        match = _WORD.fullmatch(word)
-        if match is None:
-            return Fault(word, "a letter and a number, set off by spaces")
-        letter, digits = match.groups()
-        wrong = _out_of_place(letter, digits, index, Block(command, number, words), letters)
-        if wrong:
-            return Fault(word, wrong)
+    for index, said in enumerate(bare.split()):
+        word = _read_word(said)
+        if word is None:
+            if not index and said.startswith("/"):
+                expected = "a block that always runs; `/` leaves that to a switch"
+                return Fault(text.strip(), expected)
+            return Fault(said, "a letter and a number, set off by spaces")
+        letter = word.letter
+        if letter not in letters:
+            return Fault(said, "a word that the controller knows")
+        if letter in _WHOLE and not word.is_whole:
+            return Fault(said, f"a whole number behind {letter}")
         if letter in "GM":
-            command, number = letter, int(digits)
-        elif letter != "N":
-            value = float(digits)
-            name = BRAKING if letter == "E" and value < 0.0 else letter
-            if name in words:
-                return Fault(word, f"{name} once in a block")
-            words[name] = value
+            if command:
+                stands = f"{command}{number} stands there already"
+                return Fault(said, f"one command a block, {stands}")
+            if words:
+                return Fault(said, "the command before the other words")
+            command, number = letter, int(word.value)
+        elif letter == "N":
+            if index:
+                return Fault(said, "the block number at the beginning")
+        elif word.name in words:
+            return Fault(said, f"{word.name} once in a block")
+        else:
+            words[word.name] = word.value
     return Block(command, number, words) if command or words else None
 
 
-def _out_of_place(
-    letter: str, digits: str, index: int, before: Block, letters: Set[str]
-) -> str | None:
-    """What a word should have been instead, behind those `before` it."""
-    if letter not in letters:
-        return "a word that the controller knows"
-    if letter in _WHOLE and not digits.isdigit():
-        return f"a whole number behind {letter}"
-    if letter == "N" and index:
-        return "the block number at the beginning"
-    if letter in "GM" and before.command:
-        return f"one command a block, {before.command}{before.number} stands there already"
-    if letter in "GM" and before.words:
-        return "the command before the other words"
-    return None
+@cached("codesys.words")
+def _read_word(text: str) -> Word | None:
+    """A letter and a number; None for anything else."""
+    match = _WORD.fullmatch(text)
+    if match is None:
+        return None
+    letter, digits = match.groups()
+    value = float(digits)
+    name = BRAKING if letter == "E" and value < 0.0 else letter
+    return Word(letter, name, value, digits.isdigit())

@@ -15,6 +15,7 @@ A block without a command repeats the last travel command. Source: CODESYS onlin
 import re
 from math import sqrt
 
+from beamcam.caches import BoundedCache, PerObject
 from beamcam.controllers import rules
 from beamcam.controllers.codesys.arcs import arc_fault
 from beamcam.controllers.codesys.blocks import BRAKING, Block, Fault, read_block
@@ -41,9 +42,19 @@ _TRAVEL = {
     0: frozenset("F"), 1: _FED, 2: _FED | set("IJR"), 3: _FED | set("IJR"),
     6: _FED | set("IJ"), 8: _FED | set("IJKR"), 9: _FED | set("IJKR"),
 }  # fmt: skip
+#: The letters that each travel command takes, by the axes; a table's G00 takes no F.
+_LETTERS = {
+    axes: {motion: own | set(axes) for motion, own in _TRAVEL.items()} | without_feed
+    for axes, without_feed in (("XYZ", {}), ("XY", {0: frozenset("XY")}))
+}
 _SIDES: dict[int, Side] = {40: "on", 41: "left", 42: "right"}
 _WITHOUT_EFFECT = (50, 53)  #: smoothing and offsets: off, as at the start
 _NUMBERED = re.compile(r"N[0-9]+ ")
+
+
+_blocks_of: PerObject[Dialect, BoundedCache[str, Block]] = PerObject(
+    "controllers.blocks", lambda _: BoundedCache("codesys.blocks")
+)
 
 
 class Codesys(Interpreter):
@@ -55,15 +66,16 @@ class Codesys(Interpreter):
     def __init__(self, dialect: Dialect, name: str) -> None:
         super().__init__(dialect, name)
         self.arc_slack = 2 * sqrt(2) * dialect.resolution
-        self._known: dict[str, Block] = {}  # programs repeat themselves
+        self._known = _blocks_of(dialect)
+        self._begun = False  #: whether a block has been read
         self._absolute_centre = False
         #: A cell's programs may count on G90 as the default, those of a table have to say it.
         self._counting_said = dialect.stock == "beam"
-        self._letters = {motion: own | set(dialect.axes) for motion, own in _TRAVEL.items()}
+        self._letters = _LETTERS[dialect.axes]
+        self._own_m_words = {int(code[1:]) for code in dialect.codes
+                             if code[0] == "M" and code[1:].isdigit()}  # fmt: skip
         self._own = {int(code[1:]): meaning for code, meaning in dialect.codes.items()
                      if code[0] == "G" and code[1:].isdigit()}  # fmt: skip
-        if dialect.stock == "sheet":
-            self._letters[0] = frozenset(dialect.axes)
 
     def _is_simple(self) -> bool:
         return self._counting_said and not self._absolute_centre and super()._is_simple()
@@ -76,20 +88,10 @@ class Codesys(Interpreter):
         """Carries out a line of the text."""
         numbered = _NUMBERED.match(text)
         body = text[numbered.end() :] if numbered else text
-        block = self._known.get(body)
-        if block is None:
-            if self._is_text(line, body):
-                return
-            block = self._read(line, body, outermost)
-            if block is None:
-                return
-            code = f"{block.command}{block.number}"
-            if block.command and not self._dialect.is_allowed(code):
-                self._wrong(line, shown_code(code), self._dialect.shown_allowed())
-                return
-            self._known[body] = block
-        if self._over and self.is_over(line):
+        block = self._known.get(body) or self._read(line, body, outermost)
+        if block is None or (self._over and self.is_over(line)):
             return
+        self._begun = True
         command, number, words = block.command, block.number, block.words
         if command == "M":
             self._m_word(line, number, words)
@@ -103,9 +105,11 @@ class Codesys(Interpreter):
             self._setting(line, number, words)
 
     def _read(self, line: int, body: str, outermost: bool) -> Block | None:
-        """A block that is read for the first time; None, with a message, if it is not valid."""
+        """A block that is not known; None for a text or no block, and with a message if invalid."""
+        if self._is_text(line, body):
+            return None
         if body.lstrip().startswith("%"):
-            if not self._known or outermost:
+            if not self._begun or outermost:
                 return None
             block: Block | Fault | None = Fault(
                 body.strip(), "% on the first or the last line only"
@@ -115,11 +119,17 @@ class Codesys(Interpreter):
         if isinstance(block, Fault):
             self._say(line, self._rules.syntax, found=block.found, expected=block.expected)
             return None
-        return block
+        if block is None:
+            return None
+        code = f"{block.command}{block.number}"
+        if block.command and not self._dialect.is_allowed(code):
+            self._wrong(line, shown_code(code), self._dialect.shown_allowed())
+            return None
+        return self._known.keep(body, block)
 
     def _m_word(self, line: int, number: int, words: Words) -> None:
         self._wait(line)
-        if f"M{number}" in self._dialect.codes:
+        if number in self._own_m_words:
             if words:
                 self._wrong(line, f"{min(words)} behind M{number:02}", "no word there")
             return
