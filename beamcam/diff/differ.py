@@ -9,7 +9,7 @@ from math import isnan
 from typing import Any, Literal
 
 from msgspec import Struct
-from msgspec.structs import fields
+from msgspec.structs import astuple, fields, replace
 
 from beamcam.diff.pairing import (
     Difference,
@@ -131,7 +131,7 @@ def _section(a: Made, b: Made) -> Iterator[Difference]:
 
 
 def _order(made: Made) -> list[tuple[object, ...]]:
-    return [op[1:3] if type(op) is Cut else op[1:4] for op in made.order]
+    return [astuple(op)[1 : 3 if type(op) is Cut else 4] for op in made.order]
 
 
 def _cut_place(cut: Cut) -> tuple[float, float]:
@@ -139,7 +139,7 @@ def _cut_place(cut: Cut) -> tuple[float, float]:
 
 
 def _cut_to(cut: Cut, at: Cut) -> Cut:
-    return cut._replace(x=at.x)
+    return replace(cut, x=at.x)
 
 
 def _cut_name(cut: Cut) -> str:
@@ -165,7 +165,7 @@ def _bore_place(bore: Bore) -> tuple[float, float]:
 
 
 def _bore_to(bore: Bore, at: Bore) -> Bore:
-    return bore._replace(x=at.x, y=at.y)
+    return replace(bore, x=at.x, y=at.y)
 
 
 def _bore_name(bore: Bore) -> str:
@@ -198,7 +198,7 @@ def _trail_place(trail: Trail) -> tuple[float, float]:
 
 def _trail_to(trail: Trail, at: Trail) -> Trail:
     (x, y), (to_x, to_y) = trail.points[0], at.points[0]
-    return trail._replace(points=tuple((p + to_x - x, q + to_y - y) for p, q in trail.points))
+    return replace(trail, points=tuple((p + to_x - x, q + to_y - y) for p, q in trail.points))
 
 
 def _trail_name(trail: Trail) -> str:
@@ -227,7 +227,7 @@ def _text_place(text: Written) -> tuple[float, float]:
 
 
 def _text_to(text: Written, at: Written) -> Written:
-    return text._replace(x=at.x, y=at.y)
+    return replace(text, x=at.x, y=at.y)
 
 
 def _text_name(text: Written) -> str:

@@ -15,7 +15,6 @@ which does not fit every hole:
 
 import re
 from collections.abc import Iterator, Sequence
-from typing import NamedTuple
 
 from msgspec import Struct
 
@@ -54,7 +53,7 @@ STOP = Rule(
 RULES = (STROKE, AXIS, STOP)
 
 
-class Beyond(NamedTuple):
+class Beyond(Struct, frozen=True):
     """An axis that would have to go where it cannot."""
 
     axis: ControlledAxis

@@ -8,6 +8,8 @@ skew end; what lies before the first cut is trim, what lies behind the last the 
 
 from collections.abc import Iterator, Sequence
 
+from msgspec.structs import replace
+
 from beamcam.errors import Diagnostic, Source, errors_in
 from beamcam.machine.absent import drill_of, text_x
 from beamcam.machine.machine import Machine
@@ -110,7 +112,7 @@ class _Bar:
         paths = [self._path(t, from_x) for t in made.trails if self._in(piece, t.face, t.points[0])]
         led = [f for f in paths if f is not None]
         bores = [b for b in made.bores if self._in(piece, b.face, (b.x, b.y))]
-        here = [b._replace(x=self._x(b, from_x)) for b in bores]
+        here = [replace(b, x=self._x(b, from_x)) for b in bores]
         texts = self._texts(piece, first, made)
         return (*holes_of(here, led, self.shop, self.profile, self.name), *led, *texts)
 
@@ -128,7 +130,7 @@ class _Bar:
         return plain(bore.x - from_x, form.resolution, form.length_decimals)
 
     def _path(self, trail: Trail, from_x: float) -> Feature | None:
-        moved = trail._replace(points=tuple([(x - from_x, y) for x, y in trail.points]))
+        moved = replace(trail, points=tuple([(x - from_x, y) for x, y in trail.points]))
         found = feature_of(moved, self.shop, self.profile, Source(self.name, trail.line))
         if isinstance(found, NotAFeature):
             self.said.append(

@@ -3,7 +3,9 @@
 from collections.abc import Iterator, Sequence
 from itertools import pairwise
 from math import atan2, cos, degrees, dist, radians, sin, sqrt
-from typing import NamedTuple
+
+from msgspec import Struct
+from msgspec.structs import replace
 
 from beamcam.errors import Source
 from beamcam.geometry.curves import Line, Point
@@ -17,7 +19,7 @@ from beamcam.verify.bars.targets import Pocket
 MIN_CORNERS = 8  #: of a chain of chords that replaces a circle
 
 
-class NotAFeature(NamedTuple):
+class NotAFeature(Struct, frozen=True):
     """A path that makes no feature of a part, and where it begins."""
 
     x: float
@@ -39,7 +41,7 @@ def feature_of(
     depth = None if through else plain(trail.max_depth, slack, decimals)
     allowed = shop.drill.path_tolerance + 2 * slack
     for pocket in _pockets(points, trail, slack, decimals):
-        own = pocket._replace(depth=depth)
+        own = replace(pocket, depth=depth)
         if pocket_error(own, trail.points, trail.diameter) > allowed:
             continue
         kind = "through" if through else "blind"

@@ -16,7 +16,7 @@ How deep a cone goes follows from its outer diameter D, its angle a and the hole
 
 from collections.abc import Mapping
 from math import radians, tan
-from typing import NamedTuple, cast
+from typing import cast
 
 from msgspec import Struct
 
@@ -51,7 +51,7 @@ THREAD_DEPTH = Rule(
 RULES = (NO_PILOT, SINK_DEPTH, THREAD_DEPTH)
 
 
-class HoleWork(NamedTuple):
+class HoleWork(Struct, frozen=True):
     """A hole, or one and the same on both flanges (two faces), wherever it is."""
 
     kind: HoleKind

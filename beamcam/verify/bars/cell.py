@@ -9,6 +9,8 @@ the feed. The state and the M words stand in `cell_state`; here are the moves.
 from collections.abc import Iterable
 from math import isnan, nan
 
+from msgspec.structs import replace
+
 from beamcam.controllers.events import (
     BarEvent,
     Compensation,
@@ -138,7 +140,8 @@ class Cell(CellState):
                 last.feed_mm_min,
             )
         elif type(last) is Trail and self.peck is not None:
-            self.order[-1] = last._replace(
+            self.order[-1] = replace(
+                last,
                 points=(*last.points, point),
                 min_depth=min(last.min_depth, depth),
                 max_depth=max(last.max_depth, depth),

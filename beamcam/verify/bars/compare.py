@@ -168,8 +168,8 @@ class Comparison:
         first = asked.parts[0]
         ways = [part for part in standing(first) if part.profile == self.profile]
         meant = [Candidate(p, 0, ends_of(p, self.saw)) for p in (ways if asked.turn else [first])]
-        part, _, ends = min(meant, key=lambda candidate: self._faults(candidate, 0.0))
-        return [Laid(part, 0, ends, 0.0, None)]
+        best = min(meant, key=lambda candidate: self._faults(candidate, 0.0))
+        return [Laid(best.part, 0, best.ends, 0.0, None)]
 
     def _complain_of_cuts(self, laid: Sequence[Laid]) -> list[Laid]:
         """The parts placed by the nearest cuts; faults of the cuts are reported."""

@@ -7,7 +7,7 @@ its own and a square one behind it that removes the wedge. The blade is always o
 """
 
 from collections.abc import Sequence
-from operator import itemgetter
+from operator import attrgetter
 
 from beamcam.errors import Diagnostic, Source
 from beamcam.machine.machine import Machine
@@ -17,7 +17,7 @@ from beamcam.verify import rules
 from beamcam.verify.bars.made import Cut
 from beamcam.verify.bars.part_ends import End
 
-_by_x = itemgetter(1, 0)  # X and line of a cut
+_by_x = attrgetter("x", "line")
 COMMON_DEG = 0.01  #: ends that differ by no more may share a cut
 SQUARE = End(1, 0.0, 0.0, 0.0)
 NEAR = 60.0  #: mm; a cut this near to where it should be is taken for it, in the wrong place

@@ -8,7 +8,8 @@ known, every row that fits the tool may be meant.
 
 from fnmatch import fnmatchcase
 from math import inf, pi
-from typing import NamedTuple
+
+from msgspec import Struct
 
 from beamcam.caches import cached
 from beamcam.machine.drill import Cutting, Drill
@@ -19,7 +20,7 @@ LEAST = 0.5  #: times, below which a feed is warned of
 STANDING_TOOLS = ("punch", "scribe")  #: they do not turn; their row's speed is their feed in m/min
 
 
-class Run(NamedTuple):
+class Run(Struct, frozen=True, gc=False):
     """Permitted speed and feed of a tool."""
 
     min_feed: float  #: mm/min; below it a warning

@@ -10,14 +10,15 @@ mill, scribe  through: beyond the far side; else at the depth
 
 from collections.abc import Callable
 from math import inf, radians, tan
-from typing import NamedTuple
+
+from msgspec import Struct
 
 from beamcam.machine.tools import FLAT_DEG
 from beamcam.verify.bars.shop import Shop
 from beamcam.verify.bars.targets import THREADS, Kind
 
 
-class Reach(NamedTuple):
+class Reach(Struct, frozen=True, gc=False):
     """Permitted range of the tip's depth, from the surface of the face."""
 
     least: float

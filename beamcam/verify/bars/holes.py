@@ -7,7 +7,8 @@ spindles at once may stand between its two holes, and what follows a drill where
 
 from collections.abc import Iterable, Iterator, Sequence
 from math import floor
-from typing import NamedTuple
+
+from msgspec import Struct
 
 from beamcam.errors import Diagnostic, Source
 from beamcam.machine.tools import FLAT_DEG
@@ -23,7 +24,7 @@ NOUNS = {"drill": "hole", "tap": "thread", "countersink": "countersink", "punch"
 NEAR = 60.0  #: mm; a hole this near to where it should be is taken for it, in the wrong place
 
 
-class Want(NamedTuple):
+class Want(Struct, frozen=True, gc=False):
     """A hole of a part on the bar."""
 
     part: int

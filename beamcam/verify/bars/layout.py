@@ -5,7 +5,9 @@ piece is the part that fits it best; turned ones may stand in any of their eight
 """
 
 from collections.abc import Callable, Sequence
-from typing import NamedTuple
+
+from msgspec import Struct
+from msgspec.structs import replace
 
 from beamcam.machine.machine import Machine
 from beamcam.machine.saw import Saw
@@ -15,7 +17,7 @@ from beamcam.verify.bars.pieces import Piece, Plane
 from beamcam.verify.bars.turned import standing
 
 
-class Candidate(NamedTuple):
+class Candidate(Struct, frozen=True, gc=False):
     """A possible orientation of a part on the bar."""
 
     part: Part
@@ -23,7 +25,7 @@ class Candidate(NamedTuple):
     ends: tuple[End, End]
 
 
-class Laid(NamedTuple):
+class Laid(Struct, frozen=True, gc=False):
     """A part found on the bar."""
 
     part: Part
@@ -75,7 +77,7 @@ def _candidates(
     if id(part) not in known:
         ways = standing(part) if turn else [part]
         known[id(part)] = [Candidate(p, given, ends_of(p, saw)) for p in ways]
-    return [c._replace(given=given) for c in known[id(part)]]
+    return [replace(c, given=given) for c in known[id(part)]]
 
 
 def _distinct(choices: Sequence[Sequence[Candidate]]) -> list[Candidate]:

@@ -1,12 +1,11 @@
 """Features made by a program, in machine coordinates."""
 
 from collections.abc import Sequence
-from typing import NamedTuple
 
 from msgspec import Struct
 
 
-class Cut(NamedTuple):
+class Cut(Struct, frozen=True, gc=False):
     """One saw cut."""
 
     line: int
@@ -16,7 +15,7 @@ class Cut(NamedTuple):
     tilt: float = 0.0  #: degrees, in the machine's counting
 
 
-class Bore(NamedTuple):
+class Bore(Struct, frozen=True, gc=False):
     """One hole, as its spindle made it; a stroke of two spindles makes two."""
 
     line: int  #: of the deepest feed
@@ -35,7 +34,7 @@ class Bore(NamedTuple):
     begin: float = 0.0  #: where its feed began on the stroke axis
 
 
-class Trail(NamedTuple):
+class Trail(Struct, frozen=True, gc=False):
     """A path that a tool was led along in the material."""
 
     line: int  #: of its first point
@@ -49,7 +48,7 @@ class Trail(NamedTuple):
     feed_mm_min: float
 
 
-class Written(NamedTuple):
+class Written(Struct, frozen=True, gc=False):
     """A text that a stamp or printer was told."""
 
     line: int

@@ -6,12 +6,13 @@ tool is chosen that cannot be there, the program has forgotten to stop for it.
 """
 
 from collections.abc import Iterator, Sequence
-from typing import NamedTuple
+
+from msgspec import Struct
 
 Tool = tuple[str, float]  #: kind and diameter
 
 
-class Chosen(NamedTuple):
+class Chosen(Struct, frozen=True, gc=False):
     """A tool selected for a spindle."""
 
     line: int
@@ -19,7 +20,7 @@ class Chosen(NamedTuple):
     tool: Tool
 
 
-class Changed(NamedTuple):
+class Changed(Struct, frozen=True, gc=False):
     """A stop for a manual tool change; None where the word does not name the tool."""
 
     line: int

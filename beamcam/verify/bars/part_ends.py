@@ -9,7 +9,9 @@ and touch x = 0 and x = length at their furthest points.
 """
 
 from math import atan, atan2, cos, degrees, hypot, radians, tan
-from typing import Literal, NamedTuple
+from typing import Literal
+
+from msgspec import Struct
 
 from beamcam.geometry.curves import Line, Point
 from beamcam.machine.saw import Saw
@@ -20,7 +22,7 @@ OUTLINE_TOLERANCE = 1.0  #: mm that exporters leave between outline and header
 ANGLE_TOLERANCE_DEG = 0.2  #: between header and outline, and between a bevel and its mitre
 
 
-class End(NamedTuple):
+class End(Struct, frozen=True, gc=False):
     """The plane of one end of a part."""
 
     side: int  #: -1 start, +1 end: on which side of it the waste lies

@@ -10,14 +10,15 @@ edge of the saw; the plane of a cut is x = x_0 - y tan(web) - z tan(flange), in 
 from collections.abc import Sequence
 from itertools import pairwise
 from math import atan, cos, degrees, hypot, nan, radians, tan
-from typing import NamedTuple
+
+from msgspec import Struct
 
 from beamcam.machine.saw import Saw
 from beamcam.model.part import Profile
 from beamcam.verify.bars.made import Cut
 
 
-class Plane(NamedTuple):
+class Plane(Struct, frozen=True, gc=False):
     """Position of a cut in the bar: the middle of its slab."""
 
     cut: Cut
@@ -33,7 +34,7 @@ class Plane(NamedTuple):
         return self.at_pivot - rise * self.tan_web - z * self.tan_flange
 
 
-class Piece(NamedTuple):
+class Piece(Struct, frozen=True, gc=False):
     """The steel between two cuts."""
 
     start: Plane

@@ -2,7 +2,8 @@
 
 from collections.abc import Iterator, Sequence
 from math import cos, radians, sin
-from typing import NamedTuple
+
+from msgspec import Struct
 
 from beamcam.errors import Diagnostic, Source
 from beamcam.model.part import Part, Profile
@@ -15,7 +16,7 @@ from beamcam.verify.bars.shop import Shop
 from beamcam.verify.bars.targets import Course, Pocket
 
 
-class Led(NamedTuple):
+class Led(Struct, frozen=True, gc=False):
     """A pocket or line of a part on the bar."""
 
     part: int

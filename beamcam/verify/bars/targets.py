@@ -13,8 +13,9 @@ What nothing of the machine makes is a `Lack`.
 
 from collections.abc import Collection, Iterator, Sequence
 from math import cos, floor, radians, sin, tan
-from typing import NamedTuple, TypeVar
+from typing import TypeVar
 
+from msgspec import Struct
 from msgspec.structs import replace
 
 from beamcam.geometry.curves import Curve, Point
@@ -42,7 +43,7 @@ PLAIN_KINDS = ("through", "blind")  #: of a hole that a drill alone makes
 THREADS = ("thread", "left-thread")
 
 
-class Kind(NamedTuple):
+class Kind(Struct, frozen=True, gc=False):
     """A round thing that a tool of one kind leaves, wherever it is."""
 
     tool: str  #: kind of the tool
@@ -55,7 +56,7 @@ class Kind(NamedTuple):
     pilot: float = 0.0  #: diameter of the hole that a countersink widens
 
 
-class Round(NamedTuple):
+class Round(Struct, frozen=True, gc=False):
     """A round thing at its place on the part."""
 
     feature: int
@@ -66,7 +67,7 @@ class Round(NamedTuple):
     optional: bool = False  #: whether it may be there or not
 
 
-class Pocket(NamedTuple):
+class Pocket(Struct, frozen=True, gc=False):
     """A hole or slot that a mill is led round in: a rectangle with round corners."""
 
     feature: int
@@ -82,7 +83,7 @@ class Pocket(NamedTuple):
     source: Hole | Slot
 
 
-class Course(NamedTuple):
+class Course(Struct, frozen=True, gc=False):
     """A line that a scribe is led along."""
 
     feature: int
@@ -92,7 +93,7 @@ class Course(NamedTuple):
     what: str = "line to mark"
 
 
-class Lack(NamedTuple):
+class Lack(Struct, frozen=True, gc=False):
     """A feature, or a part of one, that the machine cannot make."""
 
     feature: int
