@@ -128,7 +128,7 @@ def test_a_saw_alone(lines: dict[str, Machine]) -> None:
     posted = made(lines, "saw", PLAIN)
     assert wrong(posted.text, parts_of(PLAIN), lines["saw"]) == []
     assert "M40" not in posted.text
-    with pytest.raises(PlanError, match=r"plan-face: .*; expected one of none, the machine"):
+    with pytest.raises(PlanError, match=r"plan-face: .*; expected none, as the machine"):
         made(lines, "saw", part("A"))
     skipped = post(parts_of(part("A")), lines["saw"], skips=("face",))
     assert skipped.leaves_out

@@ -134,13 +134,17 @@ def _said(fault: Fault, place: Place) -> Diagnostic:
 
 
 def settings(name: str) -> tuple[Setting, ...]:
-    """Every value of a machine, the defaults included, each with where it was set."""
+    """Every value of a machine, the defaults included, each with where it was set.
+
+    The last one is its checksum, as in the heads of its programs.
+    """
     files = files_of_machine(name)
     table, places = merged(files)
     place = Place(places)
     return tuple(
         Setting(key, value, place.child(key).source if _is_set(table, key) else None)
-        for key, value in _leaves(structs.replace(_machine(files), remarks=()))
+        for key, value in _leaves(_machine(files))
+        if not key.startswith("remarks")
     )
 
 

@@ -188,7 +188,7 @@ NO_TOOL = Rule(
 NO_SPINDLE = Rule(
     "plan-face",
     _E,
-    "found a {kind} on face {found}; expected one of {expected}",
+    "found a {kind} on face {found}; expected {expected}",
     "No spindle of the machine reaches that face.",
 )
 SLOT = Rule(

@@ -45,7 +45,7 @@ def refusal(feature: Feature, torch: Torch, thickness: float) -> Diagnostic | No
             if feature.face not in PLATE_FACES:
                 return bar_rules.NO_SPINDLE.at(
                     feature.source, kind="contour", found=feature.face,
-                    expected=", ".join(PLATE_FACES),
+                    expected=f"one of {', '.join(PLATE_FACES)}",
                 )  # fmt: skip
             if wanted := bevels_of(feature, torch):
                 return bar_rules.BEVEL.at(
@@ -57,7 +57,7 @@ def refusal(feature: Feature, torch: Torch, thickness: float) -> Diagnostic | No
                 feature.source,
                 kind="slot" if isinstance(feature, Slot) else f"{feature.kind} hole",
                 found=feature.face,
-                expected=", ".join(PLATE_FACES),
+                expected=f"one of {', '.join(PLATE_FACES)}",
             )
         case Hole() if feature.kind == "mark":
             return _refuse_centre(feature, torch)

@@ -73,7 +73,7 @@ def _clear_between(profile: Profile, face: Face) -> tuple[float, float]:
 
 def refuse_face(shape: Hole | Slot, what: str, reached: Reached) -> Diagnostic:
     """That no spindle comes to the face of a hole or slot."""
-    expected = ", ".join(reached) or "none, the machine has no spindle"
+    expected = f"one of {', '.join(reached)}" if reached else "none, as the machine has no spindle"
     return NO_SPINDLE.at(shape.source, kind=what, found=shape.face, expected=expected)
 
 

@@ -1,5 +1,6 @@
 """Machines of one's own: a file to start from, and how they are known by name."""
 
+import json
 import re
 from pathlib import Path
 from xml.etree import ElementTree
@@ -11,6 +12,7 @@ from beamcam.cli import main
 from beamcam.controllers.machine_words import load_machine
 from beamcam.errors import MachineError
 from beamcam.machine import load, shipped
+from beamcam.machine.keys import machine_keys
 from beamcam.machine.load import files_of_machine, merged
 from beamcam.machine.names import machine_folders, own_machines, resolved
 from beamcam.machine.starting_file import starting_file
@@ -78,6 +80,19 @@ def test_new_writes_a_machine_that_is_known_by_name(shop: Path) -> None:
     assert counts(batch("in", "-o", "out")) == (0, 1, 0, 0)
     assert call("check", "out").stdout == "1 of 1 programs are the same\n"
     assert call("post", "in/P000.nc1", "-o", "-").stdout == Path("out/P000.gcode").read_text()
+
+
+@pytest.mark.parametrize("name", shipped())
+def test_show_prints_keys_only_and_the_checksum_last(name: str) -> None:
+    rows = list(json.loads(call("machines", "show", name, "--json").stdout))
+    keys = [key.name for key in machine_keys()]
+    named = tuple(f"{key.name}." for key in machine_keys() if key.kind.startswith("table"))
+    for row in rows[:-1]:
+        key = re.sub(r"\.\d+(?=\.|$)", "[]", row)
+        empty = any(other.startswith(f"{key}[].") for other in keys)  # a list without tables
+        assert key in keys or key.startswith(named) or empty, row
+    assert rows[-1] == "checksum"
+    assert call("machines", "show", name).stdout.endswith("  # in the heads of its programs\n")
 
 
 def test_new_writes_over_nothing(shop: Path) -> None:
