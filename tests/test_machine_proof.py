@@ -16,7 +16,6 @@ WRONG = [
     ("beamline-annex", '"G90", "M44', '"M03", "M44', "words.header", "a spindle that starts"),
     ("beamline-annex", "G01 X{x} Y{y} Z{z}", "(MSG,x)", "words.saw", "the spindle turning"),
     ("beamline-annex", "G01 X{x} Y{y} Z{z}", "G01 X{x} Y{z} Z{z}", "words.saw", "drawn back"),
-    ("beamline-annex", "number = 3", "number = 2", "words.drill", "without a stroke"),
     ("beamline-annex", '"G01 X{x}", "M41', '"", "M41', "words.saw", "found a cut"),
     ("beamline", '"G00 X{x}", "M42', '"G01 X{x}", "M42', "words.saw", "without a feed"),
     ("plate-linuxcnc", '"G0 X0 Y0", "M2"', '"G1 X0 Y0", "M2"', "words.footer", "the tool off"),

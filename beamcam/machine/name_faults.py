@@ -3,6 +3,7 @@
 import re
 from collections.abc import Iterator
 
+from beamcam.machine.drill import Pair, Spindle
 from beamcam.machine.machine import Machine
 
 NameFault = tuple[str, object, str]  #: dotted key, what was found, what was expected
@@ -30,7 +31,27 @@ def name_faults(machine: Machine) -> Iterator[NameFault]:
     for index, pair in enumerate(machine.pairs):
         if pair.faces[0] == pair.faces[1]:
             yield f"pairs.{index}.faces", list(pair.faces), "two faces"
+    yield from _spindle_faults(machine)
     yield from _axis_faults(machine)
+
+
+def _spindle_faults(machine: Machine) -> Iterator[NameFault]:
+    """Spindles for one face, of which one would never run, and numbers that two of them have."""
+    faces: dict[str, str] = {}
+    for index, spindle in enumerate(machine.spindles):
+        if spindle.face in faces:
+            expected = f"another face than that of {faces[spindle.face]!r}"
+            yield f"spindles.{index}.face", spindle.face, expected
+        faces[spindle.face] = spindle.name
+    stations: list[tuple[str, Spindle | Pair]] = []
+    stations += [(f"spindles.{index}", station) for index, station in enumerate(machine.spindles)]
+    stations += [(f"pairs.{index}", station) for index, station in enumerate(machine.pairs)]
+    numbers: dict[int, str] = {}
+    for key, station in stations:
+        if station.number in numbers:
+            expected = f"another number than that of {numbers[station.number]!r}"
+            yield f"{key}.number", station.number, expected
+        numbers[station.number] = station.name
 
 
 def _axis_faults(machine: Machine) -> Iterator[NameFault]:

@@ -196,6 +196,7 @@ BAD = [
     ("[drill]\nmerge_tolerance = 1.5", "machine-value", "expected at most 1 mm"),
     ("[drill]\nduplicate_tolerance = 1.5", "machine-value", "expected at most 1 mm"),
     ("[drill]\ntwin = 1.5", "machine-value", "expected at most 1 mm"),
+    ("[[pairs]]\nname = 'p'\nnumber = 3\nfaces = ['o', 'u']", "machine-value", "expected another"),
     ("[drill]\nsink_tolerance = 1.5", "machine-value", "expected at most 1 mm"),
     ("[drill]\npath_tolerance = 1.5", "machine-value", "expected at most 1 mm"),
     ("[drill]\npath_tolerance = 0", "machine-value", "expected at least 0.001 mm"),

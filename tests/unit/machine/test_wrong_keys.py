@@ -58,6 +58,15 @@ WRONG = [
     (SPINDLE.format(axis="Y", position="yy"), "machine-value: found 'yy' for"),
     (SPINDLE.format(axis="Y", position="y / (y - y)"), "machine-value: found 'y / (y - y)' for"),
     ('[[pairs]]\nname = "p"\nnumber = 9\nfaces = ["v", "v"]', "machine-value: found"),
+    (
+        SPINDLE.format(axis="Y", position="y") + SPINDLE.format(axis="Y", position="y")[12:],
+        "machine-value: found 'v' for 'spindles.1.face'; expected another face than that of 'a'",
+    ),
+    (
+        SPINDLE.format(axis="Y", position="y")
+        + SPINDLE.format(axis="Y", position="y")[12:].replace('"v"', '"u"'),
+        "machine-value: found 1 for 'spindles.1.number'; expected another number than that of 'a'",
+    ),
 ]
 
 
