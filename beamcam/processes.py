@@ -86,6 +86,17 @@ class Pool(Generic[Given, Made]):
             else:
                 yield given, future.result()
 
+    def done(self) -> bool:
+        """Whether `wait` would give something at once."""
+        return bool(self._again) or any(future.done() for future in self._given)
+
+    def withdraw(self) -> list[Given]:
+        """The tasks that no worker has begun, or that were lost with one; none does them now."""
+        cancelled = [future for future in self._given if future.cancel()]
+        withdrawn = [*self._again, *map(self._given.pop, cancelled)]
+        self._again.clear()
+        return withdrawn
+
     def close(self) -> None:
         """End the workers, whatever is under way: they leave nothing half done."""
         executor, self._executor = self._executor, None

@@ -16,13 +16,15 @@ from typing import Any
 
 import pytest
 
-from beamcam.batch import Shop, cluster, find_inputs, run
+from beamcam.batch import Here, Shop, cluster, find_inputs, processes, run
+from beamcam.batch.head_start import MOST_BYTES, HeadStart
 from beamcam.batch.work import Made, Task, make_all
 from beamcam.machine import load
 from tests.conftest import ROOT
 from tests.runs import batch, counts, fill, programs, report
 
 distributed: Any = pytest.importorskip("distributed", reason="the extra `dask` is not installed")
+psutil: Any = pytest.importorskip("psutil")  # comes with it
 
 
 @pytest.fixture(scope="module")
@@ -63,6 +65,75 @@ def test_a_worker_that_dies_there(
     rows = list(run(found, str(tmp_path / "out"), shop, cluster.Cluster(shop, scheduler)))
     assert [row["status"] for row in rows] == ["posted"] * 3 + ["failed"] + ["posted"] * 2
     assert rows[3]["messages"][0]["code"] == "batch-worker"
+
+
+def test_a_killed_worker_costs_nothing(
+    tmp_path: Path, scheduler: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The process of one of two workers is killed with chunks in it; the other makes them."""
+    fill(tmp_path / "in", 60)
+    submit = cluster.Cluster.submit
+    with distributed.Client(scheduler, set_as_default=False) as client:
+        victims = [next(iter(client.run(os.getpid).values()))]
+
+        def submit_then_kill(self: cluster.Cluster, chunk: tuple[Task, ...]) -> None:
+            submit(self, chunk)
+            if victims and not self.has_room():
+                psutil.Process(victims.pop()).kill()
+
+        monkeypatch.setattr(cluster, "CHUNKS", 1)
+        monkeypatch.setattr(cluster.Cluster, "submit", submit_then_kill)
+        there = batch(tmp_path / "in", "-o", tmp_path / "there", "--scheduler", scheduler)
+        assert (victims, counts(there)) == ([], (60, 0, 0, 0))
+        batch(tmp_path / "in", "-o", tmp_path / "here", "--jobs", 1)
+        assert programs(tmp_path / "here") == programs(tmp_path / "there")
+        client.wait_for_workers(2, timeout=30)
+
+
+def test_files_lost_with_the_process_here_go_to_the_cluster(
+    tmp_path: Path, scheduler: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    fill(tmp_path / "in", 40)
+
+    def die(chunk: tuple[Task, ...], shop: Shop) -> list[Made]:
+        os._exit(1)
+
+    monkeypatch.setattr(processes, "make_all", die)
+    result = batch(tmp_path / "in", "-o", tmp_path / "out", "--scheduler", scheduler)
+    assert counts(result) == (40, 0, 0, 0)
+
+
+def test_nothing_is_written_before_the_cluster_has_answered(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    fill(tmp_path / "in", 40)
+    monkeypatch.setattr(cluster, "ANSWER_S", 0.5)
+    result = batch(tmp_path / "in", "-o", tmp_path / "out", "--scheduler", "tcp://127.0.0.1:9")
+    assert result.exit_code == 1
+    assert "error batch-scheduler: found no cluster that works at" in result.stderr
+    assert programs(tmp_path / "out") == {}
+
+
+def test_a_large_input_waits_for_the_cluster() -> None:
+    """A model of minutes would hold the one process here that long."""
+    shop = Shop(load("beamline"))
+    there = Here(shop)
+    workers = HeadStart(shop, 100, lambda: there)
+    large = (Task(0, "large.nc1", b" " * (MOST_BYTES + 1)),)
+    assert workers.at_once == 1
+    workers.submit(large)
+    assert not there.has_room()
+    assert [result.chunk for result in workers.wait()] == [large]
+    workers.close()
+
+
+def test_numpy_is_there_after_the_import_of_distributed() -> None:
+    said = subprocess.run(
+        [sys.executable, "-c", "import sys\nfrom beamcam.batch.cluster import distributed_alone\n"
+         "distributed_alone()\nprint('numpy' in sys.modules)\nimport numpy, jinja2"],
+        cwd=ROOT, capture_output=True, text=True, check=True,
+    )  # fmt: skip
+    assert said.stdout == "False\n"
 
 
 def test_another_version_there_is_refused(scheduler: str) -> None:

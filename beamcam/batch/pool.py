@@ -12,6 +12,7 @@ from msgspec import Struct
 from beamcam.batch.work import Made, Shop, Task, make_all
 
 Chunk = tuple[Task, ...]
+CHUNK_FILES = 16  #: most files that a process of this machine gets at once
 
 
 class Result(Struct, frozen=True):
@@ -30,6 +31,10 @@ class Workers(Protocol):
     def at_once(self) -> int:
         """Number of files in work at one time, so that chunks are not too large."""
 
+    @property
+    def most_files(self) -> int:
+        """Number of files that a chunk has at most."""
+
     def has_room(self) -> bool:
         """Whether another chunk may be submitted now."""
 
@@ -47,6 +52,7 @@ class Here:
     """Work in this process, at once."""
 
     at_once = 1
+    most_files = CHUNK_FILES
 
     def __init__(self, shop: Shop) -> None:
         self._shop = shop

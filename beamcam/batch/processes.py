@@ -5,7 +5,7 @@ from collections.abc import Iterator
 
 from msgspec import Struct
 
-from beamcam.batch.pool import Chunk, Result
+from beamcam.batch.pool import CHUNK_FILES, Chunk, Result
 from beamcam.batch.work import Made, Shop, make_all, thaw
 from beamcam.collector import collector_seldom
 from beamcam.processes import Died, Pool
@@ -28,6 +28,8 @@ class Making(Struct, frozen=True):
 class Processes:
     """Work in processes of this machine, started as they are needed."""
 
+    most_files = CHUNK_FILES
+
     def __init__(self, shop: Shop, jobs: int) -> None:
         making = Making(shop.freeze)
         self._pool = Pool[Chunk, list[Made]](making, jobs, making.begin)
@@ -45,6 +47,14 @@ class Processes:
                 yield Result(chunk, "suspected")
             else:
                 yield Result(chunk, "made", made)
+
+    def done(self) -> bool:
+        """Whether `wait` would give something at once."""
+        return self._pool.done()
+
+    def withdraw(self) -> list[Chunk]:
+        """The chunks that no worker has begun, or that were lost with one."""
+        return self._pool.withdraw()
 
     def close(self) -> None:
         self._pool.close()

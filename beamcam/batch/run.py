@@ -29,7 +29,6 @@ from beamcam.report.hand_list import LIST_BEGIN, LIST_SUFFIX, as_csv
 from beamcam.report.run import PartRow, Row, Status, as_message
 from beamcam.system import can_sync_all
 
-CHUNK_FILES = 16  #: most files that a worker gets at once
 CHUNK_BYTES = 256 * 1024  #: a chunk of more is closed
 MOST_HELD = 64 * 1024 * 1024  #: bytes of programs that wait for an earlier one
 MOST_FLYING = 256 * 1024 * 1024  #: bytes of inputs that workers have
@@ -120,7 +119,6 @@ class _Run:
         self._dry = dry
         self._folders = {"": folder}  #: that stand, by their names below the first
         self._keeps_record = True
-        self._most_files = max(1, min(CHUNK_FILES, len(inputs) // (4 * workers.at_once)))
 
     def rows(self) -> Iterator[Row]:
         while True:
@@ -144,7 +142,7 @@ class _Run:
         if self._again:
             self._workers.submit(self._again.popleft())
             return True
-        end = min(self._next + self._most_files, len(self._inputs))
+        end = min(self._next + self._most_files(), len(self._inputs))
         if self._next == end or self._held >= MOST_HELD or self._flying >= MOST_FLYING:
             return False
         chunk: list[Task] = []
@@ -158,6 +156,11 @@ class _Run:
         if chunk:
             self._workers.submit(tuple(chunk))
         return True
+
+    def _most_files(self) -> int:
+        """Number of files of the next chunk: one is a quarter of a worker's share at most."""
+        share = len(self._inputs) // self._workers.at_once
+        return max(1, min(self._workers.most_files, share // 4))
 
     def _read(self, index: int) -> Task | None:
         """Read an input, and give what is to be done if there is anything."""

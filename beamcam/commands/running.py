@@ -5,6 +5,7 @@ import sys
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from functools import partial
 from pathlib import PurePath
 from time import monotonic, perf_counter
 from types import TracebackType
@@ -141,6 +142,10 @@ def unmatched_keys(config: Config, counts: Counts) -> tuple[Diagnostic, ...]:
     return tuple(idle(config.map, counts.mapped, Source(config.file or "--map")))
 
 
+#: Of fewer inputs all go to the cluster: they would wait for it anyway.
+FILES_OF_HEAD_START = 32
+
+
 def workers_of(shop: Shop, jobs: int | None, dask: Dask, inputs: Sequence[Input]) -> Workers:
     """The workers for some files: a cluster, processes up to the number of cores, or this process.
 
@@ -149,7 +154,12 @@ def workers_of(shop: Shop, jobs: int | None, dask: Dask, inputs: Sequence[Input]
     if dask.scheduler is not None:
         from beamcam.batch.cluster import Cluster
 
-        return Cluster(shop, dask.scheduler, dask.answer_s, dask.chunks)
+        connect = partial(Cluster, shop, dask.scheduler, dask.answer_s, dask.chunks)
+        if len(inputs) < FILES_OF_HEAD_START:
+            return connect()
+        from beamcam.batch.head_start import HeadStart
+
+        return HeadStart(shop, len(inputs), connect)
     count = min(jobs or cores(), len(inputs))
     if count <= 1 and all(is_interruptible(one.path) for one in inputs):
         return Here(shop)
