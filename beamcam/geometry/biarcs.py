@@ -82,8 +82,7 @@ def allowed_off(radius: Floats, sweep_rad: Floats, tolerance: float) -> Floats:
     quarter = sweep_rad / 4
     known = radius * 4 / 27 * np.sin(quarter) ** 6 / np.cos(quarter) ** 2
     known = np.where(sweep_rad > radians(WIDEST_KNOWN_DEG), 0.0, known)
-    found: Floats = np.clip(MARGIN * MARGIN * known, tolerance, WHOLE * tolerance)
-    return found
+    return np.clip(MARGIN * MARGIN * known, tolerance, WHOLE * tolerance)
 
 
 def fit_cubics(control: Floats, tolerance: float) -> Strokes:
@@ -196,13 +195,11 @@ def _tangents(control: Floats) -> tuple[Floats, Floats]:
 
 def _dot(a: Floats, b: Floats) -> Floats:
     """The scalar product of vectors; numpy takes far longer to sum over an axis of two."""
-    found: Floats = a[..., 0] * b[..., 0] + a[..., 1] * b[..., 1]
-    return found
+    return a[..., 0] * b[..., 0] + a[..., 1] * b[..., 1]
 
 
 def _cross(a: Floats, b: Floats) -> Floats:
-    found: Floats = a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0]
-    return found
+    return a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0]
 
 
 def _biarcs(control: Floats, tolerance: float) -> tuple[Flags, Floats, Floats]:

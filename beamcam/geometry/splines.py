@@ -78,5 +78,4 @@ def _blossoms(points: Floats, knots: Floats, arguments: Sequence[Floats]) -> Flo
             low, high = knots[:, i - 1], knots[:, i - r + 3]
             share = ((u - low) / (high - low))[:, None]
             row[:, i] = row[:, i - 1] + share * (row[:, i] - row[:, i - 1])
-    found: Floats = row[:, 3]
-    return found
+    return row[:, 3]

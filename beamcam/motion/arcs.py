@@ -128,8 +128,7 @@ class _Arcs(Struct, frozen=True):
 
     def is_wide(self) -> Flags:
         """Which are more than half a circle; a whole one ends where it begins."""
-        found: Flags = np.abs(self.arcs[:, 4]) > MAX_SWEEP_DEG + SWEEP_SLACK_DEG
-        return found
+        return np.abs(self.arcs[:, 4]) > MAX_SWEEP_DEG + SWEEP_SLACK_DEG
 
     def halves(self, numbers: Numbers) -> "_Arcs":
         """Both halves of each."""
@@ -155,8 +154,7 @@ class _Arcs(Struct, frozen=True):
 
 def _points(arcs: Floats, angles_deg: Floats) -> Floats:
     """Points of arcs (n, 5) at angles."""
-    found: Floats = arcs[:, :2] + arcs[:, 2:3] * unit_vectors(angles_deg)
-    return found
+    return arcs[:, :2] + arcs[:, 2:3] * unit_vectors(angles_deg)
 
 
 def _as_written(arcs: _Arcs, numbers: Numbers) -> tuple[Floats, Flags, Flags]:

@@ -40,8 +40,7 @@ class Rounding(Struct, frozen=True):
             whole = np.trunc(counted + np.copysign(TRUNCATION_SLACK, counted))
         else:
             whole = np.rint(counted)
-        rounded: Floats = (whole + 0.0) * self.travel / self.counts
-        return rounded
+        return (whole + 0.0) * self.travel / self.counts
 
 
 EXACT = Rounding(0)

@@ -92,8 +92,7 @@ def _placed(body: Body, trace: Trace, at: Floats, values: Mapping[str, float]) -
 
     def carried(carrier: str) -> Floats:
         name, sign = signed(carrier)
-        way: Floats = sign * at[:, names.index(name)] if name else np.zeros(len(at))
-        return way
+        return sign * at[:, names.index(name)] if name else np.zeros(len(at))
 
     low = np.array([formula(values) for formula in body.min])
     high = np.array([formula(values) for formula in body.max])

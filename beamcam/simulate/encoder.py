@@ -73,8 +73,7 @@ def _crossings(trace: Trace, counts: Floats) -> Floats:
     share = np.clip((whole - start[interval]) / way[interval], 0.0, 1.0)
     u = _inverse(share, trace.slopes[interval])
     lasts = np.diff(trace.time_s)
-    found: Floats = trace.time_s[interval] + u * lasts[interval]
-    return found
+    return trace.time_s[interval] + u * lasts[interval]
 
 
 def _inverse(share: Floats, slopes: Floats) -> Floats:

@@ -74,8 +74,7 @@ def _strokes(
 def _sampled(times: Floats) -> Counts:
     """The last row of each slot of time, and the last one of all."""
     slot = np.floor(times / SAMPLE_S)
-    found: Counts = np.flatnonzero(np.append(np.diff(slot) > 0.0, True))
-    return found
+    return np.flatnonzero(np.append(np.diff(slot) > 0.0, True))
 
 
 def _thinned(times: Floats, places: Floats, slack: float) -> Counts:

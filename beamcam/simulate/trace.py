@@ -64,8 +64,7 @@ class Trace(Struct, frozen=True):
         u = np.divide(t - self.time_s[k], lasts, out=np.ones_like(t), where=lasts > 0.0)
         share = share_of(np.clip(u, 0.0, 1.0), self.slopes[k, 0], self.slopes[k, 1])
         start = self.positions[k]
-        found: Floats = start + share[:, None] * (self.positions[k + 1] - start)
-        return found
+        return start + share[:, None] * (self.positions[k + 1] - start)
 
 
 def share_of(u: Floats, first: Floats, last: Floats) -> Floats:

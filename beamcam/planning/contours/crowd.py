@@ -76,5 +76,4 @@ def _may_pass(starts: Floats, ends: Floats, places: Floats, tolerance: float) ->
     sums = held.cumsum(axis=0).cumsum(axis=1).ravel()
     (x0, y0), (x1, y1) = cells(low), cells(high) + 1
     inside = sums[x1 * side + y1] - sums[x0 * side + y1] - sums[x1 * side + y0]
-    found: Counts = np.flatnonzero(inside + sums[x0 * side + y0])
-    return found
+    return np.flatnonzero(inside + sums[x0 * side + y0])

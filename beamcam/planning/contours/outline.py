@@ -72,8 +72,7 @@ def invalid(rings: "NDArray[Any]") -> list[int]:
     import numpy as np
     import shapely
 
-    found: list[int] = np.flatnonzero(~shapely.is_valid(rings)).tolist()
-    return found
+    return np.flatnonzero(~shapely.is_valid(rings)).tolist()
 
 
 def valid(rings: "NDArray[Any]", bad: Sequence[int]) -> "NDArray[Any]":

@@ -132,8 +132,7 @@ class _Ways:
             # The stretch ends before a contour that lies round one of its others.
             clash = self._inner[behind - 1] >= places[:, None]
             gains[np.logical_or.accumulate(clash, axis=1)] = -np.inf
-        found: Floats = gains
-        return found
+        return gains
 
     def _turn(self, i: int, j: int) -> None:
         """Turns the stretch from place `i` to `j`."""
@@ -163,5 +162,4 @@ class _Ways:
 
 def _quick_lengths(x: Floats, y: Floats) -> Floats:
     """As `np.hypot` but for the last digit, in a third of the time."""
-    found: Floats = np.sqrt(x * x + y * y)
-    return found
+    return np.sqrt(x * x + y * y)

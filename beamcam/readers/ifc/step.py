@@ -91,14 +91,12 @@ class Inners(Struct, frozen=True):
     @property
     def first(self) -> Places:
         """Start of each of them."""
-        places: Places = self.marks[self.opened] + 1
-        return places
+        return self.marks[self.opened] + 1
 
     @property
     def last(self) -> Places:
         """The places behind them."""
-        places: Places = self.marks[self.closed]
-        return places
+        return self.marks[self.closed]
 
     def texts(self) -> list[str]:
         return pieces(self.text, self.first, self.last)
@@ -140,13 +138,11 @@ class Records:
 
     def kinds_of(self, indices: Places) -> Words:
         """As `kind`, of many records."""
-        found: Words = self._hashes[indices]
-        return found
+        return self._hashes[indices]
 
     def kind(self, index: int) -> int:
         """The class of a record, as a number of `kinds`."""
-        number: int = self._kind[index]
-        return number
+        return self._kind[index]
 
     def inner(self, index: int) -> str:
         """Text between the brackets: `(0.,0.,1.)`."""

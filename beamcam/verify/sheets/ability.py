@@ -39,8 +39,7 @@ def expected_feeds(moves: Moves, asked_mm_min: Floats, limits: PathLimits) -> Fl
         straight, _straight_mm_s(moves, limits), np.minimum(limits.speed_mm_s, turning)
     )
     greatest[straight & (asked <= limits.speed_mm_s)] = inf
-    lowered: Floats = np.where(greatest < asked, greatest * SECONDS_PER_MINUTE, asked_mm_min)
-    return lowered
+    return np.where(greatest < asked, greatest * SECONDS_PER_MINUTE, asked_mm_min)
 
 
 def _straight_mm_s(moves: Moves, limits: PathLimits) -> Floats:

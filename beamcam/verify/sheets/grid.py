@@ -79,8 +79,7 @@ class Grid:
         self._sizes = np.diff(self._begins, append=len(key))
 
     def _key(self, x: Counts, y: Counts) -> Counts:
-        found: Counts = (x - self._origin[0]) * self._rows + (y - self._origin[1])
-        return found
+        return (x - self._origin[0]) * self._rows + (y - self._origin[1])
 
     def near(self, points: Floats, reach: float) -> Pairs:
         """All pairs of a point (n, 2) and an element no farther from it than `reach`.

@@ -129,8 +129,7 @@ def _hanging(points: Floats, reach: float) -> Counts:
     whole = np.array([find(k) for k in range(len(root))], dtype=np.int64)
     lowest = np.full(len(root), len(points), dtype=np.int64)
     np.minimum.at(lowest, whole, first)
-    found: Counts = lowest[whole][which.ravel()]
-    return found
+    return lowest[whole][which.ravel()]
 
 
 #: A run of ways: one of them, or two runs and whether each is turned round.

@@ -49,8 +49,7 @@ class Region(Struct, frozen=True):
         """Number of contours that enclose each point (n, 2)."""
         tree = shapely.STRtree(self.polygons)
         asked, _ = tree.query(shapely.points(points), "within")
-        found: Counts = np.bincount(asked, minlength=len(points))
-        return found
+        return np.bincount(asked, minlength=len(points))
 
     def in_part(self, points: Floats) -> Flags:
         """Which points (n, 2) lie in the part."""

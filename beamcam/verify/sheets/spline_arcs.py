@@ -73,11 +73,10 @@ def _steps(count: Floats) -> Counts:
 def _arcs_in_one(bounds: Bounds, tolerance: float) -> Floats:
     """About how many arcs it takes for a step of 1 of the parameter."""
     bent = THREE_PLACES * (3 * bounds.stretch * bounds.bend + 1.25 * bounds.third)
-    found: Floats = np.maximum(
+    return np.maximum(
         np.cbrt(bent / (AIMED_SHARE * tolerance)),
         np.maximum(bounds.first * bounds.bend, bounds.second / bounds.speed),
     )
-    return found
 
 
 def _arcs(spans: Spans, steps: Counts, bounds: Bounds, tolerance: float) -> tuple[Pieces, Flags]:

@@ -46,8 +46,7 @@ class _Gap(NamedTuple):
 
     @property
     def middle(self) -> Floats:
-        found: Floats = (self.end + self.start) / 2
-        return found
+        return (self.end + self.start) / 2
 
 
 def tab_faults(work: Work, traced: Sequence[Traced]) -> list[Diagnostic]:

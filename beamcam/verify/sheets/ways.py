@@ -126,13 +126,11 @@ class Ways:
 
     def first(self, ways: Counts) -> Counts:
         """The first element of each of some ways."""
-        found: Counts = self._first[ways]
-        return found
+        return self._first[ways]
 
     def last(self, ways: Counts) -> Counts:
         """The last element of each of some ways."""
-        found: Counts = self._behind[ways] - 1
-        return found
+        return self._behind[ways] - 1
 
     def near(self, points: Floats, reach: float) -> Pairs:
         """All pairs of a point (n, 2) and an element no farther than `reach` from it."""
@@ -201,8 +199,7 @@ class Ways:
 
     def at(self, element: Counts, along: Floats) -> Floats:
         """How far along all ways, one behind the other, places on elements lie."""
-        found: Floats = self._reached[element] + along
-        return found
+        return self._reached[element] + along
 
     def nearest(self, points: Floats, likely: float = 0.0) -> tuple[Floats, Counts]:
         """Distance to the nearest way, and which one that is, for points (n, 2).

@@ -34,8 +34,7 @@ class _Samples:
         if len(index):
             self._next = int(index[-1]) + 1
         self._times, self._places = time_us[-1:], places[-1:]
-        found: Counts = places[np.searchsorted(times, index * self.window_us, side="right") - 1]
-        return found
+        return places[np.searchsorted(times, index * self.window_us, side="right") - 1]
 
 
 def _once(ascending: Counts) -> Counts:
