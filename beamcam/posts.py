@@ -266,6 +266,4 @@ def _with_remarks(program: Any, lines: Sequence[str]) -> Any:
 
 def _text(program: Written) -> str:
     """Of bytes that are no text, `\\ufffd` for each that is none."""
-    if isinstance(program, str):
-        return program
-    return b"".join(program()).decode("utf-8", "replace")
+    return program if isinstance(program, str) else b"".join(program()).decode("utf-8", "replace")

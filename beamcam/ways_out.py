@@ -97,9 +97,7 @@ def ways_out(
         *_first(_by_bar(parts, machine, bar, skips) for machine in tried),
         *_first(_by_turning(parts, machine, bar, skips) for machine in tried),
     ]
-    if not found:
-        return NO_WAY_OUT.at(source)
-    return WAYS_OUT.at(source, found=" or ".join(found))
+    return WAYS_OUT.at(source, found=" or ".join(found)) if found else NO_WAY_OUT.at(source)
 
 
 def _first(found: Iterable[Iterator[str]]) -> Iterator[str]:

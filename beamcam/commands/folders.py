@@ -54,9 +54,7 @@ def diff_folders(a: Path, b: Path, as_json: bool, voice: Voice, asked: Mapping[s
 
 def _recorded(folder: Path) -> dict[str, Machine]:
     """The machine of each program that a record in the folder knows."""
-    if not (folder / RECORD_NAME).is_file():
-        return {}
-    return Recorded(folder, None, {}, False).machines()
+    return Recorded(folder, None, {}, False).machines() if (folder / RECORD_NAME).is_file() else {}
 
 
 def _files(folder: Path, recorded: Mapping[str, Machine]) -> dict[str, Path]:

@@ -50,9 +50,7 @@ def distance(a: Point, b: Point) -> float:
 
 def between(a: Point, b: Point, t: float) -> Point:
     """The point at share `t` of the way from `a` to `b`; 0 and 1 give them exactly."""
-    if t == 1.0:
-        return b
-    return a[0] + t * (b[0] - a[0]), a[1] + t * (b[1] - a[1])
+    return b if t == 1.0 else (a[0] + t * (b[0] - a[0]), a[1] + t * (b[1] - a[1]))
 
 
 def mapped(matrix: Matrix, point: Point) -> Point:

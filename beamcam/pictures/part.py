@@ -121,9 +121,7 @@ def faces_of(part: Part) -> tuple[Face, ...]:
 
 def face_of(feature: Feature) -> Face | None:
     """The face that a feature is drawn on; None of a cutting plane."""
-    if isinstance(feature, EndPlane):
-        return None
-    return getattr(feature, "face", "v")
+    return None if isinstance(feature, EndPlane) else getattr(feature, "face", "v")
 
 
 def view_of(part: Part, face: Face) -> View:

@@ -96,9 +96,7 @@ def _layer_name(face: Face) -> str:
 
 def _face_of(feature: Feature) -> Face | None:
     """The face that a feature is drawn on; None of a cutting plane."""
-    if isinstance(feature, Bend):
-        return "v"
-    return getattr(feature, "face", None)
+    return "v" if isinstance(feature, Bend) else getattr(feature, "face", None)
 
 
 def _drawn_faces(part: Part) -> list[Face]:

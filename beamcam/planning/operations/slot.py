@@ -125,9 +125,7 @@ def _corners(shape: Hole | Slot) -> tuple[Point, ...]:
 
 
 def _edges(corners: tuple[Point, ...]) -> list[tuple[Point, Point]]:
-    if len(corners) < 2:
-        return []
-    return list(zip(corners, (*corners[1:], corners[0]), strict=True))
+    return [] if len(corners) < 2 else list(zip(corners, (*corners[1:], corners[0]), strict=True))
 
 
 def _from_core(shape: Hole | Slot, at: Point) -> float:

@@ -74,9 +74,7 @@ def _bolt(model: Model, element: Entity) -> Bolt | None:
         return None
     length, o, along, radius = best
     diameter = diameter or 2 * radius
-    if diameter <= 0:
-        return None
-    return Bolt(element.GlobalId, o, unit(along), length, diameter)
+    return None if diameter <= 0 else Bolt(element.GlobalId, o, unit(along), length, diameter)
 
 
 def _axes(model: Model, item: Entity, frame: Frame) -> list[tuple[Vec, Vec, float]]:
@@ -276,6 +274,4 @@ def _crossing(
     p = add(head, scale(along, (near + far) / 2))
     q = wall.split(p)[0]
     r = bolt.diameter / 2
-    if not (r < q < wall.width - r and r < p[0] < part.length - r):
-        return None
-    return p[0], q
+    return (p[0], q) if r < q < wall.width - r and r < p[0] < part.length - r else None

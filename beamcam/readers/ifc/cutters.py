@@ -138,9 +138,7 @@ class Prism(Struct, frozen=True, gc=False):
         outer = tuple(c.transformed(matrix) for c in self.outline.outer)
         inner = tuple(tuple(c.transformed(matrix) for c in hole) for hole in self.outline.inner)
         shape = polygon_of(outer, inner, circles)
-        if flat:
-            return shape
-        return shape.intersection(self._between_caps(wall, at, by))
+        return shape if flat else shape.intersection(self._between_caps(wall, at, by))
 
     def _between_caps(self, wall: Wall, at: float, by: Vec) -> Shape:
         """The strip of the wall's plane between the two end planes of the prism."""

@@ -36,9 +36,7 @@ def circles_in(cylinders: Sequence[Cylinder], normal: Vec, u: Vec, v: Vec) -> tu
 
 def with_exact_arcs(chain: Chain, circles: Sequence[Circle]) -> Chain:
     """The chain with each facet of a known circle as the circle's arc, its corners kept."""
-    if not circles:
-        return chain
-    return joined(tuple(_exact(curve, circles) for curve in chain))
+    return joined(tuple(_exact(curve, circles) for curve in chain)) if circles else chain
 
 
 def _exact(curve: Curve, circles: Sequence[Circle]) -> Curve:

@@ -238,9 +238,7 @@ def _parameterised(model: Model, entity: Entity) -> Section | None:
         return made("M", x, y, wall, wall, radius, y=ex, z=ey)
     if entity.is_a() == "IfcRectangleProfileDef":
         x, y = number("XDim"), number("YDim")
-        if y >= x:
-            return made("B", y, x, 0.0, x, 0.0)
-        return made("B", x, y, 0.0, y, 0.0, y=ex, z=ey)
+        return made("B", y, x, 0.0, x, 0.0) if y >= x else made("B", x, y, 0.0, y, 0.0, y=ex, z=ey)
     if entity.is_a("IfcCircleHollowProfileDef"):
         d, wall = 2 * number("Radius"), number("WallThickness")
         return made("RO", d, d, wall, wall, 0.0)
