@@ -12,11 +12,11 @@ Time is seconds.
 
 import itertools
 from collections.abc import Sequence
-from math import inf, isfinite, sqrt
+from math import inf, isfinite
 
 from msgspec import Struct
 
-from beamcam.geometry.moves import ramp_seconds
+from beamcam.geometry.ramps import ramp
 from beamcam.geometry.velocity_profile import Phase, Profile
 
 #: A ramp that is rounded by less than this share is not rounded.
@@ -51,15 +51,6 @@ def ramp_pieces(change: float, time_s: float, jerk_percent: float) -> list[Piece
     jerk = peak / rise
     middle = [(stay, peak, 0.0)] if stay > 0.0 else []
     return [(rise, 0.0, jerk), *middle, (rise, peak, -jerk)]
-
-
-def fastest_ramp(change: float, limits: Limits) -> list[Piece]:
-    """The ramp that changes the velocity by `change` in the least time."""
-    if change == 0.0:
-        return []
-    peak = min(limits.acceleration, sqrt(abs(change) * limits.jerk))
-    time_s = ramp_seconds(abs(change), limits.acceleration, limits.jerk)
-    return ramp_pieces(change, time_s, min(100.0, 200.0 * peak / limits.jerk / time_s))
 
 
 def build_profile(
@@ -118,7 +109,26 @@ def profile_over_distance(
     _check(time_s, jerk_percent)
     if not 0.0 <= cruise_s < time_s:
         raise ValueError(f"a cruise of {cruise_s:g} s leaves no ramps in {time_s:g} s")
-    ramp_s = (time_s - cruise_s) / 2
+    return _there(distance, (time_s - cruise_s) / 2, cruise_s, jerk_percent)
+
+
+def fastest_profile(distance: float, limits: Limits) -> Profile:
+    """From rest to rest over `distance` in the least time; backwards if that is negative.
+
+    Raises ValueError for a distance that is no number.
+    """
+    if not isfinite(distance):
+        raise ValueError(f"the distance must be a number of mm, found {distance:g}")
+    if distance == 0.0:
+        return build_profile(0.0, [])
+    way = abs(distance)
+    fastest = ramp(limits.velocity / way, limits.acceleration / way, limits.jerk / way)
+    jerk_percent = min(100.0, 200.0 * fastest.jerk_s / fastest.rise_s)
+    return _there(distance, fastest.rise_s, fastest.cruise_s, jerk_percent)
+
+
+def _there(distance: float, ramp_s: float, cruise_s: float, jerk_percent: float) -> Profile:
+    """A ramp, a cruise and the mirrored ramp."""
     velocity = distance / (ramp_s + cruise_s)
     pieces = [
         *ramp_pieces(velocity, ramp_s, jerk_percent),
@@ -146,80 +156,6 @@ def profile_through(points: Sequence[tuple[float, float]], jerk_percent: float) 
         pieces += [(t1 - t0, 0.0, 0.0)] if same else ramp_pieces(v1 - v0, t1 - t0, jerk_percent)
         distance += (v0 + v1) / 2 * (t1 - t0)
     return build_profile(points[0][1], pieces, distance, points[-1][1])
-
-
-def fastest_profile(
-    distance: float, limits: Limits, start_velocity: float = 0.0, end_velocity: float = 0.0
-) -> Profile:
-    """The profile over `distance` that takes the least time, from and to acceleration 0.
-
-    It rises to a peak, cruises there if that is the limit, and falls: up to seven phases. A
-    negative distance runs backwards; the velocities then are 0 or negative too.
-
-    Raises ValueError for velocities against the distance or above the limit, and for a
-    distance that is too short to get from one velocity to the other.
-    """
-    side = -1.0 if distance < 0.0 else 1.0
-    v0, v1, way = side * start_velocity, side * end_velocity, side * distance
-    if not (min(v0, v1) >= 0.0 and max(v0, v1) <= limits.velocity and isfinite(way)):
-        raise ValueError(
-            f"velocities must lie between 0 and {side * limits.velocity:g} for a distance of "
-            f"{distance:g}, found {start_velocity:g} and {end_velocity:g}"
-        )
-    least = ramp_distance(v0, v1, limits)
-    if way < least * (1.0 - 1e-12):
-        raise ValueError(
-            f"a change from {start_velocity:g} to {end_velocity:g} takes {side * least:g}, "
-            f"found a distance of {distance:g}"
-        )
-    low, high = min(v0, v1), max(v0, v1)
-    rise, cruises = _peak_rise(way, low, high, limits)
-    up, down = (rise, high - low + rise) if v0 > v1 else (high - low + rise, rise)
-    left = way - _ramp_way(v0, up, limits) - _ramp_way(v1, down, limits)
-    cruise = max(0.0, left) / limits.velocity if cruises else 0.0
-    pieces = [
-        *fastest_ramp(up, limits),
-        *([(cruise, 0.0, 0.0)] if cruise > 0.0 else []),
-        *fastest_ramp(-down, limits),
-    ]
-    mirrored = [(t, side * a, side * j) for t, a, j in pieces]
-    return build_profile(start_velocity, mirrored, distance, end_velocity)
-
-
-def ramp_distance(v0: float, v1: float, limits: Limits) -> float:
-    """Distance covered while the velocity changes from `v0` to `v1` in minimum time."""
-    return (v0 + v1) / 2 * ramp_seconds(abs(v1 - v0), limits.acceleration, limits.jerk)
-
-
-def _ramp_way(slow: float, change: float, limits: Limits) -> float:
-    return (slow + change / 2) * ramp_seconds(change, limits.acceleration, limits.jerk)
-
-
-def _peak_rise(way: float, low: float, high: float, limits: Limits) -> tuple[float, bool]:
-    """How far the peak lies above the higher end velocity, so that both ramps fill `way`, and
-    whether the limit leaves way for a cruise.
-
-    The root of rise is looked for: the way is a smooth function of it even where the rise is
-    next to nothing. Halving ends on neighbouring floats, after some 60 steps.
-    """
-    top = limits.velocity - high
-
-    def excess(root: float) -> float:
-        rise = root * root
-        return _ramp_way(high, rise, limits) + _ramp_way(low, high - low + rise, limits) - way
-
-    a, b = 0.0, sqrt(top)
-    if excess(b) <= 0.0:
-        return top, True
-    for _ in range(200):
-        root = (a + b) / 2
-        if root in (a, b):
-            break
-        if excess(root) > 0.0:
-            b = root
-        else:
-            a = root
-    return a * a, False
 
 
 def _check(time_s: float, jerk_percent: float) -> None:

@@ -15,6 +15,7 @@ from beamcam.motion.profile import Limits, fastest_profile
 from beamcam.motion.rounding import decimals
 from tests.path_samples import entries, positions
 from tests.property.curve_strategies import curves
+from tests.property.test_moves import ramp_distance
 
 axes = st.builds(
     Limits,
@@ -123,13 +124,11 @@ def test_a_straight_line_in_pieces_is_one_line(pieces, axis, length):
 @settings(max_examples=200, deadline=None)
 @given(st.floats(0, 500), st.floats(1e-4, 1e3), axes)
 def test_the_reached_speed_needs_the_whole_way(speed, way, axis):
-    from beamcam.motion.profile import ramp_distance
-
     reached = reachable_speed(speed, way, axis.acceleration, axis.jerk)
     assert reached >= speed
-    limits = Limits(1e9, axis.acceleration, axis.jerk)
-    assert ramp_distance(speed, reached, limits) <= way * (1 + 1e-4) + 1e-6
-    assert ramp_distance(speed, reached + 1e-6 * (1 + reached), limits) >= way * (1 - 1e-4) - 1e-6
+    limits = axis.acceleration, axis.jerk
+    assert ramp_distance(speed, reached, *limits) <= way * (1 + 1e-4) + 1e-6
+    assert ramp_distance(speed, reached + 1e-6 * (1 + reached), *limits) >= way * (1 - 1e-4) - 1e-6
 
 
 @settings(max_examples=150, deadline=None)
