@@ -26,15 +26,14 @@ class _Checker:
     # -- units ------------------------------------------------------------------------------
 
     def check(self) -> list[Diagnostic]:
-        names = {u.name.upper() for u in self.units}
+        by_name = {u.name.upper(): u for u in self.units}
         for unit in self.units:
             for used, line in unit.uses:
-                if used.upper() not in names:
+                if used.upper() not in by_name:
                     self.names.say(
-                        rules.NAME, line, found=f"unit {used}", expected=near(used, names)
+                        rules.NAME, line, found=f"unit {used}", expected=near(used, by_name)
                     )
             self._exports(unit)
-        by_name = {u.name.upper(): u for u in self.units}
         for unit in self.units:
             seen: dict[str, syntax.Variable] = {}
             for other in (
@@ -60,9 +59,10 @@ class _Checker:
         exported = {name.upper() for _, name, _ in unit.exports}
         for block in unit.blocks:
             if block.kind == "PROGRAM" and block.name.upper() not in exported:
-                found = f"PROGRAM {block.name}"
-                expected = "its name in the INTERFACE, so that a task can call it"
-                self.names.say(rules.NAME, block.line, found=found, expected=expected)
+                self.names.say(
+                    rules.NAME, block.line, found=f"PROGRAM {block.name}",
+                    expected="its name in the INTERFACE, so that a task can call it",
+                )  # fmt: skip
             if [b.name.upper() for b in unit.blocks].count(block.name.upper()) > 1:
                 self.names.twice(block.name, block.line)
 
@@ -73,15 +73,15 @@ class _Checker:
         line = variable.line
         if others:
             if key in KEYWORDS or key in library.ENUMERATORS:
-                how, expected = "as a variable", "another, as it means something already"
                 self.names.say(
-                    rules.DECLARED, line, found=variable.name, how=how, expected=expected
-                )
+                    rules.DECLARED, line, found=variable.name, how="as a variable",
+                    expected="another, as it means something already",
+                )  # fmt: skip
             if "__" in key or len(key) > MAX_NAME:
-                expected = f"at most {MAX_NAME} letters without __"
                 self.names.say(
-                    rules.DECLARED, line, found=variable.name, how="so", expected=expected
-                )
+                    rules.DECLARED, line, found=variable.name, how="so",
+                    expected=f"at most {MAX_NAME} letters without __",
+                )  # fmt: skip
             if key in seen or key in self.names.objects:
                 self.names.twice(variable.name, line)
         seen[key] = variable
@@ -173,10 +173,10 @@ class _Checker:
         if isinstance(target, syntax.Name):
             variable = self.names.variable(target.name)
             if variable is not None and variable.section in ("const", "input"):
-                expected = "a variable that may be written"
                 self.names.say(
                     rules.TYPE, target.line, found=f"a value for the {variable.section} "
-                    f"{target.name}", what="an assignment", expected=expected,
+                    f"{target.name}", what="an assignment",
+                    expected="a variable that may be written",
                 )  # fmt: skip
             elif variable is not None and variable.address.upper().startswith("%I"):
                 self.names.say(

@@ -1,6 +1,8 @@
 """Expressions of Structured Text: operators by their levels, literals, names and calls."""
 
 import re
+from collections.abc import Callable
+from typing import TypeVar
 
 from beamcam.controllers.simotion import library, syntax
 from beamcam.controllers.simotion.lexer import Token
@@ -20,6 +22,9 @@ _TIME = re.compile(r"(?<![\d.])(\d++(?:\.\d++)?)(ms|s|m|h|d)", re.IGNORECASE)
 _TIME_S = {"ms": 0.001, "s": 1.0, "m": 60.0, "h": 3600.0, "d": 86400.0}
 _LEVELS = (("OR",), ("XOR",), ("AND", "&"), ("=", "<>"), ("<", ">", "<=", ">="), ("+", "-"),
            ("*", "/", "MOD"))  # fmt: skip
+
+
+Item = TypeVar("Item")
 
 
 class Stop(Exception):
@@ -56,12 +61,24 @@ class Words:
             return True
         return False
 
-    def identifier(self, what: str) -> Token:
+    def of_kind(self, kind: str, expected: str) -> Token:
         token = self.here
-        if token.kind != "name" or token.text.upper() in KEYWORDS:
-            raise Stop(token, what)
+        if token.kind != kind:
+            raise Stop(token, expected)
         self.at += 1
         return token
+
+    def identifier(self, what: str) -> Token:
+        if self.here.text.upper() in KEYWORDS:
+            raise Stop(self.here, what)
+        return self.of_kind("name", what)
+
+    def separated(self, item: Callable[[], Item]) -> list[Item]:
+        """Items with commas between them, one or more."""
+        found = [item()]
+        while self.accept(","):
+            found.append(item())
+        return found
 
 
 class Expressions(Words):
@@ -109,10 +126,7 @@ class Expressions(Words):
                 self.take("]")
                 found = syntax.Element(token.line, found, index)
             elif self.accept("."):
-                member = self.here
-                if member.kind != "name":
-                    raise Stop(member, "a component")
-                self.at += 1
+                member = self.of_kind("name", "a component")
                 found = syntax.Member(member.line, found, member.text)
             else:
                 return found

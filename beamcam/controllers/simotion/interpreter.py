@@ -43,7 +43,7 @@ class Fault(Exception):
 
 
 class _Return(Exception):
-    pass
+    """RETURN: the rest of the block is passed over."""
 
 
 class Timer:
@@ -71,9 +71,9 @@ class Instance:
 
     def __init__(self, compiled: "_Compiled", machine: "Interpreter") -> None:
         self._compiled = compiled
-        self.values: Values = {}
-        for variable in compiled.block.variables:
-            self.values[variable.name.upper()] = machine.first(variable)
+        self.values: Values = {
+            variable.name.upper(): machine.first(variable) for variable in compiled.block.variables
+        }
 
     def run(self, inputs: Values) -> None:
         self.values.update(inputs)
@@ -203,21 +203,14 @@ class Interpreter:
 
     def _if(self, one: syntax.If) -> Do:
         branches = [(self._get(c), self._body(b)) for c, b in one.branches]
-        otherwise = self._body(one.otherwise)
-        if len(branches) == 1 and not otherwise:
-            ((condition, body),) = branches
+        branches.append((lambda values: True, self._body(one.otherwise)))
 
-            def single(values: Values) -> None:
+        def choose(values: Values) -> None:
+            for condition, body in branches:
                 if condition(values):
                     for do in body:
                         do(values)
-
-            return single
-
-        def choose(values: Values) -> None:
-            chosen = next((body for condition, body in branches if condition(values)), otherwise)
-            for do in chosen:
-                do(values)
+                    return
 
         return choose
 
@@ -315,12 +308,10 @@ class Interpreter:
 
     def _call(self, value: syntax.Call) -> Get:
         name = value.callee
-        if name.upper() == "ABS":
+        function = _FUNCTIONS.get(name.upper())
+        if function is not None:
             inner = self._get(value.placed[0])
-            return lambda values: abs(inner(values))
-        if name.upper() == "SQRT":
-            inner = self._get(value.placed[0])
-            return lambda values: sqrt(inner(values))
+            return lambda values: function(inner(values))
         inputs = [(key.upper(), self._get(given)) for key, given, _ in value.named]
         world, line = self.world, value.line
 
@@ -352,6 +343,8 @@ class Interpreter:
 def _leave(values: Values) -> None:
     raise _Return
 
+
+_FUNCTIONS: dict[str, Callable[[float], float]] = {"ABS": abs, "SQRT": sqrt}
 
 _BINARY: dict[str, Callable[[Get, Get], Get]] = {
     "AND": lambda a, b: lambda v: a(v) and b(v),

@@ -1,6 +1,6 @@
 """Name resolution: variables, constants, axes, blocks, and the library."""
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 
 from beamcam.controllers.simotion import library, rules, syntax
 from beamcam.errors import Diagnostic, Rule, Source
@@ -49,10 +49,7 @@ class Names:
 
     def canonical(self, type_: str) -> str:
         """A type as the library writes it."""
-        for known in (*library.TYPES, *library.BLOCKS):
-            if known.upper() == type_.upper():
-                return known
-        return type_
+        return spelled(type_, (*library.TYPES, *library.BLOCKS)) or type_
 
     def components(self, type_: str) -> dict[str, str] | None:
         """The components of a type with their types; None if it has none."""
@@ -100,6 +97,11 @@ class Names:
             *self.objects, *library.ENUMERATORS,
         )  # fmt: skip
         return self.say(rules.NAME, value.line, found=value.name, expected=near(value.name, known))
+
+
+def spelled(word: str, known: Iterable[str]) -> str | None:
+    """The known name that is `word` but for capitals."""
+    return next((name for name in known if name.upper() == word.upper()), None)
 
 
 def near(word: str, known: Collection[str]) -> str:

@@ -60,9 +60,7 @@ class _Parser(Expressions):
                 packages.append(self.identifier("a technology package").text)
                 self.take(";")
             elif self.accept("USES"):
-                uses.append(self._used())
-                while self.accept(","):
-                    uses.append(self._used())
+                uses += self.separated(self._used)
                 self.take(";")
             elif self.accept("VAR_GLOBAL"):
                 section: Section = "const" if self.accept("CONSTANT") else "global"
@@ -102,16 +100,10 @@ class _Parser(Expressions):
         # name AT %Q0.0 : TYPE := value;
         found = []
         while not self.accept("END_VAR"):
-            token = self.here
-            if token.kind != "name":
-                raise Stop(token, "a name or END_VAR")
-            self.at += 1
+            token = self.of_kind("name", "a name or END_VAR")
             address = ""
             if self.accept("AT"):
-                if self.here.kind != "address":
-                    raise Stop(self.here, "an address such as %Q0.0")
-                address = self.here.text
-                self.at += 1
+                address = self.of_kind("address", "an address such as %Q0.0").text
             self.take(":")
             type_ = self.type()
             initial: Expression | tuple[Expression, ...] | None = None
@@ -133,11 +125,7 @@ class _Parser(Expressions):
         return self.type_name()
 
     def type_name(self) -> str:
-        token = self.here
-        if token.kind != "name":
-            raise Stop(token, "a type")
-        self.at += 1
-        return token.text
+        return self.of_kind("name", "a type").text
 
     def whole(self) -> int:
         sign = -1 if self.accept("-") else 1
@@ -149,9 +137,7 @@ class _Parser(Expressions):
 
     def array_values(self) -> tuple[Expression, ...]:
         self.take("[")
-        values = [self.expression()]
-        while self.accept(","):
-            values.append(self.expression())
+        values = self.separated(self.expression)
         self.take("]")
         return tuple(values)
 
@@ -162,15 +148,12 @@ class _Parser(Expressions):
         while not self.is_word(*ends):
             if self.accept(";"):
                 continue
-            if self._is_label():
+            if self.here.kind == "number":  # a label of CASE
                 return tuple(found)
             found.append(self.statement(ends))
         if ends[0] not in ("END_IF", "END_CASE"):
             self.take(*ends)
         return tuple(found)
-
-    def _is_label(self) -> bool:
-        return self.here.kind == "number"
 
     def statement(self, ends: tuple[str, ...]) -> Statement:
         token = self.here
@@ -196,34 +179,29 @@ class _Parser(Expressions):
 
     def if_(self, line: int) -> Statement:
         # IF a THEN ... ELSIF b THEN ... ELSE ... END_IF;
-        branches = []
-        otherwise: tuple[Statement, ...] = ()
-        while True:
-            condition = self.expression()
-            self.take("THEN")
-            branches.append((condition, self.statements("END_IF", "ELSIF", "ELSE")))
-            if not self.accept("ELSIF"):
-                break
-        if self.accept("ELSE"):
-            otherwise = self.statements("END_IF")
+        branches = [self._branch()]
+        while self.accept("ELSIF"):
+            branches.append(self._branch())
+        otherwise = self.statements("END_IF") if self.accept("ELSE") else ()
         self.take("END_IF")
         self.take(";")
         return syntax.If(line, tuple(branches), otherwise)
+
+    def _branch(self) -> tuple[Expression, tuple[Statement, ...]]:
+        condition = self.expression()
+        self.take("THEN")
+        return condition, self.statements("END_IF", "ELSIF", "ELSE")
 
     def case(self, line: int) -> Statement:
         # CASE a OF 1, 2: ... ELSE ... END_CASE;
         selector = self.expression()
         self.take("OF")
         branches = []
-        otherwise: tuple[Statement, ...] = ()
         while not self.is_word("END_CASE", "ELSE"):
-            labels = [self.whole()]
-            while self.accept(","):
-                labels.append(self.whole())
+            labels = self.separated(self.whole)
             self.take(":")
             branches.append((tuple(labels), self.statements("END_CASE", "ELSE")))
-        if self.accept("ELSE"):
-            otherwise = self.statements("END_CASE")
+        otherwise = self.statements("END_CASE") if self.accept("ELSE") else ()
         self.take("END_CASE")
         self.take(";")
         return syntax.Case(line, selector, tuple(branches), otherwise)

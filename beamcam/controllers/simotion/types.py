@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 
 from beamcam.controllers.simotion import library, rules, syntax
-from beamcam.controllers.simotion.names import UNKNOWN, Names, near, text_of
+from beamcam.controllers.simotion.names import UNKNOWN, Names, near, spelled, text_of
 
 _NUMERIC = (*library.NUMBERS, "integer", "real")
 _WITH_A_POINT = ("REAL", "LREAL", "real")
@@ -49,11 +49,11 @@ class Types:
             return UNKNOWN
         known = self.names.components(base)
         if known is None:
-            expected = "something with components"
-            return self.names.wrong_type(value.line, base, f".{value.name}", expected)
-        for name, type_ in known.items():
-            if name.upper() == value.name.upper():
-                return type_
+            return self.names.wrong_type(
+                value.line, base, f".{value.name}", "something with components"
+            )
+        if (name := spelled(value.name, known)) is not None:
+            return known[name]
         return self.names.say(
             rules.NAME, value.line, found=f".{value.name}", expected=near(value.name, known)
         )
@@ -97,18 +97,17 @@ class Types:
         common = right if library.fits(left, right) else left
         together = library.fits(left, right) or library.fits(right, left)
         if left.startswith("enum:") and right.startswith("enum:"):
-            together = bool(set(left[5:].split("|")) & set(right[5:].split("|")))
-            if value.operator not in ("=", "<>"):
-                together = False
+            shared = set(left[5:].split("|")) & set(right[5:].split("|"))
+            together = bool(shared) and value.operator in ("=", "<>")
         if not together:
             self.names.wrong_type(
                 value.line, right, f"{value.operator} with {library.shown(left)}", left
             )
         elif value.operator in ("=", "<>") and common in _WITH_A_POINT:
-            expected = "a difference within a tolerance"
             self.names.wrong_type(
-                value.line, "an equality of numbers with a point", "a test", expected
-            )
+                value.line, "an equality of numbers with a point", "a test",
+                "a difference within a tolerance",
+            )  # fmt: skip
         elif value.operator not in ("=", "<>") and common not in (*_NUMERIC, "TIME"):
             self.names.wrong_type(value.line, common, value.operator, "numbers")
         return "BOOL" if value.operator in library.GIVES_BOOL else common
@@ -120,7 +119,7 @@ class Types:
         name = call.callee
         if name.upper() in library.FUNCTIONS:
             return self._numeric(call)
-        command = next((n for n in library.COMMANDS if n.upper() == name.upper()), None)
+        command = spelled(name, library.COMMANDS)
         if command is not None:
             if as_statement:
                 self.names.wrong_type(
@@ -154,7 +153,6 @@ class Types:
         return found
 
     def _parameters(self, call: syntax.Call, known: dict[str, str], needed: Sequence[str]) -> None:
-        by_upper = {name.upper(): name for name in known}
         given: set[str] = set()
         if call.placed:
             self.names.say(
@@ -162,7 +160,7 @@ class Types:
                 expected="names, as in position := ...",
             )  # fmt: skip
         for name, value, line in call.named:
-            real = by_upper.get(name.upper())
+            real = spelled(name, known)
             if real is None:
                 self.names.say(
                     rules.PARAMETER, line, found=name, callee=call.callee,
