@@ -83,8 +83,7 @@ def _faults(job: object, bar: object, skips: object) -> Iterator[Diagnostic]:
         return
     for name in skips:
         if name not in SKIP_NAMES and name != ALL_SKIPS:
-            expected = nearest(str(name), SKIP_NAMES)
-            yield ASK_SKIP.at(_HERE, found=name, expected=expected)
+            yield ASK_SKIP.at(_HERE, found=name, expected=nearest(str(name), SKIP_NAMES))
 
 
 def check_flags(**flags: object) -> None:

@@ -90,8 +90,7 @@ def first_of_each_kind(diagnostics: Iterable[Diagnostic]) -> Iterator[Diagnostic
             yield said
     for code, count in counts.items():
         if count > MAX_OF_A_KIND:
-            more = count - MAX_OF_A_KIND
-            yield MORE.at(Source("beamcam"), found=more, code=code, of=count)
+            yield MORE.at(Source("beamcam"), found=count - MAX_OF_A_KIND, code=code, of=count)
 
 
 def add_few(said: list[Diagnostic], one: Diagnostic) -> None:

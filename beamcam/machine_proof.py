@@ -109,8 +109,7 @@ def _parts(machine: Machine) -> Iterator[Part]:
         if profile.code in profiles:
             holes = tuple(_holes(profile, machine))
             length = max(_LENGTH, 1.1 * machine.layout.min_part if machine.layout else 0.0)
-            cuts = EndCuts(web_end=20.0)
-            yield Part("P1", profile, length, _AT, features=holes, cuts=cuts)
+            yield Part("P1", profile, length, _AT, features=holes, cuts=EndCuts(web_end=20.0))
             yield Part("P1", profile, length, _AT, features=holes)
             yield Part("P1", profile, length, _AT)
 

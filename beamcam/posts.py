@@ -134,8 +134,7 @@ def trigger_post() -> Post:
         try:
             return simotion.emit(program, job.machine, job.style)
         except simotion.ChainError as error:
-            source = job.parts[0].source
-            said = CHAIN.at(source, found=error.found, expected=error.expected)
+            said = CHAIN.at(job.parts[0].source, found=error.found, expected=error.expected)
             raise PlanError(said) from error
 
     def read_back(program: Written, request: Request) -> tuple[Diagnostic, ...]:

@@ -95,8 +95,7 @@ class HotFolder:
 
     def again(self, found: Input, now_s: float) -> None:
         """Hand an input over once more after a while, though it has not changed."""
-        sight = self._seen[found]
-        self._seen[found] = replace(sight, handed=False, since_s=now_s + AGAIN_S)
+        self._seen[found] = replace(self._seen[found], handed=False, since_s=now_s + AGAIN_S)
 
     def is_as_seen(self, found: Input) -> bool:
         """Whether an input is still what was handed over."""

@@ -198,8 +198,7 @@ def convert(part: Part, to: str = "dstv", *, thickness: float | None = None) -> 
     target = next((target for target in TARGETS if target.name == to), None)
     if target is None:
         expected = ", ".join(target.name for target in TARGETS)
-        said = ASK_TYPE.at(Source("beamcam"), name="to", found=repr(to), expected=expected)
-        raise AskError(said)
+        raise AskError(ASK_TYPE.at(Source("beamcam"), name="to", found=repr(to), expected=expected))
     if thickness is not None and only.profile.web_thickness is None:
         from beamcam.config.values import Sheet
 
@@ -324,8 +323,7 @@ def check_style(style: object, machine: Machine) -> None:
     known = {"simotion": ("chain", "table"), "stepper": STEP_FORMS}
     forms = known.get(machine.controller, ())
     if style is not None and style not in forms:
-        expected = " or ".join(map(repr, (*forms, None)))
-        raise AskError(ask_type("style", style, expected))
+        raise AskError(ask_type("style", style, " or ".join(map(repr, (*forms, None)))))
 
 
 def _operation(first: object, machine: Machine) -> int:

@@ -60,8 +60,7 @@ def cleaned(text: str) -> str:
 
     Of a longer one than any system takes the beginning.
     """
-    short = text[:MOST_LETTERS]
-    return "".join(c if c.isalnum() or c in "-_.+" else "_" for c in short).strip(".")
+    return "".join(c if c.isalnum() or c in "-_.+" else "_" for c in text[:MOST_LETTERS]).strip(".")
 
 
 def output_name(

@@ -152,8 +152,7 @@ class Record:
         if self._torn:  # end the torn line, so that this one is read
             lines = b"\n" + lines
         self._torn = True
-        written = os.write(self._file, lines)
-        if written != len(lines):
+        if os.write(self._file, lines) != len(lines):
             raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
         self._torn = False
 

@@ -172,8 +172,7 @@ class _Run:
             slot.row = _row(found.path, "refused", data)
             return None
         about = f"{found.path}\0{'' if self._flat else found.tree}\0"
-        about_bytes = about.encode("utf-8", "surrogateescape")
-        slot.key = sha256(self._settings + about_bytes + data).digest()
+        slot.key = sha256(self._settings + about.encode("utf-8", "surrogateescape") + data).digest()
         done = None if self._force else self._record.find(slot.key, found)
         if done is not None and not (self._shop.timed and _lacks_time(done)):
             slot.row = {**done, "status": "unchanged", "seconds": 0.0}

@@ -269,8 +269,7 @@ def _post_job(
         posted = yield from posted_job(planned, shop)
     except BeamcamError as error:
         if isinstance(error, RefusedProgram):
-            kept = names.take(name + REFUSED_SUFFIX, part.mark)
-            refused.append((kept, b"".join(error.pieces())))
+            refused.append((names.take(name + REFUSED_SUFFIX, part.mark), b"".join(error.pieces())))
         row["status"] = "refused"
         row["messages"] += map(as_message, error.diagnostics)
         return

@@ -64,8 +64,7 @@ def drawn_over(
     if suffix == ".html":
         from beamcam.setup_sheet.diff_page import diff_page
 
-        names = PurePath(data[0][0]).name, PurePath(data[1][0]).name
-        return diff_page(names, compared, found)
+        return diff_page((PurePath(data[0][0]).name, PurePath(data[1][0]).name), compared, found)
     return picture([one.scene for one in compared], suffix)
 
 

@@ -22,6 +22,5 @@ def command(ctx: click.Context, shell: str) -> None:
     made = get_completion_class(shell)
     if made is None:
         raise AssertionError(f"click knows {shell}")
-    root = ctx.find_root().command
-    source = made(root, {}, "beamcam", "_BEAMCAM_COMPLETE")
+    source = made(ctx.find_root().command, {}, "beamcam", "_BEAMCAM_COMPLETE")
     click.echo(source.source_template % source.source_vars())

@@ -60,8 +60,7 @@ def command(inputs: tuple[str, ...], as_json: bool, keys: bool, **asked: Any) ->
         Voice(as_json=as_json).stop(error.diagnostics)
     rows = config.settings()
     if as_json:
-        record = {r.key: {"value": r.value, "source": r.source and str(r.source)} for r in rows}
-        say_json(record)
+        say_json({r.key: {"value": r.value, "source": r.source and str(r.source)} for r in rows})
         return
     width = max(len(shown(row)) for row in rows)
     say_lines(f"{shown(row):{width}}  # {row.source or 'default'}" for row in rows)

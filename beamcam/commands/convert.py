@@ -56,8 +56,7 @@ def file_names(parts: Sequence[Part], suffix: str) -> tuple[list[str], list[Diag
         wanted = (cleaned(part.mark) or "part") + suffix
         other, name = given.owner(wanted), given.take(wanted, part.mark)
         if other is not None:
-            note = RENAMED.at(part.source, found=part.mark, of=wanted, other=other, name=name)
-            said.append(note)
+            said.append(RENAMED.at(part.source, found=part.mark, of=wanted, other=other, name=name))
         names.append(name)
     return names, said
 

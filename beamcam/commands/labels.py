@@ -74,8 +74,7 @@ def command(
     try:
         config = settled(asked, inputs)
         counts, said = counted_parts(inputs, config, asked, voice)
-        labels = tuple(_labels(counts, config))
-        data = _written(output, labels, size, code)
+        data = _written(output, tuple(_labels(counts, config)), size, code)
     except BeamcamError as error:
         voice.stop(error.diagnostics)
     write(output, data, voice, files_read(config, inputs))

@@ -98,8 +98,7 @@ def _bars(
     """The bars that the beams among the parts are cut from, and why some are on none."""
     if all(one.part.profile.code == "B" for one in counts):
         return (), ()
-    machine = machine_of_stock(config, "beam", "", is_one_of_two=True)
-    return bars_of(counts, machine, lengths)
+    return bars_of(counts, machine_of_stock(config, "beam", "", is_one_of_two=True), lengths)
 
 
 def _written(

@@ -52,8 +52,7 @@ def list_machines(as_json: bool) -> None:
         except BeamcamError as error:
             faults += error.diagnostics
     if as_json:
-        rows = [{"name": m.name, "controller": m.controller, "title": m.title} for m in machines]
-        say_json(rows)
+        say_json([{"name": m.name, "controller": m.controller, "title": m.title} for m in machines])
     else:
         width = max(len(m.name) for m in machines)
         say_lines(f"{m.name:{width}}  {m.controller:10}  {m.title}" for m in machines)
@@ -82,8 +81,7 @@ def new(name: str, base: str, user: bool, voice: Voice) -> None:
     if not name or cleaned(name) != name or name in shipped():
         expected = "letters, digits, - and _, and no shipped machine's name"
         raise click.UsageError(f"found {name!r} for the machine's name; expected {expected}.")
-    config = next(iter(beside(())), None)
-    folder = machine_folders(config)[-1 if user else 0]
+    folder = machine_folders(next(iter(beside(())), None))[-1 if user else 0]
     path = os.path.join(folder, f"{name}.toml")
     try:
         text = starting_file(name, base)
@@ -118,8 +116,7 @@ def show(name: str, as_json: bool) -> None:
         Voice(as_json=as_json).stop(error.diagnostics)
     Voice(as_json=as_json).say(machine.remarks)
     if as_json:
-        record = {r.key: {"value": r.value, "source": r.source and str(r.source)} for r in rows}
-        say_json(record)
+        say_json({r.key: {"value": r.value, "source": r.source and str(r.source)} for r in rows})
         return
     width = max(len(r.key) for r in rows)
     for row in rows:

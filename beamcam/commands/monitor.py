@@ -62,8 +62,7 @@ def command(
     from beamcam.simulate.rules import PORT
 
     try:
-        config = settled(asked, ())
-        machine, work = _work(parts, program, config)
+        machine, work = _work(parts, program, settled(asked, ()))
         reader = Reader(host, machine, len(axes_of(machine)), every)
         reader.read_first()
         html = monitor_page(machine, every, f"{host[0]}:{host[1]}", work).encode("utf-8")

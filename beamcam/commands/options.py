@@ -77,8 +77,7 @@ def _skips(
     """The names in order; None if none was given, () for `none`."""
     if not values:
         return None
-    names = {name for value in values for name in value.split(",")}
-    return named_skips(names - {NO_SKIPS})
+    return named_skips({name for value in values for name in value.split(",")} - {NO_SKIPS})
 
 
 class SkipNames(click.Choice):  # type: ignore[type-arg]  # older versions take none

@@ -127,8 +127,7 @@ def command(
                     asked["date"] or "",
                 )  # fmt: skip
 
-            longest = max((p.length for p in each.parts), default=0.0)
-            return from_store(made, each.lengths, longest)
+            return from_store(made, each.lengths, max((p.length for p in each.parts), default=0.0))
 
         source = parts[0].source if parts else Source("beamcam")
         machine, made, choice = first_that_makes(

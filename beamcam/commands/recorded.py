@@ -32,8 +32,7 @@ def record_folders(folder: Path) -> tuple[Path, ...]:
     below = sorted(path.parent for path in folder.rglob(RECORD_NAME))
     if below:
         return tuple(below)
-    above = (one for one in folder.resolve().parents if (one / RECORD_NAME).is_file())
-    found = next(above, None)
+    found = next((one for one in folder.resolve().parents if (one / RECORD_NAME).is_file()), None)
     return () if found is None else (Path(os.path.relpath(found)),)
 
 
@@ -109,8 +108,7 @@ class Recorded:
         (made,) = make_all((Task(0, sample, data),), shop)
         below = "" if config.flat else noted.tree.rpartition("/")[0]
         new = {f"{below}/{name}" if below else name: content for name, content in made.outputs}
-        machines = machines_of(made.row, shop)
-        yield from self._outputs(noted, made.row, new, machines)
+        yield from self._outputs(noted, made.row, new, machines_of(made.row, shop))
         if self._update and not new.keys() <= self._known:
             self._note(noted, made.row, tuple(new), sample)
 
@@ -155,8 +153,7 @@ class Recorded:
         if (samples / noted.tree).is_file():
             return str(samples / noted.tree)
         stem, suffix = os.path.splitext(os.path.basename(noted.input))
-        shown = str(self._path(noted.outputs[0]))
-        return str(sample_of(samples, stem, shown, suffix.lower()))
+        return str(sample_of(samples, stem, str(self._path(noted.outputs[0])), suffix.lower()))
 
     def _note(self, noted: Noted, row: Row, outputs: tuple[str, ...], sample: str) -> None:
         """Let the record know programs that have other names now, or are new."""

@@ -69,8 +69,7 @@ def command(
             source = _of_program(first, inputs, config, asked, voice)
         else:
             job = posted_job(inputs, config, asked, output, order, turn, voice)
-            said = (*job.said, *job.posted.remarks)
-            source = Source(job.program, job.posted.plan, said)
+            source = Source(job.program, job.posted.plan, (*job.said, *job.posted.remarks))
         content = content_of(source, unit)
         sheet: str | bytes
         if suffix == ".pdf":

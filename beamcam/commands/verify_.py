@@ -107,8 +107,7 @@ def command(
         voice.stop((*said, *error.diagnostics))
     voice.did(f"read {name} back on {machine.name}: {len(found)} message(s)")
     if as_json:
-        records = [as_message(d) for d in (*said, *found) if voice.wants(d.severity)]
-        say_json(records)
+        say_json([as_message(d) for d in (*said, *found) if voice.wants(d.severity)])
     else:
         voice.say((*said, *found))
     if errors_in(found):

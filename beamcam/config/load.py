@@ -26,8 +26,7 @@ def load(path: str | Path) -> Config:
         said = rules.UNREADABLE.at(Source(str(path)), found=error.strerror or error)
         raise ConfigError(said) from error
     except TomlError as error:
-        source = Source(str(path), error.line)
-        raise ConfigError(rules.NOT_TOML.at(source, found=error)) from error
+        raise ConfigError(rules.NOT_TOML.at(Source(str(path), error.line), found=error)) from error
     place = Place({"": (str(path), text)})
     try:
         read = converted(table, ConfigFile)

@@ -118,8 +118,7 @@ def _words(data: bytes, kinds: bytes, ends: Counts, good: Flags) -> _Words:
     is_letter = kind == _LETTER
     numbers = np.where(np.repeat(good, sizes) & ~is_letter, characters, ord(" "))
     letters = np.flatnonzero(is_letter)
-    last = np.searchsorted(letters, ends)
-    count = np.diff(last, prepend=0)
+    count = np.diff(np.searchsorted(letters, ends), prepend=0)
     letters = letters[np.repeat(good, count)]
     count[~good] = 0
     value = np.fromstring(numbers.tobytes().decode("ascii"), sep=" ")

@@ -143,8 +143,7 @@ class Track:
         centre = start[is_arc] + plain.centre[is_arc]
         clockwise = plain.motion[is_arc] == 2
         arcs[is_arc] = arcs_between(start[is_arc], plain.end[is_arc], centre, clockwise)
-        rapid = plain.motion == 0
-        return Moves(plain.line, rapid, start, plain.end, feed, is_arc, arcs)
+        return Moves(plain.line, plain.motion == 0, start, plain.end, feed, is_arc, arcs)
 
 
 def _arc_faults(

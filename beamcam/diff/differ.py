@@ -126,8 +126,7 @@ def _section(a: Made, b: Made) -> Iterator[Difference]:
     for name in sorted(first.keys() | second.keys()):
         old, new = first.get(name), second.get(name)
         if old != new and not (old is not None and new is not None and isnan(old) and isnan(new)):
-            text = f"{name} {shown(old)} to {shown(new)}"
-            yield Difference("section", "changed", text)
+            yield Difference("section", "changed", f"{name} {shown(old)} to {shown(new)}")
 
 
 def _order(made: Made) -> list[tuple[object, ...]]:
@@ -271,8 +270,7 @@ def _part(a: Part, b: Part) -> Iterator[Difference]:
         name = f"{field.name.replace('_', ' ')} cut"
         yield from _value("part", name, getattr(a.cuts, field.name), getattr(b.cuts, field.name))
     for kind in _KINDS:
-        faces = sorted({_face(f) for f in (*a.features, *b.features) if isinstance(f, kind)})
-        for face in faces:
+        for face in sorted({_face(f) for f in (*a.features, *b.features) if isinstance(f, kind)}):
             yield from differences_one_by_one(
                 "hole" if kind is Hole else "feature",
                 [f for f in a.features if isinstance(f, kind) and _face(f) == face],

@@ -73,8 +73,7 @@ def _fits(free: Sequence[Curve], tolerance: float) -> list[_Fit]:
         pieces = _as_cubics(free[k], CUBIC_SHARE * tolerance)
         more += pieces
         more_owner += [k] * len(pieces)
-    points = rows(concatenated.from_iterable(more), 8).reshape(-1, 4, 2)
-    control = np.concatenate((control, points))
+    control = np.concatenate((control, rows(concatenated.from_iterable(more), 8).reshape(-1, 4, 2)))
     owner = np.concatenate((owner, np.array(more_owner, dtype=np.int64)))
     order = np.argsort(owner, kind="stable")
     control, owner = control[order], owner[order]

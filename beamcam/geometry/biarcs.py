@@ -272,6 +272,5 @@ def _singles(control: Floats, tolerance: float) -> tuple[Flags, Floats, Floats]:
         turns = np.unwrap(np.arctan2(samples[..., 1], samples[..., 0]), axis=1)
         steps = np.diff(turns, axis=1) * np.where(area > 0, 1.0, -1.0)[:, None]
         sweep = np.abs(turns[:, -1] - turns[:, 0]) * SAMPLES / (SAMPLES - 1)
-        allowed = allowed_off(radius, sweep, tolerance)
-        good = bent & (off <= allowed) & np.all(steps > 0.0, axis=1)
+        good = bent & (off <= allowed_off(radius, sweep, tolerance)) & np.all(steps > 0.0, axis=1)
     return good, centre, area

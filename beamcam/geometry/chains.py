@@ -115,8 +115,7 @@ def join_curves(
     near = _meetings(ends[loose].reshape(-1, 2), same)
     linked = _linked([links[k] for k in loose.tolist()], near)
     chains += [link for link in linked if link.closed]
-    opened = [link for link in linked if not link.closed]
-    whole, junctions = _joined_within(opened, tolerance)
+    whole, junctions = _joined_within([link for link in linked if not link.closed], tolerance)
     chains += whole
     chains.sort(key=lambda chain: min(m for m in chain.members if m >= 0))
     small = [_is_small(chain, tolerance) for chain in chains]
@@ -124,13 +123,11 @@ def join_curves(
     dropped = [c.members for c, is_small in zip(chains, small, strict=True) if is_small]
     lost = {m for members in dropped for m in members if m >= 0}
     lost.update(np.flatnonzero(point).tolist())
-    gaps = _find_gaps(kept, tolerance)
-    return Chains(tuple(kept), junctions, gaps, tuple(sorted(lost)))
+    return Chains(tuple(kept), junctions, _find_gaps(kept, tolerance), tuple(sorted(lost)))
 
 
 def _is_small(chain: Chain, tolerance: float) -> bool:
-    first = chain.curves[0]
-    if distance(first.start, chain.curves[-1].start) > tolerance * SLACK:
+    if distance(chain.curves[0].start, chain.curves[-1].start) > tolerance * SLACK:
         return False
     return _size(chain.curves) <= tolerance * SLACK
 

@@ -171,8 +171,7 @@ def _newton_form(
             x, y = nodes[k + 1]
             raise ValueError(f"node ({x:g}, {y:g}) is too near to the one before")
     xs = divided_differences(u, [node[0] for node in nodes])
-    ys = divided_differences(u, [node[1] for node in nodes])
-    return u, xs, ys
+    return u, xs, divided_differences(u, [node[1] for node in nodes])
 
 
 @cached("curves.newton_bezier")

@@ -157,8 +157,7 @@ def _are_simple(rings: Sequence[tuple[Curve, ...]], tolerance: float) -> list[bo
     kept[drawn.begins[1:] - 1] = False
     ring_of = np.repeat(np.arange(len(rings)), [len(ring) for ring in rings])
     owner = np.repeat(ring_of, np.diff(drawn.begins))[kept]
-    counts = np.bincount(owner, minlength=len(rings))
-    simple = counts >= 3
+    simple = np.bincount(owner, minlength=len(rings)) >= 3
     of_simple = simple[owner]
     _, owner = np.unique(owner[of_simple], return_inverse=True)
     polygons = shapely.polygons(shapely.linearrings(drawn.points[kept][of_simple], indices=owner))

@@ -30,8 +30,7 @@ DEFAULT_MACHINE = DEFAULTS["beam", ANY_SUFFIX][0]
 
 def default_machines(stock: Stock, output: str = "") -> tuple[str, ...]:
     """The machines for that stock where none is named, by the name of the output, in order."""
-    suffix = PurePath(output).suffix.lower()
-    return DEFAULTS.get((stock, suffix), DEFAULTS[stock, ANY_SUFFIX])
+    return DEFAULTS.get((stock, PurePath(output).suffix.lower()), DEFAULTS[stock, ANY_SUFFIX])
 
 
 def is_of_sheets(program: str) -> bool:

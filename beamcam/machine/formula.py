@@ -61,8 +61,7 @@ class NoValueError(MachineError):
 
 def _without_value(formula: Formula, values: Mapping[str, float], why: str) -> NoValueError:
     given = ", ".join(f"{name} {value:g}" for name, value in sorted(values.items()))
-    expected = f"arithmetic that has a value for {given} ({why})"
-    return NoValueError(str(formula), expected)
+    return NoValueError(str(formula), f"arithmetic that has a value for {given} ({why})")
 
 
 def as_formula(kind: type, value: object) -> Formula:

@@ -187,8 +187,7 @@ def files_of_machine(name: str) -> tuple[TomlFile, ...]:
             file = TomlFile(path, shown, toml_text(path.read_bytes()))
             base = file.table.get("base")
         except TomlError as error:
-            source = Source(shown, error.line)
-            raise MachineError(rules.NOT_TOML.at(source, found=error)) from error
+            raise MachineError(rules.NOT_TOML.at(Source(shown, error.line), found=error)) from error
         except OSError as error:
             expected = error.strerror or "a file that can be read"
             said = rules.UNKNOWN_MACHINE.at(Source(shown), found=name, expected=expected)

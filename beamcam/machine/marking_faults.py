@@ -16,8 +16,7 @@ def marking_faults(machine: Machine) -> Iterator[Fault]:
     if not marks.is_told:
         return
     if machine.stock == "sheet":
-        expected = "scribe, plasma or laser, which draw strokes, on a table"
-        yield "marks.unit", marks.unit, expected
+        yield "marks.unit", marks.unit, "scribe, plasma or laser, which draw strokes, on a table"
         return
     if not marks.characters:
         yield "marks.characters", "", f"the characters that the {marks.unit} has"

@@ -89,7 +89,6 @@ def tool_numbers(sets: Iterable[ToolSet]) -> ToolNumbers:
 def inch_size(text: str) -> float:
     """Millimetres of an inch size such as "13/16" or "1 1/16". Raises ValueError."""
     try:
-        total = sum(Fraction(word) for word in text.split())
-        return round(float(total) * MM_PER_INCH, 6)
+        return round(float(sum(Fraction(word) for word in text.split())) * MM_PER_INCH, 6)
     except (ValueError, ArithmeticError) as error:
         raise ValueError(f"{text!r} is no size in inches") from error

@@ -52,8 +52,7 @@ def _place_faults(triggers: Triggers) -> Iterator[Fault]:
     ):
         for place in places:
             if not (pattern.fullmatch(place) or _ST_NAME.fullmatch(place)):
-                expected = f"an address of an {kind} or the name of a variable"
-                yield f"triggers.{key}", place, expected
+                yield f"triggers.{key}", place, f"an address of an {kind} or the name of a variable"
     used = Counter(place.upper() for place in (*inputs, *outputs, *triggers.axes))
     for place, count in used.items():
         if count > 1:

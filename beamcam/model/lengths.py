@@ -149,8 +149,7 @@ def _direction(line: Line) -> Point:
 
 def _overlap_of_arcs(arcs: Sequence[Arc]) -> float:
     total = 0.0
-    placed = [((*arc.centre, arc.radius), index) for index, arc in enumerate(arcs)]
-    for group in _clusters(placed):
+    for group in _clusters([((*arc.centre, arc.radius), index) for index, arc in enumerate(arcs)]):
         spans: list[tuple[float, float]] = []
         for index in group:
             arc = arcs[index]
@@ -171,8 +170,7 @@ def _length_of_repeats(curves: Sequence[Curve]) -> float:
     for index, curve in enumerate(curves):
         by_kind[type(curve).__name__, len(signatures[index])].append(index)
     for members in by_kind.values():
-        placed = [(signatures[i], i) for i in members]
-        for group in _clusters(placed):
+        for group in _clusters([(signatures[i], i) for i in members]):
             repeats += (curves[i] for i in sorted(group)[1:])
     return total_length(repeats)
 

@@ -10,8 +10,7 @@ from beamcam.model.part import Contour, Feature, Hole, Slot, TextMark
 def moved_feature(feature: Feature, by: Point) -> Feature:
     """The feature moved in the plane of its plate; values across the plate stay."""
     if isinstance(feature, Contour):
-        curves = tuple([moved_curve(curve, by) for curve in feature.curves])
-        return replace(feature, curves=curves)
+        return replace(feature, curves=tuple([moved_curve(curve, by) for curve in feature.curves]))
     if isinstance(feature, Hole | Slot | TextMark):
         return replace(feature, x=feature.x + by[0], y=feature.y + by[1])
     return feature

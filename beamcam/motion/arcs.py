@@ -72,8 +72,7 @@ def paths_along(
     order = np.lexsort((begin, owner))
     moves = [moves[k] for k in order.tolist()]
     bounds = np.searchsorted(owner[order], np.concatenate((firsts, lasts[-1:]))).tolist()
-    starts = written[firsts, :2].tolist()
-    for k, (x, y) in enumerate(starts):
+    for k, (x, y) in enumerate(written[firsts, :2].tolist()):
         yield Path((x, y), moves[bounds[k] : bounds[k + 1]])
 
 

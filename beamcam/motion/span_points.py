@@ -151,8 +151,7 @@ def _batches(steps: Counts) -> list[tuple[int, int]]:
     if not len(steps):
         return []
     reach = np.cumsum(steps) // CHUNK
-    cuts = np.flatnonzero(np.diff(reach)) + 1
-    edges = [0, *cuts.tolist(), len(steps)]
+    edges = [0, *(np.flatnonzero(np.diff(reach)) + 1).tolist(), len(steps)]
     return list(itertools.pairwise(edges))
 
 

@@ -23,8 +23,7 @@ def trigger_time(plan: SheetPlan, table: TriggerTable, machine: Machine) -> Work
     Each operation runs from rest to rest; the next begins in the cycle behind the one that sees
     its arrival. Homing is not included, as its start position is unknown.
     """
-    triggers = machine.needed(machine.triggers, "trigger program")
-    passes = _passes(table, triggers)
+    passes = _passes(table, machine.needed(machine.triggers, "trigger program"))
     operations = tuple(sum(next(passes) for _ in op.passes) for op in plan.operations)
     return WorkTime(operations, 0.0, sum(passes))
 

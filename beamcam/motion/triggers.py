@@ -25,8 +25,7 @@ TRUNCATION_SLACK = 1e-6  #: as in `rounding`: 0.29 is a hair less than 0.29 in b
 def trigger_table(plan: SheetPlan, machine: Machine, job: str) -> TriggerTable:
     """The operations that carry out a plan, from the corner of the work area and back to it."""
     said: list[str] = []
-    operations = tuple(_operations(plan, machine, said))
-    return TriggerTable(job, operations, tuple(said))
+    return TriggerTable(job, tuple(_operations(plan, machine, said)), tuple(said))
 
 
 def _operations(plan: SheetPlan, machine: Machine, said: list[str]) -> Iterator[TriggerOp]:

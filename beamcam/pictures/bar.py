@@ -325,8 +325,7 @@ def _stops(bar: BarMade, frame: Frame, y: float, unit: Unit) -> Iterator[Shape]:
     if len(rows) > most:
         rows = [rows[round(k * (len(rows) - 1) / (most - 1))] for k in range(most)]
     ideal = [frame.at(place, 0.0)[0] for place, _ in rows]
-    labels = spread(ideal, FIGURE_SIZE)
-    for (_, x), at, label in zip(rows, ideal, labels, strict=True):
+    for (_, x), at, label in zip(rows, ideal, spread(ideal, FIGURE_SIZE), strict=True):
         yield Polyline("stop", ((at, y - 2.0), (at, y + 4.0), (label, y + 12.0)), tip=f"x {x:g}")
         place = (label + 3.5, y + 15.0)
         yield Text("figure", place, shown(x, unit), FIGURE_SIZE, "end", 90.0, x)

@@ -308,8 +308,7 @@ def _done(
     new = sum(pair.a is None for pair in pairs)
     changed = len(pairs) - same - gone - new
     about = f"{same} the same, {changed} changed, {gone} gone, {new} new"
-    scene = _scene(title, lines, drawn, paper, about)
-    return Compared(scene, same, changed, gone, new)
+    return Compared(_scene(title, lines, drawn, paper, about), same, changed, gone, new)
 
 
 def _scene(title: str, lines: Sequence[str], drawn: list[Shape], paper: Paper, about: str) -> Scene:

@@ -81,8 +81,7 @@ def encoder_scene(study: Study) -> Scene:
     shapes += _plan(window, encoder.count, top)
     left = SIDE + PLAN + GAP
     for k in (0, 1):
-        upper = top + k * (PLAN - PLOT_HEIGHT)
-        shapes += _over_time(window, k, left, upper, is_last=k == 1)
+        shapes += _over_time(window, k, left, top + k * (PLAN - PLOT_HEIGHT), is_last=k == 1)
     y = top + PLAN + 46.0
     shapes += _legend(y)
     for k, (name, value) in enumerate(study.figures()):

@@ -23,8 +23,7 @@ def to_png(scene: Scene) -> bytes:
         said = rules.NEEDS.at(Source("picture"), found="no Pillow", what="PNG")
         raise PictureError(said) from error
     width, height = (min(round(v), MAX_SIDE) for v in (scene.width, scene.height))
-    paper = style_of("paper").fill
-    image = Image.new("RGB", (width * FINER, height * FINER), paper)
+    image = Image.new("RGB", (width * FINER, height * FINER), style_of("paper").fill)
     pen = _Pen(image, ImageDraw.Draw(image))
     for shape in scene.shapes:
         pen.draw(shape)

@@ -71,8 +71,7 @@ def _panel(
         yield Polyline("grid", ((x, top), (x, top + PANEL)))
         yield Polyline("axis tick", ((x, top + PANEL), (x, top + PANEL + 4.0)))
         if is_last:
-            place = (x, top + PANEL + 16.0)
-            yield Text("figure tick-label", place, number(time), 10.0, "middle")
+            yield Text("figure tick-label", (x, top + PANEL + 16.0), number(time), 10.0, "middle")
     yield Polyline("axis", (at(0.0, 0.0), at(end, 0.0)))
     box = ((LEFT, top), (WIDTH - RIGHT, top), (WIDTH - RIGHT, top + PANEL), (LEFT, top + PANEL))
     yield Polyline("axis frame", box, True)

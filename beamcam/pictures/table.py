@@ -41,8 +41,7 @@ class TableMade(Struct, frozen=True):
         """First interval, the one behind the last, and process of each start of a tool."""
         process = [state.process for state in self.trace.states]
         state = self.trace.state
-        cuts = np.flatnonzero(np.diff(state)) + 1
-        edges = [0, *cuts.tolist(), len(state)]
+        edges = [0, *(np.flatnonzero(np.diff(state)) + 1).tolist(), len(state)]
         return [
             (a, b, process[int(state[a])])
             for a, b in pairwise(edges)
@@ -71,8 +70,7 @@ def table_scene(table: TableMade, unit: Unit = "mm") -> Scene:
     box = (float(low[0]), float(low[1]), max(float(high[0]), float(low[0]) + 1.0),
            max(float(high[1]), float(low[1]) + 1.0))  # fmt: skip
     lines = _head(table, len(strokes))
-    view = View("table", "", box)
-    paper = laid_out((view,), head_height(lines) - 8.0)
+    paper = laid_out((View("table", "", box),), head_height(lines) - 8.0)
     frame = paper.frames["table"]
     speeds = table.speeds_mm_s
     on = np.zeros(len(trace.line), dtype=bool)
@@ -101,8 +99,7 @@ def table_scene(table: TableMade, unit: Unit = "mm") -> Scene:
 
 
 def _head(table: TableMade, strokes: int) -> list[str]:
-    trace = table.trace
-    seconds = round(trace.duration_s)
+    seconds = round(table.trace.duration_s)
     return [
         table.name,
         f"{table.machine.name}, {strokes} paths, {seconds // 60} min {seconds % 60:02d} s",

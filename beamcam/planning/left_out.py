@@ -104,8 +104,7 @@ def _not_cut(plan: SheetPlan) -> Iterator[Diagnostic]:
             curves[look] += len(feature.curves)
             first.setdefault(look, feature.source)
     for look, count in curves.items():
-        named = _named(*look[:2])
-        yield NOT_CUT.at(first[look], count=count, look=named, how=MAPPED_AWAY[look[2]])
+        yield NOT_CUT.at(first[look], count=count, look=_named(*look[:2]), how=MAPPED_AWAY[look[2]])
 
 
 def _named(layer: str | None, colour: str | None) -> str:

@@ -117,8 +117,7 @@ def _plan_of_several(
     from beamcam.planning.sheet_rows import laid_out
 
     laid = laid_out(parts, machine, skips)
-    fixed = replace(machine, torch=replace(torch, place="drawn"))
-    plan = plan_sheet((laid.whole,), fixed, skips)
+    plan = plan_sheet((laid.whole,), replace(machine, torch=replace(torch, place="drawn")), skips)
     operations = tuple(
         replace(
             op,

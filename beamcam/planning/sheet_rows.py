@@ -58,8 +58,7 @@ def places_of(parts: Sequence[Part], machine: Machine, skips: Collection[str]) -
 
 def _box(part: Part, machine: Machine, skips: Collection[str]) -> Box:
     """The box around what is cut and marked of a part."""
-    assigned = assign_processes(part, _torch(machine), machine, skips).wanted
-    curves = [one.curve for one in assigned]
+    curves = [one.curve for one in assign_processes(part, _torch(machine), machine, skips).wanted]
     return box_of(CurveTable(curves)) if curves else (0.0, 0.0, 0.0, 0.0)
 
 

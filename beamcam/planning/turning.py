@@ -282,8 +282,7 @@ class _Mapper:
                 # Both ends of the line are on face v, or h once it lies upside down.
                 _, matrix = self._on("v")
                 sign = -1.0 if self._turn.reverse_z else 1.0
-                ends = (mapped(matrix, p) for p in (feature.start, feature.end))
-                start, end = ends
+                start, end = (mapped(matrix, p) for p in (feature.start, feature.end))
                 return replace(feature, start=start, end=end, angle=sign * feature.angle)
             case EndPlane():
                 return replace(

@@ -49,8 +49,7 @@ def has_end(path: str) -> bool:
         return True
     try:
         with open(path, "rb") as file:
-            size = file.seek(0, os.SEEK_END)
-            file.seek(max(0, size - TAIL_BYTES))
+            file.seek(max(0, file.seek(0, os.SEEK_END) - TAIL_BYTES))
             tail = file.read()
             file.seek(0)
             if suffix == ".dxf" and file.read(len(_BINARY_DXF)) == _BINARY_DXF:

@@ -35,5 +35,4 @@ def recover(text: str, machine: Machine, name: str = "program", stock: Stock = S
     head = head_of(text)
     if head is None or not head.by_hand:
         return found
-    left = rules.BY_HAND.at(Source(name), found=head.by_hand)
-    return Recovered(found.parts, (*found.said, left))
+    return Recovered(found.parts, (*found.said, rules.BY_HAND.at(Source(name), found=head.by_hand)))

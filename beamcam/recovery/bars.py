@@ -122,8 +122,7 @@ class _Bar:
         for t in made.texts:
             if self._in(piece, t.face, (t.x - at + self.shop.drill.x, t.y)):
                 x = plain(t.x - at - first, form.resolution, form.length_decimals)
-                source = Source(self.name, t.line)
-                yield TextMark(t.face, x, t.y, t.angle, t.height, t.text, source)
+                yield TextMark(t.face, x, t.y, t.angle, t.height, t.text, Source(self.name, t.line))
 
     def _x(self, bore: Bore, from_x: float) -> float:
         form = self.machine.format

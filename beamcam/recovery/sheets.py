@@ -79,8 +79,7 @@ def _recovered(text: str, machine: Machine, torch: Torch, name: str) -> Recovere
     if errors_in(told):
         return Recovered((), tuple(told))
     paths = _paths(strokes, torch, max(torch.gap, 2 * machine.format.resolution), name)
-    contours = _contours(paths, torch, told)
-    part = _placed(sheet, contours, torch)
+    part = _placed(sheet, _contours(paths, torch, told), torch)
     if not errors_in(told):
         told += [d for d in verify_sheet(text, (part,), machine, name=name) if d not in told]
     return Recovered((part,), tuple(told))
@@ -169,8 +168,7 @@ def _depths(paths: Sequence[_Path], tolerance: float) -> list[int]:
         return depths
     shapes = []
     for k in rings:
-        points = polylines(paths[k].curves, tolerance).points
-        shapes.append(shapely.Polygon(points).buffer(0.0))
+        shapes.append(shapely.Polygon(polylines(paths[k].curves, tolerance).points).buffer(0.0))
     tree = shapely.STRtree(shapes)
     inner, outer = tree.query([s.representative_point() for s in shapes], "within")
     for a, b in zip(inner.tolist(), outer.tolist(), strict=True):

@@ -34,8 +34,7 @@ def guide_page(profile: Profile, unit: Unit) -> str:
     """The page; it fetches nothing, and the same profile gives the same bytes."""
     trace = profile_trace(profile, unit)
     times = sample_times(profile)
-    speeds = profile.velocity(times)
-    rows = zip(times.tolist(), speeds.tolist(), strict=True)
+    rows = zip(times.tolist(), profile.velocity(times).tolist(), strict=True)
     data = {
         "kind": "guide",
         "trace": trace_data(trace),

@@ -38,8 +38,7 @@ def axes_of(machine: Machine) -> tuple[TraceAxis, ...]:
 def monitor_data(machine: Machine, every_s: float, work: Work) -> dict[str, Any]:
     """Data of the machine and of the work for the page's script. Raises VerifyError."""
     axes = [{"name": a.name, "unit": a.unit, "min": a.min, "max": a.max} for a in axes_of(machine)]
-    names = State.__struct_fields__
-    state = {name: getattr(State(), name) for name in names}
+    state = {name: getattr(State(), name) for name in State.__struct_fields__}
     data = {"kind": "table", "axes": axes, "every": round(1000 * every_s), "state": state}
     if machine.stock != "beam":
         return data | {"path": path_data(table_made(work.program)) if work.program else []}

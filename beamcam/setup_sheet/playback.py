@@ -73,8 +73,7 @@ def _squeezed(column: Counts) -> list[Any]:
 
 
 def _runs(states: Counts) -> list[list[int]]:
-    cuts = np.flatnonzero(np.diff(states)) + 1
-    edges = [0, *cuts.tolist(), len(states)]
+    edges = [0, *(np.flatnonzero(np.diff(states)) + 1).tolist(), len(states)]
     return [[int(states[a]), b - a] for a, b in pairwise(edges) if b > a]
 
 

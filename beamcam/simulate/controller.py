@@ -89,5 +89,4 @@ def _server(modbus: Modbus, words: list[int], host: str, port: int, place: Sourc
         return None
 
     block = SimData(modbus.first, values=list(words), datatype=DataType.REGISTERS)
-    device = SimDevice(ANY_DEVICE, block, action=show)
-    return ModbusTcpServer(device, address=(host, port))
+    return ModbusTcpServer(SimDevice(ANY_DEVICE, block, action=show), address=(host, port))

@@ -72,8 +72,7 @@ class _Simulation:
             match event:
                 case Move(curve=None):
                     deltas = (b - a for a, b in zip(event.start, event.end, strict=True))
-                    way = hypot(*(d for d in deltas if not isnan(d)))
-                    yield self._move(event, way)
+                    yield self._move(event, hypot(*(d for d in deltas if not isnan(d))))
                 case Move(curve=Arc() | Bezier() | EllipseArc() as curve):
                     yield self._move(event, curve.length)
                 case Pause():

@@ -32,8 +32,7 @@ class Encoder(Struct, frozen=True):
     def read(self, trace: Trace, positions: Floats) -> Floats:
         """What is read of positions (times, axes); axes that are not measured in mm are true."""
         counted = np.floor(positions / self.count + ROUNDING) * self.count
-        linear = np.array([axis.unit == "mm" for axis in trace.axes])
-        return np.where(linear, counted, positions)
+        return np.where(np.array([axis.unit == "mm" for axis in trace.axes]), counted, positions)
 
 
 class Precision(Struct, frozen=True):
@@ -72,8 +71,7 @@ def _crossings(trace: Trace, counts: Floats) -> Floats:
     )
     share = np.clip((whole - start[interval]) / way[interval], 0.0, 1.0)
     u = _inverse(share, trace.slopes[interval])
-    lasts = np.diff(trace.time_s)
-    return trace.time_s[interval] + u * lasts[interval]
+    return trace.time_s[interval] + u * np.diff(trace.time_s)[interval]
 
 
 def _inverse(share: Floats, slopes: Floats) -> Floats:

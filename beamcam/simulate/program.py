@@ -74,8 +74,7 @@ def _sheet(text: str, machine: Machine, name: str, parts: Sequence[Part]) -> Sim
     )
     starts = {stroke.line: stroke.process for stroke in strokes.each}
     offset = max((stroke.radius for stroke in strokes.each if stroke.side), default=0.0)
-    trace = sheet_trace(done.events(), starts, machine)
-    return Simulated(trace, tuple(said), kerf_offset=offset)
+    return Simulated(sheet_trace(done.events(), starts, machine), tuple(said), kerf_offset=offset)
 
 
 def _triggers(text: str, machine: Machine, name: str) -> Simulated:

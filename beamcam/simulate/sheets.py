@@ -141,8 +141,7 @@ class _Head:
         joints = [0.0]
         for step in self.steps:
             if isinstance(step, _Path):
-                own = self.segments[step.first : step.last]
-                moving, speeds = speeds_along(own, self.limits)
+                moving, speeds = speeds_along(self.segments[step.first : step.last], self.limits)
                 sections += [
                     SpeedSection(
                         s.limit, s.length, int(firsts[step.first + s.first]),

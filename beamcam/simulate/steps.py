@@ -64,8 +64,7 @@ def _strokes(
         places = here + np.cumsum(np.where(turn == 3, -1, turn) * turned, axis=0)
         here, words = places[-1], both[-1]
         times = rows.time_us / MICROSECONDS
-        cuts = np.flatnonzero(np.diff(rows.laser)) + 1
-        for part in np.split(np.arange(len(times)), cuts):
+        for part in np.split(np.arange(len(times)), np.flatnonzero(np.diff(rows.laser)) + 1):
             kept = part[_sampled(times[part])]
             at = places[kept] * stepper.step
             yield times[kept], at, rows.first + kept, bool(rows.laser[part[0]])
@@ -91,8 +90,7 @@ def _thinned(times: Floats, places: Floats, slack: float) -> Counts:
         if dt <= 0.0:
             continue
         ways = (x - x0, y - y0)
-        inside = all(low[i] - 1e-12 <= ways[i] / dt <= high[i] + 1e-12 for i in (0, 1))
-        if not inside:
+        if not all(low[i] - 1e-12 <= ways[i] / dt <= high[i] + 1e-12 for i in (0, 1)):
             kept.append(k - 1)
             t0, (x0, y0) = float(times[k - 1]), places[k - 1].tolist()
             low, high = [-np.inf, -np.inf], [np.inf, np.inf]

@@ -51,8 +51,7 @@ def _operation(op: Operation, job: JobRead) -> TriggerOp:
     if op.kind == 0:
         return Travel(op.x, op.y, op.speed)
     if op.kind >= ARC:
-        middle = op.via or (op.x, op.y)
-        return Round(op.x, op.y, *middle, op.speed)
+        return Round(op.x, op.y, *(op.via or (op.x, op.y)), op.speed)
     process = PROCESSES[(op.kind - 1) // 2]
     on = op.kind % 2 == 1
     return Switch(process, on, job.pierce_s[process] if on else 0.0)  # type: ignore[arg-type]

@@ -60,8 +60,7 @@ def write(part: Part, tolerance: float | None = None) -> str:
         sheet.row("PR", f"section:{i}", section_row(point))
     if part.tolerance is not None:
         least, greatest = part.tolerance
-        row = f"  {format_number(least)} {format_number(greatest)}"
-        sheet.row("TO", "tolerance", row)
+        sheet.row("TO", "tolerance", f"  {format_number(least)} {format_number(greatest)}")
     _write_features(part, sheet, tolerance)
     for i, (word, text) in enumerate(part.info):
         sheet.row("IN", f"info:{i}", _info_row(word, text, part.source))

@@ -39,8 +39,7 @@ _KIND_LETTERS = {"thread": "g", "left-thread": "l", "mark": "m", "countersink": 
 
 def format_number(value: float, least: int = 2) -> str:
     """`value` with `least` decimals or as many as it needs, without exponent or -0.00."""
-    text = f"{value:.{DECIMALS}f}"
-    whole, _, decimals = text.partition(".")
+    whole, _, decimals = f"{value:.{DECIMALS}f}".partition(".")
     decimals = decimals.rstrip("0").ljust(least, "0")
     if whole == "-0" and not decimals.strip("0"):
         whole = "0"
@@ -244,8 +243,7 @@ def _pieces(curve: Curve, contour: Contour, tolerance: float | None) -> list[Cur
                 for k in range(count)
             ]
     if tolerance is None or tolerance <= 0:
-        kind = type(curve).__name__
-        raise BeamcamError(rules.WRITE_CURVE.at(contour.source, kind=kind))
+        raise BeamcamError(rules.WRITE_CURVE.at(contour.source, kind=type(curve).__name__))
     if isinstance(curve, EllipseArc):
         points = _ellipse_points(curve, tolerance)
     else:

@@ -238,8 +238,7 @@ def _draw_curve(curve: Curve, sheet: _View, suffix: str) -> None:
             for piece in bezier_pieces(curve):
                 degree = piece.degree
                 knots = (0.0,) * (degree + 1) + (1.0,) * (degree + 1)
-                spline = BSpline(degree, piece.points, knots, piece.weights)
-                _draw_spline(spline, sheet, attributes)
+                _draw_spline(BSpline(degree, piece.points, knots, piece.weights), sheet, attributes)
 
 
 def _draw_ellipse(curve: EllipseArc, sheet: _View, attributes: dict[str, Any]) -> None:

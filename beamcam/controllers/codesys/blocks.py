@@ -62,8 +62,9 @@ def read_block(text: str, letters: Set[str] = LETTERS) -> Block | Fault | None:
     if "(" in bare or ")" in bare:
         bare = _COMMENT.sub(" ", bare)
         if "(" in bare or ")" in bare:
-            expected = "a comment that begins and ends on its line, none in another"
-            return Fault(text.strip(), expected)
+            return Fault(
+                text.strip(), "a comment that begins and ends on its line, none in another"
+            )
     command, number = "", 0
     words: dict[str, float] = {}
     for index, said in enumerate(bare.split()):

@@ -173,8 +173,7 @@ class Rs274(Interpreter):
         """The end of a text of `last` lines."""
         super().finish(last)
         if self._variant.percent and (1 in self._percents) != (last in self._percents):
-            expected = "% on both the first and the last line, or on none"
-            self._syntax(last, "%", expected)
+            self._syntax(last, "%", "% on both the first and the last line, or on none")
 
 
 def _on_line(line: int, event: Other) -> Other:

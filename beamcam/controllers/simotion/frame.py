@@ -40,8 +40,7 @@ class Unreadable(Exception):
 
 def job_of(text: str, machine: Machine, name: str = "program") -> JobText:
     """The job's own lines. Raises Unreadable where the fixed part differs."""
-    lines = text.replace("\r\n", "\n").split("\n")
-    return _Frame(lines, machine, name).read()
+    return _Frame(text.replace("\r\n", "\n").split("\n"), machine, name).read()
 
 
 class _Frame:

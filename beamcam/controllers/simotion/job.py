@@ -129,8 +129,7 @@ class _Job:
             lines.wrong(rules.NAME, uses_line, found=", ".join(units) or "no USES",
                         expected=expected)  # fmt: skip
         read = self._chain if self.text.style == "chain" else self._table
-        operations = read(last, units[len(own) :], uses_line)
-        return JobRead(operations, pierce_s)
+        return JobRead(read(last, units[len(own) :], uses_line), pierce_s)
 
     def _pierces(self, lines: _Lines) -> Iterator[tuple[str, float]]:
         for process in PROCESSES:

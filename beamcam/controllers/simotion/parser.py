@@ -93,8 +93,7 @@ class _Parser(Expressions):
         while self.is_word(*_SECTIONS):
             section = _SECTIONS[self.take(*_SECTIONS).text.upper()]
             variables += self.variables(section)
-        body = self.statements("END_" + word)
-        return syntax.Block(kind.line, word, name, tuple(variables), body)
+        return syntax.Block(kind.line, word, name, tuple(variables), self.statements("END_" + word))
 
     def variables(self, section: Section) -> list[syntax.Variable]:
         # name AT %Q0.0 : TYPE := value;

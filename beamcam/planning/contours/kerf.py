@@ -91,8 +91,7 @@ def _moved(
     amounts = [-w / 2 if s.is_hole else w / 2 for s, w in zip(some, widths, strict=True)]
     fit = torch.tolerance * FIT_SHARE
     moved = offset_chains([s.curves for s in some], amounts, fit, mitre_limit)
-    corners = sharp_corners(some, widths)
-    for k, offset, sharp in zip(which, moved, corners, strict=True):
+    for k, offset, sharp in zip(which, moved, sharp_corners(some, widths), strict=True):
         shape, kerf = shapes[k], kerfs[k]
         if isinstance(offset, Vanished):
             said.append(_no_room(shape, kerf))

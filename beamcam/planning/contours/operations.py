@@ -152,5 +152,4 @@ def _open_cuts(shapes: Sequence[Shape]) -> Iterator[Diagnostic]:
             apart=f"{hypot(x1 - x0, y1 - y0):.3f}",
         )  # fmt: skip
     if len(opened) > SHOWN_OPEN:
-        more = opened[SHOWN_OPEN]
-        yield rules.MORE_OPEN.at(more.source, found=len(opened) - SHOWN_OPEN)
+        yield rules.MORE_OPEN.at(opened[SHOWN_OPEN].source, found=len(opened) - SHOWN_OPEN)

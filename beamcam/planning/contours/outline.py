@@ -63,8 +63,7 @@ def signed_areas(rings: "NDArray[Any]") -> "Floats":
     points -= points[np.repeat(np.cumsum(counts) - counts, counts)]
     (x0, y0), (x1, y1) = points[:-1].T, points[1:].T
     # From the last corner of a ring to the first of the next one, which is its own 0, 0.
-    swept = (x0 * y1 - x1 * y0) / 2
-    return np.bincount(owner[:-1], swept, len(rings)).astype(np.float64)
+    return np.bincount(owner[:-1], (x0 * y1 - x1 * y0) / 2, len(rings)).astype(np.float64)
 
 
 def invalid(rings: "NDArray[Any]") -> list[int]:

@@ -92,8 +92,7 @@ def _toolings(rack: Rack, hole: HoleWork) -> tuple[Tooling, ...] | Refusal:
             punches = rack.of_kind("punch", hole.faces)
             if not punches:
                 why = no_unit("punch")
-                values = {"found": "a centre punch", "face": hole.faces[0], "why": why}
-                return Refusal(MARK, values)
+                return Refusal(MARK, {"found": "a centre punch", "face": hole.faces[0], "why": why})
             return (_step(hole, punches[:1], hole.depth or rack.drill.punch_depth, "punch-mark"),)
 
 

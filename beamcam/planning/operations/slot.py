@@ -47,8 +47,7 @@ def _needs(slot: Slot, bench: Bench) -> Diagnostic | None:
 def _refusals(slot: Slot, bench: Bench) -> Iterator[Diagnostic]:
     """Faults in the position of its middle or of its corner circles."""
     reach, ends = bench.reached[slot.face], slot_ends(slot)
-    places = ((slot.x, slot.y), *ends)
-    said = (refuse_place(slot, x, y, bench.part, reach) for x, y in places)
+    said = (refuse_place(slot, x, y, bench.part, reach) for x, y in ((slot.x, slot.y), *ends))
     off = next((d for d in said if d is not None), None)
     if off is not None:
         yield off

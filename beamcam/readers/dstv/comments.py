@@ -71,8 +71,7 @@ def _stops(blocks: list[Block], features: Sequence[Feature], content: Content) -
             things.append((block.numbers[0], "tolerance"))
     things.sort()
     lines = [line for line, _ in things]
-    limits = [block.line for block in blocks[1:]]
-    for block, limit in zip_longest(blocks, limits):
+    for block, limit in zip_longest(blocks, [block.line for block in blocks[1:]]):
         at = bisect_right(lines, block.line)
         if at < len(lines) and (limit is None or lines[at] < limit):
             things.append((block.line, "block:" + things[at][1]))

@@ -40,8 +40,7 @@ def decode_as(data: bytes, encoding: str, file: str) -> tuple[str, Diagnostic | 
         return data.decode(encoding), None
     except UnicodeError:
         line = 1 + data.count(b"\n", 0, _first_odd(data, encoding))
-        said = ENCODING.at(Source(file, line), encoding=encoding)
-        return data.decode(encoding, "replace"), said
+        return data.decode(encoding, "replace"), ENCODING.at(Source(file, line), encoding=encoding)
 
 
 def guessed(data: bytes) -> str:

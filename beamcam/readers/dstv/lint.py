@@ -97,8 +97,7 @@ def _check_extents(
     part: Part, outers: dict[str, list[_Outline]], header: list[int], log: Log
 ) -> None:
     """Length and height against what the contours measure."""
-    boxes = [o.box for face, found in outers.items() if len(face) == 1 for o in found]
-    whole = join_boxes(boxes)
+    whole = join_boxes([o.box for face, found in outers.items() if len(face) == 1 for o in found])
     if whole is None:
         return
     # A round plate may hang over x = 0: then its extent is its length.
@@ -227,8 +226,7 @@ def _say_outside(feature: Hole | Slot | TextMark, log: Log) -> None:
 def _check_twice(hole: Hole, seen: dict[object, int], log: Log) -> None:
     """Note a hole that is `seen` already, by the line that it was first on."""
     line = hole.source.line or 0
-    key = (hole.face, hole.x, hole.y, hole.diameter, hole.kind, hole.depth)
-    first = seen.setdefault(key, line)
+    first = seen.setdefault((hole.face, hole.x, hole.y, hole.diameter, hole.kind, hole.depth), line)
     if first != line:
         place = {"x": hole.x, "y": hole.y, "diameter": hole.diameter}
         log.add(rules.HOLE_DUPLICATE, line, first=first, **place)

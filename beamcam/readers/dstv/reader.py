@@ -151,8 +151,7 @@ def _refused(lines: list[str], log: Log) -> tuple[Reading, Account]:
     if unread:
         log.add(rules.UNREAD, unread[-1], count=len(unread))
     log.diagnostics.sort(key=lambda d: d.source.line or 0)
-    account = Account(data_lines, [], data_lines)
-    return Reading("dstv", (), tuple(log.diagnostics)), account
+    return Reading("dstv", (), tuple(log.diagnostics)), Account(data_lines, [], data_lines)
 
 
 def _find_start(texts: list[str], log: Log) -> tuple[int | None, list[Placed]]:

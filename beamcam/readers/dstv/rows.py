@@ -93,8 +93,7 @@ def read_bends(block: Block, log: Log) -> list[Bend]:
             continue
         x1, y1, x2, y2, angle = values[:5]
         radius = values[5] if len(values) == 6 else None
-        source = Source(log.file, line)
-        features.append(Bend((x1, y1), (x2, y2), angle, radius, source))
+        features.append(Bend((x1, y1), (x2, y2), angle, radius, Source(log.file, line)))
         log.taken.append(line)
     return features
 
@@ -127,8 +126,7 @@ def read_end_planes(block: Block, log: Log) -> list[EndPlane]:
     for line, values in _groups(block, 6, 0, log, rules.ENDPLANE_FIELDS):
         x, y, z, nx, ny, nz = values
         if nx == ny == nz == 0.0:
-            found = "a normal without length"
-            log.add(rules.ENDPLANE_FIELDS, line, found=found, count=1)
+            log.add(rules.ENDPLANE_FIELDS, line, found="a normal without length", count=1)
             continue
         features.append(EndPlane((x, y, z), (nx, ny, nz), Source(log.file, line)))
     return features

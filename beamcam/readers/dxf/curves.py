@@ -207,8 +207,7 @@ def _splines(
     for k in range(degree + 1, len(control)):
         if knots[k] == knots[k + degree] and knots[degree] < knots[k] < knots[len(control)]:
             first = BSpline(degree, control[:k], knots[: k + degree + 1], weights and weights[:k])
-            rest = _splines(degree, control[k:], knots[k:], weights and weights[k:])
-            return [(first,), *rest]
+            return [(first,), *_splines(degree, control[k:], knots[k:], weights and weights[k:])]
     return [(BSpline(degree, control, knots, weights),)]
 
 

@@ -57,8 +57,7 @@ def _ellipse(frame: Frame, heights: Heights, entity: Any) -> list[Chain]:
 def _lwpolyline(frame: Frame, heights: Heights, entity: Any) -> list[Chain]:
     vertices = [(float(x), float(y), float(b)) for x, y, b in entity.get_points("xyb")]
     elevation = entity.dxf.get("elevation", 0.0)
-    closed = bool(entity.closed)
-    return curves.polyline(frame, heights, vertices, closed, elevation, _axes(entity))
+    return curves.polyline(frame, heights, vertices, bool(entity.closed), elevation, _axes(entity))
 
 
 def _polyline(frame: Frame, heights: Heights, entity: Any) -> list[Chain]:

@@ -76,8 +76,7 @@ def _check_end(data: bytes, source: Source) -> tuple[Diagnostic, ...]:
     Raises ReadError where more is missing, and for what begins as no DXF file does.
     """
     if not looks_like(data):
-        found = data[:20].decode("latin-1").split("\n")[0]
-        raise ReadError(rules.NOT_DXF.at(source, found=found))
+        raise ReadError(rules.NOT_DXF.at(source, found=data[:20].decode("latin-1").split("\n")[0]))
     if is_binary(data):
         if data.rstrip(b"\x00\x1a\r\n").endswith(b"EOF"):
             return ()

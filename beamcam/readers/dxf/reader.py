@@ -104,8 +104,7 @@ def _verdict(part: Part, found: Collected, unit: Unit, source: Source) -> list[D
     """An error for a drawing without curves, a warning for one that no machine could hold."""
     if not found.contours and not found.texts:
         hidden = Counter({"hidden curves": sum(found.hidden_on.values())})
-        seen = +(hidden + found.not_cut)
-        return [NO_CURVES.at(source, found=_list(seen))]
+        return [NO_CURVES.at(source, found=_list(+(hidden + found.not_cut)))]
     width, height = part.length, part.profile.height
     if max(width, height) > LARGEST_SIZE and not unit.given:
         return [TOO_LARGE.at(source, width=width, height=height, unit=unit.name)]

@@ -37,8 +37,7 @@ def text_marks(entity: Any, frame: Frame, source: Source) -> Iterator[TextMark]:
             continue
         begin, foot = -across * _width(line) * height, (up - number * LINE_SPACING) * height
         x, y = frame.point((at[0] + begin * c - foot * s, at[1] + begin * s + foot * c, at[2]))
-        angle = degrees(atan2(uy, ux))
-        yield TextMark("v", x, y, angle, height * scale, line.strip(), source)
+        yield TextMark("v", x, y, degrees(atan2(uy, ux)), height * scale, line.strip(), source)
 
 
 def _held(text: Any) -> tuple[float, float]:

@@ -132,8 +132,7 @@ class Walk(Struct):
         kind = entity.dxftype()
         polynomial = by_fit_points(entity) > 0 and look.layer.lower() in self.newton
         read = through_fit_points if polynomial else CURVES[kind]
-        hidden = self.layers.hides(look)
-        seen = self._sort(kind, source, look, hidden, read, frame, (entity,))
+        seen = self._sort(kind, source, look, self.layers.hides(look), read, frame, (entity,))
         if seen and not polynomial and (count := by_fit_points(entity)):
             self.found.said.append(rules.FIT_SPLINE.at(source, count=count))
 
@@ -192,11 +191,9 @@ class Walk(Struct):
         copies = insert.mcount
         self._copies += copies
         if self._copies > MOST_COPIES:
-            found = self._copies
-            raise ReadError(rules.BLOCK_COUNT.at(source, found=found, expected=MOST_COPIES))
+            raise ReadError(rules.BLOCK_COUNT.at(source, found=self._copies, expected=MOST_COPIES))
         before = len(self.found.contours)
         for place in insert.multi_insert() if copies > 1 else (insert,):
-            inner = frame.inside(place.matrix44())
-            self.entities(block, inner, look, (*blocks, name.lower()))
+            self.entities(block, frame.inside(place.matrix44()), look, (*blocks, name.lower()))
         if len(self.found.contours) > before and self.layers.hides(look):
             self.found.said.append(rules.FROZEN_INSERT.at(source, layer=look.layer))

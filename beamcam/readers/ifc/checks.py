@@ -45,8 +45,7 @@ def check_data(part: Part, shaped: Shaped, data: Data, source: Source) -> tuple[
     weight = data.number(*WEIGHTS)
     if weight is not None and weight[1] > SMALL_WEIGHT:
         where, value = weight
-        gross = shaped.section.area * shaped.gross
-        expected = [v * STEEL for v in (shaped.volume, gross)]
+        expected = [v * STEEL for v in (shaped.volume, shaped.section.area * shaped.gross)]
         off = min(abs(value - e) - SMALL_WEIGHT - WEIGHT_NEAR * e for e in expected)
         far = min(abs(value - e) - SMALL_WEIGHT - WEIGHT_SLACK * e for e in expected)
         rule = rules.WEIGHT if far > 0 else rules.WEIGHT_NEAR

@@ -186,8 +186,7 @@ def _double_tee(
     if abs(flanges[0] - flanges[1]) > 0.2 or abs(widths[0] - widths[1]) > 0.2 or abs(centre) > 0.2:
         return None
     radius = max(corners[i].radius for i in reflex)
-    sizes = (sum(flanges) / 2, sides[1] - sides[0], radius)
-    return _centred("I", points, y, z, sizes, area)
+    return _centred("I", points, y, z, (sum(flanges) / 2, sides[1] - sides[0], radius), area)
 
 
 def _beside_inner(corners: tuple[Corner, ...], i: int) -> bool:
@@ -218,8 +217,7 @@ def _channel(
     reach.append(max(p[0] for p in points if p[1] <= (top + bottom) / 2))
     if abs(reach[0] - reach[1]) > 0.2:
         return None
-    sizes = (sum(flanges) / 2, web, corners[first].radius)
-    return _centred("U", points, y, z, sizes, area)
+    return _centred("U", points, y, z, (sum(flanges) / 2, web, corners[first].radius), area)
 
 
 def _lipped(
@@ -250,8 +248,7 @@ def _tee(
     stem = abs(points[tip[0]][1] - points[tip[1]][1])
     if flange <= 0 or stem <= 0:
         return None
-    radius = corners[before_stem].radius
-    return _centred("T", points, y, z, (stem, flange, radius), area)
+    return _centred("T", points, y, z, (stem, flange, corners[before_stem].radius), area)
 
 
 def _angle(corners: tuple[Corner, ...], inner: int, area: float) -> Section | None:

@@ -102,8 +102,7 @@ class Alike(Struct, frozen=True):
         for start, end in (left[-2:], right[:2]):  # the list is a value of its own
             _refuse((start + 1 != end).any())
         inside = (ranks >= np.repeat(opening, counts)) & (ranks < np.repeat(closing, counts))
-        items = self._column(of, of.marks[ranks[inside]] + 1, of.marks[ranks[inside] + 1])
-        rest = iter(items)
+        rest = iter(self._column(of, of.marks[ranks[inside]] + 1, of.marks[ranks[inside] + 1]))
         listed: Column = [tuple(islice(rest, count)) for count in (closing - opening).tolist()]
         return [*self._between(of, left[:-1]), listed, *self._between(of, right[1:])]
 

@@ -123,8 +123,7 @@ def fitted_end(side: int, levels: Sequence[Level]) -> End | None:
         for b in (_chief_slope(flange), _lean(web, "b"), 0.0)
         if a is not None and b is not None
     ]
-    best = max(candidates, key=lambda found: round(found[1], 1))
-    return best[0]
+    return max(candidates, key=lambda found: round(found[1], 1))[0]
 
 
 def _facing(side: int, wall: Wall, c: float, shape: Shape) -> list[_Edge]:
@@ -189,8 +188,7 @@ def _through(side: int, edges: Sequence[_Edge], a: float, b: float) -> tuple[End
     heights = []
     for edge in edges:
         y, z = (edge.level, edge.q) if edge.wall.normal == "y" else (edge.q, edge.level)
-        slope = b if edge.wall.normal == "y" else a
-        fits = abs(edge.slope - slope) < SAME_SLOPE
+        fits = abs(edge.slope - (b if edge.wall.normal == "y" else a)) < SAME_SLOPE
         heights.append((edge.x - a * y - b * z, edge.weight if fits else 0.0))
     for c, _ in heights:
         weight = sum(w for d, w in heights if abs(d - c) < SAME_PLANE)

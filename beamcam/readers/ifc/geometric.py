@@ -350,8 +350,7 @@ def _plate(shell: Shell, cutters: Sequence[Cutter], source: Source) -> Shaped | 
 
 def _round(local: Shell, stock: Rolled, source: Source) -> Shaped:
     """A round bar or pipe, or a special section, by its shell: two plane ends, nothing else."""
-    ends = [_flat_end(local, side) for side in (-1, 1)]
-    start, end = ends
+    start, end = [_flat_end(local, side) for side in (-1, 1)]
     x0, x1 = reach(stock.section, start, end)
     middle = stock.section.height / 2, stock.section.width / 2
     length = end.x(*middle) - start.x(*middle)

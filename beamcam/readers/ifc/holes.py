@@ -102,8 +102,7 @@ def _within_another(wall: Wall, box: Box3, into: Drilled) -> bool:
 
 def _beyond(xs: Span, qs: Span, into: Drilled, wall: Wall) -> bool | None:
     """Whether a hole lies all beyond an end, where nothing is to drill; None if the end cuts it."""
-    ends = (-1, xs[0], into.start.planes), (1, xs[1], into.end.planes)
-    for side, edge, planes in ends:
+    for side, edge, planes in (-1, xs[0], into.start.planes), (1, xs[1], into.end.planes):
         for plane in planes:
             slope = plane.b if wall.normal == "y" else plane.a
             q = qs[1] if (slope < 0) == (side > 0) else qs[0]  # where the plane comes nearest

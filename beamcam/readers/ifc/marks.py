@@ -184,8 +184,7 @@ def material_of(model: Model, element: Entity) -> str:
 
 
 def _name_of(material: Entity) -> str:
-    kind = material.is_a()
-    if kind == "IfcMaterial":
+    if material.is_a() == "IfcMaterial":
         return (material.Name or "").strip()
     for path in ("ForProfileSet", "ForLayerSet", "MaterialProfiles", "MaterialLayers", "Materials",
                  "MaterialConstituents", "Material"):  # fmt: skip

@@ -93,8 +93,7 @@ def _outline(model: Model, entity: Entity) -> Outline:
     if entity.is_a("IfcRectangleHollowProfileDef"):
         x, y, wall = entity.XDim * mm, entity.YDim * mm, entity.WallThickness * mm
         outer_radius = (entity.OuterFilletRadius or 0.0) * mm
-        inner_radius = (entity.InnerFilletRadius or 0.0) * mm
-        hollow = rounded_box(x - 2 * wall, y - 2 * wall, inner_radius)
+        hollow = rounded_box(x - 2 * wall, y - 2 * wall, (entity.InnerFilletRadius or 0.0) * mm)
         return Outline(_moved(rounded_box(x, y, outer_radius), frame), (_moved(hollow, frame),))
     if entity.is_a("IfcRectangleProfileDef"):
         radius = 0.0
@@ -128,8 +127,7 @@ def rounded_box(x: float, y: float, radius: float) -> Chain:
     ]
     out: list[Any] = []
     for i, arc in enumerate(arcs):
-        before = arcs[i - 1]
-        side = Line(before.end, arc.start)
+        side = Line(arcs[i - 1].end, arc.start)
         if side.length > 1e-9:
             out.append(side)
         out.append(arc)
@@ -215,8 +213,7 @@ def _parameterised(model: Model, entity: Entity) -> Section | None:
         wall = number("WallThickness")
         radius = number("InternalFilletRadius")
         found = made("C", number("Depth"), number("Width"), wall, wall, radius)
-        lips = _lips(number("Girth"), wall, radius)
-        return replace(found, area=found.area + lips)
+        return replace(found, area=found.area + _lips(number("Girth"), wall, radius))
     if entity.is_a("IfcTShapeProfileDef"):
         down = (-ey[0], -ey[1])
         return made(

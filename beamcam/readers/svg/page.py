@@ -62,8 +62,7 @@ def find_page(document: Document, name: str, units: str | None, width: str | flo
     """
     finder = _Finder(document, name)
     if units is not None and units.lower() not in MM_PER_UNIT:
-        expected = ", ".join(MM_PER_UNIT)
-        raise ReadError(UNITS_OPTION.at(Source(name), found=units, expected=expected))
+        raise ReadError(UNITS_OPTION.at(Source(name), found=units, expected=", ".join(MM_PER_UNIT)))
     if width is not None:
         return finder.by_width(_given_width(width, name))
     if units is not None:
@@ -105,8 +104,7 @@ class _Finder:
         except ValueError as error:
             raise self._refuse(f"{side}={text!r}", "a number and a unit") from error
         if unit not in (*_PX, *_ABSOLUTE, "%"):
-            expected = f"mm, cm, in, pt, pc, px or none, not {unit!r}"
-            raise self._refuse(f"{side}={text!r}", expected)
+            raise self._refuse(f"{side}={text!r}", f"mm, cm, in, pt, pc, px or none, not {unit!r}")
         if not 0.0 < number < inf:
             raise self._refuse(f"{side}={text!r}", "a length above 0")
         return _Size(text, number, unit)

@@ -60,8 +60,7 @@ def _numbers(command: str, text: str) -> list[float]:
         if numbers:
             raise PathError(_short(text), "a command after Z")
     elif not numbers or len(numbers) % _TAKES[name]:
-        expected = f"{_TAKES[name]} numbers, or a multiple of them"
-        raise PathError(_short(command + text), expected)
+        raise PathError(_short(command + text), f"{_TAKES[name]} numbers, or a multiple of them")
     return numbers
 
 

@@ -106,8 +106,7 @@ def _verdict(part: Part, found: Collected, given: bool, source: Source) -> list[
     """An error for a drawing without curves, a warning for one that no machine could hold."""
     if not found.contours and not found.filled:
         seen = [*found.not_cut.items(), ("hidden shapes", found.counts["invisible"])]
-        shown = counted((tag, count) for tag, count in seen if count)
-        return [NO_CURVES.at(source, found=shown)]
+        return [NO_CURVES.at(source, found=counted((tag, count) for tag, count in seen if count))]
     width, height = part.length, part.profile.height
     if max(width, height) > LARGEST_SIZE and not given:
         return [TOO_LARGE.at(source, width=width, height=height, unit="of the page")]

@@ -104,8 +104,7 @@ class _Builder:
         elif self.root is None:
             self.root = element
         if len(self.open) >= MOST_DEEP:
-            source = Source(self.name, element.line)
-            raise ReadError(rules.DEPTH.at(source, expected=MOST_DEEP))
+            raise ReadError(rules.DEPTH.at(Source(self.name, element.line), expected=MOST_DEEP))
         self.open.append(element)
         if "id" in attributes:
             self.ids.setdefault(attributes["id"], element)

@@ -164,8 +164,7 @@ class Walk(Struct):
         if target.tag == "symbol":
             size = {k: v for k in ("width", "height") if (v := element.get(k))}
             view = {k: v for k in ("viewBox", "style", "class") if (v := target.get(k))}
-            shown = Element("svg", {**size, **view}, target.line, target.children)
-            self.element(shown, moved)
+            self.element(Element("svg", {**size, **view}, target.line, target.children), moved)
         else:
             self.element(target, moved)
 

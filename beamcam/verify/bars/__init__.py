@@ -165,8 +165,7 @@ def compared(
     """What is made otherwise than the parts on the bar have it."""
     known = _known_of(machine)
     asked = Asked(parts, skips, order != "given", turn, bar)
-    choices = known.choices(profile)
-    return Comparison(done.made, asked, known.shop, profile, choices, name).run()
+    return Comparison(done.made, asked, known.shop, profile, known.choices(profile), name).run()
 
 
 def section_of(text: str, machine: Machine, part: Part, turn: bool) -> Profile:

@@ -49,8 +49,7 @@ class Cell(CellState):
     def _move(self, move: Move[Place]) -> None:
         line, start, end = move.line, move.start, move.end
         if move.curve is not None:
-            expected = "straight strokes, the cell has no mill"
-            self.say(WORD, line, found="an arc", expected=expected)
+            self.say(WORD, line, found="an arc", expected="straight strokes, the cell has no mill")
             return
         x = end[0]
         moved = x != self.x and not isnan(x)

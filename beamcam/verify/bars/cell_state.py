@@ -215,8 +215,7 @@ class CellState:
             numbers = ", ".join(str(n) for n in self.choices)
             self.say(WORD, switch.line, found=f"spindle {number:g}", expected=f"one of {numbers}")
             return
-        tool = self.cycle.kind, self.diameter
-        self.tools.append(Chosen(switch.line, self.choice.number, tool))
+        self.tools.append(Chosen(switch.line, self.choice.number, (self.cycle.kind, self.diameter)))
         if "station" in values:
             self._take_station(switch.line, self.choice.stations[0].number, values["station"])
 

@@ -133,8 +133,7 @@ class HoleCheck:
         return reach
 
     def _reach(self, kind: Kind, bore: Bore) -> Reach:
-        thickness = self.profile.thickness(bore.face)
-        return REACHES[kind.tool](kind, bore.diameter, thickness, self.shop)
+        return REACHES[kind.tool](kind, bore.diameter, self.profile.thickness(bore.face), self.shop)
 
     def _stroke_end(self, bore: Bore, thickness: float) -> float:
         """Depth of the machine's own stroke, which may be fixed for all holes."""

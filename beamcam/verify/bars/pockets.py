@@ -35,8 +35,7 @@ def check_paths(
         target, mark = want.target, parts[want.part].mark
         trail = _meant(left, want, allowed)
         if trail is None:
-            source = target.source.source
-            yield rules.NOT_MADE.at(source, found=f"the {target.what}", mark=mark)
+            yield rules.NOT_MADE.at(target.source.source, found=f"the {target.what}", mark=mark)
             continue
         left.remove(trail)
         off = _off(trail, want)

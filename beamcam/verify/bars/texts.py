@@ -190,8 +190,7 @@ def _on_face(
 def _strokes(f: int, text: Wanted, x: float, y: float, height: float) -> Iterator[Course]:
     for pieces in text.strokes(x, y, height):
         lines = tuple(Line(a, b) for a, b in pieces)
-        what = f"stroke of the text {text.text!r}"
-        yield Course(f, text.feature.face, lines, text.feature, what)
+        yield Course(f, text.feature.face, lines, text.feature, f"stroke of the text {text.text!r}")
 
 
 def _sides(face: Face, part: Part) -> tuple[float, float]:

@@ -36,8 +36,7 @@ def band_faults(work: Work, traced: Sequence[Traced]) -> list[Diagnostic]:
             continue
         x, y = places[k].tolist()
         source = Source(work.name, traced[k].stroke.line)
-        contour = work.contour(way)
-        said.append(rules.SIDE.at(source, x=f"{x:.3f}", y=f"{y:.3f}", contour=contour))
+        said.append(rules.SIDE.at(source, x=f"{x:.3f}", y=f"{y:.3f}", contour=work.contour(way)))
     return said
 
 

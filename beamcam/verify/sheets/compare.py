@@ -71,8 +71,7 @@ def _settings(
     said: list[Diagnostic] = []
     turns: list[Turn] = []
     for process, work in works.items():
-        mine = [t for t in traced if t.stroke.process == process]
-        faults, more = settings_faults(work, mine)
+        faults, more = settings_faults(work, [t for t in traced if t.stroke.process == process])
         said += faults
         turns += more
     return said + turn_faults(turns, name)

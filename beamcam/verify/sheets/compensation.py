@@ -288,8 +288,7 @@ def beam_of(strokes: Strokes, name: str) -> tuple[Strokes, list[Diagnostic]]:
             try:
                 own = compensated(own, stroke.side, stroke.radius)
             except CompensationError as error:
-                source = Source(name, error.line)
-                said.append(rules.COMPENSATION.at(source, found=error.found))
+                said.append(rules.COMPENSATION.at(Source(name, error.line), found=error.found))
         each.append(replace(stroke, first=len(moved), last=len(moved) + len(own)))
         moved += own
     return Strokes(each, moves_of(moved)), said

@@ -51,8 +51,7 @@ def hatch_faults(need: Need, torch: Torch, name: str) -> list[Diagnostic]:
         own = torch.settings.get(key)
         if own is None or own.hatch is None:
             continue
-        filled = _filled(need, keys.get(key), key, own)
-        for fault in _faults(filled, own.hatch):
+        for fault in _faults(_filled(need, keys.get(key), key, own), own.hatch):
             c, s = cos(radians(own.hatch_angle)), sin(radians(own.hatch_angle))
             (x, y) = fault.place
             said.append(

@@ -79,7 +79,6 @@ def turn_faults(turns: Sequence[Turn], name: str) -> list[Diagnostic]:
     reached = 0
     for turn in sorted(turns, key=lambda t: t.line):
         if turn.highest < reached:
-            source = Source(name, turn.line)
-            return [rules.TURN.at(source, found=turn.highest, expected=reached)]
+            return [rules.TURN.at(Source(name, turn.line), found=turn.highest, expected=reached)]
         reached = max(reached, turn.lowest)
     return []

@@ -93,8 +93,7 @@ def _within(cuts: Sequence[Traced], inner: list[int], ring: int) -> list[tuple[i
     if polygon is None:
         return []
     wider = shapely.buffer(polygon, TOUCHING)
-    places = np.array([cuts[k].middle for k in inner])
-    inside = shapely.contains_xy(wider, places)
+    inside = shapely.contains_xy(wider, np.array([cuts[k].middle for k in inner]))
     return [
         (k, ring)
         for k, is_in in zip(inner, inside.tolist(), strict=True)

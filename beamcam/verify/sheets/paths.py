@@ -44,8 +44,7 @@ def follow(work: Work) -> tuple[list[Traced], list[Diagnostic]]:
     bad[way[~followed]] = True
     ends = np.cumsum(np.bincount(work.of_way, minlength=len(work.strokes))).tolist()
     bounds = list(zip([0, *ends[:-1]], ends, strict=True))
-    kept = rings(work, bounds, bad)
-    traced = _traced(work, kept, expected)
+    traced = _traced(work, rings(work, bounds, bad), expected)
     if work.half_kerf:
         _round_contours(work, traced, points, stroke, off)
     join_bridged(work, bounds, traced)

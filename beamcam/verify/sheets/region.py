@@ -47,8 +47,7 @@ class Region(Struct, frozen=True):
 
     def depth(self, points: Floats) -> Counts:
         """Number of contours that enclose each point (n, 2)."""
-        tree = shapely.STRtree(self.polygons)
-        asked, _ = tree.query(shapely.points(points), "within")
+        asked, _ = shapely.STRtree(self.polygons).query(shapely.points(points), "within")
         return np.bincount(asked, minlength=len(points))
 
     def in_part(self, points: Floats) -> Flags:
@@ -140,8 +139,7 @@ def _ranks(ways: Ways, own: Flags) -> Counts:
 
 def _on(ways: Ways, which: Flags, same: float) -> Flags:
     """Ways that lie on some of them."""
-    rank = np.where(which, 0, 1)
-    return _lie_on(ways, rank, same)
+    return _lie_on(ways, np.where(which, 0, 1), same)
 
 
 def _loose_ends(ways: Ways, gap: float) -> Floats:

@@ -100,8 +100,7 @@ def bounds_of(spans: Spans) -> Bounds:
     (x1, y1), (x2, y2) = first.mean(axis=1).T, second.mean(axis=1).T
     most_1, most_2, most_3 = sizes
     speed = np.maximum(np.hypot(x1, y1), SLOWEST * most_1 + TINY)
-    bend = np.abs(x1 * y2 - y1 * x2) / speed**3
-    return Bounds(most_1, most_2, most_3, stretch, speed, bend)
+    return Bounds(most_1, most_2, most_3, stretch, speed, np.abs(x1 * y2 - y1 * x2) / speed**3)
 
 
 def points_on(spans: Spans, steps: Counts) -> Floats:

@@ -120,8 +120,7 @@ def text_process(machine: Machine) -> TorchProcess:
 def _need(
     need: Need, process: TorchProcess, index: int, text: Wanted, x: float, y: float, height: float
 ) -> None:
-    lines = [Line(a, b) for a, b in text.at(x, y, height)]
-    need.add(process, lines, index, text.feature.source)
+    need.add(process, [Line(a, b) for a, b in text.at(x, y, height)], index, text.feature.source)
 
 
 def _pieces(

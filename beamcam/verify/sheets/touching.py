@@ -34,8 +34,7 @@ def waste_rings(work: Work) -> Sequence[Chain]:
         for ring in work.region.rings
     ]
     ways = [way for ring in rings for way in ring]
-    starts = _starts(work, ways)
-    places, number = np.unique(starts.round(DIGITS), axis=0, return_inverse=True)
+    places, number = np.unique(_starts(work, ways).round(DIGITS), axis=0, return_inverse=True)
     if len(places) == len(ways):
         return rings
     after = _following(rings)

@@ -161,8 +161,7 @@ class Ways:
         for reach in reaches:
             if not len(left):
                 break
-            asked = points[left]
-            for pairs in self._grid(reach).batches(asked, reach):
+            for pairs in self._grid(reach).batches(points[left], reach):
                 best = pairs if which is None else pairs.kept(which[self.owner[pairs.element]])
                 best = _nearest(best, best.point)
                 at, owner = left[best.point], self.owner[best.element]
@@ -210,8 +209,7 @@ class Ways:
         away, who = np.full(len(points), np.inf), np.zeros(len(points), dtype=np.int64)
         left = np.arange(len(points))
         while len(left) and self.count:
-            found = self.near(points[left], reach)
-            away[left], who[left], _ = self.nearest_of(found, len(left))
+            away[left], who[left], _ = self.nearest_of(self.near(points[left], reach), len(left))
             left = left[np.isinf(away[left])]
             reach *= WIDER
         return away, who

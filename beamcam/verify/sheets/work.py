@@ -218,8 +218,7 @@ def work_of(
     if half_kerf and len(curves):
         from beamcam.verify.sheets.region import region_of
 
-        features = np.array(need.features[process])
-        region = region_of(ways, features, torch.gap, fine)
+        region = region_of(ways, np.array(need.features[process]), torch.gap, fine)
         joined = region.apart
     else:
         tolerance += _loose(ways, torch.gap)

@@ -35,8 +35,7 @@ def verify_triggers(
         from beamcam.verify.st.contour_names import unread, with_contours
 
         return tuple(with_contours(said, unread(text, said), parts[0], machine, skips))
-    rows = rows_of(parts[0], torch) if parts else torch.rows
-    work = Work(job, machine, rows, name)
+    work = Work(job, machine, rows_of(parts[0], torch) if parts else torch.rows, name)
     work.follow()
     said = [*trial(machine), *work.said]
     if not parts:

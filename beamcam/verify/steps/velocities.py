@@ -176,8 +176,7 @@ class Velocities:
 
     def _look(self) -> None:
         if self._stretches:
-            ends = [self._stretches[0].start, *(row.end for row in self._stretches)]
-            corners = np.array(ends)
+            corners = np.array([self._stretches[0].start, *(row.end for row in self._stretches)])
             self.outline.draw(
                 shapely.get_coordinates(shapely.segmentize(shapely.LineString(corners), SPACING)),
                 corners,
