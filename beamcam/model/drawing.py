@@ -37,7 +37,7 @@ def extent(curves: Iterable[Curve]) -> Box | None:
     """The bounding box of all curves; None if there are none.
 
     An arc lies inside the box around its circle and a free curve inside the hull of its control
-    points. So they are measured only where these reach beyond the box that is known already.
+    points. So on each side those are measured that may reach beyond all others, outermost first.
     """
     points: list[Point] = []
     bent: list[tuple[Box, Arc | Bezier | BSpline]] = []
@@ -53,15 +53,13 @@ def extent(curves: Iterable[Curve]) -> Box | None:
         else:
             x0, y0, x1, y1 = curve.bbox
             points += ((x0, y0), (x1, y1))
+    if not points and bent:
+        x0, y0, x1, y1 = bent[0][1].bbox
+        points += ((x0, y0), (x1, y1))
     box = box_around(points) if points else None
-    for hull, curve in bent:
-        if not _holds(box, hull):
-            box = join_boxes([box or curve.bbox, curve.bbox])
+    for side, sign in enumerate((-1, -1, 1, 1)):
+        for hull, curve in sorted(bent, key=lambda row: -sign * row[0][side]):
+            if box is None or sign * hull[side] <= sign * box[side]:
+                break
+            box = join_boxes([box, curve.bbox])
     return box
-
-
-def _holds(box: Box | None, other: Box) -> bool:
-    if box is None:
-        return False
-    low = box[0] <= other[0] and box[1] <= other[1]
-    return low and other[2] <= box[2] and other[3] <= box[3]
