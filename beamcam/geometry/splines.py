@@ -4,6 +4,7 @@ from collections import defaultdict
 from collections.abc import Sequence
 
 import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
 
 from beamcam.geometry.array_types import Counts, Floats
 from beamcam.geometry.bspline import BSpline
@@ -33,37 +34,28 @@ def _numbers(splines: Sequence[BSpline]) -> tuple[Floats, Floats]:
 
 
 def _of_one_size(splines: Sequence[BSpline], names: Sequence[int]) -> tuple[Floats, Counts]:
-    """Span by span, all splines at once; `names` come back for the splines.
+    """All spans of all splines at once; `names` come back for the splines.
 
     Control point j of the span [a, b] is the blossom of (a, ..., b, ...) with b taken j times.
     """
     points, knots = _numbers(splines)
-    count = points.shape[1]
-    last = points[:, 0].copy()
-    begun = np.zeros(len(splines), dtype=bool)
-    found, owner = [], []
-    for k in range(3, count):
-        some = np.flatnonzero(knots[:, k] < knots[:, k + 1])
-        mine = knots[some]
-        a, b = mine[:, k], mine[:, k + 1]
-        cubic = np.stack(
-            [
-                _blossoms(points[some, k - 3 : k + 1], mine[:, k - 2 : k + 4], us)
-                for us in ((a, a, a), (a, a, b), (a, b, b), (b, b, b))
-            ],
-            axis=1,
-        )
-        # The first piece of a clamped spline begins on its control point, each other one where
-        # the one before it ended.
-        clamped = begun[some] | (mine[:, 1] == mine[:, 3])
-        cubic[:, 0] = np.where(clamped[:, None], last[some], cubic[:, 0])
-        # The last piece of a clamped spline ends on its control point.
-        at_end = (mine[:, k + 1] == mine[:, count]) & (mine[:, -2] == mine[:, count])
-        cubic[at_end, 3] = points[some[at_end], -1]
-        last[some], begun[some] = cubic[:, 3], True
-        found.append(cubic)
-        owner.append(np.array(names, dtype=np.int64)[some])
-    return np.concatenate(found), np.concatenate(owner)
+    owner, span = np.nonzero(knots[:, 3:-4] < knots[:, 4:-3])
+    around = sliding_window_view(knots[:, 1:-1], 6, axis=1)[owner, span]
+    control = sliding_window_view(points, 4, axis=1)[owner, span].transpose(0, 2, 1)
+    a, b = around[:, 2], around[:, 3]
+    found = np.stack(
+        [_blossoms(control, around, us) for us in ((a, a, a), (a, a, b), (a, b, b), (b, b, b))],
+        axis=1,
+    )
+    # Each piece begins where the one before it ended; a clamped spline begins and ends on its
+    # control points.
+    first = np.diff(owner, prepend=-1) > 0
+    last = np.append(first[1:], True)
+    found[1:, 0] = np.where(first[1:, None], found[1:, 0], found[:-1, 3])
+    begins, ends = (knots[:, k] == knots[:, k + 2] for k in (1, -4))
+    found[first & begins[owner], 0] = points[begins, 0]
+    found[last & ends[owner], 3] = points[ends, -1]
+    return found, np.array(names, dtype=np.int64)[owner]
 
 
 def _blossoms(points: Floats, knots: Floats, arguments: Sequence[Floats]) -> Floats:
