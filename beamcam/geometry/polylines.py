@@ -48,7 +48,7 @@ def polylines(curves: Sequence[Curve], tolerance: float) -> Polylines:
     count[lines] = 2
     count[arcs] = arc_steps + 1
     np.add.at(count, cubic_owner, cubic_steps)
-    count[np.unique(cubic_owner)] += 1
+    count[cubic_owner] += 1  # the end, once for each curve
     for k, points in others:
         count[k] = len(points)
     begins = np.concatenate(([0], np.cumsum(count)))

@@ -108,7 +108,7 @@ def _meeting(boundaries: "NDArray[Any]") -> list[tuple[int, int]]:
     sizes = shapely.get_num_coordinates(boundaries)
     swap = sizes[second] > sizes[first]
     large, small = np.where(swap, second, first), np.where(swap, first, second)
-    shapely.prepare(boundaries[np.unique(large)])
+    shapely.prepare(boundaries[large])
     meet = shapely.intersects(boundaries[large], boundaries[small])
     return sorted(zip(first[meet].tolist(), second[meet].tolist(), strict=True))
 

@@ -62,16 +62,17 @@ def _may_pass(starts: Floats, ends: Floats, places: Floats, tolerance: float) ->
     Those have a place in a cell of a grid that the box around them comes into. How many places lie
     in the cells of a box follows from the sums of all cells below and to the left of its corners.
     """
-    low, high = np.minimum(starts, ends) - tolerance, np.maximum(starts, ends) + tolerance
-    origin = low.min(axis=0)
-    cell = max(float((high.max(axis=0) - origin).max()) / CELLS, tolerance)
+    one, other = np.ascontiguousarray(starts.T), np.ascontiguousarray(ends.T)
+    low, high = np.minimum(one, other) - tolerance, np.maximum(one, other) + tolerance
+    origin = low.min(axis=1, keepdims=True)
+    cell = max(float((high.max(axis=1, keepdims=True) - origin).max()) / CELLS, tolerance)
 
     def cells(points: Floats) -> Counts:
-        found: Counts = ((points.T - origin[:, None]) / cell).astype(np.int64)
+        found: Counts = ((points - origin) / cell).astype(np.int64)
         return found
 
     side = CELLS + 2
-    x, y = cells(places)
+    x, y = cells(places.T)
     held = np.bincount((x + 1) * side + y + 1, minlength=side * side).reshape(side, side)
     sums = held.cumsum(axis=0).cumsum(axis=1).ravel()
     (x0, y0), (x1, y1) = cells(low), cells(high) + 1

@@ -32,10 +32,10 @@ def told(wanted: Sequence[AssignedCurve], which: Sequence[int]) -> Iterator[Diag
     starts, steps, owner = _chords([wanted[k].curve for some in features.values() for k in some])
     ends = np.cumsum([len(some) for some in features.values()])
     bounds = np.searchsorted(owner, [0, *ends.tolist()]).tolist()
+    ahead = np.unwrap(np.arctan2(*steps.T[::-1]))
     for some, (low, high) in zip(features.values(), pairwise(bounds), strict=True):
-        own = steps[low:high]
-        ahead = np.unwrap(np.arctan2(own[:, 1], own[:, 0]))
-        if len(ahead) and np.ptp(ahead) > TURNED_RAD:
+        if high > low and np.ptp(ahead[low:high]) > TURNED_RAD:
+            own = steps[low:high]
             again = _again(starts[low:high], own)
             if (found := float(np.hypot(*own[again].T).sum())) > MIN_LENGTH:
                 x, y = starts[low:high][int(np.argmax(again))].tolist()

@@ -17,7 +17,8 @@ def widest_gap(points: Floats, reach: float) -> float:
     """
     if reach <= 0.0:
         return 0.0
-    places = np.unique(np.ascontiguousarray(points).view(np.complex128).ravel())
+    places = np.sort(np.ascontiguousarray(points).view(np.complex128).ravel())
+    places = places[np.diff(places, prepend=np.nan) != 0.0]
     # No finer than the last digits of the places, which a tiny reach would be divided by.
     width = max(reach, float(np.abs(points).max(initial=0.0)) * 1e-12)
     cells = np.floor(places.real / width) + 1j * np.floor(places.imag / width)

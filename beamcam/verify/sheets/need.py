@@ -2,6 +2,7 @@
 
 from collections.abc import Collection, Sequence
 from fnmatch import fnmatchcase
+from itertools import compress
 from typing import TYPE_CHECKING, cast
 
 import numpy as np
@@ -17,7 +18,7 @@ from beamcam.model.colour import key_of, process_of
 from beamcam.model.drawing import extent
 from beamcam.model.marks import policy_on
 from beamcam.model.part import Contour, Feature, Hole, Part, Process, Slot, TextMark
-from beamcam.verify.by_hand import by_hand, is_by_hand, left_to_hand
+from beamcam.verify.by_hand import by_hand, is_by_hand
 from beamcam.verify.left_out import left_out
 from beamcam.verify.sheets import rules
 
@@ -74,7 +75,8 @@ def need_of(part: Part, machine: Machine, torch: Torch, skips: Collection[str]) 
     are told.
     """
     rows = {row.process: row for row in reversed(rows_on(part, torch))}
-    need = Need(said=[*left_to_hand(part, machine)], rows=rows)
+    hand = [is_by_hand(feature, machine) for feature in part.features]
+    need = Need(said=[by_hand(f, part, machine) for f in compress(part.features, hand)], rows=rows)
     table = cast("dict[str, Process]", torch.colours)
     known: dict[tuple[str | None, str | None], str | None] = {}
     thickness = thickness_of(part, torch)
@@ -84,7 +86,7 @@ def need_of(part: Part, machine: Machine, torch: Torch, skips: Collection[str]) 
             outlined = outlined or (
                 feature.kind == "outer" and feature.process == "cut" and feature.face in FACES
             )
-        if is_by_hand(feature, machine):
+        if hand[index]:
             continue
         policy = policy_on(feature, machine.marks)
         if isinstance(feature, TextMark) and policy == "make":

@@ -107,7 +107,7 @@ def points_on(spans: Spans, steps: Counts) -> Floats:
     """x and y of the start, the middle and the end of equal steps along each span, (2, 3, n)."""
     first = np.cumsum(steps) - steps
     found = np.empty((2, 3, int(steps.sum())))
-    for count in np.unique(steps).tolist():
+    for count in sorted(set(steps.tolist())):
         which = np.flatnonzero(steps == count)
         points = _de_boor(spans, which, np.arange(2 * count + 1) / (2 * count))
         rows = first[which, None] + np.arange(count)
