@@ -33,6 +33,12 @@ class Wall(Struct, frozen=True):
     greatest: float
     radius: float  #: of the root fillet on each of its free sides
 
+    def apart(self, low: float, high: float) -> float:
+        """Distance of the fillet from what reaches from one y to another; below 0 if into it."""
+        if low < self.least:
+            return self.least - self.radius - high
+        return low - (self.greatest + self.radius)
+
     def fillet_height(self, into: float) -> float:
         """How high the fillet stands at a depth into it, counted from where it begins."""
         reached = min(max(into, 0.0), self.radius)

@@ -34,23 +34,27 @@ state is what is done at this X, which spindle is chosen and what each one holds
 for its drill, a sink for its hole.
 """
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from itertools import pairwise
 from operator import attrgetter, itemgetter
-from typing import Literal, NamedTuple
+from typing import Literal
+
+from msgspec import Struct
 
 from beamcam.machine.machine import Times
 from beamcam.model.part import Face
-from beamcam.model.plan import Operation, PathOp, SawOp, WorkOp
+from beamcam.model.plan import FeatureRef, Operation, PathOp, SawOp, WorkOp
 
 #: What has to be done before what, where it is one place on one face.
 STAGES = {"drill": 0, "mill": 1, "countersink": 2, "tap": 3, "punch": 4, "scribe": 5,
           "stamp": 6, "printer": 6}  # fmt: skip
 SAME_PLACE = 0.5  #: mm across; holes are not nearer to each other than this
 
-Setup = tuple[int, int, float, float, float, str]
-#: stage and spindle, diameter, point, pitch and hand of the tool
-Held = tuple[tuple[Face, Setup], ...]  #: the tool that the spindle of each face holds
+_Tool = tuple[float, float, float, str]  #: diameter, point, pitch and hand
+Setup = tuple[int, int, _Tool]  #: stage, spindle and tool
+Station = dict[Setup, list[WorkOp]]  #: the operations at one X by their setup, the setups sorted
+_Placed = tuple[int, Setup, float, float, tuple[FeatureRef, ...], WorkOp]  #: X in steps first
+Held = frozenset[tuple[Face, tuple[int, _Tool]]]  #: stage and tool that each face's spindle holds
 ALIKE = Times(tool_change_s=1.0, spindle_change_s=1.0)
 MOST_STATES = 48  #: that are followed from one X to the next; the cheapest
 MOST_SETUPS = 8  #: setups at one X up to which all orders are tried; more are taken as sorted
@@ -71,22 +75,28 @@ def sort_along_x(
     X that the output cannot tell apart (`resolution`) count as one. There the cuts come before
     the spindles if the bar reaches the saw first, else after them.
     """
-    operations = tuple(operations)
-    at = [round(op.x / resolution) for op in operations]
     cuts: dict[int, list[SawOp]] = {}
-    strokes: dict[int, list[WorkOp]] = {}
-    for place, op in zip(at, operations, strict=True):
-        if op.__class__ is SawOp:
+    strokes: list[_Placed] = []
+    for op in operations:
+        place = round(op.x / resolution)
+        if isinstance(op, SawOp):
             cuts.setdefault(place, []).append(op)
         else:
-            strokes.setdefault(place, []).append(op)  # type: ignore[arg-type]
-    places = sorted(strokes)
-    worked = dict(zip(places, _work_off([strokes[p] for p in places], times or ALIKE), strict=True))
+            strokes.append((place, setup_of(op), op.x, op.y, op.features, op))
+    stations: dict[int, Station] = {}
+    for place, setup, _, _, _, stroke in sorted(strokes, key=_order):
+        stations.setdefault(place, {}).setdefault(setup, []).append(stroke)
+    setups = iter(_cheapest(stations.values(), times or ALIKE))
     result: list[Operation] = []
-    for place in sorted({*cuts, *strokes}):
-        spindles, sawn = worked.get(place, ()), sorted(cuts.get(place, ()), key=_cut_rank)
-        result += (*sawn, *spindles) if layout == "saw-drill" else (*spindles, *sawn)
+    for place in sorted(cuts.keys() | stations.keys()):
+        sawn = sorted(cuts.get(place, ()), key=_cut_rank)
+        station = stations.get(place, {})
+        worked = [op for _ in station for op in station[next(setups)]]
+        result += (*sawn, *worked) if layout == "saw-drill" else (*worked, *sawn)
     return tuple(result)
+
+
+_order = itemgetter(0, 1, 2, 3, 4)
 
 
 def changes(operations: Iterable[Operation]) -> int:
@@ -110,7 +120,7 @@ def travel(operations: Iterable[Operation], start: float = 0.0) -> tuple[float, 
 def setup_of(op: WorkOp) -> Setup:
     """Spindle and tool of an operation, as what a change is a change of."""
     tool = op.tool
-    return STAGES[tool.kind], op.spindle, tool.diameter, tool.point_deg, tool.pitch, tool.hand
+    return STAGES[tool.kind], op.spindle, (tool.diameter, tool.point_deg, tool.pitch, tool.hand)
 
 
 def waits_for(op: WorkOp, other: WorkOp) -> bool:
@@ -131,60 +141,38 @@ def _cut_rank(op: SawOp) -> tuple[int, int, float, float]:
     return CUT_RANK[op.purpose, op.at], op.pieces[0], op.x, op.angle
 
 
-def _work_off(stations: Sequence[list[WorkOp]], times: Times) -> list[list[WorkOp]]:
-    """The operations of each X in the best order."""
-    groups = [_by_setup(ops) for ops in stations]
-    worked: list[list[WorkOp]] = []
-    setups = iter(_cheapest(groups, times))
-    for group in groups:
-        worked.append([op for _ in group for op in sorted(group[next(setups)], key=_place)])
-    return worked
-
-
-def _by_setup(ops: Sequence[WorkOp]) -> dict[Setup, list[WorkOp]]:
-    """The operations of one X by their setup, the setups sorted."""
-    found: dict[Setup, list[WorkOp]] = {}
-    for op in ops:
-        found.setdefault(setup_of(op), []).append(op)
-    return dict(sorted(found.items()))
-
-
-_place = attrgetter("x", "y", "features")
-
-
-class _Path(NamedTuple):
+class _Path(Struct, frozen=True):
     """A sequence of setups so far."""
 
-    seconds: float
-    changes: int
-    done: int  #: of the setups at this X, a bit each
+    cost: tuple[float, int]  #: seconds and changes
+    done: int  #: of the setups at the last X, a bit each
     spindle: int
     held: Held
-    last: Setup | None
-    before: "_Path | None"
+    last: Setup | None = None
+    before: "_Path | None" = None
 
 
-def _cheapest(groups: Sequence[dict[Setup, list[WorkOp]]], times: Times) -> list[Setup]:
+def _cheapest(stations: Iterable[Station], times: Times) -> list[Setup]:
     """The setups of all X, one X after another, in the order that takes least for changes."""
-    paths = [_Path(0.0, 0, 0, 0, (), None, None)]
-    for group in groups:
-        setups = list(group)
-        waiting = _prerequisites(group)
-        if len(setups) > MOST_SETUPS:
-            waiting = [(1 << i) - 1 for i in range(len(setups))]  # as they are sorted
-        for _ in setups:
+    paths = [_Path((0.0, 0), 0, 0, frozenset())]
+    for station in stations:
+        setups = [(1 << i, setup, _holding(setup, station)) for i, setup in enumerate(station)]
+        waiting = _prerequisites(station)
+        for before in range(len(setups)):
             found: dict[tuple[int, int, Held], _Path] = {}
             for path in paths:
-                for i, setup in enumerate(setups):
-                    if path.done >> i & 1 or waiting[i] & ~path.done:
+                done = path.done if before else 0
+                for (bit, setup, holding), needed in zip(setups, waiting, strict=True):
+                    if done & bit or needed & ~done:
                         continue
-                    after = _step(path, i, setup, group[setup][0].faces, times)
+                    after = _step(path, done | bit, setup, holding, times)
                     key = after.done, after.spindle, after.held
                     known = found.get(key)
-                    if known is None or after[:2] < known[:2]:
+                    if known is None or after.cost < known.cost:
                         found[key] = after
             paths = list(found.values())
-        paths = [path._replace(done=0) for path in sorted(paths, key=_cost)[:MOST_STATES]]
+        if len(paths) > 1:
+            paths = sorted(paths, key=_cost)[:MOST_STATES]
     order: list[Setup] = []
     at: _Path | None = min(paths, key=_cost)
     while at is not None and at.last is not None:
@@ -193,32 +181,43 @@ def _cheapest(groups: Sequence[dict[Setup, list[WorkOp]]], times: Times) -> list
     return order[::-1]
 
 
-_cost = itemgetter(0, 1)
+_cost = attrgetter("cost")
 
 
-def _step(path: _Path, i: int, setup: Setup, faces: tuple[Face, ...], times: Times) -> _Path:
-    """The path with one more setup."""
-    seconds, changes, held = path.seconds, path.changes, path.held
-    spindle, tool = setup[1], (setup[0], 0, *setup[2:])
+def _holding(setup: Setup, station: Station) -> Held:
+    """What the spindles hold that work with a setup."""
+    stage, _, tool = setup
+    return frozenset([(face, (stage, tool)) for face in station[setup][0].faces])
+
+
+def _step(path: _Path, done: int, setup: Setup, holding: Held, times: Times) -> _Path:
+    """The path with one more setup; `done` are those at its X then."""
+    seconds, changes = path.cost
+    spindle, held = setup[1], path.held
     if setup != path.last and path.last is not None:
         changes += 1
     if spindle != path.spindle:
         seconds += times.spindle_change_s
-    holding = dict(held)
-    if any(holding.get(face) != tool for face in faces):
+    if not holding <= held:
         seconds += times.tool_change_s
-        held = tuple(sorted({**holding, **dict.fromkeys(faces, tool)}.items()))
-    return _Path(seconds, changes, path.done | 1 << i, spindle, held, setup, path)
+        faces = {face for face, _ in holding}
+        held = holding.union([pair for pair in held if pair[0] not in faces])
+    return _Path((seconds, changes), done, spindle, held, setup, path)
 
 
-def _prerequisites(group: dict[Setup, list[WorkOp]]) -> list[int]:
-    """For each setup of one X those that have to be done before it, a bit each."""
-    setups = list(group)
+def _prerequisites(station: Station) -> list[int]:
+    """For each setup of one X those that have to be done before it, a bit each.
+
+    More setups than `MOST_SETUPS` are taken as they are sorted.
+    """
+    setups = list(station)
+    if len(setups) > MOST_SETUPS:
+        return [(1 << i) - 1 for i in range(len(setups))]
     return [
         sum(
             1 << j
-            for j, b in enumerate(setups)
-            if b[0] < a[0] and any(waits_for(p, q) for p in group[a] for q in group[b])
+            for j, b in enumerate(setups[:i])
+            if b[0] < a[0] and any(waits_for(p, q) for p in station[a] for q in station[b])
         )
-        for a in setups
+        for i, a in enumerate(setups)
     ]

@@ -13,15 +13,17 @@ Across it a wall ends at a free edge or at another wall, which may have a root f
 
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from math import hypot, inf
 
 from msgspec import Struct
 
 from beamcam.caches import BoundedCache, PerObject
 from beamcam.errors import Diagnostic, Rule, Severity
+from beamcam.geometry.plane import Point
 from beamcam.machine.drill import Drill
 from beamcam.machine.machine import Machine
+from beamcam.model.description import named
 from beamcam.model.part import Face, Hole, Part, Profile, Slot
 from beamcam.model.section import Wall, free_edges, walls_beside
 from beamcam.planning.axis_limits import fixed_faces
@@ -90,6 +92,7 @@ class Across(Struct, frozen=True):
     width: float
     walls: tuple[Wall, ...]
     free: tuple[bool, bool]  #: whether the wall ends at y 0, and at its width
+    edge: str  #: in messages
 
 
 class Along(Struct, frozen=True):
@@ -102,11 +105,11 @@ class Along(Struct, frozen=True):
     start_slant: float  #: sqrt(1 + slope^2)
     end_slant: float
 
-    def clear(self, x: float, y: float, radius: float) -> tuple[float, float]:
-        """Steel between a circle and the start, and the end; negative if it is beyond."""
-        start = (x - self.start_x0 + y * self.start_slope) / self.start_slant - radius
-        end = (self.end_x0 - y * self.end_slope - x) / self.end_slant - radius
-        return start, end
+    def clear(self, points: Sequence[Point]) -> tuple[float, float]:
+        """Steel between points and the start, and the end; negative if one is beyond."""
+        start = [x - self.start_x0 + y * self.start_slope for x, y in points]
+        end = [self.end_x0 - y * self.end_slope - x for x, y in points]
+        return min(start) / self.start_slant, min(end) / self.end_slant
 
 
 _walls: PerObject[Machine, BoundedCache[tuple[Profile, Face], Across]] = PerObject(
@@ -139,86 +142,83 @@ class FinishedPart:
             found = self._along[face] = _along(self._ends, face, self.part.profile)
         return found
 
-    def judge(
-        self, what: str, shape: Hole | Slot, circles: tuple[tuple[float, float], ...]
-    ) -> Iterator[Diagnostic]:
+    def judge(self, shape: Hole | Slot, middles: Sequence[Point]) -> list[Diagnostic]:
         """Errors and remarks on a hole or slot, errors first.
 
-        `circles` are the middles of its corner circles, of a hole its own.
+        `middles` are those of its corner circles, of a hole its own.
         """
-        radius, face = shape.diameter / 2, shape.face
-        where = {"what": what, "x": f"{shape.x:g}", "y": f"{shape.y:g}", "face": face}
+        radius, face, drill = shape.diameter / 2, shape.face, self._drill
         across = self.across(face)
-        low, high = min(y for _, y in circles) - radius, max(y for _, y in circles) + radius
-        clear = [self.along(face).clear(x, y, radius) for x, y in circles]
-        steel = [
-            (min(s for s, _ in clear), "the start of the part"),
-            (min(e for _, e in clear), "the end of the part"),
-        ]
-        for is_free, left in zip(across.free, (low, across.width - high), strict=True):
-            if is_free:
-                steel.append((left, f"the edge of face {face}"))
+        ys = [y for _, y in middles]
+        low, high = min(ys) - radius, max(ys) + radius
+        start, end = self.along(face).clear(middles)
+        steel = [(start - radius, "the start of the part"), (end - radius, "the end of the part")]
+        if across.free[0]:
+            steel.append((low, across.edge))
+        if across.free[1]:
+            steel.append((across.width - high, across.edge))
         left, place = min(steel)
         if left < -TOLERANCE:
-            yield OFF_PART.at(shape.source, out=f"{-left:.3g}", where=place, **where)
-            return
+            return [_said(OFF_PART, shape, out=f"{-left:.3g}", where=place)]
+        said: list[Diagnostic] = []
         for wall in across.walls:
-            yield from self._beside(shape, low, high, wall, where)
-        if shape.kind != "mark" and left < self._drill.min_edge_distance - TOLERANCE:
-            yield NEAR_EDGE.at(
-                shape.source, apart=f"{max(left, 0.0):.3g}", where=place,
-                expected=f"{self._drill.min_edge_distance:g}", **where,
-            )  # fmt: skip
-        thickness = self.part.profile.thickness(face)
+            apart = wall.apart(low, high)
+            if apart < drill.min_fillet_distance - TOLERANCE:
+                said.append(self._beside(shape, low, high, wall, apart))
+        if shape.kind != "mark" and left < drill.min_edge_distance - TOLERANCE:
+            apart_mm, expected = f"{max(left, 0.0):.3g}", f"{drill.min_edge_distance:g}"
+            said.append(_said(NEAR_EDGE, shape, apart=apart_mm, where=place, expected=expected))
+        if shape.depth is not None:
+            said += self._judge_depth(shape, shape.depth)
+        return said
+
+    def _judge_depth(self, shape: Hole | Slot, depth: float) -> Iterator[Diagnostic]:
+        """Whether a blind hole is too shallow for the output, or deeper than its wall."""
+        thickness = self.part.profile.thickness(shape.face)
         step = self._machine.format.resolution
-        if shape.depth is not None and shape.depth < step and shape.kind != "mark":
-            yield SHALLOW.at(shape.source, found=f"{shape.depth:g}", expected=f"{step:g}", **where)
-        if shape.depth is not None and shape.depth > thickness + TOLERANCE > TOLERANCE:
-            yield BLIND_DEPTH.at(
-                shape.source, found=f"{shape.depth:g}", expected=f"{thickness:g}", **where
-            )
+        if depth < step and shape.kind != "mark":
+            yield _said(SHALLOW, shape, found=f"{depth:g}", expected=f"{step:g}")
+        if depth > thickness + TOLERANCE > TOLERANCE:
+            yield _said(BLIND_DEPTH, shape, found=f"{depth:g}", expected=f"{thickness:g}")
 
     def _deeper(self, face: Face) -> float:
         """Overtravel of a through hole behind its wall; a fixed stroke passes everything."""
         return inf if face in fixed_faces(self._machine) else self._drill.breakthrough
 
     def _beside(
-        self, shape: Hole | Slot, low: float, high: float, wall: Wall, where: dict[str, str]
-    ) -> Iterator[Diagnostic]:
-        """Remarks on a hole and another wall beside it."""
+        self, shape: Hole | Slot, low: float, high: float, wall: Wall, apart: float
+    ) -> Diagnostic:
+        """The remark on a hole that is too near another wall, or in it."""
         if high > wall.least + TOLERANCE and low < wall.greatest - TOLERANCE:
-            yield WALL.at(
-                shape.source, least=f"{wall.least:g}", greatest=f"{wall.greatest:g}", **where
-            )
-            return
-        below = low < wall.least
-        apart = (wall.least - wall.radius - high) if below else low - (wall.greatest + wall.radius)
-        if apart >= self._drill.min_fillet_distance - TOLERANCE:
-            return
+            return _said(WALL, shape, least=f"{wall.least:g}", greatest=f"{wall.greatest:g}")
         high_mm = wall.fillet_height(-apart)
         outside = shape.face in OUTSIDE or self.part.profile.code == "M"
         limit, because = self._drill.clearance, "the clearance of the rapid approach"
         if outside:
             limit, because = self._deeper(shape.face), "the breakthrough behind the wall"
         if high_mm > limit and shape.kind != "mark":
-            yield FILLET.at(
-                shape.source,
-                found=f"{high_mm:.3g}",
-                expected=f"{limit:g}",
-                because=because,
-                **where,
+            return _said(
+                FILLET, shape, found=f"{high_mm:.3g}", expected=f"{limit:g}", because=because
             )
-            return
         found = f"{-apart:.3g} mm into" if apart < 0 else f"{apart:.3g} mm from"
-        yield NEAR_FILLET.at(
-            shape.source, found=f"{found} the root fillet",
-            expected=f"{self._drill.min_fillet_distance:g}", **where,
-        )  # fmt: skip
+        expected = f"{self._drill.min_fillet_distance:g}"
+        return _said(NEAR_FILLET, shape, found=f"{found} the root fillet", expected=expected)
+
+
+def _said(rule: Rule, shape: Hole | Slot, **values: str) -> Diagnostic:
+    """A message about a hole or slot."""
+    return rule.at(
+        shape.source, what=named(shape), x=f"{shape.x:g}", y=f"{shape.y:g}", face=shape.face,
+        **values,
+    )  # fmt: skip
 
 
 def _across(profile: Profile, face: Face) -> Across:
     """Walls and edges on a face."""
-    return Across(profile.face_width(face), walls_beside(profile, face), free_edges(profile, face))
+    return Across(
+        profile.face_width(face), walls_beside(profile, face), free_edges(profile, face),
+        f"the edge of face {face}",
+    )  # fmt: skip
 
 
 def _along(ends: Ends, face: Face, profile: Profile) -> Along:

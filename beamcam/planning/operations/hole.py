@@ -77,7 +77,7 @@ def _refusals(hole: Hole, bench: Bench) -> Iterable[Diagnostic]:
     off = refuse_place(hole, hole.x, hole.y, bench.part, bench.reached[hole.face])
     if off is not None:
         return (off,)
-    return bench.finished.judge(named(hole), hole, ((hole.x, hole.y),))
+    return bench.finished.judge(hole, ((hole.x, hole.y),))
 
 
 def _partner_faces(machine: Machine) -> dict[Face, Face]:

@@ -64,12 +64,12 @@ def _steps(lines: Sequence[tuple[int, Contour]], bench: Bench) -> Iterator[Found
         number = bench.number(faces)
         tooling = Tooling(number, scribes, faces, drill.mark_depth, ("scribe-line",))
         yield Job(*path[0], tooling, (f,), line.source, path)
-        along, width = bench.finished.along(line.face), bench.finished.across(line.face).width
-        clear = [along.clear(x, y, 0.0) for x, y in path]
+        start, end = bench.finished.along(line.face).clear(path)
+        across = bench.finished.across(line.face)
         left, place = min(
-            (min(start for start, _ in clear), "the start of the part"),
-            (min(end for _, end in clear), "the end of the part"),
-            (min(min(y, width - y) for _, y in path), f"the edge of face {line.face}"),
+            (start, "the start of the part"),
+            (end, "the end of the part"),
+            (min(min(y, across.width - y) for _, y in path), across.edge),
         )
         if left < -TOLERANCE:
             yield f, LINE_BEYOND.at(line.source, face=line.face, out=f"{-left:.3g}", where=place)

@@ -52,7 +52,7 @@ def _refusals(slot: Slot, bench: Bench) -> Iterator[Diagnostic]:
     if off is not None:
         yield off
     else:
-        yield from bench.finished.judge(named(slot), slot, ends)
+        yield from bench.finished.judge(slot, ends)
 
 
 def _steps(slots: Sequence[tuple[int, Slot]], bench: Bench) -> Iterator[Found]:

@@ -13,7 +13,8 @@ from msgspec import Struct
 from beamcam.errors import Diagnostic, PlanError, errors_in
 from beamcam.machine.absent import text_x
 from beamcam.machine.tools import Tool
-from beamcam.model.part import Part
+from beamcam.model.marks import policy_on
+from beamcam.model.part import Feature, Part
 from beamcam.model.plan import DrillOp, FeatureRef, PathOp, Piece, TextOp, WorkOp
 from beamcam.planning.axis_limits import refuse_jobs
 from beamcam.planning.by_hand import listed_by, refuse_mark
@@ -74,24 +75,27 @@ def _put_features(bench: Bench) -> None:
     """Put each feature that can be made to those of its kind, and refuse the others."""
     marks = bench.line.machine.marks
     for f, given in enumerate(bench.part.features):
-        why = listed_by(given, marks)
-        if why is not None:
-            bench.settled[f] = Settled(f, "listed", why)
-            continue
-        said_of_mark = refuse_mark(given, marks)
-        if said_of_mark is not None:
-            bench.refused[f] = said_of_mark
+        if policy_on(given, marks) is not None and not _is_made(f, given, bench):
             continue
         kind, feature = kind_of(given), bench.on_reached_face(f, given)
         lacking = kind.needs(feature, bench)
         if lacking is not None:
             bench.refused[f] = lacking
             continue
-        said = kind.refusals(feature, bench)
-        if said:
-            bench.take((f, each) for each in said)
+        bench.take([(f, said) for said in kind.refusals(feature, bench)])
         if f not in bench.refused:
             bench.accepted[kind.name].append((f, feature))
+
+
+def _is_made(f: int, mark: Feature, bench: Bench) -> bool:
+    """Whether a mark is work of the machine; one that is not is listed, or refused."""
+    marks = bench.line.machine.marks
+    why, said = listed_by(mark, marks), refuse_mark(mark, marks)
+    if why is not None:
+        bench.settled[f] = Settled(f, "listed", why)
+    elif said is not None:
+        bench.refused[f] = said
+    return why is None and said is None
 
 
 def _is_allowed(said: Diagnostic, skips: Collection[str]) -> bool:
