@@ -75,6 +75,8 @@ CACHES = {
     "codesys.blocks": Kept(4096, "the programs of a job have many of their blocks in common"),
     "controllers.blocks": Kept(16, "as many machines as a service runs"),
     "controllers.dialects": Kept(16, "as many machines as a service runs"),
+    "emitters.machines": Kept(16, "as many machines as a service runs"),
+    "motion.names": Kept(16, "as many machines as a service runs"),
     "motion.sections": Kept(64, _OF_A_BUILDING),
     "motion.machines": Kept(16, "as many machines as a service runs"),
     "motion.strokes": Kept(256, _OF_A_BUILDING),

@@ -1,12 +1,16 @@
 """G-code of a saw and drilling line: the machine's word templates, filled in and numbered."""
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
+from itertools import count
+from typing import Any
 
+from msgspec import Struct
+
+from beamcam.caches import PerObject
 from beamcam.emitters.numbers import number
 from beamcam.machine.machine import Machine, NumberFormat
 from beamcam.machine.tools import ToolNumbers, tool_numbers
-from beamcam.machine.words import Words
-from beamcam.model.part_data import PART_DATA
+from beamcam.machine.words import PART_NAMES, names_in
 from beamcam.model.program import (
     ChangeTool,
     Comment,
@@ -28,96 +32,108 @@ NO_BLOCK = ("%", "(")  #: how lines begin that are no blocks and get no number
 Values = dict[str, str]  #: a placeholder of a template
 
 
+class Template(Struct, frozen=True):
+    """The lines of a word, and the names that they carry."""
+
+    text: str
+    names: frozenset[str]
+
+
+class Templates(Struct, frozen=True):
+    """The words of a machine, ready to be filled in."""
+
+    form: NumberFormat
+    numbers: ToolNumbers
+    comment: str
+    words: dict[str, Template]  #: those that have lines
+
+
+def _templates(machine: Machine) -> Templates:
+    words, found = machine.words, {}
+    for name in words.__struct_fields__:
+        lines = getattr(words, name)
+        if lines and name != "comment":
+            found[name] = Template("\n".join(lines), names_in(words, (name,)))
+    return Templates(machine.format, tool_numbers(machine.tools), words.comment, found)
+
+
+templates_of = PerObject("emitters.machines", _templates)
+
+
 def emit(program: Program, machine: Machine) -> str:
     """The text of a program, with a newline at its end."""
-    blocks: Iterable[str] = _blocks(program, machine)
+    blocks: Iterable[str] = _blocks(program, templates_of(machine))
     if machine.format.number_blocks:
         blocks = _numbered(blocks)
     return "\n".join(blocks) + "\n"
 
 
-def _numbered(blocks: Iterable[str]) -> Iterator[str]:
+def _numbered(blocks: Iterable[str]) -> list[str]:
     """Blocks with N1, N2, ... but for the lines that are not blocks (`%`) and comments."""
-    count = 0
-    for line in "\n".join(blocks).split("\n"):
-        if line.startswith(NO_BLOCK):
-            yield line
-        else:
-            count += 1
-            yield f"N{count} {line}"
+    numbers = count(1)
+    return [
+        line if line.startswith(NO_BLOCK) else f"N{next(numbers)} {line}"
+        for line in "\n".join(blocks).split("\n")
+    ]
 
 
-def _blocks(program: Program, machine: Machine) -> Iterator[str]:
+def _blocks(program: Program, templates: Templates) -> Iterator[str]:
     """Blocks, and whole cycles and cuts in one."""
-    words, form = machine.words, machine.format
-    numbers = tool_numbers(machine.tools)
+    words, form = templates.words, templates.form
     strokes: dict[SpindleStroke, Values] = {}  #: most strokes are like one before, at another X
-    started, of_part = False, _texts(program.about)
+    started, about = False, program.about
     for command in program.commands:
         match command:
             case DrillCycle(stroke=stroke):
+                word = words[stroke.kind]
                 if stroke not in strokes:
-                    strokes[stroke] = _stroke_values(stroke, form, numbers)
-                x = number(command.x, form.length_decimals)
-                yield _filled(getattr(words, stroke.kind), {**of_part, **strokes[stroke], "x": x})
-            case SawStroke() if words.saw:
-                yield _cut(command, words, form, of_part)
+                    strokes[stroke] = _stroke_values(stroke, word.names, templates)
+                values = strokes[stroke]
+                values["x"] = number(command.x, form.length_decimals)
+                yield _filled(word, values, about)
+            case SawStroke() if "saw" in words:
+                yield _filled(words["saw"], _cut_values(command, form), about)
             case StartBar():
                 started = True
-                if words.header:
-                    yield _header(program, command, words, form)
+                if "header" in words:
+                    yield _filled(words["header"], _bar_values(program.job, command, form), about)
             case OfPart():
-                of_part = _texts({**program.about, **command.about})
+                about = {**program.about, **command.about}
             case PathCycle():
-                yield from _path_blocks(command, words, form, numbers, of_part)
+                yield from _path_blocks(command, templates, about)
             case TellText():
-                values = {**of_part, **_text_values(command, form)}
-                yield _filled(getattr(words, command.kind), values)
-            case ChangeTool() if words.change:
-                yield _change(command, words)
+                yield _filled(words[command.kind], _text_values(command, form), about)
+            case ChangeTool() if "change" in words:
+                yield _filled(words["change"], _change_values(command), about)
             case Comment():
-                yield words.comment.format(text=comment_text(command.text))
-    if started:
-        yield from words.footer
+                yield templates.comment.format(text=comment_text(command.text))
+    if started and "footer" in words:
+        yield words["footer"].text
 
 
-def _header(program: Program, command: StartBar, words: Words, form: NumberFormat) -> str:
-    """The text before the work."""
-    values = {
-        **_texts(program.about),
-        "job": comment_text(program.job),
+def _filled(word: Template, values: Values, about: Mapping[str, str]) -> str:
+    """A word with its values and what is known of the part; nothing for what is not."""
+    of_part = {name: comment_text(about.get(name, "")) for name in word.names & PART_NAMES}
+    return word.text.format_map(values | of_part if of_part else values)
+
+
+def _bar_values(job: str, command: StartBar, form: NumberFormat) -> Values:
+    return {
+        "job": comment_text(job),
         "section": str(command.section),
         "width": number(command.width, form.length_decimals),
         "height": number(command.height, form.length_decimals),
     }
-    return _filled(words.header, values)
 
 
-def _texts(about: Mapping[str, str]) -> Values:
-    """What is known of a part, and nothing for what is not."""
-    known = {name: comment_text(text) for name, text in about.items()}
-    return {**dict.fromkeys(PART_DATA, ""), **known}
-
-
-def _cut(command: SawStroke, words: Words, form: NumberFormat, of_part: Values) -> str:
-    """The text of a cut."""
-    values = _cut_values(command, number(command.x, form.length_decimals), form)
-    return _filled(words.saw, {**of_part, **values})
-
-
-def _change(command: ChangeTool, words: Words) -> str:
+def _change_values(command: ChangeTool) -> Values:
     """The stop for a manual tool change."""
-    values = {
+    return {
         "spindle": str(command.spindle),
         "station": str(command.station),
         "diameter": number(command.diameter, 3),
         "text": comment_text(command.text),
     }
-    return _filled(words.change, values)
-
-
-def _filled(template: Iterable[str], values: Values) -> str:
-    return "\n".join(template).format_map(values)
 
 
 def _text_values(command: TellText, form: NumberFormat) -> Values:
@@ -131,76 +147,76 @@ def _text_values(command: TellText, form: NumberFormat) -> Values:
     }
 
 
-def _cut_values(command: SawStroke, x: str, form: NumberFormat) -> Values:
+def _cut_values(command: SawStroke, form: NumberFormat) -> Values:
     return {
-        "x": x,
+        "x": number(command.x, form.length_decimals),
         "angle": number(command.angle, form.angle_decimals),
         "tilt": number(command.tilt, form.angle_decimals),
-        "feed": _feed(command.feed_mm_min, form),
+        "feed": _feed(command, form),
     }
 
 
-def _stroke_values(stroke: SpindleStroke, form: NumberFormat, numbers: ToolNumbers) -> Values:
+def _feed(command: SawStroke | SpindleStroke | PathCycle, form: NumberFormat) -> str:
+    factor = SECONDS_PER_MINUTE if form.feed_unit == "mm/s" else 1
+    return number(command.feed_mm_min / factor, 3)
+
+
+#: Where a place's coordinate stands: above it, where the approach ends, and at work.
+_PLACES = {
+    "y": ("start", 0), "z": ("start", 1), "near_y": ("near", 0), "near_z": ("near", 1),
+    "bottom_y": ("bottom", 0), "bottom_z": ("bottom", 1),
+}  # fmt: skip
+#: What a word may say of a stroke or path besides its place.
+_OF_STROKE: dict[str, Callable[[Any, NumberFormat], str]] = {
+    "tool_name": lambda stroke, _: comment_text(stroke.tool_name),
+    "station": lambda stroke, _: str(stroke.station),
+    "spindle": lambda stroke, _: str(stroke.spindle),
+    "diameter": lambda stroke, _: number(stroke.diameter, 3),
+    "feed": _feed,
+    "speed": lambda stroke, _: number(stroke.speed_rpm, 0),
+    "pitch": lambda stroke, _: number(stroke.pitch, 3),
+    "peck": lambda stroke, form: number(stroke.peck, form.length_decimals),
+}
+
+
+def _stroke_values(stroke: SpindleStroke, names: Collection[str], templates: Templates) -> Values:
+    """What a template says of a stroke wherever it is."""
+    places = _place_values(stroke, names, templates.form)
+    return {**places, **_tool_values(stroke, names, templates)}
+
+
+def _tool_values(
+    stroke: SpindleStroke | PathCycle, names: Collection[str], templates: Templates
+) -> Values:
+    """Spindle, tool, feed and speed, as far as a template says them."""
+    form = templates.form
+    values = {name: of(stroke, form) for name, of in _OF_STROKE.items() if name in names}
+    if "tool" in names:
+        values["tool"] = str(templates.numbers.get((stroke.kind, stroke.diameter), ""))
+    return values
+
+
+def _place_values(
+    point: PathPoint | SpindleStroke, names: Collection[str], form: NumberFormat
+) -> Values:
+    """Y and Z of a place, as far as a template says them."""
     return {
-        **_place_values(stroke, form),
-        "tool": _tool(stroke.kind, stroke.diameter, numbers),
-        "tool_name": comment_text(stroke.tool_name),
-        "station": str(stroke.station),
-        "spindle": str(stroke.spindle),
-        "diameter": number(stroke.diameter, 3),
-        "feed": _feed(stroke.feed_mm_min, form),
-        "speed": number(stroke.speed_rpm, 0),
-        "pitch": number(stroke.pitch, 3),
-        "peck": number(stroke.peck, form.length_decimals),
+        name: number(getattr(point, at)[axis], form.length_decimals)
+        for name, (at, axis) in _PLACES.items()
+        if name in names
     }
-
-
-def _tool(kind: str, diameter: float, numbers: ToolNumbers) -> str:
-    """The machine's number of a tool; "" where its tools have no numbers."""
-    found = numbers.get((kind, diameter))
-    return "" if found is None else str(found)
 
 
 def _path_blocks(
-    command: PathCycle, words: Words, form: NumberFormat, numbers: ToolNumbers, of_part: Values
+    command: PathCycle, templates: Templates, about: Mapping[str, str]
 ) -> Iterator[str]:
     """The words of a mill or scribe: down at the first point, to each other one, and up."""
-    down, along, up = (getattr(words, command.kind + end) for end in ("", "_to", "_end"))
-    values = {
-        **of_part,
-        "spindle": str(command.spindle),
-        "tool": _tool(command.kind, command.diameter, numbers),
-        "tool_name": comment_text(command.tool_name),
-        "station": str(command.station),
-        "diameter": number(command.diameter, 3),
-        "feed": _feed(command.feed_mm_min, form),
-        "speed": number(command.speed_rpm, 0),
-    }
-    for index, point in enumerate(command.points):
-        values["x"] = number(point.x, form.length_decimals)
-        values.update(_place_values(point, form))
-        yield from (line.format_map(values) for line in (along if index else down))
-    yield from (line.format_map(values) for line in up)
-
-
-def _place_values(point: PathPoint | SpindleStroke, form: NumberFormat) -> Values:
-    """Y and Z above a place, where the approach ends and at work."""
-
-    def length(value: float) -> str:
-        return number(value, form.length_decimals)
-
-    (y, z), (near_y, near_z) = map(length, point.start), map(length, point.near)
-    bottom_y, bottom_z = map(length, point.bottom)
-    return {
-        "y": y,
-        "z": z,
-        "near_y": near_y,
-        "near_z": near_z,
-        "bottom_y": bottom_y,
-        "bottom_z": bottom_z,
-    }
-
-
-def _feed(feed_mm_min: float, form: NumberFormat) -> str:
-    factor = SECONDS_PER_MINUTE if form.feed_unit == "mm/s" else 1
-    return number(feed_mm_min / factor, 3)
+    first, *others = command.points
+    steps = [(command.kind, first), *((command.kind + "_to", point) for point in others)]
+    for name, point in (*steps, (command.kind + "_end", command.points[-1])):
+        word = templates.words.get(name)
+        if word is not None:
+            values = _tool_values(command, word.names, templates)
+            values |= _place_values(point, word.names, templates.form)
+            values["x"] = number(point.x, templates.form.length_decimals)
+            yield _filled(word, values, about)

@@ -1,6 +1,6 @@
 """The motion of a saw and drilling line: strokes and feeds in machine coordinates."""
 
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from typing import cast
 
 from msgspec import Struct
@@ -51,13 +51,31 @@ def _section_of(profile: Profile, machine: Machine) -> Section:
     )
 
 
+class _Names(Struct, frozen=True):
+    """The names in braces that the words of a machine carry."""
+
+    all: frozenset[str]
+    of_work: frozenset[str]  #: of those for work on a part
+
+
+_names_of: PerObject[Machine, _Names] = PerObject(
+    "motion.names",
+    lambda machine: _Names(
+        names_in(machine.words, (*WORK_WORDS, "header")), names_in(machine.words, WORK_WORDS)
+    ),
+)
+
+
 def beam_program(plan: Plan, machine: Machine, job: str) -> Program:
     """The commands that carry out a plan, in its order."""
-    about = part_data([piece.part for piece in plan.pieces])
-    return Program(job, tuple(_commands(plan, machine)), about)
+    names = _names_of(machine)
+    told = not PART_NAMES.isdisjoint(names.all)
+    about = part_data([piece.part for piece in plan.pieces]) if told else {}
+    return Program(job, tuple(_commands(plan, machine, names.of_work)), about)
 
 
-def _commands(plan: Plan, machine: Machine) -> Iterator[Command]:
+def _commands(plan: Plan, machine: Machine, said: Collection[str]) -> Iterator[Command]:
+    """The commands; `said` are the names in the words of work on a part."""
     saw, drill = saw_of(machine), drill_of(machine)
     profile = plan.profile
     yield StartBar(machine.sections[profile.code], profile.width, profile.height)
@@ -67,12 +85,12 @@ def _commands(plan: Plan, machine: Machine) -> Iterator[Command]:
             yield Comment(f"part {index + 1}, {piece.part.mark}: {piece.turn}")
     section = _section_of(profile, machine)
     waiting = list(plan.reloads)
-    said = names_in(machine.words, WORK_WORDS)
+    of_part = not PART_NAMES.isdisjoint(said)
     stations = [*stations_of(plan, machine)] if "station" in said else None
     worked: int | None = None  #: piece of the last operation
     for index, op in enumerate(plan.operations):
         on = op.pieces[0] if isinstance(op, SawOp) else op.features[0][0]
-        if on != worked and said & PART_NAMES:
+        if on != worked and of_part:
             yield OfPart(part_data([plan.pieces[on].part]))
             worked = on
         station = 0 if stations is None else stations[index]
