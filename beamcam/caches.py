@@ -81,6 +81,7 @@ CACHES = {
     "motion.machines": Kept(16, "as many machines as a service runs"),
     "motion.strokes": Kept(256, _OF_A_BUILDING),
     "verify.machines": Kept(16, "as many machines as a service runs"),
+    "verify.cells": Kept(16, "as many machines as a service runs"),
     "verify.stations": Kept(
         256, "the positions of the spindles on a section hold for all programs"
     ),

@@ -21,7 +21,8 @@ from beamcam.controllers.events import (
 )
 from beamcam.controllers.rules import WORD
 from beamcam.verify import rules
-from beamcam.verify.bars.cell_state import AXES, EPSILON, CellState
+from beamcam.verify.bars.cell_limits import EPSILON
+from beamcam.verify.bars.cell_state import AXES, CellState
 from beamcam.verify.bars.made import Bore, Made, Trail, made_in_order
 from beamcam.verify.bars.stations import Choice, Station
 
@@ -99,7 +100,7 @@ class Cell(CellState):
             self.sideways(move.line, f"a move of {letter}", first, at)
             return True
         self.fed_from.clear()
-        gap = first.start_gap - self.step
+        gap = first.start_gap - self.limits.step
         if move.rapid and (-outer < gap or -was_out < gap):
             self._too_close(move, first, -outer if isnan(was_out) else -max(outer, was_out))
             return True
@@ -170,10 +171,10 @@ class Cell(CellState):
             self.say_feed(move.line, feed, self.tool, run.own_feed, most)
 
     def _move_bar(self, x: float, move: Move[Place], in_work: bool) -> None:
-        name, least, greatest = self.stop_limits
+        name, least, greatest = self.limits.stop
         if not least <= x <= greatest:
             self.beyond(move.line, name, x, least, greatest)
-        if self.never_back and x < self.furthest - EPSILON:
+        if self.limits.never_back and x < self.furthest - EPSILON:
             self.say(rules.STOP_BACK, move.line, found=f"{x:g}", before=f"{self.furthest:g}")
         self.furthest = x if isnan(self.furthest) else max(x, self.furthest)
         self.x = x
@@ -211,7 +212,7 @@ class Cell(CellState):
             self.unseen.add(station.face)
         if enters:
             self.fed_from.setdefault(station.number, before)
-            if self.max_pecks:
+            if self.limits.max_pecks:
                 self._check_peck(move, station, across, stroke, before)
             self._stroke(move, station, choice, across, stroke, depth, before)
 
@@ -219,7 +220,7 @@ class Cell(CellState):
         self, move: Move[Place], station: Station, across: float, stroke: float, before: float
     ) -> None:
         """A drill fed deeper at once than its chips allow; before the steel it cuts nothing."""
-        most = self.max_pecks.get(self.diameter) if self.cycle.kind == "drill" else None
+        most = self.limits.max_pecks.get(self.diameter) if self.cycle.kind == "drill" else None
         if most is None:
             return
         y = station.y(across)
@@ -230,7 +231,7 @@ class Cell(CellState):
         elif not drilled:
             most += station.near_gap
         fed = station.tip_depth(stroke, y) - self.fed_since.setdefault(station.number, start)
-        if fed > most + self.step:
+        if fed > most + self.limits.step:
             self.say(
                 rules.PECK, move.line, what=self.tool, found=f"{fed:.3f}", expected=f"{most:g}"
             )
@@ -263,7 +264,11 @@ class Cell(CellState):
                 rules.RAPID, move.line, axis=AXES[station.stroke],
                 found=f"{stroke:g}", depth=f"{depth:.3f}",
             )  # fmt: skip
-        elif not drilled and -depth < gap - self.step and not self._was_fed(station, across, depth):
+        elif (
+            not drilled
+            and -depth < gap - self.limits.step
+            and not self._was_fed(station, across, depth)
+        ):
             self._too_close(move, station, -depth, True)
 
     def _was_fed(self, station: Station, across: float, depth: float) -> bool:

@@ -10,7 +10,7 @@ A spindle's axes stay where they are while another one works, so each keeps its 
 """
 
 from collections.abc import Callable
-from math import inf, isnan, nan
+from math import isnan, nan
 
 from beamcam.controllers.dialect import Cycle, Dialect, MWord, Role
 from beamcam.controllers.events import Lettering, Switch
@@ -18,26 +18,16 @@ from beamcam.controllers.rules import WORD
 from beamcam.errors import Diagnostic, Rule, Source
 from beamcam.machine.machine import Machine
 from beamcam.verify import rules
+from beamcam.verify.bars.cell_limits import EPSILON, limits_of_cell
 from beamcam.verify.bars.cutting_data import LEAST, CuttingData
 from beamcam.verify.bars.made import Cut, Thing, Written
 from beamcam.verify.bars.magazine import Changed, Chosen, wrong_changes
 from beamcam.verify.bars.stations import Choice, Station, limits_of
 
-EPSILON = 1e-6
 AXES = "XYZ"
 Values = dict[str, float]  #: parameters of a word by what they carry
 _NOTHING: Values = {}
 _NO_CYCLE = Cycle("drill", 0, False, False, False)
-
-
-def _max_pecks(machine: Machine) -> dict[float, float]:
-    """How deep a drill of each size may be fed at once, where its size has a limit."""
-    found: dict[float, float] = {}
-    for tools in machine.tools:
-        if tools.kind == "drill":
-            for size in tools.sizes:
-                found[size] = max(found.get(size, 0.0), tools.max_peck or inf)
-    return {size: peck for size, peck in found.items() if peck < inf}
 
 
 class CellState:
@@ -48,10 +38,11 @@ class CellState:
         name: str,
     ) -> None:  # fmt: skip
         self.machine, self.dialect, self.choices = machine, dialect, choices
-        self.data = data
+        self.data, self.limits = data, limits_of_cell(machine)
         self.name = name
         self.said: list[Diagnostic] = []
         self.section: dict[str, float] = {}
+        self.unsaid = dialect.section_fields  #: what the program has not said of its bar yet
         self.order: list[Thing] = []
         self.tools: list[Chosen | Changed] = []
         self.held: dict[tuple[int, float], tuple[str, float]] = {}  #: by spindle and station
@@ -70,21 +61,16 @@ class CellState:
         ] = {}  #: depth at which each spindle fed on since drawn back
         #: X, across and depth to which each spindle fed last, in steel or before it
         self.fed_to: dict[int, tuple[float, float, float]] = {}
-        self.max_pecks = _max_pecks(machine)
         self.fed_from: dict[int, float] = {}  #: stroke at which a tool's feed into the bar began
         self.unseen: set[str] = set()  #: faces that were worked on without knowing where they lie
         self.peck: tuple[float, float] | None = None  #: X and across of the hole being drilled
         self.pecked = 0  #: how many bores the last stroke made
-        self.stop_limits = limits_of(machine, "X")
-        self.never_back = machine.layout is not None and machine.layout.order == "saw-drill"
         self.does: dict[Role, Callable[[Switch, Values, Cycle | None], None]] = {
             "on": self._start, "off": self._stop, "coolant-on": self._cool,
             "coolant-off": self._dry, "choose": self._choose, "change": self._change,
             "saw": self._saw, "section": self._describe, "other": self._set_pitch,
             "end": self._end,
         }  # fmt: skip
-        self.step = machine.format.resolution + EPSILON
-        self.per_minute = 60.0 if machine.format.feed_unit == "mm/s" else 1.0
 
     def say(self, rule: Rule, line: int, **values: object) -> None:
         self.said.append(rule.at(Source(self.name, line), **values))
@@ -149,6 +135,7 @@ class CellState:
 
     def _describe(self, switch: Switch, values: Values, cycle: Cycle | None) -> None:
         self.section.update(values)
+        self.unsaid -= values.keys()
 
     def _set_pitch(self, switch: Switch, values: Values, cycle: Cycle | None) -> None:
         self.pitch = values.get("pitch", self.pitch)
@@ -300,7 +287,9 @@ class CellState:
         if saw is not None:
             least, greatest = max(least, saw.min_angle), min(greatest, saw.max_angle)
             if "feed" in values:
-                self._saw_feed(switch.line, values["feed"] * self.per_minute, saw.feed_mm_min)
+                self._saw_feed(
+                    switch.line, values["feed"] * self.limits.per_minute, saw.feed_mm_min
+                )
         if not least <= angle <= greatest:
             self.beyond(switch.line, name, angle, least, greatest)
         if isnan(self.x):
@@ -309,7 +298,7 @@ class CellState:
         tilt = values.get("tilt", 0.0)
         if saw is not None and not saw.min_tilt <= tilt <= saw.max_tilt:
             self.beyond(switch.line, "the blade's tilt", tilt, saw.min_tilt, saw.max_tilt)
-        feed = values["feed"] * self.per_minute if "feed" in values else self.feed_mm_min
+        feed = values["feed"] * self.limits.per_minute if "feed" in values else self.feed_mm_min
         self.order.append(Cut(switch.line, self.x, angle, feed, tilt))
         self.peck = None
 
@@ -381,11 +370,11 @@ class CellState:
 
     def describe_first(self, line: int) -> None:
         """Say that the program works on a bar that it has not described."""
-        missing = self.dialect.section_fields - self.section.keys()
-        if missing:
-            names = ", ".join(sorted(missing))
+        if self.unsaid:
+            names = ", ".join(sorted(self.unsaid))
             self.say(rules.SECTION, line, what="no", found=names, expected=f"{names} before")
-            self.section.update(dict.fromkeys(missing, nan))
+            self.section.update(dict.fromkeys(self.unsaid, nan))
+            self.unsaid = frozenset()
 
     def beyond(self, line: int, axis: str, at: float, least: float, greatest: float) -> None:
         self.say(

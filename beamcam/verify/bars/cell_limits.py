@@ -1,0 +1,45 @@
+"""What a machine's file says about its cell, whatever program runs there."""
+
+from math import inf
+
+from msgspec import Struct
+
+from beamcam.caches import PerObject
+from beamcam.machine.machine import Machine
+from beamcam.verify.bars.stations import limits_of
+
+EPSILON = 1e-6
+
+
+class Limits(Struct, frozen=True):
+    """What the machine's file says about its cell whatever the program is."""
+
+    max_pecks: dict[float, float]  #: how deep a drill of each size may be fed at once
+    stop: tuple[str, float, float]  #: name, minimum and maximum of the axis along the bar
+    never_back: bool  #: whether the bar only goes on
+    step: float  #: of written lengths, with some rounding
+    per_minute: float  #: makes mm/min of a feed in a template's unit
+
+
+def _limits(machine: Machine) -> Limits:
+    form, layout = machine.format, machine.layout
+    return Limits(
+        _max_pecks(machine),
+        limits_of(machine, "X"),
+        layout is not None and layout.order == "saw-drill",
+        form.resolution + EPSILON,
+        60.0 if form.feed_unit == "mm/s" else 1.0,
+    )
+
+
+limits_of_cell = PerObject("verify.cells", _limits)
+
+
+def _max_pecks(machine: Machine) -> dict[float, float]:
+    """How deep a drill of each size may be fed at once, where its size has a limit."""
+    found: dict[float, float] = {}
+    for tools in machine.tools:
+        if tools.kind == "drill":
+            for size in tools.sizes:
+                found[size] = max(found.get(size, 0.0), tools.max_peck or inf)
+    return {size: peck for size, peck in found.items() if peck < inf}
