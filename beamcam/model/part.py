@@ -16,7 +16,7 @@ from beamcam.conversion import Keys
 from beamcam.errors import Source
 from beamcam.geometry.curves import Curve, Point
 from beamcam.model.drawing import Measures
-from beamcam.model.quantities import Number, Whole
+from beamcam.model.quantities import EndAngle, Number, Whole
 
 Face = str
 FACES = ("v", "o", "u", "h")
@@ -74,10 +74,10 @@ class EndCuts(Keys, frozen=True):
     longest, positive at the end when the bottom edge is.
     """
 
-    web_start: Number = 0.0
-    web_end: Number = 0.0
-    flange_start: Number = 0.0
-    flange_end: Number = 0.0
+    web_start: EndAngle = 0.0
+    web_end: EndAngle = 0.0
+    flange_start: EndAngle = 0.0
+    flange_end: EndAngle = 0.0
 
 
 class Hole(Struct, frozen=True):

@@ -6,6 +6,7 @@ from typing import cast
 from msgspec import Struct
 
 from beamcam.model.part import PROFILE_CODES, EndCuts, Profile, ProfileCode
+from beamcam.model.quantities import ALONG_DEG
 from beamcam.model.section import section_fault
 from beamcam.readers.dstv import rules
 from beamcam.readers.dstv.tokens import CODES, LARGEST, PLAIN_CODES, Log, number
@@ -30,6 +31,8 @@ NUMBER_NAMES = (
     "flange start cut",
     "flange end cut",
 )
+
+LIMITS = (" of at least 0", f" between -{ALONG_DEG:g} and {ALONG_DEG:g}")  #: of sizes, of angles
 
 
 class Header(Struct):
@@ -232,7 +235,8 @@ def _dimensions(values: list[str], lines: list[int], log: Log) -> list[float] | 
     texts = values[9:MIN_LINES]
     try:
         found = [float(text) for text in texts]
-        if -LARGEST < sum(found) < LARGEST and min(found[:5]) >= 0 and "_" not in "".join(texts):
+        is_sound = min(found[:5]) >= 0 and max(map(abs, found[7:])) < ALONG_DEG
+        if -LARGEST < sum(found) < LARGEST and is_sound and "_" not in "".join(texts):
             return found
     except ValueError:
         pass  # the careful way below says which line it was
@@ -246,8 +250,9 @@ def _dimensions(values: list[str], lines: list[int], log: Log) -> list[float] | 
         elif value is None and i in (5, 6):
             log.add(rules.WEIGHT, lines[i + 9], found=text, **place)
             value = 0.0
-        elif value is None or (i < 5 and value < 0):
-            log.add(rules.HEADER_NUMBER, lines[i + 9], found=text, **place)
+        elif value is None or (i < 5 and value < 0) or (i > 6 and abs(value) >= ALONG_DEG):
+            limits = LIMITS[0 if i < 5 else 1]
+            log.add(rules.HEADER_NUMBER, lines[i + 9], found=text, limits=limits, **place)
             failed = True
         result.append(value or 0.0)
     return None if failed else result

@@ -106,8 +106,8 @@ HEADER_EXTRA = _note(
 )
 HEADER_NUMBER = _error(
     "header-number",
-    "header line {number} ({name}): found {found!r}, expected a number",
-    "A dimension or cut angle cannot be read.",
+    "header line {number} ({name}): found {found!r}, expected a number{limits}",
+    "A dimension or cut angle cannot be read. A cut at 90 degrees would run along the part.",
 )
 HEADER_BLANK = _note(
     "header-blank",

@@ -133,6 +133,19 @@ def test_refused(file, code):
 # --- the header ---------------------------------------------------------------------------------
 
 
+@pytest.mark.parametrize("angle", [90.0, -90.0, -360.0, 1e9])
+@pytest.mark.parametrize("line", [17, 18, 19, 20])
+def test_a_cut_along_the_part_is_none(line, angle):
+    said, *_ = read(text(changes={line: f"{angle:.3f}"}).encode(), "x.nc1").diagnostics
+    assert said.code == "dstv-header-number"
+    assert said.message.endswith("expected a number between -90 and 90")
+
+
+def test_a_size_is_not_below_0():
+    said, *_ = read(text(changes={10: "-5.00"}).encode(), "x.nc1").diagnostics
+    assert said.message.endswith("expected a number of at least 0")
+
+
 @pytest.mark.parametrize("count", [0, 1, 2, 3, 4])
 def test_text_lines_may_be_fewer(count):
     notes = ["a", "b", "c", "d"][:count]
