@@ -18,7 +18,8 @@ from beamcam.machine.load import shipped, source_in
 from beamcam.machine.machine import Machine
 from beamcam.model.part import Contour, EndCuts, Feature, Hole, Part, Process, Profile
 from beamcam.planning.rules import SKIP_NAMES
-from beamcam.posts import Job, Request, Written, head_lines, post_of
+from beamcam.posts import Job, Request, Written, carries_head, head_lines, post_of
+from beamcam.verify.head import head_of
 
 _AT = Source("the part that proves a machine")
 _LENGTH = 1000.0  #: mm of the bar's part, if the machine makes so short ones
@@ -62,6 +63,9 @@ def proof_faults(machine: Machine) -> tuple[Fault, ...]:
         except PlanError:
             continue  # the next one asks for less
         request = Request(asked.parts, machine, asked.skips, asked.name)
+        if carries_head(asked) and head_of(_beginning(written)) is None:
+            text = machine.words.comment
+            return (("words.comment", text, repr(text), "a comment with {text}, for the head"),)
         said = errors_in(post_of(machine).verify(written, request))
         lines = written.splitlines() if isinstance(written, str) else []
         return tuple(_fault(one, lines, machine) for one in said)
@@ -75,6 +79,10 @@ def _written(asked: Job) -> Written:
     post = post_of(asked.machine)
     program = post.motion(post.plan(asked), asked.machine, asked.name)
     return post.emit(post.with_head(program, tuple(head_lines(asked, True, 0))), asked)
+
+
+def _beginning(written: Written) -> str:
+    return written if isinstance(written, str) else next(iter(written())).decode("latin-1")
 
 
 def _fault(said: Diagnostic, lines: list[str], machine: Machine) -> Fault:

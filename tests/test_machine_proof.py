@@ -18,6 +18,8 @@ WRONG = [
     ("beamline-annex", "G01 X{x} Y{y} Z{z}", "G01 X{x} Y{z} Z{z}", "words.saw", "drawn back"),
     ("beamline-annex", '"G01 X{x}", "M41', '"", "M41', "words.saw", "found a cut"),
     ("beamline", '"G00 X{x}", "M42', '"G01 X{x}", "M42', "words.saw", "without a feed"),
+    ("plate-linuxcnc", 'comment = "({text})"', 'comment = ""', "words.comment", "found ''"),
+    ("beamline", 'comment = "({text})"', 'comment = "(made here)"', "words.comment", "made here"),
     ("plate-linuxcnc", '"G0 X0 Y0", "M2"', '"G1 X0 Y0", "M2"', "words.footer", "the tool off"),
     ("plate-linuxcnc", '"G0 X0 Y0", "M2"', '"G90 X0 Y0", "M2"', "words.footer", "an arc"),
 ]
