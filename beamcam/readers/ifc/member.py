@@ -10,6 +10,7 @@ from msgspec.structs import replace
 from shapely.errors import ShapelyError
 
 from beamcam.errors import Diagnostic, Rule, Severity, Source
+from beamcam.geometry.plane import MAX_COORDINATE
 from beamcam.model.part import Part, Profile
 from beamcam.readers.ifc import rules
 from beamcam.readers.ifc.body import Body, Swept, body_of
@@ -179,6 +180,9 @@ class Members(Struct):
             if found is None or self._denied(found, source, reason):
                 return None
             shaped, profile, body = found, None, None
+        if not shaped.length <= MAX_COORDINATE:
+            self._refuse(rules.GEOMETRY, source, f"a length of {shaped.length:g} mm")
+            return None
         if (
             not material
             and shaped.section.code in ("B", "RU")
