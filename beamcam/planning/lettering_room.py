@@ -18,7 +18,7 @@ from beamcam.geometry.plane import Box, Point
 if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
-    from shapely import STRtree
+    from shapely import Polygon, STRtree
 
     from beamcam.geometry.array_types import Floats
 
@@ -82,7 +82,9 @@ class Room:
         self.without_place: dict[object, float] = {}
         self._extent = max(box[2] - box[0], box[3] - box[1])
         self._chains: list[Floats] = []
-        self._texts: list[Placed] = []
+        self._outline: Sequence[Point] = ()
+        self._voids: list[Polygon] = []
+        self._texts: Floats | None = None  #: a column for each: middle, sides, half lengths
         self._index: _Edges | None = None
 
     def add(self, curves: Sequence[Curve]) -> None:
@@ -93,23 +95,29 @@ class Room:
         self._chains += (drawn.points[a:b] for a, b in pairwise(drawn.begins.tolist()))
 
     def bound(self, corners: Sequence[Point]) -> None:
-        """Take an edge from corner to corner; the last is the first."""
-        import numpy as np
+        """Take the outline of the steel; holes are taken from what is inside."""
+        self._outline = corners
 
-        self._chains.append(np.array(corners, dtype=np.float64))
+    def remove(self, corners: Sequence[Point]) -> None:
+        """Take what is inside of some corners from the steel."""
+        import shapely
+
+        self._voids.append(shapely.Polygon(corners))
 
     def drill(self, centre: Point, radius: float) -> None:
-        """Take a round hole."""
+        """Take a round hole from the steel."""
         import shapely
 
         radius = max(radius, SAGITTA)
         segments = ceil(pi / 4 / acos(max(0.5, 1.0 - SAGITTA / min(radius, WIDEST))))
-        disc = shapely.Point(centre).buffer(radius, quad_segs=segments)
-        self._chains.append(shapely.get_coordinates(disc))
+        self._voids.append(shapely.Point(centre).buffer(radius, quad_segs=segments))
 
     def take(self, box: Placed) -> None:
         """Take a text that is placed as an obstacle for later ones."""
-        self._texts.append(box)
+        import numpy as np
+
+        row = np.array([*box.middle, *box.u, *box.v, box.half_u, box.half_v])[:, None]
+        self._texts = row if self._texts is None else np.hstack((self._texts, row))
 
     def clearance(self, box: Placed, distance: float, gap: float = BETWEEN) -> float:
         """How clear a box is: at least `distance` where it is so far from edges, `gap` from texts.
@@ -117,16 +125,31 @@ class Room:
         Less where it is not, and then changing by no more than the box is moved, so that it bounds
         the places around.
         """
-        clear = self._edges.clearance(box) if self._chains else inf
-        if self._texts:
+        clear = self._edges.clearance(box) if self._chains or self._outline else inf
+        if self._texts is not None:
             clear = min(clear, self._beside_texts(box) - gap + distance)
         return clear
 
     @property
     def _edges(self) -> "_Edges":
         if self._index is None:
-            self._index = _Edges(self._chains)
+            self._index = _Edges([*self._chains, *self._around_steel()])
         return self._index
+
+    def _around_steel(self) -> "Iterator[Floats]":
+        """The edges of the outline without what is taken from it; holes may lie over one another.
+
+        Where nothing is left they are the outline twice, with no steel between.
+        """
+        import shapely
+
+        if not self._outline:
+            return
+        whole = shapely.Polygon(self._outline)
+        steel = whole.difference(shapely.union_all(self._voids))
+        bounds = [whole, whole] if steel.is_empty else [steel]
+        for part in shapely.get_parts(bounds):
+            yield from map(shapely.get_coordinates, (part.exterior, *part.interiors))
 
     def _beside_texts(self, box: Placed) -> float:
         """The least gap to another text; where they overlap, how deep (below 0).
@@ -136,10 +159,10 @@ class Room:
         """
         import numpy as np
 
-        rows = [(*t.middle, *t.u, *t.v, t.half_u, t.half_v) for t in self._texts]
-        x, y, ux, uy, vx, vy, half_u, half_v = np.array(rows).T
+        assert self._texts is not None
+        x, y, ux, uy, vx, vy, half_u, half_v = self._texts
         dx, dy = x - box.middle[0], y - box.middle[1]
-        gap = np.full(len(rows), -inf)
+        gap = np.full_like(x, -inf)
         own = ((np.full_like(x, nx), np.full_like(x, ny)) for nx, ny in (box.u, box.v))
         for nx, ny in (*own, (ux, uy), (vx, vy)):
             theirs = half_u * abs(ux * nx + uy * ny) + half_v * abs(vx * nx + vy * ny)

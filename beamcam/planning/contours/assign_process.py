@@ -206,8 +206,8 @@ def letter(part: Part, machine: Machine, found: Assigned) -> None:
             by_feature.setdefault(wanted.feature, []).append(wanted.curve)
     boxes = [curve.bbox for curves in by_feature.values() for curve in curves]
     room = Room(join_boxes(boxes) or (0.0, 0.0, part.length, part.profile.height))
-    for curves in by_feature.values():
-        room.add(curves)
+    for ring in dict.fromkeys(map(tuple, by_feature.values())):  # of copies the first
+        room.add(ring)
     process: TorchProcess = "engrave" if marks.unit == "laser" else "mark"
     for index, text in texts:
         # The read-back of a table of steps finds a text where the part has it, and nowhere else.

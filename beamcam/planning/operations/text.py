@@ -110,10 +110,10 @@ def _room(face: Face, bench: Bench) -> Room | None:
     ]
     xs = [x for x, _ in outline]
     room = Room((min(xs), low, max(xs), high))
-    room.bound([*outline, outline[0]])
+    room.bound(outline)
     if profile.code == "T" and face == "v":  # its stem stands there
         for wall in across.walls:
-            room.bound(
+            room.remove(
                 box_corners(room.box[0], wall.least - wall.radius, room.box[2],
                             wall.greatest + wall.radius)
             )  # fmt: skip
@@ -124,21 +124,21 @@ def _room(face: Face, bench: Bench) -> Room | None:
             for centre in centres:
                 room.drill(centre, feature.diameter / 2)
             if isinstance(feature, Slot):
-                room.bound([*_around(feature)])
+                room.remove(_around(feature))
     return room
 
 
 def box_corners(x0: float, y0: float, x1: float, y1: float) -> list[tuple[float, float]]:
-    """The corners of a box along the axes; the first one twice."""
-    return [(x0, y0), (x1, y0), (x1, y1), (x0, y1), (x0, y0)]
+    """The corners of a box along the axes."""
+    return [(x0, y0), (x1, y0), (x1, y1), (x0, y1)]
 
 
 def _around(slot: Slot) -> list[tuple[float, float]]:
-    """The corners of the box around a slot, along its angle; the first one twice."""
+    """The corners of the box around a slot, along its angle."""
     half_x, half_y = (slot.length + slot.diameter) / 2, (slot.height + slot.diameter) / 2
     box = Slot(slot.face, slot.x, slot.y, 0.0, 2 * half_x, 2 * half_y, slot.angle, slot.source)
     a, b, c, d = slot_ends(box)
-    return [a, b, d, c, a]
+    return [a, b, d, c]
 
 
 TEXT = Kind("text", _is_text, _needs, steps=_steps, reasons=REASONS)

@@ -103,6 +103,21 @@ def test_what_is_planned_is_read_back(
 T_BAR = Profile("T", "T100", 100.0, 100.0, 11.0, 11.0, 11.0)
 
 
+@pytest.mark.parametrize(
+    "voids",
+    [
+        [Slot("v", 500, 150, 80.0, 100.0, 0.0, 0.0, SOURCE)],
+        [Slot("v", 500, 110, 40.0, 100.0, 80.0, 90.0, SOURCE)],
+    ],
+)
+def test_there_is_no_steel_in_the_ends_of_a_slot(voids: list[Feature]) -> None:
+    """One that is left out here is made elsewhere."""
+    one = part(*voids, text("I", 500.0, 148.0, height=4.0))
+    posted = post([one], PUSHER, skips={"slot"})
+    moved = [said for said in posted.remarks if said.code == "plan-text-moved"]
+    assert len(moved) == 1
+
+
 @pytest.mark.parametrize("y", [1.0, 4.0, 6.0, 9.0, 40.0, 45.0, 60.0, 88.0, 95.0])
 @pytest.mark.parametrize("profile", [TUBE, T_BAR], ids=["tube", "T"])
 def test_a_text_stands_clear_of_corners_and_stems(profile: Profile, y: float) -> None:
