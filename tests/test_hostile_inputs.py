@@ -290,6 +290,7 @@ def test_free_curves_on_each_other_take_no_quadratic_time(apart: float, tmp_path
         ("bolted", "'IPE300',#15,", "'IPE300',#15000,", "a reference to #15000, which is not in"),
         ("beam_inch", "#80,0.354", "#80,-0.354", "found a circle of radius -9"),
         ("beam_inch", "#23,5.9", "#23,9999999995.9", "a section with a measure of 2.54e+11 mm"),
+        ("bolted", "#21,2500.0", "#21,25" + "0" * 200 + ".0", "found a length of 2.5e+201 mm"),
     ],
 )
 def test_members_of_a_damaged_model_are_refused(
@@ -319,6 +320,18 @@ def test_slots_on_each_other_are_told_apart_by_their_numbers(tmp_path: Path) -> 
     said = call("post", path, "--machine", "plate-linuxcnc", "-o", tmp_path / "a.ngc")
     assert said.faults == []
     assert (tmp_path / "a.ngc").exists(), said.printed
+
+
+@pytest.mark.parametrize("kind", ["slots", "contours"])
+def test_thousands_of_copies_are_refused_before_they_are_compared(
+    kind: str, tmp_path: Path
+) -> None:
+    slot = {"face": "v", "x": 100, "y": 50, "diameter": 20, "length": 30, "height": 0, "angle": 0}
+    free = {"face": "v", "kind": "open", "curves": [{"line": [[20, 20], [50, 20]]}]}
+    path = tmp_path / "a.json"
+    path.write_text(json.dumps(PART | {kind: [slot if kind == "slots" else free] * 2000}))
+    said = call("post", path, "--machine", "plate-linuxcnc", "-o", tmp_path / "a.ngc")
+    assert "error plan-copies: found one curve 2000 times, and " in said.printed
 
 
 def test_a_contour_on_itself_many_times_over_is_refused_in_time(tmp_path: Path) -> None:

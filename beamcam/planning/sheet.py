@@ -23,7 +23,7 @@ from beamcam.planning import rules as bar_rules
 from beamcam.planning.by_hand import BEVEL
 from beamcam.planning.contours import rules
 from beamcam.planning.contours.assign_process import OUTLINE, Assigned, assign_processes
-from beamcam.planning.contours.crowd import refuse_crowds
+from beamcam.planning.contours.crowd import refuse_copies, refuse_crowds
 from beamcam.planning.contours.join import Joined, join
 from beamcam.planning.contours.look_settings import (
     refuse_order,
@@ -63,6 +63,7 @@ def plan_sheet(parts: Sequence[Part], machine: Machine, skips: Collection[str] =
         raise PlanError(_nothing(part, assigned, 0, torch.gap))
     remarks = [*material.remarks, *assigned.remarks]
     curves = CurveTable([w.curve for w in assigned.wanted])
+    refuse_copies(assigned.wanted, curves)
     box = box_of(curves)
     refuse_large(box, part, torch)
     shift = shift_of(box, torch)

@@ -6,7 +6,11 @@ import numpy as np
 
 from beamcam.errors import PlanError
 from beamcam.geometry.array_types import Counts, Floats
+from beamcam.geometry.arrays import CurveTable
+from beamcam.geometry.curves import Arc, Line
+from beamcam.geometry.near import first_equal
 from beamcam.planning.contours import rules
+from beamcam.planning.contours.assign_process import AssignedCurve
 from beamcam.planning.contours.outline import Drawn
 from beamcam.planning.contours.shape import Shape
 
@@ -14,7 +18,26 @@ from beamcam.planning.contours.shape import Shape
 #: five times; work that takes every pair of curves on one place grows with the square of it.
 MAX_PASSES = 64
 MAX_ASKED = 1000  #: stretches of which the neighbours are counted
+MAX_EQUAL = 300_000  #: pairs of curves with the same numbers: 775 copies of one, 245 of ten
 CELLS = 512  #: along the longer side of the grid in which neighbours are looked for
+
+
+def refuse_copies(wanted: Sequence[AssignedCurve], curves: CurveTable) -> None:
+    """Raise PlanError where more than `MAX_EQUAL` pairs of the curves are equal in every number."""
+    first = np.arange(len(wanted))
+    free = np.array(curves.free(), dtype=np.int64)
+    kinds = (
+        (curves.where(Line), curves.lines), (curves.where(Arc), curves.arcs),
+        (free, curves.ends[free]),
+    )  # fmt: skip
+    for which, rows in kinds:
+        if len(which):
+            first[which] = which[first_equal(rows)]
+    times = np.bincount(first)
+    if (times * (times - 1) // 2).sum() > MAX_EQUAL:
+        most = int(np.argmax(times))
+        copies = len(wanted) - np.count_nonzero(times)
+        raise PlanError(rules.COPIES.at(wanted[most].source, found=times[most], copies=copies))
 
 
 def refuse_crowds(shapes: Sequence[Shape], drawn: Drawn, tolerance: float) -> None:

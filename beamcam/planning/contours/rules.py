@@ -279,6 +279,14 @@ CROWDED = Rule(
     "The torch would burn one place over and over. Copies that are equal or lie on one another "
     "are cut once; these differ a little, or one curve runs to and fro.",
 )
+COPIES = Rule(
+    "plan-copies",
+    _E,
+    "found one curve {found} times, and {copies} copies of curves in all; expected a drawing "
+    "without so many copies that are equal in every number",
+    "A few copies are cut once. Of thousands each is compared with each: delete them in the "
+    "drawing.",
+)
 CROSSING = Rule(
     "plan-crossing",
     _E,
@@ -371,9 +379,9 @@ CHAIN = Rule(
 RULES = (
     CHAIN, SHEETS, MIXED, SHEET_FULL, UNROLLED, QUANTITY, NOTHING, UNMAPPED, MAP, OPTION,
     LOOK_SETTING, LOOK_OVERCUT, LOOK_ORDER, LAYOUT, HATCH, NO_PROCESS, NO_THICKNESS, THICKNESS,
-    OTHER_THICKNESS, OTHER_MATERIAL, ASSUMED,
-    SHEET_SIZE, SHEET_PLACE, JUNCTION, BRANCHED, NOT_CLOSED, TINY, SHARED, COMMON, RUNS_BACK_KERF,
-    RUNS_BACK, RUNS_OVER, GAP, OPEN_CUT,
-    MORE_OPEN, OVERLAP, VANISHED, NARROW, NEAR, LEFT, CROWDED, CROSSING, MORE_CROSSINGS, CROSSED,
-    MORE_CROSSED, NO_LEAD, SQUARE, NOISE, NEEDS_LEAD, UNCOMPENSATED, MACHINE_TABS, NO_TABS, OVERCUT,
+    OTHER_THICKNESS, OTHER_MATERIAL, ASSUMED, SHEET_SIZE, SHEET_PLACE, JUNCTION, BRANCHED,
+    NOT_CLOSED, TINY, SHARED, COMMON, RUNS_BACK_KERF, RUNS_BACK, RUNS_OVER, GAP, OPEN_CUT,
+    MORE_OPEN, OVERLAP, VANISHED, NARROW, NEAR, LEFT, CROWDED, COPIES, CROSSING, MORE_CROSSINGS,
+    CROSSED, MORE_CROSSED, NO_LEAD, SQUARE, NOISE, NEEDS_LEAD, UNCOMPENSATED, MACHINE_TABS,
+    NO_TABS, OVERCUT,
 )  # fmt: skip

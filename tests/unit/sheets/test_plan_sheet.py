@@ -207,6 +207,8 @@ OTHERS: list[tuple[tuple[Part, ...], dict[str, object], str, str]] = [
      "plan-crossings", "2 more places"),
     ((drawing(contour((TO_AND_FRO,), line=9)),), {}, "plan-crowded",
      "found curves that pass the 0.02 mm around"),
+    ((drawing(*[contour((DIAGONAL,), line=7)] * 776),), {}, "plan-copies",
+     "found one curve 776 times, and 775 copies of curves in all"),
     ((drawing(SQUARE, contour(box(50, 10, 20, 20), line=2)),), {},
      "plan-shared-edge", "lies on line 1 for 20.000 mm near x 50.000, y 20.000"),
     ((drawing(contour((THERE_AND_BACK,))),), {},
