@@ -1,6 +1,7 @@
 """Machine files: found by name or path, laid over their bases, checked, and explained."""
 
 from collections.abc import Iterator
+from functools import partial
 from os.path import isfile
 from pathlib import Path, PurePath
 from typing import Any
@@ -29,6 +30,7 @@ from beamcam.machine.marking_faults import marking_faults
 from beamcam.machine.more_rows import with_more_rows
 from beamcam.machine.name_faults import name_faults
 from beamcam.machine.range_faults import range_faults
+from beamcam.machine.references import reference_faults
 from beamcam.machine.templates import template_faults
 from beamcam.machine.toml import Place, TomlError, TomlFile, line_of, toml_text
 from beamcam.system import portable_path
@@ -89,8 +91,17 @@ def _machine(files: tuple[TomlFile, ...]) -> Machine:
     except Fault as fault:
         raise MachineError(_said(fault, place)) from None
     machine = Machine(**structs.asdict(read), checksum=_checksum(table), remarks=remarks)
-    _check(machine, place)
+    _check(machine, place, _left_behind(files))
     return machine
+
+
+def _left_behind(files: tuple[TomlFile, ...]) -> frozenset[str]:
+    """The tables of stations that a file over that of the axes has or takes away."""
+
+    def first(key: str) -> int:
+        return next((k for k, file in enumerate(files) if key in file.table), len(files))
+
+    return frozenset(key for key in ("spindles", "saw") if first(key) < first("axes"))
 
 
 def _renamed(file: TomlFile) -> Iterator[Diagnostic]:
@@ -283,10 +294,10 @@ def _size_faults(machine: Machine) -> Iterator[tuple[str, object, str]]:
                 yield key, value, f"0, or a number of at least {MIN_NUMBER:g}"
 
 
-def _check(machine: Machine, place: Place) -> None:
+def _check(machine: Machine, place: Place, left_behind: frozenset[str]) -> None:
     """Raise MachineError where keys contradict each other."""
     try:
-        _check_keys(machine, place)
+        _check_keys(machine, place, left_behind)
     except NoValueError as error:
         key = next(key for key, value in _leaves(machine) if value == error.formula)
         said = rules.WRONG_VALUE.at(
@@ -295,13 +306,14 @@ def _check(machine: Machine, place: Place) -> None:
         raise MachineError(said) from None
 
 
-def _check_keys(machine: Machine, place: Place) -> None:
+def _check_keys(machine: Machine, place: Place, left_behind: frozenset[str]) -> None:
     for faults in (
         _size_faults,
         template_faults,
         code_faults,
         number_faults,
         name_faults,
+        partial(reference_faults, left_behind=left_behind),
         spindle_faults,
         tool_faults,
         pair_faults,
