@@ -35,6 +35,7 @@ _SAYS: dict[str, Role] = {
     "height": "section",
 }  # fmt: skip
 _COMMAND = re.compile(r"\s*([GM])0*(\d+)\b")
+_WORD = re.compile(r"(?<![A-Z])([GM])0*(\d+(?:\.\d)?)")  #: of a line, wherever it stands
 FIELD = re.compile(r"\b([A-Z])\{(\w+)\}")  #: letter and name of a word with a figure
 TELLS = "{string}"  #: in the line that tells a text
 _PLACEHOLDER = re.compile(r"([^{}]+)|\{(\w+)[^}]*\}")  #: plain text, or the name in braces
@@ -67,6 +68,7 @@ class TextWord(Struct, frozen=True):
 
     kind: str  #: of the unit
     pattern: re.Pattern[str]  #: of the line; its groups are named by what they carry
+    codes: tuple[str, ...]  #: its G and M words, without leading zeros
 
 
 class Dialect(Struct, frozen=True):
@@ -149,7 +151,9 @@ def _text_word(machine: Machine) -> TextWord | None:
         else r"\s+".join(map(re.escape, re.split(r"\s+", text)))
         for text, name in _PLACEHOLDER.findall(line)
     )
-    return TextWord(machine.marks.unit, re.compile(pattern))
+    words = _WORD.findall(_PLACEHOLDER.sub(r"\1 ", line))
+    codes = tuple(f"{letter}{number}" for letter, number in words)
+    return TextWord(machine.marks.unit, re.compile(pattern), codes)
 
 
 def _own_words(

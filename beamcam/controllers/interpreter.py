@@ -25,6 +25,7 @@ from beamcam.controllers.events import (
 )
 from beamcam.errors import Diagnostic, Rule, Source
 from beamcam.geometry.plane import Point
+from beamcam.machine.codes import shown_code
 from beamcam.model import drill_cycle
 
 Words = dict[str, float]
@@ -116,6 +117,9 @@ class Interpreter(ABC):
         match = word.pattern.fullmatch(body.strip()) if word is not None else None
         if word is None or match is None:
             return False
+        for code in word.codes:
+            if not self._dialect.is_allowed(code):
+                self._wrong(line, shown_code(code), self._dialect.shown_allowed())
         if not self.is_over(line):
             said = match.groupdict()
             text = said.pop("string")

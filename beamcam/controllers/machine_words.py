@@ -96,8 +96,11 @@ def word_faults(machine: Machine) -> tuple[WordFault, ...]:
 def _allowed_faults(machine: Machine) -> Iterator[WordFault]:
     """Each word of `allowed_codes` that nothing gives a meaning."""
     interpreter, own = interpreter_of(machine, ""), dialect_of(machine)
+    telling = own.text_word.codes if own.text_word else ()
     for text in machine.allowed_codes:
         code = plain_code(text) or text
+        if code in telling:
+            continue
         if code[0] == "G" and not interpreter.knows(code):
             yield "allowed_codes", text, text, "a word of the controller's, or one of [codes]"
         elif (

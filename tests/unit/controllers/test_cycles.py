@@ -12,11 +12,12 @@ from hypothesis import strategies as st
 from beamcam.controllers import cell_events, table_events
 from beamcam.controllers.events import Move, Pause
 from beamcam.controllers.machine_words import load_machine
-from beamcam.errors import MachineError
+from beamcam.errors import MachineError, errors_in
 from beamcam.machine import Machine, load
 from beamcam.pipeline import post, read_back
 from beamcam.posts import Request
 from beamcam.readers import read
+from tests.conftest import SAMPLES
 from tests.runs import part
 
 HEAD = "%\nG17 G21 G40 G90 G91.1 G94 G98\nG0 X0 Y0 Z5\nG1 F100 Z4\n"
@@ -251,6 +252,25 @@ def test_a_machine_takes_the_words_that_its_file_allows_and_no_other(tmp_path: P
         MachineError, match=r"found G17 in 'words.header'; expected one of allowed_codes"
     ):
         load_machine(str(line))
+
+
+@pytest.mark.parametrize("line", ['M60 K{face} L{height} P{y} R{angle} "{string}"',
+                                  'L{height} P{y} R{angle} K{face} "{string}" M060'])  # fmt: skip
+def test_the_word_of_a_stamp_has_to_be_allowed_too(tmp_path: Path, line: str) -> None:
+    text = (SAMPLES / "machines" / "beamline-stamp.toml").read_text(encoding="utf-8")
+    stamp = next(row for row in text.splitlines() if row.startswith("stamp ="))
+    text = text.replace(stamp, f"stamp = ['G00 X{{x}}', '{line}']")
+    head, tables = text.split("[marks]", 1)
+    with pytest.raises(
+        MachineError, match=r"found M60 in 'words.stamp'; expected one of allowed_codes: G00, G01"
+    ):
+        load_own(tmp_path, f"{head}{ALLOWED}[marks]{tables}")
+    allowed = ALLOWED.replace('"M44"', '"M44", "M60"')
+    own = load_own(tmp_path, f"{head}{allowed}[marks]{tables}")
+    parts = read((SAMPLES / "dstv" / "marked.nc1").read_bytes(), "marked.nc1").parts
+    posted = post(parts, own)
+    assert '"B-12"' in posted.text
+    assert errors_in(read_back(posted.text, Request(parts, own))) == ()
 
 
 def test_a_table_without_arcs_in_its_list_is_refused_them(tmp_path: Path) -> None:
