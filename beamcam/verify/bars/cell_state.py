@@ -22,7 +22,7 @@ from beamcam.verify.bars.cell_limits import EPSILON, limits_of_cell
 from beamcam.verify.bars.cutting_data import LEAST, CuttingData
 from beamcam.verify.bars.made import Cut, Thing, Written
 from beamcam.verify.bars.magazine import Changed, Chosen, wrong_changes
-from beamcam.verify.bars.stations import Choice, Station, limits_of
+from beamcam.verify.bars.stations import Choice, Station, limits_of, tilts_of
 
 AXES = "XYZ"
 Values = dict[str, float]  #: parameters of a word by what they carry
@@ -284,20 +284,18 @@ class CellState:
         angle = values["angle"]
         saw = self.machine.saw
         name, least, greatest = limits_of(self.machine, "angle")
-        if saw is not None:
-            least, greatest = max(least, saw.min_angle), min(greatest, saw.max_angle)
-            if "feed" in values:
-                self._saw_feed(
-                    switch.line, values["feed"] * self.limits.per_minute, saw.feed_mm_min
-                )
+        if saw is not None and "feed" in values:
+            self._saw_feed(switch.line, values["feed"] * self.limits.per_minute, saw.feed_mm_min)
         if not least <= angle <= greatest:
             self.beyond(switch.line, name, angle, least, greatest)
         if isnan(self.x):
             self.say(WORD, switch.line, found="a cut", expected="an X before")
             return
         tilt = values.get("tilt", 0.0)
-        if saw is not None and not saw.min_tilt <= tilt <= saw.max_tilt:
-            self.beyond(switch.line, "the blade's tilt", tilt, saw.min_tilt, saw.max_tilt)
+        least, greatest = tilts_of(saw, angle) if saw is not None else (tilt, tilt)
+        if not least <= tilt <= greatest:
+            name = f"the tilt of the blade, turned to {angle:g},"
+            self.beyond(switch.line, name, tilt, least, greatest)
         feed = values["feed"] * self.limits.per_minute if "feed" in values else self.feed_mm_min
         self.order.append(Cut(switch.line, self.x, angle, feed, tilt))
         self.peck = None

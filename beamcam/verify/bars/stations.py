@@ -17,8 +17,10 @@ from msgspec import Struct
 
 from beamcam.machine.drill import Spindle
 from beamcam.machine.machine import Machine
+from beamcam.machine.saw import Saw
 from beamcam.model.part import Profile
 
+SQUARE_DEG = 0.05  #: off the square cut, as numbers of one decimal are rounded
 WEBBED = ("I", "U", "C", "L", "T")  #: sections whose web lies behind their flanges
 _AXIS_INDEX = {"X": 0, "Y": 1, "Z": 2}
 
@@ -129,8 +131,22 @@ def _surface_known(profile: Profile | None, face: str) -> bool:
 
 
 def limits_of(machine: Machine, moves: str) -> tuple[str, float, float]:
-    """Name, minimum and maximum of the axis that is no spindle's and moves by `moves`."""
+    """Name, minimum and maximum of the axis that is no spindle's and moves by `moves`.
+
+    The angle of a saw is also within the saw's own limits.
+    """
+    name, least, greatest = moves, -inf, inf
     for axis in machine.axes:
         if axis.moves == moves and axis.spindle is None:
-            return axis.name, *axis.limits
-    return moves, -inf, inf
+            name, (least, greatest) = axis.name, axis.limits
+            break
+    if moves == "angle" and machine.saw is not None:
+        return name, max(least, machine.saw.min_angle), min(greatest, machine.saw.max_angle)
+    return name, least, greatest
+
+
+def tilts_of(saw: Saw, angle: float) -> tuple[float, float]:
+    """Minimum and maximum tilt of the blade at an angle; none off the square cut, if not both."""
+    if saw.compound or abs(angle - saw.square) < SQUARE_DEG:
+        return saw.min_tilt, saw.max_tilt
+    return 0.0, 0.0

@@ -279,3 +279,25 @@ def test_a_line_is_scribed_along_its_curves() -> None:
     off, _, expected = tail.partition(" mm off; ")
     assert float(off) == pytest.approx(missing, abs=0.002)
     assert expected == "expected it within 0.022 mm"
+
+
+@pytest.mark.parametrize(
+    ("compound", "angle", "tilt", "said"),
+    [
+        (True, 80, 20, None),
+        (True, 80, 50, "found the tilt of the blade, turned to 80, at 50; expected 0 to 45"),
+        (False, 90, 20, None),
+        (False, 89.96, 20, None),
+        (False, 80, 0, None),
+        (False, 80, 20, "found the tilt of the blade, turned to 80, at 20; expected 0 to 0"),
+    ],
+)
+def test_a_blade_that_turns_and_tilts_at_once(
+    compound: bool, angle: float, tilt: float, said: str | None
+) -> None:
+    """Only a saw that is said to do both in one cut may be told to."""
+    assert PUSHER.saw is not None
+    machine = replace(PUSHER, saw=replace(PUSHER.saw, compound=compound))
+    text = FRAME.format(work="").replace("M42 K90 L0", f"M42 K{angle:g} L{tilt:g}", 1)
+    found = [str(d) for d in verify(text, (), machine, (), "P2.gcode") if d.code == "verify-limit"]
+    assert [one.partition("verify-limit: ")[2] for one in found] == ([said] if said else [])
