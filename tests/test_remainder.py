@@ -21,6 +21,7 @@ from tests.conftest import SAMPLES
 
 CHANNEL, STRUT = SAMPLES / "dstv" / "channel.nc1", SAMPLES / "dstv" / "strut.nc1"
 MACHINES = ("beamline", "beamline-annex", "beamline-pusher")
+UNITS = ("stamp", "printer")
 HALL = str(SAMPLES / "machines" / "hall-drill.toml")
 
 
@@ -56,6 +57,26 @@ def test_each_rest_is_the_end_of_the_whole_and_reads_back(machine: str) -> None:
         lengths.append(len(rest))
     assert lengths == sorted(lengths, reverse=True)
     assert len(set(lengths)) == len(lengths)
+
+
+MARKED = SAMPLES / "dstv" / "marked.nc1"
+
+
+@pytest.mark.parametrize(
+    "machine",
+    ["beamline-pusher", *(str(SAMPLES / f"machines/beamline-{u}.toml") for u in UNITS)],
+)
+def test_a_rest_that_begins_with_a_text_or_behind_a_scribe(machine: str) -> None:
+    """A path ends with its tool drawn back; the bar's move to a text belongs to the text."""
+    made = parts(MARKED)
+    posted = post(made, load(machine), skips=("mark",))
+    assert isinstance(posted.plan, Plan)
+    request = Request(made, load(machine), ("mark",), bar=posted.plan.bar.length)
+    all_blocks = blocks(posted.text)
+    header = blocks("\n".join(load(machine).words.header))
+    for first in range(2, len(posted.plan.operations) + 1):
+        rest = blocks(rest_of(posted, request, first).text)[len(header) :]  # raises RefusedProgram
+        assert rest == all_blocks[-len(rest) :]
 
 
 def test_on_a_line_of_ones_own() -> None:

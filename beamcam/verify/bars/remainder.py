@@ -9,12 +9,13 @@ two spindles that drill at once are one.
 """
 
 from collections.abc import Collection, Iterator, Sequence
+from math import isnan
 
 from msgspec.structs import replace
 
 from beamcam.controllers import cell_events
 from beamcam.controllers.dialect import Dialect
-from beamcam.controllers.events import BarEvent, Move, Switch
+from beamcam.controllers.events import BarEvent, Lettering, Move, Switch
 from beamcam.errors import Diagnostic, Source
 from beamcam.machine.machine import Machine
 from beamcam.model.part import Part
@@ -74,20 +75,32 @@ def verify_remainder(
 def _done(whole: Run, last: int) -> Iterator[BarEvent]:
     """The events up to the end of the operation that works on a line.
 
-    It ends where another begins: with the choice of a spindle or a stop, before the saw with the
-    way to it.
+    It ends where another begins: with the choice of a spindle or a stop, before a cut or a text
+    with the bar's move to it.
     """
     events, dialect = whole.events, whole.dialect
     at = next(k for k, event in enumerate(events) if event.line == last)
     end = next(k for k in range(at + 1, len(events)) if _begins(events[k], last, dialect))
-    if _role(events[end], dialect) == "saw":
-        while end > at + 1 and isinstance(events[end - 1], Move) and events[end - 1].line > last:
+    if isinstance(events[end], Lettering) or _role(events[end], dialect) == "saw":
+        while end > at + 1 and _leads_to_it(events[end - 1], last, dialect):
             end -= 1
     yield from events[:end]
 
 
+def _leads_to_it(event: BarEvent, last: int, dialect: Dialect) -> bool:
+    """Whether an event before a cut or a text belongs to it: a move of the bar alone, or a word
+    without a meaning of its own. A move across draws a tool back from the work before."""
+    if event.line <= last:
+        return False
+    if isinstance(event, Move):
+        before, behind = event.start[1:], event.end[1:]
+        return all(a == b or isnan(b) for a, b in zip(before, behind, strict=True))
+    return isinstance(event, Switch) and _role(event, dialect) in ("", "other")
+
+
 def _begins(event: BarEvent, last: int, dialect: Dialect) -> bool:
-    return event.line > last and _role(event, dialect) in _BEGINS
+    begins = isinstance(event, Lettering) or _role(event, dialect) in _BEGINS
+    return begins and event.line > last
 
 
 def _role(event: BarEvent, dialect: Dialect) -> str:
