@@ -194,8 +194,6 @@ def torch_faults(machine: Machine) -> Iterator[Fault]:
         yield "torch.cross", torch.cross, "the size of the cross that marks a centre for the drill"
     if torch.drilled == "mark" and not any(row.process == "mark" for row in torch.rows):
         yield "torch.drilled", torch.drilled, "refuse, as no row marks"
-    if torch.overcut and not worded:
-        yield "torch.overcut", torch.overcut, "0, as the controller ends a contour where it begins"
     if torch.origin != "table" and not worded:
         yield "torch.origin", torch.origin, "table, from whose corner the controller counts"
     if torch.lead != "none" and not torch.lead_in:

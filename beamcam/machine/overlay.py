@@ -70,8 +70,9 @@ def with_torch(
         changed = replace(changed, lead="line")
     if changed.lead != "none" and not changed.lead_in:
         raise ValueError(f"{machine.name} has no length of a lead-in; give one by --lead-in")
-    if changed.overcut and machine.controller in TABLE_CONTROLLERS:
-        raise ValueError(f"{machine.name} ends a closed contour where it begins; leave overcut out")
     if changed.origin != "table" and machine.controller in TABLE_CONTROLLERS:
-        raise ValueError(f"{machine.name} counts from the corner of its table; leave origin out")
+        raise ValueError(
+            f"{machine.name} begins at the switches in the corner of its table and counts from "
+            "there, so that its origin is table; leave origin out"
+        )
     return replace(machine, torch=changed)

@@ -9,7 +9,6 @@ from msgspec import Struct
 
 from beamcam.geometry.array_types import Floats
 from beamcam.machine.machine import Machine
-from beamcam.machine.torch import Torch, TorchProcess
 from beamcam.model.plan import SheetPlan
 from beamcam.model.steps import VelocityRow
 from beamcam.motion.densify import DensifyRules, densify
@@ -31,12 +30,11 @@ def ways(plan: SheetPlan, machine: Machine) -> list[Way]:
     """Traverses and contours in order; the first begins and the last ends in the corner."""
     torch = machine.needed(machine.torch, "stepping motors")
     stepper = machine.needed(machine.stepper, "stepping motors")
-    material = plan.pieces[0].part.grade or torch.material
     rules = DensifyRules(torch.tolerance / 2)
     found: list[Way] = []
     here = HOME
     for op in plan.operations:
-        speed = speed_at(torch, op.row.process, material, plan.thickness)
+        speed = op.row.feed_mm_min / SECONDS_PER_MINUTE
         for one in op.passes:
             path = densify((*one.lead_in, *one.curves, *one.lead_out), rules)
             start = (float(path.points[0, 0]), float(path.points[0, 1]))
@@ -47,25 +45,6 @@ def ways(plan: SheetPlan, machine: Machine) -> list[Way]:
     if here != HOME:
         found.append(Way(np.array([here, HOME]), stepper.traverse_mm_s, False, 0.0))
     return found
-
-
-def speed_at(torch: Torch, process: TorchProcess, material: str, thickness: float) -> float:
-    """Speed in mm/s, interpolated linearly between the rows of the machine's table.
-
-    A row's speed holds at its maximum thickness; below the thinnest row it is that row's.
-    Raises ValueError where no row fits.
-    """
-    from fnmatch import fnmatchcase
-
-    rows = sorted(
-        (row.up_to, row.feed_mm_min)
-        for row in torch.rows
-        if row.process == process and fnmatchcase(material.upper(), row.material.upper())
-    )
-    if not rows or not 0.0 < thickness <= rows[-1][0]:
-        raise ValueError(f"no speed to {process} {thickness:g} mm of {material}")
-    limits, feeds = zip(*rows, strict=True)
-    return float(np.interp(thickness, limits, feeds)) / SECONDS_PER_MINUTE
 
 
 def stretches(job: list[Way], step: float, max_mm_s: float) -> Iterator[VelocityRow]:

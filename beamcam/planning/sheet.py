@@ -53,7 +53,7 @@ def plan_sheet(parts: Sequence[Part], machine: Machine, skips: Collection[str] =
         return _plan_of_several(parts, machine, torch, skips)
     (part,) = parts
     assigned = assign_processes(part, torch, machine, skips)
-    material = Material(part, torch)
+    material = Material(part, torch, machine.stepper is not None)
     refusals = [*assigned.refusals, *refuse_settings(assigned.wanted, torch, machine)]
     refusals += refuse_overcuts(assigned.wanted, torch) if torch.settings else ()
     refusals += material.refusals({w.process for w in assigned.wanted})

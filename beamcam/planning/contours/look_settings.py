@@ -22,27 +22,28 @@ def rank(shape: Shape, torch: Torch) -> int:
 def refuse_settings(
     wanted: Iterable[AssignedCurve], torch: Torch, machine: Machine
 ) -> list[Diagnostic]:
-    """An error for each setting of a colour or layer in use that the machine cannot follow."""
+    """An error for each colour or layer in use with a power that the machine cannot follow."""
     if not torch.settings:
         return []
     first = {(w.look, w.process): w for w in reversed(list(wanted)) if w.look}
     return [
         rules.LOOK_SETTING.at(
-            w.source, key=f"map.{look}.{name}", machine=machine.name,
-            found=f"{getattr(torch.settings[look], name):g}",
+            w.source, key=f"map.{look}.power", found=f"{power:g}", why=why
         )
         for (look, process), w in sorted(first.items())
-        for name in torch.settings[look].given()
-        if not _can(machine, process, name)
+        if (power := torch.settings[look].power) is not None
+        and (why := _why_no_power(machine, process))
     ]  # fmt: skip
 
 
-def _can(machine: Machine, process: str, name: str) -> bool:
-    """Whether a machine has words for a setting of a process."""
+def _why_no_power(machine: Machine, process: str) -> str | None:
+    """Why a machine cannot run a process at a power; None if it can."""
     if machine.controller in TABLE_CONTROLLERS:
-        return name == "order" or name.startswith("hatch")
+        return f"the tool of {machine.name} is on or off"
     words = getattr(machine.words, f"{process}_on")
-    return name != "power" or any("{power}" in line for line in words)
+    if any("{power}" in line for line in words):
+        return None
+    return f"words.{process}_on of {machine.name} has no {{power}}"
 
 
 def refuse_overcuts(wanted: Iterable[AssignedCurve], torch: Torch) -> Iterator[Diagnostic]:

@@ -25,6 +25,25 @@ def is_same(material: str, grade: str) -> bool:
     return asked == own
 
 
+def speed_between(torch: Torch, process: TorchProcess, material: str, thickness: float) -> float:
+    """Speed in mm/min of a table of steps, linear between the rows of the machine's table.
+
+    A row's speed holds at its maximum thickness; below the thinnest row it is that row's.
+    Raises ValueError where no row fits.
+    """
+    import numpy as np
+
+    rows = sorted(
+        (row.up_to, row.feed_mm_min)
+        for row in torch.rows
+        if row.process == process and fnmatchcase(material.upper(), row.material.upper())
+    )
+    if not rows or not 0.0 < thickness <= rows[-1][0]:
+        raise ValueError(f"no speed to {process} {thickness:g} mm of {material}")
+    limits, feeds = zip(*rows, strict=True)
+    return float(np.interp(thickness, limits, feeds))
+
+
 def _shipped_torches() -> Iterator[tuple[str, Torch]]:
     for machine in map(load, shipped()):
         if machine.torch is not None:
@@ -34,13 +53,14 @@ def _shipped_torches() -> Iterator[tuple[str, Torch]]:
 class Material:
     """Material and thickness of a sheet, and the machine's row for each process on it."""
 
-    def __init__(self, part: Part, torch: Torch) -> None:
+    def __init__(self, part: Part, torch: Torch, is_stepped: bool = False) -> None:
         own = part.profile.web_thickness
         said = torch.thickness if own is None else own
         self.is_known = said is not None
         self.thickness = said or 0.0
         self.material = part.grade or torch.material
         self._torch = torch
+        self._is_stepped = is_stepped  #: speeds lie between those of two rows
         self._source = part.source
         self._rows: dict[TorchProcess, TorchRow | None] = {}
         self.remarks: tuple[Diagnostic, ...] = ()
@@ -52,7 +72,11 @@ class Material:
     def row(self, process: TorchProcess) -> TorchRow | None:
         """The first row of the machine that fits the sheet; None if there is none."""
         if process not in self._rows:
-            self._rows[process] = next(filter(self._fits, self._rows_of(process)), None)
+            row = next(filter(self._fits, self._rows_of(process)), None)
+            if row is not None and self._is_stepped:
+                speed = speed_between(self._torch, process, self.material, self.thickness)
+                row = replace(row, feed_mm_min=speed)
+            self._rows[process] = row
         return self._rows[process]
 
     def row_for(self, process: TorchProcess, look: str) -> TorchRow | None:

@@ -69,9 +69,8 @@ OPTION = Rule(
 LOOK_SETTING = Rule(
     "plan-map-setting",
     _E,
-    "found {key} = {found}, which {machine} has no words for; expected none",
-    "Without words for it the machine would run at another speed, power or number of passes; the "
-    "settings of a process in the machine file hold for all its lines.",
+    "found {key} = {found}; expected none, {why}",
+    "The machine would run at another power than the one that is asked for.",
 )
 LOOK_OVERCUT = Rule(
     "plan-map-overcut",

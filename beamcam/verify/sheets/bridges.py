@@ -89,13 +89,14 @@ def _is_bridge(work: Work, t: Traced, following: Traced) -> bool:
 
 def _close(work: Work, bounds: Bounds, traced: Sequence[Traced], first: int, last: int) -> bool:
     """Whether stroke `last` ends where `first` begins; what is no part of the ring is lead."""
-    starts, ends, lengths = work.path.starts, work.path.ends, work.path.lengths
+    starts, ends, begins = work.path.starts, work.path.ends, work.path.begins
     head, tail = bounds[first][0], bounds[last][1]
+    total = begins[tail - 1] + work.path.lengths[tail - 1]
     for low in range(traced[first].last - 1, head - 1, -1):
-        if lengths[head:low].sum() > work.most_in:
+        if begins[low] - begins[head] > work.most_in:
             continue
         for high in range(bounds[last][0] + 1, tail + 1):
-            if lengths[high:tail].sum() > work.most_out:
+            if high < tail and total - begins[high] > work.most_out:
                 continue
             if np.hypot(*(starts[low] - ends[high - 1])) <= work.meeting:
                 traced[first].first, traced[last].last = low, high

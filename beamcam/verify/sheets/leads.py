@@ -7,6 +7,7 @@ from beamcam.verify.sheets.work import Work
 
 Bounds = Sequence[tuple[int, int]]
 
+SHORTEST = 4.0  #: by how near ends have to be that meet, of a ring of stairs
 LEAST = 16.0  #: squares of two steps that a ring of one curve is longer than
 
 
@@ -26,6 +27,9 @@ class _Shape:
         self._starts = work.path.starts.tolist()
         self._ends = work.path.ends.tolist()
         self._lengths = work.path.lengths.tolist()
+        self._begins = work.path.begins.tolist()
+        #: Places of stairs are nearer to each other than their ends have to be.
+        self._shortest = SHORTEST * work.meeting if work.stepped else 0.0
         self._most_in, self._most_out = work.most_in, work.most_out
         self._most_lead = work.most_lead
         self._near = work.meeting**2
@@ -35,6 +39,8 @@ class _Shape:
         (x0, y0), (x1, y1) = self._starts[low], self._ends[high - 1]
         dx, dy = x1 - x0, y1 - y0
         if dx * dx + dy * dy > self._near:
+            return False
+        if self._begins[high - 1] + self._lengths[high - 1] - self._begins[low] < self._shortest:
             return False
         return high - low > 1 or self._lengths[low] ** 2 > LEAST * self._near
 

@@ -45,7 +45,10 @@ def settings_faults(work: Work, traced: Sequence[Traced]) -> tuple[list[Diagnost
         if not ways:
             continue
         own = one.row.feed_mm_min, one.row.power, one.passes
-        fits = np.isin(near, [w for w in ways if asked[w] == own])
+        # The strokes of a table may leave it open of which of two speeds they are.
+        rows = (one.row, *one.alike) if work.stepped else (one.row,)
+        likewise = {(row.feed_mm_min, row.power, one.passes) for row in rows}
+        fits = np.isin(near, [w for w in ways if asked[w] in likewise])
         wrong = np.flatnonzero(mine & ~np.isin(pairs.point, pairs.point[mine & fits]))
         for k in wrong[:1].tolist():
             said.append(_other(work, one.line, own, asked[near[k]], work.contour(int(near[k]))))

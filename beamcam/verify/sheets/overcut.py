@@ -1,11 +1,12 @@
 """How far closed cuts go on beyond their start, compared with what is asked of their contour."""
 
 from collections.abc import Sequence
-from math import hypot, sqrt
+from math import hypot, pi, sqrt
 
 import numpy as np
 
 from beamcam.errors import Diagnostic, Source
+from beamcam.geometry.array_types import Floats
 from beamcam.machine.torch import LookSettings
 from beamcam.verify.sheets import rules
 from beamcam.verify.sheets.work import SHOWN, Traced, Work
@@ -13,14 +14,19 @@ from beamcam.verify.sheets.work import SHOWN, Traced, Work
 PLAIN = LookSettings()
 #: An overcut that the controller leads stays on the first curve, by this share of it at least.
 STAYS = 0.4
+SHORTEST = 0.2  #: share of a line that leads out, by which it leaves its contour if not along it
+LED = 0.4  #: share of a lead that lies along the contour, if it is not only tangent to it
+CORNER_SPAN, CORNER_RAD = 0.2, 0.35  #: mm on both sides of a corner, and what it turns at least
 Limits = tuple[float, float, float]  #: mm beyond the start: found, least, most
 MIN_WIDTH = 1e-3  #: mm, half of it on an average, of what a ring goes round
 
 
 def overcut_faults(work: Work, traced: Sequence[Traced]) -> list[Diagnostic]:
     """Closed cuts that run over their start by less or more than their overcut."""
-    if work.process != "cut" or work.stepped:  # of steps and points none is asked
+    if work.process != "cut":
         return []
+    # Where stairs of steps come back to their start is known by the distance of ends that meet.
+    slack = (4 if work.stepped else 2) * work.tolerance
     by_machine = work.torch.kerf_by == "machine"
     said = []
     for t in traced:
@@ -34,7 +40,7 @@ def overcut_faults(work: Work, traced: Sequence[Traced]) -> list[Diagnostic]:
         else:
             limits = over, _asked(work, t), _asked(work, t)
         found, least, most = limits
-        if least - 2 * work.tolerance <= found <= most + 2 * work.tolerance:
+        if least - slack <= found <= most + slack:
             continue
         said.append(
             rules.OVERCUT.at(
@@ -60,7 +66,8 @@ def _along(work: Work, t: Traced) -> Limits:
 
     A line there and back again is no ring.
     """
-    over = sum(other.over for other in t.members)
+    led = _led_along(work, t)
+    over = sum(other.over for other in t.members) - led
     asked = _asked(work, t)
     if not over and not asked:
         return 0.0, 0.0, 0.0
@@ -70,11 +77,55 @@ def _along(work: Work, t: Traced) -> Limits:
         if inside is None or inside.area <= MIN_WIDTH * inside.length:
             return over, 0.0, 0.0
     else:
-        first += t.over
+        first += t.over - led
     asked = min(asked, first / 2)
-    # From an inner corner a line leads out along the contour.
-    lead = work.torch.lead_out if work.torch.lead == "line" else _tangent(work, t.members[-1])
-    return over, asked, asked + lead
+    return over, asked, asked + _along_leads(work, t.members[-1])
+
+
+def _along_leads(work: Work, t: Traced) -> float:
+    """How far the leads of a stroke that ends a ring may lie along its contour."""
+    torch = work.torch
+    if torch.lead == "none":
+        return 0.0
+    if torch.lead == "line":
+        # From an inner corner a line leads out along the contour.
+        beside = 2 * work.tolerance if work.stepped else 0.0
+        return beside if t.beyond > SHORTEST * torch.lead_out else torch.lead_out
+    if not work.stepped:
+        return _tangent(work, t)
+    # A quarter of a circle is off its tangent by the tolerance after sqrt(2 radius tolerance).
+    radii = torch.lead_in / (pi / 2), torch.lead_out / (pi / 2)
+    return sum(sqrt(2 * radius * work.tolerance) + 3 * work.tolerance for radius in radii)
+
+
+def _led_along(work: Work, t: Traced) -> float:
+    """How far a stroke of steps comes along its contour: it is no overcut, up to its first corner.
+
+    From an inner corner a line leads in along the contour. Of paths with known corners that is no
+    part of what runs along the ring; see `paths._overs`.
+    """
+    if not work.stepped or t.before <= LED * work.most_in:
+        return 0.0
+    path = work.path
+    first = int(np.searchsorted(work.of_way, work.of_way[t.first]))
+    begin = float(path.begins[first])
+    led = float(path.begins[t.first]) - begin
+    along = np.arange(CORNER_SPAN, led + CORNER_SPAN, CORNER_SPAN / 8)
+    places = _places(work, begin + along)
+    back = places - _places(work, begin + along - CORNER_SPAN)
+    forth = _places(work, begin + along + CORNER_SPAN) - places
+    turn = np.abs(np.arctan2(
+        back[:, 0] * forth[:, 1] - back[:, 1] * forth[:, 0], (back * forth).sum(axis=1)
+    ))  # fmt: skip
+    if not len(turn) or turn.max() < CORNER_RAD:
+        return 0.0
+    return t.before - max(0.0, led - float(along[int(np.argmax(turn))]))
+
+
+def _places(work: Work, at: Floats) -> Floats:
+    """Places so far along all ways of the path."""
+    way = np.searchsorted(work.path.begins, at, "right") - 1
+    return work.path.point(way, at - work.path.begins[way])
 
 
 def _tangent(work: Work, t: Traced) -> float:

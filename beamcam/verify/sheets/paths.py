@@ -99,6 +99,7 @@ def _overs(
     reached = np.concatenate(([0.0], np.cumsum(np.where(outside, work.path.lengths, 0.0))))
     for t, (first, last) in zip(traced, bounds, strict=True):
         t.over = float(reached[last] - reached[first])
+        t.before = float(reached[t.first] - reached[first])
         t.beyond = float(work.path.lengths[t.last : last].sum() - reached[last] + reached[t.last])
 
 

@@ -24,6 +24,7 @@ if TYPE_CHECKING:
 SPACING = 4.0  #: mm between samples
 MITRE = 2.5  #: how far from a corner a path may pass it, by half the kerf
 SHOWN = 5  #: of one kind of fault
+WINDING = 0.02  #: share by which stairs of steps are longer than their path, at most
 STAIRS = 20.0  #: tolerances of which the direction of stairs is told
 
 
@@ -44,6 +45,7 @@ class Traced(Struct):
     goes_round: bool  #: by itself, or with others and the bridges between them
     contour: "Polygon | None" = None  #: inside of the closed contour that it keeps off
     over: float = 0.0  #: mm of its ways that are no part of the ring, and run along a contour
+    before: float = 0.0  #: of `over`, what lies before the ring
     beyond: float = 0.0  #: mm behind the ring that do not run along it
     bridge_to: tuple[float, float] | None = None  #: start of the stroke behind a bridge at its end
     members: list["Traced"] = field(
@@ -144,6 +146,8 @@ class Work(Struct, frozen=True):
 
     def _most(self, length: float) -> float:
         taken_up = 2 * self.half_kerf if self.torch.kerf_by == "machine" else 0.0
+        if self.stepped:
+            return length * (1.0 + WINDING) + 4 * self.tolerance
         return length * 1.001 + 8 * self.step + taken_up
 
     def tab_width(self, half_kerf: float) -> float:

@@ -5,6 +5,8 @@ text -> operations (controllers/simotion) -> strokes (work) -> compared with the
 
 from collections.abc import Collection, Sequence
 
+from msgspec.structs import replace
+
 from beamcam.controllers.simotion import read_program
 from beamcam.controllers.simotion.trial import trial
 from beamcam.errors import Diagnostic, errors_in
@@ -44,11 +46,17 @@ def verify_triggers(
         from beamcam.verify.st.contour_names import with_contours
 
         return tuple(with_contours(said, job.operations, parts[0], machine, skips))
-    from beamcam.verify.polylines import compare_polylines
+    from beamcam.verify.polylines import Drawn, compare_polylines
     from beamcam.verify.sheets.shared import as_one
 
     part, machine, faults = as_one(parts, machine, skips)
     said += faults
-    ways = [(stroke.process, stroke.points) for stroke in work.strokes]
+    ways: list[Drawn] = []
+    counts_passes = any(row.passes > 1 for row in rows_of(part, torch))
+    for k, stroke in enumerate(work.strokes):
+        if counts_passes and k and stroke.repeats(work.strokes[k - 1]):
+            ways[-1] = replace(ways[-1], passes=ways[-1].passes + 1)
+        else:
+            ways.append(Drawn(stroke.process, stroke.points, stroke.feeds_mm_min))
     said += compare_polylines(ways, part, machine, skips, triggers.in_position, name)
     return tuple(said)

@@ -33,6 +33,16 @@ class Stroke(Struct):
     process: TorchProcess
     line: int
     points: list[Place] = field(default_factory=list)
+    feeds_mm_min: tuple[float, ...] = ()  #: the speeds asked of the sheet that it may be of
+    moves: list[Operation] = field(default_factory=list)
+
+    def repeats(self, other: "Stroke") -> bool:
+        """Whether a stroke is made by the same operations as another."""
+        said = [
+            (s.process, s.points[0], [(m.kind, m.x, m.y, m.speed, m.via) for m in s.moves])
+            for s in (self, other)
+        ]
+        return said[0] == said[1]
 
 
 class Work:
@@ -106,7 +116,8 @@ class Work:
         if waits < least - SLACK:
             found = f"a wait of {waits:.3f} s behind the start of the tool"
             self.say(rules.TOOL, line, found=found, expected=f"{least:g} s")
-        self.on = Stroke(process, line, [self.here])
+        feeds = dict.fromkeys(row.feed_mm_min for row in rows)
+        self.on = Stroke(process, line, [self.here], tuple(feeds))
         self.strokes.append(self.on)
 
     # -- motion -----------------------------------------------------------------------------
@@ -128,6 +139,7 @@ class Work:
             self._speed(op, dist(self.here, end))
         if self.on is not None:
             self.on.points += points[1:]
+            self.on.moves.append(op)
         self.here = end
 
     def _arc(self, op: Operation) -> list[Place]:
@@ -160,17 +172,31 @@ class Work:
     def _judge(self) -> None:
         """Within the speeds of the tool; chords of a curve may take the time of their cycles.
 
-        All chords of a curve have the speed that its shortest one allows.
+        All chords of a curve have the speed that its shortest one allows. What a sheet is worked
+        at by several speeds has one of them in each stroke.
         """
         if not self.run:
             return
-        (op, *_), t = self.run, self.triggers
-        feeds = [row.feed_mm_min / 60.0 for row in self.rows.get(self.what, [])]
-        feeds = [t.traverse_mm_s] if self.what == "traverse" else feeds or [0.0]
-        least = min(min(feeds), self.shortest / (t.cycles_per_chord * t.cycle_s))
-        expected = f"above 0 and at most {max(feeds):g}"
-        if 0.0 < op.speed <= max(feeds) + SLACK:
-            expected = f"{least:g}" if op.speed < SLOWEST * least else ""
-        if expected:
+        op, t, on = self.run[0], self.triggers, self.on
+        asked = (t.traverse_mm_s * 60.0,) if on is None else on.feeds_mm_min or (0.0,)
+        cycles = self.shortest / (t.cycles_per_chord * t.cycle_s)
+        fits = tuple([feed for feed in asked if _is_of(op.speed, feed / 60.0, cycles)])
+        if not fits:
+            feeds = [feed / 60.0 for feed in asked]
+            expected = f"above 0 and at most {max(feeds):g}"
+            if 0.0 < op.speed <= max(feeds) + SLACK:
+                expected = " or ".join(f"{min(feed, cycles):g}" for feed in sorted(feeds))
             self.say(rules.SPEED, op.line, found=f"{op.speed:g}", what=self.what, expected=expected)
+        if on is not None:
+            on.feeds_mm_min = fits or asked
         self.run, self.shortest = [], inf
+
+
+def _is_of(speed: float, asked: float, by_cycles: float) -> bool:
+    """Whether a run of moves has a speed in mm/s, or the one that its cycles allow.
+
+    Where the time of the cycles leaves the speed as it is asked, it is that.
+    """
+    if by_cycles * SLOWEST > asked:
+        return abs(speed - asked) <= SLACK
+    return 0.0 < speed <= asked + SLACK and speed >= SLOWEST * min(asked, by_cycles)

@@ -1,6 +1,7 @@
 """The motors followed from the first row of a step table to its last."""
 
 from collections.abc import Iterable
+from hashlib import blake2b
 from itertools import pairwise
 
 import numpy as np
@@ -12,7 +13,8 @@ from beamcam.geometry.array_types import Counts, Floats
 from beamcam.machine.machine import Machine
 from beamcam.machine.tables import Stepper
 from beamcam.verify.steps import rules
-from beamcam.verify.steps.outline import Outline, Seen, Times
+from beamcam.verify.steps.outline import Outline
+from beamcam.verify.steps.speeds import Observed, Seen, Times
 from beamcam.verify.steps.step_rates import Pace, Swerve
 
 
@@ -74,6 +76,7 @@ class Followed:
         self.swerve = Swerve(self.stepper)
         self.pace: Pace | None = None  #: of the stroke that is being made
         self.line = 0  #: where it begins
+        self.path = blake2b()  #: of its places
         self.laser = 0
         self.clock_us = 0
         self.here: Counts = np.zeros(2, dtype=np.int64)
@@ -125,7 +128,11 @@ class Followed:
                 if a in switched or self.pace is None:
                     self.outline.begin(rows.first + a)
                     self.pace, self.line = Pace(self.stepper.step), rows.first + a
+                    self.path = blake2b(start[a].tobytes())
                 self.pace.follow(rows.time_us[a:b], places[a:b])
+                if self.outline.counts_passes:
+                    moves = (places[a:b] != start[a:b]).any(axis=1)
+                    self.path.update(places[a:b][moves].tobytes())
                 points: Floats = places[a:b] * np.float64(self.stepper.step)
                 self.outline.draw(points)
         self.laser = int(rows.laser[-1])
@@ -133,7 +140,9 @@ class Followed:
     def _end_stroke(self) -> None:
         if self.pace is not None:
             fastest = Seen(self.pace.max_mm_s, self.line)
-            self.outline.end(fastest, times=Times(self.pace.waited_s, self.pace.lasted_s))
+            times = Times(self.pace.waited_s, self.pace.lasted_s)
+            path = self.path.digest() if self.outline.counts_passes else b""
+            self.outline.end(Observed(fastest, times=times, path=path))
         self.pace = None
 
     def _area(self, rows: Rows, places: Counts) -> None:

@@ -1,59 +1,30 @@
 """The laser's path compared with the part: stroke by stroke, and then as a whole."""
 
-from collections.abc import Collection
-from fnmatch import fnmatchcase
-from typing import NamedTuple
+from collections.abc import Collection, Iterator
 
 import numpy as np
 import shapely
-from msgspec import Struct
+from msgspec.structs import replace
 
 from beamcam.errors import Diagnostic, Source
 from beamcam.geometry.array_types import Floats
 from beamcam.machine.machine import Machine
 from beamcam.machine.torch import Torch, TorchProcess
 from beamcam.model.part import Part
-from beamcam.verify.polylines import compare_polylines
-from beamcam.verify.sheets.need import Need, need_of, rows_of, shift_of, thickness_of
+from beamcam.verify.polylines import Drawn, compare_polylines
+from beamcam.verify.sheets.need import Need, need_of, rows_of, shift_of
 from beamcam.verify.sheets.texts import text_process
 from beamcam.verify.sheets.ways import Ways
 from beamcam.verify.steps import rules
+from beamcam.verify.steps.speeds import Observed, Times, Work, with_speeds, work_of
 
 CORNER = 3.0  #: half kerfs that a path may be off a corner that it goes around
+SECONDS_PER_MINUTE = 60.0
 MOST_MEASURED = 100  #: points of a stroke that are too far off its curves
 SPEED_SLACK = 1e-3  #: mm/s
 COARSE = 2.0  #: steps by which stairs of steps are smoothed for their length
 #: Permitted share below the maximum frequency of motors, for the rounding of times.
 BELOW_GREATEST = 0.02
-
-
-class Work(Struct, frozen=True):
-    """Requirements of a process on a sheet."""
-
-    speed_mm_s: float
-    pierce_s: float
-
-
-def work_of(part: Part, torch: Torch) -> dict[TorchProcess, Work]:
-    """Each process by the machine's table for the part's material and thickness.
-
-    Between the rows of a table speeds lie on a straight line; below the thinnest it is that row's.
-    """
-    thickness = thickness_of(part, torch)
-    material = (part.grade or torch.material).upper()
-    found: dict[TorchProcess, Work] = {}
-    for process in {row.process for row in torch.rows}:
-        rows = sorted(
-            (row.up_to, row.feed_mm_min, row.pierce_s)
-            for row in torch.rows
-            if row.process == process and fnmatchcase(material, row.material.upper())
-        )
-        if rows and 0.0 < thickness <= rows[-1][0]:
-            upto, feeds, _ = zip(*rows, strict=True)
-            speed = float(np.interp(thickness, upto, feeds)) / 60.0
-            pierce_s = next(pierce for most, _, pierce in rows if thickness <= most)
-            found[process] = Work(speed, pierce_s)
-    return found
 
 
 def beside(process: TorchProcess, part: Part, torch: Torch) -> float:
@@ -69,20 +40,6 @@ def beside(process: TorchProcess, part: Part, torch: Torch) -> float:
     return CORNER * kerf / 2 + leads
 
 
-class Seen(NamedTuple):
-    """A speed, and the line that it was seen at."""
-
-    mm_s: float
-    line: int
-
-
-class Times(NamedTuple):
-    """Permitted time of a stroke."""
-
-    waited_s: float  #: before the head moves
-    lasted_s: float  #: under way
-
-
 class _Stroke:
     """What is drawn between on and off, and how far it is off the curves of each process.
 
@@ -94,6 +51,21 @@ class _Stroke:
         self.away = dict.fromkeys(processes, 0.0)
         self.worst: dict[TorchProcess, tuple[float, float]] = {}
         self.pieces: list[Floats] = []
+        self._last: Floats = np.zeros((0, 2))  #: the place that was passed last
+
+    def middles(self, points: Floats) -> Floats:
+        """The first place of a stroke, and the middles of its steps: stairs become straight."""
+        places = np.concatenate((self._last, points))
+        moved = np.append(True, (places[1:] != places[:-1]).any(axis=1))
+        places = places[moved]
+        begins = places[: 1 - len(self._last)]
+        self._last = places[-1:]
+        found: Floats = np.concatenate((begins, (places[1:] + places[:-1]) / 2))
+        return found
+
+    def points(self) -> Floats:
+        """The path, from the first place to the last."""
+        return np.concatenate((*self.pieces, self._last))
 
     def measure(self, process: TorchProcess, track: "_Track", points: Floats) -> None:
         """How far points are off the curves of a process, unless some were too far before.
@@ -144,12 +116,18 @@ class Outline:
         simplify: float,
         name: str,
     ) -> None:
-        self.part, self.machine = part, machine
-        self.torch = machine.needed(machine.torch, "torch")
+        torch = machine.needed(machine.torch, "torch")
+        self.torch = torch if part is None else with_speeds(part, torch)
+        self.part, self.machine = part, replace(machine, torch=self.torch)
         self.skips, self.name = skips, name
         self.rounding, self.simplify = rounding, simplify
         self.said: list[Diagnostic] = []
-        self.ways: list[tuple[TorchProcess, list[tuple[float, float]]]] = []
+        self.ways: list[Drawn] = []
+        self._path = b""  #: of the stroke before
+        #: whether anything is followed more than once
+        self.counts_passes = part is not None and any(
+            row.passes > 1 for row in rows_of(part, self.torch)
+        )
         self.tracks: dict[TorchProcess, _Track] = {}
         self.work: dict[TorchProcess, Work] = {}
         self.need = Need()
@@ -159,7 +137,7 @@ class Outline:
         if part is not None:
             if any(part.texts) and machine.marks.text == "make" and machine.marks.unit != "none":
                 self.letters = text_process(machine)
-            need = self.need = need_of(part, machine, self.torch, skips)
+            need = self.need = need_of(part, self.machine, self.torch, skips)
             shift = shift_of(need, self.torch)
             self.work = work_of(part, self.torch)
             fine = self.torch.tolerance / 8
@@ -190,10 +168,13 @@ class Outline:
         if len(inside) > 1:  # near the curves of several: it matters how near
             for process in inside:
                 stroke.measure(process, self.tracks[process], points)
-        stroke.pieces.append(simple(points, self.simplify) if corners is None else corners)
+        if corners is not None:
+            stroke.pieces.append(corners)
+        elif len(middles := stroke.middles(points)):
+            stroke.pieces.append(simple(middles, self.simplify))
 
-    def end(self, fastest: Seen, slowest: Seen | None = None, times: Times | None = None) -> None:
-        """The laser is switched off; the speeds of the head, and its times, as far as known.
+    def end(self, seen: Observed) -> None:
+        """The laser is switched off.
 
         The table does not say which process a stroke is of: it is that whose curves it is on.
         """
@@ -206,7 +187,7 @@ class Outline:
         )  # fmt: skip
         if self.letters and (process is None or stroke.away[process] > self.tracks[process].most):
             process = self.letters
-        points = np.concatenate(stroke.pieces)
+        points = stroke.points()
         source = Source(self.name, stroke.line)
         if (points == points[0]).all():
             found = f"the laser on and the head at rest{self._beside(points[0], process)}"
@@ -222,15 +203,43 @@ class Outline:
             expected += self._beside(np.array(stroke.worst[process]), process)
             self.said.append(rules.PLACE.at(source, x=x, y=y, expected=expected))
         elif process not in self.work:
-            found, expected = f"{fastest.mm_s:.2f}", "a sheet that the machine has a speed for"
+            found, expected = f"{seen.fastest.mm_s:.2f}", "a sheet that the machine has a speed for"
             said = rules.SPEED.at(source, found=found, process=process, expected=expected)
             self.said.append(said)
         else:
-            work = self.work[process]
-            self._speeds(process, work, fastest, slowest, points[0])
-            if times is not None:
-                self._times(process, work, source, times, points)
-            self.ways.append((process, [(float(x), float(y)) for x, y in points]))
+            self._add(process, source, seen, points)
+
+    def _add(self, process: TorchProcess, source: Source, seen: Observed, points: Floats) -> None:
+        """A stroke with the speeds that it may be of, and what is wrong with its times.
+
+        One that repeats the stroke before it is another pass of that.
+        """
+        if seen.times is not None:
+            self.said += self._pierce(process, source, seen.times, points[0])
+        wrong = {
+            feed: [*self._speeds(process, feed, seen, points[0]),
+                   *self._pace(process, feed, source, seen, points)]
+            for feed in self.work[process].feeds
+        }  # fmt: skip
+        feeds = tuple([feed for feed, said in wrong.items() if not said])
+        if not feeds:
+            self.said += wrong[self._asked(process, points[0])]
+        last = self.ways[-1] if self.ways else None
+        mine = Drawn(process, [(float(x), float(y)) for x, y in points], feeds, seen.passes)
+        if seen.path and last and (seen.path, process, feeds) == (self._path, *last.alike):
+            self.ways[-1] = replace(last, passes=last.passes + seen.passes)
+        else:
+            self.ways.append(mine)
+        self._path = seen.path
+
+    def _asked(self, process: TorchProcess, place: Floats) -> float:
+        """The speed that is asked of the contour nearest to a place, in mm/min."""
+        of_process = self.work[process].feeds[0]
+        if process not in self.tracks:
+            return of_process
+        nearest = self.tracks[process].ways.nearest_to(place)[1]
+        own = self.torch.settings.get(self.need.looks[process][nearest])
+        return of_process if own is None or own.speed is None else own.speed
 
     def nearest(self, place: Floats) -> str:
         """The contour of the input that is nearest to a place, to be said behind a message."""
@@ -247,54 +256,61 @@ class Outline:
         return f", beside the contour of {self.need.source(process, nearest)}"
 
     def _speeds(
-        self,
-        process: TorchProcess,
-        work: Work,
-        fastest: Seen,
-        slowest: Seen | None,
-        place: Floats,
-    ) -> None:
-        """Neither faster nor slower than the machine's table has it; a stroke passes `place`."""
-        speeds = [(fastest, fastest.mm_s > work.speed_mm_s + SPEED_SLACK, "at most")]
+        self, process: TorchProcess, feed_mm_min: float, seen: Observed, place: Floats
+    ) -> Iterator[Diagnostic]:
+        """Whether a stroke, which passes `place`, is faster or slower than it has to be."""
+        speed = feed_mm_min / SECONDS_PER_MINUTE
+        fastest, slowest = seen.fastest, seen.slowest
+        speeds = [(fastest, fastest.mm_s > speed + SPEED_SLACK, "at most")]
         if slowest is not None:
-            speeds.append((slowest, slowest.mm_s < work.speed_mm_s - SPEED_SLACK, "at least"))
-        for seen, is_wrong, how in speeds:
+            speeds.append((slowest, slowest.mm_s < speed - SPEED_SLACK, "at least"))
+        for one, is_wrong, how in speeds:
             if is_wrong:
-                found = f"{seen.mm_s:.2f}"
-                expected = f"{how} {work.speed_mm_s:g} mm/s{self._beside(place, process)}"
-                at = Source(self.name, seen.line)
-                said = rules.SPEED.at(at, found=found, process=process, expected=expected)
-                self.said.append(said)
+                expected = f"{how} {speed:g} mm/s{self._beside(place, process)}"
+                at = Source(self.name, one.line)
+                found = f"{one.mm_s:.2f}"
+                yield rules.SPEED.at(at, found=found, process=process, expected=expected)
 
-    def _times(
-        self, process: TorchProcess, work: Work, source: Source, times: Times, points: Floats
-    ) -> None:
-        """The laser pierces before the head moves, and the head is no slower than it has to be.
+    def _pierce(
+        self, process: TorchProcess, source: Source, times: Times, place: Floats
+    ) -> Iterator[Diagnostic]:
+        """Whether the laser pierces before the head moves."""
+        pierce_s = self.work[process].pierce_s
+        if times.waited_s < pierce_s - 1e-6:
+            found = f"a wait of {times.waited_s:.3f} s behind the start of the laser"
+            expected = f"{pierce_s:g} s{self._beside(place, process)}"
+            yield rules.LASER.at(source, found=found, expected=expected)
+
+    def _pace(
+        self, process: TorchProcess, feed_mm_min: float, source: Source, seen: Observed,
+        points: Floats,
+    ) -> Iterator[Diagnostic]:  # fmt: skip
+        """Whether the head takes longer for its way than it has to.
 
         It may come to rest at every corner, which takes as long again as one ramp of its speed.
         """
-        if times.waited_s < work.pierce_s - 1e-6:
-            found = f"a wait of {times.waited_s:.3f} s behind the start of the laser"
-            expected = f"{work.pierce_s:g} s{self._beside(points[0], process)}"
-            self.said.append(rules.LASER.at(source, found=found, expected=expected))
+        if seen.times is None:
+            return
         stepper = self.machine.needed(self.machine.stepper, "stepping motors")
-        speed = min(work.speed_mm_s, stepper.step * stepper.max_hz * (1.0 - BELOW_GREATEST))
+        greatest = stepper.step * stepper.max_hz * (1.0 - BELOW_GREATEST)
+        speed = min(feed_mm_min / SECONDS_PER_MINUTE, greatest)
         ramp_s = speed / stepper.acceleration + stepper.acceleration / stepper.jerk
         corners = simple(points, COARSE * stepper.step)
         way = float(np.hypot(*np.diff(corners, axis=0).T).sum())
         longest_s = way / speed + len(corners) * ramp_s
-        if times.lasted_s > longest_s:
-            found = f"{way / times.lasted_s:.2f}"
+        if seen.times.lasted_s > longest_s:
+            found = f"{way / seen.times.lasted_s:.2f}"
             expected = f"about {speed:g} mm/s{self._beside(points[0], process)}"
-            said = rules.SPEED.at(source, found=found, process=process, expected=expected)
-            self.said.append(said)
+            yield rules.SPEED.at(source, found=found, process=process, expected=expected)
 
     def compare(self) -> list[Diagnostic]:
         """All differences of the strokes from the part."""
         if self.part is None or self.said:
             return self.said
         slack = self.rounding + self.simplify
-        return compare_polylines(self.ways, self.part, self.machine, self.skips, slack, self.name)
+        return compare_polylines(
+            self.ways, self.part, self.machine, self.skips, slack, self.name, self.simplify > 0.0
+        )
 
 
 def simple(points: Floats, slack: float) -> Floats:

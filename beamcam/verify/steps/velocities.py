@@ -5,7 +5,7 @@ and frequency of each motor. All have to agree with one another and with the mac
 """
 
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from math import hypot, inf, sqrt
 from typing import NamedTuple
 
@@ -17,7 +17,8 @@ from beamcam.controllers.step_table.rows import Stream, shown
 from beamcam.errors import Diagnostic, Rule, Source, add_few
 from beamcam.machine.machine import Machine
 from beamcam.verify.steps import rules
-from beamcam.verify.steps.outline import BELOW_GREATEST, SPEED_SLACK, Outline, Seen
+from beamcam.verify.steps.outline import BELOW_GREATEST, SPEED_SLACK, Outline
+from beamcam.verify.steps.speeds import Observed, Seen
 
 COLUMNS = b"x,y,velocity_x,velocity_y,laser,steps_x,steps_y,hz_x,hz_y"
 #: Half of the last decimal of lengths and velocities, and of frequencies.
@@ -72,6 +73,19 @@ def stretches(stream: Stream, step: float) -> Iterator[TableRow]:
             (int(nx), int(ny)), (float(fx), float(fy)),
         )  # fmt: skip
         here = end
+
+
+def _rounds(rows: Sequence[TableRow]) -> int:
+    """How often a stroke goes the same round: a pass that begins where one ends has no row between.
+
+    Of a contour that is followed twice the rows are those of one round, twice.
+    """
+    said = [(row.end, row.velocity) for row in rows]
+    begin = rows[0].start
+    for k in range(1, len(rows) // 2 + 1):
+        if len(rows) % k == 0 and rows[k - 1].end == begin and said == said[:k] * (len(rows) // k):
+            return len(rows) // k
+    return 1
 
 
 class Velocities:
@@ -171,7 +185,7 @@ class Velocities:
         if not self._is_at_limit(row):
             self._slowest = min(self._slowest, seen)
         self._stretches.append(row)
-        if len(self._stretches) >= BLOCK:
+        if len(self._stretches) >= BLOCK and not self.outline.counts_passes:
             self._look()
 
     def _look(self) -> None:
@@ -185,8 +199,14 @@ class Velocities:
 
     def _end_stroke(self) -> None:
         if self._drawing:
+            seen = Observed(self._fastest, self._slowest)
+            if self.outline.counts_passes:
+                passes = _rounds(self._stretches)
+                rows = self._stretches = self._stretches[: len(self._stretches) // passes]
+                path = repr((rows[0].start, [(row.end, row.velocity) for row in rows]))
+                seen = seen._replace(path=path.encode(), passes=passes)
             self._look()
-            self.outline.end(self._fastest, self._slowest)
+            self.outline.end(seen)
             self._drawing = False
 
     def finish(self) -> None:

@@ -18,7 +18,10 @@ from beamcam.posts import Request
 from beamcam.readers import read
 
 GRBL = load_machine("laser-grbl")
-TABLES = ("plate-linuxcnc", "laser-stepper")
+TABLES = (
+    ("plate-linuxcnc", None), ("laser-stepper", ".steps"), ("laser-stepper", ".csv"),
+    ("table-simotion", "chain"),
+)  # fmt: skip
 
 
 def drawing(inner: str = "lime", line: str = "blue") -> Part:
@@ -127,20 +130,43 @@ def test_settings_that_a_machine_cannot_follow_are_refused_by_their_key() -> Non
         post((drawing(),), asked(stepper, red=LookSettings(600.0, 950.0, 2, 1)))
     said = found.value.diagnostics
     assert {one.code for one in said} == {"plan-map-setting"}
-    assert [one.message.split(" = ")[0] for one in said] == [
-        "found map.red.speed", "found map.red.power", "found map.red.passes",
-    ]  # fmt: skip
+    assert [one.message.split(" = ")[0] for one in said] == ["found map.red.power"]
     plate = load_machine("plate-codesys")
     with pytest.raises(PlanError) as found:
         post((drawing(),), asked(plate, red=LookSettings(power=950.0)))
     assert "map.red.power = 950" in found.value.diagnostics[0].message
 
 
-@pytest.mark.parametrize("name", TABLES)
-def test_tables_follow_the_order_and_g_code_passes_too(name: str) -> None:
-    passes = 2 if name.startswith("plate") else None
-    own = {"lime": LookSettings(order=1), "red": LookSettings(passes=passes, order=2)}
-    assert post((drawing(),), asked(load_machine(name), **own)).text
+OWN = {"lime": LookSettings(speed=420.0, order=1), "red": LookSettings(passes=2, order=2)}
+LIES = {
+    "a pass too few": {"red": LookSettings(order=2)},
+    "a pass too many": {"red": LookSettings(passes=3, order=2)},
+    "passes of another colour": {
+        "red": LookSettings(order=2), "lime": LookSettings(speed=420.0, passes=2, order=1),
+    },
+    "another speed": {"lime": LookSettings(speed=400.0, order=1)},
+    "the speed of its process": {"lime": LookSettings(order=1)},
+    "the speed of another colour": {
+        "lime": LookSettings(order=1), "red": LookSettings(speed=420.0, passes=2, order=2),
+    },
+}  # fmt: skip
+
+
+@pytest.mark.parametrize(("name", "style"), TABLES)
+def test_tables_follow_speed_passes_and_order(name: str, style: str | None) -> None:
+    machine = asked(load_machine(name), **OWN)
+    text = post((drawing(),), machine, style=style).text
+
+    def said(own: dict[str, LookSettings]) -> set[str]:
+        request = Request((drawing(),), asked(machine, **{**OWN, **own}), style=style)
+        return {one.code for one in read_back(text, request)}
+
+    assert said({}) == set()
+    for lie, own in LIES.items():
+        assert said(own) & {
+            "verify-sheet-settings", "verify-sheet-feed", "verify-sheet-twice", "steps-speed",
+            "st-speed",
+        }, lie  # fmt: skip
 
 
 def test_contours_of_two_colours_are_not_joined() -> None:

@@ -1,6 +1,8 @@
 """Overcuts: planned with bridges, leads and kerf compensation by offset and machine; read back."""
 
 import re
+from collections.abc import Sequence
+from itertools import accumulate, pairwise
 from math import dist
 
 import pytest
@@ -9,18 +11,19 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from msgspec.structs import replace
 
-from beamcam.errors import MachineError, PlanError
+from beamcam.errors import PlanError
 from beamcam.machine import Machine, load
 from beamcam.machine.overlay import with_torch
 from beamcam.machine.torch import LookSettings
 from beamcam.pipeline import post, read_back
 from beamcam.posts import Request
 from beamcam.readers import read
-from beamcam.verify.sheets import verify_sheet
 from tests.unit.sheets.parts import box, circle, contour, drawing
 from tests.unit.sheets.test_tabs import PART, STROKE, WORD
 
 GRBL = load("laser-grbl")
+G_CODE = ("laser-grbl", "plate-linuxcnc", "plate-codesys")
+TABLES = ("laser-stepper", "table-simotion")
 BLUE = "#0000ff"
 PLATE = drawing(
     contour(box(0, 0, 80, 60)), contour(circle(20, 30, 20), line=2), thickness=3.0
@@ -47,21 +50,22 @@ def test_the_program_goes_on_by_as_much() -> None:
     overcut=st.floats(0.1, 15), tabs=st.integers(0, 3), inner=st.booleans(),
     kerf_by=st.sampled_from(["none", "offset", "machine"]),
     lead=st.sampled_from(["none", "line", "arc"]),
-    name=st.sampled_from(["laser-grbl", "plate-linuxcnc", "plate-codesys"]),
+    name=st.sampled_from([*G_CODE, *TABLES]), style=st.sampled_from([".steps", ".csv"]),
 )  # fmt: skip
 def test_whatever_is_planned_is_found_right(
-    overcut: float, tabs: int, inner: bool, kerf_by: str, lead: str, name: str
+    overcut: float, tabs: int, inner: bool, kerf_by: str, lead: str, name: str, style: str
 ) -> None:
-    if kerf_by == "machine" and name == "laser-grbl":
+    if kerf_by == "machine" and name not in ("plate-linuxcnc", "plate-codesys"):
         kerf_by = "offset"
     if kerf_by == "machine":
         tabs, lead = 0, "line"
+    kerf = {"kerf": 0.2} if name in TABLES and kerf_by != "none" else {}
     machine = asked(
-        load(name), overcut=overcut, tabs=tabs, inner_tabs=inner, kerf_by=kerf_by, lead=lead,
-        lead_in=2.0, lead_out=1.0, margin=10.0,
+        load(name), **kerf, overcut=overcut, tabs=tabs, inner_tabs=inner, kerf_by=kerf_by,
+        lead=lead, lead_in=2.0, lead_out=1.0, margin=10.0, place="corner",
     )  # fmt: skip
     part = replace(PART, features=(*PART.features[:3], contour(circle(70, 10, 4), line=4)))
-    assert post((part,), machine).plan.operations
+    assert post((part,), machine, style=style if "stepper" in name else None).plan.operations
 
 
 @pytest.mark.parametrize(("name", "values"), [
@@ -69,6 +73,14 @@ def test_whatever_is_planned_is_found_right(
     ("laser-grbl", {"kerf_by": "offset", "lead": "arc", "lead_in": 2.0, "lead_out": 1.0}),
     ("plate-linuxcnc", {"kerf_by": "offset"}), ("plate-codesys", {}),
     ("plate-linuxcnc", {"kerf_by": "machine", "lead": "line"}),
+    ("laser-stepper", {"tabs": 2}),
+    ("laser-stepper", {
+        "place": "corner", "kerf": 0.2, "lead": "arc", "lead_in": 2.0, "lead_out": 1.0,
+    }),
+    ("table-simotion", {}),
+    ("table-simotion", {
+        "place": "corner", "kerf": 0.4, "lead": "line", "lead_in": 2.0, "lead_out": 1.0, "tabs": 1,
+    }),
 ])  # fmt: skip
 @pytest.mark.parametrize(("made", "wanted"), [(0.0, 2.0), (2.0, 0.0), (2.0, 4.0), (4.0, 2.0)])
 def test_another_overcut_is_refused(
@@ -76,10 +88,11 @@ def test_another_overcut_is_refused(
 ) -> None:
     machine = asked(load(name), margin=10.0, **values)
     text = post((PLATE,), asked(machine, overcut=made)).text
-    said = verify_sheet(text, (PLATE,), asked(machine, overcut=wanted))
+    said = read_back(text, Request((PLATE,), asked(machine, overcut=wanted)))
     assert said
     assert {one.code for one in said} <= {
         "verify-sheet-overcut", "verify-sheet-open", "verify-sheet-twice", "verify-sheet-missing",
+        "verify-sheet-tabs",
     }  # fmt: skip
     if made < wanted:
         assert {one.code for one in said} == {"verify-sheet-overcut"}
@@ -118,21 +131,41 @@ def test_what_is_not_cut_has_none() -> None:
         post((part,), with_torch(GRBL, {"blue": "mark"}, settings=own))
 
 
-@pytest.mark.parametrize("name", ["laser-stepper", "table-simotion"])
-def test_tables_without_g_code_refuse_it(name: str) -> None:
-    with pytest.raises(ValueError, match="leave overcut out"):
-        asked(load(name), overcut=1.0)
-    own = {"red": LookSettings(overcut=1.0)}
-    with pytest.raises(PlanError, match=r"map\.red\.overcut = 1"):
-        post((PLATE,), with_torch(load(name), {"red": "cut"}, settings=own))
+def overcut_of(points: Sequence[tuple[float, float]]) -> float:
+    """How far a path goes on after it came back to its start, by its points alone."""
+    reached = list(accumulate((dist(a, b) for a, b in pairwise(points)), initial=0.0))
+    middle = reached[-1] / 2
+    back = min(
+        (dist(point, points[0]), along)
+        for point, along in zip(points, reached, strict=True) if along > middle
+    )  # fmt: skip
+    return reached[-1] - back[1]
 
 
-def test_the_machine_file_of_such_a_table_refuses_it(tmp_path: object) -> None:
-    path = f"{tmp_path}/own.toml"
-    with open(path, "w", encoding="utf-8") as file:
-        file.write('base = "laser-stepper"\n[torch]\novercut = 1\n')
-    with pytest.raises(MachineError, match=r"torch\.overcut"):
-        load(path)
+def test_tables_of_points_go_on_by_as_much() -> None:
+    """By the rows of a velocity table, and by the operations of a trigger program, alone."""
+    rows = post((PLATE,), asked(load("laser-stepper"), overcut=1.5), style=".csv").text.split("\n")
+    cuts: list[list[tuple[float, float]]] = []
+    before = (0.0, 0.0, False)
+    for row in (row for row in rows if re.match(r"\d", row)):
+        x, y, _, _, laser, *_ = row.split(",")
+        if laser == "1":
+            if not before[2]:
+                cuts.append([before[:2]])
+            cuts[-1].append((float(x), float(y)))
+        before = float(x), float(y), laser == "1"
+    assert [overcut_of(cut) for cut in cuts] == pytest.approx([1.5, 1.5], abs=0.01)
+
+    text = post((PLATE,), asked(load("table-simotion"), overcut=1.5), style="chain").text
+    place = r"kind := USINT#(\d), x := LREAL#([\d.]+), y := LREAL#([\d.]+)"
+    cuts, tool = [], "off"
+    for kind, x, y in re.findall(place, text):
+        tool = {"1": "on", "2": "off"}.get(kind, tool)
+        if kind == "1":
+            cuts.append([])
+        if tool == "on":
+            cuts[-1].append((float(x), float(y)))
+    assert [overcut_of(cut) for cut in cuts] == pytest.approx([1.5, 1.5], abs=0.01)
 
 
 def test_a_line_there_and_back_again_has_none() -> None:

@@ -20,7 +20,8 @@ from beamcam.model.part import Part
 from beamcam.model.steps import StepRows, StepTable
 from beamcam.motion import step_events, steps
 from beamcam.motion.step_events import BACK, FORWARD, MOVE_BITS, MOVES, TIME_BIT, events
-from beamcam.motion.velocity_table import Way, speed_at
+from beamcam.motion.velocity_table import Way
+from beamcam.planning.contours.material import speed_between
 from beamcam.verify.steps import verify_table
 from tests.path_samples import positions
 
@@ -149,7 +150,7 @@ def test_velocities_add_up_and_follow_their_formula() -> None:
     rows = list(made.stretches())
     assert (sum(s.steps_x for s in rows), sum(s.steps_y for s in rows)) == (0, 0)
     cut = [s for s in rows if s.laser]
-    expected = speed_at(TORCH, "cut", "acrylic", 4.0)
+    expected = speed_between(TORCH, "cut", "acrylic", 4.0) / 60
     assert all(abs(hypot(s.velocity_x, s.velocity_y) - expected) < 1e-9 for s in cut)
     for s in rows:
         assert s.hz_x == pytest.approx(abs(s.velocity_x) / 2.0 * 200)
@@ -191,13 +192,14 @@ def test_a_long_wait_is_spread_over_rows_of_the_same_words() -> None:
      (8.0, "acrylic", 4.0), (6.0, "Wood", 10.0)],
 )  # fmt: skip
 def test_speed_lies_between_the_rows(thickness: float, material: str, expected: float) -> None:
-    assert speed_at(TORCH, "cut", material, thickness) == pytest.approx(expected)
+    found = speed_between(TORCH, "cut", material, thickness)
+    assert found / 60 == pytest.approx(expected)
 
 
 @pytest.mark.parametrize(("thickness", "material"), [(8.1, "acrylic"), (0.0, "wood"), (2.0, "tin")])
 def test_no_speed_beyond_the_rows(thickness: float, material: str) -> None:
     with pytest.raises(ValueError, match="no speed to cut"):
-        speed_at(TORCH, "cut", material, thickness)
+        speed_between(TORCH, "cut", material, thickness)
 
 
 def changed(pattern: str, put: str, count: int = 1) -> str:

@@ -1,0 +1,72 @@
+"""Speeds at which a table of steps works a sheet: of processes, and of colours and layers."""
+
+from fnmatch import fnmatchcase
+from typing import NamedTuple
+
+import numpy as np
+from msgspec import Struct
+from msgspec.structs import replace
+
+from beamcam.machine.torch import Torch, TorchProcess, TorchRow
+from beamcam.model.part import Part
+from beamcam.verify.sheets.need import rows_of, rows_on, thickness_of
+
+
+class Work(Struct, frozen=True):
+    """Requirements of a process on a sheet."""
+
+    feeds: tuple[float, ...]  #: mm/min: of the process, then of the colours and layers
+    pierce_s: float
+
+
+class Seen(NamedTuple):
+    """A speed, and the line that it was seen at."""
+
+    mm_s: float
+    line: int
+
+
+class Times(NamedTuple):
+    """Permitted time of a stroke."""
+
+    waited_s: float  #: before the head moves
+    lasted_s: float  #: under way
+
+
+class Observed(NamedTuple):
+    """The speeds of the head in a stroke, and its times, as far as they are known."""
+
+    fastest: Seen
+    slowest: Seen | None = None
+    times: Times | None = None
+    passes: int = 1
+    path: bytes = b""  #: the same of strokes whose places are the same, one by one
+
+
+def with_speeds(part: Part, torch: Torch) -> Torch:
+    """The table with the speed of each process on the part's sheet, and with no other sheet's rows.
+
+    Between the rows of a table speeds lie on a straight line; below the thinnest it is that row's.
+    """
+    return replace(torch, rows=tuple(_between(row, part, torch) for row in rows_on(part, torch)))
+
+
+def _between(row: TorchRow, part: Part, torch: Torch) -> TorchRow:
+    material = (part.grade or torch.material).upper()
+    known = sorted(
+        (other.up_to, other.feed_mm_min)
+        for other in torch.rows
+        if other.process == row.process and fnmatchcase(material, other.material.upper())
+    )
+    up_to, feeds = zip(*known, strict=True)
+    return replace(row, feed_mm_min=float(np.interp(thickness_of(part, torch), up_to, feeds)))
+
+
+def work_of(part: Part, torch: Torch) -> dict[TorchProcess, Work]:
+    """Each process by a table `with_speeds` of the part's sheet."""
+    found: dict[TorchProcess, Work] = {}
+    for row in rows_of(part, torch):
+        known = found.get(row.process, Work((), row.pierce_s))
+        feeds = dict.fromkeys((*known.feeds, row.feed_mm_min))
+        found[row.process] = replace(known, feeds=tuple(feeds))
+    return found
