@@ -1,16 +1,16 @@
 """Rows of the contour blocks AK, IK, KO and PU."""
 
+from functools import partial
 from itertools import pairwise
 from math import hypot, inf
 from typing import Literal
 
 from msgspec import Struct, field
 
-from beamcam.errors import Severity
 from beamcam.geometry.curves import Point
 from beamcam.readers.dstv import rules
-from beamcam.readers.dstv.place import Place
-from beamcam.readers.dstv.tokens import EDGES, Block, Log, RowError, numbers, tokenise
+from beamcam.readers.dstv.place import Place, rows_of
+from beamcam.readers.dstv.tokens import EDGES, Block, Log, RowError, numbers
 
 #: A notch corner this many radii from its arc comes of tangents that are (nearly) parallel.
 _FARTHEST_CORNER = 1000.0
@@ -43,11 +43,8 @@ def read_contour_rows(block: Block, code: str, place: Place) -> list[Rows]:
     another."""
     found: list[Rows] = []
     rows: Rows | None = None
-    for line, row in zip(block.numbers, block.rows, strict=True):
-        fields = _fields(row, line, place)
-        if fields is None:
-            continue
-        x, edge, y, notch, radius, pairs = fields
+    read = rows_of(block, place.log, rules.CONTOUR_FIELDS, partial(_fields, place=place))
+    for line, (x, edge, y, notch, radius, pairs) in read:
         if rows is None or rows.face != place.face:
             rows = Rows(code, place.face, edge, line)
             found.append(rows)
@@ -69,42 +66,22 @@ def read_contour_rows(block: Block, code: str, place: Place) -> list[Rows]:
 
 def _fields(
     row: str, line: int, place: Place
-) -> tuple[float, str, float, str, float, tuple[BevelPair, ...]] | None:
-    """x, reference, y, notch letter, radius and bevels of a row; None if no rule explains it.
+) -> tuple[float, str, float, str, float, tuple[BevelPair, ...]]:
+    """x, reference, y, notch letter, radius and bevels of a row.
 
     "  v   0.00u   20.00   0.00   0.00   0.00   0.00   0.00" is face, x and reference, y and notch
-    letter, radius, angle of a bevel, its land, angle and land of a second one.
+    letter, radius, angle of a bevel, its land, angle and land of a second one. Raises RowError if
+    no rule explains the row.
     """
-    log = place.log
-    before = len(log.diagnostics)
-    try:
-        tokens = place.take(tokenise(row), line)
-        if len(tokens) < 2:
-            raise RowError(row)
-        rest = tokens[1:]
-        (x,) = numbers(tokens[:1], line, log)
-        edge = ""
-        if rest[0].isalpha():
-            place.refer(rest[0], line)
-            edge = rest[0] if rest[0] in EDGES else ""
-            rest = rest[1:]
-        if not rest:
-            raise RowError(row)
-        (y,) = numbers(rest[:1], line, log)
-        rest = rest[1:]
-        notch = ""
-        if rest and rest[0] in ("t", "w"):
-            notch, rest = rest[0], rest[1:]
-        values = numbers(rest, line, log)
-        if len(values) > 5:
-            raise RowError(row)
-        radius = values[0] if values else 0.0
-        pairs = _bevel_pairs(values[1:], row, line, log)
-    except RowError:
-        if not any(d.severity is Severity.ERROR for d in log.diagnostics[before:]):
-            log.add(rules.CONTOUR_FIELDS, line, found=row)
-        return None
-    return x, edge, y, notch, radius, pairs
+    x, edge, y, rest = place.corner(row, line)
+    notch = ""
+    if rest and rest[0] in ("t", "w"):
+        notch, rest = rest[0], rest[1:]
+    values = numbers(rest, line, place.log)
+    if len(values) > 5:
+        raise RowError(row)
+    pairs = _bevel_pairs(values[1:], row, line, place.log)
+    return x, edge if edge in EDGES else "", y, notch, values[0] if values else 0.0, pairs
 
 
 def _bevel_pairs(values: list[float], row: str, line: int, log: Log) -> tuple[BevelPair, ...]:

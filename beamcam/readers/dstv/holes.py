@@ -1,11 +1,13 @@
 """Holes and slots: block BO, and Bn on planes."""
 
+from functools import partial
+
 from beamcam.errors import Source
 from beamcam.geometry.curves import unit_vector
 from beamcam.model.part import Hole, HoleKind, Slot
 from beamcam.readers.dstv import rules
-from beamcam.readers.dstv.place import Place, said_error
-from beamcam.readers.dstv.tokens import Block, RowError, numbers, tokenise
+from beamcam.readers.dstv.place import Place, features_of
+from beamcam.readers.dstv.tokens import Block, RowError, numbers
 
 Sizes = tuple[float, float, float, float, float]  #: diameter, depth, width, height, angle
 
@@ -20,13 +22,7 @@ _KINDS: dict[str, HoleKind] = {
 
 def read_holes(block: Block, place: Place) -> list[Hole | Slot]:
     """The holes and slots of a block BO or Bn."""
-    features: list[Hole | Slot] = []
-    for line, row in zip(block.numbers, block.rows, strict=True):
-        feature = _hole(row, line, place)
-        if feature is not None:
-            features.append(feature)
-            place.log.taken.append(line)
-    return features
+    return list(features_of(block, place.log, rules.HOLE_FIELDS, partial(_hole, place=place)))
 
 
 def _kind(diameter: float, depth: float) -> HoleKind:
@@ -39,14 +35,7 @@ def _kind(diameter: float, depth: float) -> HoleKind:
 
 def _hole(row: str, line: int, place: Place) -> Hole | Slot | None:
     """The hole or slot of any row of BO, glued ones included; None, with an error, for no such."""
-    before = len(place.log.diagnostics)
-    try:
-        x, y, kind, sizes, slotted = _hole_fields(row, line, place)
-    except RowError:
-        if not said_error(place.log, before):
-            place.log.add(rules.HOLE_FIELDS, line, found=row)
-        return None
-    return _drilled(place, line, x, y, kind, sizes, slotted)
+    return _drilled(place, line, *_hole_fields(row, line, place))
 
 
 def _hole_fields(row: str, line: int, place: Place) -> tuple[float, float, HoleKind, Sizes, bool]:
@@ -55,18 +44,7 @@ def _hole_fields(row: str, line: int, place: Place) -> tuple[float, float, HoleK
     Raises RowError if no rule explains the row.
     """
     log = place.log
-    tokens = place.take(tokenise(row), line)
-    if len(tokens) < 3:
-        raise RowError(row)
-    (x,) = numbers(tokens[:1], line, log)
-    rest = tokens[1:]
-    if rest[0].isalpha():
-        place.refer(rest[0], line)
-        rest = rest[1:]
-    if len(rest) < 2:
-        raise RowError(row)
-    (y,) = numbers(rest[:1], line, log)
-    rest = rest[1:]
+    x, _, y, rest = place.corner(row, line, least=1)
     kind: HoleKind = "through"
     if rest[0] in _KINDS:
         kind, rest = _KINDS[rest[0]], rest[1:]

@@ -1,8 +1,13 @@
 """Where the rows of a block lie: what each inherits from the row before."""
 
-from beamcam.errors import Severity
+from collections.abc import Callable, Iterator
+from typing import TypeVar
+
+from beamcam.errors import Rule, Severity
 from beamcam.readers.dstv import rules
-from beamcam.readers.dstv.tokens import EDGES, Log, RowError
+from beamcam.readers.dstv.tokens import EDGES, Block, Log, RowError, numbers, tokenise
+
+Item = TypeVar("Item")
 
 FACE_LETTERS = frozenset("vouh")
 
@@ -47,7 +52,49 @@ class Place:
         else:
             raise RowError(letter)
 
+    def corner(self, row: str, line: int, least: int = 0) -> tuple[float, str, float, list[str]]:
+        """x, the letter behind it or "", y, and the tokens that follow, `least` or more.
 
-def said_error(log: Log, before: int) -> bool:
-    """Whether an error was added to the log behind its first `before` diagnostics."""
-    return any(d.severity is Severity.ERROR for d in log.diagnostics[before:])
+        Raises RowError for a row that does not begin so.
+        """
+        tokens = self.take(tokenise(row), line)
+        if len(tokens) < least + 2:
+            raise RowError(row)
+        (x,) = numbers(tokens[:1], line, self.log)
+        letter = tokens[1] if tokens[1].isalpha() else ""
+        if letter:
+            self.refer(letter, line)
+        rest = tokens[2:] if letter else tokens[1:]
+        if len(rest) < least + 1:
+            raise RowError(row)
+        (y,) = numbers(rest[:1], line, self.log)
+        return x, letter, y, rest[1:]
+
+
+def rows_of(
+    block: Block, log: Log, rule: Rule, read: Callable[[str, int], Item]
+) -> Iterator[tuple[int, Item]]:
+    """The line of each row, and what `read` makes of the row and its line.
+
+    Rows that `read` has no explanation for (RowError) are told by `rule`, unless an error says
+    already what is wrong with them.
+    """
+    for line, row in zip(block.numbers, block.rows, strict=True):
+        before = len(log.diagnostics)
+        try:
+            item = read(row, line)
+        except RowError:
+            if not any(d.severity is Severity.ERROR for d in log.diagnostics[before:]):
+                log.add(rule, line, found=row)
+            continue
+        yield line, item
+
+
+def features_of(
+    block: Block, log: Log, rule: Rule, read: Callable[[str, int], Item | None]
+) -> Iterator[Item]:
+    """What `read` makes of the rows, whose lines are taken; rows that make nothing are not."""
+    for line, item in rows_of(block, log, rule, read):
+        if item is not None:
+            log.taken.append(line)
+            yield item

@@ -221,7 +221,7 @@ def _read_block(block: Block, content: Content, profile: Profile, log: Log) -> N
     elif code == "UE":
         features.extend(read_cambers(block, place))
     elif code == "PR":
-        read_section(block, log, content.section)
+        content.section.extend(read_section(block, log))
         if profile.code != "SO":
             log.add(rules.SECTION_CODE, block.line, code=profile.code)
     elif code == "IN":

@@ -1,6 +1,8 @@
 """Rows of the smaller blocks: SI, KA, SC, TO, UE, PR, IN and planes."""
 
 import re
+from collections.abc import Iterator
+from functools import partial
 from typing import Literal, cast
 
 from beamcam.errors import Rule, Source
@@ -13,7 +15,7 @@ from beamcam.model.part import (
     TextMark,
 )
 from beamcam.readers.dstv import rules
-from beamcam.readers.dstv.place import Place, said_error
+from beamcam.readers.dstv.place import Place, features_of
 from beamcam.readers.dstv.tokens import (
     Block,
     Log,
@@ -36,20 +38,8 @@ _SI_ROW = re.compile(
 
 def read_texts(block: Block, place: Place) -> list[TextMark]:
     """The text marks of a block SI or Sn."""
-    features: list[TextMark] = []
-    log = place.log
-    for line, row in zip(block.numbers, block.rows, strict=True):
-        before = len(log.diagnostics)
-        try:
-            mark = _text_mark(row, line, place)
-        except RowError:
-            if not said_error(log, before):
-                log.add(rules.TEXT_FIELDS, line, found=row)
-            continue
-        if mark is not None:
-            features.append(mark)
-            log.taken.append(line)
-    return features
+    read = partial(_text_mark, place=place)
+    return list(features_of(block, place.log, rules.TEXT_FIELDS, read))
 
 
 def _text_mark(row: str, line: int, place: Place) -> TextMark | None:
@@ -81,43 +71,32 @@ def _text_mark(row: str, line: int, place: Place) -> TextMark | None:
 
 def read_bends(block: Block, log: Log) -> list[Bend]:
     """The bends of block KA."""
-    features: list[Bend] = []
-    for line, row in zip(block.numbers, block.rows, strict=True):
-        # "  25.0 0.0 25.0 100.0 -90.0 15.0"   x1 y1 x2 y2 angle radius
-        try:
-            values = plain_numbers(row, line, log)
-            if len(values) not in (5, 6):
-                raise RowError(row)
-        except RowError:
-            log.add(rules.BEND_FIELDS, line, found=row)
-            continue
-        x1, y1, x2, y2, angle = values[:5]
-        radius = values[5] if len(values) == 6 else None
-        features.append(Bend((x1, y1), (x2, y2), angle, radius, Source(log.file, line)))
-        log.taken.append(line)
-    return features
+    return list(features_of(block, log, rules.BEND_FIELDS, partial(_bend, log=log)))
+
+
+def _bend(row: str, line: int, log: Log) -> Bend:
+    # "  25.0 0.0 25.0 100.0 -90.0 15.0"   x1 y1 x2 y2 angle radius
+    values = plain_numbers(row, line, log)
+    if len(values) not in (5, 6):
+        raise RowError(row)
+    x1, y1, x2, y2, angle = values[:5]
+    radius = values[5] if len(values) == 6 else None
+    return Bend((x1, y1), (x2, y2), angle, radius, Source(log.file, line))
 
 
 def read_cambers(block: Block, place: Place) -> list[Camber]:
     """The points of the camber line of block UE."""
-    features: list[Camber] = []
-    log = place.log
-    for line, row in zip(block.numbers, block.rows, strict=True):
-        before = len(log.diagnostics)
-        try:
-            tokens = place.take(tokenise(row), line)
-            if len(tokens) == 3 and tokens[1].isalpha():
-                place.refer(tokens.pop(1), line)
-            if len(tokens) != 2:
-                raise RowError(row)
-            x, y = numbers(tokens, line, log)
-        except RowError:
-            if not said_error(log, before):
-                log.add(rules.CAMBER_FIELDS, line, found=row)
-            continue
-        features.append(Camber(place.face, x, y, Source(log.file, line)))
-        log.taken.append(line)
-    return features
+    return list(features_of(block, place.log, rules.CAMBER_FIELDS, partial(_camber, place=place)))
+
+
+def _camber(row: str, line: int, place: Place) -> Camber:
+    tokens = place.take(tokenise(row), line)
+    if len(tokens) == 3 and tokens[1].isalpha():
+        place.refer(tokens.pop(1), line)
+    if len(tokens) != 2:
+        raise RowError(row)
+    x, y = numbers(tokens, line, place.log)
+    return Camber(place.face, x, y, Source(place.log.file, line))
 
 
 def read_end_planes(block: Block, log: Log) -> list[EndPlane]:
@@ -177,20 +156,17 @@ def _groups(
     return [(group[0][0], [value for _, value in group]) for group in groups]
 
 
-def read_section(block: Block, log: Log, points: list[SectionPoint]) -> None:
-    """Append the corners of a special profile's cross-section (PR) to `points`."""
-    for line, row in zip(block.numbers, block.rows, strict=True):
-        # "  +   48.000   79.500   0.00"   side, y, z, radius
-        try:
-            values = plain_numbers(row[1:], line, log)
-            if row[0] not in "+-" or len(values) not in (2, 3):
-                raise RowError(row)
-        except RowError:
-            log.add(rules.SECTION_FIELDS, line, found=row)
-            continue
-        side: Literal["+", "-"] = "+" if row[0] == "+" else "-"
-        points.append(SectionPoint(side, values[0], values[1], [*values, 0.0][2]))
-        log.taken.append(line)
+def read_section(block: Block, log: Log) -> Iterator[SectionPoint]:
+    """The corners of a special profile's cross-section (PR)."""
+    return features_of(block, log, rules.SECTION_FIELDS, partial(_section_point, log=log))
+
+
+def _section_point(row: str, line: int, log: Log) -> SectionPoint:
+    # "  +   48.000   79.500   0.00"   side, y, z, radius
+    values = plain_numbers(row[1:], line, log)
+    if row[0] not in "+-" or len(values) not in (2, 3):
+        raise RowError(row)
+    return SectionPoint("+" if row[0] == "+" else "-", values[0], values[1], [*values, 0.0][2])
 
 
 def read_info(block: Block, log: Log) -> list[tuple[str, str]]:
