@@ -9,11 +9,12 @@ tests/property/test_svg_laws.py.
 
 from collections import Counter
 from collections.abc import Iterable
+from contextlib import suppress
 
 from msgspec import Struct, field
 from msgspec.structs import replace
 
-from beamcam.errors import Diagnostic, ReadError, Source
+from beamcam.errors import Diagnostic, ReadError, Rule, Source
 from beamcam.geometry.curves import Curve
 from beamcam.geometry.plane import MAX_COORDINATE, Matrix
 from beamcam.model.colour import parse_colour
@@ -93,6 +94,9 @@ class Walk(Struct):
             if not place.hidden and not _is_hidden(style):
                 self.found.not_cut["text" if tag in _TEXTS else tag] += 1
 
+    def _say(self, rule: Rule, element: Element, **values: object) -> None:
+        self.found.said.append(rule.at(self._source(element), **values))
+
     def _source(self, element: Element) -> Source:
         return Source(self.name, element.line, element.get("id"))
 
@@ -112,8 +116,7 @@ class Walk(Struct):
             self._say_number(element, error)
             return None
         except ValueError as error:
-            said = rules.TRANSFORM.at(self._source(element), found=text, expected=error)
-            self.found.said.append(said)
+            self._say(rules.TRANSFORM, element, found=text, expected=error)
             return None
         layer = layer_of(element, place.depth) if element.tag == "g" else None
         hidden = place.hidden or style.get("display") == "none"
@@ -150,7 +153,7 @@ class Walk(Struct):
         wanted = element.get("href") or element.get("xlink:href") or ""
         target = self.document.ids.get(wanted[1:]) if wanted.startswith("#") else None
         if target is None:
-            self.found.said.append(rules.USE.at(self._source(element), found=wanted))
+            self._say(rules.USE, element, found=wanted)
             return
         self.found.counts["uses"] += 1
         if self.found.counts["uses"] > MOST_USES:
@@ -175,8 +178,7 @@ class Walk(Struct):
         try:
             subpaths = subpaths_of(element, self.page.view)
         except PathError as error:
-            said = rules.PATH.at(source, found=error.found, expected=error.expected)
-            self.found.said.append(said)
+            self._say(rules.PATH, element, found=error.found, expected=error.expected)
             return
         except NumberError as error:
             self._say_number(element, error)
@@ -191,13 +193,13 @@ class Walk(Struct):
             self._sort(element, chains, place, source)
 
     def _say_number(self, element: Element, error: NumberError) -> None:
-        said = rules.NUMBER.at(
-            self._source(element),
+        self._say(
+            rules.NUMBER,
+            element,
             attribute=error.attribute,
             found=error.found,
             expected=error.expected,
         )
-        self.found.said.append(said)
 
     def _placed(self, subpaths: Iterable[Subpath], matrix: Matrix) -> list[tuple[Curve, ...]]:
         """The chains in mm, without those of no length."""
@@ -221,31 +223,24 @@ class Walk(Struct):
         style = place.style
         self.found.layers.add(place.layer or "")
         unwanted = self.chosen is not None and (place.layer or "").lower() not in self.chosen
-        if unwanted or place.hidden or _is_hidden(style):
-            return self._hide(chains)
-        if _is_painted(style, "stroke"):
+        hidden = unwanted or place.hidden or _is_hidden(style)
+        if not hidden and _is_painted(style, "stroke"):
             colour = self._colour(style, source)
             self._note_stroke(element, style)
             self.found.contours += (
                 as_contour(chain, source, place.layer, colour) for chain in chains
             )
-        elif _is_painted(style, "fill"):
+        elif not hidden and _is_painted(style, "fill"):
             self.found.counts["filled"] += 1
             self.found.filled += (curve for chain in chains for curve in chain)
         else:
-            self._hide(chains)
-        return None
-
-    def _hide(self, chains: list[tuple[Curve, ...]]) -> None:
-        self.found.counts["invisible"] += 1
-        self.found.hidden += (curve for chain in chains for curve in chain)
+            self.found.counts["invisible"] += 1
+            self.found.hidden += (curve for chain in chains for curve in chain)
 
     def _note_stroke(self, element: Element, style: Style) -> None:
         """Remarks on a stroked shape: hairlines, dashes, its grid."""
-        try:
+        with suppress(ValueError):  # browsers draw a stroke of no length 1 px wide
             self.found.counts["hairline"] += split_length(style["stroke-width"])[0] == 0.0
-        except ValueError:  # browsers draw such a stroke 1 px wide
-            self.found.counts["hairline"] += 0
         self.found.counts["dashed"] += style["stroke-dasharray"] not in ("none", "")
         numbers = element.get("d") or element.get("points")
         if numbers is None:
