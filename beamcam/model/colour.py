@@ -6,6 +6,7 @@ red into #ed3237 and black into #1f1a17, so a table that says "red" is matched b
 
 import re
 from collections.abc import Iterable, Mapping
+from colorsys import rgb_to_hsv
 from math import inf
 
 from beamcam.model.colour_names import NAMES
@@ -67,21 +68,8 @@ def chroma(colour: str) -> float:
 
 
 def hue_deg(colour: str) -> float:
-    """Hue in degrees, [0, 360): red 0, green 120, blue 240; 0 for a grey.
-
-    Source: the hexagon of HSV, any text on colour spaces.
-    """
-    red, green, blue = channels_of(colour)
-    span = chroma(colour)
-    if span == 0.0:
-        return 0.0
-    if red >= max(green, blue):
-        sixths = (green - blue) / span
-    elif green >= blue:
-        sixths = 2.0 + (blue - red) / span
-    else:
-        sixths = 4.0 + (red - green) / span
-    return sixths * 60.0 % 360.0
+    """Hue in degrees, [0, 360): red 0, green 120, blue 240; 0 for a grey."""
+    return rgb_to_hsv(*channels_of(colour))[0] * 360.0
 
 
 def hue_distance_deg(first: str, second: str) -> float:
