@@ -9,7 +9,9 @@ All in closed form and plain numbers, so that a thousand holes cost no numpy. Un
 caller's: mm, mm/s, mm/s2, mm/s3, or degrees.
 """
 
-from math import cbrt, inf, sqrt
+from math import inf, sqrt
+
+from beamcam.geometry.ramps import ramp
 
 #: Halvings of the root of a rise; below that no second shows it.
 HALVINGS = 40
@@ -27,22 +29,9 @@ def ramp_seconds(change: float, acceleration: float, jerk: float = inf) -> float
 
 
 def move_seconds(distance: float, velocity: float, acceleration: float, jerk: float = inf) -> float:
-    """Minimum time from rest to rest over `distance`, which may be negative.
-
-    Above the way of two full ramps there is a cruise. Below it the peak v follows from the way:
-    v (v / a + a / j) where the ramps reach the acceleration, 2 v sqrt(v / j) where they do not.
-    """
+    """Minimum time from rest to rest over `distance`, which may be negative."""
     way = abs(distance)
-    ramp = ramp_seconds(velocity, acceleration, jerk)
-    if way >= velocity * ramp:
-        return way / velocity + ramp
-    if jerk == inf:
-        return 2.0 * sqrt(way / acceleration)
-    lead = acceleration / jerk
-    if way >= 2.0 * acceleration * lead * lead:
-        peak = acceleration / 2 * (sqrt(lead * lead + 4.0 * way / acceleration) - lead)
-        return 2.0 * (peak / acceleration + lead)
-    return 4.0 * cbrt(way / (2.0 * jerk))
+    return ramp(velocity / way, acceleration / way, jerk / way).duration_s if way else 0.0
 
 
 def stretch_seconds(

@@ -36,8 +36,6 @@ _END = re.compile(r"        END_IF;")
 _RANGE = re.compile(r"        IF \(row >= DINT#(\d+)\) AND \(row <= DINT#(\d+)\) THEN")
 _VALUES = {"LREAL": re.compile(_REAL), "USINT": re.compile(_KIND)}
 
-Columns = list[list[float]]
-
 
 class Operation(Struct, frozen=True):
     """One operation as the controller gets it."""
