@@ -117,10 +117,9 @@ class _Sheet(Struct):
 def _header(part: Part) -> list[str]:
     """The header's lines, 24 or more."""
     profile, cuts, source = part.profile, part.cuts, part.source
-    texts = (part.order, part.drawing, part.phase, part.mark, part.grade, profile.name)
-    names = ("the order", "the drawing", "the phase", "the mark", "the grade", "the profile")
-    for text, name in zip(texts, names, strict=True):
-        _check_text(text, name, source)
+    for name in ("order", "drawing", "phase", "mark", "grade"):
+        _check_text(getattr(part, name), f"the {name}", source)
+    _check_text(profile.name, "the profile", source)
     for text in part.notes:
         _check_text(text, "a text of the header", source)
     length = f"{format_number(part.length):>11}"
@@ -247,9 +246,14 @@ def _info_row(word: str, text: str, source: Source) -> str:
     _check_text(word + text, "a line of information", source)
     row = f"{word} : {text}" if word else text
     if (":" in word) or (not word and (":" in text or len(text) <= 2)):
-        expected = "a word and a text, or a text of 3 characters or more without a colon"
-        place = "a line of information"
-        raise BeamcamError(rules.WRITE_TEXT.at(source, found=row, place=place, expected=expected))
+        raise BeamcamError(
+            rules.WRITE_TEXT.at(
+                source,
+                found=row,
+                place="a line of information",
+                expected="a word and a text, or a text of 3 characters or more without a colon",
+            )
+        )
     return "  " + row.rstrip()
 
 

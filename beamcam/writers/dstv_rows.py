@@ -3,6 +3,8 @@
 from itertools import pairwise
 from math import acos, ceil, hypot, pi, radians
 
+from msgspec.structs import replace
+
 from beamcam.errors import BeamcamError
 from beamcam.geometry.curves import (
     Arc,
@@ -23,7 +25,6 @@ from beamcam.model.part import (
     Contour,
     EndPlane,
     Hole,
-    Notch,
     Plane,
     SectionPoint,
     Slot,
@@ -129,8 +130,7 @@ def contour_rows(contour: Contour, tolerance: float | None) -> list[str]:
     rows: list[str] = []
 
     def add(point: Point, radius: float, letter: str = "", pairs: tuple[float, ...] = ()) -> None:
-        first = not rows
-        face, edge = (contour.face, contour.edge) if first else (" ", "")
+        face, edge = (" ", "") if rows else (contour.face, contour.edge)
         place = _place(face, point[0], edge, format_number(point[1]))
         rows.append(place + (letter or " ") + _numbers(radius, *pairs))
 
@@ -171,20 +171,14 @@ def _by_the_book(contour: Contour) -> Contour:
     if area == 0.0 or (area > 0) == positive:
         return contour
     last = len(contour.curves) - 1
-    bevels = [Bevel(last - b.curve, b.angle, b.land) for b in contour.bevels]
-    notches = [
-        Notch(last - n.curve, n.kind, n.corner, -n.radius) for n in reversed(contour.notches)
-    ]
-    return Contour(
-        contour.face,
-        contour.kind,
-        tuple(curve.reversed() for curve in reversed(contour.curves)),
-        contour.source,
-        contour.process,
-        contour.closed,
-        tuple(sorted(bevels, key=lambda bevel: bevel.curve)),
-        tuple(notches),
-        contour.edge,
+    bevels = [replace(b, curve=last - b.curve) for b in contour.bevels]
+    return replace(
+        contour,
+        curves=tuple(curve.reversed() for curve in reversed(contour.curves)),
+        bevels=tuple(sorted(bevels, key=lambda bevel: bevel.curve)),
+        notches=tuple(
+            replace(n, curve=last - n.curve, radius=-n.radius) for n in reversed(contour.notches)
+        ),
     )
 
 
@@ -199,33 +193,14 @@ def _in_dstv_curves(contour: Contour, tolerance: float | None) -> Contour:
         count_of.append(len(found))
         pieces += found
     if len(pieces) == len(contour.curves):
-        return contour if tuple(pieces) == contour.curves else _with(contour, pieces)
-    bevels = [
+        return replace(contour, curves=tuple(pieces))
+    bevels = tuple(
         Bevel(first_of[b.curve] + k, b.angle, b.land)
         for b in contour.bevels
         for k in range(count_of[b.curve])
-    ]
-    notches = [Notch(first_of[n.curve], n.kind, n.corner, n.radius) for n in contour.notches]
-    return _with(contour, pieces, tuple(bevels), tuple(notches))
-
-
-def _with(
-    contour: Contour,
-    pieces: list[Curve],
-    bevels: tuple[Bevel, ...] | None = None,
-    notches: tuple[Notch, ...] | None = None,
-) -> Contour:
-    return Contour(
-        contour.face,
-        contour.kind,
-        tuple(pieces),
-        contour.source,
-        contour.process,
-        contour.closed,
-        contour.bevels if bevels is None else bevels,
-        contour.notches if notches is None else notches,
-        contour.edge,
     )
+    notches = tuple(replace(n, curve=first_of[n.curve]) for n in contour.notches)
+    return replace(contour, curves=tuple(pieces), bevels=bevels, notches=notches)
 
 
 def _pieces(curve: Curve, contour: Contour, tolerance: float | None) -> list[Curve]:
