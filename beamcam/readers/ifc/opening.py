@@ -2,6 +2,7 @@
 
 import io
 import re
+import struct
 import zipfile
 import zlib
 from pathlib import PurePosixPath
@@ -19,6 +20,7 @@ _SCHEMA = re.compile(rb"FILE_SCHEMA\s*\(\s*\(\s*'([^']*)'", re.IGNORECASE)
 #: text packs to a tenth, a bomb to a thousandth.
 MAX_UNPACKED = 64_000_000
 MAX_RATIO = 50
+_PACKED = (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)
 _NO_MODEL = "an archive without a model"
 _KNOWN = re.compile(r"IFC(2X3(_TC1)?|4|4X3(_ADD[12]|_TC1)?)$", re.IGNORECASE)
 
@@ -75,11 +77,14 @@ def _unzip(data: bytes) -> bytes | str:
             names = [name for name in archive.namelist() if _is_model(name)]
             if len(names) != 1:
                 return f"an archive with {len(names)} models" if names else _NO_MODEL
-            size, packed = archive.getinfo(names[0]).file_size, len(data)
+            one = archive.getinfo(names[0])
+            if (way := one.compress_type) not in _PACKED:
+                return f"an archive that cannot be unpacked, compression {way}, expected deflation"
+            size, packed = one.file_size, len(data)
             if size > (most := max(MAX_UNPACKED, MAX_RATIO * packed)):
                 return f"{packed} bytes that unpack to {size}, expected at most {most}"
             return archive.read(names[0])
-    except (zipfile.BadZipFile, zlib.error, EOFError, OSError) as fault:
+    except (zipfile.BadZipFile, zlib.error, struct.error, EOFError, OSError, ValueError) as fault:
         return f"a damaged archive, {fault}"
     except (RuntimeError, NotImplementedError) as fault:  # a password, an unknown compression
         return f"an archive that cannot be unpacked, {fault}"

@@ -15,9 +15,9 @@ def plain() -> bytes:
     return small.data
 
 
-def zipped(**members: bytes) -> bytes:
+def zipped(way: int = zipfile.ZIP_DEFLATED, **members: bytes) -> bytes:
     held = io.BytesIO()
-    with zipfile.ZipFile(held, "w", zipfile.ZIP_DEFLATED) as archive:
+    with zipfile.ZipFile(held, "w", way) as archive:
         for name, data in members.items():
             archive.writestr(name, data)
     return held.getvalue()
@@ -40,6 +40,10 @@ def test_what_lies_beside_the_model_does_no_harm() -> None:
         (zipped(**{"a.ifcxml": b"<x/>"}), "an archive without a model"),
         (zipped(**{"a.ifc": plain()})[:200], "a damaged archive, "),
         (broken(60, b"\xff\xff\xff\xff"), "a damaged archive, "),
+        (
+            zipped(**{"a.ifc": plain()})[:40] + zipped(**{"a.ifc": plain()})[140:],
+            "a damaged archive, ",
+        ),
         (zipped(**{"a.ifc": b""}), "no STEP header"),
     ],
 )
@@ -58,6 +62,7 @@ def test_a_locked_archive_and_an_unknown_compression_are_refused() -> None:
     locked[6] = locked[central + 8] = 1
     packed = bytearray(data)
     packed[8] = packed[central + 10] = 99
-    for case in (locked, packed):
+    other = zipped(zipfile.ZIP_LZMA, **{"a.ifc": plain()})
+    for case in (locked, packed, other):
         (said,) = read(bytes(case), "m.ifczip").diagnostics
         assert "(an archive that cannot be unpacked, " in said.message
