@@ -1,6 +1,7 @@
 """B-splines (NURBS when they have weights), as chains of Bezier curves."""
 
 from bisect import bisect_right
+from itertools import pairwise
 
 from msgspec import Struct
 
@@ -10,6 +11,7 @@ from beamcam.geometry.plane import Box, Matrix, Point, join_boxes, mapped
 
 #: Taking a spline apart takes (degree + 1)^3 steps a control point, a second for so many.
 MAX_STEPS = 1_000_000
+MIN_SPAN = 1e-30  #: between knots that are not one; derivatives divide by its third power
 
 
 class BSpline(Struct, frozen=True, gc=False):
@@ -41,8 +43,10 @@ class BSpline(Struct, frozen=True, gc=False):
             )
         if len(self.knots) != expected:
             raise ValueError(f"expected {expected} knots, found {len(self.knots)}")
-        if any(b < a for a, b in zip(self.knots, self.knots[1:], strict=False)):
+        if any(b < a for a, b in pairwise(self.knots)):
             raise ValueError("the knots of a spline must not fall")
+        if any(0.0 < b - a < MIN_SPAN for a, b in pairwise(self.knots)):
+            raise ValueError(f"two knots of a spline differ by less than {MIN_SPAN:g}")
         low, high = self.knots[self.degree], self.knots[len(self.control)]
         if not low < high:
             raise ValueError(f"the knots of a spline span nothing: {low:g} to {high:g}")

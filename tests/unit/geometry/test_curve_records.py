@@ -135,6 +135,7 @@ def test_arc_between_and_arc_through():
         (lambda: BSpline(1, ((0, 0), (1, 1)), (0, 1)), "expected 4 knots, found 2"),
         (lambda: BSpline(1, ((0, 0), (1, 1)), (0, 1, 0, 1)), "must not fall"),
         (lambda: BSpline(1, ((0, 0), (1, 1)), (0, 1, 1, 1)), "span nothing: 1 to 1"),
+        (lambda: BSpline(1, ((0, 0), (1, 1)), (0, 0, 1e-31, 1)), "differ by less than 1e-30"),
         (lambda: BSpline(1, ((0, 0), (1, 5), (2, 0)), (0, 0, 0, 1, 1)), "is there 2 times at most"),
         (
             lambda: BSpline(1, ((0, 0), (1, 1), (2, 0), (3, 0)), (0, 0, 1, 1, 2, 2)),
