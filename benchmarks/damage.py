@@ -1,11 +1,16 @@
 """Files damaged in one place or several: bytes, numbers, words, lines, brackets of any format."""
 
+import gzip
+import io
 import random
 import re
+import zipfile
 from collections.abc import Callable
 
 _NUMBER = re.compile(rb"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?")
 _WORD = re.compile(rb"[A-Za-z_][A-Za-z_0-9]*")
+_NAME = re.compile(rb"#[0-9A-Za-z_-]+|\"[^\"\n]*\"|'[^'\n]*'")
+_VALUE = re.compile(rb"\"[^\"\n]*\"|\btrue\b|\bfalse\b|[-+]?\d+\.?\d*")
 _TEXT = re.compile(rb"\"[^\"\n]*\"|'[^'\n]*'")
 
 #: Numbers that break arithmetic, loops and memory where nobody looks at them.
@@ -22,6 +27,23 @@ TEXTS = (
     b"&#0;", b"<!--", b"]]>", b"'", b'"', b"\\", b"../../x", b"A" * 3000, b"{x:>999999999}",
     b"{0.__class__}", b"\xc3\x9f",
 )  # fmt: skip
+#: Values of other kinds than one that is there.
+OTHERS = (
+    b"null",
+    b"true",
+    b"[]",
+    b"{}",
+    b"[[1, 2]]",
+    b'"x"',
+    b"$",
+    b"*",
+    b"()",
+    b".T.",
+    b"5",
+    b"-",
+)
+#: How a whole file may be written by another system.
+ENCODINGS = ("utf-16", "utf-16-be", "utf-8-sig", "cp037")
 DEEP = 3000  #: brackets inside one another
 MANY = 200  #: times that a line is said again
 
@@ -57,12 +79,51 @@ def change_number(data: bytes, chance: random.Random) -> bytes:
 
 def scale_number(data: bytes, chance: random.Random) -> bytes:
     """Another number of the same order, which most checks let pass."""
-    found = list(_NUMBER.finditer(data))
-    if not found:
-        return data
-    match = chance.choice(found)
-    value = float(match[0]) * chance.choice((-1.0, 0.0, 0.5, 0.999, 1.001, 2.0, 10.0, 1000.0))
-    return data[: match.start()] + f"{value:.12g}".encode() + data[match.end() :]
+    by = chance.choice((-1.0, 0.0, 0.5, 0.999, 1.001, 2.0, 10.0, 1000.0))
+    return _computed(data, chance, lambda value: value * by)
+
+
+def nudge_number(data: bytes, chance: random.Random) -> bytes:
+    """A number that differs a little, so that what met meets no more, or nearly."""
+    step = chance.choice((-1.0, 1.0)) * 10.0 ** -chance.randrange(10)
+    return _computed(data, chance, lambda value: value + step)
+
+
+def round_number(data: bytes, chance: random.Random) -> bytes:
+    """A number with fewer digits, so that what was apart may meet."""
+    return _computed(data, chance, lambda value: round(value, chance.choice((-2, -1, 0, 1, 2, 3))))
+
+
+def exchange_names(data: bytes, chance: random.Random) -> bytes:
+    """A record or an element that refers to another one, perhaps to itself."""
+    return _replaced(_NAME, data, chance, _one_of(_NAME, data, chance))
+
+
+def change_kind(data: bytes, chance: random.Random) -> bytes:
+    return _replaced(_VALUE, data, chance, chance.choice(OTHERS))
+
+
+def write_otherwise(data: bytes, chance: random.Random) -> bytes:
+    """The file in another encoding, with other line ends, or packed."""
+    way = chance.randrange(len(ENCODINGS) + 4)
+    if way < len(ENCODINGS):
+        return data.decode("latin-1").encode(ENCODINGS[way], "replace")
+    if way < len(ENCODINGS) + 2:
+        return b"\n".join(data.splitlines()).replace(b"\n", (b"\r", b"\r\n")[way % 2])
+    if way == len(ENCODINGS) + 2:
+        return gzip.compress(data, mtime=0)
+    packed = io.BytesIO()
+    with zipfile.ZipFile(packed, "w", zipfile.ZIP_DEFLATED) as archive:
+        archive.writestr(zipfile.ZipInfo("model.ifc"), data)
+    return packed.getvalue()
+
+
+def move_lines(data: bytes, chance: random.Random) -> bytes:
+    """Some lines, at another place as well."""
+    lines = data.splitlines(keepends=True)
+    start, to = chance.randrange(len(lines) + 1), chance.randrange(len(lines) + 1)
+    some = lines[start : start + chance.choice((1, 3, 10))]
+    return b"".join([*lines[:to], *some, *lines[to:]])
 
 
 def exchange_numbers(data: bytes, chance: random.Random) -> bytes:
@@ -115,7 +176,9 @@ def nest(data: bytes, chance: random.Random) -> bytes:
 DAMAGES: tuple[Damage, ...] = (
     flip_byte, drop_stretch, repeat_stretch, cut_short, change_number, change_number, scale_number,
     scale_number, scale_number, exchange_numbers, exchange_numbers, exchange_words, change_text,
-    insert_text, drop_line, repeat_line, exchange_lines, nest,
+    insert_text, drop_line, repeat_line, exchange_lines, nest, nudge_number, nudge_number,
+    nudge_number, nudge_number, round_number, round_number, exchange_names, change_kind,
+    write_otherwise, move_lines,
 )  # fmt: skip
 
 
@@ -124,6 +187,18 @@ def damaged(data: bytes, chance: random.Random) -> bytes:
     for _ in range(chance.choice((1, 1, 1, 1, 2, 2, 3, 6))):
         data = chance.choice(DAMAGES)(data, chance)
     return data
+
+
+def _computed(data: bytes, chance: random.Random, change: Callable[[float], float]) -> bytes:
+    found = list(_NUMBER.finditer(data))
+    if not found:
+        return data
+    match = chance.choice(found)
+    try:
+        value = change(float(match[0]))
+    except OverflowError:  # of rounding
+        return data
+    return data[: match.start()] + f"{value:.12g}".encode() + data[match.end() :]
 
 
 def _one_of(pattern: re.Pattern[bytes], data: bytes, chance: random.Random) -> bytes:

@@ -99,13 +99,27 @@ def test_the_table_counts_all() -> None:
         fuzz.Outcome(7, "dxf", "crash", "KeyError here", 1.0, 120.0),
     ]
     head, *rows = fuzz.table(found, ("dstv", "dxf"))
-    assert rows[-1].split() == ["all", "3", "1", "0", "0", "2", "0", "0", "1.0", "120"]
-    assert len(head.split()) == 12  # two words each for the last two
+    assert rows[-1].split() == ["all", "3", "1", "0", "0", "2", "0", "0", "1.0", "1", "120"]
+    assert len(head.split()) == 14  # two words each for the last three
     found.append(fuzz.Outcome(2, "json", "read-back", "verify-ledger"))
     assert list(fuzz.faults(found)) == [
-        "     2 x dxf crash, first --only 1: KeyError here",
-        "     1 x json read-back, first --only 2: verify-ledger",
+        "     2 x dxf crash, --only 1, 7: KeyError here",
+        "     1 x json read-back, --only 2: verify-ledger",
     ]
+
+
+def test_what_took_too_long_counts_as_it_is_alone(monkeypatch: pytest.MonkeyPatch) -> None:
+    again = fuzz.Outcome(4, "json", "refused", "", 1.0)
+    asked: list[tuple[range, int]] = []
+
+    def outcomes(indices: range, seed: int, jobs: int, kinds: tuple[str, ...]) -> object:
+        asked.append((indices, jobs))
+        return iter([again])
+
+    monkeypatch.setattr(fuzz, "outcomes", outcomes)
+    crash, hang = (fuzz.Outcome(k, "json", how) for k, how in ((3, "crash"), (4, "hang")))
+    assert fuzz.tried_again([crash, hang], 1, ("json",)) == [crash, again]
+    assert asked == [(range(4, 5), 1)]
 
 
 def test_a_run_ends_with_its_table(tmp_path: Path) -> None:
