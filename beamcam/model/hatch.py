@@ -13,6 +13,8 @@ from beamcam.model.colour import key_of
 from beamcam.model.part import Contour, Part
 
 CHORD = 0.2  #: mm, of curves whose inside is filled
+#: mm above a line of a hatch, where it is looked what lies inside: an edge may lie on the line.
+ABOVE = 1e-7
 MAX_CHORDS = 4096
 HATCH = "hatch"  #: source of the lines of a hatch in messages
 
@@ -80,12 +82,13 @@ def _lines(contours: list[Contour], own: LookSettings) -> Iterator[Line]:
     low, count = min(heights), int((max(heights) - min(heights)) / distance + 0.5)
     crossings: list[list[float]] = [[] for _ in range(count)]
     for (ax, ay), (bx, by) in edges:
-        first = max(0, ceil((min(ay, by) - low) / distance - 0.5))
+        first = max(0, ceil((min(ay, by) - ABOVE - low) / distance - 0.5))
         for k in range(first, count):
             y = low + (k + 0.5) * distance
-            if not min(ay, by) <= y < max(ay, by):
+            if not min(ay, by) <= y + ABOVE < max(ay, by):
                 break
-            crossings[k].append(ax + (bx - ax) * (y - ay) / (by - ay))
+            share = min(max((y - ay) / (by - ay), 0.0), 1.0)
+            crossings[k].append(ax + (bx - ax) * share)
     for k, found in enumerate(crossings):
         y = low + (k + 0.5) * distance
         xs = sorted(found)

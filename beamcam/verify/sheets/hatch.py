@@ -10,7 +10,7 @@ distance apart, the first half of it above the lowest point of the contours:
 Nothing of this is taken from `model.hatch`, by which the lines are made.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from itertools import groupby
 from math import cos, radians, sin
 
@@ -28,7 +28,11 @@ from beamcam.verify.sheets.work import Work
 
 CHORD = 0.1  #: mm
 SLACK = 0.05  #: mm that an end may be elsewhere, where lines run flat into a contour
+ASIDE = 1e-6  #: mm from a line, where it is looked what lies above and below an edge on it
 HATCH = "hatch"  #: where the input's reader says that a line of a hatch is
+
+
+Spans = tuple[float, float]  #: where a piece of a line begins and ends along x
 
 
 class _Fault(Struct, frozen=True):
@@ -66,50 +70,64 @@ def hatch_faults(need: Need, torch: Torch, name: str) -> list[Diagnostic]:
 
 
 def _faults(filled: _Filled, distance: float) -> Iterator[_Fault]:
-    """Where lines differ from those that fill the area."""
+    """Where lines differ from those that fill the area.
+
+    Where an edge lies on a line, that may fill what is above it, what is below it, or both.
+    """
     if not filled.rings:
         return
-    low, pieces = _pieces(filled.rings, distance)
-    slack = max(SLACK, distance / 4)
-    left = {k: list(spans) for k, spans in pieces.items()}
+    low = float(np.concatenate(filled.rings)[:, 1].min())
+    found: dict[int, list[Spans]] = {}
     for line in filled.lines:
         (x0, y), (x1, y1) = line[0].tolist(), line[-1].tolist()
         k = round((y - low) / distance - 0.5)
         expected = low + (k + 0.5) * distance
         if abs(y - y1) > SLACK / 10 or abs(y - expected) > SLACK / 10:
             yield _Fault("a line between those that fill it, or at another angle", (x0, y))
-            continue
-        a, b = min(x0, x1) - distance / 2, max(x0, x1) + distance / 2
-        spans = left.get(k, [])
-        fits = [span for span in spans if max(abs(span[0] - a), abs(span[1] - b)) <= slack]
-        if not fits:
-            yield _Fault("a line that ends elsewhere, or is there twice", (x0, y))
         else:
-            spans.remove(fits[0])
-    for k, spans in left.items():
-        for a, b in spans:
-            if b - a > 2 * distance + 2 * slack:
-                yield _Fault("no line", ((a + b) / 2, low + (k + 0.5) * distance))
+            span = min(x0, x1) - distance / 2, max(x0, x1) + distance / 2
+            found.setdefault(k, []).append(span)
+    pieces = [_pieces(filled.rings, distance, aside) for aside in (0.0, ASIDE, -ASIDE)]
+    for k in sorted({*found, *(k for some in pieces for k in some)}):
+        y = low + (k + 0.5) * distance
+        faults = [_line_fault(found.get(k, []), some.get(k, []), distance, y) for some in pieces]
+        if faults[0] is not None and None not in faults:
+            yield faults[0]
 
 
-def _pieces(
-    rings: list[Floats], distance: float
-) -> tuple[float, dict[int, list[tuple[float, float]]]]:
-    """The lowest y of the area, and the pieces of each line in it, by the number of the line."""
+def _line_fault(
+    found: Sequence[Spans], pieces: Sequence[Spans], distance: float, y: float
+) -> _Fault | None:
+    """Where what is found of one line differs from the pieces that it should have."""
+    slack = max(SLACK, distance / 4)
+    left = list(pieces)
+    for a, b in found:
+        fits = [span for span in left if max(abs(span[0] - a), abs(span[1] - b)) <= slack]
+        if not fits:
+            return _Fault("a line that ends elsewhere, or is there twice", (a, y))
+        left.remove(fits[0])
+    for a, b in left:
+        if b - a > 2 * distance + 2 * slack:
+            return _Fault("no line", ((a + b) / 2, y))
+    return None
+
+
+def _pieces(rings: list[Floats], distance: float, aside: float) -> dict[int, list[Spans]]:
+    """The pieces of each line in the area, by the number of the line; lines are `aside` higher."""
     inside: shapely.Geometry = shapely.Polygon()
     for ring in rings:
         inside = shapely.symmetric_difference(inside, shapely.make_valid(shapely.Polygon(ring)))
     points = np.concatenate(rings)
     (x0, low), (x1, high) = points.min(axis=0).tolist(), points.max(axis=0).tolist()
-    count = int((high - low) / distance + 0.5)
-    ys = low + (np.arange(count) + 0.5) * distance
+    count = int((high - low) / distance + 0.5) + 1
+    ys = low + (np.arange(count) + 0.5) * distance + aside
     ends = np.stack((np.full(count, x0 - 1), ys, np.full(count, x1 + 1), ys), axis=1)
     cut = shapely.intersection(shapely.linestrings(ends.reshape(-1, 2, 2)), inside)
     parts, number = shapely.get_parts(cut, return_index=True)
-    found: dict[int, list[tuple[float, float]]] = {}
+    found: dict[int, list[Spans]] = {}
     for (a, _, b, _), k in zip(shapely.bounds(parts).tolist(), number.tolist(), strict=True):
         found.setdefault(k, []).append((a, b))
-    return low, found
+    return found
 
 
 def _filled(need: Need, process: TorchProcess | None, key: str, own: LookSettings) -> _Filled:

@@ -242,3 +242,17 @@ def test_the_sign_of_the_page_is_marked_filled_and_cut(tmp_path: Path) -> None:
     assert text.count("M4 S300 F3500") > 30
     assert text.rindex("F2400") < text.index("F3500") < text.rindex("F3500") < text.index("F900")
     assert list(faults(text)) == []
+
+
+@pytest.mark.parametrize("angle", [0.0, 90.0, 180.0, -90.0, 45.0])
+@pytest.mark.parametrize("turned", [0.0, 90.0])
+def test_an_edge_may_lie_on_a_line_of_the_hatch(angle: float, turned: float) -> None:
+    """A step and an island whose edges, and an outline whose far side, lie on lines 2 mm apart."""
+    step = lines((0, 0), (31, 0), (31, 15), (20, 15), (20, 25), (0, 25))
+    island = box(5, 5, 10, 10)
+    part = drawing(
+        contour(step, "#0000ff"), contour(island, "#0000ff", line=2), thickness=3.0
+    )  # fmt: skip
+    own = {"blue": LookSettings(hatch=2.0, hatch_angle=angle)}
+    machine = with_torch(load_machine("laser-grbl"), {"blue": "mark"}, settings=own, rotate=turned)
+    assert post((part,), machine).text.count("M4") > 12
