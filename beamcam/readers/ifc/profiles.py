@@ -1,6 +1,7 @@
 """Profile definitions of IFC as sections: parameterised ones by their numbers, others by form."""
 
 from collections.abc import Sequence
+from functools import partial
 from math import atan2, degrees, hypot, pi
 from typing import Any
 
@@ -187,15 +188,19 @@ def _parameterised(model: Model, entity: Entity) -> Section | None:
     centre = (frame.o[0], frame.o[1])
     ex, ey = (frame.x[0], frame.x[1]), (frame.y[0], frame.y[1])
 
-    def number(name: str) -> float:
-        value = getattr(entity, name, None)
-        return 0.0 if value is None else value * mm
+    number = partial(_number, entity, model.mm)
 
     def made(code: ProfileCode, *sizes: float, y: Point = ey, z: Point = ex) -> Section:
         h, b, tf, tw, r = sizes
         if min(h, b, tw) <= 0 or r < 0:
             raise Unreadable(f"a profile of impossible size {h:g} x {b:g} x {tw:g}")
         return placed(code, (h, b, tf, tw, r), centre, y, z, area_by_measures(code, *sizes))
+
+    def upright(code: ProfileCode, up: float, across: float, *others: float) -> Section:
+        """The section with its greater side as the height."""
+        if up >= across:
+            return made(code, up, across, *others)
+        return made(code, across, up, *others, y=ex, z=ey)
 
     if entity.is_a("IfcAsymmetricIShapeProfileDef"):
         return _asymmetric(entity, mm, made, frame)
@@ -221,21 +226,15 @@ def _parameterised(model: Model, entity: Entity) -> Section | None:
             number("FlangeThickness"), number("FilletRadius"), y=ex, z=down,
         )  # fmt: skip
     if entity.is_a("IfcLShapeProfileDef"):
-        depth, thick, radius = number("Depth"), number("Thickness"), number("FilletRadius")
+        depth, thick = number("Depth"), number("Thickness")
         width = number("Width") or depth
-        if depth >= width:
-            return made("L", depth, width, thick, thick, radius)
-        return made("L", width, depth, thick, thick, radius, y=ex, z=ey)
+        return upright("L", depth, width, thick, thick, number("FilletRadius"))
     if entity.is_a("IfcRectangleHollowProfileDef"):
-        wall = number("WallThickness")
-        x, y = number("XDim"), number("YDim")
-        radius = number("OuterFilletRadius")
-        if y >= x:
-            return made("M", y, x, wall, wall, radius)
-        return made("M", x, y, wall, wall, radius, y=ex, z=ey)
+        wall, radius = number("WallThickness"), number("OuterFilletRadius")
+        return upright("M", number("YDim"), number("XDim"), wall, wall, radius)
     if entity.is_a() == "IfcRectangleProfileDef":
         x, y = number("XDim"), number("YDim")
-        return made("B", y, x, 0.0, x, 0.0) if y >= x else made("B", x, y, 0.0, y, 0.0, y=ex, z=ey)
+        return upright("B", y, x, 0.0, min(x, y), 0.0)
     if entity.is_a("IfcCircleHollowProfileDef"):
         d, wall = 2 * number("Radius"), number("WallThickness")
         return made("RO", d, d, wall, wall, 0.0)
@@ -251,6 +250,12 @@ def _parameterised(model: Model, entity: Entity) -> Section | None:
     return None
 
 
+def _number(entity: Entity, mm: float, name: str) -> float:
+    """A measure of a profile in mm; 0 where it has none."""
+    value = getattr(entity, name, None)
+    return 0.0 if value is None else float(value) * mm
+
+
 def _lips(girth: float, wall: float, radius: float) -> float:
     """Area that the lips of a cold formed channel add to its sharp area, with all its bends.
 
@@ -264,24 +269,22 @@ def _lips(girth: float, wall: float, radius: float) -> float:
 
 def _asymmetric(entity: Entity, mm: float, made: Any, frame: Frame) -> Section:
     """An I of two flanges; a special section with its outline where they are not alike."""
-    names = ("BottomFlangeWidth", "TopFlangeWidth", "BottomFlangeThickness", "TopFlangeThickness")
     if entity.is_a("IfcIShapeProfileDef"):  # IFC2X3: the bottom flange has the inherited names
         bottom, thick = entity.OverallWidth, entity.FlangeThickness
         radius = entity.FilletRadius
     else:
-        bottom, thick = getattr(entity, names[0]), getattr(entity, names[2])
+        bottom, thick = entity.BottomFlangeWidth, entity.BottomFlangeThickness
         radius = entity.BottomFlangeFilletRadius
     top = entity.TopFlangeWidth
-    thick_top = entity.TopFlangeThickness
-    if thick_top is None:
-        thick_top = thick
+    thick_top = thick if entity.TopFlangeThickness is None else entity.TopFlangeThickness
     if abs(bottom - top) * mm > 0.2 or abs(thick - thick_top) * mm > 0.2:
-        half = entity.OverallDepth * mm / 2
-        web = entity.WebThickness * mm
         upper = entity.TopFlangeFilletRadius
-        rounds = (radius or 0.0) * mm, ((radius if upper is None else upper) or 0.0) * mm
         drawn = _two_flanges(
-            half, web, (bottom * mm, thick * mm), (top * mm, thick_top * mm), rounds
+            entity.OverallDepth * mm / 2,
+            entity.WebThickness * mm,
+            (bottom * mm, thick * mm),
+            (top * mm, thick_top * mm),
+            ((radius or 0.0) * mm, ((radius if upper is None else upper) or 0.0) * mm),
         )
         moved = _moved(drawn, frame)
         return special(moved, abs(signed_area(moved)))
@@ -340,12 +343,7 @@ def _towards(a: Point, b: Point) -> Point:
 
 def _sharp(model: Model, entity: Entity) -> list[Point] | None:
     """The corners of an open parameterised profile without its fillets."""
-    mm = model.mm
-
-    def number(name: str) -> float:
-        value = getattr(entity, name, None)
-        return 0.0 if value is None else value * mm
-
+    number = partial(_number, entity, model.mm)
     if entity.is_a("IfcIShapeProfileDef"):
         h, b = number("OverallDepth") / 2, number("OverallWidth") / 2
         t, w = number("FlangeThickness"), number("WebThickness") / 2
