@@ -10,11 +10,11 @@ full speed.
 """
 
 from collections.abc import Iterator, Sequence
-from math import cbrt, cos, dist, hypot, inf, radians, sqrt
+from math import atan2, cbrt, cos, degrees, dist, hypot, inf, radians, sin, sqrt
 
 from msgspec import Struct
 
-from beamcam.geometry.curves import Line
+from beamcam.geometry.curves import Arc, Bezier, EllipseArc, Line
 from beamcam.geometry.moves import move_seconds, stretch_seconds
 from beamcam.geometry.plane import Point
 from beamcam.machine.machine import Machine
@@ -33,7 +33,6 @@ from beamcam.model.program import (
     Traverse,
 )
 from beamcam.model.work_time import WorkTime
-from beamcam.motion.curves_of_moves import curve_of
 from beamcam.motion.feed_limits import feasible_mm_s
 from beamcam.motion.lookahead import joint_speeds
 from beamcam.motion.speed_sections import SpeedSection, join_segments
@@ -164,3 +163,46 @@ def _junction_mm_s(segments: Sequence[Segment], index: int, limits: PathLimits) 
     spread = 0.5 * short * half_sine / half_cosine * limits.across_mm_s2
     by_jerk = cbrt(limits.jerk_mm_s3 * (short / (2.0 * half_cosine)) ** 2)
     return min(least, sqrt(min(corner, spread)), by_jerk)
+
+
+def curve_of(here: Point, move: Movement) -> Line | Arc | Bezier | EllipseArc:
+    """The curve of a move that starts `here`; an arc that ends where it starts is a circle."""
+    end = move.x, move.y
+    match move:
+        case Feed():
+            return Line(here, end)
+        case ArcFeed(i=i, j=j, clockwise=clockwise):
+            centre = here[0] + i, here[1] + j
+            first = degrees(atan2(-j, -i))
+            last = degrees(atan2(end[1] - centre[1], end[0] - centre[0]))
+            return Arc(centre, hypot(i, j), first, _sweep_deg(here, end, first, last, clockwise))
+        case ParabolaFeed(i=i, j=j):
+            vertex = here[0] + i, here[1] + j
+            control = tuple(2 * v - (a + b) / 2 for v, a, b in zip(vertex, here, end, strict=True))
+            return Bezier((here, (control[0], control[1]), end))
+        case EllipseFeed():
+            return _ellipse(here, end, move)
+
+
+def _ellipse(here: Point, end: Point, move: EllipseFeed) -> EllipseArc:
+    centre = here[0] + move.i, here[1] + move.j
+    c, s = cos(radians(move.angle)), sin(radians(move.angle))
+
+    def eccentric(point: Point) -> tuple[float, float]:
+        """The place in the circle that the ellipse is the image of."""
+        x, y = point[0] - centre[0], point[1] - centre[1]
+        return c * x + s * y, (c * y - s * x) / move.ratio
+
+    (ax, ay), (bx, by) = eccentric(here), eccentric(end)
+    first, last = degrees(atan2(ay, ax)), degrees(atan2(by, bx))
+    major = hypot(ax, ay)
+    sweep = _sweep_deg(here, end, first, last, move.clockwise)
+    return EllipseArc(centre, (major * c, major * s), move.ratio, first, sweep)
+
+
+def _sweep_deg(start: Point, end: Point, first: float, last: float, clockwise: bool) -> float:
+    if start == end:
+        return -360.0 if clockwise else 360.0
+    if clockwise:
+        return -((first - last) % 360.0)
+    return (last - first) % 360.0

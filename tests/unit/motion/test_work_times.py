@@ -14,12 +14,17 @@ from beamcam.machine.path_limits import path_limits
 from beamcam.model.part import Part
 from beamcam.model.program import ArcFeed, EllipseFeed, Feed, ParabolaFeed
 from beamcam.model.work_time import WorkTime
-from beamcam.motion.curves_of_moves import curve_of
 from beamcam.motion.densify import DensifyRules, densify
 from beamcam.motion.lookahead import LookAheadRules, plan_speeds
 from beamcam.motion.profile import Limits
 from beamcam.motion.sheet import sheet_program
-from beamcam.motion.sheet_times import SECONDS_PER_MINUTE, program_time, seconds_along, segment_of
+from beamcam.motion.sheet_times import (
+    SECONDS_PER_MINUTE,
+    curve_of,
+    program_time,
+    seconds_along,
+    segment_of,
+)
 from beamcam.motion.steps import step_table
 from beamcam.motion.table_times import length_through, step_time, trigger_time
 from beamcam.pipeline import post
