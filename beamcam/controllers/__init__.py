@@ -45,11 +45,11 @@ def cell_events(
     """
     events, interpreter = EventList(), interpreter_of(machine, name)
     interpreter.record(events)
-    lines = text.rstrip().split("\n")
-    last = len(lines)
+    lines = interpreter.lines_of(text.rstrip())
+    interpreter.begin(len(lines))
     for number, line in enumerate(lines, 1):
-        interpreter.line(number, line, number == 1 or number == last)
-    interpreter.finish(last)
+        interpreter.line(number, line)
+    interpreter.finish()
     return events, interpreter.said
 
 

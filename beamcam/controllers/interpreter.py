@@ -93,19 +93,28 @@ class Interpreter(ABC):
         self._back_to_near = False  #: whether it draws back to R only (G99)
         self._row = 0  #: blocks since the last move that a controller limits, such as M words
         self._over = False
+        self._last = 0  #: line of the text
 
     @property
     def plain_motions(self) -> tuple[int, ...]:
         """The numbers of the G words of plain moves that the machine's controller takes."""
         return tuple(n for n in range(4) if self._dialect.is_allowed(f"G{n}"))
 
+    def lines_of(self, text: str) -> list[str]:
+        """The lines of a text."""
+        return text.split("\n")
+
+    def begin(self, lines: int) -> None:
+        """The beginning of a text of so many lines."""
+        self._last = lines
+
     @abstractmethod
     def knows(self, code: str) -> bool:
         """Whether a G word, `G1`, has a meaning on this controller or in the machine's file."""
 
     @abstractmethod
-    def line(self, line: int, text: str, outermost: bool) -> None:
-        """Carries out a line of the text; `outermost` is the first and the last one."""
+    def line(self, line: int, text: str) -> None:
+        """Carries out a line of the text, as `lines_of` gives it."""
 
     @abstractmethod
     def _carry_out(self, line: int, motion: int, words: Words) -> None:
@@ -203,11 +212,11 @@ class Interpreter(ABC):
                 self._say(line, self._rules.end, found=found)
         return self._over
 
-    def finish(self, last: int) -> None:
-        """The end of a text of `last` lines."""
+    def finish(self) -> None:
+        """The end of the text."""
         self.plain_until(inf)
         if not self._over:
-            self._say(max(last, 1), self._rules.end, found="the end of the program")
+            self._say(max(self._last, 1), self._rules.end, found="the end of the program")
 
     def _end(self, switch: Switch) -> None:
         self._over = True

@@ -28,10 +28,11 @@ def table_run(text: str, interpreter: Interpreter) -> tuple[Run, list[Diagnostic
     )
     track = Track(found.plain, interpreter.per_minute)
     interpreter.follow(track)
+    interpreter.begin(found.lines)
     for number, line in found.odd:
         interpreter.plain_until(number)
-        interpreter.line(number, line, number in (1, found.lines))
-    interpreter.finish(found.lines)
+        interpreter.line(number, *interpreter.lines_of(line))
+    interpreter.finish()
     done, faults = track.finish(interpreter.arc_slack, interpreter.arc_fault)
     for number, fault in faults:
         interpreter.wrong_arc(number, fault)

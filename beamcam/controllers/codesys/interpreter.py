@@ -49,7 +49,7 @@ _LETTERS = {
 }
 _SIDES: dict[int, Side] = {40: "on", 41: "left", 42: "right"}
 _WITHOUT_EFFECT = (50, 53)  #: smoothing and offsets: off, as at the start
-_NUMBERED = re.compile(r"N[0-9]+ ")
+_UNNUMBERED = re.compile(r"^(?:N[0-9]+ )?(.*)$", re.MULTILINE)
 
 
 _blocks_of: PerObject[Dialect, BoundedCache[str, Block]] = PerObject(
@@ -67,7 +67,7 @@ class Codesys(Interpreter):
         super().__init__(dialect, name)
         self.arc_slack = 2 * sqrt(2) * dialect.resolution
         self._known = _blocks_of(dialect)
-        self._begun = False  #: whether a block has been read
+        self._begun = False  #: whether a block was carried out
         self._absolute_centre = False
         #: A cell's programs may count on G90 as the default, those of a table have to say it.
         self._counting_said = dialect.stock == "beam"
@@ -84,11 +84,13 @@ class Codesys(Interpreter):
         """Whether a G word has a meaning here."""
         return code in self._dialect.codes or code in {f"G{number}" for number in _KNOWN_G}
 
-    def line(self, line: int, text: str, outermost: bool) -> None:
+    def lines_of(self, text: str) -> list[str]:
+        """The lines of a text without their block numbers, which count for nothing."""
+        return _UNNUMBERED.findall(text)
+
+    def line(self, line: int, text: str) -> None:
         """Carries out a line of the text."""
-        numbered = _NUMBERED.match(text)
-        body = text[numbered.end() :] if numbered else text
-        block = self._known.get(body) or self._read(line, body, outermost)
+        block = self._known.get(text) or self._read(line, text)
         if block is None or (self._over and self.is_over(line)):
             return
         self._begun = True
@@ -104,12 +106,12 @@ class Codesys(Interpreter):
         else:
             self._setting(line, number, words)
 
-    def _read(self, line: int, body: str, outermost: bool) -> Block | None:
+    def _read(self, line: int, body: str) -> Block | None:
         """A block that is not known; None for a text or no block, and with a message if invalid."""
         if self._is_text(line, body):
             return None
         if body.lstrip().startswith("%"):
-            if not self._begun or outermost:
+            if not self._begun or line in (1, self._last):
                 return None
             block: Block | Fault | None = Fault(
                 body.strip(), "% on the first or the last line only"

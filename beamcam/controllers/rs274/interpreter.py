@@ -55,7 +55,7 @@ class Rs274(Interpreter):
         """Whether a G word has a meaning here."""
         return code in self._dialect.codes or code in self._variant.g_words
 
-    def line(self, line: int, text: str, outermost: bool) -> None:
+    def line(self, line: int, text: str) -> None:
         """Carries out a line of the text."""
         if len(text) > self._variant.longest_line:
             self._syntax(line, text, f"at most {self._variant.longest_line} characters")
@@ -67,17 +67,17 @@ class Rs274(Interpreter):
                 text, self._variant, self._switches, self._dialect
             )
         if block.percent:
-            self._percent(line, text, outermost)
+            self._percent(line, text)
         elif block.syntax:
             self._syntax(line, text, block.syntax)
         elif not block.blank and not self.is_over(line):
             self._block(line, block)
 
-    def _percent(self, line: int, text: str, outermost: bool) -> None:
+    def _percent(self, line: int, text: str) -> None:
         self._percents.append(line)
         if not self._variant.percent:
             self._syntax(line, text, f"no %, {self.controller} does not know it")
-        elif not outermost:
+        elif line not in (1, self._last):
             self._syntax(line, text, "% alone on the first and the last line only")
 
     def _syntax(self, line: int, found: str, expected: str) -> None:
@@ -169,9 +169,10 @@ class Rs274(Interpreter):
         """The controller's deviation from an arc; None if it makes that arc."""
         return self._variant.arc_fault(start, end, centre, clockwise)
 
-    def finish(self, last: int) -> None:
-        """The end of a text of `last` lines."""
-        super().finish(last)
+    def finish(self) -> None:
+        """The end of the text."""
+        super().finish()
+        last = self._last
         if self._variant.percent and (1 in self._percents) != (last in self._percents):
             self._syntax(last, "%", "% on both the first and the last line, or on none")
 
