@@ -8,22 +8,37 @@
 A stretch that has no path is such a corner if no place of the waste has room for the beam and
 touches it, if the beam touches both of its ends from one place, and if it grows narrow: a slot
 that is too narrow for the beam does not, and both ends of a neck are touched from two places.
+
+A needle of the part that is thinner than what paths may be off is touched through from behind.
+There a corner ends where the beam touches the needle from the corner's own side, which is farther
+along the contour, at the needle's tip or short of it.
 """
 
 from collections.abc import Iterator, Sequence
 
 import numpy as np
+import shapely
 from msgspec import Struct
 
 from beamcam.geometry.array_types import Counts, Flags, Floats
 from beamcam.geometry.plane import Point
-from beamcam.verify.sheets.sides import Samples, is_behind, off
+from beamcam.verify.sheets.sides import Samples, is_behind, off, waste_sides
 from beamcam.verify.sheets.touching import waste_rings
+from beamcam.verify.sheets.ways import Ways
 from beamcam.verify.sheets.work import Traced, Work
 
 HALVINGS = 24  #: of the way between a place that has a path and one that has none
 SHALLOW = 2.0  #: by half the kerf; what is less deep need not grow narrow
 NARROWS = 0.75  #: width half way down, by that of the mouth
+BEYOND = 64  #: samples behind the end of a stretch among which the beam may touch a needle
+
+
+class Stretch(Struct, frozen=True):
+    """Samples of a ring that have no path, one behind the other."""
+
+    samples: Counts  #: they, with the one before and the one behind them, which have a path
+    before: Counts  #: those before them, from the one that has a path on
+    behind: Counts  #: and behind them
 
 
 class Corner(Struct, frozen=True):
@@ -56,7 +71,9 @@ def in_corners(
     # beam touches a tip from behind, both sides are one.
     whole = np.arange(len(owner)), samples, is_missing
     for rows, some, gone in (whole, beam.with_ends(samples, is_missing)):
-        stretches = [s for s in _stretches(work, some[2], gone) if left[_own(rows, s[1:-1])].all()]
+        stretches = [
+            s for s in _stretches(work, some[2], gone) if left[_own(rows, s.samples[1:-1])].all()
+        ]
         for corner in beam.corners(stretches, some):
             good[_own(rows, corner.samples)] = True
             corners.append(corner)
@@ -93,8 +110,8 @@ def _no_room(work: Work, element: Counts, share: Floats) -> Flags:
     return found
 
 
-def _stretches(work: Work, owner: Counts, missing: Flags) -> Iterator[Counts]:
-    """Samples of a ring that have no path, one behind the other, between two that have one."""
+def _stretches(work: Work, owner: Counts, missing: Flags) -> Iterator[Stretch]:
+    """The stretches of all rings that have no path, as samples of the ways `owner`."""
     firsts = np.searchsorted(owner, np.arange(work.need.count + 1))
     lost = np.add.reduceat(missing, firsts[:-1]) > 0
     for ring in waste_rings(work):
@@ -108,9 +125,14 @@ def _stretches(work: Work, owner: Counts, missing: Flags) -> Iterator[Counts]:
         begin = int(np.argmin(gone))  # one that has a path
         order, gone = np.roll(order, -begin), np.roll(gone, -begin)
         order, gone = np.append(order, order[0]), np.append(gone, False)
-        steps = np.flatnonzero(np.diff(gone.astype(np.int8)))
-        for low, high in zip(steps[::2].tolist(), steps[1::2].tolist(), strict=True):
-            yield order[low : high + 2]
+        steps = np.flatnonzero(np.diff(gone.astype(np.int8))).tolist()
+        lows, highs = steps[::2], [high + 1 for high in steps[1::2]]
+        lap = len(order) - 1
+        most = np.arange(min(lap, BEYOND))
+        for low, high in zip(lows, highs, strict=True):
+            yield Stretch(
+                order[low : high + 1], order[(low - most) % lap], order[(high + most) % lap]
+            )
 
 
 class _Beam:
@@ -119,6 +141,7 @@ class _Beam:
     def __init__(self, work: Work, traced: Sequence[Traced]) -> None:
         self._work = work
         self._keeps_off = np.array([t.half_kerf > 0.0 for t in traced])
+        self._sides = waste_sides(work)
 
     def with_ends(self, samples: Samples, missing: Flags) -> tuple[Counts, Samples, Flags]:
         """The samples, with both ends of each way that lacks a path somewhere.
@@ -139,11 +162,8 @@ class _Beam:
         full = np.insert(element, at, first), np.insert(share, at, ends), np.insert(owner, at, ways)
         return rows, full, np.insert(missing, at, gone)
 
-    def corners(self, stretches: Sequence[Counts], samples: Samples) -> Iterator[Corner]:
-        """Those of some stretches that are corners.
-
-        Each stretch has the samples that have a path before and behind it.
-        """
+    def corners(self, stretches: Sequence[Stretch], samples: Samples) -> Iterator[Corner]:
+        """Those of some stretches that are corners."""
         if not stretches:
             return
         work = self._work
@@ -158,25 +178,61 @@ class _Beam:
         middles = (first_middles + last_middles) / 2
         # Round a tip the beam touches it from many places, one of which touches the other end too.
         for own, other, end in ((first_middles, lasts, -1), (last_middles, firsts, 0)):
-            most = np.array([reach[stretch[end]] for stretch in stretches])
+            most = np.array([reach[stretch.samples[end]] for stretch in stretches])
             both = ~same & (np.hypot(*(other - own).T) <= most)
+            for k in np.flatnonzero(~same & ~both).tolist():
+                beyond = stretches[k].behind if end else stretches[k].before
+                both[k] = self._comes_near(own[k], other[k], beyond, samples) <= most[k]
             middles[both] = own[both]
             same |= both
         for k in np.flatnonzero(same).tolist():
-            inner = stretches[k][1:-1]
+            inner = stretches[k].samples[1:-1]
             points = work.need.elements.places(element[inner], share[inner])
             if self._narrows(points, firsts[k], lasts[k], middles[k]):
                 yield self._corner(inner, points, owner, middles[k])
 
+    def _comes_near(self, middle: Floats, end: Floats, beyond: Counts, samples: Samples) -> float:
+        """How near a contour comes to the middle of the beam behind the end of a stretch.
+
+        It is followed to the first place that the beam touches from the waste's side.
+        """
+        element, share, owner = samples[0][beyond], samples[1][beyond], samples[2][beyond]
+        elements = self._work.need.elements
+        points = elements.places(element, share)
+        ahead = elements.directions(element, share)
+        to_waste = self._sides[owner][:, None] * np.column_stack((-ahead[:, 1], ahead[:, 0]))
+        away, feet = self._nearest(points, owner)
+        reach = self._work.half_kerf + self._work.slack[owner]
+        touched = (away <= reach) & (np.sum((feet - points) * to_waste, axis=1) > 0.0)
+        last = int(np.argmax(touched)) if touched.any() else len(points) - 1
+        way = [end]
+        for k in range(last + 1):
+            way += [*self._between(element, owner, points, k), points[k]]
+        return float(shapely.distance(shapely.linestrings(way), shapely.points(middle)))
+
+    def _between(self, element: Counts, owner: Counts, points: Floats, k: int) -> Floats:
+        """Places of the contour between a sample and the one before it: ends of elements."""
+        if not k:
+            return points[:0]
+        if owner[k] != owner[k - 1]:
+            return self._turns(points[k - 1 : k + 1], owner[k - 1 : k + 1])[1]
+        a, b = int(element[k - 1]), int(element[k])
+        ends: Floats = self._work.need.elements.end
+        return ends[a:b] if a < b else ends[b:a][::-1]
+
+    def _turns(self, points: Floats, ways: Counts) -> tuple[Counts, Floats]:
+        """Behind which of some samples, one behind the other, a way ends, and where."""
+        turns = np.flatnonzero(np.diff(ways))
+        starts, ends = self._work.need.starts[ways[turns]], self._work.need.ends[ways[turns]]
+        to_start = np.hypot(*(starts - points[turns + 1]).T)
+        to_end = np.hypot(*(ends - points[turns + 1]).T)
+        return turns, np.where((to_start < to_end)[:, None], starts, ends)
+
     def _corner(self, inner: Counts, points: Floats, owner: Counts, middle: Floats) -> Corner:
         """The corner that some samples lie in, as deep as the farthest of them and of the ends
         between them."""
-        ways, ends = owner[inner], points[:0]
-        if len(turns := np.flatnonzero(np.diff(ways))):
-            starts, ends = self._work.need.starts[ways[turns]], self._work.need.ends[ways[turns]]
-            to_start = np.hypot(*(starts - points[turns + 1]).T)
-            to_end = np.hypot(*(ends - points[turns + 1]).T)
-            ends = np.where((to_start < to_end)[:, None], starts, ends)
+        ways = owner[inner]
+        turns, ends = self._turns(points, ways)
         places = np.concatenate((points, ends))
         away = np.hypot(*(places - middle).T)
         deepest = int(np.argmax(away))
@@ -185,7 +241,7 @@ class _Beam:
         return Corner(inner, float(away[deepest]) - self._work.half_kerf, (x, y), way)
 
     def _touched(
-        self, stretches: Sequence[Counts], samples: Samples, have: int, lack: int
+        self, stretches: Sequence[Stretch], samples: Samples, have: int, lack: int
     ) -> tuple[Floats, Floats]:
         """The end of each stretch, and where the middle of the beam is that touches it.
 
@@ -193,23 +249,37 @@ class _Beam:
         they are half a beam apart or less, with one end of a curve between them at most.
         """
         element, share, owner = samples
-        work = self._work
-        near = np.array([stretch[have] for stretch in stretches])
-        far = np.array([stretch[lack] for stretch in stretches])
-        places = work.need.elements.places
-        a, b = places(element[near], share[near]), places(element[far], share[far])
-        way = owner[far]
-        starts, ends = work.need.starts[way], work.need.ends[way]
-        to_start = np.hypot(*(starts - a).T) + np.hypot(*(starts - b).T)
-        to_end = np.hypot(*(ends - a).T) + np.hypot(*(ends - b).T)
-        between = np.where((to_start <= to_end)[:, None], starts, ends)
-        between = np.where((owner[near] == way)[:, None], (a + b) / 2, between)
-        reach = work.half_kerf + work.slack[way]
+        need = self._work.need
+        near = np.array([stretch.samples[have] for stretch in stretches])
+        far = np.array([stretch.samples[lack] for stretch in stretches])
+        at = need.at(element, share * need.elements.length[element]) - need.begins[owner]
+        way, a, b = owner[far], at[near], at[far]
+        parted = owner[near] != way
+        # The end of the one way that the other one begins or ends at.
+        own_end, place = self._end_towards(way, need.point(owner[near], a))
+        touched = self._nearest(place, way)[0] <= self._work.half_kerf + self._work.slack[way]
+        other_end, _ = self._end_towards(owner[near], place)
+        a = np.where(parted & touched, own_end, a)
+        b = np.where(parted & ~touched, other_end, b)
+        way = np.where(parted & ~touched, owner[near], way)
+        size = need.lengths[way]
+        over = np.all(need.starts[way] == need.ends[way], axis=1) & (np.abs(b - a) > size / 2)
+        b = np.where(over, b + np.copysign(size, a - b), b)
+        reach = self._work.half_kerf + self._work.slack[way]
         for _ in range(HALVINGS):
-            on = (self._nearest(between, way)[0] <= reach)[:, None]
-            a, b = np.where(on, between, a), np.where(on, b, between)
-            between = (a + b) / 2
-        return a, self._nearest(a, way)[1]
+            middle = (a + b) / 2
+            on = self._nearest(_point(need, way, middle), way)[0] <= reach
+            a, b = np.where(on, middle, a), np.where(on, b, middle)
+        places = _point(need, way, a)
+        return places, self._nearest(places, way)[1]
+
+    def _end_towards(self, way: Counts, places: Floats) -> tuple[Floats, Floats]:
+        """The end of each way that is nearer to a place: how far along it is, and where."""
+        need = self._work.need
+        starts, ends = need.starts[way], need.ends[way]
+        to_start, to_end = (np.hypot(*(some - places).T) for some in (starts, ends))
+        first = to_start <= to_end
+        return np.where(first, 0.0, need.lengths[way]), np.where(first[:, None], starts, ends)
 
     def _narrows(self, points: Floats, first: Floats, last: Floats, middle: Floats) -> bool:
         """Whether a stretch is shallow, or narrower half way down than at its mouth."""
@@ -231,3 +301,9 @@ class _Beam:
         away, feet = work.path.feet(pairs, len(points))
         behind = is_behind(work, points, way, away, feet - points)
         return np.where(behind, np.inf, away), feet
+
+
+def _point(ways: Ways, way: Counts, at: Floats) -> Floats:
+    """Places so far along ways, round those that close."""
+    size = ways.lengths[way]
+    return ways.point(way, np.where((at < 0.0) | (at > size), np.mod(at, size), at))
