@@ -12,8 +12,10 @@ from beamcam.geometry.array_types import Floats
 from beamcam.geometry.curves import Bezier, BSpline, Curve
 from beamcam.geometry.plane import Point
 from beamcam.geometry.polylines import polylines
+from beamcam.model.lengths import total_length
 from beamcam.planning.contours import rules
 from beamcam.planning.contours.assign_process import AssignedCurve
+from beamcam.planning.contours.shape import Shape
 
 #: Chords stand for the curves so near to them, in mm, and what lies nearer lies on one another.
 FINE = 1e-3
@@ -101,3 +103,13 @@ def told(
             w.source, found=f"{found.length:.3f}",
             x=f"{found.place[0]:.3f}", y=f"{found.place[1]:.3f}",
         )  # fmt: skip
+
+
+def told_flat(shapes: Sequence[Shape]) -> Iterator[Diagnostic]:
+    """An error for each closed chain that runs back along itself all the way."""
+    for shape in shapes:
+        x0, y0 = shape.curves[0].start
+        x, y = max((c.end for c in shape.curves), key=lambda p: hypot(p[0] - x0, p[1] - y0))
+        yield rules.RUNS_BACK_KERF.at(
+            shape.source, found=f"{total_length(shape.curves) / 2:.3f}", x=f"{x:.3f}", y=f"{y:.3f}"
+        )

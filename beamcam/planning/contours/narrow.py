@@ -175,15 +175,15 @@ def _left(
     # The rings by themselves: of a polygon that is not quite valid nothing would be left.
     outline = shapely.segmentize(shapely.get_rings(piece), radius / 4)
     mouth = _along(outline, swept)
-    is_closed = mouth.is_empty  # a neck that has no width
     corners = shapely.get_coordinates(outline)
-    away = shapely.distance(shapely.points(corners), swept if is_closed else mouth)
+    if mouth.is_empty:  # a neck that has no width
+        entry = corners[int(np.argmin(shapely.distance(shapely.points(corners), swept)))]
+        depth = float(np.hypot(*(corners - entry).T).max())
+        return Left(tuple(entry.tolist()), 0.0, depth, False) if depth > tolerance else None
+    away = shapely.distance(shapely.points(corners), mouth)
     depth = float(away.max())
     if depth <= tolerance:
         return None
-    if is_closed:
-        x, y = corners[int(np.argmin(away))].tolist()
-        return Left((x, y), 0.0, depth, False)
     x, y = corners[int(np.argmax(away))].tolist()
     walls = _segments(outline)
     walls = walls[~shapely.dwithin(_middles(walls), mouth, tolerance)]

@@ -6,10 +6,19 @@ from typing import TYPE_CHECKING, Any
 
 from msgspec.structs import replace
 
-from beamcam.errors import Diagnostic
+from beamcam.errors import Diagnostic, errors_in
 from beamcam.planning.contours.assign_process import AssignedCurve
 from beamcam.planning.contours.crossing import crossings, refuse_tangles
-from beamcam.planning.contours.outline import Drawn, invalid, rings_of, signed_areas, valid
+from beamcam.planning.contours.doubling import told_flat
+from beamcam.planning.contours.outline import (
+    Drawn,
+    invalid,
+    points_of,
+    rings_of,
+    signed_areas,
+    valid,
+)
+from beamcam.planning.contours.pinch import taken_apart
 from beamcam.planning.contours.shape import Shape
 
 if TYPE_CHECKING:
@@ -32,7 +41,8 @@ def nest(
     A contour lies in another of greater area that a point inside it lies in. Contours that touch
     are told apart by that, those that cross are not. `tolerance` is the machine's, and `gap` what
     it closes between two ends; `wanted` are the curves that the shapes were made of, and `drawn`
-    points of the shapes with the shape of each.
+    points of the shapes with the shape of each. With a `kerf`, contours of waste that hangs
+    together by a point only are taken apart there.
     """
     closed = [i for i, s in enumerate(shapes) if s.closed and s.process == "cut"]
     if not closed:
@@ -47,7 +57,16 @@ def nest(
     bad = invalid(rings)
     refuse_tangles([shapes[i] for i in closed], rings, bad, wanted)
     said = crossings([shapes[i] for i in closed], rings, bad, wanted, tolerance, gap, kerf)
-    return _nested(shapes, closed, rings, bad), said
+    found = _nested(shapes, closed, rings, bad)
+    if not kerf or errors_in(said):
+        return found, said
+    more, flat = taken_apart(found, [closed[k] for k in bad], tolerance)
+    if flat:
+        return found, [*said, *told_flat(flat)]
+    if len(more) > len(found):
+        drawn = points_of([s.curves for s in more], tolerance / 4)
+        return nest(more, drawn, wanted, tolerance, gap, kerf)
+    return found, said
 
 
 def _nested(
