@@ -91,8 +91,9 @@ def test_programs_that_are_called_otherwise_now(shop: Path) -> None:
 
 def test_a_program_that_was_taken_away_is_written_again(shop: Path) -> None:
     Path("golden/P002.gcode").unlink()
-    status, _, err = check("golden")
+    status, said, err = check("golden")
     assert status == 1
+    assert f"{Path('golden/P002.gcode')}: not in the folder\n" in said
     assert "error check-new: found a new program 'P002.gcode'; expected it" in err
     assert check("golden", "--update")[0] == 0
     assert check("golden")[0] == 0

@@ -88,7 +88,7 @@ def test_defaults_come_from_nowhere() -> None:
         ("stock_lengths = 6000", "found 6000 for 'stock_lengths'; expected a list of numbers"),
         ("stock_lengths = [0]", "found 0 for 'stock_lengths.0'; expected more than 0"),
         ("allow_skips = 'cope'", "expected a list of texts"),
-        ("allow_skips = ['any']", "error config-value: found ('any',) for 'allow_skips'; expected"
+        ("allow_skips = ['any']", "error config-value: found 'any' for 'allow_skips'; expected"
          " names of"),
         ("name = '{marc}'", "config-value: found '{marc}' for 'name'; expected one of {stem}"),
         ("name = '{stem'", "config-value: found '{stem' for 'name'; expected a template"),
@@ -97,6 +97,10 @@ def test_defaults_come_from_nowhere() -> None:
         ("[tolerances]\nmerge = -1", ":2: error config-value: found -1 for 'tolerances.merge';"
          " expected 0 or more"),
         ("[map]\nred = 'burn'", "expected one of 'cut', 'mark', 'engrave', 'ignore'"),
+        ("[map.red]\nspeed = 3", "beamcam.toml:1: error config-value: found nothing for "
+         "'map.red.process'; expected one of 'cut', 'mark', 'engrave', 'ignore'"),
+        ("quantity = 0", "found 0 for 'quantity'; expected one of 'file', or a whole number, 1 or"),
+        ("strict = true\n[a.b.c]\nd = 1", ":2: error config-key: found unknown key 'a'"),
         ("[map]\n'#ff' = 'cut'", "expected a colour such as '#ff0000'"),
         ("\nthickness = 3", "beamcam.toml:2: error config-key: found unknown key 'thickness'; "
          "expected it below [sheet], as sheet.thickness"),

@@ -28,8 +28,9 @@ def checked(files: Sequence[str]) -> Config:
     for key, check in _CHECKS.items():
         value = getattr(config, key)
         if value and (expected := check(value)):
+            found = repr(value) if isinstance(value, str) else ", ".join(map(repr, value))
             said = rules.WRONG_VALUE.at(
-                config.sources[key], key=key, found=repr(value), expected=expected
+                config.sources[key], key=key, found=found, expected=expected
             )
             raise ConfigError(said)
     return replace(config, allow_skips=named_skips(config.allow_skips))

@@ -8,7 +8,7 @@ from typing import Literal
 from msgspec import Struct
 
 from beamcam import readers
-from beamcam.commands.rules import NO_SAMPLE
+from beamcam.commands.rules import NEW, NO_SAMPLE
 from beamcam.diff.differ import diff_programs
 from beamcam.diff.pairing import Difference
 from beamcam.diff.statements import diff_sheets
@@ -114,7 +114,8 @@ def told(results: Sequence[Checked]) -> Iterator[str]:
             yield from (f"  {difference.text}" for difference in one.differences)
     for one in results:
         if one.messages and one.result == "differs":
-            yield f"{one.path}: {TEXTS[one.result]}"
+            is_new = any(said["code"] == NEW.code for said in one.messages)
+            yield f"{one.path}: {'not in the folder' if is_new else TEXTS[one.result]}"
             yield from (f"  {difference.text}" for difference in one.differences)
 
 

@@ -169,7 +169,7 @@ def plan_lines(
     yield f"machine {machine.name}: {machine.title}"
     yield (
         f"bar {bar.length:.3f} = front trim {bar.front_trim:.3f} + parts {bar.parts:.3f} "
-        f"+ kerfs {bar.kerfs:.3f} - nested {bar.nested:.3f} + rest {bar.remnant:.3f} "
+        f"+ kerfs {bar.kerfs:.3f} - nested {bar.nested:.3f} + remnant {bar.remnant:.3f} "
         f"+ end trim {bar.end_trim:.3f}"
     )
     for index, piece in enumerate(plan.pieces, 1):

@@ -2,10 +2,10 @@
 
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
+from typing import Any, get_args
 
 from beamcam.config import rules
-from beamcam.config.values import Config, ConfigFile, Dask, Sheet
+from beamcam.config.values import Config, ConfigFile, Dask, Meaning, Sheet
 from beamcam.conversion import Fault, converted
 from beamcam.errors import BeamcamError, Diagnostic, Source
 from beamcam.machine.toml import Place, TomlError, TomlFile, toml_text
@@ -79,5 +79,8 @@ def _said(fault: Fault, place: Place) -> Diagnostic:
         of = next((t for t, kind in tables.items() if at.key in kind.__struct_fields__), None)
         expected = fault.expected if of is None else f"it below [{of}], as {of}.{at.key}"
         return rules.UNKNOWN_KEY.at(at.source, found=at.key, expected=expected)
+    if fault.kind == "missing":  # of a row of the map, the only table with a key that it needs
+        expected = f"one of {', '.join(map(repr, get_args(Meaning)))}"
+        return rules.WRONG_VALUE.at(at.source, key=at.key, found="nothing", expected=expected)
     found = shown(fault.found)
     return rules.WRONG_VALUE.at(at.source, key=at.key, found=found, expected=fault.expected)

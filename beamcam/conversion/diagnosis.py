@@ -104,7 +104,8 @@ def _expected(what: str, hint: Any, found: object) -> str:
         return "a finite number"
     choices = plain(hint)
     if get_origin(choices) is Literal:
-        return "one of " + ", ".join(map(repr, get_args(choices)))
+        others = "".join(f", or {_in_words(kind)}" for kind in _alternatives(hint)[1:])
+        return "one of " + ", ".join(map(repr, get_args(choices))) + others
     if bound := _BOUND.match(what):
         return _BOUNDS[bound[1]].format(f"{float(bound[2]):g}")
     if _TEXT.match(what):
@@ -117,6 +118,21 @@ def _expected(what: str, hint: Any, found: object) -> str:
     if kind:
         return " or ".join(_KINDS[k] for k in kind[1].split(" | ") if k in _KINDS)
     return what  # a hook's own words, in its own words
+
+
+def _alternatives(hint: Any) -> list[Any]:
+    """The types that a value may have, without None."""
+    if get_origin(hint) not in (Union, UnionType):
+        return [hint]
+    return [kind for kind in get_args(hint) if kind not in (type(None), UnsetType)]
+
+
+def _in_words(kind: Any) -> str:
+    """A type with its least value, if it has one."""
+    meta = next(iter(getattr(kind, "__metadata__", ())), None)
+    least = getattr(meta, "ge", None)
+    said = _KINDS.get(getattr(plain(kind), "__name__", ""), "a table")
+    return said if least is None else f"{said}, {_BOUNDS['>='].format(least)}"
 
 
 _REPR = Repr()

@@ -141,14 +141,23 @@ def _lines(text: str) -> dict[str, int]:
             here = table = f"{name}.{counts[name]}"
             found.setdefault(name, number)
         elif line.startswith("["):
-            here = table = _bare(line[1:].partition("]")[0])
+            here = table = _numbered(_bare(line[1:].partition("]")[0]), counts)
         elif "=" in line and not line.startswith("#"):
             name = _bare(line.partition("=")[0])
             here = f"{table}.{name}" if table else name
         else:
             continue
         found.setdefault(here, number)
+        while "." in here:  # [a.b] begins a too, unless a line before did
+            here = here.rpartition(".")[0]
+            found.setdefault(here, number)
     return found
+
+
+def _numbered(table: str, counts: Mapping[str, int]) -> str:
+    """A table's name with the index of the array table that it is in: `spindles.1.stroke`."""
+    first, dot, rest = table.partition(".")
+    return f"{first}.{counts[first]}.{rest}" if dot and first in counts else table
 
 
 def _bare(key: str) -> str:

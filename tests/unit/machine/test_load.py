@@ -13,6 +13,7 @@ from beamcam.machine.formula import Formula, as_formula
 from beamcam.machine.load import files_of_machine, merged
 from beamcam.machine.machine import MachineFile
 from beamcam.machine.rules import RULES
+from beamcam.machine.toml import line_of
 from beamcam.model.plan import DrillOp
 from beamcam.planning.beam import plan_bar
 from tests.unit.planning.shop import hole, part
@@ -239,6 +240,16 @@ BAD = [
     ("base = 'beamlin'", "machine-unknown", "'beamlin'; expected 'beamline' or the path"),
     ("base = 'mine.toml'", "machine-base", "'mine' among its own bases"),
 ]
+
+
+def test_a_table_in_a_list_of_tables_has_its_own_line() -> None:
+    text = "[[spindles]]\nname = 'a'\n[[spindles]]\nname = 'b'\n\n[spindles.stroke]\naxis = 'Q'\n"
+    assert line_of(text, "spindles.1.stroke.axis") == 7
+    assert line_of(text, "spindles.1.stroke.start") == 6
+    assert line_of(text, "spindles.1.number") == 3
+    assert line_of(text, "spindles.0.stroke.axis") == 1
+    assert line_of("a = 1\n[b.c.d]\ne = 1\n", "b") == 2
+    assert line_of("a = 1\n", "b") is None
 
 
 @pytest.mark.parametrize(("text", "code", "says"), BAD, ids=[b[0][:40] for b in BAD])

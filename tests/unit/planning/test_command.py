@@ -64,7 +64,7 @@ def test_every_operation_has_its_line(path: str) -> None:
     assert lines[0].startswith("machine beamline: ")
     assert lines[1] == (
         "bar 3024.040 = front trim 20.000 + parts 3000.000 + kerfs 4.040 - nested 0.000 "
-        "+ rest 0.000 + end trim 0.000"
+        "+ remnant 0.000 + end trim 0.000"
     )
     assert lines[2] == "part 1: B1 from 20.000 to 3020.000, as given"
     assert "tool web station 1: drill 18" in lines
