@@ -79,9 +79,10 @@ def _arc_over(points: list[Point], tolerance: float) -> Arc | None:
     side = 1.0 if area > 0 else -1.0
     for p, q in itertools.pairwise(points):
         middle = ((p[0] + q[0]) / 2, (p[1] + q[1]) / 2)
-        if abs(distance(q, centre) - arc.radius) > tolerance:
-            return None
-        if arc.radius - distance(middle, centre) > 4 * tolerance:
+        if (
+            abs(distance(q, centre) - arc.radius) > tolerance
+            or arc.radius - distance(middle, centre) > 4 * tolerance
+        ):
             return None
         # Corners follow one another round the centre, never back.
         from_centre = (p[0] - centre[0], p[1] - centre[1])

@@ -24,9 +24,11 @@ def with_more_rows(table: dict[str, Any]) -> dict[str, Any]:
     if not isinstance(torch, dict) or "more_rows" not in torch:
         return table
     rows, more = torch.get("rows", []), torch["more_rows"]
-    if not isinstance(rows, list) or not isinstance(more, list):
-        return table
-    if not all(_is_row(row) for row in (*rows, *more)):
+    if (
+        not isinstance(rows, list)
+        or not isinstance(more, list)
+        or not all(_is_row(row) for row in (*rows, *more))
+    ):
         return table
     others = {key: value for key, value in torch.items() if key != "more_rows"}
     return {**table, "torch": {**others, "rows": _merged(rows, more)}}

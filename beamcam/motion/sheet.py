@@ -12,7 +12,7 @@ from beamcam.geometry.curves import Arc, Curve, EllipseArc, Line, bezier_pieces
 from beamcam.geometry.plane import Point
 from beamcam.machine.machine import Machine
 from beamcam.machine.path_limits import path_limits
-from beamcam.machine.words import PART_NAMES, WORK_WORDS, Words, names_in
+from beamcam.machine.words import PART_NAMES, WORK_WORDS, names_in
 from beamcam.model.part_data import part_data
 from beamcam.model.plan import ContourOp, SheetPlan
 from beamcam.model.program import (
@@ -83,7 +83,8 @@ class Pen:
         self._parabolas = bool(words.parabola)
         self._ellipses = bool(words.ellipse_cw)
         #: Where the controller is given accelerations, the feeds have to be what it can follow.
-        self.limits = path_limits(machine) if _tells_acceleration(words) else None
+        tells = any("{acceleration}" in word for word in words.modal)
+        self.limits = path_limits(machine) if tells else None
         self.numbers = Numbers(
             form.length_decimals,
             form.angle_decimals,
@@ -153,7 +154,3 @@ class Pen:
         chain = (Line(here, fitted[0].start), *fitted)
         (path,) = paths_along((chain,), self.numbers, self._by_word)
         return path.moves
-
-
-def _tells_acceleration(words: Words) -> bool:
-    return any("{acceleration}" in word for word in words.modal)

@@ -84,14 +84,14 @@ class _Way:
                     yield op
                     here = op.x, op.y
 
-    def _rounds(self, arc: Arc) -> list[Travel | Round]:
+    def _rounds(self, arc: Arc) -> list[Round]:
         count = max(1, ceil(abs(arc.sweep_deg) / MAX_ROUND_DEG - 1e-9))
-        found: list[Travel | Round] = []
-        for k in range(count):
-            middle = self.grid(arc.point((k + 0.5) / count))
-            end = self.grid(arc.point((k + 1) / count))
-            found.append(Round(*end, *middle, self.speed_mm_s, self.source))
-        return found
+        ends = [self.grid(arc.point(k / count)) for k in range(1, count + 1)]
+        middles = [self.grid(arc.point((k + 0.5) / count)) for k in range(count)]
+        return [
+            Round(*end, *middle, self.speed_mm_s, self.source)
+            for end, middle in zip(ends, middles, strict=True)
+        ]
 
     def _chords(self, curve: Curve) -> list[Travel | Round]:
         """Chords by the chord rule and the cycle rule; the end is met exactly."""

@@ -134,9 +134,11 @@ def plan_of(kind: str, codes: Codes, r12: bool) -> Plan | None:
         return None
     end = next((k for k, code in enumerate(codes) if code >= 1000), len(codes))
     head = codes[:end]
-    if not _is_regular(known, head) or not _XDATA.issuperset(codes[end:]):
-        return None
-    if end < len(codes) and codes[end] != 1001:
+    if (
+        not _is_regular(known, head)
+        or not _XDATA.issuperset(codes[end:])
+        or (end < len(codes) and codes[end] != 1001)
+    ):
         return None
     brackets = [k for k, code in enumerate(head) if code == BRACKET]
     owners = [k for k, code in enumerate(head) if code == OWNER]

@@ -262,8 +262,8 @@ def _writer(document: Document) -> tuple[str, int] | None:
     if found := re.search(r"inkscape:version=(\d{1,9})\.(\d{1,9})", foreign):
         old = (int(found[1]), int(found[2])) < (0, 92)
         return f"Inkscape {found[1]}.{found[2]}", 90 if old else 96
-    if "corel.com/coreldraw" in foreign:
-        return "CorelDRAW", 96
-    if any(identity.startswith("CorelCorpID") for identity in document.ids):
+    if "corel.com/coreldraw" in foreign or any(
+        identity.startswith("CorelCorpID") for identity in document.ids
+    ):
         return "CorelDRAW", 96
     return None

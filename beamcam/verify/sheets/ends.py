@@ -41,9 +41,12 @@ def end_faults(work: Work, traced: Sequence[Traced]) -> list[Diagnostic]:
             ("begins", starts[k], out_of_starts[k], t.first, begin[k]),
             ("ends", stops[k], out_of_stops[k], t.last - 1, end[k]),
         ):
-            if count != 2 or t.joined:
-                continue
-            if _on_another(work, place, way, at) or work.on_kept_off(place.reshape(1, 2))[0]:
+            if (
+                count != 2
+                or t.joined
+                or _on_another(work, place, way, at)
+                or work.on_kept_off(place.reshape(1, 2))[0]
+            ):
                 continue
             x, y = place.tolist()
             source = Source(work.name, int(work.moves.line[way]))

@@ -38,9 +38,10 @@ class _Shape:
         """Whether the way before `high` ends where way `low` starts, and went round something."""
         (x0, y0), (x1, y1) = self._starts[low], self._ends[high - 1]
         dx, dy = x1 - x0, y1 - y0
-        if dx * dx + dy * dy > self._near:
-            return False
-        if self._begins[high - 1] + self._lengths[high - 1] - self._begins[low] < self._shortest:
+        if (
+            dx * dx + dy * dy > self._near
+            or self._begins[high - 1] + self._lengths[high - 1] - self._begins[low] < self._shortest
+        ):
             return False
         return high - low > 1 or self._lengths[low] ** 2 > LEAST * self._near
 
