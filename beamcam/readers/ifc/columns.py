@@ -6,8 +6,9 @@
 
 The records of a class are mostly written alike: the same commas and brackets in the same order, or
 one list that is longer in some of them. Then arrays over the characters tell where each value
-stands, and values are looked up a column at a time. What is written in another way is left to
-`Tokens.values`, which gives the same record by record.
+stands, and values are looked up a column at a time; where records are written in a few ways, each
+of these is read by itself. What is written in another way is left to `Tokens.values`, which gives
+the same record by record.
 """
 
 from collections.abc import Callable
@@ -28,6 +29,8 @@ NOT_READ = (ArithmeticError, LookupError, TypeError, ValueError)
 
 Column = list[Any]
 
+MOST_WAYS = 4  #: in which the records of a class are written, to be read together
+
 
 class Alike(Struct, frozen=True):
     """Reads records that are written alike.
@@ -41,13 +44,29 @@ class Alike(Struct, frozen=True):
     def values(self, inners: Inners) -> list[Values] | None:
         """The values by what is in the brackets of each record, as of `Tokens.values`.
 
-        None if the records are not alike or have no values, or if there are empty lists among
-        these, or strings with commas, brackets or doubled quotes.
+        None if the records are written in more than a few ways or have no values, or if there are
+        empty lists among these, or strings with commas, brackets or doubled quotes.
         """
         try:
             return list(zip(*self._columns(inners), strict=True))
         except NOT_READ:  # some of them may be well, which is seen one by one
+            return self._by_size(inners)
+
+    def _by_size(self, of: Inners) -> list[Values] | None:
+        """The values of records that are written in few ways, each with so many commas."""
+        sizes = of.closed - of.opened
+        found: list[Values] = [()] * len(sizes)
+        ways = set(sizes.tolist())
+        if not 1 < len(ways) <= MOST_WAYS:
             return None
+        for way in ways:
+            which = np.flatnonzero(sizes == way)
+            values = self.values(of.some(which))
+            if values is None:
+                return None
+            for k, row in zip(which.tolist(), values, strict=True):
+                found[k] = row
+        return found
 
     def _columns(self, of: Inners) -> list[Column]:
         """The first values of all records, the second, and so on. Raises Malformed."""

@@ -115,8 +115,12 @@ def _join(a: Curve, b: Curve) -> Curve | None:
 
 def turn(a: Curve, b: Curve) -> float:
     """Angle from the end of `a` to the start of `b` in radians, from -pi to pi."""
-    (ax, ay), (bx, by) = a.tangent(1.0), b.tangent(0.0)
-    return atan2(ax * by - ay * bx, ax * bx + ay * by)
+    return angle_between(a.tangent(1.0), b.tangent(0.0))
+
+
+def angle_between(a: Point, b: Point) -> float:
+    """Angle from one direction to another in radians, from -pi to pi."""
+    return atan2(a[0] * b[1] - a[1] * b[0], a[0] * b[0] + a[1] * b[1])
 
 
 def _alike(a: Curve, b: Curve, least: float, most: float) -> bool:
@@ -283,17 +287,19 @@ def corners_of(curves: Chain) -> tuple[Corner, ...] | None:
         return None
     start = kinds.index(Line)
     curves = curves[start:] + curves[:start]
+    first = [c.tangent(0.0) for c in curves]
+    last = [c.tangent(1.0) if isinstance(c, Arc) else first[i] for i, c in enumerate(curves)]
     sides: list[_Side] = []
     for i, curve in enumerate(curves):
         if not isinstance(curve, Arc):
-            sides.append(_Side(curve.start, curve.tangent(0.5)))
+            sides.append(_Side(curve.start, first[i]))
             continue
         # A toe as round as the leg is thick starts at a sharp edge: its tip is a side of length 0.
-        if abs(turn(curves[i - 1], curve)) > SHARP_RAD:
-            sides.append(_Side(curve.start, curve.tangent(0.0)))
+        if abs(angle_between(last[i - 1], first[i])) > SHARP_RAD:
+            sides.append(_Side(curve.start, first[i]))
         sides[-1].radius = max(sides[-1].radius, curve.radius)
-        if abs(turn(curve, curves[(i + 1) % len(curves)])) > SHARP_RAD:
-            sides.append(_Side(curve.end, curve.tangent(1.0)))
+        if abs(angle_between(last[i], first[(i + 1) % len(first)])) > SHARP_RAD:
+            sides.append(_Side(curve.end, last[i]))
     points: list[Point] = []
     for i, side in enumerate(sides):
         at = _meet(side, sides[(i + 1) % len(sides)])

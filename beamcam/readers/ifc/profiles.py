@@ -37,14 +37,19 @@ def section_of(model: Model, entity: Entity) -> Section:
     key = definition(entity)
     known: Section | None = model.sections.get(key)
     if known is None:
-        known = model.sections[key] = _section(model, entity)
-    widest = max(known.height, known.width, known.radius)
+        known = model.sections[key] = _checked(_section(model, entity))
+    return known
+
+
+def _checked(section: Section) -> Section:
+    """The section. Raises Unreadable for measures that no section has."""
+    widest = max(section.height, section.width, section.radius)
     if widest > MAX_COORDINATE:
         raise Unreadable(f"a section with a measure of {widest:g} mm")
-    fault = section_fault(known.profile(""))
+    fault = section_fault(section.profile(""))
     if fault is not None:
         raise NoSection(f"a section with {fault}")
-    return known
+    return section
 
 
 def _section(model: Model, entity: Entity) -> Section:

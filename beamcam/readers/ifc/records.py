@@ -31,7 +31,9 @@ MANY = frozenset(
         "IFCFACEBOUND",
         "IFCFACEOUTERBOUND",
         "IFCHALFSPACESOLID",
+        "IFCISHAPEPROFILEDEF",
         "IFCLOCALPLACEMENT",
+        "IFCLSHAPEPROFILEDEF",
         "IFCMAPPEDITEM",
         "IFCMEMBER",
         "IFCOPENINGELEMENT",
@@ -40,10 +42,14 @@ MANY = frozenset(
         "IFCPOLYLINE",
         "IFCPOLYLOOP",
         "IFCPRODUCTDEFINITIONSHAPE",
+        "IFCRECTANGLEHOLLOWPROFILEDEF",
+        "IFCRECTANGLEPROFILEDEF",
         "IFCRELVOIDSELEMENT",
         "IFCROUNDEDRECTANGLEPROFILEDEF",
         "IFCSHAPEREPRESENTATION",
         "IFCTRIMMEDCURVE",
+        "IFCTSHAPEPROFILEDEF",
+        "IFCUSHAPEPROFILEDEF",
     )
 )
 
@@ -186,11 +192,10 @@ class File:
         return None if (indices == MISSING).any() else self._standing(indices)
 
     def _standing(self, indices: Places) -> list[Any]:
-        """What stands for records: entities, which are made if they were not met before."""
-        new = indices[~self._met[indices]]
-        kinds = self._records.kinds_of(new)
-        for kind in set(kinds.tolist()):
-            of, row = np.unique(new[kinds == kind]), self._row_of[kind]
+        """What stands for records; where one was not met before, all of its class are made."""
+        for kind in set(self._records.kinds_of(indices[~self._met[indices]]).tolist()):
+            of = self._records.of_kind(kind)
+            of, row = of[~self._met[of]], self._row_of[kind]
             if kind in self._unusual:
                 made = [self._made(index, kind) for index in of.tolist()]
             else:

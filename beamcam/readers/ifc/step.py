@@ -98,6 +98,10 @@ class Inners(Struct, frozen=True):
         """The places behind them."""
         return self.marks[self.closed]
 
+    def some(self, which: Places) -> "Inners":
+        """Those of some of the records."""
+        return Inners(self.text, self.codes, self.marks, self.opened[which], self.closed[which])
+
     def texts(self) -> list[str]:
         return pieces(self.text, self.first, self.last)
 
