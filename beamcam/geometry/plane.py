@@ -27,10 +27,11 @@ def unit_vector(angle_deg: float) -> Point:
 
 def normalized(vector: Point) -> Point:
     """The vector of length 1 along `vector`. Raises ValueError for the zero vector."""
-    size = hypot(*vector)
+    x, y = vector
+    size = hypot(x, y)
     if size == 0.0:
         raise ValueError("the zero vector has no direction")
-    return vector[0] / size, vector[1] / size
+    return x / size, y / size
 
 
 def cross(a: Point, b: Point) -> float:
