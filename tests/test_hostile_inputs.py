@@ -2,6 +2,7 @@
 
 import json
 import time
+from itertools import pairwise
 from pathlib import Path
 from typing import NamedTuple
 
@@ -320,6 +321,18 @@ def test_slots_on_each_other_are_told_apart_by_their_numbers(tmp_path: Path) -> 
     said = call("post", path, "--machine", "plate-linuxcnc", "-o", tmp_path / "a.ngc")
     assert said.faults == []
     assert (tmp_path / "a.ngc").exists(), said.printed
+
+
+@pytest.mark.parametrize("tiny", [1e-200, 5e-324, -1e-300])
+def test_a_place_of_next_to_nothing_takes_no_way_of_its_own(tiny: float, tmp_path: Path) -> None:
+    corners = [[0, 0], [40, 0], [40, 30], [0, 30], [tiny, 0]]
+    lines = [{"line": [a, b]} for a, b in pairwise(corners)]
+    contour = {"face": "v", "kind": "outer", "process": "cut", "curves": lines}
+    path = tmp_path / "a.json"
+    path.write_text(json.dumps(PART | {"contours": [contour]}))
+    for suffix in ("steps", "csv", "ngc", "nc"):
+        said = call("post", path, "-o", tmp_path / f"a.{suffix}")
+        assert said.faults == []
 
 
 @pytest.mark.parametrize("kind", ["slots", "contours"])

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator
 from itertools import pairwise
-from math import floor, hypot
+from math import dist, floor, hypot
 
 import numpy as np
 from msgspec import Struct
@@ -14,6 +14,7 @@ from beamcam.model.steps import VelocityRow
 from beamcam.motion.densify import DensifyRules, densify
 
 HOME = (0.0, 0.0)
+SAME_POINT = 1e-9  #: mm; there is no way to a place that is no farther
 SECONDS_PER_MINUTE = 60.0
 
 
@@ -38,11 +39,11 @@ def ways(plan: SheetPlan, machine: Machine) -> list[Way]:
         for one in op.passes:
             path = densify((*one.lead_in, *one.curves, *one.lead_out), rules)
             start = (float(path.points[0, 0]), float(path.points[0, 1]))
-            if start != here:
+            if dist(start, here) > SAME_POINT:
                 found.append(Way(np.array([here, start]), stepper.traverse_mm_s, False, 0.0))
             found.append(Way(path.points, speed, True, op.row.pierce_s))
             here = (float(path.points[-1, 0]), float(path.points[-1, 1]))
-    if here != HOME:
+    if dist(here, HOME) > SAME_POINT:
         found.append(Way(np.array([here, HOME]), stepper.traverse_mm_s, False, 0.0))
     return found
 

@@ -141,12 +141,14 @@ def _crosses_itself(ring: Any, tolerance: float, gap: float) -> Point | None:
     import shapely
 
     edge = shapely.get_exterior_ring(ring)
-    noded = shapely.unary_union(edge, grid_size=GRID)
-    faces = shapely.get_parts(shapely.polygonize([noded]))
     corners = shapely.get_coordinates(edge)
+    with np.errstate(all="ignore"):  # numbers of 1e-200 are next to nothing, and no fault
+        noded = shapely.unary_union(edge, grid_size=GRID)
+        faces = shapely.get_parts(shapely.polygonize([noded]))
+        inside = shapely.get_coordinates(shapely.point_on_surface(faces))
     if not len(faces):
         return None
-    turns = _turns(corners, shapely.get_coordinates(shapely.point_on_surface(faces)))
+    turns = _turns(corners, inside)
     right = int(np.sign(signed_areas(np.array([ring]))[0]))
     low, high = shapely.bounds(faces)[:, :2], shapely.bounds(faces)[:, 2:]
     is_hair = shapely.area(faces) <= tolerance * TOUCH_SHARE * shapely.length(faces)
