@@ -461,6 +461,8 @@ def test_a_program_is_simulated_compared_recovered_and_drawn() -> None:
         lambda: beamcam.plot(channel, to="jpg"),  # type: ignore[arg-type]
         lambda: beamcam.report(channel, unit="m"),  # type: ignore[arg-type]
         lambda: beamcam.recover(posted.text, profile="XYZ"),
+        lambda: beamcam.recover(posted.text, "table-simotion"),
+        lambda: beamcam.recover(posted.text, "laser-stepper"),
         lambda: beamcam.simulate(5),  # type: ignore[arg-type]
     )
     for call in calls:

@@ -93,6 +93,7 @@ def recover(
     `profile` is the section of the bar: a name such as "IPE200", or a part that has it. The program
     was read back against what was found.
     """
+    from beamcam.machine.faults import TABLE_CONTROLLERS
     from beamcam.model.catalogue import measures_of
     from beamcam.recovery import Stock
     from beamcam.recovery import recover as recover_parts
@@ -108,7 +109,10 @@ def recover(
             raise AskError(ask_type("profile", profile, "a section such as IPE200, or a Part"))
         code, sizes = known
         stock = Stock(Profile(code, profile.upper(), *sizes))
-    return recover_parts(_text(program), machine_of(machine), name, stock)
+    used = machine_of(machine)
+    if used.controller in TABLE_CONTROLLERS:
+        raise AskError(ask_type("machine", used.name, "one for bars, or a table that runs G-code"))
+    return recover_parts(_text(program), used, name, stock)
 
 
 def plot(

@@ -62,7 +62,8 @@ def _changed_words(old: str, new: str, decimals: int) -> tuple[str, ...]:
         if a != b:
             word = before[k - 1] if k else ""
             if word in ("X", "Y"):
-                changed.append(f"{word} {float(b) - float(a):+.{decimals}f}")
+                far = float(b.rstrip(",")) - float(a.rstrip(","))
+                changed.append(f"{word} {far:+.{decimals}f}")
             else:
                 changed.append(f"{word} {a} to {b}".strip())
     return tuple(dict.fromkeys(changed))

@@ -1,7 +1,7 @@
 """Speed and feed of a tool, from the machine's table of cutting data."""
 
 from fnmatch import fnmatchcase
-from math import pi
+from math import inf, pi
 
 from beamcam.machine.drill import Cutting, Drill
 from beamcam.machine.tools import Tool
@@ -28,8 +28,8 @@ def speed_and_feed(tool: Tool, drill: Drill, grade: str) -> tuple[float, float]:
 
 
 def turns_of(row: Cutting, tool: Tool) -> float:
-    """The speed in rpm that a row asks for, whatever the spindle's limits."""
-    return 1000 * row.speed_m_min / (pi * tool.diameter)
+    """The speed in rpm that a row asks for, whatever the spindle's limits; of a point infinite."""
+    return 1000 * row.speed_m_min / (pi * tool.diameter) if tool.diameter else inf
 
 
 def cutting_row(tool: Tool, drill: Drill, grade: str) -> Cutting:

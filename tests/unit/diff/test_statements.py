@@ -1,5 +1,6 @@
 """Programs of cutting tables compared by what they say, and the commands that do so."""
 
+import re
 from pathlib import Path
 
 import pytest
@@ -44,6 +45,17 @@ def test_a_move_that_changed_is_told(tmp_path: Path) -> None:
     assert result.exit_code == 1
     assert "rapid to X " in result.stdout
     assert " became " in result.stdout
+
+
+def test_a_program_that_was_moved_with_its_arcs_says_so_once(tmp_path: Path) -> None:
+    def moved(word: re.Match[str]) -> str:
+        return f"Y{float(word[1]) + 1.5:.4f}"
+
+    b = tmp_path / "b.ngc"
+    b.write_text(re.sub(r"\bY([-0-9.]+)", moved, PLATE.read_text()))
+    result = diff(b)
+    assert (result.exit_code, result.stderr) == (1, "")
+    assert "statements: Y +1.5" in result.stdout
 
 
 def test_a_switch_that_is_missing_is_told(tmp_path: Path) -> None:

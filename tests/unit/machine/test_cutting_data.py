@@ -52,6 +52,12 @@ def test_feed_grows_with_the_diameter_and_speed_stays_in_range(
         assert feed == pytest.approx(turns * feeds[diameter - 8])
 
 
+def test_a_point_turns_as_fast_as_the_spindle_may() -> None:
+    """A program may name a tool of no diameter, which is simulated all the same."""
+    drill = drill_of("beamline")
+    assert speed_and_feed(Tool("drill", 0.0), drill, "")[0] == drill.max_speed_rpm
+
+
 @pytest.mark.parametrize("name", LINES)
 def test_harder_steel_is_cut_more_slowly_and_carbide_faster(name: str) -> None:
     drill = drill_of(name)
