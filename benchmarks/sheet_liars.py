@@ -56,8 +56,23 @@ MACHINES: tuple[tuple[str, dict[str, object]], ...] = (
     ),
     ("table-simotion", {}),
     ("laser-stepper", {"material": "wood"}),
-)
-COLOURS = {"red": "cut", "blue": "mark", "notes": "ignore"}
+    *(
+        (name, {
+            **values, "tabs": 2, "inner_tabs": True, "overcut": 1.5, "copies": (2, 1),
+            "rotate": 30.0, "place": "corner", "margin": 5.0,
+            "settings": {
+                "red": LookSettings(speed=400.0, passes=2, order=2, overcut=2.0),
+                "magenta": LookSettings(order=1),
+                "blue": LookSettings(hatch=3.0, hatch_one_way=True),
+            },
+        })
+        for name, values in (
+            ("laser-grbl", {"material": "wood"}), ("laser-stepper", {"material": "wood"}),
+            ("plate-linuxcnc", {"kerf_by": "none", "lead": "none"}), ("table-simotion", {}),
+        )
+    ),
+)  # fmt: skip
+COLOURS = {"red": "cut", "magenta": "cut", "blue": "mark", "notes": "ignore"}
 Point = tuple[float, float]
 
 
@@ -88,6 +103,18 @@ def drawing() -> Part:
         contour(lines((45.0, 28.0), (55.0, 32.0), closed=False), "#0000ff"),
         contour(lines((10.0, 0.0), (30.0, 0.0), closed=False), "#ff0000"),
         contour(lines((5.0, 5.0), (50.0, 36.0), closed=False), "#00ff00", "notes"),
+    )
+    return _part(features, Measures())
+
+
+def filled() -> Part:
+    """A plate with holes of two colours, and what is filled beside them."""
+    outline = lines((0.0, 0.0), (60.0, 0.0), (60.0, 40.0), (0.0, 40.0))
+    features = (
+        contour(outline, "#ff0000"),
+        contour((Arc((16.0, 24.0), 8.0, 0.0, 360.0),), "#ff0000"),
+        contour((Arc((44.0, 28.0), 5.0, 0.0, 360.0),), "#ff00ff"),
+        contour(lines((32.0, 5.0), (52.0, 5.0), (48.0, 16.0), (32.0, 16.0)), "#0000ff"),
     )
     return _part(features, Measures())
 
@@ -150,8 +177,13 @@ def _altered(op: ContourOp, torch: Torch) -> Iterator[tuple[str, ContourOp]]:
     if len(op.passes) > 1 and op.row.passes == 1:
         yield from _bridged_otherwise(op, tab_width)
     if overcut and op.closed and op.row.process == "cut" and op.side == "on":
-        for name, by in (("without overcut", -overcut), ("overcut too long", 1.0)):
+        own = torch.settings.get("red")
+        over = overcut if own is None or own.overcut is None else own.overcut
+        for name, by in (
+            ("without overcut", -over), ("overcut too short", -over / 2), ("overcut too long", 1.0),
+        ):  # fmt: skip
             yield name, _cut_again(op, by)
+        yield "overcut off the contour", _cut_aside(op, over / 2)
 
 
 def _settled_otherwise(op: ContourOp) -> Iterator[tuple[str, ContourOp]]:
@@ -195,6 +227,16 @@ def _cut_again(op: ContourOp, by: float) -> ContourOp:
     return replace(op, passes=(*others, Pass(last.lead_in, curves, ())))
 
 
+def _cut_aside(op: ContourOp, by: float) -> ContourOp:
+    """An operation whose overcut leaves its contour."""
+    *others, last = op.passes
+    lengths = [curve.length for curve in last.curves]
+    (x, y), (tx, ty) = last.curves[-1].end, last.curves[-1].tangent(1.0)
+    curves = stretch(last.curves, lengths, 0.0, sum(lengths) - by)
+    aside = Line(curves[-1].end, (x - by * ty, y + by * tx))
+    return replace(op, passes=(*others, Pass(last.lead_in, (*curves, aside), ())))
+
+
 def _moved(op: ContourOp, by: float) -> ContourOp:
     passes = tuple(
         Pass(
@@ -220,7 +262,8 @@ def told(machines: Sequence[tuple[str, dict[str, object]]] = MACHINES, every: in
     for name, values in machines:
         machine = with_torch(load(name), colours=COLOURS, **values)  # type: ignore[arg-type]
         assert machine.torch is not None
-        for part in (drawing(), plate()):
+        is_filled = any(own.hatch for own in machine.torch.settings.values())
+        for part in (filled(),) if is_filled else (drawing(), plate()):
             job = Job((part,), machine, skips=tuple(SKIP_NAMES))
             plan = post_of(machine).plan(job)
             assert isinstance(plan, SheetPlan)

@@ -183,7 +183,9 @@ def lead_moves(
 def _leads(
     trace: Trace, strokes: Sequence[tuple[int, int, str]], frame: Frame
 ) -> Iterator[Polyline]:
-    for first, last, _ in strokes:
+    for first, last, process in strokes:
+        if process in ("mark", "engrave"):
+            continue  # a letter may begin beside a ring, as a 9 does
         for a, b in lead_moves(trace, first, last, 0.02) or ():
             points = _drawn(trace, a, b, frame) if b > a else ()
             if len(points) > 1:
@@ -228,7 +230,7 @@ def _legend(fastest: float, y: float) -> Iterator[Shape]:
         value = fastest * SECONDS_PER_MINUTE * (k + 1) / count
         yield Text("figure", (x + 19.0, y + 4.0), f"{value:.0f}")
         x += 58.0
-    for style, text in (("rapid", "no tool on"), ("lead", "lead")):
+    for style, text in (("rapid", "no tool on"), ("lead", "lead, overcut")):
         yield Polyline(f"{style} legend", ((x, y), (x + 16.0, y)))
         yield Text("label", (x + 20.0, y + 4.0), text)
         x += 90.0

@@ -11,6 +11,7 @@ from collections.abc import Iterator
 from beamcam.errors import Diagnostic, Rule, Severity, Source
 from beamcam.model.colour import colour_name
 from beamcam.model.description import description
+from beamcam.model.hatch import HATCH
 from beamcam.model.part import Contour
 from beamcam.model.plan import Outcome, Plan, SheetPlan
 from beamcam.planning.by_hand import REASONS
@@ -98,6 +99,8 @@ def _not_cut(plan: SheetPlan) -> Iterator[Diagnostic]:
         piece, index = outcome.feature
         feature = plan.pieces[piece].part.features[index]
         if outcome.by not in MAPPED_AWAY or not isinstance(feature, Contour):
+            continue
+        if feature.source.where == HATCH:  # which the drawing does not have
             continue
         look = feature.layer, feature.colour, outcome.by
         if look[:2] != (None, None):

@@ -28,11 +28,6 @@ class Drawn(Struct, frozen=True):
     feeds_mm_min: tuple[float, ...]  #: the speeds asked of a sheet that it may be of
     passes: int = 1  #: how often, one behind the other
 
-    @property
-    def alike(self) -> tuple[TorchProcess, tuple[float, ...]]:
-        """What passes of one contour have in common."""
-        return self.process, self.feeds_mm_min
-
 
 def compare_polylines(
     ways: Sequence[Drawn],

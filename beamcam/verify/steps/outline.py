@@ -225,11 +225,13 @@ class Outline:
         if not feeds:
             self.said += wrong[self._asked(process, points[0])]
         last = self.ways[-1] if self.ways else None
-        mine = Drawn(process, [(float(x), float(y)) for x, y in points], feeds, seen.passes)
-        if seen.path and last and (seen.path, process, feeds) == (self._path, *last.alike):
-            self.ways[-1] = replace(last, passes=last.passes + seen.passes)
+        both = [feed for feed in last.feeds_mm_min if feed in feeds] if last else []
+        if last and both and seen.path and (seen.path, process) == (self._path, last.process):
+            passes = last.passes + seen.passes
+            self.ways[-1] = replace(last, passes=passes, feeds_mm_min=tuple(both))
         else:
-            self.ways.append(mine)
+            places = [(float(x), float(y)) for x, y in points]
+            self.ways.append(Drawn(process, places, feeds, seen.passes))
         self._path = seen.path
 
     def _asked(self, process: TorchProcess, place: Floats) -> float:
