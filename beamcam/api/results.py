@@ -159,7 +159,7 @@ def report(
 
     It is an HTML page, or the bytes of a PDF. Raises what `post` raises, and PictureError.
     """
-    from beamcam.setup_sheet.content import Source, content_of
+    from beamcam.setup_sheet.content import SheetSources, content_of
 
     check_choice("to", to, ("html", "pdf"))
     check_choice("unit", unit, get_args(Unit))
@@ -172,11 +172,11 @@ def report(
         length = plan.bar.length if isinstance(plan, Plan) else None
         data: FileInput = b"".join(posted.pieces())
         read = _read_program(data, loaded, f"{name}{loaded.suffix}", length, wanted)
-        source = Source(read, plan, posted.remarks)
+        source = SheetSources(read, plan, posted.remarks)
     else:
         read = _read_program(posted, loaded, name, bar, wanted)
         request = Request(wanted, loaded, left_out, name, bar=bar, style=read.style)
-        source = Source(read, None, (), read_back(read.data, request))
+        source = SheetSources(read, None, (), read_back(read.data, request))
     content = content_of(source, unit)
     if to == "pdf":
         from beamcam.setup_sheet.paper import setup_pdf

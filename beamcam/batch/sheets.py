@@ -28,7 +28,7 @@ from beamcam.processes import Died, Pool
 from beamcam.readers import is_interruptible, read
 from beamcam.report.run import Row
 from beamcam.report.run_page import Extra
-from beamcam.setup_sheet.content import Source, content_of
+from beamcam.setup_sheet.content import SheetSources, content_of
 from beamcam.setup_sheet.page import setup_page
 
 FOLDER_SUFFIX = ".sheets"
@@ -155,6 +155,6 @@ def _sheet(job: BarJob, posted: Posted, output: str, machine: Machine, shop: Sho
         job.parts,
         bar,
     )
-    source = Source(program, posted.plan, posted.remarks, compared=shop.read_back)
+    source = SheetSources(program, posted.plan, posted.remarks, compared=shop.read_back)
     page = setup_page(content_of(source)).encode("utf-8", "backslashreplace")
     return Sheet(output, page, inline_svg(small_scene(job.parts[0])))

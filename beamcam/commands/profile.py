@@ -14,7 +14,7 @@ from beamcam.errors import BeamcamError
 from beamcam.files import FilesRead
 
 if TYPE_CHECKING:
-    from beamcam.geometry.velocity_profile import Profile
+    from beamcam.geometry.velocity_profile import VelocityProfile
     from beamcam.report.velocity_profile import Unit
 
 MOST_ROWS = 1_000_000
@@ -87,7 +87,7 @@ def wanted_profile(
     cruise: float,
     points: tuple[tuple[float, float], ...],
     max_jerk: float | None,
-) -> "Profile":
+) -> "VelocityProfile":
     """The profile that the options ask for. Raises ValueError where they do not fit together."""
     from beamcam.motion import profile as profiles
 

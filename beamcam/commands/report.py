@@ -56,7 +56,7 @@ def command(
     beamcam report job.gcode M58.nc1 --machine beamline-annex -o job.pdf
     beamcam report plate.dxf --thickness 3 -o plate.html --unit inch
     """
-    from beamcam.setup_sheet.content import Source, content_of
+    from beamcam.setup_sheet.content import SheetSources, content_of
 
     suffix = ".html" if output == "-" else PurePath(output).suffix.lower()
     if suffix not in KINDS["report"]:
@@ -69,7 +69,7 @@ def command(
             source = _of_program(first, inputs, config, asked, voice)
         else:
             job = posted_job(inputs, config, asked, output, order, turn, voice)
-            source = Source(job.program, job.posted.plan, (*job.said, *job.posted.remarks))
+            source = SheetSources(job.program, job.posted.plan, (*job.said, *job.posted.remarks))
         content = content_of(source, unit)
         sheet: str | bytes
         if suffix == ".pdf":
@@ -97,7 +97,7 @@ def _of_program(
 
     from beamcam.pipeline import read_back
     from beamcam.posts import Request
-    from beamcam.setup_sheet.content import Source
+    from beamcam.setup_sheet.content import SheetSources
 
     parts, said = read_pieces(inputs[1:], config, asked, voice) if inputs[1:] else ((), ())
     program = replace(read_program(data, inputs[0], config), parts=parts)
@@ -105,4 +105,4 @@ def _of_program(
         parts, program.machine, config.allow_skips, shown_name(inputs[0]), bar=program.bar,
         style=program.style,
     )  # fmt: skip
-    return Source(program, None, said, read_back(data, request))
+    return SheetSources(program, None, said, read_back(data, request))

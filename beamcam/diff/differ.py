@@ -34,7 +34,7 @@ from beamcam.model.part import (
     Slot,
     TextMark,
 )  # fmt: skip
-from beamcam.verify.bars.made import Bore, Cut, Made, Trail, Written
+from beamcam.verify.bars.made import Bore, Cut, Made, ToldText, Trail
 
 
 def diff_programs(a: Made, b: Made, resolution: float) -> tuple[Difference, ...]:
@@ -221,19 +221,19 @@ def _trail(a: Trail, b: Trail, step: float) -> list[str]:
     return changes + _feed(a, b)
 
 
-def _text_place(text: Written) -> tuple[float, float]:
+def _text_place(text: ToldText) -> tuple[float, float]:
     return text.x, text.y
 
 
-def _text_to(text: Written, at: Written) -> Written:
+def _text_to(text: ToldText, at: ToldText) -> ToldText:
     return replace(text, x=at.x, y=at.y)
 
 
-def _text_name(text: Written) -> str:
+def _text_name(text: ToldText) -> str:
     return f"text {text.text!r} {text.face} at x {text.x:.1f}"
 
 
-def _text(a: Written, b: Written, step: float) -> list[str]:
+def _text(a: ToldText, b: ToldText, step: float) -> list[str]:
     changes = moved(b.x - a.x, b.y - a.y, step)
     if a.text != b.text:
         changes.append(f"text {a.text!r} to {b.text!r}")

@@ -22,7 +22,7 @@ class Phase(Struct, frozen=True):
     jerk: float
 
 
-class Profile(Struct, frozen=True):
+class VelocityProfile(Struct, frozen=True):
     """Phases that follow one another from time 0, and the state that they end in.
 
     Before its start and after its end a profile goes on at its first and last velocity.

@@ -45,6 +45,7 @@ class LookSettings(Keys, frozen=True):
         return tuple(k for k in self.__struct_fields__ if getattr(self, k) != getattr(default, k))
 
 
+CORNER_DEG = 20.0  #: what a corner turns more than, for bridges: `min_tab_to_corner`
 #: Origin of the work as a share of its length and width, from its lower left corner.
 ORIGINS = {
     "lower-left": (0.0, 0.0), "lower-right": (1.0, 0.0), "upper-left": (0.0, 1.0),

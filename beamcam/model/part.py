@@ -20,6 +20,7 @@ from beamcam.model.quantities import EndAngle, Number, Whole
 
 Face = str
 FACES = ("v", "o", "u", "h")
+PLATE_FACES = ("v", "h")  #: of a plate; what goes through has the same numbers on both
 MIRRORED_FACES = ("o", "h")  #: their numbers are left-handed seen from outside
 
 ProfileCode = Literal["I", "U", "L", "M", "RO", "RU", "C", "T", "B", "SO"]

@@ -17,7 +17,7 @@ from math import inf, isfinite
 from msgspec import Struct
 
 from beamcam.geometry.ramps import ramp
-from beamcam.geometry.velocity_profile import Phase, Profile
+from beamcam.geometry.velocity_profile import Phase, VelocityProfile
 
 #: A ramp that is rounded by less than this share is not rounded.
 MIN_SHARE = 1e-12
@@ -58,7 +58,7 @@ def build_profile(
     pieces: Sequence[Piece],
     distance: float | None = None,
     end_velocity: float | None = None,
-) -> Profile:
+) -> VelocityProfile:
     """The profile of pieces that follow one another.
 
     `distance` and `end_velocity`, where they are known, stand in for the sums of the pieces,
@@ -72,7 +72,7 @@ def build_profile(
         t += duration
         x += duration * (v + duration * (a / 2 + duration * j / 6))
         v += duration * (a + duration * j / 2)
-    return Profile(
+    return VelocityProfile(
         tuple(phases),
         t,
         x if distance is None else distance,
@@ -81,7 +81,7 @@ def build_profile(
     )
 
 
-def profile_to_velocity(velocity: float, time_s: float, jerk_percent: float) -> Profile:
+def profile_to_velocity(velocity: float, time_s: float, jerk_percent: float) -> VelocityProfile:
     """A ramp from rest to `velocity` in `time_s`.
 
     Raises ValueError unless the time is above 0 and the jerk is 0 to 100 %.
@@ -91,7 +91,9 @@ def profile_to_velocity(velocity: float, time_s: float, jerk_percent: float) -> 
     return build_profile(0.0, pieces, velocity * time_s / 2, velocity)
 
 
-def profile_by_acceleration(acceleration: float, time_s: float, jerk_percent: float) -> Profile:
+def profile_by_acceleration(
+    acceleration: float, time_s: float, jerk_percent: float
+) -> VelocityProfile:
     """A ramp from rest of `time_s`, whose maximum acceleration is `acceleration`."""
     _check(time_s, jerk_percent)
     velocity = acceleration * time_s * (1.0 - jerk_percent / 200.0)
@@ -100,7 +102,7 @@ def profile_by_acceleration(acceleration: float, time_s: float, jerk_percent: fl
 
 def profile_over_distance(
     distance: float, time_s: float, jerk_percent: float, cruise_s: float = 0.0
-) -> Profile:
+) -> VelocityProfile:
     """From rest to rest over `distance` in `time_s`: a ramp, a cruise and the mirrored ramp.
 
     Without a cruise the greatest velocity is 2 distance / time.
@@ -112,7 +114,7 @@ def profile_over_distance(
     return _there(distance, (time_s - cruise_s) / 2, cruise_s, jerk_percent)
 
 
-def fastest_profile(distance: float, limits: Limits) -> Profile:
+def fastest_profile(distance: float, limits: Limits) -> VelocityProfile:
     """From rest to rest over `distance` in the least time; backwards if that is negative.
 
     Raises ValueError for a distance that is no number.
@@ -127,7 +129,7 @@ def fastest_profile(distance: float, limits: Limits) -> Profile:
     return _there(distance, fastest.rise_s, fastest.cruise_s, jerk_percent)
 
 
-def _there(distance: float, ramp_s: float, cruise_s: float, jerk_percent: float) -> Profile:
+def _there(distance: float, ramp_s: float, cruise_s: float, jerk_percent: float) -> VelocityProfile:
     """A ramp, a cruise and the mirrored ramp."""
     velocity = distance / (ramp_s + cruise_s)
     pieces = [
@@ -138,7 +140,7 @@ def _there(distance: float, ramp_s: float, cruise_s: float, jerk_percent: float)
     return build_profile(0.0, pieces, distance, 0.0)
 
 
-def profile_through(points: Sequence[tuple[float, float]], jerk_percent: float) -> Profile:
+def profile_through(points: Sequence[tuple[float, float]], jerk_percent: float) -> VelocityProfile:
     """Ramps that join (time, velocity) points; equal velocities are a cruise.
 
     Time 0 of the profile is that of the first point. Raises ValueError for fewer than two

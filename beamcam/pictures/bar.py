@@ -32,7 +32,7 @@ from beamcam.pictures.views import (
     spread,
     titles,
 )
-from beamcam.verify.bars.made import Bore, Cut, Made, Trail, Written
+from beamcam.verify.bars.made import Bore, Cut, Made, ToldText, Trail
 from beamcam.verify.bars.pieces import Plane, planes
 
 OPEN_END = 120.0  #: of bar that is drawn behind the last cut where its length is not known
@@ -270,7 +270,7 @@ def _strokes(
             tip = f"{number}: {op.kind} {op.diameter:g}"
             yield Polyline(f"{style} trail", points, False, tip, op.line)
             places.append((number, op.line, points[0], 2.5))
-        elif isinstance(op, Written) and op.face == view.name:
+        elif isinstance(op, ToldText) and op.face == view.name:
             text = _written(op, number, bar, frame)
             yield text
             places.append((number, op.line, text.at, 2.0))
@@ -284,7 +284,7 @@ def _strokes(
         yield Text("number order", found or at, str(number), size, line=line)
 
 
-def _written(op: Written, number: int, bar: BarMade, frame: Frame) -> Text:
+def _written(op: ToldText, number: int, bar: BarMade, frame: Frame) -> Text:
     """A text as it is read, in the picture's own letters."""
     x = op.x - text_x(bar.machine)
     at = frame.at(x, op.y)
@@ -314,7 +314,7 @@ def _stops(bar: BarMade, frame: Frame, y: float, unit: Unit) -> Iterator[Shape]:
     """Stopping positions of the bar: machine x of the strokes and cuts."""
     drill_x = bar.machine.drill.x if bar.machine.drill else 0.0
     saw_x = bar.machine.saw.x if bar.machine.saw else 0.0
-    stations = {Cut: saw_x, Written: text_x(bar.machine)}
+    stations = {Cut: saw_x, ToldText: text_x(bar.machine)}
     stops: dict[float, float] = {}
     for op in bar.made.order:
         x = op.points[0][0] if isinstance(op, Trail) else op.x

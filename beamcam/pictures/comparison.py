@@ -37,7 +37,7 @@ from beamcam.pictures.views import (
     laid_out,
     titles,
 )
-from beamcam.verify.bars.made import Bore, Trail, Written
+from beamcam.verify.bars.made import Bore, ToldText, Trail
 
 MIN_ARROW = 2.0  #: pixels; nearer places have no arrow
 ROUND = 1e-3  #: mm; ends of moves nearer than this are one
@@ -173,7 +173,7 @@ def _compared_bars(a: BarMade, b: BarMade) -> Compared:
         shifted = Frame(frame.scale, frame.left - drill * frame.scale, frame.base)
         for pair in _rising(pairs):
             thing = pair.a or pair.b
-            if isinstance(thing, Bore | Trail | Written) and thing.face == view.name:
+            if isinstance(thing, Bore | Trail | ToldText) and thing.face == view.name:
                 drawn += _pair(pair, partial(_made_shapes, frame=shifted), shifted)
         drawn += figures(view, paper, "mm", -drill)
     return _done("two programs", lines, drawn, paper, pairs)
@@ -200,12 +200,12 @@ def _cuts(a: BarMade, b: BarMade, face: str, frame: Frame) -> Iterator[Polyline]
                 yield Polyline("same cut-of", line)
 
 
-def _made_shapes(thing: Bore | Trail | Written, frame: Frame) -> Iterator[Shape]:
+def _made_shapes(thing: Bore | Trail | ToldText, frame: Frame) -> Iterator[Shape]:
     if isinstance(thing, Bore):
         radius = max(thing.diameter / 2 * frame.scale, 1.2)
         tip = f"{thing.kind} {thing.diameter:g} at machine x {thing.x:g}, y {thing.y:g}"
         yield Circle("hole", frame.at(thing.x, thing.y), radius, tip, thing.line)
-    elif isinstance(thing, Written):
+    elif isinstance(thing, ToldText):
         at, size = frame.at(thing.x, thing.y), max(thing.height * frame.scale * 1.35, 5.0)
         yield Text("text", at, thing.text, size, "start", thing.angle, line=thing.line)
     else:

@@ -6,7 +6,7 @@ from math import ceil, floor, log10
 import numpy as np
 
 from beamcam.geometry.array_types import Floats
-from beamcam.geometry.velocity_profile import Profile
+from beamcam.geometry.velocity_profile import VelocityProfile
 from beamcam.pictures.scene import Polyline, Scene, Shape, Text
 from beamcam.report.velocity_profile import Unit
 
@@ -15,7 +15,7 @@ WIDTH, PANEL, GAP, LEFT, RIGHT, TOP = 900.0, 170.0, 34.0, 86.0, 24.0, 56.0
 BOTTOM = 52.0
 
 
-def profile_scene(profile: Profile, unit: Unit) -> Scene:
+def profile_scene(profile: VelocityProfile, unit: Unit) -> Scene:
     """The three curves one above the other, with ticks, numbers and units."""
     t = sample_times(profile)
     x, v, a = profile.sample(t)
@@ -32,7 +32,7 @@ def profile_scene(profile: Profile, unit: Unit) -> Scene:
     return Scene("velocity profile", about, WIDTH, height, tuple(shapes))
 
 
-def sample_times(profile: Profile) -> Floats:
+def sample_times(profile: VelocityProfile) -> Floats:
     """Times at which a curve is drawn: equal steps, and where phases begin and end."""
     edges = [e for p in profile.phases for e in (p.start_s, p.start_s + p.duration_s * (1 - 1e-12))]
     return np.unique(np.concatenate((np.linspace(0, profile.duration_s, DRAWN_SAMPLES), edges)))

@@ -61,7 +61,7 @@ class Beyond(Struct, frozen=True):
     face: Face
 
 
-class Room(Struct, frozen=True):
+class StrokePlaces(Struct, frozen=True):
     """Spindle positions on a section, and the results of checking their strokes."""
 
     strokes: Strokes
@@ -71,7 +71,7 @@ class Room(Struct, frozen=True):
 _UNKNOWN = Beyond(ControlledAxis("", "X", 0.0, 0.0), 0.0, "v")  #: not looked at yet
 
 
-_rooms: PerObject[Machine, BoundedCache[Profile, Room]] = PerObject(
+_rooms: PerObject[Machine, BoundedCache[Profile, StrokePlaces]] = PerObject(
     "planning.machines", lambda _: BoundedCache("planning.sections")
 )
 
@@ -87,7 +87,7 @@ def _refuse_beyond(part: Part, machine: Machine, jobs: Sequence[Job]) -> Iterato
     """The features of jobs for which a spindle's axis cannot go far enough, and why."""
     rooms = _rooms(machine)
     room = rooms.get(part.profile) or rooms.keep(
-        part.profile, Room(Strokes(part.profile, machine), BoundedCache("planning.strokes"))
+        part.profile, StrokePlaces(Strokes(part.profile, machine), BoundedCache("planning.strokes"))
     )
     known = room.known
     for job in jobs:

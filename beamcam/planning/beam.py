@@ -31,7 +31,7 @@ from beamcam.planning.cut_parts import lay_cut_part
 from beamcam.planning.cutting_data import cutting_remarks
 from beamcam.planning.magazine import reloads
 from beamcam.planning.nesting import best_order, lay_on_bar
-from beamcam.planning.operations.line import Line, line_of
+from beamcam.planning.operations.line import BarLine, line_of
 from beamcam.planning.operations.saw_cut import cuts_of
 from beamcam.planning.operations.work import Work, spindle_operations, work_on
 from beamcam.planning.order import sort_along_x
@@ -40,7 +40,7 @@ from beamcam.planning.stock import refuse_stock
 LEDGER_TOLERANCE = 0.001  #: mm
 
 
-class Lying(Struct, frozen=True):
+class OrientedPart(Struct, frozen=True):
     """A part in its orientation on the rollers, with its work there."""
 
     part: Part
@@ -66,21 +66,21 @@ def plan_bar(
     """
     line = line_of(machine)
     told = _accepted(refuse_stock(parts, line))
-    lying = _lay_on_rollers(parts, line, skips, turn, told)
-    told += _accepted(_refusals(lying, line, skips, turn))
-    lying = _in_order(lying, line, order, told)
-    told += _part_remarks(lying)
-    works = [each.work for each in lying]
+    oriented = _lay_on_rollers(parts, line, skips, turn, told)
+    told += _accepted(_refusals(oriented, line, skips, turn))
+    oriented = _in_order(oriented, line, order, told)
+    told += _part_remarks(oriented)
+    works = [each.work for each in oriented]
     ends = [work.ends for work in works]
-    lain = [each.part for each in lying]
+    in_order = [each.part for each in oriented]
     if machine.saw is None:
-        (starts, account), said = lay_cut_part(lain, line)
+        (starts, account), said = lay_cut_part(in_order, line)
     else:
-        (starts, account), said = lay_on_bar(lain, ends, line.layout, line.saw, bar)
+        (starts, account), said = lay_on_bar(in_order, ends, line.layout, line.saw, bar)
     told += said
     pieces = tuple(
         Piece(each.part, start, each.given, each.turn)
-        for each, start in zip(lying, starts, strict=True)
+        for each, start in zip(oriented, starts, strict=True)
     )
     strokes = [*spindle_operations(pieces, works, line)]
     cuts = () if machine.saw is None else cuts_of(pieces, ends, line.saw, account)
@@ -108,11 +108,11 @@ def _accepted(said: Iterable[Diagnostic]) -> list[Diagnostic]:
 
 def _lay_on_rollers(
     parts: Sequence[Part],
-    line: Line,
+    line: BarLine,
     skips: Collection[str],
     turn: bool,
     told: list[Diagnostic],
-) -> list[Lying]:
+) -> list[OrientedPart]:
     """The parts as they are given, or each turned as is best, with the work on each."""
     turned, turns = parts, [AS_GIVEN] * len(parts)
     if turn:
@@ -125,41 +125,43 @@ def _lay_on_rollers(
     works = {id(part): part for part in turned}
     known = {key: work_on(part, line, skips) for key, part in works.items()}
     return [
-        Lying(part, how, i, known[id(part)])
+        OrientedPart(part, how, i, known[id(part)])
         for i, (part, how) in enumerate(zip(turned, turns, strict=True))
     ]
 
 
 def _refusals(
-    lying: Sequence[Lying], line: Line, skips: Collection[str], turn: bool
+    oriented: Sequence[OrientedPart], line: BarLine, skips: Collection[str], turn: bool
 ) -> Iterator[Diagnostic]:
     """Features of the parts that cannot be made, and the turn that would help."""
-    works = {id(each.part): each.work for each in lying}
+    works = {id(each.part): each.work for each in oriented}
     refusals = [said for work in works.values() for said in work.refusals]
     yield from refusals
     if refusals and not turn:
         from beamcam.planning.orientation import turn_that_helps
 
-        yield from turn_that_helps([each.part for each in lying], line, skips)
+        yield from turn_that_helps([each.part for each in oriented], line, skips)
 
 
-def _in_order(lying: list[Lying], line: Line, order: Order, told: list[Diagnostic]) -> list[Lying]:
+def _in_order(
+    oriented: list[OrientedPart], line: BarLine, order: Order, told: list[Diagnostic]
+) -> list[OrientedPart]:
     """The parts in their order on the bar."""
-    if order == "given" or len(lying) == 1:
-        return lying
-    ends = [each.work.ends for each in lying]
-    best, said = best_order([each.part for each in lying], ends, line.saw)
+    if order == "given" or len(oriented) == 1:
+        return oriented
+    ends = [each.work.ends for each in oriented]
+    best, said = best_order([each.part for each in oriented], ends, line.saw)
     told += said
-    return [lying[i] for i in best]
+    return [oriented[i] for i in best]
 
 
-def _part_remarks(lying: Sequence[Lying]) -> Iterator[Diagnostic]:
+def _part_remarks(oriented: Sequence[OrientedPart]) -> Iterator[Diagnostic]:
     """Remarks on each part, once."""
-    for each in {id(one.part): one for one in lying}.values():
+    for each in {id(one.part): one for one in oriented}.values():
         part = each.part
         yield from each.work.remarks
         if part.quantity > 1:
-            count = sum(one.part is part or one.part == part for one in lying)
+            count = sum(one.part is part or one.part == part for one in oriented)
             if part.quantity > count:
                 yield rules.QUANTITY.at(part.source, found=part.quantity, made=count)
 

@@ -6,11 +6,11 @@ from beamcam.errors import Diagnostic, PlanError
 from beamcam.model.part import Part
 from beamcam.model.plan import Bar
 from beamcam.planning import rules
-from beamcam.planning.operations.line import Line
+from beamcam.planning.operations.line import BarLine
 
 
 def lay_cut_part(
-    parts: Sequence[Part], line: Line
+    parts: Sequence[Part], line: BarLine
 ) -> tuple[tuple[tuple[float, ...], Bar], tuple[Diagnostic, ...]]:
     """The start of the only part, its account as a bar, and remarks.
 

@@ -13,7 +13,7 @@ from beamcam.errors import Diagnostic
 from beamcam.model.part import Part
 from beamcam.model.plan import AS_GIVEN, Operation, Piece
 from beamcam.planning import rules
-from beamcam.planning.operations.line import Line
+from beamcam.planning.operations.line import BarLine
 from beamcam.planning.operations.saw_cut import cuts_of
 from beamcam.planning.operations.work import Work, spindle_operations, work_on
 from beamcam.planning.order import sort_along_x
@@ -40,7 +40,7 @@ class Choice(Struct, frozen=True):
     remarks: tuple[Diagnostic, ...]
 
 
-def try_turns(part: Part, line: Line, skips: Collection[str]) -> tuple[Trial, ...]:
+def try_turns(part: Part, line: BarLine, skips: Collection[str]) -> tuple[Trial, ...]:
     """All eight orientations of a part, in the order of `TURNS`."""
     trials: list[Trial] = []
     for turn in TURNS:
@@ -67,7 +67,7 @@ def try_turns(part: Part, line: Line, skips: Collection[str]) -> tuple[Trial, ..
 SKIP_WEIGHT_S = 1e6  #: so that an orientation that leaves nothing out is always preferred
 
 
-def _seconds(part: Part, work: Work, line: Line) -> float:
+def _seconds(part: Part, work: Work, line: BarLine) -> float:
     """Time of the work on a part alone."""
     pieces = (Piece(part, line.layout.front_trim),)
     operations: list[Operation] = [
@@ -79,7 +79,9 @@ def _seconds(part: Part, work: Work, line: Line) -> float:
     return time_of(ordered, part.profile, (part.grade,), machine).total_s
 
 
-def choose_turns(parts: Sequence[Part], line: Line, skips: Collection[str]) -> tuple[Choice, ...]:
+def choose_turns(
+    parts: Sequence[Part], line: BarLine, skips: Collection[str]
+) -> tuple[Choice, ...]:
     """The orientation of each part on one bar.
 
     A bar lies one way for all of them: if the best turns would set it on its web for one part and
@@ -119,7 +121,7 @@ def _choose(part: Part, trials: Sequence[Trial]) -> Choice | None:
 
 
 def turn_that_helps(
-    parts: Sequence[Part], line: Line, skips: Collection[str]
+    parts: Sequence[Part], line: BarLine, skips: Collection[str]
 ) -> tuple[Diagnostic, ...]:
     """For each part that cannot be made as given, the turn that would help, if one does."""
     said = []

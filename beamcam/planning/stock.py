@@ -7,7 +7,7 @@ from beamcam.errors import Diagnostic, PlanError, Source, errors_in
 from beamcam.model.part import Part
 from beamcam.model.section import section_fault
 from beamcam.planning import rules
-from beamcam.planning.operations.line import Line
+from beamcam.planning.operations.line import BarLine
 
 Made = TypeVar("Made")
 
@@ -43,7 +43,7 @@ def _is_too_short(said: Iterable[Diagnostic]) -> bool:
     }
 
 
-def refuse_stock(parts: Sequence[Part], line: Line) -> Iterator[Diagnostic]:
+def refuse_stock(parts: Sequence[Part], line: BarLine) -> Iterator[Diagnostic]:
     """Errors for sections that the machine does not take or that differ on one bar."""
     machine, layout = line.machine, line.layout
     if not parts:

@@ -23,7 +23,7 @@ from beamcam.recovery.found import Recovered
 from beamcam.recovery.rings import Curves, bridge, ring_of, whole
 from beamcam.verify.sheets import verify_sheet
 from beamcam.verify.sheets.need import rows_of
-from beamcam.verify.sheets.strokes import Stroke, Strokes, strokes_of
+from beamcam.verify.sheets.strokes import HeadStroke, Strokes, strokes_of
 
 MARK: Process = "punch"  #: of a marked contour, so that DSTV can hold it (KO)
 LOOK_SHARE = 1 / 8  #: of the tolerance, for polygons that tell what lies in what
@@ -110,7 +110,7 @@ def _paths(strokes: Strokes, torch: Torch, near: float, name: str) -> list[_Path
 
 
 def _path(
-    stretches: Sequence[Curves], stroke: Stroke, torch: Torch, near: float, name: str
+    stretches: Sequence[Curves], stroke: HeadStroke, torch: Torch, near: float, name: str
 ) -> _Path:
     """One path without its leads, its stretches joined."""
     curves = stretches[0]

@@ -6,7 +6,7 @@ import numpy as np
 from msgspec import Struct
 
 from beamcam.geometry.array_types import Floats
-from beamcam.geometry.velocity_profile import Profile
+from beamcam.geometry.velocity_profile import VelocityProfile
 
 
 class Unit(Struct, frozen=True):
@@ -53,7 +53,7 @@ class ProfileTable(Struct, frozen=True):
 
 
 def profile_table(
-    profile: Profile, step_s: float, encoder: Encoder | None = None, unit: Unit = MM_S
+    profile: VelocityProfile, step_s: float, encoder: Encoder | None = None, unit: Unit = MM_S
 ) -> ProfileTable:
     """Time, position, velocity and acceleration every `step_s`, the end always included; with
     an encoder its frequency and speed too.

@@ -63,7 +63,7 @@ class Content(Struct, frozen=True):
         return self.trace.duration_s
 
 
-class Source(Struct, frozen=True):
+class SheetSources(Struct, frozen=True):
     """Sources of a setup sheet."""
 
     program: ReadProgram
@@ -73,7 +73,7 @@ class Source(Struct, frozen=True):
     compared: bool = True  #: with the parts, if there are any
 
 
-def content_of(source: Source, unit: Unit = "mm") -> Content:
+def content_of(source: SheetSources, unit: Unit = "mm") -> Content:
     """Content of a program's setup sheet. Raises VerifyError where none of it is understood."""
     from beamcam.pictures.part import part_scene
     from beamcam.pictures.program import bar_made, program_scene
@@ -145,7 +145,7 @@ def _quantities(parts: Sequence[Part]) -> str:
     return ", ".join(rows)
 
 
-def _bar_tools(source: Source, operations: Sequence[Operation]) -> tuple[ToolRow, ...]:
+def _bar_tools(source: SheetSources, operations: Sequence[Operation]) -> tuple[ToolRow, ...]:
     """The tools by station as the plan loads them; by spindle alone where no plan is known."""
     machine = source.program.machine
     if isinstance(source.plan, Plan):

@@ -1,6 +1,6 @@
 """The velocity profile of an axis as a page: the carriage on its guide under the curve."""
 
-from beamcam.geometry.velocity_profile import Profile
+from beamcam.geometry.velocity_profile import VelocityProfile
 from beamcam.pictures.profile import profile_scene, sample_times
 from beamcam.pictures.svg import inline_svg
 from beamcam.report.velocity_profile import Unit
@@ -14,7 +14,7 @@ from beamcam.version import __version__
 DIGITS = 6
 
 
-def profile_trace(profile: Profile, unit: Unit) -> Trace:
+def profile_trace(profile: VelocityProfile, unit: Unit) -> Trace:
     """The carriage over time, in mm or revolutions; exact, as each phase is of constant jerk."""
     axis = TraceAxis("carriage", "mm" if unit.way == "mm" else "rev")
     builder = TraceBuilder([axis], [0.0])
@@ -30,7 +30,7 @@ def profile_trace(profile: Profile, unit: Unit) -> Trace:
     return builder.trace()
 
 
-def guide_page(profile: Profile, unit: Unit) -> str:
+def guide_page(profile: VelocityProfile, unit: Unit) -> str:
     """The page; it fetches nothing, and the same profile gives the same bytes."""
     trace = profile_trace(profile, unit)
     times = sample_times(profile)

@@ -27,7 +27,7 @@ from beamcam.pictures.bar import BarMade
 from beamcam.pictures.features import section_outlines
 from beamcam.pictures.table import TableMade, speed_classes
 from beamcam.simulate.trace import Trace
-from beamcam.verify.bars.made import Written
+from beamcam.verify.bars.made import ToldText
 
 MICROSECONDS = 1e6
 STEP = 1e-3  #: of positions in a page, mm or degrees
@@ -135,7 +135,7 @@ def bar_made_data(bar: BarMade) -> dict[str, Any]:
     }  # fmt: skip
 
 
-def _underline(text: Written, machine: Machine) -> list[list[float]]:
+def _underline(text: ToldText, machine: Machine) -> list[list[float]]:
     """The line that the characters of a text stand on."""
     x, long = text.x - text_x(machine), machine.marks.pitch * text.height * len(text.text)
     c, s = unit_vector(text.angle)

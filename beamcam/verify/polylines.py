@@ -48,14 +48,14 @@ def compare_polylines(
     from beamcam.controllers.moves import straight_moves
     from beamcam.verify.sheets.compare import compare
     from beamcam.verify.sheets.need import need_of, rows_on, shift_of
-    from beamcam.verify.sheets.strokes import Stroke, Strokes
+    from beamcam.verify.sheets.strokes import HeadStroke, Strokes
     from beamcam.verify.sheets.texts import add_texts
 
     torch = machine.needed(machine.torch, "torch")
     rows = {row.process: row for row in reversed(rows_on(part, torch))}
     need = need_of(part, machine, torch, skips)
     loose = replace(torch, tolerance=torch.tolerance + slack)
-    strokes: list[Stroke] = []
+    strokes: list[HeadStroke] = []
     chains = []
     count = 0
     paths: Sequence[Floats] = [
@@ -71,7 +71,9 @@ def compare_polylines(
             row, *others = [
                 replace(rows[way.process], feed_mm_min=feed) for feed in way.feeds_mm_min
             ]
-            strokes.append(Stroke(number, row, "on", 0.0, count, last, way.passes, tuple(others)))
+            strokes.append(
+                HeadStroke(number, row, "on", 0.0, count, last, way.passes, tuple(others))
+            )
             count = last
     done = Strokes(strokes, straight_moves(chains))
     add_texts(need, part, machine, loose, done)

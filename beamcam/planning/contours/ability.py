@@ -3,6 +3,7 @@
 from beamcam.errors import Diagnostic
 from beamcam.machine.torch import Torch
 from beamcam.model.part import (
+    PLATE_FACES,
     Bend,
     Bevel,
     Camber,
@@ -14,9 +15,6 @@ from beamcam.model.part import (
     TextMark,
 )
 from beamcam.planning import rules as bar_rules
-
-#: The faces of a plate: through features stand in the same numbers on both.
-PLATE_FACES = ("v", "h")
 
 
 def min_hole(torch: Torch, thickness: float) -> float:

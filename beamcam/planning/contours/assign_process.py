@@ -17,6 +17,7 @@ from beamcam.model.colour import colour_name, key_of, process_of
 from beamcam.model.hatch import is_filled_only
 from beamcam.model.marks import policy_on
 from beamcam.model.part import (
+    PLATE_FACES,
     Contour,
     Feature,
     Hole,
@@ -36,7 +37,7 @@ from beamcam.planning.by_hand import (
     refuse_mark,
 )
 from beamcam.planning.contours import rules
-from beamcam.planning.contours.ability import PLATE_FACES, is_drilled, refusal
+from beamcam.planning.contours.ability import is_drilled, refusal
 from beamcam.planning.lettering import place_text, remarks
 from beamcam.planning.lettering_room import Room
 

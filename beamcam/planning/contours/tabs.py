@@ -11,12 +11,10 @@ from math import acos, degrees
 
 from beamcam.geometry.curves import Arc
 from beamcam.geometry.plane import dot
-from beamcam.machine.torch import Torch
+from beamcam.machine.torch import CORNER_DEG, Torch
 from beamcam.planning.contours.direction import Curves, stretch
 from beamcam.planning.contours.shape import Shape
 
-#: A turn of more degrees is a corner.
-CORNER_DEG = 20.0
 ROUNDING = 1e-9
 #: The corner of a mitre lies so far beyond that of the contour at most, by the kerf.
 MITRE = 1.25

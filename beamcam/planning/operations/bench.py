@@ -13,7 +13,7 @@ from beamcam.model.section import OTHER_SIDE
 from beamcam.planning.operations.ends import Ends
 from beamcam.planning.operations.finished_part import FinishedPart
 from beamcam.planning.operations.job import Found, Job, Said, Settled
-from beamcam.planning.operations.line import Line
+from beamcam.planning.operations.line import BarLine
 from beamcam.planning.operations.reach import reach_of
 
 FROM_BEHIND = Rule(
@@ -36,7 +36,7 @@ RULES = (FROM_BEHIND, ANGLE_FACE)
 class Bench:
     """The one thing of planning that changes while it is looked at: the account of a part."""
 
-    def __init__(self, part: Part, ends: Ends, line: Line) -> None:
+    def __init__(self, part: Part, ends: Ends, line: BarLine) -> None:
         self.part, self.ends, self.line = part, ends, line
         self.machine, self.rack = line.machine, line.rack
         self.finished = FinishedPart(part, ends, line.machine, line.drill)

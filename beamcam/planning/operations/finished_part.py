@@ -86,7 +86,7 @@ TOLERANCE = 0.01  #: mm; files round to it, so a hole that is as near is tangent
 OUTSIDE = ("o", "u", "h")  #: faces that a tool comes to from outside the section
 
 
-class Across(Struct, frozen=True):
+class FaceEdges(Struct, frozen=True):
     """Walls and edges across the part on one face."""
 
     width: float
@@ -112,7 +112,7 @@ class Along(Struct, frozen=True):
         return min(start) / self.start_slant, min(end) / self.end_slant
 
 
-_walls: PerObject[Machine, BoundedCache[tuple[Profile, Face], Across]] = PerObject(
+_walls: PerObject[Machine, BoundedCache[tuple[Profile, Face], FaceEdges]] = PerObject(
     "planning.machines", lambda _: BoundedCache("planning.walls")
 )
 
@@ -123,10 +123,10 @@ class FinishedPart:
     def __init__(self, part: Part, ends: Ends, machine: Machine, drill: Drill) -> None:
         self.part, self._ends, self._drill = part, ends, drill
         self._machine = machine
-        self._across: dict[Face, Across] = {}
+        self._across: dict[Face, FaceEdges] = {}
         self._along: dict[Face, Along] = {}
 
-    def across(self, face: Face) -> Across:
+    def across(self, face: Face) -> FaceEdges:
         """Walls and edges across the part on a face."""
         found = self._across.get(face)
         if found is None:
@@ -213,9 +213,9 @@ def _said(rule: Rule, shape: Hole | Slot, **values: str) -> Diagnostic:
     )  # fmt: skip
 
 
-def _across(profile: Profile, face: Face) -> Across:
+def _across(profile: Profile, face: Face) -> FaceEdges:
     """Walls and edges on a face."""
-    return Across(
+    return FaceEdges(
         profile.face_width(face), walls_beside(profile, face), free_edges(profile, face),
         f"the edge of face {face}",
     )  # fmt: skip

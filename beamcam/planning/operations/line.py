@@ -9,7 +9,7 @@ from beamcam.machine.saw import Saw
 from beamcam.planning.operations.tools import Rack, rack_of
 
 
-class Line(Struct, frozen=True):
+class BarLine(Struct, frozen=True):
     """The machine data used in planning a bar."""
 
     machine: Machine
@@ -19,7 +19,7 @@ class Line(Struct, frozen=True):
     rack: Rack
 
 
-def line_of(machine: Machine) -> Line:
+def line_of(machine: Machine) -> BarLine:
     """The line of a machine. Raises TypeError if it has no layout."""
     layout = machine.needed(machine.layout, "layout")
-    return Line(machine, saw_of(machine), drill_of(machine), layout, rack_of(machine))
+    return BarLine(machine, saw_of(machine), drill_of(machine), layout, rack_of(machine))

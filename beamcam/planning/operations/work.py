@@ -22,7 +22,7 @@ from beamcam.planning.operations.bench import Bench
 from beamcam.planning.operations.ends import SQUARE, Ends, ends_of
 from beamcam.planning.operations.job import Job, Settled, Tooling
 from beamcam.planning.operations.kinds import KINDS, kind_of
-from beamcam.planning.operations.line import Line
+from beamcam.planning.operations.line import BarLine
 from beamcam.planning.operations.saw_cut import SAW_CUT
 from beamcam.planning.operations.tools import Tools, settle
 
@@ -38,7 +38,7 @@ class Work(Struct, frozen=True):
     skipped: Mapping[int, Diagnostic] = {}  #: features left out by permission, and why
 
 
-def work_on(part: Part, line: Line, skips: Collection[str]) -> Work:
+def work_on(part: Part, line: BarLine, skips: Collection[str]) -> Work:
     """The work of `part` in its orientation; refusals are in the result, and not raised."""
     try:
         ends, remarks = ends_of(part, line.saw.min_mitre)
@@ -104,7 +104,7 @@ def _is_allowed(said: Diagnostic, skips: Collection[str]) -> bool:
 
 
 def spindle_operations(
-    pieces: Sequence[Piece], works: Sequence[Work], line: Line
+    pieces: Sequence[Piece], works: Sequence[Work], line: BarLine
 ) -> Iterator[WorkOp]:
     """One operation on features for each job at machine X, piece by piece."""
     chosen = _choose_tools({id(j.tooling): j.tooling for work in works for j in work.jobs})

@@ -19,7 +19,7 @@ from beamcam.readers.dxf.plain import (
     SUBCLASS,
     UNSAID,
     Codes,
-    Plan,
+    ValuePlaces,
     Values,
     attributes_from,
     plan_of,
@@ -154,7 +154,7 @@ class _Taker:
     def take(self, entities: Iterable[int]) -> None:
         """Take those of the entities that are plain."""
         lines = self.rows.lines
-        plans: dict[tuple[str, bytes], Plan | None] = {}
+        plans: dict[tuple[str, bytes], ValuePlaces | None] = {}
         begun = behind = -1  # first row of the run, and the row behind it
         run: Run = []
         goes_on = False  # whether the entity before goes on in the one that follows
@@ -178,7 +178,7 @@ class _Taker:
             behind = last
             self._spans[-1] = (begun, last)
 
-    def _read(self, plan: Plan, row: list[str]) -> Plain | None:
+    def _read(self, plan: ValuePlaces, row: list[str]) -> Plain | None:
         row += BEYOND
         said = plan.attributes(row)
         try:

@@ -53,7 +53,7 @@ _WHOLE = frozenset(
 )
 
 
-class Plan(Struct, frozen=True):
+class ValuePlaces(Struct, frozen=True):
     """Positions of an entity's values in its row."""
 
     handle: int
@@ -124,7 +124,7 @@ class _Kind(Struct, frozen=True):
     in_r12: bool = True  #: whether the entity is known without subclasses
 
 
-def plan_of(kind: str, codes: Codes, r12: bool) -> Plan | None:
+def plan_of(kind: str, codes: Codes, r12: bool) -> ValuePlaces | None:
     """Where the values of an entity with these group codes stand; None if it is not plain.
 
     `r12` tells that the file is of R12 or before.
@@ -156,7 +156,7 @@ def plan_of(kind: str, codes: Codes, r12: bool) -> Plan | None:
     x, y, z = (rows.first(code) for code in _EXTRUSION)
     used = known.needed | known.optional
     unread = [(k, code) for k, code in enumerate(codes) if code not in used]
-    return Plan(
+    return ValuePlaces(
         rows.first(HANDLE, NOT_SAID),
         owners[0] if owners else NOT_SAID,
         itemgetter(*(rows.first(code, NOT_SAID) for code in (8, 62, 420, 60))),

@@ -31,7 +31,7 @@ LEAN_REACH = 2.0  #: thicknesses of a wall that an edge may lean through it
 GROSS = 0.005  #: share of a volume from which on it is an error that no lump explains, or leans
 
 
-class Difference(Struct, frozen=True):
+class UnexplainedRegions(Struct, frozen=True):
     """Regions of a body that no feature accounts for."""
 
     lumps: tuple[Lump, ...] = ()
@@ -65,7 +65,7 @@ def difference(
     slack: float,
     precision: float,
     faceted: bool,
-) -> Difference:
+) -> UnexplainedRegions:
     """What of a body, in the part's place, is not explained by its part.
 
     `volume` is that of the exact solid, or of the body's own facets where it has no other
@@ -92,7 +92,7 @@ def difference(
         fillets = ()
     if sum(one.volume for one in leaning) <= bound:
         leaning = ()
-    return Difference(
+    return UnexplainedRegions(
         tuple(rest), fillets, leaning, off if abs(off) > bound else 0.0, volume or 0.0
     )
 

@@ -20,7 +20,7 @@ from beamcam.machine.machine import Machine
 from beamcam.verify import rules
 from beamcam.verify.bars.cell_limits import EPSILON, limits_of_cell
 from beamcam.verify.bars.cutting_data import LEAST, CuttingData
-from beamcam.verify.bars.made import Cut, Thing, Written
+from beamcam.verify.bars.made import Cut, Thing, ToldText
 from beamcam.verify.bars.magazine import Changed, Chosen, wrong_changes
 from beamcam.verify.bars.stations import Choice, Station, limits_of, tilts_of
 
@@ -318,7 +318,7 @@ class CellState:
         height = event.values.get("height", marks.heights[0] if marks.heights else nan)
         angle = event.values.get("angle", marks.angles[0])
         self.order.append(
-            Written(
+            ToldText(
                 event.line, face, event.kind, event.text, self.x, event.values["y"], height, angle
             )
         )

@@ -18,7 +18,7 @@ from beamcam.verify.bars.ability import may_be_missing, repeats
 from beamcam.verify.bars.cut_faults import CutFaults
 from beamcam.verify.bars.holes import HoleCheck, Want
 from beamcam.verify.bars.layout import Candidate, Laid, lay_out, wedge_cuts
-from beamcam.verify.bars.made import Made, Written
+from beamcam.verify.bars.made import Made, ToldText
 from beamcam.verify.bars.part_ends import End, ends_of
 from beamcam.verify.bars.pieces import overlapping, pieces, planes
 from beamcam.verify.bars.pockets import Led, check_paths, is_led
@@ -236,7 +236,7 @@ class Comparison:
             yield from left_out(parts[p], {*features, *repeats(features, parts[p], self.shop)})
 
     def _after_its_cut(
-        self, laid: Sequence[Laid], texts: Sequence[tuple[int, Written]]
+        self, laid: Sequence[Laid], texts: Sequence[tuple[int, ToldText]]
     ) -> Iterator[Diagnostic]:
         """Holes and texts of a part that has been parted before."""
         place: dict[int, int] = {}  #: line of a cut or bore -> its place in the order of work

@@ -20,7 +20,7 @@ LEAST = 0.5  #: times, below which a feed is warned of
 STANDING_TOOLS = ("punch", "scribe")  #: they do not turn; their row's speed is their feed in m/min
 
 
-class Run(Struct, frozen=True, gc=False):
+class CuttingRange(Struct, frozen=True, gc=False):
     """Permitted speed and feed of a tool."""
 
     min_feed: float  #: mm/min; below it a warning
@@ -38,7 +38,7 @@ class CuttingData:
         self._machine, self._drill, self._grades = machine, drill, grades
         self.run = cached("verify.runs")(self._run)
 
-    def _run(self, kind: str, diameter: float, pitch: float) -> Run | None:
+    def _run(self, kind: str, diameter: float, pitch: float) -> CuttingRange | None:
         """Permitted speed and feed of a tool; None without cutting data for its kind."""
         found = [self._of(row, kind, diameter, pitch) for row in self._rows(kind, diameter)]
         if not found:
@@ -46,7 +46,7 @@ class CuttingData:
         drill = self._drill
         feeds = [feed for _, feed, _ in found]
         speed = max(speed for speed, _, _ in found)
-        return Run(
+        return CuttingRange(
             LEAST * min(feeds),
             max(feeds),
             min(MOST * max(feeds), drill.max_feed_mm_min) + 0.1,

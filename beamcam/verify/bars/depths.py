@@ -18,36 +18,36 @@ from beamcam.verify.bars.shop import Shop
 from beamcam.verify.bars.targets import THREADS, Kind
 
 
-class Reach(Struct, frozen=True, gc=False):
+class DepthRange(Struct, frozen=True, gc=False):
     """Permitted range of the tip's depth, from the surface of the face."""
 
     least: float
     greatest: float
 
 
-def _drill(kind: Kind, diameter: float, thickness: float, shop: Shop) -> Reach:
+def _drill(kind: Kind, diameter: float, thickness: float, shop: Shop) -> DepthRange:
     hole = kind.hole
     tip = shop.tip("drill", diameter, hole.face)
     if hole.depth is None:
-        return Reach(thickness + tip, thickness + shop.drill.breakthrough + tip)
+        return DepthRange(thickness + tip, thickness + shop.drill.breakthrough + tip)
     if hole.kind in THREADS:
-        return Reach(hole.depth + tip, max(hole.depth + tip, thickness or inf))
-    return Reach(hole.depth + tip, hole.depth + tip)
+        return DepthRange(hole.depth + tip, max(hole.depth + tip, thickness or inf))
+    return DepthRange(hole.depth + tip, hole.depth + tip)
 
 
-def _tap(kind: Kind, diameter: float, thickness: float, shop: Shop) -> Reach:
+def _tap(kind: Kind, diameter: float, thickness: float, shop: Shop) -> DepthRange:
     if kind.hole.depth is None:
         tip = shop.tip("tap", diameter, kind.hole.face)
-        return Reach(thickness, thickness + shop.drill.breakthrough + tip)
-    return Reach(kind.hole.depth, kind.hole.depth)
+        return DepthRange(thickness, thickness + shop.drill.breakthrough + tip)
+    return DepthRange(kind.hole.depth, kind.hole.depth)
 
 
-def _sink(kind: Kind, diameter: float, thickness: float, shop: Shop) -> Reach:
+def _sink(kind: Kind, diameter: float, thickness: float, shop: Shop) -> DepthRange:
     hole = kind.hole
     cone = hole.angle or FLAT_DEG
     if cone >= FLAT_DEG:
         depth = hole.depth or 0.0
-        return Reach(depth, depth)
+        return DepthRange(depth, depth)
     slope = tan(radians(cone) / 2)
     alone = (hole.diameter - kind.pilot) / 2 / slope
     deep = hole.depth or alone
@@ -55,16 +55,16 @@ def _sink(kind: Kind, diameter: float, thickness: float, shop: Shop) -> Reach:
         point = deep + kind.pilot / 2 / slope
     else:
         point = hole.diameter / 2 / slope
-    return Reach(point, point)
+    return DepthRange(point, point)
 
 
-def _punch(kind: Kind, diameter: float, thickness: float, shop: Shop) -> Reach:
+def _punch(kind: Kind, diameter: float, thickness: float, shop: Shop) -> DepthRange:
     depth = kind.hole.depth or shop.drill.punch_depth
-    return Reach(depth, depth)
+    return DepthRange(depth, depth)
 
 
 #: By the kind of tool.
-REACHES: dict[str, Callable[[Kind, float, float, Shop], Reach]] = {
+REACHES: dict[str, Callable[[Kind, float, float, Shop], DepthRange]] = {
     "drill": _drill,
     "tap": _tap,
     "countersink": _sink,
@@ -72,8 +72,8 @@ REACHES: dict[str, Callable[[Kind, float, float, Shop], Reach]] = {
 }
 
 
-def path_reach(depth: float | None, thickness: float, shop: Shop) -> Reach:
+def path_reach(depth: float | None, thickness: float, shop: Shop) -> DepthRange:
     """Of a mill: through, or at a depth."""
     if depth is None:
-        return Reach(thickness, thickness + shop.drill.breakthrough)
-    return Reach(depth, depth)
+        return DepthRange(thickness, thickness + shop.drill.breakthrough)
+    return DepthRange(depth, depth)

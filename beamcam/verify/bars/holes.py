@@ -14,7 +14,7 @@ from beamcam.errors import Diagnostic, Source
 from beamcam.machine.tools import FLAT_DEG
 from beamcam.model.part import Part, Profile
 from beamcam.verify import rules
-from beamcam.verify.bars.depths import REACHES, Reach
+from beamcam.verify.bars.depths import REACHES, DepthRange
 from beamcam.verify.bars.made import Bore
 from beamcam.verify.bars.shop import Shop
 from beamcam.verify.bars.stations import Choice, stroke_values
@@ -124,15 +124,15 @@ class HoleCheck:
         off = abs(want.x - bore.x) + abs(want.target.y - bore.y)
         return round(abs(want.target.kind.own - bore.diameter), 6), round(off, 6)
 
-    def reach(self, kind: Kind, bore: Bore) -> Reach:
+    def reach(self, kind: Kind, bore: Bore) -> DepthRange:
         """Permitted depth of the tip in a hole; through holes as deep as the machine strokes."""
         reach = self._reach(kind, bore)
         if kind.hole.depth is None and kind.tool in ("drill", "tap"):
             thickness = self.profile.thickness(bore.face)
-            return Reach(reach.least, max(reach.greatest, self._stroke_end(bore, thickness)))
+            return DepthRange(reach.least, max(reach.greatest, self._stroke_end(bore, thickness)))
         return reach
 
-    def _reach(self, kind: Kind, bore: Bore) -> Reach:
+    def _reach(self, kind: Kind, bore: Bore) -> DepthRange:
         return REACHES[kind.tool](kind, bore.diameter, self.profile.thickness(bore.face), self.shop)
 
     def _stroke_end(self, bore: Bore, thickness: float) -> float:
@@ -269,7 +269,7 @@ class HoleCheck:
 
 
 def wrong_depth(
-    tip_depths: tuple[float, float], reach: Reach, tip: float, slack: float, source: Source,
+    tip_depths: tuple[float, float], reach: DepthRange, tip: float, slack: float, source: Source,
     described: dict[str, object],
 ) -> Diagnostic:  # fmt: skip
     """A tip that turned back, between two depths, outside of its reach."""

@@ -48,7 +48,7 @@ class Trail(Struct, frozen=True, gc=False):
     feed_mm_min: float
 
 
-class Written(Struct, frozen=True, gc=False):
+class ToldText(Struct, frozen=True, gc=False):
     """A text that a stamp or printer was told."""
 
     line: int
@@ -61,7 +61,7 @@ class Written(Struct, frozen=True, gc=False):
     angle: float  #: degrees
 
 
-Thing = Cut | Bore | Trail | Written
+Thing = Cut | Bore | Trail | ToldText
 
 
 class Made(Struct, frozen=True):
@@ -72,7 +72,7 @@ class Made(Struct, frozen=True):
     bores: tuple[Bore, ...]
     trails: tuple[Trail, ...]
     order: tuple[Thing, ...]  #: all of them, as they follow one another
-    texts: tuple[Written, ...] = ()
+    texts: tuple[ToldText, ...] = ()
 
 
 def made_in_order(section: tuple[tuple[str, float], ...], order: Sequence[Thing]) -> Made:
@@ -83,5 +83,5 @@ def made_in_order(section: tuple[tuple[str, float], ...], order: Sequence[Thing]
         tuple([o for o in order if type(o) is Bore]),
         tuple([o for o in order if type(o) is Trail]),
         tuple(order),
-        tuple([o for o in order if type(o) is Written]),
+        tuple([o for o in order if type(o) is ToldText]),
     )

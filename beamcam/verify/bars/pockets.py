@@ -8,7 +8,7 @@ from msgspec import Struct
 from beamcam.errors import Diagnostic, Source
 from beamcam.model.part import Part, Profile
 from beamcam.verify import rules
-from beamcam.verify.bars.depths import Reach, path_reach
+from beamcam.verify.bars.depths import DepthRange, path_reach
 from beamcam.verify.bars.holes import NEAR, wrong_depth
 from beamcam.verify.bars.made import Trail
 from beamcam.verify.bars.paths import line_error, pocket_error
@@ -133,7 +133,7 @@ def _tool_and_depth(
     if isinstance(target, Pocket):
         reach = path_reach(target.depth, profile.thickness(target.face), shop)
     else:
-        reach = Reach(shop.drill.mark_depth, shop.drill.mark_depth)
+        reach = DepthRange(shop.drill.mark_depth, shop.drill.mark_depth)
     slack = shop.machine.format.resolution + 1e-6
     depths = trail.min_depth, trail.max_depth
     if depths[0] < reach.least - slack or depths[1] > reach.greatest + slack:

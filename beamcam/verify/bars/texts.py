@@ -13,7 +13,7 @@ from beamcam.model.marks import policy_on
 from beamcam.model.part import Face, Hole, Part, Profile, Slot, TextMark
 from beamcam.model.section import NO_PLATE, OTHER_SIDE
 from beamcam.verify.bars.ability import is_within
-from beamcam.verify.bars.made import Trail, Written
+from beamcam.verify.bars.made import ToldText, Trail
 from beamcam.verify.bars.part_ends import End
 from beamcam.verify.bars.shop import Shop
 from beamcam.verify.bars.stations import choices_of, stroke_values
@@ -69,12 +69,12 @@ def texts_of(
 class ToldTexts:
     """What a program tells a stamp or printer, of which each text of the parts takes its own."""
 
-    def __init__(self, texts: Sequence[Written], shop: Shop, name: str) -> None:
+    def __init__(self, texts: Sequence[ToldText], shop: Shop, name: str) -> None:
         self.shop, self.name = shop, name
         self.at = text_x(shop.machine)
         self.left = list(texts)
         #: the number of a part, and the text that it has there
-        self.taken: list[tuple[int, Written]] = []
+        self.taken: list[tuple[int, ToldText]] = []
 
     def check(
         self, p: int, part: Part, ends: tuple[End, End], start: float

@@ -10,7 +10,7 @@ from msgspec.structs import replace
 from beamcam.geometry.array_types import Floats
 from beamcam.machine.torch import Torch, TorchProcess, TorchRow
 from beamcam.verify.sheets.need import Need
-from beamcam.verify.sheets.strokes import Stroke, Strokes
+from beamcam.verify.sheets.strokes import HeadStroke, Strokes
 
 if TYPE_CHECKING:
     from beamcam.verify.sheets.ways import Ways
@@ -45,8 +45,8 @@ def _away(ways: "Ways") -> Away:
 
 
 def _settled(
-    stroke: Stroke, strokes: Strokes, known: Mapping[TorchProcess, Away], torch: Torch
-) -> Stroke:
+    stroke: HeadStroke, strokes: Strokes, known: Mapping[TorchProcess, Away], torch: Torch
+) -> HeadStroke:
     options: dict[TorchProcess, TorchRow] = {}
     for row in (stroke.row, *stroke.alike):
         options.setdefault(row.process, row)

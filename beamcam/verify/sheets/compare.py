@@ -14,7 +14,7 @@ from beamcam.errors import Diagnostic
 from beamcam.machine.machine import Machine
 from beamcam.machine.torch import Torch, TorchProcess
 from beamcam.verify.sheets.contours import cover
-from beamcam.verify.sheets.look_settings import Turn, settings_faults, turn_faults
+from beamcam.verify.sheets.look_settings import OrderPlace, settings_faults, turn_faults
 from beamcam.verify.sheets.need import Need
 from beamcam.verify.sheets.order import order_faults
 from beamcam.verify.sheets.overcut import overcut_faults
@@ -69,7 +69,7 @@ def _settings(
 ) -> list[Diagnostic]:
     """Strokes whose settings or place in the order differ from their colour or layer."""
     said: list[Diagnostic] = []
-    turns: list[Turn] = []
+    turns: list[OrderPlace] = []
     for process, work in works.items():
         faults, more = settings_faults(work, [t for t in traced if t.stroke.process == process])
         said += faults

@@ -26,7 +26,7 @@ from beamcam.errors import Diagnostic, Source
 from beamcam.geometry.curves import Arc
 from beamcam.geometry.plane import Point
 from beamcam.verify.sheets import rules
-from beamcam.verify.sheets.strokes import Stroke, Strokes
+from beamcam.verify.sheets.strokes import HeadStroke, Strokes
 
 STRAIGHT_RAD = 0.05
 LONGER_RAD = 0.001  #: by which an arc may grow
@@ -280,7 +280,7 @@ def beam_of(strokes: Strokes, name: str) -> tuple[Strokes, list[Diagnostic]]:
     """
     legs = list(strokes.moves.each())
     said: list[Diagnostic] = []
-    each: list[Stroke] = []
+    each: list[HeadStroke] = []
     moved: list[HeadMove] = []
     for stroke in strokes.each:
         own = legs[stroke.first : stroke.last]

@@ -41,7 +41,7 @@ class Stretch(Struct, frozen=True):
     behind: Counts  #: and behind them
 
 
-class Corner(Struct, frozen=True):
+class UncutCorner(Struct, frozen=True):
     """Samples that no beam reaches, between two that one beam touches."""
 
     samples: Counts
@@ -52,11 +52,11 @@ class Corner(Struct, frozen=True):
 
 def in_corners(
     work: Work, traced: Sequence[Traced], missing: Counts, samples: Samples
-) -> tuple[Flags, list[Corner]]:
+) -> tuple[Flags, list[UncutCorner]]:
     """Which of the samples without a path lie in a corner, and these corners."""
     element, share, owner = samples
     found = np.zeros(len(missing), dtype=bool)
-    corners: list[Corner] = []
+    corners: list[UncutCorner] = []
     if work.region is None or not len(missing):
         return found, corners
     which = np.flatnonzero(work.beside[owner[missing]])
@@ -162,7 +162,7 @@ class _Beam:
         full = np.insert(element, at, first), np.insert(share, at, ends), np.insert(owner, at, ways)
         return rows, full, np.insert(missing, at, gone)
 
-    def corners(self, stretches: Sequence[Stretch], samples: Samples) -> Iterator[Corner]:
+    def corners(self, stretches: Sequence[Stretch], samples: Samples) -> Iterator[UncutCorner]:
         """Those of some stretches that are corners."""
         if not stretches:
             return
@@ -228,7 +228,7 @@ class _Beam:
         to_end = np.hypot(*(ends - points[turns + 1]).T)
         return turns, np.where((to_start < to_end)[:, None], starts, ends)
 
-    def _corner(self, inner: Counts, points: Floats, owner: Counts, middle: Floats) -> Corner:
+    def _corner(self, inner: Counts, points: Floats, owner: Counts, middle: Floats) -> UncutCorner:
         """The corner that some samples lie in, as deep as the farthest of them and of the ends
         between them."""
         ways = owner[inner]
@@ -238,7 +238,7 @@ class _Beam:
         deepest = int(np.argmax(away))
         x, y = places[deepest].tolist()
         way = int(np.concatenate((ways, ways[turns]))[deepest])
-        return Corner(inner, float(away[deepest]) - self._work.half_kerf, (x, y), way)
+        return UncutCorner(inner, float(away[deepest]) - self._work.half_kerf, (x, y), way)
 
     def _touched(
         self, stretches: Sequence[Stretch], samples: Samples, have: int, lack: int

@@ -10,13 +10,13 @@ from beamcam.verify.sheets.work import Work
 from beamcam.verify.uncut import UNCUT
 
 if TYPE_CHECKING:
-    from beamcam.verify.sheets.corners import Corner
+    from beamcam.verify.sheets.corners import UncutCorner
 
 #: By the kerf, deeper than which it is told what stays in a corner, as in one of 39 degrees.
 TOLD = 1.0
 
 
-def left_faults(work: Work, corners: "Sequence[Corner]") -> list[Diagnostic]:
+def left_faults(work: Work, corners: "Sequence[UncutCorner]") -> list[Diagnostic]:
     """Of each contour the deepest of its corners, if it is deep enough to be told."""
     if work.region is None:
         return []
@@ -24,7 +24,7 @@ def left_faults(work: Work, corners: "Sequence[Corner]") -> list[Diagnostic]:
     firsts = [min(k for k, _ in ring) for ring in work.region.rings]
     for number, ring in enumerate(work.region.rings):
         ring_of[[k for k, _ in ring]] = number
-    deepest: dict[int, Corner] = {}
+    deepest: dict[int, UncutCorner] = {}
     for corner in sorted(corners, key=lambda one: one.depth):
         if corner.depth > TOLD * 2 * work.half_kerf:
             deepest[int(ring_of[corner.way])] = corner

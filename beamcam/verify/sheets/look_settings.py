@@ -16,7 +16,7 @@ PLAIN = LookSettings()
 Settings = tuple[float, float, int]  #: mm/min, power, passes
 
 
-class Turn(Struct, frozen=True):
+class OrderPlace(Struct, frozen=True):
     """The place in the order that the contours of a stroke ask for; several may lie on one."""
 
     line: int
@@ -24,7 +24,9 @@ class Turn(Struct, frozen=True):
     highest: int
 
 
-def settings_faults(work: Work, traced: Sequence[Traced]) -> tuple[list[Diagnostic], list[Turn]]:
+def settings_faults(
+    work: Work, traced: Sequence[Traced]
+) -> tuple[list[Diagnostic], list[OrderPlace]]:
     """Strokes with other settings than their contour requires, and the turn of each stroke."""
     row = work.asked.rows.get(work.process)
     if not work.need.count or not traced or row is None:
@@ -38,7 +40,7 @@ def settings_faults(work: Work, traced: Sequence[Traced]) -> tuple[list[Diagnost
     pairs = work.need.near(points, work.half_kerf + float(work.slack.max(initial=0.0)))
     near = work.need.owner[pairs.element]
     said: list[Diagnostic] = []
-    turns: list[Turn] = []
+    turns: list[OrderPlace] = []
     for number, one in enumerate(work.strokes):
         mine = stroke[pairs.point] == number
         ways = np.unique(near[mine]).tolist()
@@ -53,7 +55,7 @@ def settings_faults(work: Work, traced: Sequence[Traced]) -> tuple[list[Diagnost
         for k in wrong[:1].tolist():
             said.append(_other(work, one.line, own, asked[near[k]], work.contour(int(near[k]))))
         orders = [owns[w].order for w in ways]
-        turns.append(Turn(one.line, min(orders), max(orders)))
+        turns.append(OrderPlace(one.line, min(orders), max(orders)))
     return said[:SHOWN], turns
 
 
@@ -77,7 +79,7 @@ def _shown(settings: Settings) -> str:
     return f"{speed:g} mm/min, power {power:g}, {passes} passes"
 
 
-def turn_faults(turns: Sequence[Turn], name: str) -> list[Diagnostic]:
+def turn_faults(turns: Sequence[OrderPlace], name: str) -> list[Diagnostic]:
     """The first stroke whose contours ask for a place in the order that is over by then."""
     reached = 0
     for turn in sorted(turns, key=lambda t: t.line):

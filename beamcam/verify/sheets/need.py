@@ -17,7 +17,7 @@ from beamcam.machine.torch import Torch, TorchProcess, TorchRow
 from beamcam.model.colour import key_of, process_of
 from beamcam.model.drawing import extent
 from beamcam.model.marks import policy_on
-from beamcam.model.part import Contour, Feature, Hole, Part, Process, Slot, TextMark
+from beamcam.model.part import PLATE_FACES, Contour, Feature, Hole, Part, Process, Slot, TextMark
 from beamcam.verify.by_hand import by_hand, is_by_hand
 from beamcam.verify.left_out import left_out
 from beamcam.verify.sheets import rules
@@ -26,7 +26,6 @@ if TYPE_CHECKING:
     from beamcam.verify.sheets.ways import Ways
 
 Needs = dict[TorchProcess, list[Curve]]
-FACES = ("v", "h")  #: of a plate; what goes through has the same numbers on both
 OUTLINE = -1  #: in place of a feature, for the rectangle of a plate without a contour of its own
 
 
@@ -84,7 +83,7 @@ def need_of(part: Part, machine: Machine, torch: Torch, skips: Collection[str]) 
     for index, feature in enumerate(part.features):
         if isinstance(feature, Contour):
             outlined = outlined or (
-                feature.kind == "outer" and feature.process == "cut" and feature.face in FACES
+                feature.kind == "outer" and feature.process == "cut" and feature.face in PLATE_FACES
             )
         if hand[index]:
             continue
@@ -175,7 +174,7 @@ def lack_of(feature: Feature, torch: Torch, thickness: float) -> str | None:
     """
     least = max(torch.min_hole, torch.min_hole_share * thickness)
     match feature:
-        case Contour() | Hole() | Slot() if feature.face not in FACES:
+        case Contour() | Hole() | Slot() if feature.face not in PLATE_FACES:
             return "face"
         case Contour():
             meant = any(abs(bevel.angle) >= torch.min_bevel for bevel in feature.bevels)

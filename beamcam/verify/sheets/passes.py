@@ -7,7 +7,7 @@ from msgspec.structs import replace
 
 from beamcam.controllers.moves import Moves
 from beamcam.machine.torch import TorchRow
-from beamcam.verify.sheets.strokes import Stroke, Strokes
+from beamcam.verify.sheets.strokes import HeadStroke, Strokes
 
 
 def passes_folded(strokes: Strokes, rows: Iterable[TorchRow]) -> Strokes:
@@ -17,7 +17,7 @@ def passes_folded(strokes: Strokes, rows: Iterable[TorchRow]) -> Strokes:
     """
     if all(row.passes == 1 for row in rows):
         return strokes
-    each: list[Stroke] = []
+    each: list[HeadStroke] = []
     kept: list[range] = []
     count = 0
     for stroke in strokes.each:
@@ -32,7 +32,7 @@ def passes_folded(strokes: Strokes, rows: Iterable[TorchRow]) -> Strokes:
     return Strokes(each, strokes.moves.take(rows_kept.astype(np.int64)))
 
 
-def _is_repeat(first: Stroke, span: range, other: Stroke, moves: Moves) -> bool:
+def _is_repeat(first: HeadStroke, span: range, other: HeadStroke, moves: Moves) -> bool:
     """Whether a stroke repeats the path of one before it, with the same words."""
     said = (first.row, first.side, first.radius, len(span))
     if said != (other.row, other.side, other.radius, other.last - other.first):

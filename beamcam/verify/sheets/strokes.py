@@ -36,7 +36,7 @@ FEED_ROUNDING = 0.0006  #: of a feed as it is written, whatever its unit
 PAUSE_SLACK_S = 1e-6
 
 
-class Stroke(Struct):
+class HeadStroke(Struct):
     """One way of the head with its tool on: some of the moves that belong to it."""
 
     line: int
@@ -56,7 +56,7 @@ class Stroke(Struct):
 class Strokes(Struct, frozen=True):
     """The strokes of a program and their moves, one behind the other."""
 
-    each: list[Stroke]
+    each: list[HeadStroke]
     moves: Moves
 
 
@@ -103,7 +103,7 @@ class _Head:
         self._limits = told_limits(machine)
         per_minute = 60.0 if machine.format.feed_unit == "mm/s" else 1.0
         self._feed_step = FEED_ROUNDING * per_minute  #: mm/min
-        self._started: list[Stroke] = []
+        self._started: list[HeadStroke] = []
         self._words: list[_Words] = []  #: of each stroke
         self._alike: list[list[_Words]] = []  #: of each stroke, rows that are started so
         self._pauses: list[list[tuple[int, float]]] = []  #: of each stroke, and the moves before
@@ -152,7 +152,7 @@ class _Head:
             self._alike.append(starts)
             self._pauses.append([])
             self._started.append(
-                Stroke(event.line, starts[0].row, self._side, self._radius, before, before)
+                HeadStroke(event.line, starts[0].row, self._side, self._radius, before, before)
             )
         elif any(said in w.off for w in self._known):
             if self._on:

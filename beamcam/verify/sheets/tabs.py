@@ -17,15 +17,13 @@ import shapely
 
 from beamcam.errors import Diagnostic, Rule, Source
 from beamcam.geometry.array_types import Floats
+from beamcam.machine.torch import CORNER_DEG
 from beamcam.verify.sheets import rules
 from beamcam.verify.sheets.work import SHOWN, STAIRS, Traced, Work
 
 MIN_WIDTH = 1e-3  #: mm, half of it on an average, of what a ring goes round
-CORNER_DEG = 20.0  #: a corner turns more; what turns a little less or more is not asked
-DOUBT_DEG = 5.0
+DOUBT_DEG = 5.0  #: what turns a little less or more than a corner is not asked
 MITRE = 1.25  #: by the kerf, how far the corner of a path may lie from that of its contour
-
-
 OFF = 0.1  #: of its width, how far off the contour the ends of a bridge may be to be measured
 SHORT = 20.0  #: steps of the program's numbers, of a move whose direction is not told
 MIN_TURN = 1e-3  #: sine of an angle below which two directions are one

@@ -13,7 +13,7 @@ from beamcam.machine.torch import Torch, TorchProcess
 from beamcam.verify.sheets import rules
 from beamcam.verify.sheets.gaps import widest_gap
 from beamcam.verify.sheets.need import Need
-from beamcam.verify.sheets.strokes import Stroke, Strokes
+from beamcam.verify.sheets.strokes import HeadStroke, Strokes
 from beamcam.verify.sheets.ways import Ways
 
 if TYPE_CHECKING:
@@ -31,7 +31,7 @@ STAIRS = 20.0  #: tolerances of which the direction of stairs is told
 class Traced(Struct):
     """A stroke whose leads are known, and what it goes round."""
 
-    stroke: Stroke
+    stroke: HeadStroke
     first: int  #: of its ways along the contour
     last: int  #: behind the last of them
     half_kerf: float  #: that the path keeps off the contour
@@ -76,7 +76,7 @@ class Work(Struct, frozen=True):
     """One process: what is needed, what is followed, and how near that has to be."""
 
     process: TorchProcess
-    strokes: Sequence[Stroke]
+    strokes: Sequence[HeadStroke]
     moves: Moves  #: those of the strokes, one behind the other
     need: Ways
     asked: Need  #: the curves that `need` is made of, and where the input has them
@@ -244,7 +244,7 @@ def _small(ways: Ways, gap: float) -> Flags:
     return small_ways(ways, gap)
 
 
-def _half_kerf(process: TorchProcess, strokes: Sequence[Stroke], torch: Torch) -> float:
+def _half_kerf(process: TorchProcess, strokes: Sequence[HeadStroke], torch: Torch) -> float:
     """Half the compensated kerf of a process on closed contours."""
     if process != "cut" or torch.kerf_by == "none":
         return 0.0

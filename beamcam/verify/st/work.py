@@ -27,7 +27,7 @@ LONGEST_ARC = 1.1  #: times its two chords; the runtime allows for no more time
 SLOWEST = 0.9  #: of the speed that the machine's table has, or that the cycle time allows
 
 
-class Stroke(Struct):
+class HeadStroke(Struct):
     """The work of the head between tool on and tool off."""
 
     process: TorchProcess
@@ -36,7 +36,7 @@ class Stroke(Struct):
     feeds_mm_min: tuple[float, ...] = ()  #: the speeds asked of the sheet that it may be of
     moves: list[Operation] = field(default_factory=list)
 
-    def repeats(self, other: "Stroke") -> bool:
+    def repeats(self, other: "HeadStroke") -> bool:
         """Whether a stroke is made by the same operations as another."""
         said = [
             (s.process, s.points[0], [(m.kind, m.x, m.y, m.speed, m.via) for m in s.moves])
@@ -59,9 +59,9 @@ class Work:
         for row in rows:
             self.rows.setdefault(row.process, []).append(row)
         self.said: list[Diagnostic] = []
-        self.strokes: list[Stroke] = []
+        self.strokes: list[HeadStroke] = []
         self.here: Place = (0.0, 0.0)
-        self.on: Stroke | None = None
+        self.on: HeadStroke | None = None
         self.run: list[Operation] = []  #: the last moves of one speed
         self.what, self.shortest = "traverse", inf
 
@@ -117,7 +117,7 @@ class Work:
             found = f"a wait of {waits:.3f} s behind the start of the tool"
             self.say(rules.TOOL, line, found=found, expected=f"{least:g} s")
         feeds = dict.fromkeys(row.feed_mm_min for row in rows)
-        self.on = Stroke(process, line, [self.here], tuple(feeds))
+        self.on = HeadStroke(process, line, [self.here], tuple(feeds))
         self.strokes.append(self.on)
 
     # -- motion -----------------------------------------------------------------------------

@@ -15,7 +15,7 @@ from beamcam.machine.tables import Stepper
 from beamcam.verify.steps import rules
 from beamcam.verify.steps.outline import Outline
 from beamcam.verify.steps.speeds import Observed, Seen, Times
-from beamcam.verify.steps.step_rates import Pace, Swerve
+from beamcam.verify.steps.step_rates import StepRates, Swerve
 
 
 class _Motor:
@@ -74,7 +74,7 @@ class Followed:
         self.motors = (_Motor("X", self.stepper), _Motor("Y", self.stepper))
         self.said: list[Diagnostic] = []
         self.swerve = Swerve(self.stepper)
-        self.pace: Pace | None = None  #: of the stroke that is being made
+        self.pace: StepRates | None = None  #: of the stroke that is being made
         self.line = 0  #: where it begins
         self.path = blake2b()  #: of its places
         self.laser = 0
@@ -127,7 +127,7 @@ class Followed:
             if b > a and rows.laser[a]:
                 if a in switched or self.pace is None:
                     self.outline.begin(rows.first + a)
-                    self.pace, self.line = Pace(self.stepper.step), rows.first + a
+                    self.pace, self.line = StepRates(self.stepper.step), rows.first + a
                     self.path = blake2b(start[a].tobytes())
                 self.pace.follow(rows.time_us[a:b], places[a:b])
                 if self.outline.counts_passes:

@@ -42,7 +42,7 @@ def _once(ascending: Counts) -> Counts:
     return found
 
 
-class Pace:
+class StepRates:
     """The wait at the start of a stroke, how long it takes, and the greatest speed in it.
 
     The chord of a window is never longer than the way in it. Each of its ends is half a step off

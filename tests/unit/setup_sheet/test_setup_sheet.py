@@ -15,7 +15,7 @@ from beamcam.machine import load
 from beamcam.model.part import Part
 from beamcam.pictures.program import ReadProgram
 from beamcam.pipeline import Posted, post, read_file
-from beamcam.setup_sheet.content import Content, Source, content_of
+from beamcam.setup_sheet.content import Content, SheetSources, content_of
 from beamcam.setup_sheet.page import setup_page
 from beamcam.setup_sheet.paper import setup_pdf
 from beamcam.setup_sheet.playback import trace_data
@@ -39,7 +39,7 @@ def annex() -> Content:
     """The bar of three parts."""
     parts = tuple(part for path in DSTV for part in read_file(path).parts)
     made, program = posted(parts, "beamline-annex")
-    return content_of(Source(program, made.plan, made.remarks))
+    return content_of(SheetSources(program, made.plan, made.remarks))
 
 
 class Cells(HTMLParser):
@@ -115,7 +115,7 @@ def test_a_drawing_of_20_000_segments_stays_below_5_mb() -> None:
         blocks.append("M5")
     text = "\n".join([*blocks, "G0 X0 Y0", "M2", "%", ""])
     program = ReadProgram(text.encode(), load("plate-linuxcnc"), "JOB.ngc")
-    content = content_of(Source(program))
+    content = content_of(SheetSources(program))
     assert len(content.operations) == 100
     assert len(content.trace.line) > 20_000
     page = setup_page(content)
@@ -197,7 +197,7 @@ def test_odd_names_cannot_break_the_page() -> None:
     part = read_file(DSTV[0]).parts[0]
     part = replace(part, mark="</script><b>\u2028", grade="<i>")
     made, program = posted((part,), "beamline")
-    page = setup_page(content_of(Source(program, made.plan, made.remarks)))
+    page = setup_page(content_of(SheetSources(program, made.plan, made.remarks)))
     assert "</script><b>" not in page
     assert "<i>" not in page
     for block in re.findall(

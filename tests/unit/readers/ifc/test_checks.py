@@ -8,7 +8,7 @@ from msgspec.structs import replace
 
 from beamcam.errors import Source
 from beamcam.readers.ifc import Options, checks, kernel, read
-from beamcam.readers.ifc.explained import Difference
+from beamcam.readers.ifc.explained import UnexplainedRegions
 from beamcam.readers.ifc.kernel import FACETED, ROUNDER, Built, build, build_both
 from beamcam.readers.ifc.marks import Data
 from tests.unit.readers.ifc.models import Small, opened
@@ -149,8 +149,8 @@ def test_a_kernel_without_a_solid_is_no_witness(monkeypatch: pytest.MonkeyPatch)
 
 def test_a_volume_that_is_off_by_more_than_half_a_percent_refuses_the_member() -> None:
     source = Source("m.ifc")
-    (near,) = Difference(off=40.0, volume=1e5).said(source)
-    (far,) = Difference(off=-600.0, volume=1e5).said(source)
+    (near,) = UnexplainedRegions(off=40.0, volume=1e5).said(source)
+    (far,) = UnexplainedRegions(off=-600.0, volume=1e5).said(source)
     assert (near.code, near.severity.value) == ("ifc-volume", "warning")
     assert (far.code, far.severity.value) == ("ifc-volume-off", "error")
     assert "found a volume of 100.00 cm3 in the model; expected 100.60 cm3" in far.message
@@ -170,7 +170,7 @@ def test_an_empty_data_says_nothing() -> None:
 
 INTERRUPTED = """
 import builtins, os, signal
-from beamcam.readers.ifc.explained import Difference
+from beamcam.readers.ifc.explained import UnexplainedRegions
 from beamcam.readers.ifc.kernel import _kernel
 
 real = builtins.__import__
