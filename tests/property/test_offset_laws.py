@@ -13,6 +13,7 @@ from hypothesis import strategies as st
 from beamcam.geometry.arc_fitting import fit_chains
 from beamcam.geometry.arrays import CurveTable, signed_areas
 from beamcam.geometry.curves import Arc, Bezier, BSpline, Line, arc_through, signed_area
+from beamcam.geometry.flat_offset import flat_offset
 from beamcam.geometry.offset import Offset, Vanished, offset_chains
 from beamcam.geometry.raw_offset import raw_offsets
 from beamcam.geometry.sampling import points_at
@@ -177,3 +178,18 @@ def test_fitted_splines_keep_their_tolerance_and_their_ends(seed, tolerance):
     away = shapely.distance(shapely.points(dense), shapely.LineString(fine))
     sag = max((c.length / 64) ** 2 / (8 * c.radius) for c in chain if isinstance(c, Arc))
     assert away.max() <= tolerance + sag + 1e-9
+
+
+def test_a_corner_of_short_sides_keeps_its_distance() -> None:
+    """GEOS leaves out where the long sides beside such a corner meet."""
+    hook = Bezier(((39.7156, 105.4907), (46.0012, 89.5194), (60.9998, 52.7587), (60.6676, 52.2532)))
+    rest = [(60.6676, 52.2532), (126.1086, 54.4197), (170.715, 91.8247), (76.6331, 163.7838)]
+    sides = tuple(Line(a, b) for a, b in pairwise([*rest, hook.start]))
+    chain = fit_chains([(hook, *sides)], 0.008)[0]
+    (moved,) = flat_offset(chain, -0.95, 0.008)
+    shares = np.linspace(0.0, 1.0, 401)
+    ring = shapely.LinearRing(np.concatenate([points_at(c, shares) for c in chain]))
+    places = shapely.points(np.concatenate([points_at(c, shares) for c in moved]))
+    away = shapely.distance(ring, places)
+    assert away.min() > 0.93
+    assert away.max() < 0.97

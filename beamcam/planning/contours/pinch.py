@@ -1,10 +1,10 @@
 """Contours that pass a place again, taken apart where waste hangs together by that point only.
 
  _________
-|   __    |   The window touches the edge of the plate at o, and both are drawn as one contour:
-|  |  |   |   two regions of waste, each cut by itself. Where it is the part that hangs together
-|__|  |   |   by a point, the contour stays whole, as nobody says that it is two parts.
-   o\_|___|
+|   ___   |   The window touches the edge of the plate at o, and both are drawn as one contour:
+|  |   |  |   two regions of waste, each cut by itself. Where it is the part that hangs together
+|  |   |  |   by a point, the contour stays whole, as nobody says that it is two parts.
+|__o___|__|
 """
 
 from collections import Counter

@@ -37,8 +37,8 @@ class Stretch(Struct, frozen=True):
     """Samples of a ring that have no path, one behind the other."""
 
     samples: Counts  #: they, with the one before and the one behind them, which have a path
-    before: Counts  #: those before them, from the one that has a path on
-    behind: Counts  #: and behind them
+    before: Counts  #: those before them, from the first of them that has none on
+    behind: Counts  #: and behind them, from the last
 
 
 class UncutCorner(Struct, frozen=True):
@@ -131,7 +131,9 @@ def _stretches(work: Work, owner: Counts, missing: Flags) -> Iterator[Stretch]:
         most = np.arange(min(lap, BEYOND))
         for low, high in zip(lows, highs, strict=True):
             yield Stretch(
-                order[low : high + 1], order[(low - most) % lap], order[(high + most) % lap]
+                order[low : high + 1],
+                order[(low + 1 - most) % lap],
+                order[(high - 1 + most) % lap],
             )
 
 
@@ -206,14 +208,12 @@ class _Beam:
         touched = (away <= reach) & (np.sum((feet - points) * to_waste, axis=1) > 0.0)
         last = int(np.argmax(touched)) if touched.any() else len(points) - 1
         way = [end]
-        for k in range(last + 1):
+        for k in range(1, last + 1):
             way += [*self._between(element, owner, points, k), points[k]]
         return float(shapely.distance(shapely.linestrings(way), shapely.points(middle)))
 
     def _between(self, element: Counts, owner: Counts, points: Floats, k: int) -> Floats:
         """Places of the contour between a sample and the one before it: ends of elements."""
-        if not k:
-            return points[:0]
         if owner[k] != owner[k - 1]:
             return self._turns(points[k - 1 : k + 1], owner[k - 1 : k + 1])[1]
         a, b = int(element[k - 1]), int(element[k])
