@@ -1,4 +1,4 @@
-"""Calls of one function in other processes of this machine, whatever befalls one of them.
+"""Calls of one function in worker processes of this machine; one that dies is replaced.
 
     pool.submit(task) -> ProcessPoolExecutor -> work(task) in a worker -> pool.wait()
 

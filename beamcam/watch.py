@@ -94,7 +94,7 @@ class HotFolder:
         return not all(sight.handed for sight in self._seen.values())
 
     def again(self, found: Input, now_s: float) -> None:
-        """Hand an input over once more after a while, though it has not changed."""
+        """Hand an input over again after a while, even if it has not changed."""
         self._seen[found] = replace(self._seen[found], handed=False, since_s=now_s + AGAIN_S)
 
     def is_as_seen(self, found: Input) -> bool:

@@ -95,7 +95,7 @@ def _by_hand(part: Part, config: Config) -> ByHand | None:
 def _bars(
     counts: Sequence[PartCount], config: Config, lengths: Sequence[float]
 ) -> tuple[tuple[CutBar, ...], tuple[Diagnostic, ...]]:
-    """The bars that the beams among the parts are cut from, and why some are on none."""
+    """The bars that the beams are cut from, and why some beams are on none."""
     if all(one.part.profile.code == "B" for one in counts):
         return (), ()
     return bars_of(counts, machine_of_stock(config, "beam", "", is_one_of_two=True), lengths)

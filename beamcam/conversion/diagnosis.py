@@ -29,7 +29,7 @@ _MANY = {float: " of numbers", str: " of texts"}
 
 
 def fault_of(message: str, value: Any, hint: Any, hook: Hook | None, above: Path = ()) -> Fault:
-    """What msgspec's message about `value` means, which was to be a `hint`."""
+    """The fault behind a message of msgspec about `value`, which should have been a `hint`."""
     said = _SAID.fullmatch(message)
     assert said is not None  # as it matches any text
     what, is_key, steps = said[1], said[2], _STEP.findall(said[3] or "")
@@ -58,7 +58,7 @@ def fault_of(message: str, value: Any, hint: Any, hook: Hook | None, above: Path
 
 
 def _fault_of_row(rows: Any, hint: Any, hook: Hook | None, path: Path) -> Fault | None:
-    """The fault of the first row of a table that is no `hint`, whose key msgspec leaves out."""
+    """The fault of the first row of a table that is no `hint`; msgspec does not name its key."""
     for key, item in rows.items():
         try:
             convert(item, hint, dec_hook=hook)

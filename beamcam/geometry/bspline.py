@@ -92,7 +92,7 @@ class BSpline(Struct, frozen=True, gc=False):
 
     @property
     def bbox(self) -> Box:
-        """Least box around the curve."""
+        """The smallest box around the curve."""
         box = join_boxes([piece.bbox for piece in self.pieces()])
         assert box is not None
         return box

@@ -135,7 +135,7 @@ def _cornered(
     apart: Flags,
     mitre_limit: float,
 ) -> tuple[dict[int, Arc], dict[int, Line | Arc]]:
-    """Cuts and prolongs what meets at corners (`apart`), and marks as bad what cannot.
+    """Trim or extend the moved curves at corners (`apart`); mark those that cannot meet as bad.
 
     Gives the arcs about corners that open, by the curve before them, and the arcs that were cut.
     """

@@ -14,7 +14,7 @@ _SUFFIX = re.compile(r"\.[A-Za-z0-9_-]{1,16}")
 
 
 def name_faults(machine: Machine) -> Iterator[NameFault]:
-    """Each key that names what there is not, or the same thing twice."""
+    """Each key that names something unknown, or the same thing twice."""
     if not _SUFFIX.fullmatch(machine.suffix):
         yield "suffix", machine.suffix, "a dot and letters or digits, such as .gcode"
     known = ", ".join(SECTION_CODES)

@@ -70,7 +70,7 @@ class Place(Struct, frozen=True):
 
 
 def record_of(value: object, record: type[Record], place: Place) -> Record:
-    """A value as `json.loads` gives it as a record. Raises ReadError at the key that is wrong."""
+    """The record for a value of `json.loads`. Raises ReadError at the key that is wrong."""
     try:
         return converted(value, record)
     except Fault as fault:

@@ -118,7 +118,7 @@ def travel(operations: Iterable[Operation], start: float = 0.0) -> tuple[float, 
 
 
 def setup_of(op: WorkOp) -> Setup:
-    """Spindle and tool of an operation, as what a change is a change of."""
+    """Spindle and tool of an operation; going on to another one takes time."""
     tool = op.tool
     return STAGES[tool.kind], op.spindle, (tool.diameter, tool.point_deg, tool.pitch, tool.hand)
 

@@ -246,7 +246,7 @@ def _open_part(mouth: Any, ring: Any, contour: Any, radius: float, tolerance: fl
 
 
 def _longest_chord(points: "Floats") -> tuple[Point, Point]:
-    """The two of some points that are farthest apart."""
+    """The two points that are farthest apart."""
     import numpy as np
     import shapely
 

@@ -118,7 +118,7 @@ def contours_once(
 
 
 def _unequal(shapes: Sequence[Shape], found: Repeats) -> list[int]:
-    """Which contours are there, of several that are equal in every number the first."""
+    """Indices of the contours without repeats: of equal ones, the first."""
     first: dict[tuple[str, bool, tuple[Curve, ...]], Shape] = {}
     once = []
     for k, shape in enumerate(shapes):

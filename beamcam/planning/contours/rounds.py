@@ -1,4 +1,4 @@
-"""Free curves that run over themselves, as a formula's does that goes round more than once."""
+"""Free curves that run over themselves, such as a formula that goes round more than once."""
 
 from collections.abc import Iterator, Sequence
 from itertools import pairwise

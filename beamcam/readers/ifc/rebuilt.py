@@ -187,7 +187,7 @@ def rebuilt(shaped: Shaped, stock: Shape, corners: Corners | None = None) -> Reb
 
 
 def _crossing_others(holes: list[tuple[Cut, float]], cuts: Sequence[Cut]) -> list[Cut]:
-    """Take out of `holes` those that share steel with other cuts, whose volumes are no sum."""
+    """Remove the `holes` that share steel with other cuts, as their volumes do not add up."""
     every = [cut for cut, _ in holes] + list(cuts)
     shared = [
         one

@@ -74,7 +74,7 @@ def _has_room(ring: Any) -> bool:
 
 
 def with_circles(shape: Shape, circles: Circles, exact: Sequence[Circle] = ()) -> Shape:
-    """A region whose polygon runs on circles are arcs, remembered in `circles`."""
+    """The region with arcs where its polygon follows circles; `circles` remembers them."""
     from shapely import union_all
 
     out = []

@@ -216,7 +216,7 @@ class Comparison:
         return sum(f not in spare for f in missing), len(missing)
 
     def _missed(self, left: Sequence[Want], optional: Collection[tuple[int, int]]) -> list[Want]:
-        """Of the holes that nothing makes those that have to be there.
+        """The required holes that nothing makes.
 
         A feature that may be missing is there wholly, or nothing of it is.
         """

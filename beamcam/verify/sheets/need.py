@@ -146,7 +146,7 @@ def _is_filled_only(contour: Contour, key: str, torch: Torch) -> bool:
 
 
 def _is_begun(feature: Feature, lack: str | None, torch: Torch) -> bool:
-    """Whether the machine makes only part of a feature, and the remainder is manual work."""
+    """Whether the machine only begins a feature, and the rest is manual work."""
     if isinstance(feature, Contour):
         return lack == "bevel" and torch.bevel == "square"
     if isinstance(feature, Hole | Slot) and feature.kind != "mark":

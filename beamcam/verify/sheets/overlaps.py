@@ -32,7 +32,7 @@ def whole(ways: Ways, fine: float) -> Stretches:
 
 
 def trim(found: Stretches, ways: Ways, loose: Sequence[int], rank: Counts, same: float) -> None:
-    """Cuts what lies on a way of lower rank off the ends of loose lines and arcs.
+    """Trim the ends of loose lines and arcs where they lie on a way of lower rank.
 
     W overlaps V where both are of one line or circle, an end of W lies on V and an end of V on W.
     Neither is cut where a third loose way ends at one of these two: there it may go on along W.

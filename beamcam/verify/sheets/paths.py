@@ -66,7 +66,7 @@ def follow(work: Work) -> tuple[list[Traced], list[Diagnostic]]:
 def _overs(
     work: Work, bounds: Bounds, traced: Sequence[Traced], points: Floats, way: Counts
 ) -> None:
-    """Tells each stroke how much of what is not of its ring runs along that all the same.
+    """Tell each stroke the length of other strokes that run along its ring.
 
     `points` are places of the path, `way` those that they lie on.
     """

@@ -224,7 +224,7 @@ class Ways:
 
     @cached_property
     def boxes(self) -> tuple[Floats, Floats]:
-        """Least and greatest corner of the box around each way, (n, 2) each."""
+        """Minimum and maximum corner of the box around each way, (n, 2) each."""
         low, high = self.elements.boxes()
         if not self.count:
             return low, high

@@ -155,7 +155,7 @@ class Work(Struct, frozen=True):
         return self.torch.tab_width + 2 * half_kerf + 2 * self.tolerance
 
     def heading(self, t: Traced, at_end: bool) -> Floats:
-        """The direction in which a stroke ends or begins; of stairs that of a little of them."""
+        """The direction in which a stroke ends or begins; on stairs, that over a few of them."""
         path = self.path
         way = np.array([t.last - 1 if at_end else t.first])
         if self.stepped:
