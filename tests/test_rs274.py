@@ -4,7 +4,7 @@ import re
 import shutil
 import subprocess
 import tempfile
-from math import isnan
+from math import dist, isnan
 from pathlib import Path
 
 import pytest
@@ -12,13 +12,15 @@ import pytest
 from beamcam.controllers import cell_events, table_events
 from beamcam.controllers.events import Compensation, HeadMove, Move
 from beamcam.machine import load
+from beamcam.machine.overlay import with_torch
+from beamcam.machine.torch import LookSettings
 from beamcam.model.part import TextMark
 from beamcam.pipeline import post, read_file
 from beamcam.verify.sheets.compensation import CompensationError, compensated
 from tests.conftest import GOLDEN, SAMPLES
 from tests.letters import Lines, read
 from tests.linuxcnc_cell import linuxcnc_cell
-from tests.unit.sheets.parts import NESTED, S, plate, table
+from tests.unit.sheets.parts import NESTED, S, box, contour, drawing, plate, table
 
 RS274 = shutil.which("rs274")
 PROGRAMS = sorted((GOLDEN / "plate-linuxcnc").glob("*.ngc"))
@@ -144,6 +146,31 @@ def test_bridges(tmp_path: Path) -> None:
     path = tmp_path / "bridges.ngc"
     path.write_text(post((NESTED,), table(tabs=3)).text)
     assert ends_as_we_say(path) > 30
+
+
+def test_overcuts_passes_and_hatches_are_as_long_as_they_are_asked(tmp_path: Path) -> None:
+    """A square of 40 mm twice, each time 1.5 mm beyond its start, and lines 2 mm apart in one."""
+    own = {"red": LookSettings(passes=2, overcut=1.5),
+           "blue": LookSettings(hatch=2.0, hatch_outline=False)}  # fmt: skip
+    machine = with_torch(
+        load("plate-linuxcnc"), {"red": "cut", "blue": "mark"}, settings=own, kerf=0.0, lead="none"
+    )  # fmt: skip
+    part = drawing(contour(box(0, 0, 40, 40)), contour(box(10, 10, 11, 11), "#0000ff"))
+    path = tmp_path / "asked.ngc"
+    path.write_text(post((part,), machine).text)
+    assert ends_as_we_say(path) > 10
+    lengths = {"cut": 0.0, "mark": 0.0}
+    here, tool = [0.0, 0.0], ""
+    for line in canonical(path).splitlines():
+        if started := re.search(r"START_SPINDLE_CLOCKWISE\((\d)", line):
+            tool = "cut" if started[1] == "0" else "mark"
+        if moved := re.search(r"STRAIGHT_(?:FEED|TRAVERSE)\((-?[\d.]+), (-?[\d.]+)", line):
+            end = [float(moved[1]), float(moved[2])]
+            if "FEED" in line:
+                lengths[tool] += dist(here, end)
+            here = end
+    assert lengths["cut"] == pytest.approx(2 * (160 + 1.5), abs=0.01)
+    assert lengths["mark"] == pytest.approx(5 * (11 - 2), abs=0.01)
 
 
 @pytest.mark.parametrize("name", ["beam", "channel", "strut", "tie"])

@@ -10,10 +10,13 @@ from beamcam.emitters import step_table as forms
 from beamcam.geometry.array_types import Floats
 from beamcam.geometry.curves import Line
 from beamcam.machine import load
+from beamcam.machine.overlay import with_torch
+from beamcam.machine.torch import LookSettings
 from beamcam.motion.steps import step_table
 from beamcam.pipeline import post
 from beamcam.verify.steps.follow import Followed
 from beamcam.verify.steps.outline import Outline
+from tests.unit.sheets.parts import box, contour, drawing
 
 from .plant import DONE, Plant, units_of
 from .shop import part, plan, program, table_machine
@@ -84,3 +87,17 @@ def farthest(a: shapely.LineString, b: shapely.LineString) -> float:
     """The greatest distance of `a` from `b`, looked at every 0.2 mm and at every corner."""
     places = shapely.points(shapely.get_coordinates(shapely.segmentize(a, 0.2)))
     return float(shapely.distance(places, b).max())
+
+
+def test_the_controller_of_the_table_goes_on_by_the_overcut_in_each_pass() -> None:
+    """Run with simulated axes: a square of 10 mm twice, each time 2 mm beyond its start."""
+    own = {"red": LookSettings(passes=2)}
+    machine = with_torch(load("table-simotion"), {"red": "cut"}, settings=own, overcut=2.0)
+    square = drawing(contour(box(5, 5, 10, 10)), thickness=3.0)
+    plant = Plant(units_of(post((square,), machine, style="chain").text, machine), machine)
+    plant.press_start()
+    plant.run_until(DONE, 600.0)
+    way = shapely.LineString(plant.points["cut"])
+    ring = shapely.Polygon([(5, 5), (15, 5), (15, 15), (5, 15)]).exterior
+    assert farthest(way, shapely.LineString(ring.coords)) <= FINE
+    assert abs(way.length - (2 * 42 + 2)) < 0.2  # and back along the overcut, with the torch off
