@@ -111,8 +111,8 @@ def openings_of(model: Model, element: Entity) -> Iterator[Removed]:
     for opening in features_of(element, "IfcRelVoidsElement"):
         frame = relative_placement(model, element, opening)
         if opening.values[6] is None:
-            raise Unreadable(f"an opening {opening.GlobalId} without geometry")
-        guid = opening.values[0]
+            raise Unreadable(f"an opening {opening.guid} without geometry")
+        guid = opening.guid
         for item in body_representation(opening).values[3]:
             yield Removed(item, frame, guid)
 

@@ -53,7 +53,7 @@ def bolts_of(model: Model) -> tuple[list[Bolt], list[str]]:
         except (Unreadable, *NOT_WELL_FORMED):
             bolt = None
         if bolt is None:
-            without.append(str(element.values[0]))
+            without.append(element.guid)
         else:
             found.append(bolt)
     return found, without
@@ -74,7 +74,7 @@ def _bolt(model: Model, element: Entity) -> Bolt | None:
         return None
     length, o, along, radius = best
     diameter = diameter or 2 * radius
-    return None if diameter <= 0 else Bolt(element.GlobalId, o, unit(along), length, diameter)
+    return None if diameter <= 0 else Bolt(element.guid, o, unit(along), length, diameter)
 
 
 def _axes(model: Model, item: Entity, frame: Frame) -> list[tuple[Vec, Vec, float]]:

@@ -149,14 +149,14 @@ def mark_of(element: Entity, data: Data) -> tuple[str, bool]:
     if mark:
         return mark, True
     tag = (getattr(element, "Tag", None) or "").strip()
-    if tag and not _GUID_TAG.search(tag) and tag != element.GlobalId:
+    if tag and not _GUID_TAG.search(tag) and tag != element.guid:
         return tag, True
     reference = data.text("Reference")
     if reference and not _PROFILE.search(reference.replace("(?)", "")):
         return reference, True
     if reference and re.fullmatch(r"[A-Za-z]{1,3}/?\d{1,5}(\(\?\))?", reference):
         return reference, True
-    return tag or (element.Name or "").strip() or element.GlobalId, False
+    return tag or (element.Name or "").strip() or element.guid, False
 
 
 def assembly_of(element: Entity, data: Data) -> str:
@@ -167,7 +167,7 @@ def assembly_of(element: Entity, data: Data) -> str:
     for name in tied(element, "wholes"):
         whole = element.file.entity(name)
         if whole.is_a("IfcElementAssembly"):
-            return str(whole.Tag or whole.Name or whole.GlobalId).strip()
+            return str(whole.Tag or whole.Name or whole.guid).strip()
     return ""
 
 

@@ -132,7 +132,7 @@ class Members(Struct):
         element = self.elements[place]
         data = data_of(self.model, element)
         self._selected(element, mark_of(element, data)[0], assembly_of(element, data))
-        self._refuse(rules.KERNEL_DIED, Source(self.name, where=str(element[0])), "two processes")
+        self._refuse(rules.KERNEL_DIED, Source(self.name, where=element.guid), "two processes")
         return taken
 
     def share(self, places: Iterable[int]) -> Taken:
@@ -153,12 +153,12 @@ class Members(Struct):
             if self.taken.ledger.total != before:
                 raise  # it was counted already, so that the fault is ours
             found = f"data that are not well formed ({type(fault).__name__}: {fault})"
-            self._refuse(rules.GEOMETRY, Source(self.name, where=str(element[0])), found)
+            self._refuse(rules.GEOMETRY, Source(self.name, where=element.guid), found)
             return None
 
     def _member(self, element: Entity) -> tuple[Part, Shaped] | None:
         """The part of one element, if it is selected, steel and readable."""
-        source = Source(self.name, where=element[0])
+        source = Source(self.name, where=element.guid)
         data = data_of(self.model, element)
         mark, _ = mark_of(element, data)
         assembly = assembly_of(element, data)
@@ -266,13 +266,13 @@ class Members(Struct):
         if chosen.everything:
             return True
         kind = element.is_a()
-        values = {"mark": mark, "guid": element[0], "class": kind, "assembly": assembly}
+        values = {"mark": mark, "guid": element.guid, "class": kind, "assembly": assembly}
         for key, value in values.items():
             self.taken.seen.setdefault(key, set()).add(value)
         classes = {c.lower().removeprefix("ifc") for c in chosen.classes}
         return (
             (not chosen.marks or mark in chosen.marks)
-            and (not chosen.guids or element[0] in chosen.guids)
+            and (not chosen.guids or element.guid in chosen.guids)
             and (not classes or bool(classes & class_names(kind)))
             and (not chosen.assemblies or assembly in chosen.assemblies)
         )
@@ -303,7 +303,7 @@ class Members(Struct):
             cuts=shaped.cuts,
             features=shaped.features,
             weight=_weight(bare, section.area),
-            guid=element[0],
+            guid=element.guid,
             section=section.points,
         )
 

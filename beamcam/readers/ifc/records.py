@@ -102,6 +102,12 @@ class Entity(Struct, eq=False, gc=False):
         raise AttributeError(f"{self.row.name} has no {name}")
 
     @property
+    def guid(self) -> str:
+        """The GlobalId of a rooted entity, its first value; its name where that is no text."""
+        found = self.values[0] if self.values else None
+        return found if isinstance(found, str) else self.name
+
+    @property
     def label(self) -> str | None:
         """The Name of a rooted entity, its third value, without a look at the others."""
         parts = self.file.inner(self.index).split("'", 4)  # '', GlobalId, ',#1,', Name, ',$,...'

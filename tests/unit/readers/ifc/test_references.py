@@ -51,6 +51,20 @@ def test_each_reference_of_a_solid(instead: bytes) -> None:
             assert beam.GlobalId not in {part.guid for part in found.parts}
 
 
+@pytest.mark.parametrize("instead", [b"#1", b"$", b"(1.,0.)", b"5", b".T.", b"()"])
+@pytest.mark.parametrize("sample", ["beam_openings", "bolted"])
+def test_what_is_named_by_no_text_is_named_by_its_record(sample: str, instead: bytes) -> None:
+    data = (SAMPLES / "ifc" / f"{sample}.ifc").read_bytes()
+    kinds = rb"(=IFC(?:BEAM|OPENINGELEMENT|MECHANICALFASTENER)\()'[^']*'"
+    changed, count = re.subn(kinds, lambda found: found[1] + instead, data)
+    assert count > 1
+    reading = read(changed, "m.ifc")
+    names = [feature.source.where for part in reading.parts for feature in part.features]
+    names += [said.source.where for said in reading.diagnostics]
+    assert all(name is None or isinstance(name, str) for name in names)
+    assert all(part.guid.startswith("#") for part in reading.parts)
+
+
 @pytest.mark.parametrize("values", ["$", "", "'a'", "(1.,$,0.)", "(.T.,#1)", "*"])
 def test_points_without_numbers(values: str) -> None:
     for kind in (b"IFCCARTESIANPOINT", b"IFCDIRECTION"):
