@@ -86,7 +86,7 @@ class Torch(Keys, frozen=True):
     direction: Literal["drawn", "climb", "conventional"] = "drawn"  #: climb: material at the right
     tabs: Count = 0  #: bridges that hold a part in the sheet
     inner_tabs: bool = False  #: whether inner contours have as many
-    tab_width: Positive = 1.0  #: of a bridge, along the contour
+    tab_width: Positive = 1.0  #: of a bridge, from one end of the cut to the other
     #: between a bridge and a corner of its contour, where a place is near that has it; a corner is
     #: a turn of more than 20 degrees
     min_tab_to_corner: NotNegative = 0.0

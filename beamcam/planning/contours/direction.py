@@ -76,6 +76,15 @@ def stretch(curves: Curves, lengths: Sequence[float], low: float, high: float) -
     return tuple(found)
 
 
+def place_at(curves: Curves, lengths: Sequence[float], length: float) -> Point:
+    """The place so far along a chain, which is no longer than that and no shorter than 0."""
+    for curve, own in zip(curves, lengths, strict=True):
+        if length <= own:
+            return curve.point(_parameter(curve, length))
+        length -= own
+    return curves[-1].end
+
+
 def _parameter(curve: Curve, length: float) -> float:
     """Parameter at arc length `length`, by bisection for curves of uneven speed."""
     if isinstance(curve, Line | Arc):

@@ -1,5 +1,8 @@
 """Bridges that hold a part in its sheet: stretches of a closed contour that are not cut.
 
+What holds is the steel between both ends of the cut, so their distance counts: over a corner, and
+round a bend, more of the contour is left than the bridge is wide.
+
 start                                        e: the even place of a bridge
   |----x---------------x---------------x---- x: its middle, moved off a corner by a quarter of
        e             corner e                   the distance of two bridges at most
@@ -7,15 +10,19 @@ start                                        e: the even place of a bridge
 
 from bisect import bisect_left, bisect_right
 from collections.abc import Sequence
-from math import acos, degrees
+from math import acos, degrees, dist
 
 from beamcam.geometry.curves import Arc
 from beamcam.geometry.plane import dot
 from beamcam.machine.torch import CORNER_DEG, Torch
-from beamcam.planning.contours.direction import Curves, stretch
+from beamcam.planning.contours.direction import Curves, place_at, stretch
 from beamcam.planning.contours.shape import Shape
 
 ROUNDING = 1e-9
+#: Of the contour a bridge takes at most so much, by its width; a tooth is not left whole.
+MOST_ALONG = 1.75
+NEARLY = 1e-6  #: mm, that a bridge may be narrower
+STEP = 0.125  #: by a bridge's width, from one place to the next that is tried for it
 #: The corner of a mitre lies so far beyond that of the contour at most, by the kerf.
 MITRE = 1.25
 
@@ -37,12 +44,12 @@ def stretches_of(shape: Shape, kerf: float, torch: Torch) -> tuple[Curves, ...]:
 def bridged(
     curves: Curves, tabs: int, width: float, clear: float = 0.0, kerf: float = 0.0
 ) -> tuple[Curves, ...]:
-    """The stretches of a closed contour between `tabs` bridges of `width` mm each.
+    """The stretches of a closed contour between `tabs` bridges, whose ends are `width` mm apart.
 
     The bridges lie at equal distances, the first half of that from the start; one that is nearer
-    to a corner than `clear` is moved to the nearest place that is not, if there is one within a
-    quarter of these distances. A contour that has not four times as much length as its bridges
-    gets fewer of them, or none.
+    to a corner than `clear`, or that would take more of the contour than `MOST_ALONG` allows, is
+    moved to the nearest place that does not, if there is one within a quarter of these distances.
+    A contour that has not four times as much length as its bridges gets fewer of them, or none.
     """
     lengths = [c.length for c in curves]
     total = sum(lengths)
@@ -54,12 +61,43 @@ def bridged(
     cuts: list[tuple[float, float]] = []
     begin = 0.0
     for k in range(tabs):
-        even = total * (k + 0.5) / tabs
-        middle = _clear_place(even, corners, width / 2 + clear, total / (4 * tabs))
-        cuts.append((begin, middle - width / 2))
-        begin = middle + width / 2
+        even, most = total * (k + 0.5) / tabs, total / (4 * tabs)
+        middle = _clear_place(even, corners, width / 2 + clear, most) if clear else even
+        low, high = _bridge(curves, lengths, middle, width, even - most, even + most)
+        cuts.append((begin, low))
+        begin = high
     cuts.append((begin, total))
     return tuple(stretch(curves, lengths, a, b) for a, b in cuts)
+
+
+def _bridge(
+    curves: Curves, lengths: Sequence[float], middle: float, width: float, least: float, most: float
+) -> tuple[float, float]:
+    """Where the bridge nearest to `middle` begins and ends along a contour, between two limits.
+
+    As long as it is wide at `middle` where there is no place for it.
+    """
+    step = STEP * width
+    places = [middle]
+    for k in range(1, int((most - least) / step) + 1):
+        places += [p for p in (middle - k * step, middle + k * step) if least <= p <= most]
+    for place in places:
+        half = _half(curves, lengths, place, width)
+        if half is not None:
+            return place - half, place + half
+    return middle - width / 2, middle + width / 2
+
+
+def _half(curves: Curves, lengths: Sequence[float], middle: float, width: float) -> float | None:
+    """How far along a contour the ends of a bridge lie from its middle; None if too far."""
+    half = width / 2
+    while 2 * half <= MOST_ALONG * width:
+        a, b = (place_at(curves, lengths, middle + side * half) for side in (-1.0, 1.0))
+        missing = width - dist(a, b)
+        if missing <= NEARLY:
+            return half
+        half += missing / 2  # both ends move apart by that at most
+    return None
 
 
 def _corners(curves: Curves, lengths: Sequence[float], kerf: float) -> list[float]:

@@ -8,9 +8,9 @@ from beamcam.geometry.array_types import Flags, Floats
 from beamcam.verify.sheets.work import MITRE, Traced, Work
 
 Bounds = Sequence[tuple[int, int]]
+Beside = tuple[float, float]  #: how far along a curve, and how far away
 
-#: Where a contour is looked for in a bridge, and how far it may bend until there, by its width.
-AHEAD, BENT = 0.3, 0.1
+MOST_ALONG = 1.75  #: of the contour in a bridge, by the distance of its ends
 WIDEST = 1.5  #: of a bridge that is told to be too wide, by the width of one
 
 
@@ -75,16 +75,55 @@ def _goes_on(work: Work, traced: Sequence[Traced], k: int) -> bool:
 def _is_bridge(work: Work, t: Traced, following: Traced) -> bool:
     """Whether a stroke begins about a bridge's width behind another one, on the same contour.
 
-    That goes on in the bridge, from one of the two ends at least: there may be a corner between.
+    That goes on from the one to the other, over corners as well.
     """
     end, start = work.path.ends[t.last - 1], work.path.starts[following.first]
     width = float(np.hypot(*(start - end)))
     if width > WIDEST * work.tab_width(t.half_kerf):
         return False
-    ahead, behind = work.heading(t, at_end=True), work.heading(following, at_end=False)
-    near = t.half_kerf + BENT * width + work.tolerance
-    places = end + AHEAD * width * ahead, start - AHEAD * width * behind
-    return any(work.need.nearest_to(place)[0] <= near for place in places)
+    reach = MITRE * t.half_kerf + 2 * work.tolerance
+    return _is_along_contour(work, end, start, reach, MOST_ALONG * width + 2 * reach)
+
+
+def _is_along_contour(work: Work, end: Floats, start: Floats, reach: float, most: float) -> bool:
+    """Whether the way along the curves of the part from one place to another is at most `most`.
+
+    Both places are no farther from the curves than `reach`. From curve to curve it goes on where
+    ends are no farther apart than the machine's gap.
+    """
+    need = work.need
+    pairs = need.near(np.array([end, start]), reach)
+    #: Of both places the curves beside them: how far along, and how far away.
+    places: tuple[dict[int, Beside], dict[int, Beside]] = {}, {}
+    columns = (pairs.point, pairs.element, pairs.along, pairs.away)
+    for point, element, along, away in zip(*columns, strict=True):
+        way = int(need.owner[element])
+        at = float(need.at(np.array([element]), np.array([along]))[0] - need.begins[way])
+        beside = places[int(point)]
+        if way not in beside or away < beside[way][1]:
+            beside[way] = at, float(away)
+    waiting = [(away, way, at) for way, (at, away) in places[0].items()]
+    reached: dict[tuple[int, bool], float] = {}
+    found = [np.inf]
+    while waiting:
+        done, way, at = waiting.pop()
+        if way in places[1]:
+            to, away = places[1][way]
+            found.append(done + abs(to - at) + away)
+        for is_end, left in ((False, at), (True, float(need.lengths[way]) - at)):
+            far = done + left
+            if far > most or reached.get((way, is_end), np.inf) <= far:
+                continue
+            reached[way, is_end] = far
+            place = (need.ends if is_end else need.starts)[way]
+            for ends, other_at in ((need.starts, 0.0 * need.lengths), (need.ends, need.lengths)):
+                near = np.flatnonzero(np.hypot(*(ends - place).T) <= work.torch.gap)
+                waiting += [
+                    (far, int(k), float(other_at[k]))
+                    for k in near.tolist()
+                    if k != way or need.lengths[k] > most
+                ]
+    return min(found) <= most
 
 
 def _close(work: Work, bounds: Bounds, traced: Sequence[Traced], first: int, last: int) -> bool:
@@ -110,8 +149,9 @@ def in_bridges(work: Work, traced: Sequence[Traced], points: Floats) -> Flags:
     for t in traced:
         if t.bridge_to is None or not len(points):
             continue
-        middle = (np.array(t.bridge_to) + work.path.ends[t.last - 1]) / 2
+        ends = work.path.ends[t.last - 1], np.array(t.bridge_to)
+        width = float(np.hypot(*(ends[1] - ends[0])))
         # In a corner the contour lies farther off than half a kerf.
-        reach = work.tab_width(t.half_kerf) / 2 + MITRE * t.half_kerf + work.tolerance
-        inside |= np.hypot(*(points - middle).T) <= reach
+        most = MOST_ALONG * width + 2 * (MITRE * t.half_kerf + work.tolerance)
+        inside |= sum(np.hypot(*(points - end).T) for end in ends) <= most
     return inside

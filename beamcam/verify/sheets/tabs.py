@@ -6,6 +6,9 @@ Where on a contour they lie is the planner's choice, but for this:
              again
     corners  none is nearer to a corner than `torch.min_tab_to_corner`, unless every place is that
              lies within a quarter of these distances
+
+What holds is the steel between both ends of the cut, so their distance is the width of a bridge.
+Over a corner or round a bend more of the contour is left, 1.75 times as much at most.
 """
 
 from collections.abc import Iterator, Sequence
@@ -23,12 +26,9 @@ from beamcam.verify.sheets.work import SHOWN, STAIRS, Traced, Work
 
 MIN_WIDTH = 1e-3  #: mm, half of it on an average, of what a ring goes round
 DOUBT_DEG = 5.0  #: what turns a little less or more than a corner is not asked
+MOST_ALONG = 1.75  #: of the contour in a bridge, by its width
 MITRE = 1.25  #: by the kerf, how far the corner of a path may lie from that of its contour
-OFF = 0.1  #: of its width, how far off the contour the ends of a bridge may be to be measured
-SHORT = 20.0  #: steps of the program's numbers, of a move whose direction is not told
-MIN_TURN = 1e-3  #: sine of an angle below which two directions are one
 
-Beside = tuple[float, float]
 Limits = tuple[float, float]  #: least and most
 
 
@@ -39,8 +39,7 @@ class _Gap(NamedTuple):
     after: Traced
     end: Floats
     start: Floats
-    least: float  #: mm along the contour
-    most: float
+    width: float
 
     @property
     def middle(self) -> Floats:
@@ -84,8 +83,8 @@ def _ring_faults(work: Work, t: Traced, depth: int | None, corners: Floats) -> I
     lengths = [_length(work, m) for m in t.members]
     width = work.torch.tab_width + 2 * t.half_kerf
     total = sum(lengths) + len(gaps) * width
-    slack = 2 * work.tolerance
-    allowed = _counts(work, depth, total, width)
+    slack, bent = 2 * work.tolerance, (MOST_ALONG - 1) * width
+    allowed = _counts(work, depth, (total, total + len(gaps) * bent), width)
     contour = work.contour_at(work.path.starts[t.first])
     if len(gaps) not in allowed:
         expected = " or ".join(map(str, sorted(allowed)))
@@ -94,9 +93,8 @@ def _ring_faults(work: Work, t: Traced, depth: int | None, corners: Floats) -> I
         )
         return
     for gap in gaps:
-        if gap.most < width - slack or gap.least > width + slack:
-            found = f"{gap.most if gap.most < width else gap.least:.3f}"
-            yield _at(work, rules.TAB_WIDTH, gap, contour, found, f"{width:g}")
+        if abs(gap.width - width) > slack:
+            yield _at(work, rules.TAB_WIDTH, gap, contour, f"{gap.width:.3f}", f"{width:g}")
     even = total / max(len(gaps), 1)
     apart = [length + width for length in lengths[1:-1]]
     if len(gaps) > 1:
@@ -105,7 +103,7 @@ def _ring_faults(work: Work, t: Traced, depth: int | None, corners: Floats) -> I
             lengths[0] + lengths[-1] + width
         ]  # fmt: skip
     for gap, way in zip(gaps, apart, strict=False):
-        if not even / 2 - slack <= way <= 1.5 * even + slack:
+        if not even / 2 - slack - bent <= way <= 1.5 * (even + bent) + slack:
             found, expected = f"{way:.3f} mm from another", f"{even / 2:.3f} to {1.5 * even:.3f} mm"
             yield _at(work, rules.TAB_PLACE, gap, contour, found, expected)
             return
@@ -131,20 +129,21 @@ def _at(work: Work, rule: Rule, gap: _Gap, contour: str, found: str, expected: s
     )  # fmt: skip
 
 
-def _counts(work: Work, depth: int | None, total: float, width: float) -> set[int]:
+def _counts(work: Work, depth: int | None, totals: Limits, width: float) -> set[int]:
     """How many bridges a ring may have: those asked for, or as many as it is long enough for.
 
     What has not four times as much length as its bridges gets fewer; at the limit both count.
+    `totals` are the least and the greatest length that it may have.
     """
     if depth == -1:
         return {0}
-    found = set()
+    found: set[int] = set()
     if depth is None or depth % 2 == 0 or work.torch.inner_tabs:
-        for slack in (-4 * work.tolerance, 4 * work.tolerance):
-            count = work.torch.tabs
-            while count and total + slack < 4 * count * width:
-                count -= 1
-            found.add(count)
+        low, high = (
+            min(work.torch.tabs, int((total + slack) / (4 * width)))
+            for total, slack in zip(totals, (-4 * work.tolerance, 4 * work.tolerance), strict=True)
+        )
+        found.update(range(max(low, 0), high + 1))
     if depth is None or (depth % 2 == 1 and not work.torch.inner_tabs):
         found.add(0)
     return found
@@ -157,95 +156,9 @@ def _bridged_pairs(t: Traced) -> Iterator[tuple[Traced, Traced]]:
 
 
 def _gap(work: Work, before: Traced, after: Traced) -> _Gap:
-    """The bridge between two strokes; its width along the contour is known by two limits.
-
-    It is no less than the distance of both ends, and no more than the way over the place where
-    the tangents there meet: a bend, or a corner.
-    """
-    path = work.path
-    end, start = path.ends[before.last - 1], path.starts[after.first]
-    a, b = work.heading(before, at_end=True), work.heading(after, at_end=False)
-    chord = start - end
-    least = float(np.hypot(*chord))
-    most = _over_corner(chord, a, b, work.tolerance)
-    if min(path.lengths[[before.last - 1, after.first]]) < SHORT * work.step:
-        most = np.inf  # rounding turns what is that short
-    elif work.half_kerf:
-        least, most = _beside(work, (end, start), (least, most), _turn_deg(a, b))
-    if work.half_kerf == 0.0:
-        way = _along_contour(work, end, start, 2 * work.torch.tab_width)
-        least, most = (way, way) if way >= least - work.tolerance else (least, most)
-    return _Gap(before, after, end, start, least, most)
-
-
-def _over_corner(chord: Floats, a: Floats, b: Floats, slack: float) -> float:
-    """The way over the place where the directions of both ends meet; infinite if they do not."""
-    turn = float(a[0] * b[1] - a[1] * b[0])
-    length = float(np.hypot(*chord))
-    if abs(turn) <= MIN_TURN:
-        return length if float(a @ b) > 0.0 else np.inf
-    ahead = float(chord[0] * b[1] - chord[1] * b[0]) / turn
-    behind = float(a[0] * chord[1] - a[1] * chord[0]) / turn
-    return max(ahead + behind, length) if min(ahead, behind) > -slack else np.inf
-
-
-def _beside(work: Work, ends: tuple[Floats, Floats], limits: Limits, turn_deg: float) -> Limits:
-    """The limits of a bridge of a beam that keeps off; both ends are beside one curve, or two.
-
-    Between two straight sides it goes over their corner, or round it on an arc of half the kerf.
-    Where more than a corner lies between the ends nothing but their distance is known.
-    """
-    need, (least, most) = work.need, limits
-    a, b = (need.nearest_to(place)[1] for place in ends)
-    places = np.array([need.starts[a], need.ends[a], need.starts[b], need.ends[b]])
-    apart = np.hypot(*(places[:2, None] - places[None, 2:]).T)
-    if a != b and apart.min() > work.torch.gap:
-        return least, np.inf
-    if need.kinds[[a, b]].any() or np.isinf(most):
-        return least, most
-    turn = float(np.radians(turn_deg))
-    return max(least, most - work.half_kerf * (2 * float(np.tan(turn / 2)) - turn)), most
-
-
-def _along_contour(work: Work, end: Floats, start: Floats, most: float) -> float:
-    """The shortest way along the curves of the part from one place to another; -1 if beyond `most`.
-
-    From curve to curve it goes on where ends are no farther apart than the machine's gap.
-    """
-    need = work.need
-    pairs = need.near(np.array([end, start]), 2 * work.tolerance + OFF * work.torch.tab_width)
-    #: Of both places the curves beside them: how far along, and how far away.
-    places: tuple[dict[int, Beside], dict[int, Beside]] = {}, {}
-    columns = (pairs.point, pairs.element, pairs.along, pairs.away)
-    for point, element, along, away in zip(*columns, strict=True):
-        way = int(need.owner[element])
-        at = float(need.at(np.array([element]), np.array([along]))[0] - need.begins[way])
-        beside = places[int(point)]
-        if way not in beside or away < beside[way][1]:
-            beside[way] = at, float(away)
-    waiting = [(away, way, at) for way, (at, away) in places[0].items()]
-    reached: dict[tuple[int, bool], float] = {}
-    found = [np.inf]
-    while waiting:
-        done, way, at = waiting.pop()
-        if way in places[1]:
-            to, away = places[1][way]
-            found.append(done + abs(to - at) + away)
-        for is_end, left in ((False, at), (True, float(need.lengths[way]) - at)):
-            far = done + left
-            if far > most or reached.get((way, is_end), np.inf) <= far:
-                continue
-            reached[way, is_end] = far
-            place = (need.ends if is_end else need.starts)[way]
-            for ends, other_at in ((need.starts, 0.0 * need.lengths), (need.ends, need.lengths)):
-                near = np.flatnonzero(np.hypot(*(ends - place).T) <= work.torch.gap)
-                waiting += [
-                    (far, int(k), float(other_at[k]))
-                    for k in near.tolist()
-                    if k != way or need.lengths[k] > most
-                ]
-    least = min(found)
-    return least if least <= most else -1.0
+    """The bridge between two strokes."""
+    end, start = work.path.ends[before.last - 1], work.path.starts[after.first]
+    return _Gap(before, after, end, start, float(np.hypot(*(start - end))))
 
 
 def _corners(work: Work) -> Floats:
@@ -273,7 +186,9 @@ def _turn_deg(a: Floats, b: Floats) -> float:
 
 def _is_at_corner(work: Work, gap: _Gap, corners: Floats) -> bool:
     """Whether a corner of the part lies beside the bridge, or in it."""
-    reach = work.torch.min_tab_to_corner - 2 * work.tolerance
+    reach = work.torch.min_tab_to_corner - 3 * work.tolerance
+    if reach <= 0.0:
+        return False  # no distance that is told from none
     back = _stretch(work, gap.before, reach, backwards=True)
     forth = _stretch(work, gap.after, reach, backwards=False)
     line = shapely.LineString([*back[::-1], *forth])
@@ -281,7 +196,7 @@ def _is_at_corner(work: Work, gap: _Gap, corners: Floats) -> bool:
     ends = shapely.LineString([back[0], forth[0]])
     a, b = _directions(work, gap)
     if _turn_deg(a, b) > CORNER_DEG + DOUBT_DEG:
-        inside = shapely.distance(ends, shapely.points(corners)) <= near + gap.least / 2
+        inside = shapely.distance(ends, shapely.points(corners)) <= near + gap.width / 2
         if inside.any():
             return True
     return bool((shapely.distance(line, shapely.points(corners)) <= near).any())
@@ -309,10 +224,10 @@ def _stretch(work: Work, t: Traced, length: float, backwards: bool) -> Floats:
 def _may_be_clear(work: Work, gap: _Gap, width: float, most: float) -> bool:
     """Whether a place with no corner near it is at most so far along the contour from a bridge."""
     reach = width / 2 + work.torch.min_tab_to_corner + 2 * MITRE * gap.before.half_kerf
-    reach += 2 * work.tolerance
-    most -= 2 * work.tolerance
-    # Where in the bridge a corner lies is not known.
+    # Where in the bridge a corner lies is not known, nor how much of the contour.
     turned = _turn_deg(*_directions(work, gap)) > CORNER_DEG - DOUBT_DEG
+    doubt = 2 * work.tolerance + ((MOST_ALONG - 1) * width / 2 if turned else 0.0)
+    reach, most = reach + doubt, most - doubt
     turns = [-width / 2, width / 2] if turned else []
     for t, backwards in ((gap.before, True), (gap.after, False)):
         points = _stretch(work, t, most + reach, backwards)

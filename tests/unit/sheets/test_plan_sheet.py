@@ -1,6 +1,8 @@
 """The plan of a sheet: what is made of each feature, in which order, and what is refused."""
 
 from dataclasses import dataclass
+from itertools import pairwise
+from math import dist
 
 import pytest
 from hypothesis import given, settings
@@ -67,8 +69,9 @@ def test_leads_and_bridges() -> None:
     by_feature = {op.features[0][1]: op for op in plan.operations}
     assert len(by_feature[0].passes) == 4
     assert len(by_feature[1].passes) == 1
-    length = sum(c.length for p in by_feature[0].passes for c in p.curves)
-    assert length == pytest.approx(2 * (201.5 + 101.5) - 3 * (2.0 + 1.5), abs=0.01)
+    for before, after in pairwise(by_feature[0].passes):
+        width = dist(before.curves[-1].end, after.curves[0].start)
+        assert width == pytest.approx(2.0 + 1.5, abs=1e-5)
     assert by_feature[0].passes[0].lead_in
     assert not by_feature[0].passes[1].lead_in
     assert by_feature[0].passes[-1].lead_out

@@ -120,7 +120,10 @@ MISPLACED = {
     "one far too wide": ([(20, 21), (160, 165)], {"verify-sheet-open", "verify-sheet-missing"}),
     "one beside the other": ([(20, 21), (40, 41)], {"verify-sheet-tab-place"}),
     "both at one end": ([(20, 21), (85, 86)], {"verify-sheet-tab-place"}),
-    "over a corner": ([(79.5, 80.5), (220.5, 221.5)], {"verify-sheet-tab-place"}),
+    "over a corner": ([(79.293, 80.707), (219.293, 220.707)], {"verify-sheet-tab-place"}),
+    "over a corner, as much of the contour as its width": (
+        [(79.5, 80.5), (220.5, 221.5)], {"verify-sheet-tab-width", "verify-sheet-tab-place"},
+    ),
     "beside a corner": ([(20, 21), (140.7, 141.7)], {"verify-sheet-tab-place"}),
 }  # fmt: skip
 
@@ -131,6 +134,32 @@ def test_bridges_elsewhere_are_refused(fault: str) -> None:
     machine = asked(tabs=2, min_tab_to_corner=2.0)
     text = cut_again(machine, OUTLINE, [(float(a), float(b)) for a, b in cuts])
     assert {one.code for one in verify_sheet(text, (OUTLINE,), machine)} == codes
+
+
+def comb(teeth: int, wide: float, long: float) -> tuple[Curve, ...]:
+    """A bar of 10 mm with teeth and gaps on one side, and square corners all over."""
+    points = [(0.0, 0.0), (2 * teeth * wide, 0.0), (2 * teeth * wide, 10.0)]
+    for k in range(teeth, 0, -1):
+        right, left = (2 * k - 1) * wide, (2 * k - 2) * wide
+        points += [(right, 10.0), (right, 10.0 + long), (left, 10.0 + long), (left, 10.0)]
+    return lines(*((10 + x, 10 + y) for x, y in points))
+
+
+@settings(max_examples=20, deadline=None)
+@given(
+    outline=st.one_of(
+        shapes, st.builds(comb, st.integers(2, 9), st.floats(1, 4), st.floats(0.5, 20))
+    ),
+    tabs=st.integers(1, 6), width=st.floats(0.4, 1.5),
+)  # fmt: skip
+def test_what_holds_is_as_wide_as_asked(
+    outline: tuple[Curve, ...], tabs: int, width: float
+) -> None:
+    """From one end of the cut to the other, over corners, round bends and beside narrow teeth."""
+    machine = asked(tabs=tabs, tab_width=width, lead="none", min_tab_to_corner=0.0)
+    strokes = ends(post((drawing(contour(outline), thickness=3.0),), machine).text)
+    for (_, end), (start, _) in pairwise(strokes):
+        assert dist(end, start) == pytest.approx(width, abs=0.03)
 
 
 def test_a_bridge_at_a_corner_passes_where_no_place_is_better() -> None:
