@@ -22,9 +22,8 @@ from beamcam.machine.torch import TorchProcess, TorchRow
 Place = tuple[float, float]
 
 LINE, ARC = 0, 7
-SLACK = 1e-6
+SLACK = 1e-6  #: a unit of the last of the six decimals that numbers are written with
 LONGEST_ARC = 1.1  #: times its two chords; the runtime allows for no more time
-SLOWEST = 0.9  #: of the speed that the machine's table has, or that the cycle time allows
 
 
 class HeadStroke(Struct):
@@ -195,8 +194,6 @@ class Work:
 def _is_of(speed: float, asked: float, by_cycles: float) -> bool:
     """Whether a run of moves has a speed in mm/s, or the one that its cycles allow.
 
-    Where the time of the cycles leaves the speed as it is asked, it is that.
+    A run that is not slowed has a greater one by its cycles than is asked.
     """
-    if by_cycles * SLOWEST > asked:
-        return abs(speed - asked) <= SLACK
-    return 0.0 < speed <= asked + SLACK and speed >= SLOWEST * min(asked, by_cycles)
+    return speed > 0.0 and min(asked, by_cycles) - SLACK <= speed <= asked + SLACK

@@ -20,7 +20,7 @@ from beamcam.geometry.curves import Line
 from beamcam.machine.faults import table_faults
 from beamcam.machine.machine import Machine
 from beamcam.machine.runtime import runtime_of
-from beamcam.model.triggers import Switch
+from beamcam.model.triggers import Switch, Travel
 from beamcam.motion.triggers import trigger_table
 from beamcam.planning.sheet import plan_sheet
 from beamcam.verify.st import verify_triggers
@@ -221,6 +221,8 @@ CHAIN_MUTANTS = [
     (r"x := LREAL#35.0, y := LREAL#35.0", "x := LREAL#35, y := LREAL#35.0", "st-syntax"),
     (r"speed := LREAL#2.0", "speed := LREAL#9.0", "st-speed"),
     (r"speed := LREAL#2.0", "speed := LREAL#1.0", "st-speed"),
+    (r"speed := LREAL#2.0", "speed := LREAL#1.99999", "st-speed"),
+    (r"speed := LREAL#20.0", "speed := LREAL#19.999", "st-speed"),
     (r"speed := LREAL#2.0", "speed := LREAL#0.0", "st-speed"),
     (r"speed := LREAL#20.0", "speed := LREAL#30.0", "st-speed"),
     (r"ARRAY \[0..11\] OF BOOL", "ARRAY [0..10] OF BOOL", "st-bounds"),
@@ -250,6 +252,24 @@ def test_a_mutant_of_a_chain_is_caught(find: str, put: str, code: str) -> None:
     assert changed != text
     found = codes(changed)
     assert any(c.startswith(code) for c in found), found
+
+
+@pytest.mark.parametrize(("diameter", "feed"), [(3.0, 7.3), (17.0, 39.7)])
+def test_speeds_are_those_of_the_table_and_of_the_cycle(diameter: float, feed: float) -> None:
+    """Curves too fast for the cycle time are slowed by their shortest chord, and by no more."""
+    machine = table_machine()
+    rows = tuple(replace(row, feed_mm_min=60 * feed) for row in machine.torch.rows)  # type: ignore[union-attr]
+    machine = replace(machine, torch=replace(machine.torch, rows=rows))  # type: ignore[type-var]
+    hole = drawing(contour(circle(50, 50, diameter)), thickness=2.0)
+    table = trigger_table(plan_sheet((hole,), machine), machine, "JOB")
+    assert 0.0 < min(op.speed_mm_s for op in table.operations if isinstance(op, Travel)) < feed
+    for share, said in ((1.0, set()), (0.9999, {"st-speed"})):
+        operations = tuple(
+            replace(op, speed_mm_s=share * op.speed_mm_s) if isinstance(op, Travel) else op
+            for op in table.operations
+        )
+        text = simotion.emit(replace(table, operations=operations), machine, "table")
+        assert {d.code for d in verify_triggers(text, [hole], machine, (), "a.st")} == said
 
 
 TABLE_MUTANTS = [
