@@ -51,11 +51,11 @@ def verify_remainder(
     operations that were done, which together have to make the parts.
     """
     grades = tuple(dict.fromkeys(part.grade for part in parts))
-    begun = run(whole, machine, section_of(whole, machine, parts[0], turn), whole_name, grades)
+    profile = section_of(whole, machine, parts[0], turn)
+    begun = run(whole, machine, profile, whole_name, grades)
     lines = operation_lines(begun.made)
     if not 2 <= first <= len(lines):
         return (NO_OPERATION.at(Source(whole_name), found=first, expected=len(lines)),)
-    profile = section_of(whole, machine, parts[0], turn)
     alone = run(rest, machine, profile, name, grades)
     # Which tools are in their stations it cannot know by itself.
     said = [one for one in alone.diagnostics if one.code != TOOL_CHANGE.code]
