@@ -7,12 +7,13 @@ from math import hypot
 
 import numpy as np
 from msgspec import Struct, field
+from msgspec.structs import replace
 
 from beamcam.errors import Diagnostic, Severity, Source
 from beamcam.geometry.array_types import Floats
 from beamcam.geometry.arrays import CurveTable, ends_of
 from beamcam.geometry.chains import Chains, join_curves
-from beamcam.geometry.curves import Line
+from beamcam.geometry.curves import Bezier, Curve, Line
 from beamcam.machine.torch import Torch, TorchProcess
 from beamcam.planning.contours import rounds, rules
 from beamcam.planning.contours.assign_process import AssignedCurve
@@ -56,8 +57,12 @@ def join(
         (found.refusals if said.severity is Severity.ERROR else found.remarks).append(said)
     may_repeat = bool(overlapping(curves, [w.process for w in wanted]))
     loose, gaping = _closed_features(wanted, curves, torch.gap, rings, found)
+    straight = {k for k in curves.free() if _is_straight(wanted[k].curve)}
+    may_repeat |= bool(straight)
     for (process, _), numbers in loose.items():
         once, ends = [wanted[k] for k in numbers], curves.ends[numbers]
+        if straight:
+            once = [_as_line(w) if k in straight else w for k, w in zip(numbers, once, strict=True)]
         if may_repeat:
             once = loose_once(once, found.repeats)
             ends = ends_of([w.curve for w in once])
@@ -154,7 +159,25 @@ def _is_small(hulls: Floats, size: float) -> bool:
 
 def _is_there_and_back(wanted: Sequence[AssignedCurve]) -> bool:
     """Whether a closed feature is a line that is drawn in both directions."""
-    return len(wanted) == 2 and all(type(w.curve) is Line for w in wanted)
+    return len(wanted) == 2 and all(type(w.curve) is Line or _is_straight(w.curve) for w in wanted)
+
+
+def _is_straight(curve: Curve) -> bool:
+    """Whether a Bezier goes straight from end to end, without turning round."""
+    if not isinstance(curve, Bezier) or curve.weights is not None:
+        return False
+    (x0, y0), (x1, y1) = curve.start, curve.end
+    length = hypot(x1 - x0, y1 - y0)
+    if length <= SAME_POINT:
+        return False
+    u, v = (x1 - x0) / length, (y1 - y0) / length
+    along = [u * (x - x0) + v * (y - y0) for x, y in curve.points]
+    aside = max(abs(u * (y - y0) - v * (x - x0)) for x, y in curve.points)
+    return aside <= SAME_POINT and along == sorted(along)
+
+
+def _as_line(wanted: AssignedCurve) -> AssignedCurve:
+    return replace(wanted, curve=Line(wanted.curve.start, wanted.curve.end))
 
 
 def _features(wanted: Sequence[AssignedCurve], places: Floats) -> Iterator[tuple[int, int, bool]]:

@@ -102,3 +102,13 @@ def test_waste_that_hangs_together_by_a_point_is_cut_as_two(part: Part, count: i
 def test_a_part_that_hangs_together_by_a_point_stays_one() -> None:
     part = window((0, 0), (20, 0), (20, 20), (40, 20), (40, 40), (20, 40), (20, 20), (0, 20))
     assert post((part,), MACHINE).text.count("\nM3") == 1
+
+
+@pytest.mark.parametrize("back", [(0.0, 20.0), (0.0, 0.0, 20.0), (0.0, 8.0, 9.0, 20.0)])
+def test_a_line_there_and_a_straight_curve_back_is_cut_once(back: tuple[float, ...]) -> None:
+    home = Bezier(tuple((x, 10.0) for x in back))
+    part = drawing(
+        contour((Line((20.0, 10.0), (0.0, 10.0)), home)), contour(box(-10, -10, 60, 60), line=2),
+        thickness=8.0,
+    )  # fmt: skip
+    assert post((part,), MACHINE).text.count("\nM3") == 2
