@@ -114,7 +114,7 @@ class Commands(click.Group):
 FIRST = """\
 beamcam turns steel members and drawings into machine programs, and reads each one back.
 
-  beamcam inspect PART.nc1               what is in a file (DSTV, IFC, DXF, SVG, JSON), and is wrong
+  beamcam inspect PART.nc1               content and faults of a file (DSTV, IFC, DXF, SVG, JSON)
   beamcam post PART.nc1 -o PART.gcode    its program, verified; a bar goes to the machine beamline
   beamcam plot PART.gcode -o PART.svg    a picture of what a program makes
   beamcam batch FOLDER -o PROGRAMS       a folder of parts to a folder of programs
