@@ -148,7 +148,7 @@ def _plain_moves(
     at, rest = at + numbered, rest - numbered
     right &= has("G", at, rest) & has("X", at + 1, rest - 1) & has("Y", at + 2, rest - 2)
     motion = words.value.take(at)
-    right &= words.whole.take(at) & np.isin(motion, motions)
+    right &= words.whole.take(at) & np.any([motion == known for known in motions], axis=0)
     centred = has("I", at + 3, rest - 3) & has("J", at + 4, rest - 4)
     right &= centred == (motion >= 2)
     behind = at + 3 + 2 * centred

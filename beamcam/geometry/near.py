@@ -8,6 +8,9 @@ from beamcam.geometry.array_types import Counts, Floats
 ROW = 2**31
 MOST_CELLS = 2.0**29
 
+#: The digits of the golden ratio; the powers of an odd number mix rows to their keys.
+ODD = np.uint64(0x9E3779B97F4A7C15)
+
 #: From a cell to itself and to half of its neighbours; the other half looks from over there.
 _STEPS = (0, 1, ROW - 1, ROW, ROW + 1)
 
@@ -53,9 +56,7 @@ def near_pairs(points: Floats, reach: float) -> tuple[Counts, Counts]:
 def first_equal(rows: Floats) -> Counts:
     """For each row (n, m) the first one that is equal to it in every digit, itself if none is."""
     bits = np.ascontiguousarray(rows + 0.0).view(np.uint64)  # -0.0 becomes 0.0
-    factors = (
-        np.random.default_rng(1).integers(1 << 63, size=rows.shape[1], dtype=np.uint64) * 2 + 1
-    )
+    factors = np.cumprod(np.full(rows.shape[1], ODD))
     key = (bits * factors).sum(axis=1, dtype=np.uint64)
     order = np.argsort(key, kind="stable")
     # Rows of one key that differ all the same are just not told apart as well as they could be.

@@ -12,6 +12,7 @@ from beamcam.geometry.cubics import cubics_of
 from beamcam.geometry.curves import Arc, Bezier, BSpline, NewtonCurve, bezier_pieces, join_boxes
 from beamcam.geometry.near import first_equal, near_pairs
 from beamcam.model.drawing import extent
+from beamcam.planning.contours.rounds import TURNED_RAD, chords_of, may_go_round
 from tests.property.curve_strategies import arcs, beziers, ellipses, lines, newton_curves, splines
 
 curves = st.lists(
@@ -107,3 +108,19 @@ def test_a_reach_of_nothing_is_refused():
 def test_first_equal(values: list[tuple[float, int]]) -> None:
     rows = np.array(values, dtype=np.float64).reshape(-1, 2)
     assert first_equal(rows).tolist() == [values.index(value) for value in values]
+
+
+@settings(max_examples=60, deadline=None)
+@given(
+    st.lists(st.tuples(st.floats(0.5, 20.0), st.floats(-1.0, 1.5)), min_size=6, max_size=40),
+    st.lists(st.one_of(beziers(), splines()), max_size=1),
+)
+def test_chords_turn_no_farther_than_control_polygons(sides, more):
+    lengths, turns = np.array(sides).T
+    ways = np.cumsum(turns)
+    at = np.cumsum(lengths[:, None] * np.column_stack((np.cos(ways), np.sin(ways))), axis=0)
+    hulls = [at[k : k + 4].tolist() for k in range(0, len(at) - 3, 3)]
+    found = [*(Bezier(tuple(map(tuple, hull))) for hull in hulls), *more]
+    _, steps, _ = chords_of(found)
+    ahead = np.unwrap(np.arctan2(*steps.T[::-1]))
+    assert may_go_round([found]) or np.ptp(ahead) <= TURNED_RAD

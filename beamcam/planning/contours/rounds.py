@@ -2,12 +2,13 @@
 
 from collections.abc import Iterator, Sequence
 from itertools import pairwise
-from math import tau
+from math import pi, tau
 
 import numpy as np
 
 from beamcam.errors import Diagnostic
 from beamcam.geometry.array_types import Counts, Flags, Floats
+from beamcam.geometry.cubics import cubics_of
 from beamcam.geometry.curves import Curve
 from beamcam.geometry.polylines import polylines
 from beamcam.planning.contours import rules
@@ -27,9 +28,12 @@ def told(wanted: Sequence[AssignedCurve], which: Sequence[int]) -> Iterator[Diag
     for k in which:
         if wanted[k].process == "cut":
             features.setdefault(wanted[k].feature, []).append(k)
+    numbers = list(features)
+    going = may_go_round([[wanted[k].curve for k in some] for some in features.values()])
+    features = {numbers[n]: features[numbers[n]] for n in sorted(going)}
     if not features:
         return
-    starts, steps, owner = _chords([wanted[k].curve for some in features.values() for k in some])
+    starts, steps, owner = chords_of([wanted[k].curve for some in features.values() for k in some])
     ends = np.cumsum([len(some) for some in features.values()])
     bounds = np.searchsorted(owner, [0, *ends.tolist()]).tolist()
     ahead = np.unwrap(np.arctan2(*steps.T[::-1]))
@@ -44,7 +48,27 @@ def told(wanted: Sequence[AssignedCurve], which: Sequence[int]) -> Iterator[Diag
                 )
 
 
-def _chords(curves: Sequence[Curve]) -> tuple[Floats, Floats, Counts]:
+def may_go_round(chains: Sequence[Sequence[Curve]]) -> set[int]:
+    """The numbers of the chains whose directions may fill a whole circle.
+
+    The directions of a cubic lie between those of the sides of its control polygon, where none of
+    these turns by more than a right angle.
+    """
+    control, owner, odd = cubics_of([curve for chain in chains for curve in chain])
+    chain_of = np.repeat(np.arange(len(chains)), [len(chain) for chain in chains])
+    sides = np.diff(control, axis=1).reshape(-1, 2)
+    chain = np.repeat(chain_of[owner], 3)
+    long = np.any(sides != 0.0, axis=1)
+    sides, chain = sides[long], chain[long]
+    ahead = np.unwrap(np.arctan2(*sides.T[::-1]))
+    sharp = (np.abs(np.diff(ahead)) > pi / 2) & (chain[1:] == chain[:-1])
+    first = np.flatnonzero(np.diff(chain, prepend=-1))
+    turned = np.maximum.reduceat(ahead, first) - np.minimum.reduceat(ahead, first)
+    going = (chain_of[odd], chain[1:][sharp], chain[first][turned > TURNED_RAD])
+    return set(np.concatenate(going).tolist())
+
+
+def chords_of(curves: Sequence[Curve]) -> tuple[Floats, Floats, Counts]:
     """Where the chords of curves begin, how far each goes, (n, 2) each, and the curve of each."""
     drawn = polylines(curves, FINE)
     steps = np.diff(drawn.points, axis=0)

@@ -112,7 +112,7 @@ def _twice(
     allowed = _passes(beside.point, at, way, ways, apart, len(doubtful))
     doubtful = doubtful[passes[doubtful] > allowed]
     said: list[Diagnostic] = []
-    for way in np.unique(owner[doubtful])[:SHOWN]:
+    for way in sorted(set(owner[doubtful].tolist()))[:SHOWN]:
         mine = doubtful[owner[doubtful] == way]
         if len(mine) < 2 or np.min(np.diff(mine)) > 1:
             continue
