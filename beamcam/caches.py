@@ -38,6 +38,7 @@ CACHES = {
     "sections.table": Kept(1, "a table of 1,300 sections is read from its file"),
     "sections.by_code": Kept(1, "the same table by code of profile"),
     "sections.name": Kept(4096, "each member of a model asks for the name of its section"),
+    "dstv.sections": Kept(256, "the parts of a job share sections; all asks of one hash it once"),
     "ifc.schema": Kept(4, "the entities of a schema are read from their file, 5 ms"),
     "ifc.schema_text": Kept(1, "the same file, which all schemas share"),
     "ifc.kernel": Kept(1, "ifcopenshell is loaded where a solid has to be built, 300 ms"),
@@ -76,6 +77,7 @@ CACHES = {
     "codesys.words": Kept(1024, "the blocks of a job have most of their words in common"),
     "controllers.dialects": Kept(16, "as many machines as a service runs"),
     "emitters.machines": Kept(16, "as many machines as a service runs"),
+    "emitters.strokes": Kept(1024, _OF_A_BUILDING),
     "motion.names": Kept(16, "as many machines as a service runs"),
     "motion.sections": Kept(64, _OF_A_BUILDING),
     "motion.machines": Kept(16, "as many machines as a service runs"),
@@ -105,20 +107,18 @@ def cached(name: str) -> Callable[[Callable[Asked, Value]], Callable[Asked, Valu
 class BoundedCache(dict[Key, Value], Generic[Key, Value]):
     """A table of what was worked out before; full, it begins anew.
 
-    `get` looks, `keep` notes. Reading needs no lock: one look at a table is one step.
+    `get` looks, `keep` notes. It needs no lock: a look, a note and a clearing are one step each.
     """
 
     def __init__(self, name: str) -> None:
         super().__init__()
         self._max_entries = CACHES[name].max_entries
-        self._lock = Lock()
 
     def keep(self, key: Key, value: Value) -> Value:
         """What stands under `key` from now on: `value`, unless another thread was first."""
-        with self._lock:
-            if len(self) >= self._max_entries:
-                self.clear()
-            return self.setdefault(key, value)
+        if len(self) >= self._max_entries:
+            self.clear()
+        return self.setdefault(key, value)
 
 
 class PerObject(Generic[Key, Value]):

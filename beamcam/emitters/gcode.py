@@ -6,7 +6,7 @@ from typing import Any
 
 from msgspec import Struct
 
-from beamcam.caches import PerObject
+from beamcam.caches import BoundedCache, PerObject
 from beamcam.emitters.numbers import number
 from beamcam.machine.machine import Machine, NumberFormat
 from beamcam.machine.tools import ToolNumbers, tool_numbers
@@ -46,6 +46,7 @@ class Templates(Struct, frozen=True):
     numbers: ToolNumbers
     comment: str
     words: dict[str, Template]  #: those that have lines
+    strokes: BoundedCache[SpindleStroke, Values]  #: what is said of each, wherever it is
 
 
 def _templates(machine: Machine) -> Templates:
@@ -54,7 +55,8 @@ def _templates(machine: Machine) -> Templates:
         lines = getattr(words, name)
         if lines and name != "comment":
             found[name] = Template("\n".join(lines), names_in(words, (name,)))
-    return Templates(machine.format, tool_numbers(machine.tools), words.comment, found)
+    strokes: BoundedCache[SpindleStroke, Values] = BoundedCache("emitters.strokes")
+    return Templates(machine.format, tool_numbers(machine.tools), words.comment, found, strokes)
 
 
 templates_of = PerObject("emitters.machines", _templates)
@@ -79,18 +81,17 @@ def _numbered(blocks: Iterable[str]) -> list[str]:
 
 def _blocks(program: Program, templates: Templates) -> Iterator[str]:
     """Blocks, and whole cycles and cuts in one."""
-    words, form = templates.words, templates.form
-    strokes: dict[SpindleStroke, Values] = {}  #: most strokes are like one before, at another X
+    words, form, strokes = templates.words, templates.form, templates.strokes
     started, about = False, program.about
     for command in program.commands:
         match command:
             case DrillCycle(stroke=stroke):
                 word = words[stroke.kind]
-                if stroke not in strokes:
-                    strokes[stroke] = _stroke_values(stroke, word.names, templates)
-                values = strokes[stroke]
-                values["x"] = number(command.x, form.length_decimals)
-                yield _filled(word, values, about)
+                said = strokes.get(stroke) or strokes.keep(
+                    stroke, _stroke_values(stroke, word.names, templates)
+                )
+                x = number(command.x, form.length_decimals)
+                yield _filled(word, {**said, "x": x}, about)
             case SawStroke() if "saw" in words:
                 yield _filled(words["saw"], _cut_values(command, form), about)
             case StartBar():

@@ -32,7 +32,7 @@ Process = Literal["cut", "mark", "engrave", "punch", "powder"]
 Vector = tuple[float, float, float]
 
 
-class Profile(Struct, frozen=True):
+class Profile(Struct, frozen=True, cache_hash=True):
     """The cross-section of the stock; a sheet has code B, its width as height."""
 
     code: ProfileCode

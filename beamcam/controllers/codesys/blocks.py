@@ -79,20 +79,20 @@ def read_block(text: str, letters: Set[str] = LETTERS) -> Block | Fault | None:
             return Fault(said, "a word that the controller knows")
         if letter in _WHOLE and not word.is_whole:
             return Fault(said, f"a whole number behind {letter}")
-        if letter in "GM":
-            if command:
-                stands = f"{command}{number} stands there already"
-                return Fault(said, f"one command a block, {stands}")
-            if words:
-                return Fault(said, "the command before the other words")
-            command, number = letter, int(word.value)
+        if letter not in "GMN":
+            if word.name in words:
+                return Fault(said, f"{word.name} once in a block")
+            words[word.name] = word.value
         elif letter == "N":
             if index:
                 return Fault(said, "the block number at the beginning")
-        elif word.name in words:
-            return Fault(said, f"{word.name} once in a block")
+        elif command:
+            stands = f"{command}{number} stands there already"
+            return Fault(said, f"one command a block, {stands}")
+        elif words:
+            return Fault(said, "the command before the other words")
         else:
-            words[word.name] = word.value
+            command, number = letter, int(word.value)
     return Block(command, number, words) if command or words else None
 
 

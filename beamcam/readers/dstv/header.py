@@ -5,6 +5,7 @@ from typing import cast
 
 from msgspec import Struct
 
+from beamcam.caches import cached
 from beamcam.model.part import PROFILE_CODES, EndCuts, Profile, ProfileCode
 from beamcam.model.quantities import ALONG_DEG
 from beamcam.model.section import section_fault
@@ -138,14 +139,14 @@ def read_header(head: HeaderLines, log: Log) -> Header | None:
     if quantity is None or code is None or length is None or dimensions is None:
         return None
     height, width, flange, web, radius, weight, surface, *cuts = dimensions
-    profile = Profile(code, values[6], height, width, flange, web, radius)
+    profile, fault = _section(code, values[6], height, width, flange, web, radius)
     if height <= 0:
         log.add(rules.HEIGHT, lines[9], found=height)
-    elif min(width, flange, web) > 0 and (fault := section_fault(profile)) is not None:
+    elif fault is not None:
         log.add(rules.SECTION, lines[9], found=fault, code=code)
     _warn_of_texts(values, lines, log)
     said = {d.source.line for d in log.diagnostics[before:]}
-    log.taken.extend(line for line in lines if line not in said)
+    log.taken += [line for line in lines if line not in said] if said else lines
     texts = [_text(values[i]) for i in (0, 1, 2, 4)]
     return Header(
         texts[0],
@@ -163,6 +164,17 @@ def read_header(head: HeaderLines, log: Log) -> Header | None:
         _notes(values[MIN_LINES:]),
         (lines[16], lines[17], lines[18], lines[19]),
     )
+
+
+@cached("dstv.sections")
+def _section(
+    code: ProfileCode, name: str, height: float, width: float, flange: float, web: float,
+    radius: float,
+) -> tuple[Profile, str | None]:  # fmt: skip
+    """A section, the same object for all files that have it, and what is impossible in it."""
+    sizes = (size + 0.0 for size in (height, width, flange, web, radius))  # no -0
+    profile = Profile(code, name, *sizes)
+    return profile, section_fault(profile) if min(width, flange, web) > 0 else None
 
 
 def _warn_of_texts(values: list[str], lines: list[int], log: Log) -> None:
