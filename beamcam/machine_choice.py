@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Iterable, Sequence
 from contextlib import suppress
-from typing import TypeVar
+from typing import TypeVar, overload
 
 from beamcam.errors import Diagnostic, PlanError, Rule, Severity, Source, errors_in
 from beamcam.machine.machine import Machine
@@ -25,6 +25,29 @@ NONE_MAKES_IT = Rule(
     "the ways out.",
 )
 RULES = (CHOSEN, NONE_MAKES_IT)
+
+
+class InTurn(Sequence[Machine]):
+    """Machines in the order they are tried, each loaded when its turn comes."""
+
+    def __init__(self, names: Sequence[str], load: Callable[[str], Machine]) -> None:
+        self._names, self._load = names, load
+        self._loaded: dict[str, Machine] = {}
+
+    def __len__(self) -> int:
+        return len(self._names)
+
+    @overload
+    def __getitem__(self, index: int) -> Machine: ...
+    @overload
+    def __getitem__(self, index: slice) -> Sequence[Machine]: ...
+    def __getitem__(self, index: int | slice) -> Machine | Sequence[Machine]:
+        if isinstance(index, slice):
+            return InTurn(self._names[index], self._load)
+        name = self._names[index]
+        if name not in self._loaded:
+            self._loaded[name] = self._load(name)
+        return self._loaded[name]
 
 
 def first_that_makes(

@@ -96,7 +96,7 @@ def command(
     beamcam post M58.nc1 --from-operation 7 -o rest.gcode
     """
     said: tuple[Diagnostic, ...] = ()
-    machines: tuple[Machine, ...] = ()
+    machines: Sequence[Machine] = ()
     strict = bool(asked["strict"])
     try:
         config = settled(asked, inputs)

@@ -16,6 +16,7 @@ from beamcam.files import FilesRead
 from beamcam.machine import Machine
 from beamcam.machine.defaults import default_machines, is_of_sheets
 from beamcam.machine.rules import UNKNOWN_MACHINE
+from beamcam.machine_choice import InTurn
 from beamcam.machine_proof import load_proved
 from beamcam.model.part import Part
 from beamcam.pipeline import stock_of
@@ -110,7 +111,7 @@ def machine_for(config: Config, parts: Sequence[Part], output: str) -> Machine:
     return machines_for(config, parts, output)[0]
 
 
-def machines_for(config: Config, parts: Sequence[Part], output: str) -> tuple[Machine, ...]:
+def machines_for(config: Config, parts: Sequence[Part], output: str) -> Sequence[Machine]:
     """The machines that may make `parts`, as the job wants them, in the order they are tried in.
 
     `output` is the program's name. Where none is asked for they are those for the kind of stock,
@@ -238,17 +239,19 @@ def machine_of_stock(
 
 def machines_of_stock(
     config: Config, stock: Stock, output: str, is_one_of_two: bool = False
-) -> tuple[Machine, ...]:
+) -> Sequence[Machine]:
     """The machines for a kind of stock, as `machines_for`.
 
     `is_one_of_two` says that there are some for the other kind, which may be who can do what the
     command line asks for.
     """
     names = config.machine_names(stock)
-    if names:
-        found = [_named_machine(config, stock, name) for name in names]
-    else:
-        found = [load_proved(name) for name in default_machines(stock, output)]
+    if not names:
+        return InTurn(
+            default_machines(stock, output),
+            lambda name: _as_asked(load_proved(name), config, is_one_of_two),
+        )
+    found = [_named_machine(config, stock, name) for name in names]
     return tuple(_as_asked(machine, config, is_one_of_two) for machine in found)
 
 

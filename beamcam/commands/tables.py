@@ -74,10 +74,10 @@ def write_list(posted: Posted, output: str, voice: Voice, read: FilesRead) -> No
 
     Of a program on standard output the messages alone say what is left for manual work.
     """
-    from beamcam.report.hand_list import LIST_BEGIN, LIST_SUFFIX, as_csv, hand_rows
-
     if output == STANDARD_OUTPUT:
         return
+    from beamcam.report.hand_list import LIST_BEGIN, LIST_SUFFIX, as_csv, hand_rows
+
     path = output + LIST_SUFFIX
     if rows := hand_rows(posted.plan):
         write(path, as_csv(rows), voice, read)

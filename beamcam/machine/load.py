@@ -55,7 +55,7 @@ class Setting(Struct, frozen=True):
 
 def shipped() -> tuple[str, ...]:
     """Names of the machines that come with beamcam."""
-    return tuple(sorted(p.stem for p in SHIPPED.glob("*.toml")))
+    return tuple(sorted(p.stem for p in SHIPPED.iterdir() if p.suffix == ".toml"))
 
 
 def load(name: str) -> Machine:

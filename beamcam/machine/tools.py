@@ -1,7 +1,6 @@
 """The tools of a line: each by itself, and the sets that a machine file lists."""
 
 from collections.abc import Iterable
-from fractions import Fraction
 from math import radians, tan
 from typing import Literal
 
@@ -88,6 +87,8 @@ def tool_numbers(sets: Iterable[ToolSet]) -> ToolNumbers:
 
 def inch_size(text: str) -> float:
     """Millimetres of an inch size such as "13/16" or "1 1/16". Raises ValueError."""
+    from fractions import Fraction
+
     try:
         return round(float(sum(Fraction(word) for word in text.split())) * MM_PER_INCH, 6)
     except (ValueError, ArithmeticError) as error:
