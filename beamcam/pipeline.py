@@ -8,7 +8,7 @@ Which planner, motion step, emitter and read-back belong together stands in `pos
 
 import re
 from collections import Counter
-from collections.abc import Callable, Collection, Generator, Iterable, Iterator, Sequence
+from collections.abc import Callable, Collection, Generator, Iterable, Iterator, Mapping, Sequence
 from typing import Any, Literal
 
 from msgspec import Struct
@@ -36,9 +36,10 @@ from beamcam.planning.rules import named_skips
 from beamcam.posts import Job, Request, Written, carries_head, head_lines, post_of
 from beamcam.readers.content import content, shown_name
 from beamcam.readers.reading import Reading
+from beamcam.texts_told import other_places, stand_ins
 from beamcam.verify.by_hand import BY_HAND as FOR_HAND
 from beamcam.verify.by_hand import TEXT_MOVED as MOVED
-from beamcam.verify.left_out import LEDGER, TEXT_TOLD
+from beamcam.verify.left_out import LEDGER
 from beamcam.verify.left_out import LEFT_OUT as MISSING
 from beamcam.verify.uncut import UNCUT, UNCUT_TOLD
 
@@ -54,11 +55,6 @@ NOT_MADE = (LEFT_OUT.code, BY_HAND.code)
 
 
 _UNCUT = re.compile(r"found (\S+) mm of waste .* at x (\S+), y (\S+) ")
-#: Where a text is, then where the part has it; the text itself may say anything before.
-_VALUE = r"(-?[\d.]+(?:e[-+]\d+)?)"
-_PLACE = re.compile(f"at x {_VALUE}, y {_VALUE}, {_VALUE} mm high")
-_TEXT = re.compile("the text (.+?)(?: is lettered)? at x ")
-TOLD_STEP = 0.1  #: mm that places and heights in messages are rounded to
 
 
 class Posted(Struct, frozen=True):
@@ -244,7 +240,7 @@ def posting(
     if verified:
         found = kind.verify(written, _request(asked))
         hand = sum(one.code == FOR_HAND.code for one in found)
-        said = (*_other_than_planned(plan, found), *_head_faults(asked, written, hand))
+        said = (*_other_than_planned(plan, found, asked.parts), *_head_faults(asked, written, hand))
         yield "read the program back"
         if errors_in(said):
             raise RefusedProgram(said, written)
@@ -252,7 +248,7 @@ def posting(
 
 
 def _other_than_planned(
-    plan: Plan | SheetPlan, found: Iterable[Diagnostic]
+    plan: Plan | SheetPlan, found: Iterable[Diagnostic], parts: Sequence[Part]
 ) -> Iterator[Diagnostic]:
     """What the read-back found; what is not made only where the plan says otherwise.
 
@@ -262,12 +258,12 @@ def _other_than_planned(
     """
     missing: Counter[tuple[str, Source]] = Counter()
     refused = False
-    moved: list[_LetteredAt] = []
+    moved: list[Diagnostic] = []
     for said in found:
         if said.code in (MISSING.code, FOR_HAND.code):
             missing[said.code, said.source] += 1
         elif said.code == MOVED.code:
-            moved.append(_lettered_at(said))
+            moved.append(said)
         elif said.code == UNCUT.code:
             yield from _untold(plan, said)
         else:
@@ -275,21 +271,26 @@ def _other_than_planned(
             yield said
     if refused:  # what is missing may not have been looked for
         return
-    told = [_lettered_at(d) for d in plan.remarks if d.code == TEXT_MOVED.code]
-    for place in moved:
-        if not any(map(place.is_as, told)):
-            yield TEXT_TOLD.at(place.source, found=place, expected="elsewhere")
-    for place in told:
-        if not any(map(place.is_as, moved)):
-            yield TEXT_TOLD.at(place.source, found="elsewhere", expected=place)
+    alike = stand_ins(parts)
+    hand = [*by_hand_sources(plan)]
+    told = (said for said in plan.remarks if said.code == TEXT_MOVED.code)
+    yield from other_places(told, moved, alike, hand)
     named = [(MISSING.code, source) for source in left_out_sources(plan)]
-    named += [(FOR_HAND.code, source) for source in by_hand_sources(plan)]
+    named += [(FOR_HAND.code, source) for source in hand]
     if not missing and not named:  # as of nearly every plan
         return
-    planned = Counter(named)
+    missing = _of_the_first(missing.elements(), alike)
+    planned = _of_the_first(named, alike)
     for code, source in (missing - planned) + (planned - missing):
         one = code, source
         yield LEDGER.at(source, found=missing[one], expected=planned[one])
+
+
+def _of_the_first(
+    missing: Iterable[tuple[str, Source]], alike: Mapping[Source, Source]
+) -> Counter[tuple[str, Source]]:
+    """What is missing, each text by the first of those that are alike."""
+    return Counter((code, alike.get(source, source)) for code, source in missing)
 
 
 def _untold(plan: Plan | SheetPlan, uncut: Diagnostic) -> Iterator[Diagnostic]:
@@ -300,33 +301,6 @@ def _untold(plan: Plan | SheetPlan, uncut: Diagnostic) -> Iterator[Diagnostic]:
     depth, x, y = _UNCUT.findall(uncut.message)[0]
     if not any(d.source == uncut.source or f"at x {x}, y {y}" in d.message for d in told):
         yield UNCUT_TOLD.at(uncut.source, found=depth, x=x, y=y)
-
-
-class _LetteredAt(Struct, frozen=True):
-    """The place and height that a message about a text gives it.
-
-    Which of the texts it is follows from where it is wanted: two that are alike may stand in for
-    each other.
-    """
-
-    source: Source
-    values: tuple[float, ...]
-    wanted: tuple[str | None, tuple[float, ...], str]  #: file, place and height, letters
-
-    def __str__(self) -> str:
-        x, y, height = self.values
-        return f"at x {x:g}, y {y:g}, {height:g} mm high"
-
-    def is_as(self, other: "_LetteredAt") -> bool:
-        """Whether two are the same, each rounded to `TOLD_STEP`."""
-        apart = (abs(a - b) for a, b in zip(self.values, other.values, strict=True))
-        return self.wanted == other.wanted and max(apart) <= 1.01 * TOLD_STEP
-
-
-def _lettered_at(said: Diagnostic) -> _LetteredAt:
-    at, wanted = (tuple(map(float, place)) for place in _PLACE.findall(said.message)[-2:])
-    letters = _TEXT.findall(said.message)[0]
-    return _LetteredAt(said.source, at, (said.source.file, wanted, letters))
 
 
 def _head_faults(job: Job, written: Written, by_hand: int) -> Iterable[Diagnostic]:

@@ -33,7 +33,7 @@ STEPS = (
     ("machine_proof",),
     ("asked",),
     ("pictures",),
-    ("setup_sheet",),
+    ("setup_sheet", "texts_told"),
     ("pipeline", "machine_choice", "ways_out"),
     ("remainder",),
     ("batch", "api"),

@@ -1,17 +1,15 @@
-"""Texts found in the strokes of a program, and checked for position.
+"""Texts that a program draws, checked for position.
 
-A text is found by its longest straight piece: each piece that was drawn in that direction says
-where the text would stand and how high, and all its other pieces have to be there too. Where it may
-stand follows from the steel and the machine file; nothing is known of where it was planned.
+Where one may stand follows from the steel and the machine file; nothing is known of where it was
+planned.
 """
 
 from collections.abc import Iterator, Sequence
 from itertools import pairwise
-from math import hypot
 from typing import TYPE_CHECKING
 
 import numpy as np
-from msgspec import Struct, field
+from msgspec import Struct
 
 from beamcam.errors import Diagnostic, Rule, Severity
 from beamcam.geometry.array_types import Floats
@@ -19,10 +17,10 @@ from beamcam.geometry.plane import Point
 from beamcam.machine.marking import Marks
 from beamcam.model.part import MIRRORED_FACES
 from beamcam.verify.by_hand import TEXT_MOVED
-from beamcam.verify.wanted_texts import Segment, Wanted, placed
+from beamcam.verify.drawn_texts import EXACT, Found, is_where_wanted
+from beamcam.verify.wanted_texts import Segment, Wanted
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
     from shapely import Geometry, Polygon
 
 TEXT = Rule(
@@ -49,21 +47,7 @@ TEXT_EXTRA = Rule(
 RULES = (TEXT, TEXT_MISSING, TEXT_EXTRA)
 
 
-NEAR = 0.03  #: mm that the ends of a piece may be from where the font has them
-MOST_OFF = 0.9  #: mm that a piece may be from where the anchor alone has it
-EXACT = 0.02  #: mm within which a text stands where the part has it
 SURE = 0.15  #: mm by which a place is more than clear, or a room wide enough
-RATIO = 0.02  #: sine of the angle between a piece and its like in the font
-
-
-class Found(Struct, frozen=True):
-    """A text that a program draws."""
-
-    x: float
-    y: float
-    height: float  #: of a capital
-    pieces: tuple[Segment, ...]  #: as the font has them there
-    taken: tuple[int, ...]  #: of the drawn pieces, by their numbers
 
 
 class Steel(Struct, frozen=True):
@@ -96,146 +80,6 @@ def steel_within(pieces: Sequence[Segment]) -> Steel:
 
     ends = np.array(pieces, dtype=np.float64)
     return Steel(shapely.multilinestrings(shapely.linestrings(ends)), ends)
-
-
-class _Places(Struct, frozen=True):
-    """Where texts of one shape would stand, by the pieces that may be their longest."""
-
-    piece: "NDArray[np.int64]"
-    x: Floats
-    y: Floats
-    height: Floats
-    without: set[int] = field(default_factory=set)  #: where other pieces are missing
-
-
-class Drawn:
-    """The straight pieces that a program draws, of which texts take theirs."""
-
-    def __init__(self, pieces: Sequence[Segment], near: float = NEAR) -> None:
-        self.pieces, self.near = pieces, near
-        self.free = set(range(len(pieces)))
-        self._ends: Floats = np.array(pieces, dtype=np.float64).reshape(-1, 2, 2)
-        self._known: dict[tuple[Segment, ...], _Places] = {}  #: by the shape of a text
-        self._by_middle: dict[tuple[int, int], list[int]] = {}
-        for k, (a, b) in enumerate(pieces):
-            self._by_middle.setdefault(self._cell(_middle(a, b)), []).append(k)
-
-    @staticmethod
-    def _cell(p: Point) -> tuple[int, int]:
-        return round(p[0]), round(p[1])
-
-    def like(self, a: Point, b: Point, near: float) -> int | None:
-        """The piece nearest to one between two points, whichever way round; None if none is."""
-        x, y = self._cell(_middle(a, b))
-        best, apart = None, near
-        for cell in ((x + i, y + j) for i in (-1, 0, 1) for j in (-1, 0, 1)):
-            for k in self._by_middle.get(cell, ()):
-                if k in self.free and (away := _piece_apart(self.pieces[k], a, b)) <= apart:
-                    best, apart = k, away
-        return best
-
-    def find(self, text: Wanted, marks: Marks) -> Found | None:
-        """The text, nearest to where the part has it; its pieces are taken."""
-        if not text.pieces:
-            return None
-        anchor = max(text.pieces, key=_length)
-        places = self._places(text, anchor)
-        away = np.hypot(places.x - text.feature.x, places.y - text.feature.y)
-        is_high = (places.height >= marks.min_height - EXACT) & (
-            places.height <= text.height + EXACT
-        )
-        order = np.lexsort((text.height - places.height, away))
-        for c in order[is_high[order]].tolist():
-            place = float(places.x[c]), float(places.y[c]), float(places.height[c])
-            if places.piece[c] in self.free and c not in places.without:
-                found = self._all(text, *place, anchor)
-                if found is not None:
-                    self.free -= {*found.taken}
-                    return found
-                places.without.add(c)
-        return None
-
-    def _places(self, text: Wanted, anchor: Segment) -> "_Places":
-        """Where a text would stand by each piece that points as its longest one does."""
-        if text.pieces not in self._known:
-            self._known[text.pieces] = self._by_direction(anchor)
-        return self._known[text.pieces]
-
-    def _by_direction(self, anchor: Segment) -> "_Places":
-        (ax, ay), (bx, by) = anchor
-        ux, uy, own = bx - ax, by - ay, _length(anchor)
-        both = np.concatenate((self._ends, self._ends[:, ::-1])).reshape(2, -1, 2, 2)
-        ends = both.swapaxes(0, 1).reshape(-1, 2, 2)  # each piece both ways round
-        (vx, vy), (x, y) = (ends[:, 1] - ends[:, 0]).T, ends[:, 0].T
-        length = np.hypot(vx, vy)
-        like = (
-            (length > 0.0)
-            & (ux * vx + uy * vy > 0.0)
-            & (abs(ux * vy - uy * vx) <= RATIO * length * own)
-        )
-        height, piece = length[like] / own, np.flatnonzero(like) // 2
-        return _Places(piece, x[like] - height * ax, y[like] - height * ay, height)
-
-    def _all(
-        self, text: Wanted, x: float, y: float, height: float, anchor: Segment
-    ) -> Found | None:
-        """The text at a place, if all its pieces are drawn there.
-
-        The place follows from one piece, so that others may be off by more the further they are;
-        where all of them together have it they have to be near.
-        """
-        begin = _middle(*anchor)
-        share = 2 * self.near / _length(anchor)
-        taken = []
-        for unit in text.pieces:
-            a, b = placed(unit, x, y, height)
-            slack = self.near + share * _apart(begin, _middle(*unit))
-            k = self.like(a, b, min(slack, MOST_OFF))
-            if k is None:
-                return None
-            taken.append(k)
-        x, y, height = self._fitted(text, taken, (x, y, height))
-        pieces = text.at(x, y, height)
-        for k, (a, b) in zip(taken, pieces, strict=True):
-            if _piece_apart(self.pieces[k], a, b) > self.near:
-                return None
-        return Found(x, y, height, pieces, tuple(taken))
-
-    def _fitted(
-        self, text: Wanted, taken: Sequence[int], near: tuple[float, float, float]
-    ) -> tuple[float, float, float]:
-        """Place and height that fit all pieces best (least squares of a shift and a scale)."""
-        pairs: list[tuple[Point, Point]] = []
-        for unit, (a, b), k in zip(text.pieces, text.at(*near), taken, strict=True):
-            p, q = self.pieces[k]
-            if _apart(p, a) + _apart(q, b) > _apart(q, a) + _apart(p, b):
-                p, q = q, p
-            pairs += [(unit[0], p), (unit[1], q)]
-        n = len(pairs)
-        ux, uy = sum(u[0] for u, _ in pairs) / n, sum(u[1] for u, _ in pairs) / n
-        px, py = sum(p[0] for _, p in pairs) / n, sum(p[1] for _, p in pairs) / n
-        up = sum((u[0] - ux) * (p[0] - px) + (u[1] - uy) * (p[1] - py) for u, p in pairs)
-        uu = sum((u[0] - ux) ** 2 + (u[1] - uy) ** 2 for u, _ in pairs)
-        height = up / uu
-        return px - height * ux, py - height * uy, height
-
-
-def _middle(a: Point, b: Point) -> Point:
-    return (a[0] + b[0]) / 2, (a[1] + b[1]) / 2
-
-
-def _apart(a: Point, b: Point) -> float:
-    return hypot(a[0] - b[0], a[1] - b[1])
-
-
-def _piece_apart(piece: Segment, a: Point, b: Point) -> float:
-    """How far the ends of a piece are from two points, in the better order."""
-    p, q = piece
-    return min(max(_apart(p, a), _apart(q, b)), max(_apart(p, b), _apart(q, a)))
-
-
-def _length(piece: Segment) -> float:
-    return _apart(*piece)
 
 
 def box_of(text: Wanted, x: float, y: float, height: float) -> "Polygon":
@@ -276,15 +120,10 @@ def judge(
         "text": text.text, "x": f"{found.x:.1f}", "y": f"{found.y:.1f}",
         "height": f"{found.height:.1f}",
     }  # fmt: skip
-    exact = (
-        abs(found.x - feature.x) <= EXACT
-        and abs(found.y - feature.y) <= EXACT
-        and abs(found.height - text.height) <= EXACT
-    )
     if not is_clear(box, steel, others, marks.min_distance - EXACT):
         expected = f"it {marks.min_distance:g} mm clear of edges and holes, beside other texts"
         yield TEXT.at(feature.source, expected=expected, **said)
-    elif exact:
+    elif is_where_wanted(text, found):
         return
     elif feature.option == "z" or is_surely_clear(text, sure or steel, others, marks):
         expected = f"it at x {feature.x:g}, y {feature.y:g}, {text.height:g} mm high"

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator, Sequence
 from itertools import pairwise
-from math import cos, hypot, pi, sin
+from math import cos, pi, sin
 
 from msgspec.structs import replace
 
@@ -19,18 +19,18 @@ from beamcam.verify.bars.shop import Shop
 from beamcam.verify.bars.stations import choices_of, stroke_values
 from beamcam.verify.bars.targets import Course, slot_corners
 from beamcam.verify.by_hand import by_hand, is_by_hand
+from beamcam.verify.drawn_texts import Drawn, Found
 from beamcam.verify.lettering import (
     TEXT,
     TEXT_EXTRA,
     TEXT_MISSING,
-    Drawn,
-    Found,
     Places,
     Steel,
     box_of,
     judge,
     steel_within,
 )
+from beamcam.verify.text_assignment import assigned, found_texts
 from beamcam.verify.wanted_texts import Segment, Wanted, told, wanted
 
 ANGLE_DEG = 0.01  #: that a told angle may differ
@@ -80,7 +80,7 @@ class ToldTexts:
         self, p: int, part: Part, ends: tuple[End, End], start: float
     ) -> Iterator[Diagnostic]:
         """What is wrong with the texts of a part that begins at a bar x."""
-        by_face: dict[Face, list[tuple[Wanted, Found | None]]] = {}
+        by_face: dict[Face, list[Wanted]] = {}
         for feature in part.texts:
             machine = self.shop.machine
             if policy_on(feature, machine.marks) != "make":
@@ -89,36 +89,41 @@ class ToldTexts:
             if text is None:
                 yield by_hand(feature, part, machine)
                 continue
-            found = self._take(p, text, start)
-            by_face.setdefault(feature.face, []).append((text, found))
-        for face, group in by_face.items():
-            yield from self._judge(face, group, part, ends)
+            by_face.setdefault(feature.face, []).append(text)
+        for face, texts in by_face.items():
+            steel = _steel(face, part, ends, _sides(face, part))
+            found = self._take(p, part, texts, start, steel)
+            yield from self._judge(face, [*zip(texts, found, strict=True)], part, steel)
 
     def _comes_to(self, face: Face, part: Part) -> bool:
         missing = NO_PLATE.get(part.profile.code, ())
         return face in self.shop.machine.marks.faces and face not in missing
 
-    def _take(self, p: int, text: Wanted, start: float) -> Found | None:
-        """The text as it is told nearest to where the part has it."""
-        feature, from_x = text.feature, self.at + start
-        same = [
-            one for one in self.left
-            if (one.text, one.face) == (text.text, feature.face)
-            and abs((one.angle - feature.angle + 180.0) % 360.0 - 180.0) < ANGLE_DEG
-        ]  # fmt: skip
-        if not same:
-            return None
-        nearest = min(same, key=lambda t: hypot(t.x - from_x - feature.x, t.y - feature.y))
-        self.left.remove(nearest)
-        self.taken.append((p, nearest))
-        return Found(nearest.x - from_x, nearest.y, nearest.height, (), ())
+    def _take(
+        self, p: int, part: Part, texts: Sequence[Wanted], start: float, steel: Steel
+    ) -> list[Found | None]:
+        """The texts of a part's face as they are told over it."""
+        from_x, face = self.at + start, texts[0].feature.face
+        over = [one for one in self.left if one.face == face]
+        founds = [Found(one.x - from_x, one.y, one.height, (), (k,)) for k, one in enumerate(over)]
+        options = [
+            [
+                found if _is_told_as(text, one) and _is_over(text, found, part) else None
+                for one, found in zip(over, founds, strict=True)
+            ]
+            for text in texts
+        ]
+        result = assigned(texts, options, steel, self.shop.machine.marks)
+        for k in (k for found in result if found is not None for k in found.taken):
+            self.left.remove(over[k])
+            self.taken.append((p, over[k]))
+        return result
 
     def _judge(
         self, face: Face, group: Sequence[tuple[Wanted, Found | None]], part: Part,
-        ends: tuple[End, End],
+        steel: Steel,
     ) -> Iterator[Diagnostic]:  # fmt: skip
         marks = self.shop.machine.marks
-        steel = _steel(face, part, ends, _sides(face, part))
         smallest = replace(marks, min_height=min(marks.heights, default=marks.min_height))
         boxes = [box_of(t, f.x, f.y, f.height) if f is not None else None for t, f in group]
         places = Places(steel, [box for box in boxes if box is not None], smallest)
@@ -149,6 +154,18 @@ class ToldTexts:
             )
 
 
+def _is_told_as(text: Wanted, one: ToldText) -> bool:
+    """Whether a text that is told is of the characters and at the angle of one that is wanted."""
+    apart = abs((one.angle - text.feature.angle + 180.0) % 360.0 - 180.0)
+    return one.text == text.text and apart < ANGLE_DEG
+
+
+def _is_over(text: Wanted, found: Found, part: Part) -> bool:
+    """Whether the middle of a text lies between the ends of a part; others of the bar may too."""
+    middle: float = box_of(text, found.x, found.y, found.height).centroid.x
+    return -1.0 <= middle <= part.length + 1.0
+
+
 def _on_face(
     face: Face, texts: Sequence[tuple[int, TextMark]], part: Part, ends: tuple[End, End],
     trails: Sequence[Trail], from_x: float, shop: Shop,
@@ -165,7 +182,8 @@ def _on_face(
     ]
     drawn = Drawn(pieces, shop.drill.path_tolerance + 2 * shop.machine.format.resolution)
     asked = [(f, wanted(feature, marks)) for f, feature in texts]
-    found = {f: drawn.find(text, marks) for f, text in asked}
+    there_are = found_texts([text for _, text in asked], drawn, sure or steel, marks)
+    found = {f: one for (f, _), one in zip(asked, there_are, strict=True)}
     boxes = {
         f: box_of(text, there.x, there.y, there.height)
         for f, text in asked

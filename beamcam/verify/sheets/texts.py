@@ -14,9 +14,8 @@ from beamcam.machine.torch import Torch, TorchProcess
 from beamcam.model.marks import policy_on
 from beamcam.model.part import Part, TextMark
 from beamcam.verify.by_hand import by_hand, is_by_hand
+from beamcam.verify.drawn_texts import EXACT, NEAR, Drawn
 from beamcam.verify.lettering import (
-    EXACT,
-    Drawn,
     Places,
     Steel,
     box_of,
@@ -26,6 +25,7 @@ from beamcam.verify.lettering import (
     steel_within,
 )
 from beamcam.verify.sheets.need import Need, shift_of
+from beamcam.verify.text_assignment import found_texts
 from beamcam.verify.wanted_texts import Wanted, wanted
 
 if TYPE_CHECKING:
@@ -60,8 +60,10 @@ def add_texts(need: Need, part: Part, machine: Machine, torch: Torch, strokes: "
     if machine.stepper is not None:
         _where_they_are(need, asked, part, machine, steel, pieces)
         return
-    drawn = Drawn(pieces, max(0.03, torch.tolerance))
-    found = {index: drawn.find(text, marks) for index, text in asked if text.feature.face in FACES}
+    drawn = Drawn(pieces, max(NEAR, torch.tolerance))
+    ours = [(index, text) for index, text in asked if text.feature.face in FACES]
+    there_are = found_texts([text for _, text in ours], drawn, steel, marks)
+    found = {index: one for (index, _), one in zip(ours, there_are, strict=True)}
     boxes = {
         index: box_of(text, one.x, one.y, one.height)
         for index, text in asked

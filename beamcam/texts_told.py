@@ -1,0 +1,105 @@
+"""Places of texts that a plan tells of, held against those that the read-back found.
+
+Texts that are alike may stand in for each other: a program does not say which of them is which, so
+that plan and read-back may each share out their places by its own lights.
+"""
+
+import re
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+
+from msgspec import Struct
+
+from beamcam.errors import Diagnostic, Source
+from beamcam.model.part import Part
+from beamcam.verify.left_out import TEXT_TOLD
+
+#: Where a text is, then where the part has it; the text itself may say anything before.
+_VALUE = r"(-?[\d.]+(?:e[-+]\d+)?)"
+_PLACE = re.compile(f"at x {_VALUE}, y {_VALUE}, {_VALUE} mm high")
+_TEXT = re.compile("the text (.+?)(?: is lettered)? at x ")
+TOLD_STEP = 0.1  #: mm that places and heights in messages are rounded to
+
+Place = tuple[float, ...]  #: x, y and height
+
+
+class _LetteredAt(Struct, frozen=True):
+    """The place and height that a message about a text gives it."""
+
+    source: Source
+    place: Place
+    wanted: Place
+    letters: str
+
+    def __str__(self) -> str:
+        x, y, height = self.place
+        return f"at x {x:g}, y {y:g}, {height:g} mm high"
+
+    def is_at(self, places: Iterable[Place]) -> bool:
+        """Whether it is at one of some places, each rounded to `TOLD_STEP`."""
+        return any(
+            max(abs(a - b) for a, b in zip(self.place, place, strict=True)) <= 1.01 * TOLD_STEP
+            for place in places
+        )
+
+
+def stand_ins(parts: Sequence[Part]) -> dict[Source, Source]:
+    """For the source of each text that of the first which is alike.
+
+    They have the same letters and face and stand at the same angle; on bars they are texts of one
+    part, while on a sheet one part's may stand for another's.
+    """
+    looks: dict[Source, set[tuple[object, ...]]] = {}
+    for part in parts:
+        for one in part.texts:
+            of = ("", "") if part.profile.code == "B" else (one.source.file, part.mark)
+            look = *of, one.text, one.face, one.angle % 360.0
+            looks.setdefault(one.source, set()).add(look)
+    first: dict[object, Source] = {}
+    return {source: first.setdefault(frozenset(each), source) for source, each in looks.items()}
+
+
+def other_places(
+    told: Iterable[Diagnostic], found: Iterable[Diagnostic], alike: Mapping[Source, Source],
+    by_hand: Collection[Source],
+) -> Iterator[Diagnostic]:  # fmt: skip
+    """Texts that are found moved elsewhere than the plan tells, or of which it tells nothing.
+
+    `by_hand` are the sources of marks that the plan left for manual work: which of some texts that
+    are alike these are is not to be told from a program either.
+    """
+    groups: dict[tuple[Source, str], tuple[list[_LetteredAt], list[_LetteredAt]]] = {}
+    for which, messages in enumerate((told, found)):
+        for said in messages:
+            one = _lettered_at(said)
+            group = alike.get(one.source, one.source), one.letters
+            groups.setdefault(group, ([], []))[which].append(one)
+    left = {alike.get(source, source) for source in by_hand}
+    for (source, _), (planned, moved) in groups.items():
+        yield from _differences(planned, moved, source in left)
+
+
+def _differences(
+    planned: Sequence[_LetteredAt], moved: Sequence[_LetteredAt], is_one_left: bool
+) -> Iterator[Diagnostic]:
+    """What differs of texts that are alike.
+
+    Of a text that was moved to where the part has another of them, that other is found in place.
+    """
+    theirs, ours = {one.wanted for one in planned}, {one.wanted for one in moved}
+    elsewhere = [one for one in moved if not one.is_at(each.place for each in planned)]
+    untold = [one for one in planned if not one.is_at(each.place for each in moved)]
+    if not elsewhere and not untold and theirs != ours and not is_one_left:
+        elsewhere = [one for one in moved if one.wanted not in theirs]
+        untold = [one for one in planned if one.wanted not in ours]
+    else:
+        elsewhere = [one for one in elsewhere if not one.is_at(ours - theirs - {one.wanted})]
+        untold = [one for one in untold if not one.is_at(theirs - ours - {one.wanted})]
+    for one in elsewhere:
+        yield TEXT_TOLD.at(one.source, found=one, expected="elsewhere")
+    for one in untold:
+        yield TEXT_TOLD.at(one.source, found="elsewhere", expected=one)
+
+
+def _lettered_at(said: Diagnostic) -> _LetteredAt:
+    at, wanted = (tuple(map(float, place)) for place in _PLACE.findall(said.message)[-2:])
+    return _LetteredAt(said.source, at, wanted, _TEXT.findall(said.message)[0])
