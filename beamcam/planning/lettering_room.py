@@ -141,15 +141,19 @@ class Room:
 
         Where nothing is left they are the outline twice, with no steel between.
         """
+        import numpy as np
         import shapely
 
         if not self._outline:
             return
-        whole = shapely.Polygon(self._outline)
+        # The outline of a part whose end cuts cross passes itself.
+        whole = shapely.make_valid(shapely.Polygon(self._outline))
         steel = whole.difference(shapely.union_all(self._voids))
-        bounds = [whole, whole] if steel.is_empty else [steel]
-        for part in shapely.get_parts(bounds):
+        parts = [p for p in shapely.get_parts(shapely.get_parts(steel)) if p.area > 0.0]
+        for part in parts:
             yield from map(shapely.get_coordinates, (part.exterior, *part.interiors))
+        if not parts:
+            yield from [np.array([*self._outline, self._outline[0]])] * 2
 
     def _beside_texts(self, box: Placed) -> float:
         """The least gap to another text; where they overlap, how deep (below 0).

@@ -4,7 +4,7 @@ Texts that are alike may stand in for each other. Of all ways to share them out 
 which the fewest stand where they may not, and then by the least way from where the part has them.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from math import hypot
 from typing import TYPE_CHECKING
 
@@ -28,11 +28,13 @@ Options = Sequence[Sequence[Found | None]]
 
 
 def found_texts(
-    texts: Sequence[Wanted], drawn: Drawn, steel: Steel, marks: Marks
-) -> list[Found | None]:
+    texts: Sequence[Wanted], drawn: Drawn, steel: Steel, marks: Marks,
+    is_ours: Callable[[Wanted, Found], bool] = lambda text, found: True,
+) -> list[Found | None]:  # fmt: skip
     """Where a program draws each text of a face; None for those that it does not draw.
 
-    `steel` is that where texts stand for sure.
+    `steel` is that where texts stand for sure; `is_ours` tells texts of the part from those of
+    others on the same bar.
     """
     highest: dict[tuple[Segment, ...], float] = {}
     for text in texts:
@@ -41,7 +43,8 @@ def found_texts(
     readings: dict[frozenset[int], dict[tuple[Segment, ...], Found]] = {}
     for pieces, text in shapes.items():
         for found in drawn.all_of(text, marks.min_height, highest[pieces]):
-            readings.setdefault(frozenset(found.taken), {}).setdefault(pieces, found)
+            if is_ours(text, found):
+                readings.setdefault(frozenset(found.taken), {}).setdefault(pieces, found)
     chosen = [readings[place] for place in covering([*readings])]
     options = [[_as_text(text, reading) for reading in chosen] for text in texts]
     return assigned(texts, options, steel, marks)

@@ -35,6 +35,7 @@ from beamcam.verify.wanted_texts import Segment, Wanted, told, wanted
 
 ANGLE_DEG = 0.01  #: that a told angle may differ
 SPARE = 1.5  #: mm by which a place is surely within the reach of an axis
+OVER = 0.5  #: mm beyond the ends of a part that a text may be found
 CHORDS = 48  #: of a hole
 
 
@@ -92,7 +93,7 @@ class ToldTexts:
             by_face.setdefault(feature.face, []).append(text)
         for face, texts in by_face.items():
             steel = _steel(face, part, ends, _sides(face, part))
-            found = self._take(p, part, texts, start, steel)
+            found = self._take(p, (part, ends), texts, start, steel)
             yield from self._judge(face, [*zip(texts, found, strict=True)], part, steel)
 
     def _comes_to(self, face: Face, part: Part) -> bool:
@@ -100,7 +101,12 @@ class ToldTexts:
         return face in self.shop.machine.marks.faces and face not in missing
 
     def _take(
-        self, p: int, part: Part, texts: Sequence[Wanted], start: float, steel: Steel
+        self,
+        p: int,
+        of: tuple[Part, tuple[End, End]],
+        texts: Sequence[Wanted],
+        start: float,
+        steel: Steel,
     ) -> list[Found | None]:
         """The texts of a part's face as they are told over it."""
         from_x, face = self.at + start, texts[0].feature.face
@@ -108,7 +114,7 @@ class ToldTexts:
         founds = [Found(one.x - from_x, one.y, one.height, (), (k,)) for k, one in enumerate(over)]
         options = [
             [
-                found if _is_told_as(text, one) and _is_over(text, found, part) else None
+                found if _is_told_as(text, one) and _is_over(text, found, *of) else None
                 for one, found in zip(over, founds, strict=True)
             ]
             for text in texts
@@ -160,10 +166,11 @@ def _is_told_as(text: Wanted, one: ToldText) -> bool:
     return one.text == text.text and apart < ANGLE_DEG
 
 
-def _is_over(text: Wanted, found: Found, part: Part) -> bool:
+def _is_over(text: Wanted, found: Found, part: Part, ends: tuple[End, End]) -> bool:
     """Whether the middle of a text lies between the ends of a part; others of the bar may too."""
-    middle: float = box_of(text, found.x, found.y, found.height).centroid.x
-    return -1.0 <= middle <= part.length + 1.0
+    middle = box_of(text, found.x, found.y, found.height).centroid
+    first, last = (_ends_at(end, text.feature.face, part.profile, middle.y) for end in ends)
+    return bool(min(first) - OVER <= middle.x <= max(last) + OVER)
 
 
 def _on_face(
@@ -179,10 +186,14 @@ def _on_face(
         for trail in trails
         if trail.kind == "scribe" and trail.face == face
         for a, b in pairwise(trail.points)
+        if all(-OVER <= x - from_x <= part.length + OVER for x in (a[0], b[0]))
     ]
     drawn = Drawn(pieces, shop.drill.path_tolerance + 2 * shop.machine.format.resolution)
     asked = [(f, wanted(feature, marks)) for f, feature in texts]
-    there_are = found_texts([text for _, text in asked], drawn, sure or steel, marks)
+    there_are = found_texts(
+        [text for _, text in asked], drawn, sure or steel, marks,
+        lambda text, one: _is_over(text, one, part, ends),
+    )  # fmt: skip
     found = {f: one for (f, _), one in zip(asked, there_are, strict=True)}
     boxes = {
         f: box_of(text, there.x, there.y, there.height)
