@@ -40,6 +40,7 @@ numbers = st.one_of(
 sizes = st.integers(0, 60_000).map(lambda v: v / 100)
 lengths = st.integers(1, 2_000_000).map(lambda v: v / 100)
 angles = st.integers(-18_000, 18_000).map(lambda v: v / 100)
+cut_angles = st.integers(-8_999, 8_999).map(lambda v: v / 100)
 points = st.tuples(numbers, numbers)
 vectors = st.tuples(numbers, numbers, numbers)
 edges = st.sampled_from(["", "u", "o", "s"])
@@ -240,7 +241,7 @@ def parts(draw):
         draw(header_texts),
         draw(header_texts),
         draw(header_texts),
-        EndCuts(*(draw(angles) for _ in range(4))),
+        EndCuts(*(draw(cut_angles) for _ in range(4))),
         features,
         planes,
         draw(sizes),
