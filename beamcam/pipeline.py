@@ -37,6 +37,7 @@ from beamcam.posts import Job, Request, Written, carries_head, head_lines, post_
 from beamcam.readers.content import content, shown_name
 from beamcam.readers.reading import Reading
 from beamcam.texts_told import other_places, stand_ins
+from beamcam.verify.bar_rules import BAR_NEEDED, BAR_TOLD
 from beamcam.verify.by_hand import BY_HAND as FOR_HAND
 from beamcam.verify.by_hand import TEXT_MOVED as MOVED
 from beamcam.verify.left_out import LEDGER
@@ -55,6 +56,8 @@ NOT_MADE = (LEFT_OUT.code, BY_HAND.code)
 
 
 _UNCUT = re.compile(r"found (\S+) mm of waste .* at x (\S+), y (\S+) ")
+_NEEDED = re.compile(r"; (\S+) mm are needed")
+TOLD_BAR = 0.001  #: mm that lengths of bars in messages are rounded to
 
 
 class Posted(Struct, frozen=True):
@@ -240,7 +243,7 @@ def posting(
     if verified:
         found = kind.verify(written, _request(asked))
         hand = sum(one.code == FOR_HAND.code for one in found)
-        said = (*_other_than_planned(plan, found, asked.parts), *_head_faults(asked, written, hand))
+        said = (*_other_than_planned(plan, found, asked), *_head_faults(asked, written, hand))
         yield "read the program back"
         if errors_in(said):
             raise RefusedProgram(said, written)
@@ -248,13 +251,14 @@ def posting(
 
 
 def _other_than_planned(
-    plan: Plan | SheetPlan, found: Iterable[Diagnostic], parts: Sequence[Part]
+    plan: Plan | SheetPlan, found: Iterable[Diagnostic], asked: Job
 ) -> Iterator[Diagnostic]:
     """What the read-back found; what is not made only where the plan says otherwise.
 
     The features that it found missing, and that may be, are those that the plan left out by name;
     the marks that it found to be manual work are those on the plan's list; the contours with waste
-    that no beam reaches are those that the plan tells of.
+    that no beam reaches are those that the plan tells of; the bar that it needs where nobody gave
+    its length is no longer than the plan's.
     """
     missing: Counter[tuple[str, Source]] = Counter()
     refused = False
@@ -266,12 +270,14 @@ def _other_than_planned(
             moved.append(said)
         elif said.code == UNCUT.code:
             yield from _untold(plan, said)
+        elif said.code == BAR_NEEDED.code and isinstance(plan, Plan):
+            yield from _too_short(plan, said, asked.machine.format.resolution)
         else:
             refused = refused or said.severity is Severity.ERROR
             yield said
     if refused:  # what is missing may not have been looked for
         return
-    alike = stand_ins(parts)
+    alike = stand_ins(asked.parts)
     hand = [*by_hand_sources(plan)]
     told = (said for said in plan.remarks if said.code == TEXT_MOVED.code)
     yield from other_places(told, moved, alike, hand)
@@ -301,6 +307,13 @@ def _untold(plan: Plan | SheetPlan, uncut: Diagnostic) -> Iterator[Diagnostic]:
     depth, x, y = _UNCUT.findall(uncut.message)[0]
     if not any(d.source == uncut.source or f"at x {x}, y {y}" in d.message for d in told):
         yield UNCUT_TOLD.at(uncut.source, found=depth, x=x, y=y)
+
+
+def _too_short(plan: Plan, needed: Diagnostic, step: float) -> Iterator[Diagnostic]:
+    """An error if the plan's bar is shorter than its program needs, by more than `step`."""
+    (found,) = _NEEDED.findall(needed.message)
+    if float(found) > plan.bar.length + step + TOLD_BAR:
+        yield BAR_TOLD.at(needed.source, found=found, expected=f"{plan.bar.length:.3f}")
 
 
 def _head_faults(job: Job, written: Written, by_hand: int) -> Iterable[Diagnostic]:

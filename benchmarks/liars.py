@@ -1,9 +1,10 @@
 """A planner that lies: features dropped, moved, doubled and altered in the plan, and posted.
 
 The parts have every kind of feature that some bar machine makes. Each operation of their plans is
-dropped under every reason that there is, moved, doubled or made otherwise, and the pieces are laid
-otherwise than the plan says; the program of each goes through the pipeline as any other. All have
-to be refused, whatever the plan says of them and whatever kinds the user allowed to be missing.
+dropped under every reason that there is, moved, doubled or made otherwise, the pieces are laid
+otherwise than the plan says, and where the machine cannot hold them; the program of each goes
+through the pipeline as any other. All have to be refused, whatever the plan says of them and
+whatever kinds the user allowed to be missing.
 """
 
 from collections import Counter
@@ -16,7 +17,7 @@ from msgspec.structs import replace
 from beamcam import pipeline
 from beamcam.errors import PlanError, Source, VerifyError
 from beamcam.geometry.curves import Line
-from beamcam.machine import load
+from beamcam.machine import Machine, load
 from beamcam.model.part import Contour, EndCuts, Feature, Hole, Part, Profile, Slot
 from beamcam.model.plan import DrillOp, Operation, Outcome, PathOp, Plan, SawOp
 from beamcam.planning.rules import SKIP_NAMES
@@ -130,6 +131,35 @@ def _laid_otherwise(plan: Plan) -> Iterator[tuple[str, Plan]]:
                 yield name, replace(plan, pieces=pieces, operations=kept)
 
 
+def unheld(machine: Machine, profile: Profile) -> Iterator[tuple[str, Job, Plan]]:
+    """Bars and parts that a machine cannot hold, planned as if it could: each with its job.
+
+    The planner knows nothing of one key of the machine file.
+    """
+    layout = replace(machine.needed(machine.layout, "bar"), end_trim=30.0)
+    machine = replace(machine, layout=layout)
+    long = Part("A", profile, 2500.0, SOURCE)
+    brief = replace(long, length=400.0)
+    short = replace(long, length=0.9 * layout.min_part)
+    plan_of = post_of(machine).plan
+    for key, parts in (
+        ("min_part", (short, long)), ("front_trim", (long, long)), ("dead_zone", (long, long)),
+        ("end_trim", (long, long)), ("min_bar_left", (long, brief)), ("max_bar", (long,)),
+    ):  # fmt: skip
+        too_long = (layout.max_bar or 0.0) + 100.0 if key == "max_bar" else None
+        # A trim cut in front of the bar is beyond the stop.
+        value = {"max_bar": None, "front_trim": layout.front_trim / 2}.get(key, 0.0)
+        loose = replace(layout, **{key: value})  # type: ignore[arg-type]
+        job = Job(parts, replace(machine, layout=loose))
+        plan = plan_of(replace(job, bar=too_long))
+        assert isinstance(plan, Plan)
+        if not getattr(layout, key):
+            continue
+        yield f"without {key}", replace(job, machine=machine, bar=plan.bar.length), plan
+        if key in ("dead_zone", "end_trim"):
+            yield f"without {key}, bar not given", replace(job, machine=machine), plan
+
+
 def _of_piece(op: Operation, piece: int) -> bool:
     return not isinstance(op, SawOp) and any(p == piece for p, _ in op.features)
 
@@ -142,6 +172,12 @@ def told(machines: tuple[str, ...], every: int = 1) -> Lies:
         machine = load(name)
         row = post_of(machine)
         for profile in PROFILES:
+            for lie, job, false in unheld(machine, profile):
+                result.made[lie] += 1
+                if _is_refused(false, job):
+                    result.caught[lie] += 1
+                else:
+                    result.missed.append((name, lie))
             for skips in ((), SKIP_NAMES):
                 job = Job(parts(name, profile), machine, bar=6000.0, skips=tuple(skips))
                 plan = row.plan(job)

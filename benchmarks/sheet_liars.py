@@ -4,7 +4,8 @@ The parts have every kind of feature that a cutting table makes, and what it lea
 that is mapped away, a line that is drawn twice, lettering. Each operation of their plans is dropped
 under every reason that there is, moved by a millimetre and by twice the tolerance, doubled, cut
 short, bridged and cut again otherwise, and made by another process or with other settings than
-asked for; the work is put elsewhere and in another order. The program of each goes through the
+asked for; the work is put elsewhere and in another order, and driven along arcs that the controller
+does not take. The program of each goes through the
 pipeline as any other, and all have to be refused.
 """
 
@@ -268,6 +269,12 @@ def told(machines: Sequence[tuple[str, dict[str, object]]] = MACHINES, every: in
             plan = post_of(machine).plan(job)
             assert isinstance(plan, SheetPlan)
             truth = _text(plan, job)
+            if machine.controller not in TABLE_CONTROLLERS:
+                for lie, caught in _out_of_radius(job):
+                    result.made[lie] += 1
+                    result.caught[lie] += caught
+                    if not caught:
+                        result.missed.append((_shown(name, values), lie))
             for lie, false in lies(plan, machine.torch):
                 if lie.endswith("slower") and machine.controller in TABLE_CONTROLLERS:
                     continue  # a chord may take as long as the cycles of the controller need
@@ -279,6 +286,25 @@ def told(machines: Sequence[tuple[str, dict[str, object]]] = MACHINES, every: in
                     if not caught:
                         result.missed.append((_shown(name, values), lie))
     return result
+
+
+def _out_of_radius(job: Job) -> Iterator[tuple[str, bool]]:
+    """Arcs below the least radius and above the greatest, driven all the same; whether refused."""
+    machine, true = job.machine, post_of(job.machine)
+    torch = machine.needed(machine.torch, "torch")
+    for name, key, radius in (("tight", "min_radius", 50.0), ("wide", "max_radius", 2.0)):
+        strict = replace(machine, torch=replace(torch, **{key: radius}))
+        row = replace(true, motion=lambda plan, _, name: true.motion(plan, machine, name))
+        with patch.object(pipeline, "post_of", lambda _, row=row: row):
+            try:
+                pipeline.post(job.parts, strict, skips=job.skips)
+            except VerifyError as error:
+                yield (
+                    f"arc too {name}",
+                    "verify-sheet-radius" in {d.code for d in error.diagnostics},
+                )
+            else:
+                yield f"arc too {name}", False
 
 
 def _shown(name: str, values: dict[str, object]) -> str:

@@ -73,7 +73,7 @@ def test_what_is_planned_is_read_back(case: tuple[str, tuple[Part, ...]]) -> Non
         text = post(parts, machine, bar=15000.0, verified=False).text
     except PlanError:
         assume(False)
-    assert [str(d) for d in verify(text, parts, machine)] == []
+    assert [str(d) for d in verify(text, parts, machine, bar=15000.0)] == []
 
 
 @settings(deadline=None, max_examples=80)

@@ -21,6 +21,7 @@ from beamcam.machine.machine import Machine
 from beamcam.model.part import Part, Profile
 from beamcam.verify import rules
 from beamcam.verify.bars.ability import FeatureRef, skippable
+from beamcam.verify.bars.bar_limits import bar_faults
 from beamcam.verify.bars.cell import Cell
 from beamcam.verify.bars.compare import Asked, Comparison
 from beamcam.verify.bars.cutting_data import CuttingData
@@ -162,10 +163,14 @@ def compared(
     done: Run, parts: Sequence[Part], machine: Machine, profile: Profile, skips: Collection[str],
     name: str, order: str, turn: bool, bar: float | None,
 ) -> tuple[Diagnostic, ...]:  # fmt: skip
-    """What is made otherwise than the parts on the bar have it."""
+    """What is made otherwise than the parts on the bar have it, and what no machine can hold."""
     known = _known_of(machine)
     asked = Asked(parts, skips, order != "given", turn, bar)
-    return Comparison(done.made, asked, known.shop, profile, known.choices(profile), name).run()
+    comparison = Comparison(
+        done.made, asked, known.shop, profile, known.choices(profile), name
+    )  # fmt: skip
+    said = comparison.run()
+    return (*said, *bar_faults(comparison.laid, machine, comparison.saw, bar, name))
 
 
 def section_of(text: str, machine: Machine, part: Part, turn: bool) -> Profile:

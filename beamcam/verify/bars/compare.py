@@ -60,11 +60,12 @@ class Comparison:
         self.profile, self.name = profile, name
         self.targets: dict[int, list[Target]] = {}
         self.holes = HoleCheck(made.bores, shop, profile, choices, name)
+        self.laid: list[Laid] = []  #: the parts, once they are found
         self.said: list[Diagnostic] = [*_section(made, profile, self.machine, name)]
 
     def run(self) -> tuple[Diagnostic, ...]:
         """All faults."""
-        laid = self._lay_out()
+        laid = self.laid = self._lay_out()
         parts = [one.part for one in laid]
         wants: list[Want] = []
         led: list[Led] = []

@@ -32,12 +32,14 @@ def verify_sheet(
     from beamcam.verify.sheets.contour_names import with_contours
     from beamcam.verify.sheets.need import need_of, rows_of, shift_of
     from beamcam.verify.sheets.passes import passes_folded
+    from beamcam.verify.sheets.radii import radius_faults
     from beamcam.verify.sheets.shared import as_one
     from beamcam.verify.sheets.strokes import strokes_of
     from beamcam.verify.sheets.texts import add_texts
 
     torch = machine.needed(machine.torch, "torch")
     done, said = table_run(text, machine, name)
+    said = [*said, *radius_faults(done.moves, machine, torch, name)]
     if errors_in(said) or not parts:
         return tuple(said)
     part, machine, faults = as_one(parts, machine, skips)

@@ -42,6 +42,13 @@ AREA = Rule(
     "found a move to X {x}, Y {y}; expected it within {length} x {width} mm",
     "The head cannot go there.",
 )
+RADIUS = Rule(
+    "verify-sheet-radius",
+    _E,
+    "found an arc of radius {found} mm to X {x}, Y {y}; expected {least} to {greatest} mm",
+    "The controller stops at an arc that it does not take, or follows another one "
+    "(`torch.min_radius`, `torch.max_radius`).",
+)
 MISSING = Rule(
     "verify-sheet-missing",
     _E,
@@ -173,7 +180,7 @@ OTHER_SHEET = Rule(
     "Parts that share a sheet share its thickness and its material.",
 )
 RULES = (
-    *SHEET_RULES, OTHER_SHEET, FEED, RAMP, TOOL, RAPID, IDLE, AREA, MISSING, EXTRA, TWICE,
+    *SHEET_RULES, OTHER_SHEET, FEED, RAMP, TOOL, RAPID, IDLE, AREA, RADIUS, MISSING, EXTRA, TWICE,
     SIDE, BAND, COMPENSATION, OPEN, TABS, TAB_WIDTH, TAB_PLACE, OVERCUT,
     LEAD, ORDER, SETTINGS, TURN, HATCH, HATCH_WAY, NOT_MADE, CROWDED,
 )  # fmt: skip

@@ -356,7 +356,7 @@ def test_every_rule_has_a_case() -> None:
         "verify-sheet-arc", "verify-sheet-side", "verify-sheet-lead", "verify-sheet-not-made",
         "verify-sheet-crowded", "verify-sheet-settings", "verify-sheet-turn", "verify-sheet-hatch",
         "verify-sheet-other", "verify-sheet-overcut", "verify-sheet-tab-width",
-        "verify-sheet-tab-place", "verify-sheet-hatch-way",
+        "verify-sheet-tab-place", "verify-sheet-hatch-way", "verify-sheet-radius",
     }  # fmt: skip
     assert {rule.code for rule in rules.RULES} == shown
 

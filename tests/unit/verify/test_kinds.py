@@ -74,7 +74,7 @@ def led(choice: str, points: list[tuple[float, float]], z: float, feed: float, t
 def messages(work: str, *features: Feature) -> list[str]:
     piece = Part("P2", IPE200, 1000.0, Source("P2.nc1", 1), features=features)
     text = FRAME.format(work=work)
-    return [str(d) for d in verify(text, (piece,), PUSHER, (), "P2.gcode")]
+    return [str(d) for d in verify(text, (piece,), PUSHER, (), "P2.gcode", bar=6000.0)]
 
 
 def web(kind: str, diameter: float, depth: float | None = None, angle: float | None = None) -> Hole:
