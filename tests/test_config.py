@@ -155,6 +155,16 @@ def test_a_machine_that_is_none_is_told_where_it_is_named(tmp_path: Path) -> Non
     assert "error machine-unknown" in result.stderr
 
 
+def test_a_list_of_machines_has_one(tmp_path: Path) -> None:
+    path = write(tmp_path, "jobs = 1\n[machines]\nsheet = 'laser-grbl'\nbeam = []\n")
+    with pytest.raises(ConfigError) as refused:
+        load(path)
+    assert str(refused.value) == (
+        f"{path}:4: error config-value: found [] for 'machines.beam'; expected a list of 1 or more"
+    )
+    assert load(write(tmp_path, "[machines]\nbeam = ['beamline']\n")).machine_names("beam")
+
+
 def test_it_is_found_in_the_folders_above(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     deep = tmp_path / "jobs" / "4711" / "nc"
     deep.mkdir(parents=True)

@@ -23,6 +23,7 @@ _MAGIC = frozenset("*?[")
 Stock = Literal["beam", "sheet"]
 Meaning = Literal["cut", "mark", "engrave", "ignore"]
 Origin = Literal["table", "lower-left", "lower-right", "upper-left", "upper-right", "centre"]
+Machines = Annotated[tuple[Text, ...], Meta(min_length=1)]
 Quantity = Literal["file"] | PositiveCount
 Tolerance = Literal["merge", "duplicate", "sink", "path", "twin"]
 
@@ -94,7 +95,7 @@ class ConfigFile(Keys, frozen=True):
 
     machine: Text | None = None  #: machine of --machine: a name or a TOML file
     #: by stock, before `machine`: one, or several that are tried in order
-    machines: Mapping[Stock, Text | tuple[Text, ...]] = field(default_factory=dict)
+    machines: Mapping[Stock, Text | Machines] = field(default_factory=dict)
     stock_lengths: tuple[Positive, ...] = ()  #: bars in store, mm; the shortest that will do
     allow_skips: tuple[str, ...] = ()  #: kinds of features that may be left out
     strict: bool = False  #: whether warnings refuse a part
