@@ -208,10 +208,10 @@ def _step(path: _Path, done: int, setup: Setup, holding: Held, times: Times) -> 
 def _prerequisites(station: Station) -> list[int]:
     """For each setup of one X those that have to be done before it, a bit each.
 
-    More setups than `MOST_SETUPS` are taken as they are sorted.
+    One waits for nothing, and more than `MOST_SETUPS` are taken as they are sorted.
     """
     setups = list(station)
-    if len(setups) > MOST_SETUPS:
+    if not 1 < len(setups) <= MOST_SETUPS:
         return [(1 << i) - 1 for i in range(len(setups))]
     return [
         sum(

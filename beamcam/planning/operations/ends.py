@@ -63,7 +63,7 @@ def ends_of(part: Part, min_mitre: float) -> tuple[Ends, tuple[Diagnostic, ...]]
     cuts = part.cuts
     header = ((cuts.web_start, cuts.web_end), (cuts.flange_start, cuts.flange_end))
     drawn: tuple[tuple[float, float] | None, ...] = (None, None)
-    if any(f.__class__ is Contour for f in part.features):
+    if Contour in map(type, part.features):
         drawn = (_drawn_angles(part, "v"), _drawn_flange_angles(part))
     elif header == ((0.0, 0.0), (0.0, 0.0)):
         return (End("start", 0.0, 0.0), End("end", 0.0, part.length)), ()

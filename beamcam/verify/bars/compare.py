@@ -74,7 +74,7 @@ class Comparison:
         told = self._told_texts()
         for p, one in enumerate(laid):
             self.said += left_to_hand(one.part, self.machine)
-            has_text = any(isinstance(feature, TextMark) for feature in one.part.features)
+            has_text = TextMark in map(type, one.part.features)
             if told is not None:
                 self.said += told.check(p, one.part, one.ends, one.start)
             elif has_text:
