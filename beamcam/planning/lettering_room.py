@@ -30,6 +30,7 @@ WIDEST = 20_000.0  #: mm of a face or radius of a hole; of larger ones chords ar
 RUN = 16  #: chords that stand together in the index of edges
 BETWEEN = 0.1  #: mm from the box of one text to that of another, both where the part has them
 BESIDE = 1.0  #: mm from other texts to one that is moved, if so much is kept from edges
+CROWD = 256  #: texts beside which a square takes as much effort again
 SEEN = 1 / 32  #: of the effort for a square is that for one which was looked at before
 CIRCLES = 4  #: in a box on each side of its middle, by which it is told how deep it lies
 
@@ -209,7 +210,8 @@ class Room:
     def _look(self, box: Placed, distance: float) -> float:
         if self.squares <= 0.0:
             raise Exhausted
-        self.squares -= 1.0
+        texts = 0 if self._texts is None else self._texts.shape[1]
+        self.squares -= 1.0 + texts / CROWD
         return self.clearance(box, distance, min(BESIDE, distance))
 
 

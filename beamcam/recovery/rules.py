@@ -58,6 +58,13 @@ KERF = Rule(
     "expected a contour around which the beam can go",
     "The contour lies half a kerf beside the path, on the part's side.",
 )
+CROWDED = Rule(
+    "recover-crowded",
+    Severity.ERROR,
+    "found closed paths that cross or cover each other at about {found} places; expected contours "
+    "that lie beside or inside one another",
+    "What lies inside of what cannot be told, and the work would grow with every crossing.",
+)
 BY_HAND = Rule(
     "recover-by-hand",
     Severity.WARNING,
@@ -66,4 +73,4 @@ BY_HAND = Rule(
     "what they are. The list is the `.hand.csv` beside the program.",
 )
 
-RULES = (NO_PIECE, FACES, PROFILE, CATALOGUE, PATH, SHEET, FITTED, KERF, BY_HAND)
+RULES = (NO_PIECE, FACES, PROFILE, CATALOGUE, PATH, SHEET, FITTED, KERF, CROWDED, BY_HAND)

@@ -8,6 +8,7 @@ path; a controller that compensates gets the contour.
 from collections.abc import Sequence
 from math import dist
 
+import numpy as np
 from msgspec import Struct
 from msgspec.structs import replace
 
@@ -26,6 +27,9 @@ from beamcam.verify.sheets.need import rows_of
 from beamcam.verify.sheets.strokes import HeadStroke, Strokes, strokes_of
 
 MARK: Process = "punch"  #: of a marked contour, so that DSTV can hold it (KO)
+MOST_CROSSINGS = 100_000  #: of closed paths, about, that are looked into
+SAMPLED = 256  #: chords by which crossings are counted
+ALONE = 8  #: chords that one may meet where no path is followed often
 LOOK_SHARE = 1 / 8  #: of the tolerance, for polygons that tell what lies in what
 
 
@@ -79,6 +83,10 @@ def _recovered(text: str, machine: Machine, torch: Torch, name: str) -> Recovere
     if errors_in(told):
         return Recovered((), tuple(told))
     paths = _paths(strokes, torch, max(torch.gap, 2 * machine.format.resolution), name)
+    crossings = _crossings(paths, torch.tolerance * LOOK_SHARE)
+    if crossings > MOST_CROSSINGS:
+        told.append(rules.CROWDED.at(Source(name), found=f"{crossings:.1g}"))
+        return Recovered((), tuple(told))
     part = _placed(sheet, _contours(paths, torch, told), torch)
     if not errors_in(told):
         told += [d for d in verify_sheet(text, (part,), machine, name=name) if d not in told]
@@ -154,6 +162,23 @@ def _contours(paths: Sequence[_Path], torch: Torch, told: list[Diagnostic]) -> l
         process = MARK if path.process == "mark" else path.process
         found.append(Contour("v", kind, curves, path.source, process, path.closed))
     return found
+
+
+def _crossings(paths: Sequence[_Path], tolerance: float) -> float:
+    """About how often closed cuts cross or cover each other and themselves, from a few chords."""
+    import shapely
+
+    from beamcam.geometry.polylines import polylines
+
+    rings = [p for p in paths if p.closed and p.process == "cut"]
+    if not rings:
+        return 0.0
+    drawn = [polylines(p.curves, tolerance).points for p in rings]
+    ends = np.concatenate([np.stack((points[:-1], points[1:]), axis=1) for points in drawn])
+    chords = shapely.linestrings(ends)
+    step = max(1, len(chords) // SAMPLED)
+    met, _ = shapely.STRtree(chords).query(chords[::step], "intersects")
+    return float(np.maximum(np.bincount(met) - ALONE, 0).sum()) * step / 2
 
 
 def _depths(paths: Sequence[_Path], tolerance: float) -> list[int]:

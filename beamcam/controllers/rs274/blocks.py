@@ -22,6 +22,7 @@ MOTIONS = {"G0": 0, "G1": 1, "G2": 2, "G3": 3}
 #: Canned cycles, and their end, of a controller that knows them.
 CYCLES = {f"G{number}": number for number in (drill_cycle.END, *drill_cycle.DRILLING)}
 ENDS = (2, 30)
+LARGEST = 1e15  #: of any number; controllers count no further
 MAX_NUMBER = 1e9  #: of an M word, which has three digits at most
 
 
@@ -111,7 +112,9 @@ class _Words:
 
     def _take(self, place: int, letter: str, digits: str) -> None:
         value = float(digits)
-        if letter == "N":
+        if abs(value) >= LARGEST and letter != "M":
+            self._wrong(f"{letter}{digits[:20]}", "a number of at most 15 digits")
+        elif letter == "N":
             if place:
                 self._wrong(f"N{digits}", "it at the beginning of a block")
         elif letter == "G":

@@ -1,7 +1,7 @@
 """The curves of a part to cut and mark, exact, each with its process and its feature."""
 
 from collections import Counter
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from itertools import pairwise, product
 from typing import Literal, cast
 
@@ -191,6 +191,14 @@ class _Meanings:
         return key if key is not None and key in self._settings else ""
 
 
+def _places(ring: Sequence[Curve]) -> frozenset[frozenset[Point]]:
+    """What a ring has in common with its copies, wherever they begin and whichever way they run."""
+    return frozenset(
+        frozenset((round(x, 6), round(y, 6)) for x, y in (c.start, c.end, c.point(0.5)))
+        for c in ring
+    )
+
+
 def letter(part: Part, machine: Machine, found: Assigned) -> None:
     """Add the strokes of the texts, each where it is clear of what is cut and of the others."""
     marks = machine.marks
@@ -207,7 +215,7 @@ def letter(part: Part, machine: Machine, found: Assigned) -> None:
             by_feature.setdefault(wanted.feature, []).append(wanted.curve)
     boxes = [curve.bbox for curves in by_feature.values() for curve in curves]
     room = Room(join_boxes(boxes) or (0.0, 0.0, part.length, part.profile.height))
-    for ring in dict.fromkeys(map(tuple, by_feature.values())):  # of copies the first
+    for ring in {_places(ring): ring for ring in by_feature.values()}.values():  # one of copies
         room.add(ring)
     process: TorchProcess = "engrave" if marks.unit == "laser" else "mark"
     for index, text in texts:

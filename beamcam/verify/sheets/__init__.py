@@ -34,7 +34,7 @@ def verify_sheet(
     from beamcam.verify.sheets.passes import passes_folded
     from beamcam.verify.sheets.radii import radius_faults
     from beamcam.verify.sheets.shared import as_one
-    from beamcam.verify.sheets.strokes import strokes_of
+    from beamcam.verify.sheets.strokes import is_far, strokes_of
     from beamcam.verify.sheets.texts import add_texts
 
     torch = machine.needed(machine.torch, "torch")
@@ -54,6 +54,8 @@ def verify_sheet(
         name,
     )
     said += more
+    if is_far(strokes.moves, torch):
+        return tuple(said)
     strokes = passes_folded(strokes, rows)
     need = need_of(part, machine, torch, skips)
     strokes = told_apart(strokes, need, torch, shift_of(need, torch))

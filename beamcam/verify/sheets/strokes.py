@@ -4,7 +4,7 @@ The words that start and stop a tool are the machine's own, filled with the figu
 program that says anything else, or moves as it should not, is reported.
 """
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 
 import numpy as np
 from msgspec import Struct
@@ -23,6 +23,8 @@ from beamcam.controllers.moves import Moves, Run
 from beamcam.controllers.rules import SHEET_END
 from beamcam.errors import Diagnostic, Rule, Source
 from beamcam.geometry.array_types import Counts
+from beamcam.geometry.curves import Arc
+from beamcam.geometry.plane import Point
 from beamcam.machine.machine import Machine
 from beamcam.machine.torch import Torch, TorchProcess, TorchRow
 from beamcam.model.part_data import PART_DATA
@@ -33,6 +35,7 @@ ENDS = (2, 30)
 FEED_SLACK = 1e-3
 LOWERED_SLACK = 5e-3  #: of a feed that follows from a curve whose numbers are rounded
 FEED_ROUNDING = 0.0006  #: of a feed as it is written, whatever its unit
+FAR = 10.0  #: times length and width of the table
 PAUSE_SLACK_S = 1e-6
 
 
@@ -87,6 +90,26 @@ def strokes_of(
     head.finish(run)
     head.check_places(run.moves, torch, torch.tolerance + machine.format.resolution / 2)
     return head.strokes(run.moves), sorted(head.said, key=lambda said: said.source.line or 0)
+
+
+def is_far(moves: Moves, torch: Torch) -> bool:
+    """Whether moves, which are told, lie so far off the table that nothing is compared."""
+    middle = np.array([torch.length, torch.width]) / 2
+    reach = np.abs(np.concatenate((moves.end, moves.arcs[:, :2])) - middle).max(initial=0.0)
+    return bool(reach > FAR * (torch.length + torch.width))
+
+
+def _beyond(arc: Sequence[float], low: Sequence[float], high: Sequence[float]) -> Point | None:
+    """Where an arc is farthest from what lies between two corners; None if it is in there."""
+    x, y, radius, first, sweep = arc
+    whole = Arc((x, y), radius, first, sweep)
+    left, bottom, right, top = whole.bbox
+    off = (
+        (low[0] - left, (left, y)), (low[1] - bottom, (x, bottom)),
+        (right - high[0], (right, y)), (top - high[1], (x, top)),
+    )  # fmt: skip
+    most, place = max(off)
+    return place if most > 0.0 else None
 
 
 class _Head:
@@ -190,8 +213,16 @@ class _Head:
     def check_places(self, moves: Moves, torch: Torch, slack: float) -> None:
         """Says which moves leave the table by more than a path may lie off its curve."""
         low, high = np.array(torch.area[:2]) - slack, np.array(torch.area[2:]) + slack
-        for k in np.flatnonzero(~np.all((moves.end >= low) & (moves.end <= high), axis=1)):
+        outside = ~np.all((moves.end >= low) & (moves.end <= high), axis=1)
+        middle, radius = moves.arcs[:, :2], moves.arcs[:, 2:3]
+        far = moves.is_arc & ~np.all((middle - radius >= low) & (middle + radius <= high), axis=1)
+        for k in np.flatnonzero(outside | far).tolist():
             x, y = moves.end[k].tolist()
+            if not outside[k]:
+                beyond = _beyond(moves.arcs[k].tolist(), low.tolist(), high.tolist())
+                if beyond is None:
+                    continue
+                x, y = beyond
             self._wrong(
                 rules.AREA, int(moves.line[k]), x=f"{x:g}", y=f"{y:g}",
                 length=f"{torch.length:g}", width=f"{torch.width:g}",

@@ -55,7 +55,7 @@ def add_texts(need: Need, part: Part, machine: Machine, torch: Torch, strokes: "
             _need(need, process, index, text, text.feature.x, text.feature.y, text.height)
         need.drawn.clear()
         return
-    steel = steel_within([piece for curve in need.curves["cut"] for piece in _chords(curve)])
+    steel = steel_within([piece for curve in _once(need) for piece in _chords(curve)])
     pieces = _pieces(strokes, process, shift_of(need, torch))
     if machine.stepper is not None:
         _where_they_are(need, asked, part, machine, steel, pieces)
@@ -137,6 +137,23 @@ def _pieces(
             ends = np.hstack((moves.start[rows] - shift, moves.end[rows] - shift)).tolist()
             found += [((a, b), (c, d)) for a, b, c, d in ends]
     return found
+
+
+def _once(need: Need) -> Iterator[Curve]:
+    """The curves that are cut; of contours that lie on one another only those of one.
+
+    Two of them around a place would be no steel there, if their edges were counted.
+    """
+    contours: dict[int, list[Curve]] = {}
+    for feature, curve in zip(need.features["cut"], need.curves["cut"], strict=True):
+        contours.setdefault(feature, []).append(curve)
+    known = set()
+    for curves in contours.values():
+        corners = ((c.start, c.point(0.5), c.end) for c in curves)
+        place = frozenset(frozenset((round(x, 6), round(y, 6)) for x, y in c) for c in corners)
+        if place not in known:
+            known.add(place)
+            yield from curves
 
 
 def _chords(curve: Curve) -> Iterator[tuple[Point, Point]]:

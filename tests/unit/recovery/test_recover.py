@@ -164,6 +164,20 @@ def test_a_path_without_room_for_the_kerf_is_refused() -> None:
     assert rules.KERF.code in codes(text, machine)
 
 
+@pytest.mark.parametrize("turns_in_one", [True, False])
+def test_a_circle_cut_200_times_is_refused(turns_in_one: bool) -> None:
+    machine = table("plate-linuxcnc", thickness=6.0, lead="none")
+    text = post((drawing(contour(circle(50, 50, 20))),), machine).text
+    begin, end = re.search("^G0.*?^M5[^\\n]*\\n", text, re.M | re.S).span()  # type: ignore[union-attr]
+    stroke = text[begin:end]
+    many = stroke * 200
+    if turns_in_one:
+        ring = "".join(re.findall("^G[23].*\\n", stroke, re.M))
+        assert stroke.count(ring) == 1
+        many = stroke.replace(ring, ring * 200)
+    assert codes(text[:begin] + many + text[end:], machine) == [rules.CROWDED.code]
+
+
 @pytest.mark.parametrize("kerf_by", ["none", "offset", "machine"])
 def test_a_sheet_comes_back_without_leads_and_kerf(kerf_by: str) -> None:
     part = drawing(contour(box(0, 0, 200, 100)), contour(circle(60, 50, 70)))

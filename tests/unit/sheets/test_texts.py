@@ -417,3 +417,14 @@ def test_lines_of_a_drawing_may_stand_in_any_order() -> None:
     posted = post([part], PLATE)
     assert len(moved(posted)) == 1
     assert read(lettered(posted.text), 10.0) == "AB"
+
+
+@pytest.mark.parametrize("turned", [False, True])
+def test_a_text_stands_beside_contours_that_are_there_twice(turned: bool) -> None:
+    outline = box(0, 0, 220, 120)
+    other = [c.reversed() for c in reversed(outline)] if turned else [*outline[1:], outline[0]]
+    part = drawing(contour(outline), contour(other), text("L-7/b"))
+    found = post((part,), PLATE).text
+    assert found.count("M3 $1 S1") == post(
+        (drawing(contour(outline), text("L-7/b")),), PLATE
+    ).text.count("M3 $1 S1")

@@ -405,3 +405,18 @@ def test_a_message_about_a_block_names_the_contour_beside_it(old: str, new: str,
     said = verify_sheet(text[:at] + new + text[at + len(old) :], (part,), machine)
     (one, *_) = (d for d in said if d.code == code)
     assert str(one).endswith("beside the contour of sheet.dxf:7")
+
+
+@pytest.mark.parametrize("far", ["500", "4750000", "4750000000", "9" * 14, "9" * 400])
+def test_an_arc_that_leaves_the_table_between_its_ends_is_told(far: str) -> None:
+    machine = table("plate-linuxcnc", thickness=6.0, kerf_by="none", lead="none")
+    part = drawing(contour(circle(500, 500, 20)))
+    text = post((part,), machine).text
+    start = re.search("^G0 X([0-9.]+) Y([0-9.]+)", text, re.M)
+    assert start is not None
+    arc = re.compile("^G[23] .*\\n", re.M)
+    whole = f"G3 X{start[1]} Y{start[2]} I{far} J0\n"
+    ring = "".join(arc.findall(text))
+    said = {d.code for d in verify_sheet(text.replace(ring, whole), (part,), machine)}
+    assert said & {"verify-sheet-area", "verify-sheet-syntax", "verify-sheet-word"}
+    assert post((part,), machine).text == text
