@@ -21,7 +21,7 @@ from beamcam.geometry.curves import (
     Line,
     signed_area,
 )
-from beamcam.geometry.plane import Point, box_around
+from beamcam.geometry.plane import Box, Point, box_around, join_boxes
 
 
 def by_kind(curves: Iterable[Curve]) -> dict[type, list[int]]:
@@ -103,6 +103,29 @@ class CurveTable:
                 found[which] = [box_around(_control(self.curves[k])) for k in which]
             else:
                 found[which] = [self.curves[k].bbox for k in which]
+        return found
+
+    @cached_property
+    def box(self) -> Box | None:
+        """The bounding box of all curves; None if there are none.
+
+        On each side those are measured whose hulls may reach beyond all others, outermost first.
+        """
+        if not self.curves:
+            return None
+        hulls = self.hulls * (1.0, 1.0, -1.0, -1.0)
+        bent = np.ones(len(hulls), dtype=bool)
+        bent[self.where(Line)] = False
+        found: Box = self.curves[0].bbox
+        if not bent.all():
+            x0, y0, x1, y1 = hulls[~bent].min(axis=0).tolist()
+            found = (x0, y0, -x1, -y1)
+        which = np.flatnonzero(bent)
+        for side, sign in enumerate((1, 1, -1, -1)):
+            for k in which[np.argsort(hulls[which, side], kind="stable")].tolist():
+                if hulls[k, side] >= sign * found[side]:
+                    break
+                found = join_boxes([found, self.curves[k].bbox]) or found
         return found
 
 

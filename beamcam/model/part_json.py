@@ -8,9 +8,9 @@ kind; the key `feature` says which place each has among all, since comments name
 from typing import Any
 
 from beamcam.errors import Source
-from beamcam.geometry.curves import Curve
+from beamcam.geometry.curves import Curve, join_boxes
 from beamcam.model.curve_json import curve_to_json
-from beamcam.model.drawing import Measures, extent
+from beamcam.model.drawing import Measures
 from beamcam.model.lengths import duplicate_length, total_length
 from beamcam.model.part import (
     Bend,
@@ -147,7 +147,7 @@ def _feature(feature: Feature) -> tuple[str, Json]:
 
 
 def _contour(contour: Contour) -> Json:
-    box = extent(contour.curves)
+    box = join_boxes([curve.bbox for curve in contour.curves])
     return {
         "face": contour.face,
         "kind": contour.kind,
@@ -182,7 +182,7 @@ def _sums(part: Part) -> Json:
     curves: dict[str, list[Curve]] = {}
     for contour in part.contours:
         curves.setdefault(contour.face, []).extend(contour.curves)
-    box = extent(curves.get("v", ()))
+    box = join_boxes([curve.bbox for curve in curves.get("v", ())])
     measures = part.measures or Measures()
     return {
         "bbox": None if box is None else list(box),

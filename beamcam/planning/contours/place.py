@@ -8,7 +8,6 @@ from beamcam.errors import PlanError
 from beamcam.geometry.arrays import CurveTable
 from beamcam.geometry.plane import Box, Point
 from beamcam.machine.torch import ORIGINS, Torch
-from beamcam.model.drawing import extent
 from beamcam.model.moved import moved_curve
 from beamcam.model.part import Part
 from beamcam.model.plan import ContourOp
@@ -18,10 +17,9 @@ from beamcam.planning.contours.shape import Shape
 
 def box_of(curves: CurveTable) -> Box:
     """The bounding box of one or more curves."""
-    box = extent(curves.curves)
-    if box is None:
+    if curves.box is None:
         raise AssertionError("curves without a box")
-    return box
+    return curves.box
 
 
 def shift_of(box: Box, torch: Torch) -> Point:
