@@ -4,7 +4,7 @@ Texts that are alike may stand in for each other. Of all ways to share them out 
 which the fewest stand where they may not, and then by the least way from where the part has them.
 """
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from math import hypot
 from typing import TYPE_CHECKING
 
@@ -36,22 +36,26 @@ def found_texts(
     `steel` is that where texts stand for sure; `is_ours` tells texts of the part from those of
     others on the same bar.
     """
-    highest: dict[tuple[Segment, ...], float] = {}
-    for text in texts:
-        highest[text.pieces] = max(text.height, highest.get(text.pieces, 0.0))
-    shapes = {text.pieces: text for text in texts}
-    readings: dict[frozenset[int], dict[tuple[Segment, ...], Found]] = {}
-    for pieces, text in shapes.items():
-        for found in drawn.all_of(text, marks.min_height, highest[pieces]):
+    numbers: dict[tuple[Segment, ...], int] = {}
+    shapes = [numbers.setdefault(text.pieces, len(numbers)) for text in texts]
+    tallest: dict[int, Wanted] = {}
+    for shape, text in zip(shapes, texts, strict=True):
+        if shape not in tallest or text.height > tallest[shape].height:
+            tallest[shape] = text
+    readings: dict[frozenset[int], dict[int, Found]] = {}
+    for shape, text in tallest.items():
+        for found in drawn.all_of(text, marks.min_height, text.height):
             if is_ours(text, found):
-                readings.setdefault(frozenset(found.taken), {}).setdefault(pieces, found)
+                readings.setdefault(frozenset(found.taken), {}).setdefault(shape, found)
     chosen = [readings[place] for place in covering([*readings])]
-    options = [[_as_text(text, reading) for reading in chosen] for text in texts]
+    options = [
+        [_as_text(text, reading.get(shape)) for reading in chosen]
+        for shape, text in zip(shapes, texts, strict=True)
+    ]
     return assigned(texts, options, steel, marks)
 
 
-def _as_text(text: Wanted, reading: Mapping[tuple[Segment, ...], Found]) -> Found | None:
-    found = reading.get(text.pieces)
+def _as_text(text: Wanted, found: Found | None) -> Found | None:
     return found if found is not None and found.height <= text.height + EXACT else None
 
 
