@@ -74,7 +74,7 @@ def test_a_policy_of_list_leaves_a_mark_to_the_hand(name: str, made: Any, kind: 
     assert listed(posted) == [0]
     assert [said.code for said in posted.remarks] == [BY_HAND.code]
     assert "LEFT TO THE HAND: 1" in posted.text
-    found = read_back(posted.text, Request((one,), machine))
+    found = read_back(posted.text, Request((one,), machine, bar=12000.0))
     assert [said.code for said in found] == [FOR_HAND.code]
     assert "MARKED" not in posted.text
 
@@ -90,7 +90,7 @@ def test_a_policy_of_refuse_refuses_what_the_machine_could_make(
         post([one], machine)
     posted = post([one], machine, skips=("mark",))
     assert [o.by for o in posted.plan.outcomes] == ["plan-mark"]
-    found = read_back(posted.text, Request((one,), machine))
+    found = read_back(posted.text, Request((one,), machine, bar=12000.0))
     code = "verify-not-made" if machine.torch is None else "verify-sheet-not-made"
     assert [(said.code, said.severity.value) for said in found] == [(code, "error")]
 
