@@ -95,7 +95,8 @@ def strokes_of(
 def is_far(moves: Moves, torch: Torch) -> bool:
     """Whether moves, which are told, lie so far off the table that nothing is compared."""
     middle = np.array([torch.length, torch.width]) / 2
-    reach = np.abs(np.concatenate((moves.end, moves.arcs[:, :2])) - middle).max(initial=0.0)
+    places = np.concatenate((moves.start, moves.end, moves.arcs[:, :2]))
+    reach = np.abs(places - middle).max(initial=0.0)
     return bool(reach > FAR * (torch.length + torch.width))
 
 

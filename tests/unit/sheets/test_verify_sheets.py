@@ -420,3 +420,10 @@ def test_an_arc_that_leaves_the_table_between_its_ends_is_told(far: str) -> None
     said = {d.code for d in verify_sheet(text.replace(ring, whole), (part,), machine)}
     assert said & {"verify-sheet-area", "verify-sheet-syntax", "verify-sheet-word"}
     assert post((part,), machine).text == text
+
+
+def test_a_cut_that_begins_far_off_is_told_and_not_compared() -> None:
+    machine = table("plate-linuxcnc", thickness=6.0, kerf_by="none", lead="none")
+    part = drawing(contour(box(0, 0, 200, 100)))
+    text = re.sub("^G0 X[0-9.]+", "G0 X999999999999", post((part,), machine).text, flags=re.M)
+    assert {d.code for d in verify_sheet(text, (part,), machine)} == {"verify-sheet-area"}
