@@ -31,19 +31,25 @@ def follow(work: Work) -> tuple[list[Traced], list[Diagnostic]]:
     stroke = work.of_way[way]
     on, off = _nearest(work, points)
     followed = on[0] <= work.slack[on[1]]
+    ends = np.cumsum(np.bincount(work.of_way, minlength=len(work.strokes))).tolist()
+    bounds = list(zip([0, *ends[:-1]], ends, strict=True))
     expected = np.zeros(len(work.strokes))
     if work.half_kerf:
-        count = np.bincount(stroke, minlength=len(work.strokes))
-        centred = np.bincount(stroke, followed, len(work.strokes)) > count / 2
-        expected = np.where(centred, 0.0, work.half_kerf)
         beside = off[0] <= work.half_kerf + work.slack[off[1]]
-        corners = np.flatnonzero(~centred[stroke] & ~beside)
+        total = np.bincount(stroke, minlength=len(work.strokes))
+        on_middle = _count(work, stroke, followed)
+        corners = np.flatnonzero((on_middle < total)[stroke] & ~beside)
         beside[corners] = _round_corners(work, points[corners])
+        centred = 2 * on_middle > total
+        # A small ring may touch or cross so many open curves that most of its samples are on them.
+        kept_off = _count(work, stroke, beside)
+        centred &= kept_off <= on_middle
+        both = np.flatnonzero(centred & (kept_off == on_middle))
+        centred[both] = ~_close(work, [bounds[k] for k in both.tolist()])
+        expected = np.where(centred, 0.0, work.half_kerf)
         followed = np.where(centred[stroke], followed, beside)
     bad = np.zeros(work.path.count, dtype=bool)
     bad[way[~followed]] = True
-    ends = np.cumsum(np.bincount(work.of_way, minlength=len(work.strokes))).tolist()
-    bounds = list(zip([0, *ends[:-1]], ends, strict=True))
     traced = _traced(work, rings(work, bounds, bad), expected)
     if work.half_kerf:
         _round_contours(work, traced, points, stroke, off)
@@ -61,6 +67,20 @@ def follow(work: Work) -> tuple[list[Traced], list[Diagnostic]]:
         off_by += f"that of {work.contour(nearest)}"
         said.append(work.extra(int(work.moves.line[way[k]]), points[k], off_by, kept_off))
     return traced, said + end_faults(work, traced)
+
+
+def _close(work: Work, bounds: Bounds) -> Flags:
+    """Which strokes close, but for their leads."""
+    if not bounds:
+        return np.zeros(0, dtype=bool)
+    lows, highs = np.array(rings(work, bounds, np.zeros(work.path.count, dtype=bool))).T
+    apart = np.hypot(*(work.path.ends[highs - 1] - work.path.starts[lows]).T)
+    return np.asarray(apart <= work.meeting)
+
+
+def _count(work: Work, stroke: Counts, which: Flags) -> Counts:
+    """How many of the samples of each stroke are `which`."""
+    return np.bincount(stroke[which], minlength=len(work.strokes))
 
 
 def _overs(

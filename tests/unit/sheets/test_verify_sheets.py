@@ -2,12 +2,13 @@
 
 import re
 from collections.abc import Callable
+from math import sqrt
 
 import pytest
 from msgspec.structs import replace
 
 from beamcam.errors import VerifyError
-from beamcam.geometry.curves import Bezier, BSpline, EllipseArc, Line, NewtonCurve
+from beamcam.geometry.curves import Bezier, BSpline, Curve, EllipseArc, Line, NewtonCurve
 from beamcam.machine import Machine
 from beamcam.model.part import Bend, Hole, Part
 from beamcam.pipeline import post
@@ -427,3 +428,35 @@ def test_a_cut_that_begins_far_off_is_told_and_not_compared() -> None:
     part = drawing(contour(box(0, 0, 200, 100)))
     text = re.sub("^G0 X[0-9.]+", "G0 X999999999999", post((part,), machine).text, flags=re.M)
     assert {d.code for d in verify_sheet(text, (part,), machine)} == {"verify-sheet-area"}
+
+
+def chords(
+    x: float, y: float, radius: float, pitch: float, offset: float
+) -> list[tuple[Curve, ...]]:
+    """Lines at 45 degrees across a circle, as a hatch has them."""
+    found = []
+    aside = offset - radius
+    while (aside := aside + pitch) < radius - 0.02:
+        half, c = sqrt(radius * radius - aside * aside), sqrt(0.5)
+        found.append(lines(
+            (x + (half - aside) * c, y + (half + aside) * c),
+            (x - (half + aside) * c, y - (half - aside) * c), closed=False,
+        ))  # fmt: skip
+    return found
+
+
+@pytest.mark.parametrize(
+    ("radius", "pitch", "offset"), [(1.1, 0.08, 0.0), (1.2, 0.06, -0.01), (1.2, 0.1, -0.05)]
+)
+def test_a_small_hole_is_told_from_the_hatch_across_it(
+    radius: float, pitch: float, offset: float
+) -> None:
+    """The path round it lies on lines that are cut along their middle, at most of its places."""
+    hole = [contour(box(0, 0, 30, 30)), contour(circle(15, 15, 2 * radius), line=2)]
+    hatch = [
+        contour(some, line=3 + k) for k, some in enumerate(chords(15, 15, radius, pitch, offset))
+    ]
+    machine = table("plate-linuxcnc")
+    text = post((drawing(*hole, *hatch, thickness=8.0),), machine).text
+    more = drawing(*hole, *hatch, contour(circle(22, 15, 3), line=99), thickness=8.0)
+    assert "verify-sheet-missing" in {said.code for said in verify_sheet(text, (more,), machine)}
