@@ -1,4 +1,4 @@
-"""Free curves that turn round and run back along themselves."""
+"""Curves and contours that turn round and run back along themselves."""
 
 from collections.abc import Iterator, Sequence
 from itertools import pairwise
@@ -8,13 +8,14 @@ import numpy as np
 from msgspec import Struct
 
 from beamcam.errors import Diagnostic
-from beamcam.geometry.array_types import Floats
+from beamcam.geometry.array_types import Counts, Floats
 from beamcam.geometry.curves import Bezier, BSpline, Curve
 from beamcam.geometry.plane import Point
 from beamcam.geometry.polylines import polylines
 from beamcam.model.lengths import total_length
 from beamcam.planning.contours import rules
 from beamcam.planning.contours.assign_process import AssignedCurve
+from beamcam.planning.contours.outline import Drawn
 from beamcam.planning.contours.shape import Shape
 
 #: Chords stand for the curves so near to them, in mm, and what lies nearer lies on one another.
@@ -23,6 +24,14 @@ FINE = 1e-3
 MIN_LENGTH = 0.5
 #: The cosine between chords of which the second runs back.
 BACK = -0.9
+#: Both sides of a needle are so near to one another, in tolerances.
+NEEDLE = 2.0
+#: How far a needle is from another stretch of its contour half way to its tip, by that way: what
+#: is nearer leaves a wedge that is too narrow to say on which side of it the waste is.
+BESIDE = 0.6
+STEP = 0.25  #: mm between places of a needle
+NO_STEP = 1e-6  #: mm
+MOST_LENGTH = 100.0  #: of a needle, in mm, that is looked at
 
 
 class Doubling(Struct, frozen=True):
@@ -46,7 +55,8 @@ def doublings(curves: Sequence[Curve], which: Sequence[int]) -> Iterator[Doublin
         own = int(np.searchsorted(drawn.begins, at, "right")) - 1
         begin, end = int(drawn.begins[own]), int(drawn.begins[own + 1])
         if begin < at < end - 1:
-            length = _together(drawn.points[begin : at + 1][::-1], drawn.points[at:end])
+            arms = drawn.points[begin : at + 1][::-1], drawn.points[at:end]
+            length = _together(*arms, 2 * FINE)
             if length > MIN_LENGTH:
                 x, y = drawn.points[at].tolist()
                 yield Doubling(which[own], (x, y), length)
@@ -77,14 +87,14 @@ def _may_turn_round(curve: Curve) -> bool:
     return False
 
 
-def _together(one: Floats, other: Floats) -> float:
-    """Length over which two polylines from a common start coincide."""
+def _together(one: Floats, other: Floats, near: float) -> float:
+    """Length over which two polylines from a common start are no farther apart than `near`."""
     import shapely
 
     if shapely.length(shapely.linestrings(one)) > shapely.length(shapely.linestrings(other)):
         one, other = other, one
     away = shapely.distance(shapely.points(one), shapely.linestrings(other))
-    apart = np.flatnonzero(away > 2 * FINE)
+    apart = np.flatnonzero(away > near)
     last = int(apart[0]) if len(apart) else len(one)
     return float(np.hypot(*np.diff(one[:last], axis=0).T).sum()) if last > 1 else 0.0
 
@@ -103,6 +113,54 @@ def told(
             w.source, found=f"{found.length:.3f}",
             x=f"{found.place[0]:.3f}", y=f"{found.place[1]:.3f}",
         )  # fmt: skip
+
+
+def told_beside(shapes: Sequence[Shape], drawn: Drawn, tolerance: float) -> Iterator[Diagnostic]:
+    """An error for each needle of a closed contour that lies beside another stretch of it.
+
+    `drawn` are points of the contours, of which each has the number of its contour.
+    """
+    points, owner = drawn
+    steps = np.diff(points, axis=0)
+    real = np.flatnonzero((np.hypot(*steps.T) > NO_STEP) & (owner[1:] == owner[:-1]))
+    steps, owner = steps[real], owner[real]
+    after = np.arange(1, len(real) + 1)
+    begins = np.flatnonzero(np.diff(owner, prepend=-1))
+    after[np.append(begins[1:], len(real))[: len(begins)] - 1] = begins
+    sizes = np.hypot(*steps.T)
+    back = np.sum(steps * steps[after], axis=1) < BACK * sizes * sizes[after]
+    turns = np.sort(after[back])
+    for k in np.unique(owner[turns]).tolist():
+        first, last = np.searchsorted(owner, [k, k + 1]).tolist()
+        own = turns[(turns >= first) & (turns < last)] - first
+        for found in _needles(points[real[first:last]], own, NEEDLE * tolerance):
+            yield rules.RUNS_BACK_KERF.at(
+                shapes[k].source, found=f"{found.length:.3f}",
+                x=f"{found.place[0]:.3f}", y=f"{found.place[1]:.3f}",
+            )  # fmt: skip
+
+
+def _needles(ring: Floats, turns: Counts, near: float) -> Iterator[Doubling]:
+    """The needles of a ring (n, 2) that lie beside another stretch of it, by where it turns."""
+    import shapely
+    from shapely.ops import substring
+
+    for at in turns.tolist():
+        places = np.append(np.roll(ring, -at, axis=0), ring[at : at + 1], axis=0)
+        around = shapely.linestrings(places)
+        reached = np.append(0.0, np.cumsum(np.hypot(*np.diff(places, axis=0).T)))
+        half = min(reached[-1] / 2, MOST_LENGTH)
+        others = reached[(turns[turns != at] - at) % len(ring)]
+        ahead, back = (min([half, *some]) for some in (others, reached[-1] - others))
+        sides = substring(around, 0.0, ahead), substring(around, reached[-1], reached[-1] - back)
+        one, other = (shapely.get_coordinates(shapely.segmentize(side, STEP)) for side in sides)
+        length = _together(one, other, near)
+        if length <= MIN_LENGTH or reached[-1] <= 2 * (length + near):
+            continue
+        rest = substring(around, length + near, reached[-1] - length - near)
+        if rest.distance(around.interpolate(length / 2)) <= BESIDE * length / 2:
+            x, y = ring[at].tolist()
+            yield Doubling(0, (x, y), length)
 
 
 def told_flat(shapes: Sequence[Shape]) -> Iterator[Diagnostic]:

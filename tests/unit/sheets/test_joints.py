@@ -17,8 +17,8 @@ KERF = 1.9  #: of 8 mm of steel
 KINDS = ("line", "arc", "quadratic", "cubic")
 
 kinds = st.sampled_from(KINDS)
-#: Outwards and inwards, not along the sides beside the corner, which lie at 188 and 259 degrees.
-headings = st.floats(-80.0, 165.0) | st.floats(208.0, 238.0)
+#: All around, and along the sides beside the corner, which lie at 188 and 259 degrees.
+headings = st.floats(-100.0, 260.0) | st.floats(165.0, 200.0) | st.floats(240.0, 280.0)
 spikes = st.builds(
     Spike,
     st.tuples(kinds, kinds, kinds, kinds),
@@ -79,6 +79,24 @@ def test_what_is_followed_there_and_back_from_a_joint_is_refused(start: int, apa
     with pytest.raises(PlanError, match=r"turns round at x 48\.414, y 43\.414") as caught:
         post((part,), MACHINE)
     assert [said.code for said in caught.value.diagnostics] == ["plan-doubles-back-kerf"]
+
+
+@pytest.mark.parametrize(("spike", "place"), [
+    (Spike(("line",) * 4, (0.0,) * 4, 254.0, 4.0, ("line", "arc"), 0.0, 0.0015),
+     "45.897, y 38.155"),
+    (Spike(("line",) * 4, (0.0,) * 4, 192.0, 2.0, ("cubic", "line"), 0.0, -0.03, 0.01),
+     "45.044, y 41.584"),
+    (Spike(("line",) * 4, (0.0,) * 4, 258.0, 0.9, ("line", "cubic"), 0.0, 0.0015, 0.03),
+     "46.813, y 41.120"),
+], ids=["in the waste", "in the part", "mouth"])  # fmt: skip
+@pytest.mark.parametrize("start", range(6))
+def test_a_needle_beside_the_next_edge_is_refused(spike: Spike, place: str, start: int) -> None:
+    """In the wedge between both there is no saying where the waste is."""
+    ring = spike.ring()
+    part = drawing(contour((*ring[start:], *ring[:start])), thickness=8.0)
+    with pytest.raises(PlanError, match=f"turns round at x {place}") as caught:
+        post((part,), MACHINE)
+    assert {said.code for said in caught.value.diagnostics} == {"plan-doubles-back-kerf"}
 
 
 def window(*ring: tuple[float, float]) -> Part:
