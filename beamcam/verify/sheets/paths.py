@@ -42,9 +42,9 @@ def follow(work: Work) -> tuple[list[Traced], list[Diagnostic]]:
         beside[corners] = _round_corners(work, points[corners])
         centred = 2 * on_middle > total
         # A small ring may touch or cross so many open curves that most of its samples are on them.
-        kept_off = _count(work, stroke, beside)
-        centred &= kept_off <= on_middle
-        both = np.flatnonzero(centred & (kept_off == on_middle))
+        at_side = _count(work, stroke, beside)
+        centred &= at_side <= on_middle
+        both = np.flatnonzero(centred & (at_side == on_middle))
         centred[both] = ~_close(work, [bounds[k] for k in both.tolist()])
         expected = np.where(centred, 0.0, work.half_kerf)
         followed = np.where(centred[stroke], followed, beside)
