@@ -1,6 +1,6 @@
 """Curves and contours that turn round and run back along themselves."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from itertools import pairwise
 from math import hypot
 
@@ -115,8 +115,8 @@ def told(
         )  # fmt: skip
 
 
-def told_beside(shapes: Sequence[Shape], drawn: Drawn, tolerance: float) -> Iterator[Diagnostic]:
-    """An error for each needle of a closed contour that lies beside another stretch of it.
+def turns(drawn: Drawn) -> dict[int, tuple[Floats, Counts]]:
+    """Each closed contour that turns round: its places, (n, 2), and at which of them it does so.
 
     `drawn` are points of the contours, of which each has the number of its contour.
     """
@@ -129,11 +129,21 @@ def told_beside(shapes: Sequence[Shape], drawn: Drawn, tolerance: float) -> Iter
     after[np.append(begins[1:], len(real))[: len(begins)] - 1] = begins
     sizes = np.hypot(*steps.T)
     back = np.sum(steps * steps[after], axis=1) < BACK * sizes * sizes[after]
-    turns = np.sort(after[back])
-    for k in np.unique(owner[turns]).tolist():
+    at = np.sort(after[back])
+    found = {}
+    for k in np.unique(owner[at]).tolist():
         first, last = np.searchsorted(owner, [k, k + 1]).tolist()
-        own = turns[(turns >= first) & (turns < last)] - first
-        for found in _needles(points[real[first:last]], own, NEEDLE * tolerance):
+        own = at[(at >= first) & (at < last)] - first
+        found[k] = points[real[first:last]], own
+    return found
+
+
+def told_beside(
+    shapes: Sequence[Shape], turning: Mapping[int, tuple[Floats, Counts]], tolerance: float
+) -> Iterator[Diagnostic]:
+    """An error for each needle of a closed contour that lies beside another stretch of it."""
+    for k, (ring, at) in turning.items():
+        for found in _needles(ring, at, NEEDLE * tolerance):
             yield rules.RUNS_BACK_KERF.at(
                 shapes[k].source, found=f"{found.length:.3f}",
                 x=f"{found.place[0]:.3f}", y=f"{found.place[1]:.3f}",

@@ -9,7 +9,7 @@ from msgspec.structs import replace
 from beamcam.errors import Diagnostic, errors_in
 from beamcam.planning.contours.assign_process import AssignedCurve
 from beamcam.planning.contours.crossing import crossings, refuse_tangles
-from beamcam.planning.contours.doubling import told_beside, told_flat
+from beamcam.planning.contours.doubling import told_beside, told_flat, turns
 from beamcam.planning.contours.outline import (
     Drawn,
     invalid,
@@ -60,12 +60,13 @@ def nest(
     found = _nested(shapes, closed, rings, bad)
     if not kerf or errors_in(said):
         return found, said
-    needles = list(
-        told_beside([shapes[i] for i in closed], (points[mine], number[owner[mine]]), tolerance)
-    )
+    turning = turns((points[mine], number[owner[mine]]))
+    needles = list(told_beside([shapes[i] for i in closed], turning, tolerance))
     if needles:
         return found, [*said, *needles]
-    more, flat = taken_apart(found, [closed[k] for k in bad], tolerance)
+    # A needle whose mouth is written a hair wide does not meet itself.
+    asked = [closed[k] for k in sorted({*bad, *turning})]
+    more, flat = taken_apart(found, asked, tolerance)
     if flat:
         return found, [*said, *told_flat(flat)]
     if len(more) > len(found):

@@ -99,6 +99,16 @@ def test_a_needle_beside_the_next_edge_is_refused(spike: Spike, place: str, star
     assert {said.code for said in caught.value.diagnostics} == {"plan-doubles-back-kerf"}
 
 
+def test_a_needle_with_a_mouth_a_hair_wide_is_refused() -> None:
+    """A mouth that is written so does not close; both ends of it are one place all the same."""
+    spike = Spike(
+        ("line",) * 4, (0.0,) * 4, 45.0, 0.4, ("cubic", "arc"), 0.0, 5e-4, 1e-5, is_hole=True
+    )
+    with pytest.raises(PlanError, match=r"turns round at x 47\.283, y 42\.283") as caught:
+        post((spike.part(),), MACHINE)
+    assert [said.code for said in caught.value.diagnostics] == ["plan-doubles-back-kerf"]
+
+
 def window(*ring: tuple[float, float]) -> Part:
     return drawing(contour(lines(*ring)), thickness=8.0)
 
