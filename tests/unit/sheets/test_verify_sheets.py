@@ -419,7 +419,7 @@ def test_an_arc_that_leaves_the_table_between_its_ends_is_told(far: str) -> None
     whole = f"G3 X{start[1]} Y{start[2]} I{far} J0\n"
     ring = "".join(arc.findall(text))
     said = {d.code for d in verify_sheet(text.replace(ring, whole), (part,), machine)}
-    assert said & {"verify-sheet-area", "verify-sheet-syntax", "verify-sheet-word"}
+    assert said & {"verify-sheet-area", "verify-sheet-radius", "verify-sheet-syntax"}
     assert post((part,), machine).text == text
 
 
