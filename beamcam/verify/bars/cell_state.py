@@ -65,12 +65,6 @@ class CellState:
         self.unseen: set[str] = set()  #: faces that were worked on without knowing where they lie
         self.peck: tuple[float, float] | None = None  #: X and across of the hole being drilled
         self.pecked = 0  #: how many bores the last stroke made
-        self.does: dict[Role, Callable[[Switch, Values, Cycle | None], None]] = {
-            "on": self._start, "off": self._stop, "coolant-on": self._cool,
-            "coolant-off": self._dry, "choose": self._choose, "change": self._change,
-            "saw": self._saw, "section": self._describe, "other": self._set_pitch,
-            "end": self._end,
-        }  # fmt: skip
 
     def say(self, rule: Rule, line: int, **values: object) -> None:
         self.said.append(rule.at(Source(self.name, line), **values))
@@ -85,7 +79,7 @@ class CellState:
             return
         values = self._values(switch, word) if word.fields or switch.words else _NOTHING
         if values is not None:
-            self.does[word.role](switch, values, word.cycle)
+            _DOES[word.role](self, switch, values, word.cycle)
         elif word.role == "on":
             self.turning = switch.number
 
@@ -383,3 +377,11 @@ class CellState:
     def sideways(self, line: int, what: str, station: Station, at: float) -> None:
         axis = AXES[station.stroke]
         self.say(rules.SIDEWAYS, line, found=what, face=station.face, axis=axis, at=f"{at:g}")
+
+
+_DOES: dict[Role, Callable[[CellState, Switch, Values, Cycle | None], None]] = {
+    "on": CellState._start, "off": CellState._stop, "coolant-on": CellState._cool,
+    "coolant-off": CellState._dry, "choose": CellState._choose, "change": CellState._change,
+    "saw": CellState._saw, "section": CellState._describe, "other": CellState._set_pitch,
+    "end": CellState._end,
+}  # fmt: skip
