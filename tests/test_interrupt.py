@@ -34,8 +34,8 @@ def drawing(count: int) -> str:
     """A drawing of so many circles."""
     rows = []
     for k in range(count):
-        x, y = 11 * (k % 250), 11 * (k // 250)
-        rows.append(f"0\nCIRCLE\n8\n0\n10\n{x}.0\n20\n{y}.0\n40\n5.0\n")
+        x, y = 5 * (k % 250), 5 * (k // 250)
+        rows.append(f"0\nCIRCLE\n8\n0\n10\n{x}.0\n20\n{y}.0\n40\n2.0\n")
     return f"0\nSECTION\n2\nENTITIES\n{''.join(rows)}0\nENDSEC\n0\nEOF\n"
 
 
@@ -43,7 +43,7 @@ def drawing(count: int) -> str:
 def shop(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("shop")
     (folder / "a.nc1").write_text(part("A"))
-    (folder / "big.dxf").write_text(drawing(20_000))
+    (folder / "big.dxf").write_text(drawing(60_000))
     fill(folder / "many", 4000)
     (folder / "golden" / "beamline").mkdir(parents=True)
     (folder / "more").mkdir()

@@ -29,7 +29,7 @@ def planned(name: str) -> list[tuple[Path, str, str]]:
             posted = post(parts[:1], machine, bar=15500.0, skips=SKIP_NAMES, verified=False)
         except (ReadError, PlanError):
             continue
-        told = verify(posted.text, parts[:1], machine, SKIP_NAMES)
+        told = verify(posted.text, parts[:1], machine, SKIP_NAMES, bar=15500.0)
         said = [str(one) for one in told if one.code not in NOT_MADE]
         found.append((path, posted.text, "\n".join(said)))
     return found

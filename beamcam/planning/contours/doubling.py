@@ -28,7 +28,7 @@ BACK = -0.9
 NEEDLE = 2.0
 #: How far a needle is from another stretch of its contour half way to its tip, by that way: what
 #: is nearer leaves a wedge that is too narrow to say on which side of it the waste is.
-BESIDE = 0.6
+BESIDE = 0.4
 STEP = 0.25  #: mm between places of a needle
 NO_STEP = 1e-6  #: mm
 MOST_LENGTH = 100.0  #: of a needle, in mm, that is looked at
