@@ -1,6 +1,7 @@
 """How fast models are read: members a second, the cost beside opening the file, memory.
 
-Each is read on one core, and as the commands do it, on all; times are those of the clock.
+Each is read on one core, and as the commands do it, on all; times are those of the clock. The
+garbage collector is tuned as in the commands, for `ifcopenshell.open` too.
 
     python benchmarks/ifc.py [MODEL...]
 
@@ -45,9 +46,11 @@ def measure(path: Path) -> dict[str, float]:
     """Seconds of opening and of reading, the members read, and the memory that took."""
     import ifcopenshell
 
+    from beamcam.collector import collector_seldom
     from beamcam.readers.ifc import Options, read
     from beamcam.system import cores
 
+    collector_seldom()
     data = path.read_bytes()
     opened, alone, shared = [], [], []
     for _ in range(REPEATS):
