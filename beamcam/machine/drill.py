@@ -16,7 +16,7 @@ class Across(Keys, frozen=True):
     position: Formula  #: of the tool for the y of a hole
 
 
-class Stroke(Keys, frozen=True):
+class StrokeAxis(Keys, frozen=True):
     """The axis that drives a spindle into the material."""
 
     axis: Axis  #: of the program; the other one
@@ -32,7 +32,7 @@ class Spindle(Keys, frozen=True):
     number: Count  #: what the program calls it
     face: Literal["v", "o", "u", "h"]  #: that it reaches
     across: Across
-    stroke: Stroke
+    stroke: StrokeAxis
     stations: PositiveCount = 1  #: tools in its magazine
 
 

@@ -32,7 +32,7 @@ class ToolRow(Struct, frozen=True):
     tool: str
 
 
-class Stretch(Struct, frozen=True):
+class BarStretch(Struct, frozen=True):
     """A stretch of the bar."""
 
     what: str
@@ -50,7 +50,7 @@ class Content(Struct, frozen=True):
     pictures: tuple[Scene, ...]  #: the program's first, then the parts
     operations: tuple[Operation, ...]
     tools: tuple[ToolRow, ...]
-    bar: tuple[Stretch, ...]
+    bar: tuple[BarStretch, ...]
     left_out: tuple[str, ...]
     hand: tuple[HandRow, ...]  #: marks on the list of manual work
     messages: tuple[Diagnostic, ...]  #: of readers, planner, read-back and simulator
@@ -86,7 +86,7 @@ def content_of(source: SheetSources, unit: Unit = "mm") -> Content:
     table = machine.torch.colours if machine.torch is not None else None
     drawn = [part_scene(part, unit, table) for part in parts]
     pictures = (program_scene(program, unit, done), *drawn)
-    bar: tuple[Stretch, ...] = ()
+    bar: tuple[BarStretch, ...] = ()
     if machine.stock == "beam":
         made = bar_made(program)
         operations = operations_of(made, trace)
@@ -170,7 +170,7 @@ def _station(station: int, before: int, changed: bool) -> str:
     return f"{station}, changed manually before operation {before + 1}" if changed else str(station)
 
 
-def _stretches(made: BarMade) -> Iterator[Stretch]:
+def _stretches(made: BarMade) -> Iterator[BarStretch]:
     """Trims, parts and remnant, each from its first to its last corner."""
     corners = [(f, y) for f in ("o", "u") for y in (0.0, made.profile.width)]
     for piece in made.pieces():
@@ -183,4 +183,4 @@ def _stretches(made: BarMade) -> Iterator[Stretch]:
         if piece.kind == "remnant" and made.bar is None:
             continue  # nobody knows where it ends
         if end - start > made.machine.format.resolution:
-            yield Stretch(piece.mark or piece.kind, start, end)
+            yield BarStretch(piece.mark or piece.kind, start, end)

@@ -40,7 +40,7 @@ def beside(process: TorchProcess, part: Part, torch: Torch) -> float:
     return CORNER * kerf / 2 + leads
 
 
-class _Stroke:
+class _StrokeDeviation:
     """What is drawn between on and off, and how far it is off the curves of each process.
 
     What is within the band of one process alone was not measured and counts as 0.
@@ -131,7 +131,7 @@ class Outline:
         self.tracks: dict[TorchProcess, _Track] = {}
         self.work: dict[TorchProcess, Work] = {}
         self.need = Need()
-        self._stroke: _Stroke | None = None
+        self._stroke: _StrokeDeviation | None = None
         #: the process of texts, whose strokes are found when all are known; None without texts
         self.letters: TorchProcess | None = None
         if part is not None:
@@ -148,7 +148,7 @@ class Outline:
 
     def begin(self, line: int) -> None:
         """The laser is switched on."""
-        self._stroke = _Stroke(line, self.tracks)
+        self._stroke = _StrokeDeviation(line, self.tracks)
 
     def draw(self, points: Floats, corners: Floats | None = None) -> None:
         """The head passes some points (n, 2) with the laser on.
