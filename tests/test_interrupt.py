@@ -7,6 +7,7 @@ import sys
 import time
 from collections.abc import Iterator
 from pathlib import Path
+from typing import NamedTuple
 
 import pytest
 
@@ -116,33 +117,43 @@ def test_a_command_that_is_to_hear_of_no_interrupt_hears_of_none(shop: Path) -> 
     assert run.stdout.endswith("True\n")
 
 
+class Started(NamedTuple):
+    process: "subprocess.Popen[bytes]"
+    messages: Path
+
+
 @pytest.fixture
-def started(shop: Path, request: pytest.FixtureRequest) -> Iterator[subprocess.Popen[bytes]]:
-    """The command, with a standard input that gives nothing and does not end."""
-    process = subprocess.Popen(
-        [sys.executable, "-m", "beamcam", *request.param.split()], cwd=shop,
-        env={**os.environ, "PYTHONPATH": str(ROOT)}, stdin=subprocess.PIPE,
-        stdout=subprocess.DEVNULL, stderr=subprocess.PIPE,
-    )  # fmt: skip
-    yield process
+def started(shop: Path, tmp_path: Path, request: pytest.FixtureRequest) -> Iterator[Started]:
+    """The command, with a standard input that gives nothing and does not end.
+
+    Its messages go to a file: it would wait for who reads them once a pipe is full.
+    """
+    messages = tmp_path / "messages.txt"
+    with messages.open("wb") as told:
+        process = subprocess.Popen(
+            [sys.executable, "-m", "beamcam", *request.param.split()], cwd=shop,
+            env={**os.environ, "PYTHONPATH": str(ROOT)}, stdin=subprocess.PIPE,
+            stdout=subprocess.DEVNULL, stderr=told,
+        )  # fmt: skip
+    yield Started(process, messages)
     process.kill()
     process.communicate()
 
 
-def ended(process: "subprocess.Popen[bytes]", after_s: float) -> tuple[int, float, str]:
+def ended(started: Started, after_s: float) -> tuple[int, float, str]:
     """Status, seconds until the end and what was said, of a process sent Ctrl-C after a while."""
+    process = started.process
     time.sleep(after_s)
     assert process.poll() is None, "it ended before it was asked to"
     begun = time.monotonic()
     process.send_signal(signal.SIGINT)
     status = process.wait(timeout=30)
     took = time.monotonic() - begun
-    assert process.stderr is not None
-    return status, took, process.stderr.read().decode()
+    return status, took, started.messages.read_text()
 
 
 @pytest.mark.parametrize("started", WAITING, indirect=True)
-def test_a_command_that_waits(started: "subprocess.Popen[bytes]") -> None:
+def test_a_command_that_waits(started: Started) -> None:
     status, took, said = ended(started, 0.6)
     assert status == 130, said
     assert took < WITHIN_S
@@ -150,7 +161,7 @@ def test_a_command_that_waits(started: "subprocess.Popen[bytes]") -> None:
 
 
 @pytest.mark.parametrize("started", WORKING, indirect=True)
-def test_a_command_at_work(started: "subprocess.Popen[bytes]") -> None:
+def test_a_command_at_work(started: Started) -> None:
     status, took, said = ended(started, 0.7)
     assert status == 130, said
     assert took < WITHIN_S
