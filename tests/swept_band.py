@@ -12,9 +12,7 @@ short, so that all figures hold within 0.005 mm.
 """
 
 import re
-import subprocess
 import sys
-import tempfile
 from collections.abc import Iterable, Iterator
 from math import ceil, pi
 from pathlib import Path
@@ -24,6 +22,8 @@ import numpy as np
 import shapely
 from shapely.geometry.base import BaseGeometry
 from shapely.strtree import STRtree
+
+from tests.rs274 import interpreted
 
 FINE = 0.002
 QUADRANT = 64
@@ -50,17 +50,9 @@ def strokes_of(program: Path) -> list[shapely.LineString]:
 
     Raises Refused with what the interpreter says.
     """
-    for _ in range(3):  # now and then it stops at its start, without a word
-        with tempfile.TemporaryDirectory() as own:  # where it writes its file of parameters
-            run = subprocess.run(
-                ["rs274", "-g", str(program.resolve())],
-                capture_output=True, text=True, timeout=60, cwd=own,
-            )  # fmt: skip
-        said = run.stderr.replace("executing", "").strip()
-        if not run.returncode or said:
-            break
+    run = interpreted(program)
     if run.returncode:
-        raise Refused(said)
+        raise Refused(run.stderr.replace("executing", "").strip())
     found: list[shapely.LineString] = []
     here = np.zeros(2)
     points: list[np.ndarray] | None = None

@@ -1,8 +1,6 @@
 """Lines that lack a station, or are of another controller: each posts, and is read back."""
 
 import re
-import shutil
-import subprocess
 from pathlib import Path
 
 import pytest
@@ -19,6 +17,7 @@ from beamcam.posts import Request
 from beamcam.readers import read
 from beamcam.simulate.program import simulate_program
 from tests.conftest import SAMPLES
+from tests.rs274 import interpreted, needs_rs274
 from tests.runs import part
 
 #: One vertical spindle, other words, a drill cycle, tool numbers, part data; on LinuxCNC.
@@ -197,6 +196,7 @@ def test_its_simulation_takes_as_long_as_its_plan(lines: dict[str, Machine], nam
         assert planned > 3.0 * holes
 
 
+@needs_rs274
 def test_linuxcnc_runs_the_program_of_a_vertical_spindle(
     lines: dict[str, Machine], tmp_path: Path
 ) -> None:
@@ -205,14 +205,10 @@ def test_linuxcnc_runs_the_program_of_a_vertical_spindle(
     posted = made(lines, "vertical", text)
     assert "(A UPN200 S235JR L2000 N1)" in posted.text
     assert re.findall(r"M06 T(\d)", posted.text) == ["2", "3"]
-    if shutil.which("rs274") is None:
-        return
-    (tmp_path / "a.ngc").write_text(posted.text)
-    (tmp_path / "tools.tbl").write_text("".join(f"T{n} P{n} Z0 D1\n" for n in (1, 2, 3)))
-    done = subprocess.run(
-        ["rs274", "-g", "-t", str(tmp_path / "tools.tbl"), str(tmp_path / "a.ngc")],
-        capture_output=True, text=True, check=False,
-    )  # fmt: skip
+    program = tmp_path / "a.ngc"
+    program.write_text(posted.text)
+    tools = "".join(f"T{n} P{n} Z0 D1\n" for n in (1, 2, 3))
+    done = interpreted(program, tools=tools)
     fed = re.findall(r"STRAIGHT_FEED\(([^)]*)\)", done.stdout)
     places = [tuple(map(float, row.split(",")[:3])) for row in fed]
     drill = lines["vertical"].drill

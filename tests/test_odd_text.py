@@ -2,16 +2,14 @@
 
 import json
 import re
-import shutil
-import subprocess
 from pathlib import Path
 
 import pytest
 from click.testing import CliRunner
 
 from beamcam.cli import main
+from tests.rs274 import INI, interpreted, needs_rs274
 from tests.runs import part
-from tests.test_rs274 import INI
 
 SAMPLES = Path(__file__).resolve().parents[1] / "samples"
 ODD = "M\x1b[2J\x9b\u202e\u2028G0 X9)\x85(MSG,%;\x0b\x0c"
@@ -59,16 +57,14 @@ def _blocks(lines: list[str]) -> list[str]:
     return [line for line in lines if not line.startswith(("(", "%"))]
 
 
-@pytest.mark.skipif(shutil.which("rs274") is None, reason="rs274 of LinuxCNC is not installed")
+@needs_rs274
 @pytest.mark.parametrize("job", ["LOGOPEN,gone", "  m s g, hello", "PROBEOPEN gone", "x" * 400])
 def test_no_comment_is_a_command(tmp_path: Path, job: str) -> None:
     out = tmp_path / "o.ngc"
     source = str(SAMPLES / "dstv/gusset.nc1")
     asked = ["post", source, "--machine", "plate-linuxcnc", "--job", job, "-o", str(out)]
     assert CliRunner().invoke(main, asked).exit_code == 0
-    (tmp_path / "rs274.ini").write_text(INI)
-    command = ["rs274", "-i", "rs274.ini", "-g", str(out)]
-    run = subprocess.run(command, capture_output=True, text=True, cwd=tmp_path)
+    run = interpreted(out, ini=INI, folder=tmp_path)
     assert run.returncode == 0, run.stderr
     assert "MESSAGE(" not in run.stdout
     assert not (tmp_path / "gone").exists()

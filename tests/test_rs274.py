@@ -1,9 +1,6 @@
 """LinuxCNC's own interpreter runs the programs of plate-linuxcnc and ends where we say."""
 
 import re
-import shutil
-import subprocess
-import tempfile
 from math import dist, isnan
 from pathlib import Path
 
@@ -20,15 +17,13 @@ from beamcam.verify.sheets.compensation import CompensationError, compensated
 from tests.conftest import GOLDEN, SAMPLES
 from tests.letters import Lines, read
 from tests.linuxcnc_cell import linuxcnc_cell
+from tests.rs274 import INI, interpreted, needs_rs274
 from tests.unit.sheets.parts import NESTED, S, box, contour, drawing, plate, table
 
-RS274 = shutil.which("rs274")
 PROGRAMS = sorted((GOLDEN / "plate-linuxcnc").glob("*.ngc"))
 _CALL = re.compile(r"(STRAIGHT_TRAVERSE|STRAIGHT_FEED|ARC_FEED)\(([^)]*)\)")
 
-pytestmark = pytest.mark.skipif(
-    RS274 is None, reason="rs274 of LinuxCNC is not installed (Debian: linuxcnc-uspace)"
-)
+pytestmark = needs_rs274
 
 
 def moves_of(path: Path) -> list[tuple[str, list[float]]]:
@@ -39,19 +34,9 @@ def moves_of(path: Path) -> list[tuple[str, list[float]]]:
     ]
 
 
-#: Of the machine, as QtPlasmaC has it: the torch, the scribe and the spotting of centres.
-INI = "[TRAJ]\nSPINDLES = 3\n[RS274NGC]\nPARAMETER_FILE = rs274.var\n"
-
-
 def canonical(path: Path) -> str:
     """What the interpreter prints. Fails if it stops with an error."""
-    assert RS274 is not None
-    with tempfile.TemporaryDirectory() as own:  # two of them at once write one file of parameters
-        (Path(own) / "plate.ini").write_text(INI)
-        run = subprocess.run(
-            [RS274, "-i", "plate.ini", "-g", str(path.resolve())],
-            capture_output=True, text=True, timeout=60, cwd=own,
-        )  # fmt: skip
+    run = interpreted(path, ini=INI)
     assert run.returncode == 0, run.stderr
     return run.stdout
 

@@ -1,7 +1,6 @@
 """The measure from outside sees what a cutter does wrong, in programs that are changed by hand."""
 
 import re
-import shutil
 from pathlib import Path
 
 import pytest
@@ -9,11 +8,10 @@ import pytest
 from beamcam.machine import load
 from beamcam.pipeline import post, read_file
 from tests.dxf_text import arc, circle, drawing, line, polyline
+from tests.rs274 import needs_rs274
 from tests.swept_band import Refused, measure
 
-pytestmark = pytest.mark.skipif(
-    shutil.which("rs274") is None, reason="rs274 of LinuxCNC is not installed"
-)
+pytestmark = needs_rs274
 KERF = 1.5  #: of plate-linuxcnc on 6 mm, which it takes where a drawing says nothing
 SQUARE = [(0.0, 0.0), (60.0, 0.0), (60.0, 40.0), (0.0, 40.0)]
 CUT = polyline(SQUARE) + circle(20, 20, 8)

@@ -1,8 +1,6 @@
 """Canned cycles of drilling: as rs274 of LinuxCNC makes them, and on CODESYS as a file says."""
 
 import re
-import shutil
-import subprocess
 from pathlib import Path
 
 import pytest
@@ -18,6 +16,7 @@ from beamcam.pipeline import post, read_back
 from beamcam.posts import Request
 from beamcam.readers import read
 from tests.conftest import SAMPLES
+from tests.rs274 import interpreted, needs_rs274
 from tests.runs import part
 
 HEAD = "%\nG17 G21 G40 G90 G91.1 G94 G98\nG0 X0 Y0 Z5\nG1 F100 Z4\n"
@@ -107,7 +106,7 @@ def linuxcnc(tmp_path_factory: pytest.TempPathFactory) -> Machine:
 def stranger(text: str, path: Path) -> list[tuple[bool, tuple[float, ...]]] | None:
     """The moves that rs274 makes of a program; None if it refuses it."""
     path.write_text(text)
-    done = subprocess.run(["rs274", "-g", str(path)], capture_output=True, text=True, check=False)
+    done = interpreted(path)
     if "PROGRAM_END" not in done.stdout:
         return None
     found = []
@@ -127,13 +126,12 @@ def changes(moves: list[tuple[bool, tuple[float, ...]]]) -> list[tuple[bool, tup
     return found
 
 
+@needs_rs274
 @settings(max_examples=40, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(text=programs())
 def test_cycles_are_what_linuxcnc_makes_of_them(
     linuxcnc: Machine, tmp_path: Path, text: str
 ) -> None:
-    if shutil.which("rs274") is None:
-        return
     expected = stranger(text, tmp_path / "a.ngc")
     moves, said = made(text, linuxcnc)
     if expected is None:

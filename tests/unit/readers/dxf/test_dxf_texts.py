@@ -10,7 +10,8 @@ from beamcam.cli import main
 from beamcam.model.part import TextMark
 from beamcam.readers.dxf import read
 from tests.letters import read as read_letters
-from tests.test_rs274 import RS274, traced
+from tests.rs274 import needs_rs274
+from tests.test_rs274 import traced
 
 ezdxf = pytest.importorskip("ezdxf")
 
@@ -83,7 +84,7 @@ def test_the_lines_of_an_mtext_are_texts_of_their_own() -> None:
     assert (second.text, second.y) == ("Q2", 44.0)
 
 
-@pytest.mark.skipif(RS274 is None, reason="rs274 of LinuxCNC is not installed")
+@needs_rs274
 def test_a_drawing_is_lettered_from_the_command_line(tmp_path: Path) -> None:
     source, target = tmp_path / "a.dxf", tmp_path / "a.ngc"
     source.write_bytes(
