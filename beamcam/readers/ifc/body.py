@@ -130,13 +130,13 @@ def relative_placement(model: Model, element: Entity, other: Entity) -> Frame:
 
 def _item(model: Model, item: Entity, frame: Frame) -> tuple[Swept | Shell, list[Removed]]:
     """What a representation item that stands in `frame` is made of, and what is taken from it."""
-    kinds = item.row.kinds
-    if item.row.name == "IfcExtrudedAreaSolid":
+    kinds = item.type.kinds
+    if item.type.name == "IfcExtrudedAreaSolid":
         return _swept(model, item, frame), []
     if "IfcBooleanResult" in kinds:
         taken = []
         seen = set[Entity]()
-        while "IfcBooleanResult" in item.row.kinds:
+        while "IfcBooleanResult" in item.type.kinds:
             if item in seen:
                 raise Unreadable("geometry that contains itself")
             seen.add(item)
@@ -156,7 +156,7 @@ def _item(model: Model, item: Entity, frame: Frame) -> tuple[Swept | Shell, list
         return _item(model, item.TreeRootExpression, frame)
     if is_faceted(model, item):
         return shell_of(model, item, frame), []
-    raise Unreadable(f"a solid by {item.row.name}")
+    raise Unreadable(f"a solid by {item.type.name}")
 
 
 def _swept(model: Model, item: Entity, frame: Frame) -> Swept:

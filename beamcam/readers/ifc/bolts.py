@@ -15,10 +15,11 @@ from beamcam.errors import Diagnostic, Source
 from beamcam.model.part import Hole, Part, Slot
 from beamcam.readers.ifc import rules
 from beamcam.readers.ifc.body import body_representation
-from beamcam.readers.ifc.entities import NOT_WELL_FORMED, Entity, Model, Unreadable
+from beamcam.readers.ifc.entities import NOT_WELL_FORMED, Entity, Model, Unreadable, ratios
 from beamcam.readers.ifc.features import sorted_features
 from beamcam.readers.ifc.finish import Shaped
 from beamcam.readers.ifc.options import Options
+from beamcam.readers.ifc.solids import mapping
 from beamcam.readers.ifc.space import Frame, Vec, add, dot, scale, size, sub, unit
 from beamcam.readers.ifc.walls import Wall, walls_of
 
@@ -62,47 +63,45 @@ def bolts_of(model: Model) -> tuple[list[Bolt], list[str]]:
 def _bolt(model: Model, element: Entity) -> Bolt | None:
     frame = model.placement(element.ObjectPlacement)
     nominal = getattr(element, "NominalDiameter", None)
-    diameter = nominal * model.mm if nominal else 0.0
-    best: tuple[float, Vec, Vec, float] | None = None
-    for item in body_representation(element).Items if element.Representation else ():
-        for o, along, radius in _axes(model, item, frame):
-            length = size(along)
-            # The shank is the longest piece; the head is wider and shorter.
-            if length > 0 and (best is None or length > best[0]):
-                best = (length, o, along, radius)
-    if best is None:
+    items = body_representation(element).Items if element.Representation else ()
+    axes = [axis for item in items for axis in _axes(model, item, frame)]
+    if not axes:
         return None
-    length, o, along, radius = best
-    diameter = diameter or 2 * radius
-    return None if diameter <= 0 else Bolt(element.guid, o, unit(along), length, diameter)
+    # The shank is the longest piece; the head is wider and shorter.
+    o, along, radius = max(axes, key=lambda axis: size(axis[1]))
+    length, diameter = size(along), nominal * model.mm if nominal else 2 * radius
+    if length <= 0 or diameter <= 0:
+        return None
+    return Bolt(element.guid, o, unit(along), length, diameter)
 
 
 def _axes(model: Model, item: Entity, frame: Frame) -> list[tuple[Vec, Vec, float]]:
     """Axes of the round extrusions, or of the lines that stand for a bolt."""
-    from beamcam.readers.ifc.entities import ratios
-    from beamcam.readers.ifc.solids import mapping
-
     if item.is_a("IfcMappedItem"):
         inner, source = mapping(model, item, frame)
         return [axis for one in source for axis in _axes(model, one, inner)]
     if item.is_a("IfcBooleanResult"):
         return [*_axes(model, item.FirstOperand, frame), *_axes(model, item.SecondOperand, frame)]
     if item.is_a() == "IfcExtrudedAreaSolid":
-        position = frame.times(model.axes(item.Position))
-        way = unit(ratios(item.ExtrudedDirection) or (0.0, 0.0, 1.0))
-        along = position.vector(scale(way, item.Depth * model.mm))
-        profile = item.SweptArea
-        if profile.is_a("IfcCircleProfileDef"):
-            centre = model.axes(profile.Position).o
-            return [(position.point(centre), along, profile.Radius * model.mm)]
+        return _round_axis(model, item, frame)
+    line, radius = item, 0.0
+    if item.is_a("IfcSweptDiskSolid"):
+        line, radius = item.Directrix, item.Radius * model.mm
+    if not line.is_a("IfcPolyline"):
         return []
-    if item.is_a("IfcSweptDiskSolid") and item.Directrix.is_a("IfcPolyline"):
-        points = [frame.point(model.point(p)) for p in item.Directrix.Points]
-        return [(points[0], sub(points[-1], points[0]), item.Radius * model.mm)]
-    if item.is_a("IfcPolyline"):
-        points = [frame.point(model.point(p)) for p in item.Points]
-        return [(points[0], sub(points[-1], points[0]), 0.0)]
-    return []
+    points = [frame.point(model.point(p)) for p in line.Points]
+    return [(points[0], sub(points[-1], points[0]), radius)]
+
+
+def _round_axis(model: Model, item: Entity, frame: Frame) -> list[tuple[Vec, Vec, float]]:
+    """The axis of an extrusion; none if it is not round."""
+    profile = item.SweptArea
+    if not profile.is_a("IfcCircleProfileDef"):
+        return []
+    position = frame.times(model.axes(item.Position))
+    way = unit(ratios(item.ExtrudedDirection) or (0.0, 0.0, 1.0))
+    along = position.vector(scale(way, item.Depth * model.mm))
+    return [(position.point(model.axes(profile.Position).o), along, profile.Radius * model.mm)]
 
 
 def hole_for(diameter: float, clearance: float | None) -> float:
@@ -127,44 +126,54 @@ def drill_bolt_holes(
     A member with a bolt askew is not among them, unless it is forced.
     """
     bolts, without = bolts_of(model)
-    if not bolts:
-        return [part for _, part, _ in members], _account(bolts, without, set(), Source(name))
     parts: list[Part] = []
     said: list[Diagnostic] = []
-    used = set[str]()
     for element, part, shaped in members:
-        if any(isinstance(f, (Hole, Slot)) for f in part.features) or not walls_of(shaped.section):
-            parts.append(part)
-            continue
-        try:
-            world = model.placement(element.ObjectPlacement).times(shaped.frame)
-        except (Unreadable, *NOT_WELL_FORMED) as reason:
-            said.append(rules.GEOMETRY.at(part.source, found=reason))
-            continue
-        holes, skew = _through_member(bolts, world, part, shaped, options, name)
-        holes, in_air = _in_steel(holes, shaped)
-        said += _told_in_air(in_air, part)
-        said += (rules.forced(d) for d in skew) if options.force else skew
-        if skew and not options.force:
-            continue
-        if not holes:
-            parts.append(part)
-            continue
-        contours = [f for f in part.features if not isinstance(f, (Hole, Slot))]
+        drilled: Part | None = part
+        if bolts and walls_of(shaped.section) and not _holes_of(part):
+            drilled, remarks = _drilled(model, bolts, element, part, shaped, options, name)
+            said += remarks
+        if drilled is not None:
+            parts.append(drilled)
+    used = {hole.source.where for part in parts for hole in _holes_of(part)}
+    return parts, [*said, *_account(bolts, without, used, Source(name))]
+
+
+def _holes_of(part: Part) -> list[Hole | Slot]:
+    return [f for f in part.features if isinstance(f, (Hole, Slot))]
+
+
+def _drilled(
+    model: Model,
+    bolts: Sequence[Bolt],
+    element: Entity,
+    part: Part,
+    shaped: Shaped,
+    options: Options,
+    name: str,
+) -> tuple[Part | None, list[Diagnostic]]:
+    """A part with the holes of the bolts that go through it, and remarks; None if it is refused."""
+    try:
+        world = model.placement(element.ObjectPlacement).times(shaped.frame)
+    except (Unreadable, *NOT_WELL_FORMED) as reason:
+        return None, [rules.GEOMETRY.at(part.source, found=reason)]
+    holes, skew = _through_member(bolts, world, part, shaped, options, name)
+    holes, in_air = _in_steel(holes, shaped)
+    said = [*_told_in_air(in_air, part), *(map(rules.forced, skew) if options.force else skew)]
+    if skew and not options.force:
+        return None, said
+    if holes:
         drilled = sorted_features(holes)
-        parts.append(replace(part, features=(*contours, *drilled)))
-        through = {h.source.where or "" for h in holes}
-        used |= through
+        through = {h.source.where for h in holes}
         sizes = ", ".join(f"{d:g}" for d in sorted({round(h.diameter, 3) for h in holes}))
-        said.append(
-            rules.BOLT_HOLES.at(part.source, found=len(through), made=len(drilled), sizes=sizes)
-        )
-    said += _account(bolts, without, used, Source(name))
-    return parts, said
+        counts = {"found": len(through), "made": len(drilled)}
+        said.append(rules.BOLT_HOLES.at(part.source, **counts, sizes=sizes))
+        part = replace(part, features=(*part.features, *drilled))
+    return part, said
 
 
 def _account(
-    bolts: Sequence[Bolt], without: Sequence[str], used: Set[str], source: Source
+    bolts: Sequence[Bolt], without: Sequence[str], used: Set[str | None], source: Source
 ) -> list[Diagnostic]:
     """Account of every fastener of the file; nothing if it has none."""
     said = []
@@ -186,39 +195,40 @@ def _through_member(
     options: Options,
     name: str,
 ) -> tuple[list[Hole], list[Diagnostic]]:
-    section = shaped.section
+    """The holes of bolts through a member whose axes lie in `world`, and which bolts lean."""
     holes: list[Hole] = []
     skew: list[Diagnostic] = []
     for bolt in bolts:
-        off = sub(bolt.head, world.o)
-        x = dot(off, world.x)
-        if not -bolt.length <= x <= part.length + bolt.length:
-            continue
-        head = (x, dot(off, world.y), dot(off, world.z))
-        if not all(
-            -bolt.length <= v <= wide + bolt.length
-            for v, wide in ((head[1], section.height), (head[2], section.width))
-        ):
+        head = _near_head(bolt, world, part, shaped)
+        if head is None:
             continue
         along = (dot(bolt.along, world.x), dot(bolt.along, world.y), dot(bolt.along, world.z))
-        source = Source(name, where=bolt.guid)
-        for wall in walls_of(section):
+        for wall in walls_of(shaped.section):
             lean = degrees(acos(min(1.0, abs(dot(along, wall.direction)))))
             at = _crossing(head, along, bolt, wall, part) if lean < NEAR_DEG else None
             if at is None:
                 continue
             if lean > SQUARE_DEG:
-                skew.append(
-                    rules.BOLT_SKEW.at(
-                        part.source, found=bolt.guid, angle=f"{lean:.1f}", face=wall.face
-                    )
-                )
+                texts = {"angle": f"{lean:.1f}", "face": wall.face}
+                skew.append(rules.BOLT_SKEW.at(part.source, found=bolt.guid, **texts))
                 continue
-            diameter = hole_for(bolt.diameter, options.clearance)
-            hole = Hole(wall.face, at[0], at[1], round(diameter, 6), source)
+            diameter = round(hole_for(bolt.diameter, options.clearance), 6)
+            hole = Hole(wall.face, *at, diameter, Source(name, where=bolt.guid))
             if not any(_one(hole, known) for known in holes):
                 holes.append(hole)
     return holes, skew
+
+
+def _near_head(bolt: Bolt, world: Frame, part: Part, shaped: Shaped) -> Vec | None:
+    """The head of a bolt in the coordinates of a member; None if it does not reach the member."""
+    off = sub(bolt.head, world.o)
+    sides = part.length, shaped.section.height, shaped.section.width
+    head = []
+    for axis, side in zip((world.x, world.y, world.z), sides, strict=True):
+        head.append(dot(off, axis))
+        if not -bolt.length <= head[-1] <= side + bolt.length:
+            return None
+    return head[0], head[1], head[2]
 
 
 def _in_steel(holes: Sequence[Hole], shaped: Shaped) -> tuple[list[Hole], list[Hole]]:

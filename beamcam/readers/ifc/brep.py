@@ -27,7 +27,7 @@ WITHOUT_GEOMETRY = ("Wi", "Sh", "So", "CS", "Co")
 
 
 class BrepError(ValueError):
-    """A text that is no BREP; says what was found and what was expected."""
+    """A text that is not a BREP; says what was found and what was expected."""
 
 
 class _Circle(Struct, frozen=True):
@@ -110,6 +110,10 @@ def _numbers(tokens: Iterator[str], count: int) -> list[float]:
     return [float(next(tokens)) for _ in range(count)]
 
 
+def _integers(tokens: Iterator[str], count: int) -> list[int]:
+    return [int(next(tokens)) for _ in range(count)]
+
+
 def _vec(tokens: Iterator[str]) -> Vec:
     x, y, z = _numbers(tokens, 3)
     return x, y, z
@@ -158,36 +162,40 @@ def _surface(tokens: Iterator[str]) -> Surface:
             return Cylinder(_axes(tokens), float(next(tokens)))
         case "3":
             return Cone(_axes(tokens), *_numbers(tokens, 2))
-        case "4":
-            _numbers(tokens, 13)
-            return Unnamed("sphere")
-        case "5":
-            _numbers(tokens, 14)
-            return Unnamed("torus")
         case "6":
             along = _vec(tokens)
             return _extruded(_curve(tokens), along)
+        case "10":  # a piece of another one
+            _numbers(tokens, 4)
+            return _surface(tokens)
+    return Unnamed(_passed_over(kind, tokens))
+
+
+def _passed_over(kind: str, tokens: Iterator[str]) -> str:
+    """The name of a surface that no member is read by; its numbers are passed over."""
+    match kind:
+        case "4":
+            _numbers(tokens, 13)
+            return "sphere"
+        case "5":
+            _numbers(tokens, 14)
+            return "torus"
         case "7":
             _numbers(tokens, 6)
             _curve(tokens)
-            return Unnamed("surface of revolution")
+            return "surface of revolution"
         case "8":
-            u_weights, v_weights, u_degree, v_degree = (int(next(tokens)) for _ in range(4))
+            u_weights, v_weights, u_degree, v_degree = _integers(tokens, 4)
             _numbers(tokens, (u_degree + 1) * (v_degree + 1) * (3 + (u_weights or v_weights)))
-            return Unnamed("Bezier surface")
+            return "Bezier surface"
         case "9":
-            u_weights, v_weights, _, _, _, _, u, v, u_knots, v_knots = (
-                int(next(tokens)) for _ in range(10)
-            )
+            u_weights, v_weights, _, _, _, _, u, v, u_knots, v_knots = _integers(tokens, 10)
             _numbers(tokens, u * v * (3 + (u_weights or v_weights)) + 2 * (u_knots + v_knots))
-            return Unnamed("B-spline surface")
-        case "10":
-            _numbers(tokens, 4)
-            return _surface(tokens)
+            return "B-spline surface"
         case "11":
             _numbers(tokens, 1)
             _surface(tokens)
-            return Unnamed("offset surface")
+            return "offset surface"
     raise BrepError(f"found surface type {kind!r}; expected 1 to 11")
 
 
@@ -222,11 +230,11 @@ def _curve(tokens: Iterator[str]) -> _Curve:
             _numbers(tokens, 14)
             return "hyperbola"
         case "6":
-            weights, degree = (int(next(tokens)) for _ in range(2))
+            weights, degree = _integers(tokens, 2)
             _numbers(tokens, (degree + 1) * (3 + weights))
             return "Bezier curve"
         case "7":
-            weights, _, _, poles, knots = (int(next(tokens)) for _ in range(5))
+            weights, _, _, poles, knots = _integers(tokens, 5)
             _numbers(tokens, poles * (3 + weights) + 2 * knots)
             return "B-spline curve"
         case "8":
@@ -245,7 +253,7 @@ def _shape(tokens: Iterator[str], version: str) -> _Shape:
     surface = location = 0
     if kind == "Fa":
         _numbers(tokens, 2)
-        surface, location = int(next(tokens)), int(next(tokens))
+        surface, location = _integers(tokens, 2)
     elif kind == "Ve" or kind == "Ed":
         _numbers(tokens, 4)
     elif kind not in WITHOUT_GEOMETRY:

@@ -15,9 +15,5 @@ def elements_of(model: Model, selection: Selection) -> Iterator[Entity]:
     names: tuple[str, ...] = CLASSES
     if "buildingelementproxy" in wanted or "proxy" in wanted:
         names = (*CLASSES, PROXY)
-    known = set[Entity]()
-    for name in names:
-        for element in model.file.by_type(name):
-            if element not in known:
-                known.add(element)
-                yield element
+    for name in names:  # of which none is above another
+        yield from model.file.by_type(name)

@@ -14,6 +14,7 @@ from beamcam.readers.ifc.marks import CUTOUTS, LENGTHS, VOLUMES, WEIGHTS, Data
 from beamcam.readers.ifc.profiles import definition
 from beamcam.readers.ifc.section import Stocks
 from beamcam.readers.ifc.shell import extent
+from beamcam.readers.ifc.space import Frame
 
 STEEL = 7.85e-6  #: kg/mm3
 LENGTH_SLACK = 1.0  #: mm; property sets are rounded
@@ -133,14 +134,15 @@ def stocks_of(model: Model, element: Entity, shaped: Shaped, profile: Entity | N
     if section.code == "B" and abs(section.area - section.height * section.width) < 0.01:
         return plain_stocks(section)
     key = (definition(profile), section) if profile is not None else element
-    known: Stocks | None = model.stocks.get(key)
-    if known is None:
-        built, fine = kernel.build_stock(model, element)
-        to = shaped.frame.inverse()
-        low, high = extent(built.shell.moved(to), (1.0, 0.0, 0.0))
-        exact, faceted = (across(s.moved(to), (low + high) / 2) for s in (fine, built.shell))
-        known = model.stocks[key] = Stocks(exact, faceted, built.volume / (high - low))
-    return known
+    return model.once("stocks", key, _built_stocks, model, element, shaped.frame)
+
+
+def _built_stocks(model: Model, element: Entity, frame: Frame) -> Stocks:
+    built, fine = kernel.build_stock(model, element)
+    to = frame.inverse()
+    low, high = extent(built.shell.moved(to), (1.0, 0.0, 0.0))
+    exact, faceted = (across(s.moved(to), (low + high) / 2) for s in (fine, built.shell))
+    return Stocks(exact, faceted, built.volume / (high - low))
 
 
 def _denied(

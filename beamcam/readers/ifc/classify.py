@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from math import hypot
 
 from beamcam.geometry.curves import Point, signed_area
+from beamcam.geometry.plane import box_around
 from beamcam.model.part import ProfileCode
 from beamcam.readers.ifc.curves2d import Chain
 from beamcam.readers.ifc.outline import (
@@ -18,9 +19,9 @@ from beamcam.readers.ifc.section import SQUARE, Section, placed, special
 
 
 def classify(outer: Chain, inner: Sequence[Chain] = ()) -> Section | None:
-    """The section of an outline by its geometry alone; a special one (SO) if it is no known form.
+    """The section of an outline by its geometry alone; a special one (SO) if its form is unknown.
 
-    None where it has more than one hollow, or a hollow that is no wall's.
+    None where it has more than one hollow, or a hollow that is not a wall's.
     """
     area = abs(signed_area(outer)) - sum(abs(signed_area(c)) for c in inner)
     if len(inner) > 1:
@@ -136,10 +137,6 @@ def _direction(a: Corner, b: Corner) -> Point:
     return x / by, y / by
 
 
-def _back(y: Point, z: Point, q: Point) -> Point:
-    return z[0] * q[0] + y[0] * q[1], z[1] * q[0] + y[1] * q[1]
-
-
 def _centred(
     code: ProfileCode,
     points: list[Point],
@@ -149,11 +146,10 @@ def _centred(
     area: float,
 ) -> Section:
     """A section whose box is that of `points`; flange, web and radius are `sizes`."""
-    lows = min(p[0] for p in points), min(p[1] for p in points)
-    highs = max(p[0] for p in points), max(p[1] for p in points)
-    centre = _back(y, z, ((lows[0] + highs[0]) / 2, (lows[1] + highs[1]) / 2))
-    h, b = highs[1] - lows[1], highs[0] - lows[0]
-    return placed(code, (h, b, *sizes), centre, y, z, area)
+    x0, y0, x1, y1 = box_around(points)
+    u, v = (x0 + x1) / 2, (y0 + y1) / 2
+    centre = z[0] * u + y[0] * v, z[1] * u + y[1] * v
+    return placed(code, (y1 - y0, x1 - x0, *sizes), centre, y, z, area)
 
 
 def _double_tee(
@@ -164,29 +160,25 @@ def _double_tee(
     points, z = _local(corners, y)
     sides = sorted((points[a][0] + points[b][0]) / 2 for a, b in pairs)
     tips = [i for i in range(12) if not corners[i].reflex and _beside_inner(corners, i)]
-    top, bottom = max(p[1] for p in points), min(p[1] for p in points)
+    x0, bottom, x1, top = box_around(points)
     middle = (top + bottom) / 2
     upper = [points[i][1] for i in (*reflex, *tips) if points[i][1] > middle]
     lower = [points[i][1] for i in (*reflex, *tips) if points[i][1] <= middle]
     if len(upper) != 4 or len(lower) != 4:
         return None
     flanges = top - sum(upper) / 4, sum(lower) / 4 - bottom
-
-    def above(p: Point) -> bool:
-        return p[1] > middle
-
-    def below(p: Point) -> bool:
-        return p[1] <= middle
-
-    widths = [
-        max(p[0] for p in points if side(p)) - min(p[0] for p in points if side(p))
-        for side in (above, below)
-    ]
-    centre = sum(sides) / 2 - (max(p[0] for p in points) + min(p[0] for p in points)) / 2
+    widths = [high - low for low, high in _reaches(points, middle)]
+    centre = sum(sides) / 2 - (x1 + x0) / 2
     if abs(flanges[0] - flanges[1]) > 0.2 or abs(widths[0] - widths[1]) > 0.2 or abs(centre) > 0.2:
         return None
     radius = max(corners[i].radius for i in reflex)
     return _centred("I", points, y, z, (sum(flanges) / 2, sides[1] - sides[0], radius), area)
+
+
+def _reaches(points: Sequence[Point], middle: float) -> list[tuple[float, float]]:
+    """Least and greatest Z of the points above the middle, and of those below it."""
+    halves = [p[0] for p in points if p[1] > middle], [p[0] for p in points if p[1] <= middle]
+    return [(min(half), max(half)) for half in halves]
 
 
 def _beside_inner(corners: tuple[Corner, ...], i: int) -> bool:
@@ -201,21 +193,19 @@ def _channel(
     # Counter-clockwise round the outline the inside of the web runs upwards.
     y = _direction(corners[first], corners[second])
     points, z = _local(corners, y)
-    inner = (points[first][0] + points[second][0]) / 2
-    web = inner - min(p[0] for p in points)
+    x0, bottom, x1, top = box_around(points)
+    web = (points[first][0] + points[second][0]) / 2 - x0
     tips = (points[(second + 1) % 8][1], points[first - 1][1])
-    top, bottom = max(p[1] for p in points), min(p[1] for p in points)
     # Sloped flanges have their nominal thickness half way from the web's back to the tip.
-    width = max(p[0] for p in points) - min(p[0] for p in points)
+    width = x1 - x0
     share = (width / 2 - web) / (width - web) if width > web else 0.5
     roots = points[second][1], points[first][1]
     inner_faces = [root + (tip - root) * share for root, tip in zip(roots, tips, strict=True)]
     flanges = top - inner_faces[0], inner_faces[1] - bottom
     if web <= 0 or min(flanges) <= 0 or abs(flanges[0] - flanges[1]) > 0.2:
         return None
-    reach = [max(p[0] for p in points if p[1] > (top + bottom) / 2)]
-    reach.append(max(p[0] for p in points if p[1] <= (top + bottom) / 2))
-    if abs(reach[0] - reach[1]) > 0.2:
+    (_, upper), (_, lower) = _reaches(points, (top + bottom) / 2)
+    if abs(upper - lower) > 0.2:
         return None
     return _centred("U", points, y, z, (sum(flanges) / 2, web, corners[first].radius), area)
 
@@ -265,5 +255,5 @@ def _angle(corners: tuple[Corner, ...], inner: int, area: float) -> Section | No
     if min(web, flange) <= 0 or web > b or flange > h:
         return None
     radius = corners[inner].radius
-    found = Section("L", h, b, flange, web, radius, heel.at, y, z, False, False, area)
+    found = Section("L", h, b, flange, web, radius, heel.at, y, z, area)
     return found.right_way()

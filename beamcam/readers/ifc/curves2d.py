@@ -1,10 +1,12 @@
 """The curves of profiles and of cuts' outlines, exact: lines and arcs in mm."""
 
 import itertools
+from collections.abc import Sequence
 from math import atan2, degrees, hypot, pi
 from typing import Any
 
 from beamcam.geometry.curves import Arc, Curve, Line, Point
+from beamcam.geometry.plane import Box
 from beamcam.readers.ifc.entities import Entity, Model, Unreadable
 from beamcam.readers.ifc.step import Typed
 
@@ -24,6 +26,12 @@ def chain_of(model: Model, entity: Entity) -> Chain:
     return chain
 
 
+def box_around(chain: Chain) -> Box:
+    """The bounding box of a chain that is not empty."""
+    x0, y0, x1, y1 = zip(*(curve.bbox for curve in chain), strict=True)
+    return min(x0), min(y0), max(x1), max(y1)
+
+
 def points_chain(points: list[Point]) -> Chain:
     """The polygon of `points`, closed."""
     ring = [p for i, p in enumerate(points) if i == 0 or _apart(p, points[i - 1])]
@@ -32,21 +40,33 @@ def points_chain(points: list[Point]) -> Chain:
     return tuple(Line(a, b) for a, b in zip(ring, ring[1:] + ring[:1], strict=True))
 
 
+def with_sides(arcs: Sequence[Arc]) -> Chain:
+    """The closed chain of arcs and of the straight sides between them, those of length 0 left out.
+
+    It begins with the side before the first arc.
+    """
+    out: list[Curve] = []
+    for i, arc in enumerate(arcs):
+        side = Line(arcs[i - 1].end, arc.start)
+        out += [side, arc] if side.length > 1e-9 else [arc]
+    return tuple(out)
+
+
 def _apart(a: Point, b: Point) -> bool:
     return hypot(a[0] - b[0], a[1] - b[1]) > SAME_POINT
 
 
 def _curve(model: Model, entity: Entity) -> list[Curve]:
     """The curves of an entity, those without length left out."""
-    row = entity.row
-    kind = row.name
+    known = entity.type
+    kind = known.name
     if kind == "IfcPolyline":
         mm = model.mm
         return _polyline([(c[0] * mm, c[1] * mm) for c in entity.values[0]])
-    if "IfcCompositeCurve" in row.kinds:
+    if "IfcCompositeCurve" in known.kinds:
         chain: list[Curve] = []
         for segment in entity.values[0]:
-            if segment.row.name != "IfcCompositeCurveSegment":
+            if segment.type.name != "IfcCompositeCurveSegment":
                 raise Unreadable(f"a curve segment {segment.is_a()}")
             _, forward, parent, *_ = segment.values
             pieces = _curve(model, parent)

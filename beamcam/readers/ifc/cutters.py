@@ -5,32 +5,23 @@ wall: the region of the plane c = const that it removes.
 """
 
 from math import sqrt
-from typing import Any, Protocol
+from typing import Any
 
 from msgspec import Struct
 
 from beamcam.caches import cached
 from beamcam.geometry.curves import Point, unit_vector
+from beamcam.readers.ifc.curves2d import box_around
 from beamcam.readers.ifc.outline import Round, Slotted, shape_of
 from beamcam.readers.ifc.profiles import Outline
 from beamcam.readers.ifc.region import FAR, Circles, Shape, half_plane, polygon_of, rectangle
+from beamcam.readers.ifc.shell import Shell
 from beamcam.readers.ifc.space import Frame, Vec, across, add, cross, dot, scale, size, unit
 from beamcam.readers.ifc.walls import Wall
 
 Box3 = tuple[Vec, Vec]
 LEVEL = 1e-6  #: sine below which a direction counts as lying in a plane
 EVERYWHERE: Box3 = ((-1e9, -1e9, -1e9), (1e9, 1e9, 1e9))
-
-
-class Cutter(Protocol):
-    """A solid that is subtracted."""
-
-    @property
-    def where(self) -> str | None: ...
-    @property
-    def box(self) -> Box3: ...
-    def moved(self, by: Frame) -> "Cutter": ...
-    def slice(self, wall: Wall, c: float, circles: Circles) -> Shape: ...
 
 
 class HalfSpace(Struct, frozen=True, gc=False):
@@ -48,8 +39,8 @@ class HalfSpace(Struct, frozen=True, gc=False):
         if by.rigid:
             return HalfSpace(by.point(self.point), by.vector(self.normal), self.where)
         # A normal goes with the two directions in its plane, so that scales and mirrors are right.
-        a, b = _in_plane(self.normal)
-        normal = unit(cross(by.vector(a), by.vector(b)))
+        a = across(self.normal)
+        normal = unit(cross(by.vector(a), by.vector(cross(self.normal, a))))
         if dot(normal, by.vector(self.normal)) < 0:
             normal = scale(normal, -1.0)
         return HalfSpace(by.point(self.point), normal, self.where)
@@ -81,10 +72,8 @@ class Prism(Struct, frozen=True, gc=False):
         f = self.frame
         if self.shape is not None:
             return self._round_box(self.shape)
-        boxes = [c.bbox for c in self.outline.outer]
-        s = min(b[0] for b in boxes), max(b[2] for b in boxes)
-        t = min(b[1] for b in boxes), max(b[3] for b in boxes)
-        points = [f.point((a, b, k)) for a in s for b in t for k in (0.0, 1.0)]
+        x0, y0, x1, y1 = box_around(self.outline.outer)
+        points = [f.point((a, b, k)) for a in (x0, x1) for b in (y0, y1) for k in (0.0, 1.0)]
         xs, ys, zs = zip(*points, strict=True)
         return (min(xs), min(ys), min(zs)), (max(xs), max(ys), max(zs))
 
@@ -176,8 +165,8 @@ class Prism(Struct, frozen=True, gc=False):
 class Bounded(Struct, frozen=True):
     """Intersection of two cutters: a half-space within a prism."""
 
-    first: Cutter
-    second: Cutter
+    first: "Cutter"
+    second: "Cutter"
     where: str | None = None
 
     @property
@@ -197,8 +186,8 @@ class Bounded(Struct, frozen=True):
 class Less(Struct, frozen=True):
     """A cutter that is itself cut: what is taken from it stays on the member."""
 
-    first: Cutter
-    taken: tuple[Cutter, ...]
+    first: "Cutter"
+    taken: tuple["Cutter", ...]
     where: str | None = None
 
     @property
@@ -213,6 +202,9 @@ class Less(Struct, frozen=True):
         for one in self.taken:
             shape = shape.difference(one.slice(wall, c, circles))
         return shape
+
+
+Cutter = HalfSpace | Prism | Bounded | Less | Shell  #: a solid that is subtracted
 
 
 @cached("ifc.spread")
@@ -235,24 +227,12 @@ def _spread(x: Vec, y: Vec, shape: Round | Slotted) -> Vec:
     return dx, dy, dz
 
 
-def prism(
-    frame: Frame, along: Vec, outline: Outline, where: str | None, hole: Round | Slotted | None
-) -> Prism:
-    """The prism over an outline in the plane of `frame`, pushed by the vector `along`."""
-    return Prism(Frame(frame.o, frame.x, frame.y, along), outline, where, hole)
-
-
 def hole_of(outline: Outline) -> Round | Slotted | None:
     """The hole or slot that an outline is; None if it is neither."""
     shape = None if outline.inner else shape_of(outline.outer)
     if isinstance(shape, Slotted) and shape.height > 0:
         return None  # a cut-out with round corners, not a slot for a bolt
     return shape
-
-
-def _in_plane(normal: Vec) -> tuple[Vec, Vec]:
-    a = across(normal)
-    return a, cross(normal, a)
 
 
 def _nothing() -> Any:

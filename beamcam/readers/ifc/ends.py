@@ -19,7 +19,7 @@ from beamcam.readers.ifc.cutters import HalfSpace
 from beamcam.readers.ifc.region import Shape, half_plane, pieces_of
 from beamcam.readers.ifc.walls import Wall
 
-MIN_LEAN = 0.17  #: of a normal along the member; a plane nearer to the axis is no end
+MIN_LEAN = 0.17  #: of a normal along the member; a plane nearer to the axis is not an end
 MIN_EDGE = 1.0  #: mm across the member of an edge that counts for an end
 SAME_SLOPE = 2e-4
 SAME_REACH = 1e-4  #: mm by which one plane may be before the sole one
@@ -72,20 +72,14 @@ def trim(square: End, cuts: Sequence[End], corners: Sequence[Point]) -> Trim:
     planes, level = (square, *cuts), square.side * square.c
     if not cuts:
         return Trim(planes, square, level, level)
-    lines = [reaches(one, corners) for one in cuts]
-    left = lines[0] if len(lines) == 1 else list(map(min, *lines))
-    least, most = min(left), max(left)
-    sole = None
-    if level <= least + SAME_REACH:
-        sole = square
-    elif len(lines) == 1:
-        sole = cuts[0] if most <= level + SAME_REACH else None
-    else:
-        for one, line in zip(cuts, lines, strict=True):
-            if max(line) <= level + SAME_REACH and max(map(sub, line, left)) <= SAME_REACH:
-                sole = one
-                break
-    return Trim(planes, sole, min(least, level), min(most, level))
+    lines = [reaches(one, corners) for one in planes]
+    left = list(map(min, *lines))
+    alone = (
+        one
+        for one, line in zip(planes, lines, strict=True)
+        if max(map(sub, line, left)) <= SAME_REACH
+    )
+    return Trim(planes, next(alone, None), min(left), max(left))
 
 
 def reaches(end: End, corners: Sequence[Point]) -> list[float]:
@@ -119,8 +113,8 @@ def fitted_end(side: int, levels: Sequence[Level]) -> End | None:
         return None
     candidates = [
         _through(side, edges, a, b)
-        for a in (_chief_slope(web), _lean(web, "a"), 0.0)
-        for b in (_chief_slope(flange), _lean(web, "b"), 0.0)
+        for a in (_chief_slope(web), 0.0)
+        for b in (_chief_slope(flange), _lean(web), 0.0)
         if a is not None and b is not None
     ]
     return max(candidates, key=lambda found: round(found[1], 1))[0]
@@ -155,23 +149,28 @@ def _facing(side: int, wall: Wall, c: float, shape: Shape) -> list[_Edge]:
 
 
 def _chief_slope(edges: Sequence[_Edge]) -> float | None:
-    """The slope that most of the edges' width has."""
-    best: tuple[float, float] | None = None
-    for one in edges:
-        weight = sum(e.weight for e in edges if abs(e.slope - one.slope) < SAME_SLOPE)
-        if best is None or weight > best[0] + 1e-6:
-            best = (weight, one.slope)
-    return best[1] if best else None
+    """The slope that most of the edges' width has; None where there are no edges."""
+    return _chief([(e.slope, e.weight) for e in edges], SAME_SLOPE)[0] if edges else None
 
 
-def _lean(edges: Sequence[_Edge], of: str) -> float | None:
+def _chief(rows: Sequence[tuple[float, float]], near: float) -> tuple[float, float]:
+    """The first value about which most of the weight lies, and that weight."""
+    best = (rows[0][0], 0.0)
+    for value, _ in rows:
+        weight = sum(w for v, w in rows if abs(v - value) < near)
+        if weight > best[1] + 1e-6:
+            best = (value, weight)
+    return best
+
+
+def _lean(edges: Sequence[_Edge]) -> float | None:
     """How an end leans through the thickness of the webs, by edges at two levels of one wall."""
-    if of == "a" or not edges:
-        return None
     chief = _chief_slope(edges)
-    along = [e for e in edges if chief is not None and abs(e.slope - chief) < SAME_SLOPE]
+    if chief is None:
+        return None
+    along = [e for e in edges if abs(e.slope - chief) < SAME_SLOPE]
     levels = sorted({e.level for e in along if e.wall == along[0].wall})
-    if len(levels) < 2 or chief is None:
+    if len(levels) < 2:
         return None
     first, last = (
         max((e for e in along if e.level == at), key=lambda e: e.weight)
@@ -184,18 +183,13 @@ def _lean(edges: Sequence[_Edge], of: str) -> float | None:
 
 def _through(side: int, edges: Sequence[_Edge], a: float, b: float) -> tuple[End, float]:
     """The plane of slopes a and b that most of the edges lie in, and how much that is."""
-    best: tuple[float, float] | None = None
     heights = []
     for edge in edges:
         y, z = (edge.level, edge.q) if edge.wall.normal == "y" else (edge.q, edge.level)
         fits = abs(edge.slope - (b if edge.wall.normal == "y" else a)) < SAME_SLOPE
         heights.append((edge.x - a * y - b * z, edge.weight if fits else 0.0))
-    for c, _ in heights:
-        weight = sum(w for d, w in heights if abs(d - c) < SAME_PLANE)
-        if best is None or weight > best[0] + 1e-6:
-            best = (weight, c)
-    assert best is not None
-    return End(side, a, b, best[1]), best[0]
+    c, weight = _chief(heights, SAME_PLANE)
+    return End(side, a, b, c), weight
 
 
 __all__ = ["End", "Level", "Trim", "fitted_end", "of_plane", "reaches", "trim"]

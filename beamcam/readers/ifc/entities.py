@@ -3,9 +3,10 @@
 All lengths that leave this module are millimetres.
 """
 
+from collections.abc import Callable
 from contextlib import suppress
 from math import pi
-from typing import Any
+from typing import Any, TypeVar
 
 from msgspec import Struct, field
 
@@ -27,6 +28,7 @@ from beamcam.readers.ifc.units import scale_of
 
 Coordinates = tuple[float, ...]  #: an IfcCartesianPoint or an IfcDirection
 Placement = tuple[Any, ...]  #: an IfcAxis2Placement: location, and one direction or two
+Known = TypeVar("Known")
 
 
 #: What a reference that is missing, or to the wrong kind of entity, ends in.
@@ -44,7 +46,7 @@ class OddCut(Unreadable):
 
 
 class NoSection(Unreadable):
-    """A profile that is no section, which its solid would not be either."""
+    """A profile that is not a section, which its solid would not be either."""
 
 
 class Kinked(Unreadable):
@@ -59,21 +61,17 @@ class Model(Struct):
     mm: float  #: mm in the file's length unit
     radians: float  #: radians in the file's plane angle unit
     kilograms: float  #: kg in the file's mass unit
-    frames: dict[Placement, Frame] = field(default_factory=dict)
     placements: dict[Entity, Frame] = field(default_factory=dict)
-    outlines: dict[Any, Any] = field(default_factory=dict)
-    sections: dict[Any, Any] = field(default_factory=dict)
-    plates: dict[Any, Any] = field(default_factory=dict)
-    classified: dict[Any, Any] = field(default_factory=dict)  #: sections by their outline
-    cut_outs: dict[Any, Any] = field(default_factory=dict)  #: outlines of cutters, and holes
-    members: dict[Any, Any] = field(default_factory=dict)  #: those of a stock, by this
-    wanted: dict[str, str] | None = None  #: texts of the properties that matter, by their names
-    properties: dict[str, Any] = field(default_factory=dict)  #: name and value by that text
-    psets: dict[str, tuple[str, dict[str, str | float]]] = field(default_factory=dict)
-    materials: dict[str, str] = field(default_factory=dict)
-    kernel: list[Any] = field(default_factory=list)  #: the kernel's file, when it was asked for
-    stocks: dict[Any, Any] = field(default_factory=dict)  #: sections as the kernel builds them
-    stated: list[float] = field(default_factory=list)  #: its precision in mm, once it was asked
+    properties: dict[str, Any] = field(default_factory=dict)  #: by their texts; most asked for
+    known: dict[Any, Any] = field(default_factory=dict)  #: by what it is and its key; see `once`
+
+    def once(self, what: str, key: Any, made: Callable[..., Known], *of: Any) -> Known:
+        """What a key stands for: `made(*of)`, worked out when it is first asked for."""
+        at = what, key
+        if at not in self.known:
+            self.known[at] = made(*of)
+        found: Known = self.known[at]
+        return found
 
     def point(self, c: Coordinates) -> Vec:
         """An IfcCartesianPoint of two or three coordinates, in mm."""
@@ -84,21 +82,18 @@ class Model(Struct):
         """An IfcAxis2Placement2D or 3D, or the frame itself where there is none."""
         if placement is None:
             return IDENTITY
-        known = self.frames.get(placement)
-        if known is None:
-            known = self._axes(placement)
-            if known == IDENTITY:
-                known = IDENTITY  # which costs nothing to multiply with
-            self.frames[placement] = known
-        return known
+        return self.once("axes", placement, self._axes, placement)
 
     def _axes(self, placement: Placement) -> Frame:
-        origin = self.point(placement[0])
-        if len(placement) == 2:
-            x, y, _ = ratios(placement[1]) or (1.0, 0.0, 0.0)
+        origin, ways = self.point(placement[0]), placement[1:]
+        if len(ways) == 1:
+            x, y, _ = ratios(ways[0]) or (1.0, 0.0, 0.0)
             along = unit((x, y, 0.0))
-            return Frame(origin, along, (-along[1], along[0], 0.0))
-        return Frame(origin, *right_handed(ratios(placement[1]), ratios(placement[2])))
+            axes: tuple[Vec, ...] = along, (-along[1], along[0], 0.0)
+        else:
+            axes = right_handed(*map(ratios, ways))
+        found = Frame(origin, *axes)
+        return IDENTITY if found == IDENTITY else found  # which costs nothing to multiply with
 
     def placement(self, entity: Entity | None) -> Frame:
         """An IfcObjectPlacement in the world, chained placements included."""
@@ -126,12 +121,14 @@ class Model(Struct):
     @property
     def precision(self) -> float:
         """mm to which the file states its geometry to be right; 0 where it states nothing."""
-        if not self.stated:
-            self.stated.append(0.0)
-            for context in self.file.by_type("IfcGeometricRepresentationContext"):
-                with suppress(*NOT_WELL_FORMED):
-                    self.stated[0] = max(self.stated[0], float(context.Precision or 0.0) * self.mm)
-        return self.stated[0]
+        return self.once("precision", None, self._precision)
+
+    def _precision(self) -> float:
+        stated = 0.0
+        for context in self.file.by_type("IfcGeometricRepresentationContext"):
+            with suppress(*NOT_WELL_FORMED):
+                stated = max(stated, float(context.Precision or 0.0) * self.mm)
+        return stated
 
     def operator(self, entity: Entity) -> Frame:
         """An IfcCartesianTransformationOperator, its scales and mirrors included."""

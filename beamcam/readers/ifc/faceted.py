@@ -8,9 +8,9 @@ import itertools
 from collections.abc import Sequence
 from math import atan2, ceil, cos, degrees, hypot, pi, radians, sin
 
-from beamcam.geometry.curves import Arc, Curve, Line, Point
+from beamcam.geometry.curves import Arc, Curve, Point
 from beamcam.model.part import Hole, Slot
-from beamcam.readers.ifc.curves2d import Chain
+from beamcam.readers.ifc.curves2d import Chain, with_sides
 from beamcam.readers.ifc.region import Circles, Shape, points_of
 
 ON_ARC = 0.02  #: mm that a corner of a mesh may lie off the arc that it stands for
@@ -73,13 +73,7 @@ def outline_of(f: Hole | Slot) -> Chain:
         )
         for s, t, start in ((1, -1, -90.0), (1, 1, 0.0), (-1, 1, 90.0), (-1, -1, 180.0))
     ]
-    out: list[Curve] = []
-    for i, arc in enumerate(arcs):
-        side = Line(arcs[i - 1].end, arc.start)
-        if side.length > 1e-9:
-            out.append(side)
-        out.append(arc)
-    return tuple(out)
+    return with_sides(arcs)
 
 
 def area_of(f: Hole | Slot) -> float:

@@ -1,8 +1,7 @@
 """Faceted solids of IFC as shells: Breps, face sets and surface models, read without a kernel."""
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from itertools import chain
-from typing import Any
 
 import numpy as np
 
@@ -27,45 +26,41 @@ def shell_of(model: Model, item: Entity, frame: Frame, where: str | None = None)
 
 
 def _faces(model: Model, item: Entity) -> Iterator[list[Ring]]:
+    if item.is_a("IfcFacetedBrepWithVoids"):
+        raise Unreadable("a Brep with hidden voids")
     if item.is_a("IfcFacetedBrep"):
-        if item.is_a("IfcFacetedBrepWithVoids"):
-            raise Unreadable("a Brep with hidden voids")
-        yield from _shell_faces(model, item.Outer)
+        yield from _shell_faces(model, (item.Outer,))
     elif item.is_a("IfcFaceBasedSurfaceModel"):
-        for faces in item.FbsmFaces:
-            yield from _shell_faces(model, faces)
+        yield from _shell_faces(model, item.FbsmFaces)
     elif item.is_a("IfcShellBasedSurfaceModel"):
-        for faces in item.SbsmBoundary:
-            yield from _shell_faces(model, faces)
+        yield from _shell_faces(model, item.SbsmBoundary)
     elif item.is_a("IfcTriangulatedFaceSet"):
-        points = _list3d(model, item.Coordinates)
-        for triangle in item.CoordIndex:
-            yield [[points[_index(item, i)] for i in triangle]]
+        yield from _indexed_faces(model, item, ((triangle,) for triangle in item.CoordIndex))
     elif item.is_a("IfcPolygonalFaceSet"):
-        points = _list3d(model, item.Coordinates)
-        for face in item.Faces:
-            rings = [[points[_index(item, i)] for i in face.CoordIndex]]
-            if face.is_a("IfcIndexedPolygonalFaceWithVoids"):
-                rings += [
-                    [points[_index(item, i)] for i in ring] for ring in face.InnerCoordIndices
-                ]
-            yield rings
+        yield from _indexed_faces(model, item, map(_rings_of, item.Faces))
     else:
         raise Unreadable(f"a faceted solid by {item.is_a()}")
 
 
-def _index(item: Entity, i: int) -> int:
-    table: Any = getattr(item, "PnIndex", None)
-    return (table[i - 1] if table else i) - 1
-
-
-def _list3d(model: Model, entity: Entity) -> list[Vec]:
+def _indexed_faces(
+    model: Model, item: Entity, faces: Iterable[tuple[tuple[int, ...], ...]]
+) -> Iterator[list[Ring]]:
+    """Faces whose rings are places in the list of points, or in a list of such places."""
     mm = model.mm
-    return [(x * mm, y * mm, z * mm) for x, y, z in entity.CoordList]
+    points = [(x * mm, y * mm, z * mm) for x, y, z in item.Coordinates.CoordList]
+    table = getattr(item, "PnIndex", None)
+    for rings in faces:
+        yield [[points[(table[i - 1] if table else i) - 1] for i in ring] for ring in rings]
 
 
-def _shell_faces(model: Model, shell: Entity) -> Iterator[list[Ring]]:
-    for face in shell.CfsFaces:
+def _rings_of(face: Entity) -> tuple[tuple[int, ...], ...]:
+    if face.is_a("IfcIndexedPolygonalFaceWithVoids"):
+        return (face.CoordIndex, *face.InnerCoordIndices)
+    return (face.CoordIndex,)
+
+
+def _shell_faces(model: Model, shells: Iterable[Entity]) -> Iterator[list[Ring]]:
+    for face in chain.from_iterable(one.CfsFaces for one in shells):
         if face.is_a("IfcFaceSurface") and not face.FaceSurface.is_a("IfcPlane"):
             raise Unreadable(f"a face on {face.FaceSurface.is_a()}")
         rings: list[Ring] = []

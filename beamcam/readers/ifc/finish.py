@@ -81,6 +81,25 @@ def end_planes(start: End, end: End, shift: float, source: Source) -> tuple[EndP
     return tuple(found)
 
 
+def sawn(
+    section: Section,
+    start: End,
+    end: End,
+    holes: Sequence[Hole | Slot],
+    source: Source,
+    gross: float,
+) -> Shaped:
+    """A member with two plane ends and holes: all that most members have."""
+    x0, x1 = reach(section, start, end)
+    features = (
+        *sorted_features([shifted(h, -x0) for h in holes]),
+        *end_planes(start, end, x0, source),
+    )
+    middle = section.height / 2, section.width / 2
+    volume = section.area * (end.x(*middle) - start.x(*middle)) - hole_volume(section, holes)
+    return Shaped(section, x1 - x0, cuts_of(start, end), features, volume, gross, (), x0)
+
+
 def from_regions(
     section: Section,
     regions: Regions,
@@ -95,7 +114,7 @@ def from_regions(
 
     `sole` are the single planes that the stock ends in where there is one; the cuts decide whether
     they are still the ends. An end is the plane that most of it lies in, or square where that plane
-    does not reach the end of the member: a shoulder of copes is no end. `span` is the member's
+    does not reach the end of the member: a shoulder of copes is not an end. `span` is the member's
     least and greatest x where they are known. Raises Unreadable if nothing is left.
     """
     every: list[Level] = [(w, c, s) for w, row in regions.items() for c, s in row]

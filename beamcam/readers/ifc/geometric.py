@@ -22,10 +22,11 @@ from beamcam.readers.ifc.ends import MIN_LEAN, End
 from beamcam.readers.ifc.entities import Entity, Kinked, Model, Unreadable
 from beamcam.readers.ifc.exact import Circle, circles_in
 from beamcam.readers.ifc.explained import KERNEL_SLACK, difference, measured, plain_stocks
-from beamcam.readers.ifc.features import opening, shifted
-from beamcam.readers.ifc.finish import Regions, Shaped, cuts_of, end_planes, from_regions, reach
+from beamcam.readers.ifc.features import opening
+from beamcam.readers.ifc.finish import Regions, Shaped, from_regions, reach, sawn
 from beamcam.readers.ifc.kernel import build_both
-from beamcam.readers.ifc.plates import box_of, into
+from beamcam.readers.ifc.plates import box_of
+from beamcam.readers.ifc.profiles import Outline
 from beamcam.readers.ifc.region import (
     Circles,
     Shape,
@@ -47,8 +48,8 @@ from beamcam.readers.ifc.shell import (
     vec,
 )
 from beamcam.readers.ifc.slices import arcs_of, ring_arcs, with_circles
-from beamcam.readers.ifc.space import Frame, add, cross, dot, scale
-from beamcam.readers.ifc.stock import Stock
+from beamcam.readers.ifc.space import Frame, cross, scale
+from beamcam.readers.ifc.stock import plate_stock
 from beamcam.readers.ifc.walls import Wall, walls_of
 
 PRISMATIC = 0.01  #: share by which a plate's volume may differ from outline times thickness
@@ -169,7 +170,7 @@ def _unexplained(
 def _other_area(found: Shaped, stocks: Stocks, source: Source) -> tuple[Diagnostic, ...]:
     """Where the section that a shell shows has another area than its measures give.
 
-    Of a round one the facets give the diameter, and the lips of a channel are no measures.
+    Of a round one the facets give the diameter, and the lips of a channel are not measures.
     """
     s = found.section
     if s.code in ("RO", "RU", "C", "SO"):
@@ -210,13 +211,10 @@ def _member(shell: Shell, cutters: Sequence[Cutter], stock: Rolled, source: Sour
                 shape = _full_width(shape, wall, c, stock.outline)
             levels.append((c, shape))
         regions[wall] = tuple(levels)
+    # The levels lie inside the walls; only the shell itself knows how far the tips reach.
     span = None if taken else (stock.x0, stock.x1)
     gross = stock.x1 - stock.x0
-    found = from_regions(stock.section, regions, holes, circles, source, gross, span=span)
-    if not taken:
-        # The levels lie inside the walls; only the shell itself knows how far the tips reach.
-        found = _reached(found, stock)
-    return found
+    return from_regions(stock.section, regions, holes, circles, source, gross, span=span)
 
 
 def _levels(section: Section, wall: Wall) -> tuple[float, ...]:
@@ -297,17 +295,6 @@ def _full_width(shape: Shape, wall: Wall, c: float, outline: tuple[Point, ...]) 
     return transform(shape, widened)
 
 
-def _reached(found: Shaped, stock: Rolled) -> Shaped:
-    """The member with the length of its shell, its features moved as much."""
-    shift = found.x0 - stock.x0
-    if abs(shift) < 1e-6:
-        return replace(found, length=stock.x1 - stock.x0, x0=stock.x0)
-    features = tuple(
-        shifted(f, shift) if isinstance(f, (Hole, Slot, Contour)) else f for f in found.features
-    )
-    return replace(found, length=stock.x1 - stock.x0, features=features, x0=stock.x0)
-
-
 def _plate(shell: Shell, cutters: Sequence[Cutter], source: Source) -> Shaped | None:
     """The plate that a shell is, if it is one."""
     normal = broadest_normal(shell)
@@ -329,41 +316,18 @@ def _plate(shell: Shell, cutters: Sequence[Cutter], source: Source) -> Shaped | 
         other = section(shell, scale(normal, low + share * thickness), normal, u, v)
         if float(shape.symmetric_difference(other).area) > PRISMATIC * area:
             return None
-    outer, inner = arcs_of(pieces_of(shape)[0], circles_in(shell.cylinders, normal, u, v))
-    box = box_of(outer)
-    x = add(scale(u, box.x[0]), scale(v, box.x[1]))
-    y = add(scale(u, box.y[0]), scale(v, box.y[1]))
-    z = cross(x, y)
-    base = low if dot(z, normal) > 0 else -high
-    o = add(add(scale(u, box.origin[0]), scale(v, box.origin[1])), scale(z, base))
-    width = box.width
-    made = Section(
-        "B", width, thickness, 0.0, thickness, 0.0, (0.0, 0.0), (0.0, 1.0), (1.0, 0.0),
-        True, True, width * thickness,
-    )  # fmt: skip
-    frame = Frame(o, x, y, z)
-    hollows = tuple(into(h, box) for h in inner)
-    stock = Stock(made, frame, 0.0, box.length, box.outline, hollows)
-    inverse = frame.inverse()
-    return in_place(cut(stock, [c.moved(inverse) for c in cutters], source), frame)
+    outline = Outline(*arcs_of(pieces_of(shape)[0], circles_in(shell.cylinders, normal, u, v)))
+    lies = Frame(scale(normal, low), u, v, normal)
+    stock = plate_stock(box_of(outline), lies, scale(normal, thickness), thickness)
+    inverse = stock.frame.inverse()
+    return in_place(cut(stock, [c.moved(inverse) for c in cutters], source), stock.frame)
 
 
 def _round(local: Shell, stock: Rolled, source: Source) -> Shaped:
     """A round bar or pipe, or a special section, by its shell: two plane ends, nothing else."""
     start, end = [_flat_end(local, side) for side in (-1, 1)]
     x0, x1 = reach(stock.section, start, end)
-    middle = stock.section.height / 2, stock.section.width / 2
-    length = end.x(*middle) - start.x(*middle)
-    return Shaped(
-        stock.section,
-        x1 - x0,
-        cuts_of(start, end),
-        end_planes(start, end, x0, source),
-        stock.section.area * length,
-        x1 - x0,
-        (),
-        x0,
-    )
+    return sawn(stock.section, start, end, (), source, x1 - x0)
 
 
 def _flat_end(local: Shell, side: int) -> End:

@@ -45,17 +45,16 @@ def pierce(cutter: Cutter, box: Box3, into: Drilled, source: Source) -> list[Hol
     if not isinstance(cutter, Prism) or cutter.shape is None:
         return None
     place = source if cutter.where is None else replace(source, where=cutter.where)
-    if into.section.code in ("RO", "RU"):
-        inside = box[0][0] > NEAR - into.start.least and box[1][0] < into.end.least - NEAR
-        return _radial(cutter, cutter.shape, into.section, place) if inside else None
-    if not into.walls:
-        return None  # a special section has no face that a hole could be on
     low, high = box
     start, end = into.start, into.end
+    clear = low[0] > NEAR - start.least and high[0] < end.least - NEAR  # of all planes
+    if into.section.code in ("RO", "RU"):
+        return _radial(cutter, cutter.shape, into.section, place) if clear else None
+    if not into.walls:
+        return None  # a special section has no face that a hole could be on
     # The first planes are the stock's own, square ends.
     if high[0] <= start.planes[0].c or low[0] >= end.planes[0].c:
         return []
-    clear = low[0] > NEAR - start.least and high[0] < end.least - NEAR  # of all planes
     found: list[Hole | Slot] = []
     for wall in into.walls:
         q, c = (2, 1) if wall.normal == "y" else (1, 2)
@@ -68,16 +67,11 @@ def pierce(cutter: Cutter, box: Box3, into: Drilled, source: Source) -> list[Hol
             or q0 >= wall.width - TOUCH
         ):
             continue
-        along = cutter.frame.z
-        lean = abs(along[c]) / size(along)
-        if lean < SQUARE:
+        if _lies_along(cutter, wall):
             bite = min(c1, wall.high) - max(c0, wall.low)
             if bite <= BITE * wall.thickness or _within_another(wall, box, into):
                 continue
             return None  # it runs along inside the wall
-        if lean < 1 - SQUARE * SQUARE / 2:
-            angle = degrees(atan2(sqrt(1 - lean * lean), lean))
-            raise Unreadable(f"a hole at {angle:.2f} degrees to face {wall.face}")
         beyond = False if clear else _beyond((low[0], high[0]), (q0, q1), into, wall)
         if beyond:
             continue
@@ -85,6 +79,16 @@ def pierce(cutter: Cutter, box: Box3, into: Drilled, source: Source) -> list[Hol
             return None
         found.append(_drilled(cutter, cutter.shape, wall, (c0, c1), place))
     return found
+
+
+def _lies_along(cutter: Prism, wall: Wall) -> bool:
+    """Whether a prism runs along a wall, and not square to it. Raises Unreadable if askew."""
+    along = cutter.frame.z
+    lean = abs(wall.split(along)[1]) / size(along)
+    if SQUARE <= lean < 1 - SQUARE * SQUARE / 2:
+        angle = degrees(atan2(sqrt(1 - lean * lean), lean))
+        raise Unreadable(f"a hole at {angle:.2f} degrees to face {wall.face}")
+    return lean < SQUARE
 
 
 def _within_another(wall: Wall, box: Box3, into: Drilled) -> bool:

@@ -181,12 +181,14 @@ def _referred(values: tuple[Any, ...]) -> Iterator[Any]:
 
 def load(model: Model) -> Any:
     """The model as the kernel reads it, once. Raises Unreadable if it does not."""
-    if not model.kernel:
-        try:
-            model.kernel.append(_kernel().file.from_string(model.data.decode("latin-1")))
-        except Exception as fault:  # the parser's own errors have no class of their own
-            raise Unreadable(f"a file that the kernel does not read ({fault})") from fault
-    return model.kernel[0]
+    return model.once("kernel", None, _loaded, model.data)
+
+
+def _loaded(data: bytes) -> Any:
+    try:
+        return _kernel().file.from_string(data.decode("latin-1"))
+    except Exception as fault:  # the parser's own errors have no class of their own
+        raise Unreadable(f"a file that the kernel does not read ({fault})") from fault
 
 
 def _blunted(a: Cylinder, b: Cylinder) -> bool:

@@ -149,15 +149,16 @@ def _beside(
     piece: Shape, gone: Shape, made: Rebuilt, face: str, x: float, touching: float, more: bool
 ) -> float | None:
     """How far a piece reaches over its wall from the edge of what is cut; None if it is apart."""
-    from shapely import Point, get_coordinates
+    import shapely
 
     cuts = [cut for cut in made.cuts if cut.wall.face == face]
     if not cuts or gone.is_empty or piece.distance(gone) > touching:
         return None
-    flat = cuts[0].wall.normal == "y"
-    spots = [Point(x, z if flat else y) for z, y in get_coordinates(piece)]
-    edges = [cut.shape.boundary if more else cut.shape for cut in cuts]
-    return max(min(float(edge.distance(spot)) for edge in edges) for spot in spots)
+    along_y = cuts[0].wall.normal == "y"
+    spots = shapely.points([(x, z if along_y else y) for z, y in shapely.get_coordinates(piece)])
+    edges = np.array([cut.shape.boundary if more else cut.shape for cut in cuts])
+    nearest = edges[shapely.STRtree(edges).nearest(spots)]
+    return float(shapely.distance(spots, nearest).max())
 
 
 def _by_face(differ: Shape, of: Section, slack: float) -> Iterator[tuple[str, Shape]]:

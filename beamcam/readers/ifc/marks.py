@@ -1,7 +1,7 @@
 """Data of a member besides its geometry: marks, grade, weights."""
 
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from itertools import chain
 
 from msgspec import Struct, field
@@ -29,9 +29,10 @@ LENGTHS = ("Length", "NetLength")
 WEIGHTS = ("NetWeight", "Net weight", "Weight (net)")
 VOLUMES = ("NetVolume", "Net volume", "Volume (net)")
 CUTOUTS = "cutout"  #: in the name of a property set that lists copes and mitres
-_WANTED = frozenset(
-    (*_MARKS, *_ASSEMBLY_MARKS, *_PROFILES, *_GRADES, *LENGTHS, *WEIGHTS, *VOLUMES, "Reference",
-     "Phase")
+#: The names of the properties that matter, as they are written.
+_WANTED = tuple(
+    f"'{name}'" for name in (*_MARKS, *_ASSEMBLY_MARKS, *_PROFILES, *_GRADES, *LENGTHS, *WEIGHTS,
+                             *VOLUMES, "Reference", "Phase")
 )  # fmt: skip
 _GUID_TAG = re.compile(r"^(ID)?[0-9A-Fa-f]{8}-|^ID[0-9a-zA-Z]{6,}|^\d{5,}$")
 _PROFILE = re.compile(r"^[A-Za-z]{1,8}[ _.\-]?\d|^\d[\d./xX*]*[ ]?[A-Za-z]{1,4}")
@@ -73,11 +74,10 @@ def data_of(model: Model, element: Entity) -> Data:
     """The property sets and quantities of an element."""
     sets: list[str] = []
     rows: dict[str, list[tuple[str, Value]]] = {}
+    names = "IFCPROPERTYSINGLEVALUE", _WANTED
+    wanted = model.once("wanted", None, model.file.records.beginning, *names)
     for name in tied(element, "definitions"):
-        known = model.psets.get(name)
-        if known is None:
-            known = model.psets[name] = _set_of(model, model.file.entity(name))
-        of, values = known
+        of, values = model.once("set", name, _set_of, model, model.file.entity(name), wanted)
         if of not in sets and (values or CUTOUTS in of.lower()):
             sets.append(of)
             for key, value in values.items():
@@ -85,10 +85,15 @@ def data_of(model: Model, element: Entity) -> Data:
     return Data(tuple(sets), rows)
 
 
-def _set_of(model: Model, definition: Entity) -> tuple[str, dict[str, Value]]:
-    """The name of a property set and those of its values that matter here."""
+def _set_of(
+    model: Model, definition: Entity, wanted: Mapping[str, str]
+) -> tuple[str, dict[str, Value]]:
+    """The name of a property set and those of its values that matter here.
+
+    `wanted` are the texts of properties of a single value, by the names of their records.
+    """
     name = definition.label or "" if definition.is_a("IfcPropertySetDefinition") else ""
-    return name, dict(_values(model, definition)) if _matters(name) else {}
+    return name, dict(_values(model, definition, wanted)) if _matters(name) else {}
 
 
 @cached("ifc.property_set")
@@ -96,14 +101,15 @@ def _matters(name: str) -> bool:
     return _SETS.search(name) is not None
 
 
-def _values(model: Model, definition: Entity) -> Iterator[tuple[str, Value]]:
+def _values(
+    model: Model, definition: Entity, wanted: Mapping[str, str]
+) -> Iterator[tuple[str, Value]]:
     if definition.is_a("IfcPropertySet"):
         # Most properties are of no interest, and stay unread; many of the others are alike.
-        wanted, known = _wanted(model).get, model.properties
-        for inner in filter(None, map(wanted, definition.listed)):
-            if inner not in known:
-                known[inner] = _property(model, inner)
-            row = known[inner]
+        for inner in filter(None, map(wanted.get, definition.listed)):
+            if inner not in model.properties:
+                model.properties[inner] = _property(model, inner)
+            row = model.properties[inner]
             if row is not None:
                 yield row
     elif definition.is_a("IfcElementQuantity"):
@@ -114,14 +120,6 @@ def _values(model: Model, definition: Entity) -> Iterator[tuple[str, Value]]:
                 yield one.Name, one.WeightValue * model.kilograms
             elif one.is_a("IfcQuantityVolume"):
                 yield one.Name, one.VolumeValue
-
-
-def _wanted(model: Model) -> dict[str, str]:
-    """The texts of properties of a single value that matter here, by the names of the records."""
-    if model.wanted is None:
-        opened = tuple(f"'{name}'" for name in _WANTED)
-        model.wanted = model.file.beginning("IFCPROPERTYSINGLEVALUE", opened)
-    return model.wanted
 
 
 def _property(model: Model, inner: str) -> tuple[str, Value] | None:
@@ -142,7 +140,7 @@ def _value(model: Model, value: Typed) -> Value:
 def mark_of(element: Entity, data: Data) -> tuple[str, bool]:
     """The piece mark, and whether the file means it as one.
 
-    Fabrication sets come first, then a Tag that is no database key, a Reference that is no
+    Fabrication sets come first, then a Tag that is not a database key, a Reference that is not a
     section, and the Name.
     """
     mark = data.text(*_MARKS)
@@ -176,10 +174,7 @@ def material_of(model: Model, element: Entity) -> str:
     types = (model.file.entity(name) for name in tied(element, "types"))
     for one in chain((element,), types):
         for name in tied(one, "materials"):
-            known = model.materials.get(name)
-            if known is None:
-                known = model.materials[name] = _name_of(model.file.entity(name))
-            return known
+            return model.once("material", name, _name_of, model.file.entity(name))
     return ""
 
 

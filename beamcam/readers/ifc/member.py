@@ -15,7 +15,7 @@ from beamcam.model.part import Part, Profile
 from beamcam.readers.ifc import rules
 from beamcam.readers.ifc.body import Body, Swept, body_of
 from beamcam.readers.ifc.candidates import elements_of
-from beamcam.readers.ifc.checks import check_data, check_kernel, check_stock
+from beamcam.readers.ifc.checks import STEEL, check_data, check_kernel, check_stock
 from beamcam.readers.ifc.entities import (
     NOT_WELL_FORMED,
     Entity,
@@ -45,8 +45,7 @@ from beamcam.readers.ifc.relations import features_of
 from beamcam.readers.ifc.semantic import read_swept
 from beamcam.readers.ifc.space import IDENTITY
 
-STEEL = 7.85e-6  #: kg/mm3
-SOLID_STEEL = 160.0  #: mm; a solid rectangle thicker than this without a material is no steel
+SOLID_STEEL = 160.0  #: mm; a solid rectangle thicker than this without a material is not steel
 CURVED = ("IfcRevolvedAreaSolid", "IfcSurfaceCurveSweptAreaSolid", "IfcSweptDiskSolid",
           "IfcFixedReferenceSweptAreaSolid", "IfcDirectrixCurveSweptAreaSolid",
           "IfcSweptDiskSolidPolygonal")  # fmt: skip
@@ -82,7 +81,7 @@ class Taken(Struct):
     seen: dict[str, set[str]] = field(default_factory=dict)  #: marks, GlobalIds, assemblies
 
     def add(self, other: "Taken") -> None:
-        """Take over what came of the members that follow these."""
+        """Take over the results of the members that follow these."""
         self.members += other.members
         self.said += other.said
         self.ledger.add(other.ledger)
@@ -167,8 +166,8 @@ class Members(Struct):
             return None
         material = material_of(self.model, element)
         what = not_steel(material)
-        if what is None and element.is_a("IfcDiscreteAccessory") and element.Representation is None:
-            what = "accessories without geometry"
+        if element.is_a("IfcDiscreteAccessory") and element.Representation is None:
+            what = what or "accessories without geometry"
         if what is not None:
             self._leave_out(what, element)
             return None
@@ -183,29 +182,38 @@ class Members(Struct):
         if not shaped.length <= MAX_COORDINATE:
             self._refuse(rules.GEOMETRY, source, f"a length of {shaped.length:g} mm")
             return None
-        if (
-            not material
-            and shaped.section.code in ("B", "RU")
-            and shaped.section.width > SOLID_STEEL
-        ):
+        thick = shaped.section.code in ("B", "RU") and shaped.section.width > SOLID_STEEL
+        if thick and not material:
             self._leave_out("solid sections without a material", element)
             return None
         part = self._part(element, shaped, profile, data, (mark, assembly, material), source)
-        said = check_data(part, shaped, data, source)
-        said += shaped.said
-        if self.options.kernel and body is not None:
-            said += self._kernel_check(element, body, part, shaped, profile, data)
-        said += tuple(rules.FITTED.at(source, found=kind) for kind in shaped.fitted)
-        said += tuple(rules.PIECES.at(source, found=text) for text in shaped.remarks)
-        if projections := features_of(element, "IfcRelProjectsElement"):
-            said += (rules.PROJECTION.at(source, found=len(projections)),)
-        said = tuple(rules.forced(d) if self.options.force else d for d in said)
+        said = self._checked(element, body, part, shaped, profile, data)
         self.taken.said += said
         if any(d.severity is Severity.ERROR for d in said):
             self.taken.ledger.refused += 1
             return None
         self.taken.ledger.read += 1
         return part, shaped
+
+    def _checked(
+        self,
+        element: Entity,
+        body: Body | None,
+        part: Part,
+        shaped: Shaped,
+        profile: Entity | None,
+        data: Data,
+    ) -> list[Diagnostic]:
+        """What the file's data, the kernel and the reading itself have against a part."""
+        source = part.source
+        said = [*check_data(part, shaped, data, source), *shaped.said]
+        if self.options.kernel and body is not None:
+            said += self._kernel_check(element, body, part, shaped, profile, data)
+        said += [rules.FITTED.at(source, found=kind) for kind in shaped.fitted]
+        said += [rules.PIECES.at(source, found=text) for text in shaped.remarks]
+        if projections := features_of(element, "IfcRelProjectsElement"):
+            said.append(rules.PROJECTION.at(source, found=len(projections)))
+        return [*map(rules.forced, said)] if self.options.force else said
 
     def _shape(self, element: Entity, body: Body, source: Source) -> tuple[Shaped, Entity | None]:
         if isinstance(body.base, Swept):

@@ -12,16 +12,20 @@ def named(profile: Profile, label: str) -> tuple[str, str | None]:
     The label stands unless the catalogue knows it by other measures; a section without one has
     the catalogue's name, or one made of its measures.
     """
-    if label:
-        known = catalogue.measures_of(label)
-        if known is None:
-            return label, None
-        code, sizes = known
-        # Measures of angles and tubes do not say which side is up.
-        if code == profile.code and catalogue.difference(profile, sizes) <= 1.0:
-            return label, None
-        return catalogue.name_of(profile) or measured_name(profile), label
-    return catalogue.name_of(profile) or measured_name(profile), None
+    if not label:
+        return name_of(profile), None
+    known = catalogue.measures_of(label)
+    # Measures of angles and tubes do not say which side is up.
+    if known is None or (
+        known[0] == profile.code and catalogue.difference(profile, known[1]) <= 1.0
+    ):
+        return label, None
+    return name_of(profile), label
+
+
+def name_of(profile: Profile) -> str:
+    """The catalogue's name of a section, or one made of its measures."""
+    return catalogue.name_of(profile) or measured_name(profile)
 
 
 def remark_at(label: str, profile: Profile, source: Source) -> Diagnostic:
@@ -29,7 +33,7 @@ def remark_at(label: str, profile: Profile, source: Source) -> Diagnostic:
         source,
         found=label,
         size=f"{profile.height:.1f} x {profile.width:.1f} mm",
-        expected=catalogue.name_of(profile) or measured_name(profile),
+        expected=name_of(profile),
     )
 
 

@@ -9,14 +9,16 @@ from msgspec import Struct
 from msgspec.structs import replace
 
 from beamcam.geometry.curves import Arc, Line, Point, signed_area
-from beamcam.geometry.plane import MAX_COORDINATE
+from beamcam.geometry.plane import MAX_COORDINATE, Matrix, mapped, mapped_vector
 from beamcam.model.part import ProfileCode
 from beamcam.model.section import section_fault
 from beamcam.readers.ifc.classify import classify
-from beamcam.readers.ifc.curves2d import Chain, chain_of, points_chain
+from beamcam.readers.ifc.curves2d import Chain, chain_of, points_chain, with_sides
 from beamcam.readers.ifc.entities import Entity, Model, NoSection, Unreadable
 from beamcam.readers.ifc.section import Section, area_by_measures, placed, special
 from beamcam.readers.ifc.space import IDENTITY, Frame
+
+Sizes = tuple[float, float, float, float, float]  #: height, width, flange, web and radius
 
 
 class Outline(Struct, frozen=True, gc=False, cache_hash=True):
@@ -28,21 +30,18 @@ class Outline(Struct, frozen=True, gc=False, cache_hash=True):
 
 def definition(entity: Entity) -> Any:
     """Key that equal profile definitions share: the numbers, but not the name."""
-    row = entity.row
-    return (row.name, entity.values[2:]) if "IfcParameterizedProfileDef" in row.kinds else entity
+    kind = entity.type
+    return (kind.name, entity.values[2:]) if "IfcParameterizedProfileDef" in kind.kinds else entity
 
 
 def section_of(model: Model, entity: Entity) -> Section:
     """The section of an IfcProfileDef. Raises Unreadable where it has none."""
-    key = definition(entity)
-    known: Section | None = model.sections.get(key)
-    if known is None:
-        known = model.sections[key] = _checked(_section(model, entity))
-    return known
+    return model.once("section", definition(entity), _section, model, entity)
 
 
-def _checked(section: Section) -> Section:
-    """The section. Raises Unreadable for measures that no section has."""
+def _section(model: Model, entity: Entity) -> Section:
+    """As `section_of`. Raises Unreadable for measures that no section has."""
+    section = _stated_section(model, entity)
     widest = max(section.height, section.width, section.radius)
     if widest > MAX_COORDINATE:
         raise Unreadable(f"a section with a measure of {widest:g} mm")
@@ -52,7 +51,7 @@ def _checked(section: Section) -> Section:
     return section
 
 
-def _section(model: Model, entity: Entity) -> Section:
+def _stated_section(model: Model, entity: Entity) -> Section:
     if entity.is_a("IfcDerivedProfileDef"):
         return _mapped(section_of(model, entity.ParentProfile), _operator(model, entity))
     if entity.is_a("IfcParameterizedProfileDef"):
@@ -60,9 +59,7 @@ def _section(model: Model, entity: Entity) -> Section:
         if found is not None:
             return found
     outline = outline_of(model, entity)
-    found = model.classified.get(outline)
-    if found is None:
-        found = model.classified[outline] = classify(outline.outer, outline.inner)
+    found = model.once("form", outline, classify, outline.outer, outline.inner)
     if found is None:
         raise NoSection(f"a section that is no rolled form ({entity.is_a()})")
     return found
@@ -70,11 +67,7 @@ def _section(model: Model, entity: Entity) -> Section:
 
 def outline_of(model: Model, entity: Entity) -> Outline:
     """The outline of an IfcProfileDef, as exact curves. Raises Unreadable."""
-    key = definition(entity)
-    known: Outline | None = model.outlines.get(key)
-    if known is None:
-        known = model.outlines[key] = _outline(model, entity)
-    return known
+    return model.once("outline", definition(entity), _outline, model, entity)
 
 
 def _outline(model: Model, entity: Entity) -> Outline:
@@ -131,13 +124,7 @@ def rounded_box(x: float, y: float, radius: float) -> Chain:
         Arc((-a, b), r, 90.0, 90.0),
         Arc((-a, -b), r, 180.0, 90.0),
     ]
-    out: list[Any] = []
-    for i, arc in enumerate(arcs):
-        side = Line(arcs[i - 1].end, arc.start)
-        if side.length > 1e-9:
-            out.append(side)
-        out.append(arc)
-    return tuple(out)
+    return with_sides(arcs)
 
 
 def _circle(radius: float) -> Chain:
@@ -149,8 +136,12 @@ def _circle(radius: float) -> Chain:
 def _moved(chain: Chain, by: Frame) -> Chain:
     if by is IDENTITY:
         return chain
-    matrix = ((by.x[0], by.y[0], by.o[0]), (by.x[1], by.y[1], by.o[1]))
+    matrix = _matrix(by)
     return tuple(c.transformed(matrix) for c in chain)
+
+
+def _matrix(by: Frame) -> Matrix:
+    return (by.x[0], by.y[0], by.o[0]), (by.x[1], by.y[1], by.o[1])
 
 
 def _operator(model: Model, entity: Entity) -> Frame:
@@ -166,20 +157,15 @@ def _mapped(section: Section, by: Frame) -> Section:
     if abs(x - y) > 1e-6 or abs(by.x[0] * by.y[0] + by.x[1] * by.y[1]) > 1e-6 or x == 0:
         raise Unreadable("a derived profile that is stretched unevenly")
 
-    def direction(v: Point) -> Point:
-        return (
-            (by.x[0] * v[0] + by.y[0] * v[1]) / x,
-            (by.x[1] * v[0] + by.y[1] * v[1]) / x,
-        )
+    matrix = _matrix(by)
 
-    o = section.origin
-    origin = (
-        by.x[0] * o[0] + by.y[0] * o[1] + by.o[0],
-        by.x[1] * o[0] + by.y[1] * o[1] + by.o[1],
-    )
+    def direction(v: Point) -> Point:
+        mapped = mapped_vector(matrix, v)
+        return mapped[0] / x, mapped[1] / x
+
     return replace(
         section.scaled(x),
-        origin=origin,
+        origin=mapped(matrix, section.origin),
         y=direction(section.y),
         z=direction(section.z),
         outline=_moved(section.outline, by),
@@ -189,70 +175,80 @@ def _mapped(section: Section, by: Frame) -> Section:
 def _parameterised(model: Model, entity: Entity) -> Section | None:
     """A section by the numbers of its definition; None for forms given by their outline."""
     frame = model.axes(entity.Position)
-    mm = model.mm
-    centre = (frame.o[0], frame.o[1])
-    ex, ey = (frame.x[0], frame.x[1]), (frame.y[0], frame.y[1])
-
     number = partial(_number, entity, model.mm)
-
-    def made(code: ProfileCode, *sizes: float, y: Point = ey, z: Point = ex) -> Section:
-        h, b, tf, tw, r = sizes
-        if min(h, b, tw) <= 0 or r < 0:
-            raise Unreadable(f"a profile of impossible size {h:g} x {b:g} x {tw:g}")
-        return placed(code, (h, b, tf, tw, r), centre, y, z, area_by_measures(code, *sizes))
-
-    def upright(code: ProfileCode, up: float, across: float, *others: float) -> Section:
-        """The section with its greater side as the height."""
-        if up >= across:
-            return made(code, up, across, *others)
-        return made(code, across, up, *others, y=ex, z=ey)
-
     if entity.is_a("IfcAsymmetricIShapeProfileDef"):
-        return _asymmetric(entity, mm, made, frame)
+        return _asymmetric(entity, model.mm, frame)
+    if entity.is_a("IfcZShapeProfileDef"):
+        corners = _sharp(model, entity) or []
+        radii = [number("FilletRadius") if _reflex(corners, i) else 0.0 for i in range(8)]
+        return _outlined(rounded_chain(corners, radii), frame)
+    measures = _measures(model, entity)
+    if measures is None:
+        return None
+    found = _standing(*measures, frame)
+    if found.code == "C":
+        lips = _lips(number("Girth"), found.web_thickness, found.radius)
+        return replace(found, area=found.area + lips)
+    return found
+
+
+def _measures(model: Model, entity: Entity) -> tuple[ProfileCode, Sizes] | None:
+    """Code and measures of a parameterised profile as it is drawn; None if it has no such code."""
+    number = partial(_number, entity, model.mm)
     if entity.is_a("IfcIShapeProfileDef"):
-        return made(
-            "I", number("OverallDepth"), number("OverallWidth"), number("FlangeThickness"),
+        return "I", (
+            number("OverallDepth"), number("OverallWidth"), number("FlangeThickness"),
             number("WebThickness"), number("FilletRadius"),
         )  # fmt: skip
     if entity.is_a("IfcUShapeProfileDef"):
-        return made(
-            "U", number("Depth"), number("FlangeWidth"), number("FlangeThickness"),
+        return "U", (
+            number("Depth"), number("FlangeWidth"), number("FlangeThickness"),
             number("WebThickness"), number("FilletRadius"),
         )  # fmt: skip
     if entity.is_a("IfcCShapeProfileDef"):
-        wall = number("WallThickness")
-        radius = number("InternalFilletRadius")
-        found = made("C", number("Depth"), number("Width"), wall, wall, radius)
-        return replace(found, area=found.area + _lips(number("Girth"), wall, radius))
+        wall, radius = number("WallThickness"), number("InternalFilletRadius")
+        return "C", (number("Depth"), number("Width"), wall, wall, radius)
     if entity.is_a("IfcTShapeProfileDef"):
-        down = (-ey[0], -ey[1])
-        return made(
-            "T", number("FlangeWidth"), number("Depth"), number("WebThickness"),
-            number("FlangeThickness"), number("FilletRadius"), y=ex, z=down,
+        return "T", (
+            number("FlangeWidth"), number("Depth"), number("WebThickness"),
+            number("FlangeThickness"), number("FilletRadius"),
         )  # fmt: skip
     if entity.is_a("IfcLShapeProfileDef"):
         depth, thick = number("Depth"), number("Thickness")
-        width = number("Width") or depth
-        return upright("L", depth, width, thick, thick, number("FilletRadius"))
+        return "L", (depth, number("Width") or depth, thick, thick, number("FilletRadius"))
     if entity.is_a("IfcRectangleHollowProfileDef"):
         wall, radius = number("WallThickness"), number("OuterFilletRadius")
-        return upright("M", number("YDim"), number("XDim"), wall, wall, radius)
+        return "M", (number("YDim"), number("XDim"), wall, wall, radius)
     if entity.is_a() == "IfcRectangleProfileDef":
         x, y = number("XDim"), number("YDim")
-        return upright("B", y, x, 0.0, min(x, y), 0.0)
-    if entity.is_a("IfcCircleHollowProfileDef"):
-        d, wall = 2 * number("Radius"), number("WallThickness")
-        return made("RO", d, d, wall, wall, 0.0)
+        return "B", (y, x, 0.0, min(x, y), 0.0)
     if entity.is_a("IfcCircleProfileDef"):
         d = 2 * number("Radius")
-        return made("RU", d, d, 0.0, d, 0.0)
-    if entity.is_a("IfcZShapeProfileDef"):
-        corners = _sharp(model, entity)
-        if corners is not None:
-            radii = [number("FilletRadius") if _reflex(corners, i) else 0.0 for i in range(8)]
-            drawn = _moved(rounded_chain(corners, radii), frame)
-            return special(drawn, abs(signed_area(drawn)))
+        if entity.is_a("IfcCircleHollowProfileDef"):
+            return "RO", (d, d, number("WallThickness"), number("WallThickness"), 0.0)
+        return "RU", (d, d, 0.0, d, 0.0)
     return None
+
+
+def _standing(code: ProfileCode, sizes: Sizes, frame: Frame) -> Section:
+    """The section of a profile about the middle of `frame`, with its zero point and directions."""
+    h, b, tf, tw, r = sizes
+    z, y = (frame.x[0], frame.x[1]), (frame.y[0], frame.y[1])
+    if code == "T":  # its flange lies across, with the stem below
+        y, z = z, (-y[0], -y[1])
+    elif code in ("L", "M", "B") and b > h:  # the greater side is the height
+        h, b, y, z = b, h, z, y
+    if min(h, b, tw) <= 0 or r < 0:
+        raise Unreadable(f"a profile of impossible size {h:g} x {b:g} x {tw:g}")
+    sizes = h, b, tf, tw, r
+    centre = (frame.o[0], frame.o[1])
+    return placed(code, sizes, centre, y, z, area_by_measures(code, *sizes))
+
+
+def _outlined(outline: Chain, frame: Frame) -> Section:
+    """The special section of an outline in `frame`."""
+    drawn = _moved(outline, frame)
+    return special(drawn, abs(signed_area(drawn)))
 
 
 def _number(entity: Entity, mm: float, name: str) -> float:
@@ -272,7 +268,7 @@ def _lips(girth: float, wall: float, radius: float) -> float:
     return 2 * max(0.0, girth - wall) * wall + bends - 2 * corner * radius * radius
 
 
-def _asymmetric(entity: Entity, mm: float, made: Any, frame: Frame) -> Section:
+def _asymmetric(entity: Entity, mm: float, frame: Frame) -> Section:
     """An I of two flanges; a special section with its outline where they are not alike."""
     if entity.is_a("IfcIShapeProfileDef"):  # IFC2X3: the bottom flange has the inherited names
         bottom, thick = entity.OverallWidth, entity.FlangeThickness
@@ -291,11 +287,9 @@ def _asymmetric(entity: Entity, mm: float, made: Any, frame: Frame) -> Section:
             (top * mm, thick_top * mm),
             ((radius or 0.0) * mm, ((radius if upper is None else upper) or 0.0) * mm),
         )
-        moved = _moved(drawn, frame)
-        return special(moved, abs(signed_area(moved)))
-    sizes = (entity.OverallDepth, bottom, thick, entity.WebThickness, radius or 0.0)
-    found: Section = made("I", *(v * mm for v in sizes))
-    return found
+        return _outlined(drawn, frame)
+    h, tw, r = entity.OverallDepth, entity.WebThickness, radius or 0.0
+    return _standing("I", (h * mm, bottom * mm, thick * mm, tw * mm, r * mm), frame)
 
 
 def _two_flanges(
@@ -348,23 +342,24 @@ def _towards(a: Point, b: Point) -> Point:
 
 def _sharp(model: Model, entity: Entity) -> list[Point] | None:
     """The corners of an open parameterised profile without its fillets."""
-    number = partial(_number, entity, model.mm)
-    if entity.is_a("IfcIShapeProfileDef"):
-        h, b = number("OverallDepth") / 2, number("OverallWidth") / 2
-        t, w = number("FlangeThickness"), number("WebThickness") / 2
-        half = [(b, -h), (b, t - h), (w, t - h), (w, h - t), (b, h - t), (b, h)]
-        return half + [(-x, -y) for x, y in half]
-    if entity.is_a("IfcUShapeProfileDef"):
-        h, b = number("Depth") / 2, number("FlangeWidth") / 2
-        t, w = number("FlangeThickness"), number("WebThickness") - number("FlangeWidth") / 2
-        return [(-b, -h), (b, -h), (b, t - h), (w, t - h), (w, h - t), (b, h - t), (b, h), (-b, h)]
-    if entity.is_a("IfcLShapeProfileDef"):
-        h, b, t = number("Depth"), number("Width") or number("Depth"), number("Thickness")
-        x, y = -b / 2, -h / 2
-        return [(x, y), (-x, y), (-x, y + t), (x + t, y + t), (x + t, -y), (x, -y)]
     if entity.is_a("IfcZShapeProfileDef"):
+        number = partial(_number, entity, model.mm)
         h, b = number("Depth") / 2, number("FlangeWidth")
         t, w = number("FlangeThickness"), number("WebThickness") / 2
         half = [(-w, -h), (b - w, -h), (b - w, t - h), (w, t - h)]
         return half + [(-x, -y) for x, y in half]
+    measures = _measures(model, entity)
+    if measures is None:
+        return None
+    code, (high, wide, t, web, _) = measures
+    h, b = high / 2, wide / 2
+    if code == "I":
+        w = web / 2
+        half = [(b, -h), (b, t - h), (w, t - h), (w, h - t), (b, h - t), (b, h)]
+        return half + [(-x, -y) for x, y in half]
+    if code == "U":
+        w = web - b
+        return [(-b, -h), (b, -h), (b, t - h), (w, t - h), (w, h - t), (b, h - t), (b, h), (-b, h)]
+    if code == "L":
+        return [(-b, -h), (b, -h), (b, t - h), (t - b, t - h), (t - b, h), (-b, h)]
     return None

@@ -9,7 +9,7 @@ from msgspec import Struct
 
 from beamcam.readers.ifc.characters import Places
 from beamcam.readers.ifc.columns import Alike
-from beamcam.readers.ifc.schema import Row, rows
+from beamcam.readers.ifc.schema import EntityType, entity_types
 from beamcam.readers.ifc.step import MISSING, Malformed, records
 from beamcam.readers.ifc.tuples import KINDS, objects, tuples
 from beamcam.readers.ifc.values import Tokens, Values, text_of
@@ -54,7 +54,7 @@ MANY = frozenset(
 )
 
 
-_NO_ROW = Row("", frozenset(), {})
+_NO_TYPE = EntityType("", frozenset(), {})
 
 
 class Entity(Struct, eq=False, gc=False):
@@ -69,13 +69,13 @@ class Entity(Struct, eq=False, gc=False):
 
     file: "File"
     index: int  #: of its record
-    row: Row  #: what the schema says of it; of an entity that it does not know, its name
+    type: EntityType  #: what the schema says of it; of an entity that it does not know, its name
     values: Values = ()  #: none until they are asked for: deleted, so that `__getattr__` reads them
 
     @property
     def name(self) -> str:
         """#12"""
-        return self.file.name(self.index)
+        return self.file.records.name(self.index)
 
     def id(self) -> int:
         """Its number, by which the geometry kernel knows it."""
@@ -83,7 +83,7 @@ class Entity(Struct, eq=False, gc=False):
 
     def is_a(self, name: str | None = None) -> Any:
         """The entity's class; or whether it is of a class, be it as a subtype."""
-        return self.row.name if name is None else name in self.row.kinds
+        return self.type.name if name is None else name in self.type.kinds
 
     def __getitem__(self, index: int) -> Any:
         return self.values[index]
@@ -96,21 +96,22 @@ class Entity(Struct, eq=False, gc=False):
         if name == "values":
             self.file.fill(self)
             return self.values
-        place = self.row.places.get(name)
+        place = self.type.places.get(name)
         if place is not None:
             return self.values[place]
-        raise AttributeError(f"{self.row.name} has no {name}")
+        raise AttributeError(f"{self.type.name} has no {name}")
 
     @property
     def guid(self) -> str:
-        """The GlobalId of a rooted entity, its first value; its name where that is no text."""
+        """The GlobalId of a rooted entity, its first value; its name where that is not text."""
         found = self.values[0] if self.values else None
         return found if isinstance(found, str) else self.name
 
     @property
     def label(self) -> str | None:
         """The Name of a rooted entity, its third value, without a look at the others."""
-        parts = self.file.inner(self.index).split("'", 4)  # '', GlobalId, ',#1,', Name, ',$,...'
+        # '', GlobalId, ',#1,', Name, ',$,...'
+        parts = self.file.records.inner(self.index).split("'", 4)
         if len(parts) == 5 and parts[2].count(",") == 2 and parts[4][:1] == ",":
             return text_of(parts[3])
         found: str | None = self.values[2]
@@ -119,12 +120,12 @@ class Entity(Struct, eq=False, gc=False):
     @property
     def listed(self) -> list[str]:
         """The names in its last value, which is a list of references, without a look at them."""
-        inner = self.file.inner(self.index)
+        inner = self.file.records.inner(self.index)
         listed = inner[inner.rfind("(") + 1 : inner.rfind(")")]
         return "".join(listed.split()).split(",")  # without line breaks
 
     def __repr__(self) -> str:
-        return f"{self.name}=({self.file.inner(self.index)})"
+        return f"{self.name}=({self.file.records.inner(self.index)})"
 
 
 class Missing(Entity):
@@ -146,29 +147,29 @@ class Missing(Entity):
 class File:
     """A model's records, with its schema; an entity is made when it is first referred to.
 
-    Points, directions and placements are no entities but tuples; see tuples.py.
+    Points, directions and placements are not entities but tuples; see tuples.py.
     """
 
     def __init__(self, text: str, schema: str) -> None:
-        """Raises Malformed if the text is no STEP file."""
+        """Raises Malformed if the text is not a STEP file."""
         self.schema = schema  #: IFC2X3, IFC4 or IFC4X3
-        self._records = records(text)
-        self._rows = rows(schema)
-        self._row_of = {
-            number: self._rows.get(kind.upper()) or Row(kind, frozenset((kind,)), {})
-            for number, kind in self._records.kinds.items()
+        self.records = records(text)
+        self._types = entity_types(schema)
+        self._type_of = {
+            number: self._types.get(kind.upper()) or EntityType(kind, frozenset((kind,)), {})
+            for number, kind in self.records.kinds.items()
         }
         #: What stands for each record, and whether it was met yet.
-        self._things, self._met = tuples(self._records)
+        self._things, self._met = tuples(self.records)
         self._numbers = self._met.copy()  #: which of them are points and directions
         #: Classes of points, directions and placements that are to be looked at one by one.
         self._unusual = {
             number
-            for number, kind in self._records.kinds.items()
-            if kind.upper() in KINDS and not self._met[self._records.of_kind(number)[0]]
+            for number, kind in self.records.kinds.items()
+            if kind.upper() in KINDS and not self._met[self.records.of_kind(number)[0]]
         }
         self.tokens = Tokens(self._referred)
-        self._unread = {n for n, kind in self._records.kinds.items() if kind.upper() in MANY}
+        self._unread = {n for n, kind in self.records.kinds.items() if kind.upper() in MANY}
         self.tied: dict[str, dict[int, list[str]]] = {}  #: names by indices; see relations.py
         self._related: dict[str, dict[Entity, list[Entity]]] = {}
 
@@ -182,30 +183,30 @@ class File:
 
     def _referred(self, name: str, number: int) -> Any:
         """What stands for a name among values; a missing entity fails when it is looked at."""
-        index = self._records.find(number)
+        index = self.records.find(number)
         if index == MISSING:
-            missing = Missing(self, index, _NO_ROW, (), name)
-            del missing.index, missing.row, missing.values
+            missing = Missing(self, index, _NO_TYPE, (), name)
+            del missing.index, missing.type, missing.values
             return missing
         if not self._met[index]:
-            self._things[index] = self._made(index, self._records.kind(index))
+            self._things[index] = self._made(index, self.records.kind(index))
             self._met[index] = True
         return self._things[index]
 
     def _all_referred(self, numbers: Places) -> list[Any] | None:
         """As `_referred`, by many numbers; None if one of the records is missing."""
-        indices = self._records.find_all(numbers)
+        indices = self.records.find_all(numbers)
         return None if (indices == MISSING).any() else self._standing(indices)
 
     def _standing(self, indices: Places) -> list[Any]:
         """What stands for records; where one was not met before, all of its class are made."""
-        for kind in set(self._records.kinds_of(indices[~self._met[indices]]).tolist()):
-            of = self._records.of_kind(kind)
-            of, row = of[~self._met[of]], self._row_of[kind]
+        for kind in set(self.records.kinds_of(indices[~self._met[indices]]).tolist()):
+            of = self.records.of_kind(kind)
+            of, kind_type = of[~self._met[of]], self._type_of[kind]
             if kind in self._unusual:
                 made = [self._made(index, kind) for index in of.tolist()]
             else:
-                made = [Entity(self, index, row) for index in of.tolist()]
+                made = [Entity(self, index, kind_type) for index in of.tolist()]
                 for entity in made:
                     del entity.values
             self._things[of] = objects(made)
@@ -215,7 +216,7 @@ class File:
 
     def _made(self, index: int, kind: int) -> Any:
         """What stands for a record that was not met before: an entity, or its numbers."""
-        made = Entity(self, index, self._row_of[kind])
+        made = Entity(self, index, self._type_of[kind])
         del made.values
         if kind not in self._unusual:
             return made
@@ -234,31 +235,23 @@ class File:
 
     def find(self, name: str) -> int:
         """The index of the record of a name, or MISSING."""
-        return self._records.find(int(name[1:]))
-
-    def name(self, index: int) -> str:
-        """The name of a record: #12."""
-        return self._records.name(index)
-
-    def inner(self, index: int) -> str:
-        """The text in a record's brackets."""
-        return self._records.inner(index)
+        return self.records.find(int(name[1:]))
 
     def values(self, index: int) -> Values:
         """The values of a record. Raises Malformed."""
-        return self.tokens.values(self._records.inner(index))
+        return self.tokens.values(self.records.inner(index))
 
     def fill(self, entity: Entity) -> None:
         """Give an entity its values, and with it all others of one of MANY. Raises Malformed."""
-        kind = self._records.kind(entity.index)
+        kind = self.records.kind(entity.index)
         if kind not in self._unread or not self._fill_class(kind):
             entity.values = self.values(entity.index)
 
     def _fill_class(self, kind: int) -> bool:
         """Give all entities of a class their values, if they are written alike."""
         self._unread.remove(kind)
-        indices = self._records.of_kind(kind)
-        inners = self._records.inners(indices)
+        indices = self.records.of_kind(kind)
+        inners = self.records.inners(indices)
         found = Alike(self.tokens, self._all_referred).values(inners)
         if found is None:
             return False
@@ -268,8 +261,8 @@ class File:
 
     def counts(self, names: Iterable[str]) -> dict[str, int]:
         """Number of records of classes, given in capitals."""
-        written = {kind.upper() for kind in self._records.kinds.values()}
-        return {name: len(self._records.of(name)) for name in names if name in written}
+        written = {kind.upper() for kind in self.records.kinds.values()}
+        return {name: len(self.records.of(name)) for name in names if name in written}
 
     def by_type(self, name: str) -> list[Entity]:
         """The entities of a class and of its subtypes, in the order of the file."""
@@ -277,12 +270,8 @@ class File:
 
     def indices(self, name: str) -> list[int]:
         """The records of a class and of its subtypes, in the order of the file."""
-        kinds = [kind for kind, row in self._rows.items() if name in row.kinds]
-        return sorted(index for kind in kinds for index in self._records.of(kind).tolist())
-
-    def beginning(self, kind: str, texts: tuple[str, ...]) -> dict[str, str]:
-        """The text in the brackets of those records of a class that begin with one of `texts`."""
-        return self._records.beginning(kind, texts)
+        kinds = [kind for kind, kind_type in self._types.items() if name in kind_type.kinds]
+        return sorted(index for kind in kinds for index in self.records.of(kind).tolist())
 
     def related(self, name: str) -> dict[Entity, list[Entity]]:
         """The relations of a class to a feature each, by the elements that have the features."""

@@ -4,6 +4,7 @@ Arcs become polygons whose sagitta is SAGITTA; every circle is remembered, and a
 edges that lie on it become arcs again, with the centre and radius that came in.
 """
 
+from itertools import groupby
 from math import acos, atan2, ceil, degrees, hypot, pi, radians
 from typing import Any
 
@@ -123,21 +124,15 @@ def chain_of_ring(ring: Any, circles: Circles) -> Chain:
     if start is None and on[0] is not None:
         centre, radius = circles.known[on[0]]
         return (Arc(centre, radius, 0.0, 360.0),)
-    first = start or 0
     out: list[Curve] = []
-    i = 0
-    while i < n:
-        k = (first + i) % n
-        kind = on[k]
-        count = 1
-        while kind is not None and i + count < n and on[(first + i + count) % n] == kind:
-            count += 1
-        a, b = points[k], points[(k + count) % n]
+    order = [(i + (start or 0)) % n for i in range(n)]
+    for kind, run in groupby(order, key=on.__getitem__):
+        edges = [(points[i], points[(i + 1) % n]) for i in run]
         if kind is None:
-            out.append(Line(a, b))
+            out += [Line(a, b) for a, b in edges]
         else:
-            out.append(_arc(circles.known[kind], a, points[(k + 1) % n], b))
-        i += count
+            (a, then), (_, b) = edges[0], edges[-1]
+            out.append(_arc(circles.known[kind], a, then, b))
     return joined(tuple(out))
 
 

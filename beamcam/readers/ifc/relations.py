@@ -64,7 +64,7 @@ def _tied(file: File, what: str) -> dict[int, list[str]]:
 
 def _sides(file: File, index: int, place: int) -> tuple[list[str], str]:
     """The elements of a relation, and what it ties to them as its value `place`."""
-    inner = file.inner(index)
+    inner = file.records.inner(index)
     comma = inner.rfind(",(")
     if place == 4:
         comma = inner.rfind(",", 0, max(comma, 0))

@@ -7,8 +7,8 @@ from msgspec import Struct
 from beamcam.caches import cached
 
 
-class Row(Struct, frozen=True):
-    """An entity of a schema."""
+class EntityType(Struct, frozen=True):
+    """An entity type of a schema (EXPRESS)."""
 
     name: str  #: IfcBeam
     kinds: frozenset[str]  #: its name and those of its supertypes
@@ -16,24 +16,24 @@ class Row(Struct, frozen=True):
 
 
 @cached("ifc.schema")
-def rows(schema: str) -> dict[str, Row]:
+def entity_types(schema: str) -> dict[str, EntityType]:
     """The entities of IFC2X3, IFC4 or IFC4X3 by their names in capitals."""
     drawn = dict(_sections()["IFC4"])
     drawn.update(_sections()[schema])
-    found: dict[str, Row] = {}
+    found: dict[str, EntityType] = {}
 
-    def row(name: str) -> Row:
+    def entity(name: str) -> EntityType:
         known = found.get(name.upper())
         if known is None:
             parent, own = drawn[name]
-            above = row(parent) if parent != "-" else Row("", frozenset(), {})
+            above = entity(parent) if parent != "-" else EntityType("", frozenset(), {})
             first = len(above.places)
             places = above.places | {own[i]: first + i for i in range(len(own))}
-            known = found[name.upper()] = Row(name, above.kinds | {name}, places)
+            known = found[name.upper()] = EntityType(name, above.kinds | {name}, places)
         return known
 
     for name in drawn:
-        row(name)
+        entity(name)
     return found
 
 

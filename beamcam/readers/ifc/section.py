@@ -19,7 +19,7 @@ from msgspec.structs import replace
 
 from beamcam.geometry.curves import Arc, Point, signed_area
 from beamcam.model.part import Profile, ProfileCode, SectionPoint
-from beamcam.readers.ifc.curves2d import Chain
+from beamcam.readers.ifc.curves2d import Chain, box_around
 
 SQUARE = 0.02  #: sine of the angle by which a side of a section may be off square; more is a slope
 
@@ -36,8 +36,6 @@ class Section(Struct, frozen=True, gc=False, cache_hash=True):
     origin: Point  #: the zero point: Y = 0, Z = 0
     y: Point
     z: Point
-    flip_y: bool  #: the section is the same upside down
-    flip_z: bool  #: the section is the same seen from behind
     area: float  #: mm2
     outline: Chain = ()  #: of a special section
 
@@ -73,17 +71,14 @@ class Section(Struct, frozen=True, gc=False, cache_hash=True):
             found.append(SectionPoint("+", x * yx + y * yy, x * zx + y * zy, radius))
         return tuple(found)
 
-    def flipped_y(self) -> "Section":
-        o, y, h = self.origin, self.y, self.height
-        return replace(self, origin=(o[0] + y[0] * h, o[1] + y[1] * h), y=(-y[0], -y[1]))
-
-    def flipped_z(self) -> "Section":
-        o, z, b = self.origin, self.z, self.width
-        return replace(self, origin=(o[0] + z[0] * b, o[1] + z[1] * b), z=(-z[0], -z[1]))
-
-    def swapped(self) -> "Section":
-        """An angle of equal legs with its legs exchanged."""
-        return replace(self, height=self.width, width=self.height, y=self.z, z=self.y)
+    def turned(self) -> "Section":
+        """The section turned back to front or upside down, if its form is the same then."""
+        o, y, z, h, b = self.origin, self.y, self.z, self.height, self.width
+        if self.code in ("I", "M", "B", "RO", "RU"):
+            return replace(self, origin=(o[0] + z[0] * b, o[1] + z[1] * b), z=(-z[0], -z[1]))
+        if self.code in ("U", "C", "T"):
+            return replace(self, origin=(o[0] + y[0] * h, o[1] + y[1] * h), y=(-y[0], -y[1]))
+        return self
 
     def scaled(self, by: float) -> "Section":
         """The section with all its measures so many times as large, where it lies."""
@@ -101,13 +96,9 @@ class Section(Struct, frozen=True, gc=False, cache_hash=True):
         """The section turned so that Y x Z points out of the drawing, where its form allows it."""
         if self.y[0] * self.z[1] - self.y[1] * self.z[0] > 0:
             return self
-        if self.flip_z:
-            return self.flipped_z()
-        if self.flip_y:
-            return self.flipped_y()
-        if self.code == "L" and abs(self.height - self.width) < 0.01:
-            return self.swapped()
-        return self
+        if self.code == "L" and abs(self.height - self.width) < 0.01:  # its legs are exchanged
+            return replace(self, height=self.width, width=self.height, y=self.z, z=self.y)
+        return self.turned()
 
 
 class Stocks(Struct, frozen=True, eq=False):
@@ -155,17 +146,13 @@ def placed(
         centre[0] - y[0] * h / 2 - z[0] * b / 2,
         centre[1] - y[1] * h / 2 - z[1] * b / 2,
     )
-    flip_y = code in ("I", "U", "C", "T", "M", "B", "RO", "RU")
-    flip_z = code in ("I", "M", "B", "RO", "RU")
-    return Section(code, h, b, tf, tw, r, origin, y, z, flip_y, flip_z, area).right_way()
+    return Section(code, h, b, tf, tw, r, origin, y, z, area).right_way()
 
 
 def special(outer: Chain, area: float) -> Section:
     """The special section (SO) of an outline, as it is drawn, in its box."""
-    boxes = [c.bbox for c in outer]
-    x0, y0 = min(b[0] for b in boxes), min(b[1] for b in boxes)
-    x1, y1 = max(b[2] for b in boxes), max(b[3] for b in boxes)
+    x0, y0, x1, y1 = box_around(outer)
     sizes = (y1 - y0, x1 - x0, 0.0, 0.0)
     drawn = outer if signed_area(outer) > 0 else tuple(c.reversed() for c in reversed(outer))
     # Y x Z of (up, right) points into the drawing: Z runs to the left.
-    return Section("SO", *sizes, 0.0, (x1, y0), (0.0, 1.0), (-1.0, 0.0), False, False, area, drawn)
+    return Section("SO", *sizes, 0.0, (x1, y0), (0.0, 1.0), (-1.0, 0.0), area, drawn)

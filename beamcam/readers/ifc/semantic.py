@@ -18,21 +18,16 @@ from beamcam.readers.ifc.body import Body, Swept
 from beamcam.readers.ifc.cutters import Box3, Cutter, HalfSpace, Prism
 from beamcam.readers.ifc.ends import End, of_plane, trim
 from beamcam.readers.ifc.entities import Entity, Model, OddCut, Unreadable
-from beamcam.readers.ifc.features import shifted, sorted_features
 from beamcam.readers.ifc.finish import (
     Levels,
     Regions,
     Shaped,
-    cuts_of,
-    end_planes,
     from_regions,
-    hole_volume,
-    reach,
+    sawn,
 )
 from beamcam.readers.ifc.holes import Drilled, pierce
 from beamcam.readers.ifc.profiles import definition
 from beamcam.readers.ifc.region import Circles, Shape, polygon_of, rectangle
-from beamcam.readers.ifc.section import Section
 from beamcam.readers.ifc.space import Frame, add, dot, scale, sub
 from beamcam.readers.ifc.stock import Stock, stock_of
 from beamcam.readers.ifc.trimming import end_plane
@@ -44,6 +39,9 @@ BETWEEN = (0.12, 0.25, 0.4, 0.5, 0.6, 0.75, 0.88)  #: shares at which leaning ed
 LEVEL_IN = 0.06  #: mm that the outer levels lie inside a wall; a cut may fall short of it by less
 
 
+Boxed = tuple[Cutter, Box3]
+
+
 def read_swept(model: Model, element: Entity, body: Body, source: Source) -> Shaped:
     """The member of a swept body. Raises Unreadable, which says what the route cannot take.
 
@@ -53,8 +51,8 @@ def read_swept(model: Model, element: Entity, body: Body, source: Source) -> Sha
     assert isinstance(base, Swept)
     if body.has_openings:  # features that belong to these members only
         return _read(model, element, body, source)
-    stock = element.row.name, definition(base.profile), base.along
-    of_one_stock: Repeats = model.members.setdefault(stock, Repeats())
+    stock = element.type.name, definition(base.profile), base.along
+    of_one_stock = model.once("members", stock, Repeats)
     if of_one_stock.first is None:
         shaped = _read(model, element, body, source)
         of_one_stock.first = body, shaped
@@ -98,9 +96,39 @@ def cut(stock: Stock, cutters: Sequence[Cutter], source: Source) -> Shaped:
     section = stock.section
     corners = corner_points(section)
     walls = walls_of(section)
+    starts, ends, rest = _sorted_out(cutters, stock)
+    start = trim(End(-1, 0.0, 0.0, stock.x0), starts, corners)
+    end = trim(End(1, 0.0, 0.0, stock.x1), ends, corners)
+    if start.most + end.most < MIN_LENGTH:
+        raise Unreadable("end cuts that leave nothing")
+    holes: list[Hole | Slot] = []
+    general: list[Boxed] = []
+    into = Drilled(section, walls, start, end)
+    for cutter, box in rest:
+        pierced = pierce(cutter, box, into, source)
+        if pierced is None:
+            general.append((cutter, box))
+        else:
+            holes += pierced
+    gross = stock.x1 - stock.x0
+    plain = not stock.outline and not stock.hollows and not general
+    if plain and start.sole is not None and end.sole is not None:
+        return sawn(section, start.sole, end.sole, holes, source, gross)
+    if not walls:
+        raise OddCut(f"cuts other than saw cuts and holes in a section of code {section.code}")
+    circles = Circles()
+    regions = _left_of_walls(stock, (*starts, *ends), general, circles)
+    return from_regions(section, regions, holes, circles, source, gross, (start.sole, end.sole))
+
+
+def _sorted_out(
+    cutters: Sequence[Cutter], stock: Stock
+) -> tuple[list[End], list[End], list[Boxed]]:
+    """The cutters that are planes at the start and at the end of a stock, and the other ones."""
+    corners, walls = corner_points(stock.section), walls_of(stock.section)
     starts: list[End] = []
     ends: list[End] = []
-    rest: list[tuple[Cutter, Box3]] = []
+    rest: list[Boxed] = []
     for cutter in cutters:
         if walls and isinstance(cutter, Prism) and cutter.shape is not None:
             rest.append((cutter, cutter.box))  # which makes no hole where it touches no wall
@@ -114,35 +142,22 @@ def cut(stock: Stock, cutters: Sequence[Cutter], source: Source) -> Shaped:
             ends.append(of_plane(plane))
         else:
             starts.append(of_plane(plane))
-    start = trim(End(-1, 0.0, 0.0, stock.x0), starts, corners)
-    end = trim(End(1, 0.0, 0.0, stock.x1), ends, corners)
-    if start.most + end.most < MIN_LENGTH:
-        raise Unreadable("end cuts that leave nothing")
-    holes: list[Hole | Slot] = []
-    general: list[tuple[Cutter, Box3]] = []
-    into = Drilled(section, walls, start, end)
-    for cutter, box in rest:
-        pierced = pierce(cutter, box, into, source)
-        if pierced is None:
-            general.append((cutter, box))
-        else:
-            holes += pierced
-    gross = stock.x1 - stock.x0
-    plain = stock.outline is None and not stock.hollows and not general
-    if plain and start.sole is not None and end.sole is not None:
-        return _sawn(section, start.sole, end.sole, holes, source, gross)
-    if not walls:
-        raise OddCut(f"cuts other than saw cuts and holes in a section of code {section.code}")
-    circles = Circles()
-    regions: Regions = {}
+    return starts, ends, rest
 
+
+def _left_of_walls(
+    stock: Stock, ends: Sequence[End], general: Sequence[Boxed], circles: Circles
+) -> Regions:
+    """What ends and cutters leave of each wall of a stock, at its outer levels or at more."""
+    walls = walls_of(stock.section)
     uncut = {wall: _stock_shape(stock, wall, circles) for wall in walls}
-    leaning = bool(general) or any(e.a or e.b for e in (*starts, *ends))
+    leaning = bool(general) or any(e.a or e.b for e in ends)
+    regions: Regions = {}
 
     def at(wall: Wall, share: float) -> tuple[float, Shape]:
         c = wall.low + share * wall.thickness
         shape = uncut[wall]
-        for one in (*starts, *ends):
+        for one in ends:
             shape = shape.difference(one.removed(wall, c))
         for cutter, box in general:
             if _box_meets(box, wall, c):
@@ -153,11 +168,10 @@ def cut(stock: Stock, cutters: Sequence[Cutter], source: Source) -> Shaped:
         edge = outer_level(wall)
         row: Levels = (at(wall, edge), at(wall, 1 - edge))
         # Edges may lean, of a flat bar also from both sides to its middle.
-        if leaning and (section.code == "B" or not row[0][1].equals(row[1][1])):
+        if leaning and (stock.section.code == "B" or not row[0][1].equals(row[1][1])):
             row = (row[0], *(at(wall, share) for share in BETWEEN), row[1])
         regions[wall] = row
-    sole = start.sole, end.sole
-    return from_regions(section, regions, holes, circles, source, gross, sole)
+    return regions
 
 
 def outer_level(wall: Wall) -> float:
@@ -172,25 +186,6 @@ def _stock_shape(stock: Stock, wall: Wall, circles: Circles) -> Shape:
     for hollow in stock.hollows:
         shape = shape.difference(polygon_of(hollow, (), circles))
     return shape
-
-
-def _sawn(
-    section: Section,
-    start: End,
-    end: End,
-    holes: Sequence[Hole | Slot],
-    source: Source,
-    gross: float,
-) -> Shaped:
-    """A member with two plane ends and holes: all that most members have."""
-    x0, x1 = reach(section, start, end)
-    features = (
-        *sorted_features([shifted(h, -x0) for h in holes]),
-        *end_planes(start, end, x0, source),
-    )
-    middle = section.height / 2, section.width / 2
-    volume = section.area * (end.x(*middle) - start.x(*middle)) - hole_volume(section, holes)
-    return Shaped(section, x1 - x0, cuts_of(start, end), features, volume, gross, (), x0)
 
 
 def _touches(cutter: Cutter, box: Box3, stock: Stock) -> bool:

@@ -130,7 +130,7 @@ def shell(
 
 
 def _rings(sizes: Places, faces: Places) -> Rings:
-    """Rings of so many corners; their faces are numbered anew, without gaps."""
+    """Rings of so many corners; their faces are numbered again, without gaps."""
     count = len(sizes)
     start = np.cumsum(sizes) - sizes
     before = np.arange(-1, int(sizes.sum()) - 1)

@@ -6,7 +6,8 @@ from typing import Any
 
 from beamcam.caches import cached
 from beamcam.geometry.curves import Arc
-from beamcam.readers.ifc.cutters import Bounded, Cutter, HalfSpace, Less, Prism, hole_of, prism
+from beamcam.readers.ifc.curves2d import chain_of
+from beamcam.readers.ifc.cutters import Bounded, Cutter, HalfSpace, Less, Prism, hole_of
 from beamcam.readers.ifc.entities import (
     Coordinates,
     Entity,
@@ -37,7 +38,7 @@ ASKEW = 2e-3  #: tangent of the angle by which a hole may be pushed off square
 def is_faceted(model: Model, item: Entity) -> bool:
     """Whether a solid is given by its faces."""
     faces = _FACETED if model.file.schema != "IFC2X3" else _FACETED - {"IfcTessellatedFaceSet"}
-    return not faces.isdisjoint(item.row.kinds)
+    return not faces.isdisjoint(item.type.kinds)
 
 
 def mapping(model: Model, item: Entity, frame: Frame) -> tuple[Frame, tuple[Entity, ...]]:
@@ -57,7 +58,7 @@ def pushed(model: Model, position: Frame, way: Coordinates | None, depth: float)
 
 def solid_cutters(model: Model, item: Entity, frame: Frame, where: str | None) -> Sequence[Cutter]:
     """Cutters of a solid in `frame`."""
-    kind, kinds = item.row.name, item.row.kinds
+    kind, kinds = item.type.name, item.type.kinds
     if kind == "IfcExtrudedAreaSolid":
         return (_extrusion(model, item, frame, where),)
     if kind == "IfcHalfSpaceSolid":
@@ -65,10 +66,10 @@ def solid_cutters(model: Model, item: Entity, frame: Frame, where: str | None) -
     if kind == "IfcPolygonalBoundedHalfSpace":
         half = _half_space(model, item, frame, where)
         position = frame.times(model.axes(item.Position))
-        bound = outline_of_curve(model, item.PolygonalBoundary)
-        start = Frame(position.point((0.0, 0.0, -FAR)), position.x, position.y)
-        column = prism(start, scale(position.z, 2 * FAR), bound, where, hole_of(bound))
-        return (Bounded(half, column, where),)
+        bound = Outline(chain_of(model, item.PolygonalBoundary))
+        start = position.point((0.0, 0.0, -FAR))
+        column = Frame(start, position.x, position.y, scale(position.z, 2 * FAR))
+        return (Bounded(half, Prism(column, bound, where, hole_of(bound)), where),)
     if kind == "IfcMappedItem":
         inner, source = mapping(model, item, frame)
         return [c for one in source for c in solid_cutters(model, one, inner, where)]
@@ -85,11 +86,11 @@ def solid_cutters(model: Model, item: Entity, frame: Frame, where: str | None) -
 
 def _extrusion(model: Model, item: Entity, frame: Frame, where: str | None) -> Prism:
     profile, place, way, depth, *_ = item.values
-    outline, hole = _cut_out(model, profile)
+    outline, hole = model.once("cut-out", definition(profile), _cut_out, model, profile)
     at, even = _standing(model, frame, place)
     along = pushed(model, at, way, depth)
     if hole is not None and not (even and (way is None or _upright(way))):
-        hole = None  # a circle that is pushed askew or stretched is no circle across its length
+        hole = None  # a circle that is pushed askew or stretched is not a circle across its length
     return Prism(Frame(at.o, at.x, at.y, along), outline, where, hole)
 
 
@@ -123,24 +124,20 @@ def _upright(way: Coordinates) -> bool:
 
 def definition_of(item: Entity) -> Any:
     """What two solids of one form have in common; of most kinds a solid is its own form only."""
-    kind = item.row.name
+    kind = item.type.name
     if kind == "IfcExtrudedAreaSolid":
         profile, *rest = item.values
         return definition(profile), *rest
     if kind == "IfcHalfSpaceSolid":
         surface, agreement, *_ = item.values
-        return surface.row.name, surface.values, agreement
+        return surface.type.name, surface.values, agreement
     return item
 
 
 def _cut_out(model: Model, profile: Entity) -> tuple[Outline, Round | Slotted | None]:
-    """The outline of what is cut out, and the hole or slot that it is; worked out once."""
-    key = definition(profile)
-    known: tuple[Outline, Round | Slotted | None] | None = model.cut_outs.get(key)
-    if known is None:
-        outline = outline_of(model, profile)
-        known = model.cut_outs[key] = outline, hole_of(outline)
-    return known
+    """The outline of what is cut out, and the hole or slot that it is."""
+    outline = outline_of(model, profile)
+    return outline, hole_of(outline)
 
 
 def _compound(model: Model, item: Entity, frame: Frame, where: str | None) -> Sequence[Cutter]:
@@ -151,13 +148,6 @@ def _compound(model: Model, item: Entity, frame: Frame, where: str | None) -> Se
     if item.Operator == "DIFFERENCE":
         return [Less(one, second, where) for one in first]
     return [Bounded(one, other, where) for one in first for other in second]
-
-
-def outline_of_curve(model: Model, curve: Entity) -> Outline:
-    """The outline of a bounding curve."""
-    from beamcam.readers.ifc.curves2d import chain_of
-
-    return Outline(chain_of(model, curve))
 
 
 def _half_space(model: Model, item: Entity, frame: Frame, where: str | None) -> HalfSpace:
@@ -175,9 +165,9 @@ def _primitive(model: Model, item: Entity, frame: Frame, where: str | None) -> P
     mm = model.mm
     if item.is_a("IfcBlock"):
         x, y = item.XLength * mm, item.YLength * mm
-        corner = Frame(position.point((x / 2, y / 2, 0.0)), position.x, position.y)
-        up = scale(position.z, item.ZLength * mm)
-        return prism(corner, up, Outline(rounded_box(x, y, 0.0)), where, None)
+        middle, up = position.point((x / 2, y / 2, 0.0)), scale(position.z, item.ZLength * mm)
+        block = Frame(middle, position.x, position.y, up)
+        return Prism(block, Outline(rounded_box(x, y, 0.0)), where)
     radius = item.Radius * mm
     outline = Outline((Arc((0.0, 0.0), radius, 0.0, 360.0),))
     along = scale(position.z, item.Height * mm)

@@ -50,7 +50,7 @@ NONE_GIVEN = -2  #: instead of an index where there is `$`
 
 
 class Malformed(ValueError):
-    """A file that is no STEP file; `line` is where, counted from 1."""
+    """A file that is not a STEP file; `line` is where, counted from 1."""
 
     def __init__(self, text: str, line: int | None = None) -> None:
         super().__init__(text)
@@ -66,17 +66,6 @@ class Typed(Struct, frozen=True, gc=False):
     def is_a(self, name: str) -> bool:
         """As of an entity."""
         return name.upper() == self.kind
-
-
-class Spans(Struct, frozen=True):
-    """Position of each record in the text, and its brackets among all commas and brackets."""
-
-    start: Places  #: of its name
-    kind: Places  #: of its class
-    opening: Places  #: of the bracket before its values
-    closing: Places  #: of the bracket behind them
-    opened: Places  #: the first among the marks
-    closed: Places  #: the second among the marks
 
 
 class Inners(Struct, frozen=True):
@@ -109,21 +98,21 @@ class Inners(Struct, frozen=True):
 class Records:
     """The records of a file, known by their indices in the order of the file."""
 
-    def __init__(
-        self, text: str, codes: Codes, marks: Places, numbers: Places, spans: Spans
-    ) -> None:
-        """Raises Malformed for a number that is there twice, and for a class that is no word."""
-        self._text = text
-        self._codes = codes
-        self._marks = marks
-        self._spans = spans
+    def __init__(self, every: Inners, numbers: Places, starts: Places, kinds: Places) -> None:
+        """The records of some numbers; `starts` are the places of their names, then their kinds'.
+
+        Raises Malformed for a number that is there twice, and for a class that is not a word.
+        """
+        self._every, self._starts, self._kinds = every, starts, kinds
         self._index = _index(numbers)
-        self._hashes = hashes(codes, spans.kind, back_over_blanks(codes, spans.opening))
+        first = every.first
+        self._hashes = hashes(every.codes, kinds, back_over_blanks(every.codes, first - 1))
         # A memoryview gives single numbers faster than an array does, and as Python's own.
         self._number, self._kind = numbers.data, self._hashes.data
-        self._first, self._closing = (spans.opening + 1).data, spans.closing.data
+        self._first, self._last = first.data, every.last.data
         if (twice := _second(numbers)) is not None:
-            raise Malformed(f"record {self.name(twice)} twice", self._line(twice))
+            line = _line(every.text, int(starts[twice]))
+            raise Malformed(f"record {self.name(twice)} twice", line)
         self.kinds = self._classes()  #: as they are written, IFCDIRECTION, by their numbers
 
     def __len__(self) -> int:
@@ -150,7 +139,7 @@ class Records:
 
     def inner(self, index: int) -> str:
         """Text between the brackets: `(0.,0.,1.)`."""
-        return self._text[self._first[index] : self._closing[index]]
+        return self._every.text[self._first[index] : self._last[index]]
 
     def of(self, kind: str) -> Places:
         """The indices of the records of a class, which is in capitals."""
@@ -171,8 +160,8 @@ class Records:
         size = min(8, *map(len, texts))
         heads = codes_of("".join(text[:size].rjust(8) for text in texts))
         indices = self.of(kind)
-        first = past_blanks(self._codes, self._spans.opening[indices] + 1)
-        words = words_before(self._codes, first + size, size)
+        codes = self._every.codes
+        words = words_before(codes, past_blanks(codes, self.inners(indices).first) + size, size)
         wanted = words_before(heads, np.arange(1, len(texts) + 1) * 8, size)
         likely = indices[np.isin(words, wanted)]
         inners = [inner.lstrip() for inner in self.inners(likely).texts()]
@@ -181,9 +170,7 @@ class Records:
 
     def inners(self, indices: Places) -> Inners:
         """As `inner`, of many records."""
-        spans = self._spans
-        opened, closed = spans.opened[indices], spans.closed[indices]
-        return Inners(self._text, self._codes, self._marks, opened, closed)
+        return self._every.some(indices)
 
     def references(self, indices: Places, count: int) -> list[Places] | None:
         """The indices that records refer to whose values are `count` references and no more.
@@ -191,7 +178,7 @@ class Records:
         A column for each value; `$` is NONE_GIVEN, a record that is not there MISSING. None if
         one of the records is written in another way, as with blanks.
         """
-        codes, at = self._codes, self._spans.opening[indices]
+        codes, at = self._every.codes, self.inners(indices).first - 1
         columns = []
         for behind_it in (*[_COMMA] * (count - 1), _CLOSING):
             first = codes[at + 1]
@@ -220,20 +207,17 @@ class Records:
             number = rest[len(rest) // 2]  # likely one of a class with many records
             rest = rest[rest != number]
             index = int(np.argmax(self._hashes == number))
-            kind = self._text[self._spans.kind[index] : self._spans.opening[index]].rstrip()
+            kind = self._every.text[self._kinds[index] : self._first[index] - 1].rstrip()
             if _CLASS.fullmatch(kind) is None:
-                _refuse(self._text, self._spans.start[index : index + 1])
+                _refuse(self._every.text, self._starts[index : index + 1])
             found[int(number)] = kind
         return found
-
-    def _line(self, index: int) -> int:
-        return _line(self._text, int(self._spans.start[index]))
 
 
 def records(text: str) -> Records:
     """The records of all DATA sections, without comments, with names of the shortest form.
 
-    Raises Malformed for text that is no record, and for a name that is there twice.
+    Raises Malformed for text that is not a record, and for a name that is there twice.
     """
     codes = codes_of(text)
     if holds(codes, b"/*") or holds(codes, b"#0"):
@@ -251,9 +235,8 @@ def records(text: str) -> Records:
     well: Truths = (behind > starts + 1) & (codes[equals] == _EQUALS) & (kinds < openings)
     well &= (codes[openings] == _OPENING) & (openings < closings) & (codes[closings] == _CLOSING)
     _refuse(text, starts[~well])
-    closed = np.searchsorted(marks, closings)
-    spans = Spans(starts, kinds, openings, closings, opened, closed)
-    return Records(text, codes, marks, numbers, spans)
+    every = Inners(text, codes, marks, opened, np.searchsorted(marks, closings))
+    return Records(every, numbers, starts, kinds)
 
 
 def pieces(text: str, first: Places, last: Places) -> list[str]:

@@ -8,7 +8,7 @@ from beamcam.readers.ifc.entities import Entity, Model, Unreadable
 from beamcam.readers.ifc.plates import Plate, plate_of
 from beamcam.readers.ifc.profiles import section_of
 from beamcam.readers.ifc.section import Section
-from beamcam.readers.ifc.space import Frame, add, cross, dot, size, unit
+from beamcam.readers.ifc.space import Frame, Vec, add, cross, dot, size, unit
 
 
 class Stock(Struct, frozen=True, gc=False):
@@ -18,7 +18,7 @@ class Stock(Struct, frozen=True, gc=False):
     frame: Frame  #: the member's coordinates in the element's
     x0: float
     x1: float
-    outline: Chain | None = None  #: of a plate, in (x, y); None is a full rectangle
+    outline: Chain = ()  #: of a plate, in (x, y); none of a full rectangle
     hollows: tuple[Chain, ...] = ()
 
 
@@ -33,11 +33,11 @@ def stock_of(model: Model, element: Entity, base: Swept) -> Stock:
         raise Unreadable("a profile that is stretched unevenly")
     plate = plate_of(model, element, base.profile, depth / factor)
     if plate is not None:
-        return _plate_stock(plate, base, factor)
+        return plate_stock(plate, base.frame, base.along, depth, factor)
     section = section_of(model, base.profile)
     frame = _frame(section, base.frame)
-    if dot(frame.x, base.along) < 0 and (section.flip_z or section.flip_y):
-        section = section.flipped_z() if section.flip_z else section.flipped_y()
+    if dot(frame.x, base.along) < 0:
+        section = section.turned()
         frame = _frame(section, base.frame)
     if abs(factor - 1.0) >= 1e-12:
         section = section.scaled(factor)
@@ -53,23 +53,26 @@ def _frame(section: Section, at: Frame) -> Frame:
     return Frame(o, cross(y, z), y, z)
 
 
-def _plate_stock(plate: Plate, base: Swept, factor: float) -> Stock:
-    at = base.frame
+def plate_stock(
+    plate: Plate, at: Frame, along: Vec, thickness: float, factor: float = 1.0
+) -> Stock:
+    """The stock of a plate that is pushed `along`, which is its thickness, off the plane of `at`.
+
+    Its measures grow by a factor.
+    """
     x = unit(at.vector((*plate.x, 0.0)))
     y = unit(at.vector((*plate.y, 0.0)))
     z = cross(x, y)
     o = at.point((*plate.origin, 0.0))
-    if dot(z, base.along) < 0:
-        o = add(o, base.along)
-    thickness = size(base.along)
+    if dot(z, along) < 0:
+        o = add(o, along)
     width, length = plate.width * factor, plate.length * factor
     section = Section(
         "B", width, thickness, 0.0, thickness, 0.0, (0.0, 0.0), (0.0, 1.0), (1.0, 0.0),
-        True, True, width * thickness,
+        width * thickness,
     )  # fmt: skip
     matrix = ((factor, 0.0, 0.0), (0.0, factor, 0.0))
-    outline = None
-    if plate.outline is not None:
-        outline = tuple(c.transformed(matrix) for c in plate.outline)
-    hollows = tuple(tuple(c.transformed(matrix) for c in h) for h in plate.hollows)
-    return Stock(section, Frame(o, x, y, z), 0.0, length, outline, hollows)
+    outline, *hollows = (
+        tuple(c.transformed(matrix) for c in chain) for chain in (plate.outline, *plate.hollows)
+    )
+    return Stock(section, Frame(o, x, y, z), 0.0, length, outline, tuple(hollows))

@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 
 from beamcam.geometry.curves import Line, Point
-from beamcam.readers.ifc.curves2d import Chain
+from beamcam.readers.ifc.curves2d import Chain, box_around
 from beamcam.readers.ifc.cutters import Bounded, Cutter, HalfSpace, Prism
 from beamcam.readers.ifc.ends import MIN_LEAN
 from beamcam.readers.ifc.space import add, cross, dot, scale, size, sub, unit
@@ -37,14 +37,8 @@ def _sides(cutter: Prism) -> list[HalfSpace]:
         if dot(normal, f.z) * way < 0:
             normal = scale(normal, -1.0)
         found.append(HalfSpace(o, normal, cutter.where))
-    boxes = [c.bbox for c in cutter.outline.outer]
-    middle = f.point(
-        (
-            (min(b[0] for b in boxes) + max(b[2] for b in boxes)) / 2,
-            (min(b[1] for b in boxes) + max(b[3] for b in boxes)) / 2,
-            0.5,
-        )
-    )
+    x0, y0, x1, y1 = box_around(cutter.outline.outer)
+    middle = f.point(((x0 + x1) / 2, (y0 + y1) / 2, 0.5))
     for curve in cutter.outline.outer:
         if isinstance(curve, Line):
             a, b = f.point((*curve.start, 0.0)), f.point((*curve.end, 0.0))

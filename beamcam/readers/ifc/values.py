@@ -5,6 +5,7 @@ r"""The values in the text of a STEP record.
 
 import re
 from collections.abc import Callable
+from contextlib import suppress
 from typing import Any
 
 from beamcam.readers.ifc.step import Malformed, Typed
@@ -35,7 +36,7 @@ class Tokens(dict[str, Any]):
         self.reference = reference
 
     def __missing__(self, token: str) -> Any:
-        """Raises Malformed for what is no value, and for a part of a string."""
+        """Raises Malformed for what is not a value, and for a part of a string."""
         first = token[:1]
         if first == "#":
             digits = token[1:]
@@ -72,40 +73,17 @@ class Tokens(dict[str, Any]):
     def values(self, inner: str) -> Values:  # type: ignore[override]
         """The values between a record's brackets: None, numbers, strings, truths, references.
 
-        An enumeration is its text, a list a tuple. Raises Malformed for what are no values.
+        An enumeration is its text, a list a tuple. Raises Malformed for what is not a value.
         """
-        # A string with a comma in it falls into pieces with an odd number of quotes, which are no
-        # values; so does one with a bracket, where the record is cut at the first.
-        try:
-            if "(" not in inner:
+        if "(" not in inner:
+            # A string with a comma in it falls into pieces with an odd number of quotes, which are
+            # no values.
+            with suppress(Malformed):
                 return tuple(map(self.__getitem__, inner.split(","))) if inner else ()
-            found = self._once_bracketed(inner)
-        except Malformed:
-            found = None
-        return self._nested(inner) if found is None else found
-
-    def _once_bracketed(self, inner: str) -> Values | None:
-        """As `values` where there is one list or type and no more, as in most records.
-
-        None if there are more; Malformed if so, or if a string has a comma or a bracket in it.
-        """
-        before, _, rest = inner.partition("(")
-        listed, closing, behind = rest.partition(")")
-        if "(" in listed or "(" in behind or ")" in behind or not closing:
-            return None
-        comma = before.rfind(",")
-        kind = before[comma + 1 :]
-        if (kind and not kind.isalnum()) or behind[:1] not in ("", ","):
-            return None
-        get = self.__getitem__
-        first = map(get, before[:comma].split(",")) if comma >= 0 else ()
-        many: Any = tuple(map(get, listed.split(","))) if listed else ()
-        if kind:
-            many = Typed(kind.upper(), many[0] if many else None)
-        return *first, many, *(map(get, behind[1:].split(",")) if behind else ())
+        return self._nested(inner)
 
     def _nested(self, inner: str) -> Values:
-        """Values among which are lists in lists, or strings with commas or brackets in them."""
+        """Values among which are lists, types, or strings with commas or brackets in them."""
         fault = Malformed(f"{inner[:40]!r} as values")
         stack: list[list[Any]] = [[]]
         kinds: list[str | None] = []

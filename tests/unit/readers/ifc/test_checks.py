@@ -9,7 +9,7 @@ from msgspec.structs import replace
 from beamcam.errors import Source
 from beamcam.readers.ifc import Options, checks, kernel, read
 from beamcam.readers.ifc.explained import UnexplainedRegions
-from beamcam.readers.ifc.kernel import FACETED, ROUNDER, Built, build, build_both
+from beamcam.readers.ifc.kernel import FACETED, ROUNDER, Built, build, build_both, load
 from beamcam.readers.ifc.marks import Data
 from tests.unit.readers.ifc.models import Small, opened
 
@@ -105,8 +105,7 @@ def test_only_the_slots_of_the_member_are_made_less_round() -> None:
     first, _ = model.file.by_type("IfcBeam")
     for _ in range(2):
         build(model, first)
-        (copy,) = model.kernel
-        slots = copy.by_type("IfcRoundedRectangleProfileDef")
+        slots = load(model).by_type("IfcRoundedRectangleProfileDef")
         assert [s.RoundingRadius for s in slots] == [11.0 * ROUNDER, 13.0]
     own = model.file.by_type("IfcRoundedRectangleProfileDef")
     assert [s.RoundingRadius for s in own] == [11.0, 13.0]

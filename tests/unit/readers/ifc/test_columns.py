@@ -163,7 +163,7 @@ def test_a_reference_to_no_record_fails_when_it_is_looked_at() -> None:
     assert isinstance(missing, Missing)
     assert missing.name == "#9"
     with pytest.raises(LookupError, match="#9, which is not in the file"):
-        missing.row  # noqa: B018
+        missing.type  # noqa: B018
 
 
 def test_a_closed_file_goes_at_once_with_entities_that_lead_back_to_themselves() -> None:

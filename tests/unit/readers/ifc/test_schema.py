@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 import beamcam.readers.ifc as reader
-from beamcam.readers.ifc.schema import rows
+from beamcam.readers.ifc.schema import entity_types
 
 SCHEMAS = {"IFC2X3": "IFC2X3", "IFC4": "IFC4", "IFC4X3": "IFC4X3_ADD2"}
 FOLDER = Path(reader.__file__).parent
@@ -17,17 +17,17 @@ def test_attributes_and_supertypes_are_the_schemas(schema: str) -> None:
     wrapper = pytest.importorskip("ifcopenshell").ifcopenshell_wrapper
     declared = wrapper.schema_by_name(SCHEMAS[schema])
     compared = 0
-    for row in rows(schema).values():
+    for known in entity_types(schema).values():
         try:
-            entity = declared.declaration_by_name(row.name).as_entity()
+            entity = declared.declaration_by_name(known.name).as_entity()
         except RuntimeError:
             continue  # an entity of another schema, which this file cannot have
-        assert list(row.places) == [a.name() for a in entity.all_attributes()], row.name
+        assert list(known.places) == [a.name() for a in entity.all_attributes()], known.name
         above = set()
         while entity is not None:
             above.add(entity.name())
             entity = entity.supertype()
-        assert row.kinds == above
+        assert known.kinds == above
         compared += 1
     assert compared > 150
 
@@ -39,7 +39,7 @@ def test_every_class_that_the_reader_asks_for_is_there_with_its_subtypes(schema:
     asked = set()
     for path in FOLDER.glob("*.py"):
         asked |= set(re.findall(r'(?:is_a|by_type)\("(Ifc\w+)"\)', path.read_text("utf-8")))
-    known = {row.name for row in rows(schema).values()}
+    known = {known.name for known in entity_types(schema).values()}
     for name in sorted(asked):
         try:
             todo = [declared.declaration_by_name(name).as_entity()]
