@@ -61,7 +61,7 @@ def read(data: bytes, name: str) -> Reading:
         part = part_from_json(value, name)
     except ReadError as error:
         return Reading("part-json", (), error.diagnostics)
-    return Reading("part-json", (part,), checked_polynomials(part))
+    return Reading("part-json", (part,), tuple(checked_polynomials(part)))
 
 
 #: What half of a character is written as, which no file takes afterwards.

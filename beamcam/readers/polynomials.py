@@ -11,13 +11,9 @@ from beamcam.readers.rules import NODES_LOST, OSCILLATION
 MAX_NODE_ERROR = 1e-6
 
 
-def checked_polynomials(part: Part) -> tuple[Diagnostic, ...]:
+def checked_polynomials(part: Part) -> Iterator[Diagnostic]:
     """A warning for each polynomial that oscillates between its nodes, with how far; an error for
     each that arithmetic does not bring through them."""
-    return tuple(_said(part))
-
-
-def _said(part: Part) -> Iterator[Diagnostic]:
     for contour in part.contours:
         for curve in contour.curves:
             if not isinstance(curve, NewtonCurve):

@@ -7,7 +7,7 @@ from beamcam.model.part import Part
 
 
 class Reading(Struct, frozen=True):
-    """The parts of one file, as far as they could be read, and what is to be said about it.
+    """The parts of one file, as far as they could be read, and remarks on it.
 
     Where a diagnostic is an error no part may be posted; `parts` then still holds what was read.
     """

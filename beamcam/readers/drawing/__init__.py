@@ -22,7 +22,7 @@ from beamcam.geometry.plane import MAX_COORDINATE
 from beamcam.model.drawing import Measures, extent
 from beamcam.model.part import Contour, Part, Profile
 from beamcam.plain_text import whole_text
-from beamcam.readers.drawing.rules import LAYER_OPTION
+from beamcam.readers.drawing.rules import LAYER_OPTION, NO_CURVES, TOO_LARGE
 
 #: Millimetres in a unit, by the words of `--units` and `--width`.
 MM_PER_UNIT = {
@@ -136,7 +136,22 @@ def drawing_part(name: str, contours: tuple[Contour, ...], measures: Measures) -
 
 def counted(counts: Iterable[tuple[str, int]]) -> str:
     """ "3 TEXT, 1 HATCH"; "nothing else" if there is nothing."""
-    return ", ".join(f"{count} {name}" for name, count in counts) or "nothing else"
+    return ", ".join(f"{count} {name}" for name, count in counts if count) or "nothing else"
+
+
+def verdict(
+    part: Part, seen: Iterable[tuple[str, int]], unit: str | None, source: Source
+) -> list[Diagnostic]:
+    """An error for a drawing without curves, a warning for one that no machine could hold.
+
+    `seen` says what there is in place of curves; `unit` is None where the user gave it.
+    """
+    if not part.features and not (part.measures and part.measures.filled):
+        return [NO_CURVES.at(source, found=counted(seen))]
+    width, height = part.length, part.profile.height
+    if max(width, height) > LARGEST_SIZE and unit is not None:
+        return [TOO_LARGE.at(source, width=width, height=height, unit=unit)]
+    return []
 
 
 def unknown_layers(

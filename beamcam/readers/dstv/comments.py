@@ -84,7 +84,7 @@ def _row_stops(rows: Rows, feature: int) -> list[Stop]:
 
     A comment stands between two rows, so that turning round puts it before the other one.
     """
-    lines = sorted({*rows.lines, *rows.notch_lines} - {*rows.left_out})
+    lines = sorted({*rows.lines, *rows.notch_lines})
     count = len(lines)
     return [
         (line, f"feature:{feature}:{count - row if rows.turned else row}")

@@ -1,9 +1,8 @@
 """Rows of the contour blocks AK, IK, KO and PU."""
 
-from functools import partial
 from itertools import pairwise
 from math import hypot, inf
-from typing import Literal
+from typing import Literal, final
 
 from msgspec import Struct, field
 
@@ -19,6 +18,7 @@ BevelPair = tuple[float, float]  #: angle in degrees, land
 NotchRow = tuple[Literal["t", "w"], Point, float]
 
 
+@final
 class Rows(Struct):
     """One contour as its rows say it; item i of each list belongs to the edge from point i on."""
 
@@ -35,16 +35,15 @@ class Rows(Struct):
     edges: str = ""  #: all reference letters met
     turned: bool = False  #: whether the contour runs against its rows
     area: float = 0.0  #: of the polygon of its corners, as the rows draw it
-    left_out: list[int] = field(default_factory=list)  #: lines that repeat a point
 
 
 def read_contour_rows(block: Block, code: str, place: Place) -> list[Rows]:
     """The contours of one block; a row that changes the face, or follows a closed one, begins
-    another."""
+    another. `code` is A, I, K or P."""
     found: list[Rows] = []
     rows: Rows | None = None
-    read = rows_of(block, place.log, rules.CONTOUR_FIELDS, partial(_fields, place=place))
-    for line, (x, edge, y, notch, radius, pairs) in read:
+    for line, fields in rows_of(block, place, _fields, rules.CONTOUR_FIELDS):
+        x, edge, y, notch, radius, pairs = fields
         if rows is None or rows.face != place.face:
             rows = Rows(code, place.face, edge, line)
             found.append(rows)
@@ -111,7 +110,7 @@ def _add_notch(rows: Rows, letter: str, corner: Point, radius: float, line: int,
 
 
 def _split_closed(rows: Rows) -> list[Rows]:
-    """The contours of a block that holds several, one behind the other.
+    """The contours of a block that holds several, one after the other.
 
     A contour ends where it comes back to its start, if another closed one follows; one that only
     touches its start goes on.

@@ -9,10 +9,11 @@ direction of the face's outer contour tells.
 from math import asin, hypot, sin
 
 from beamcam.errors import Source
-from beamcam.geometry.curves import Arc, Curve, Line, Point, arc_through
+from beamcam.geometry.curves import Curve, Line, Point, arc_through
+from beamcam.geometry.plane import distance
 from beamcam.model.part import MIRRORED_FACES, Bevel, Contour, ContourKind, Notch, Process
 from beamcam.readers.dstv import rules
-from beamcam.readers.dstv.contour_rows import BevelPair, NotchRow, Rows
+from beamcam.readers.dstv.contour_rows import NotchRow, Rows
 from beamcam.readers.dstv.tokens import Log
 
 _SNAP = 0.011  #: ends this close are one point that was rounded twice
@@ -60,9 +61,7 @@ def is_mirrored(rows: Rows) -> bool:
     drawn = outward * (area + arcs) > 0
     if mirrored != drawn:
         return mirrored
-    if mirrored:
-        return True
-    return outward * area <= 0
+    return mirrored or outward * area <= 0
 
 
 def build_contour(rows: Rows, mirrored: bool, thickness: float, log: Log) -> Contour | None:
@@ -76,32 +75,27 @@ def build_contour(rows: Rows, mirrored: bool, thickness: float, log: Log) -> Con
         return None
     if len(rows.edges) > 1:
         log.add(rules.EDGE_MIXED, rows.line, found=" ".join(rows.edges), kept=rows.edge)
-    points, radii, lines, bevel_rows, notch_rows = _drop_repeated(rows, log)
+    _drop_repeated(rows, log)
     if mirrored:
-        radii = [-r for r in radii]
-    closed = points[0] == points[-1]
-    if not closed and rows.code in "AI":
-        points, radii = _close(points, radii, lines, log)
-        closed = True
+        rows.radii = [-r for r in rows.radii]
+    if rows.code in "AI" and rows.points[0] != rows.points[-1]:
+        _close(rows, log)
+    closed = rows.points[0] == rows.points[-1]
     kind: ContourKind = "outer" if rows.code == "A" else "inner" if closed else "open"
-    if closed:
-        rows.turned = _runs_the_other_way(rows, kind, points, radii, log)
-    last = len(points) - 2  #: edge
-    bevels = _place_bevels(rows, bevel_rows, last + 1, closed, thickness, lines, log)
-    notches = _place_notches(notch_rows, last, mirrored)
-    if rows.turned:
-        lines = lines[: last + 1][::-1]  # of each edge, the row that it began on
-        points = points[::-1]
-        radii = [-r for r in radii[-2::-1]] + [0.0]
-        bevels = [Bevel(last - b.curve, b.angle, b.land) for b in bevels]
-        bevels.sort(key=lambda b: b.curve)
-        notches = [Notch(last - n.curve, n.kind, n.corner, -n.radius) for n in reversed(notches)]
-    curves = _curves(points, radii, lines, log)
+    rows.turned = closed and _runs_the_other_way(rows, kind, log)
+    bevels = _place_bevels(rows, closed, thickness, log)
+    notches = _place_notches(rows, mirrored)
+    curves = _curves(rows, log)
     if curves is None:
         log.left_out.extend(rows.lines + rows.notch_lines)
         return None
     log.taken.extend(rows.lines)
     log.taken.extend(rows.notch_lines)
+    if rows.turned:
+        last = len(curves) - 1
+        bevels = [Bevel(last - b.curve, b.angle, b.land) for b in bevels]
+        bevels.sort(key=lambda b: b.curve)
+        notches = [Notch(last - n.curve, n.kind, n.corner, -n.radius) for n in reversed(notches)]
     process: Process = "punch" if rows.code == "K" else "powder" if rows.code == "P" else "cut"
     return Contour(
         rows.face,
@@ -116,23 +110,22 @@ def build_contour(rows: Rows, mirrored: bool, thickness: float, log: Log) -> Con
     )
 
 
-def _runs_the_other_way(
-    rows: Rows, kind: ContourKind, points: list[Point], radii: list[float], log: Log
-) -> bool:
+def _runs_the_other_way(rows: Rows, kind: ContourKind, log: Log) -> bool:
     """Whether a closed contour runs against the sense in which ours run, seen from outside."""
-    rows.area = polygon_area(points)
-    area = rows.area + segments_area(points, radii)
+    rows.area = polygon_area(rows.points)
+    area = rows.area + segments_area(rows.points, rows.radii)
     if area == 0.0:
         log.add(rules.CONTOUR_AREA, rows.line)
     wants_positive = (kind == "outer") != (rows.face in MIRRORED_FACES)
     return area < 0 if wants_positive else area > 0
 
 
-def _place_notches(notches: dict[int, list[NotchRow]], last: int, mirrored: bool) -> list[Notch]:
+def _place_notches(rows: Rows, mirrored: bool) -> list[Notch]:
     """The notches at the edges that they stand on, the last one at most."""
+    last = len(rows.points) - 2
     return [
         Notch(i if 0 <= i <= last else last, kind, corner, -radius if mirrored else radius)
-        for i, group in sorted(notches.items())
+        for i, group in sorted(rows.notches.items())
         for kind, corner, radius in group
     ]
 
@@ -148,113 +141,83 @@ def _refuse_point(rows: Rows, log: Log) -> None:
     log.left_out.extend(lines)
 
 
-def _drop_repeated(
-    rows: Rows, log: Log
-) -> tuple[
-    list[Point],
-    list[float],
-    list[int],
-    dict[int, tuple[BevelPair, ...]],
-    dict[int, list[NotchRow]],
-]:
-    """The rows without those that repeat the point before; what these say belongs to the point."""
+def _drop_repeated(rows: Rows, log: Log) -> None:
+    """Leave out the rows that repeat the point before; what they say belongs to that point."""
     points, lines = rows.points, rows.lines
     kept: list[int] = []
     place: list[int] = []  # of each row, its point's place among those kept
-    new_radii: list[float] = []
+    radii: list[float] = []
     for i, point in enumerate(points):
         if kept and points[kept[-1]] == point:
             log.add(rules.REPEATED_POINT, lines[i])
-            rows.left_out.append(lines[i])
-            new_radii[-1] = rows.radii[i]
+            radii[-1] = rows.radii[i]
         else:
             kept.append(i)
-            new_radii.append(rows.radii[i])
+            radii.append(rows.radii[i])
         place.append(len(kept) - 1)
-    new_bevels = {place[i]: pairs for i, pairs in rows.bevels.items()}
-    new_notches: dict[int, list[NotchRow]] = {}
+    notches: dict[int, list[NotchRow]] = {}
     for i, group in rows.notches.items():
-        new_notches.setdefault(place[i] if i >= 0 else -1, []).extend(group)
-    return (
-        [points[i] for i in kept],
-        new_radii,
-        [lines[i] for i in kept],
-        new_bevels,
-        new_notches,
-    )
+        notches.setdefault(place[i] if i >= 0 else -1, []).extend(group)
+    rows.points, rows.lines = [points[i] for i in kept], [lines[i] for i in kept]
+    rows.radii, rows.notches = radii, notches
+    rows.bevels = {place[i]: pairs for i, pairs in rows.bevels.items()}
 
 
-def _close(
-    points: list[Point], radii: list[float], lines: list[int], log: Log
-) -> tuple[list[Point], list[float]]:
-    """Points and radii of a contour that must be closed and is not."""
-    gap = hypot(points[-1][0] - points[0][0], points[-1][1] - points[0][1])
-    log.add(rules.CONTOUR_OPEN, lines[-1], gap=gap)
-    if gap <= _SNAP and len(points) > 2:
-        return [*points[:-1], points[0]], radii
-    return [*points, points[0]], [*radii, 0.0]
+def _close(rows: Rows, log: Log) -> None:
+    """Lead a contour that must be closed and is not back to its start."""
+    first, last = rows.points[0], rows.points[-1]
+    gap = distance(last, first)
+    log.add(rules.CONTOUR_OPEN, rows.lines[-1], gap=gap)
+    if gap <= _SNAP and len(rows.points) > 2:
+        rows.points[-1] = first
+    else:
+        rows.points.append(first)
+        rows.radii.append(0.0)
 
 
-def _place_bevels(
-    rows: Rows,
-    bevels: dict[int, tuple[BevelPair, ...]],
-    count: int,
-    closed: bool,
-    thickness: float,
-    lines: list[int],
-    log: Log,
-) -> list[Bevel]:
-    """The bevels on `count` curves; the closing row speaks of the first edge again."""
-    if not bevels:
-        return []
+def _place_bevels(rows: Rows, closed: bool, thickness: float, log: Log) -> list[Bevel]:
+    """The bevels on the curves; the closing row speaks of the first edge again."""
     found: list[Bevel] = []
-    for i, pairs in sorted(bevels.items()):
+    for i, pairs in sorted(rows.bevels.items()):
         curve = i
-        if i >= count:
-            if closed and bevels.get(0) == pairs:
+        if i >= len(rows.points) - 1:
+            if closed and rows.bevels.get(0) == pairs:
                 continue
-            if not closed or 0 in bevels:
-                log.add(rules.BEVEL_LOST, lines[min(i, len(lines) - 1)], angle=pairs[0][0])
+            if not closed or 0 in rows.bevels:
+                log.add(rules.BEVEL_LOST, rows.lines[i], angle=pairs[0][0])
                 continue
             curve = 0
         for angle, land in pairs:
             if angle < 0 and land == 0.0 and thickness:
-                log.add(
-                    rules.BEVEL_LAND, lines[min(i, len(lines) - 1)], angle=angle, land=thickness
-                )
+                log.add(rules.BEVEL_LAND, rows.lines[i], angle=angle, land=thickness)
                 land = thickness
             found.append(Bevel(curve, angle, land))
-    found.sort(key=lambda bevel: bevel.curve)
-    return found
+    return sorted(found, key=lambda bevel: bevel.curve)
 
 
-def _curves(
-    points: list[Point], radii: list[float], lines: list[int], log: Log
-) -> tuple[Curve, ...] | None:
-    """Lines and arcs through `points`; None, with an error, where an arc cannot be."""
-    if not any(radii):
-        return tuple(map(Line, points, points[1:]))
-    curves: list[Curve] = []
-    failed = False
-    for i in range(len(points) - 1):
-        radius = radii[i]
-        if radius == 0.0:
-            curves.append(Line(points[i], points[i + 1]))
-            continue
-        arc = _arc(points[i], points[i + 1], radius, lines[min(i, len(lines) - 1)], len(lines), log)
-        if arc is None:
-            failed = True
-        else:
-            curves.append(arc)
-    return None if failed else tuple(curves)
+def _curves(rows: Rows, log: Log) -> tuple[Curve, ...] | None:
+    """Lines and arcs through the points, backwards where the contour runs against its rows; None,
+    with an error, where an arc cannot be."""
+    points, radii, lines = rows.points, rows.radii[: len(rows.points) - 1], rows.lines
+    if rows.turned:
+        points, lines = points[::-1], lines[: len(radii)][::-1]
+        radii = [-r for r in reversed(radii)]
+    edges = zip(points, points[1:], radii, lines, strict=False)
+    curves = [_curve(a, b, radius, line, len(lines), log) for a, b, radius, line in edges]
+    sound = tuple(curve for curve in curves if curve is not None)
+    return sound if len(sound) == len(curves) else None
 
 
-def _arc(start: Point, end: Point, radius: float, line: int, count: int, log: Log) -> Arc | None:
-    """The arc between two points; None, with an error, if no circle of `radius` fits them."""
+def _curve(
+    start: Point, end: Point, radius: float, line: int, count: int, log: Log
+) -> Curve | None:
+    """The line or arc between two points; None, with an error, if no circle of `radius` fits."""
+    if radius == 0.0:
+        return Line(start, end)
     try:
         return arc_through(start, end, radius)
     except ValueError:
-        chord = hypot(end[0] - start[0], end[1] - start[1])
+        chord = distance(start, end)
         half = chord / 2
         if half <= abs(radius) * (1 + _ARC_SLACK):
             log.add(rules.ARC_STRETCHED, line, radius=radius, chord=chord)

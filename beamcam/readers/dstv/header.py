@@ -1,22 +1,24 @@
 """The header, block ST: 20 to 24 lines that count by their position."""
 
 import re
-from typing import cast
 
 from msgspec import Struct
 
 from beamcam.caches import cached
-from beamcam.model.part import PROFILE_CODES, EndCuts, Profile, ProfileCode
+from beamcam.errors import Source
+from beamcam.model.part import PROFILE_CODES, EndCuts, Part, Profile, ProfileCode
 from beamcam.model.quantities import ALONG_DEG
 from beamcam.model.section import section_fault
 from beamcam.readers.dstv import rules
-from beamcam.readers.dstv.tokens import CODES, LARGEST, PLAIN_CODES, Log, number
+from beamcam.readers.dstv.tokens import CODES, PLAIN_CODES, Log, number
 
 MIN_LINES, MOST_LINES = 20, 24
 TEXT_LIMIT = 80  # DSTV NC, page 6
 
 #: Data behind the header whose block code is missing: a face and a number, or a number.
 _ROW = re.compile(r"([vouh]\s*)?[+-]?[0-9]+\.[0-9]")
+
+_WHOLE = re.compile(r"([0-9]{1,9})(\.0*)?", re.ASCII)  #: a quantity, which some write as 2.00
 
 #: Names of the header lines that are numbers, 10 to 20.
 NUMBER_NAMES = (
@@ -34,25 +36,6 @@ NUMBER_NAMES = (
 )
 
 LIMITS = (" of at least 0", f" between -{ALONG_DEG:g} and {ALONG_DEG:g}")  #: of sizes, of angles
-
-
-class Header(Struct):
-    """The header's values under the names of the part."""
-
-    order: str
-    drawing: str
-    phase: str
-    mark: str
-    grade: str
-    quantity: int
-    profile: Profile
-    length: float
-    saw_length: float | None
-    weight: float
-    surface: float
-    cuts: EndCuts
-    notes: tuple[str, ...]
-    cut_lines: tuple[int, int, int, int]  #: of the four angles
 
 
 class HeaderLines(Struct):
@@ -75,9 +58,6 @@ def header_lines(lines: list[str], texts: list[str], start: int) -> HeaderLines:
     indent = _indent(lines[start - 1])
     comments: list[tuple[int, str]] = []
     trailing: list[tuple[int, str]] = []
-    while start < len(lines) and (text := texts[start])[:2] == "**":
-        comments.append((1, text[2:]))
-        start += 1
     values: list[str] = []
     numbers: list[int] = []
     for index in range(start, len(lines)):
@@ -120,17 +100,11 @@ def _is_code(text: str, lines: list[str], index: int, indent: int, count: int) -
     return text in CODES and text[0] == "E" and len(follower) in (3, 6, 9)
 
 
-def read_header(head: HeaderLines, log: Log) -> Header | None:
-    """The header's values; None, with errors in the log, if it cannot be read."""
+def read_header(head: HeaderLines, source: Source, log: Log) -> Part | None:
+    """The part as its header has it; None, with errors in the log, if that cannot be read."""
+    if _is_short(head, log):
+        return None
     values, lines = head.values, head.numbers
-    if len(values) < MIN_LINES:
-        last = lines[-1] if lines else head.end
-        log.add(rules.HEADER_SHORT, last, found="the end of the file", count=len(values))
-        return None
-    if not CODES.isdisjoint(values[8:MIN_LINES]):  # numbers stand here: it ended too early
-        position = next(i for i in range(8, MIN_LINES) if values[i] in CODES)
-        log.add(rules.HEADER_SHORT, lines[position], found=values[position], count=position)
-        return None
     before = len(log.diagnostics)
     quantity = _quantity(values[5], lines[5], log)
     code = _profile_code(values[7], lines[7], log)
@@ -147,23 +121,37 @@ def read_header(head: HeaderLines, log: Log) -> Header | None:
     _warn_of_texts(values, lines, log)
     said = {d.source.line for d in log.diagnostics[before:]}
     log.taken += [line for line in lines if line not in said] if said else lines
-    texts = [_text(values[i]) for i in (0, 1, 2, 4)]
-    return Header(
-        texts[0],
-        texts[1],
-        texts[2],
-        values[3],
-        texts[3],
-        quantity,
-        profile,
-        length,
-        saw_length,
-        weight,
-        surface,
-        EndCuts(*cuts),
-        _notes(values[MIN_LINES:]),
-        (lines[16], lines[17], lines[18], lines[19]),
+    return Part(
+        mark=values[3],
+        profile=profile,
+        length=length,
+        source=source,
+        quantity=quantity,
+        saw_length=saw_length,
+        order=_text(values[0]),
+        drawing=_text(values[1]),
+        phase=_text(values[2]),
+        grade=_text(values[4]),
+        cuts=EndCuts(*cuts),
+        weight=weight,
+        surface=surface,
+        notes=_notes(values[MIN_LINES:]),
+        cut_lines=(lines[16], lines[17], lines[18], lines[19]),
     )
+
+
+def _is_short(head: HeaderLines, log: Log) -> bool:
+    """Whether lines are missing: at the end, or where a code stands in place of a number."""
+    values, lines = head.values, head.numbers
+    if len(values) < MIN_LINES:
+        last = lines[-1] if lines else head.end
+        log.add(rules.HEADER_SHORT, last, found="the end of the file", count=len(values))
+        return True
+    position = next((i for i in range(8, MIN_LINES) if values[i] in CODES), None)
+    if position is None:
+        return False
+    log.add(rules.HEADER_SHORT, lines[position], found=values[position], count=position)
+    return True
 
 
 @cached("dstv.sections")
@@ -194,8 +182,6 @@ def _text(value: str) -> str:
 
 def _notes(values: list[str]) -> tuple[str, ...]:
     """The free texts, without the empty ones at the end."""
-    if not any(values):
-        return ()
     texts = [_text(value) for value in values]
     while texts and not texts[-1]:
         texts.pop()
@@ -203,26 +189,22 @@ def _notes(values: list[str]) -> tuple[str, ...]:
 
 
 def _quantity(text: str, line: int, log: Log) -> int | None:
-    if text.isdecimal() and text.isascii() and len(text) < 10:
-        value = int(text)
-        if value > 0:
-            return value
+    found = _WHOLE.fullmatch(text)
+    if found is None:
+        log.add(rules.QUANTITY, line, found=text)
+        return None
+    value = int(found[1])
+    if value == 0 or found[2]:
         log.add(rules.QUANTITY_FORM, line, found=text, value=value)
-        return value
-    if re.fullmatch(r"[0-9]{1,9}\.0*", text, re.ASCII):  # 2.00
-        value = int(float(text))
-        log.add(rules.QUANTITY_FORM, line, found=text, value=value)
-        return value
-    log.add(rules.QUANTITY, line, found=text)
-    return None
+    return value
 
 
 def _profile_code(text: str, line: int, log: Log) -> ProfileCode | None:
-    if text in PROFILE_CODES:
-        return text
-    if text.upper() in PROFILE_CODES:
-        log.add(rules.PROFILE_CASE, line, found=text, code=text.upper())
-        return cast(ProfileCode, text.upper())
+    code = text.upper()
+    if code in PROFILE_CODES:
+        if code != text:
+            log.add(rules.PROFILE_CASE, line, found=text, code=code)
+        return code
     log.add(rules.PROFILE_CODE, line, found=text)
     return None
 
@@ -244,29 +226,20 @@ def _lengths(text: str, commas: bool, line: int, log: Log) -> tuple[float | None
 
 def _dimensions(values: list[str], lines: list[int], log: Log) -> list[float] | None:
     """Header lines 10 to 20 as numbers; None if one that matters cannot be read."""
-    texts = values[9:MIN_LINES]
-    try:
-        found = [float(text) for text in texts]
-        is_sound = min(found[:5]) >= 0 and max(map(abs, found[7:])) < ALONG_DEG
-        if -LARGEST < sum(found) < LARGEST and is_sound and "_" not in "".join(texts):
-            return found
-    except ValueError:
-        pass  # the careful way below says which line it was
     result: list[float] = []
     failed = False
-    for i, text in enumerate(texts):
-        place = {"number": i + 10, "name": NUMBER_NAMES[i]}
-        value = number(text, lines[i + 9], log) if text else 0.0
+    rows = zip(NUMBER_NAMES, values[9:MIN_LINES], lines[9:MIN_LINES], strict=True)
+    for i, (name, text, line) in enumerate(rows):
+        value = number(text, line, log) if text else 0.0
         if not text:
-            log.add(rules.HEADER_BLANK, lines[i + 9], **place)
+            log.add(rules.HEADER_BLANK, line, number=i + 10, name=name)
         elif value is None and i in (5, 6):
-            log.add(rules.WEIGHT, lines[i + 9], found=text, **place)
-            value = 0.0
+            log.add(rules.WEIGHT, line, number=i + 10, name=name, found=text)
         elif value is None or (i < 5 and value < 0) or (i > 6 and abs(value) >= ALONG_DEG):
             limits = LIMITS[0 if i < 5 else 1]
-            log.add(rules.HEADER_NUMBER, lines[i + 9], found=text, limits=limits, **place)
+            log.add(rules.HEADER_NUMBER, line, number=i + 10, name=name, found=text, limits=limits)
             failed = True
-        result.append(value or 0.0)
+        result.append(0.0 if value is None else value)
     return None if failed else result
 
 

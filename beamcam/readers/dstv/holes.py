@@ -1,13 +1,11 @@
 """Holes and slots: block BO, and Bn on planes."""
 
-from functools import partial
-
 from beamcam.errors import Source
 from beamcam.geometry.curves import unit_vector
 from beamcam.model.part import Hole, HoleKind, Slot
 from beamcam.readers.dstv import rules
-from beamcam.readers.dstv.place import Place, features_of
-from beamcam.readers.dstv.tokens import Block, RowError, numbers
+from beamcam.readers.dstv.place import Place
+from beamcam.readers.dstv.tokens import RowError, numbers
 
 Sizes = tuple[float, float, float, float, float]  #: diameter, depth, width, height, angle
 
@@ -20,21 +18,9 @@ _KINDS: dict[str, HoleKind] = {
 }
 
 
-def read_holes(block: Block, place: Place) -> list[Hole | Slot]:
-    """The holes and slots of a block BO or Bn."""
-    return list(features_of(block, place.log, rules.HOLE_FIELDS, partial(_hole, place=place)))
-
-
-def _kind(diameter: float, depth: float) -> HoleKind:
-    """Meaning of a row without a letter before its diameter.
-
-    DSTV NC, page 10: depth 0 means through; a diameter of 0 can only be a mark.
-    """
-    return "mark" if diameter == 0 else "blind" if depth else "through"
-
-
-def _hole(row: str, line: int, place: Place) -> Hole | Slot | None:
-    """The hole or slot of any row of BO, glued ones included; None, with an error, for no such."""
+def read_hole(row: str, line: int, place: Place) -> Hole | Slot | None:
+    """The hole or slot of a row of BO or Bn, glued ones included; None, with an error, for no
+    such."""
     return _drilled(place, line, *_hole_fields(row, line, place))
 
 
@@ -49,9 +35,10 @@ def _hole_fields(row: str, line: int, place: Place) -> tuple[float, float, HoleK
     if rest[0] in _KINDS:
         kind, rest = _KINDS[rest[0]], rest[1:]
     slotted = "l" in rest
-    head, tail = (rest[: rest.index("l")], rest[rest.index("l") + 1 :]) if slotted else (rest, [])
-    sizes = numbers(head, line, log)
+    at = rest.index("l") if slotted else len(rest)
+    sizes = numbers(rest[:at], line, log)
     if slotted:
+        tail = rest[at + 1 :]
         if not 1 <= len(sizes) <= 2 or not 1 <= len(tail) <= 3:
             raise RowError(row)
         sizes = [*sizes, 0.0][:2] + numbers(tail, line, log)
@@ -76,37 +63,29 @@ def _drilled(
             log.add(rules.SLOT_LETTER, line, width=width, height=height)
         return _slot(place, line, x, y, kind, sizes)
     if kind == "through":
-        kind = _kind(diameter, depth)
+        # DSTV NC, page 10: depth 0 means through; a diameter of 0 can only be a mark.
+        kind = "mark" if diameter == 0 else "blind" if depth else "through"
     if slotted:
         log.add(rules.SLOT_ROUND, line)
-    cone = None
-    if angle:
-        if kind == "countersink":
-            cone = angle
-        else:
-            log.add(rules.HOLE_ANGLE, line, angle=angle)
-    return Hole(place.face, x, y, diameter, source, depth or None, kind, cone, place.edge)
+    cone = angle if kind == "countersink" else 0.0
+    if angle and not cone:
+        log.add(rules.HOLE_ANGLE, line, angle=angle)
+    return Hole(place.face, x, y, diameter, source, depth or None, kind, cone or None, place.edge)
 
 
 def _slot(place: Place, line: int, x: float, y: float, kind: HoleKind, sizes: Sizes) -> Slot:
-    """The slot whose first corner circle is at x, y; the others may lie on either side of it."""
+    """The slot whose first corner circle is at x, y; the others may lie on either side of it.
+
+    Width and height are between the circles' centres. DSTV NC, page 11.
+    """
     diameter, depth, width, height, angle = sizes
     if kind == "through" and depth:
         kind = "blind"
-    cx, cy = slot_centre(x, y, width, height, angle)
+    cos_w, sin_w = unit_vector(angle)
+    x += (width * cos_w - height * sin_w) / 2
+    y += (width * sin_w + height * cos_w) / 2
     source = Source(place.log.file, line)
     width, height = abs(width), abs(height)
     return Slot(
-        place.face, cx, cy, diameter, width, height, angle, source, depth or None, kind, place.edge
+        place.face, x, y, diameter, width, height, angle, source, depth or None, kind, place.edge
     )
-
-
-def slot_centre(
-    x: float, y: float, width: float, height: float, angle_deg: float
-) -> tuple[float, float]:
-    """Centre of a slot whose first corner circle is at x, y; sizes are between circle centres.
-
-    DSTV NC, page 11: x and y are those of the first corner circle.
-    """
-    cos_w, sin_w = unit_vector(angle_deg)
-    return x + (width * cos_w - height * sin_w) / 2, y + (width * sin_w + height * cos_w) / 2

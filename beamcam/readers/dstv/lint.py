@@ -12,6 +12,7 @@ from math import atan2, degrees, hypot, inf, pi
 from msgspec import Struct
 
 from beamcam.geometry.curves import Arc, Box, Point, join_boxes
+from beamcam.geometry.plane import box_around
 from beamcam.model.part import (
     MIRRORED_FACES,
     Contour,
@@ -73,12 +74,10 @@ def check(part: Part, contours: list[Rows], header: list[int], log: Log) -> None
 def _outline(contour: Contour) -> _Outline:
     curves = contour.curves
     points = [curve.start for curve in curves]
-    xs, ys = zip(*points, strict=True)
-    box = (min(xs), min(ys), max(xs), max(ys))
     arcs = [curve for curve in curves if isinstance(curve, Arc)]
+    box = box_around(points)
     box = join_boxes([box, *(arc.bbox for arc in arcs)]) or box
-    points.append(points[0])
-    return _Outline(points, box, arcs)
+    return _Outline([*points, points[0]], box, arcs)
 
 
 def _check_directions(contours: list[Rows], log: Log) -> None:
@@ -138,7 +137,7 @@ def _check_ends(part: Part, outers: dict[str, list[_Outline]], header: list[int]
 
 
 def _end_angles(outline: _Outline) -> tuple[float | None, float | None]:
-    """Angles in degrees of the start and the end of an outline; None for one that is no edge."""
+    """Angles in degrees of the start and end of an outline; None for one that is not an edge."""
     _, low, _, high = outline.box
     bottom = [x for x, y in outline.points if y == low]
     top = [x for x, y in outline.points if y == high]
@@ -201,17 +200,11 @@ def _check_holes(part: Part, outers: dict[str, list[_Outline]], log: Log) -> Non
         if face not in regions:
             regions[face] = _region(part, outers.get(face), face)
         (x0, y0, x1, y1), outlines = regions[face]
-        if not (x0 <= x <= x1 and y0 <= y <= y1) or (
-            outlines and _is_in_the_air(feature, outlines)
-        ):
+        inside = x0 <= x <= x1 and y0 <= y <= y1
+        if inside and outlines and type(feature) is not TextMark:  # of a text the box is enough
+            inside = any(_contains(outline, x, y) for outline in outlines)
+        if not inside:
             _say_outside(feature, log)
-
-
-def _is_in_the_air(feature: Hole | Slot | TextMark, outlines: list[_Outline]) -> bool:
-    """Whether a hole or slot is in none of the outlines; of a text their box is all that counts."""
-    if type(feature) is TextMark:
-        return False
-    return not any(_contains(outline, feature.x, feature.y) for outline in outlines)
 
 
 def _say_outside(feature: Hole | Slot | TextMark, log: Log) -> None:

@@ -3,16 +3,10 @@
 from collections.abc import Iterator
 
 from msgspec import Struct
+from msgspec.structs import replace
 
-from beamcam.errors import Source
-from beamcam.model.part import (
-    MIRRORED_FACES,
-    Contour,
-    Feature,
-    Hole,
-    Part,
-    Profile,
-)
+from beamcam.errors import Rule, Source
+from beamcam.model.part import MIRRORED_FACES, Contour, Feature, Hole, Part, Profile
 from beamcam.readers.dstv import rules
 from beamcam.readers.dstv.block_content import Content
 from beamcam.readers.dstv.blocks import split_blocks
@@ -21,23 +15,33 @@ from beamcam.readers.dstv.contour_rows import Rows, read_contour_rows
 from beamcam.readers.dstv.contours import build_contour, is_mirrored
 from beamcam.readers.dstv.encoding import decode, decode_as
 from beamcam.readers.dstv.header import header_lines, read_header
-from beamcam.readers.dstv.holes import read_holes
+from beamcam.readers.dstv.holes import read_hole
 from beamcam.readers.dstv.lint import check
-from beamcam.readers.dstv.place import Place
+from beamcam.readers.dstv.place import FACE_LETTERS, Place, RowReader, features_of
 from beamcam.readers.dstv.rows import (
-    read_bends,
-    read_cambers,
+    read_bend,
+    read_camber,
     read_end_planes,
     read_info,
     read_plane,
-    read_section,
-    read_texts,
+    read_section_point,
+    read_text,
     read_tolerance,
 )
 from beamcam.readers.dstv.tokens import CODES, Block, Log, split_lines
 from beamcam.readers.reading import Reading
 
+#: Blocks of a feature a row: what reads a row, and the rule for one that nothing explains.
+_FEATURES: dict[str, tuple[RowReader[Feature | None], Rule]] = {
+    "BO": (read_hole, rules.HOLE_FIELDS),
+    "SI": (read_text, rules.TEXT_FIELDS),
+    "KA": (read_bend, rules.BEND_FIELDS),
+    "UE": (read_camber, rules.CAMBER_FIELDS),
+}
+#: Blocks of contours by the letter that their rows go by.
 _CONTOURS = {"AK": "A", "IK": "I", "KO": "K", "PU": "P"}
+#: Blocks on planes by their letter: the block on faces that has the same rows.
+_ON_PLANES = {"B": "BO", "S": "SI", "A": "AK", "I": "IK", "K": "KO", "P": "PU", "E": "E"}
 
 
 class Account(Struct):
@@ -87,7 +91,7 @@ def read_with_account(data: bytes, name: str, asked: str | None = None) -> tuple
     if start is None:
         return _refused(lines, log)
     head = header_lines(lines, texts, start)
-    header = read_header(head, log)
+    header = read_header(head, Source(name, start), log)
     if header is None:
         return _refused(lines, log)
     comments += [(0, f"header:{n}", text) for n, text in head.comments]
@@ -99,32 +103,14 @@ def read_with_account(data: bytes, name: str, asked: str | None = None) -> tuple
     for block in blocks:
         _read_block(block, content, header.profile, log)
     features = tuple(_finish_contours(content, header.profile, log))
-    if comments or loose:
-        placed = place_comments(comments, loose, blocks, end, features, content)
-    else:
-        placed = ()
-    part = Part(
-        header.mark,
-        header.profile,
-        header.length,
-        Source(name, start),
-        header.quantity,
-        header.saw_length,
-        header.order,
-        header.drawing,
-        header.phase,
-        header.grade,
-        header.cuts,
-        features,
-        tuple(content.planes),
-        header.weight,
-        header.surface,
-        header.notes,
-        content.tolerance,
-        tuple(content.section),
-        tuple(content.info),
-        placed,
-        cut_lines=header.cut_lines,
+    part = replace(
+        header,
+        features=features,
+        planes=tuple(content.planes),
+        tolerance=content.tolerance,
+        section=tuple(content.section),
+        info=tuple(content.info),
+        comments=place_comments(comments, loose, blocks, end, features, content),
     )
     check(part, content.contours, head.numbers, log)
     data_lines = [*head.numbers]
@@ -170,12 +156,8 @@ def _find_start(texts: list[str], log: Log) -> tuple[int | None, list[Placed]]:
             comments.append((index + 1, "start", text[2:]))
         elif text:
             data.append((index + 1, text))
-    if not CODES.isdisjoint(texts):
-        line_number, found = data[0]
-        log.add(rules.NO_ST, line_number, found=found)
-    else:
-        line_number, found = data[0] if data else (1, "nothing")
-        log.add(rules.NOT_DSTV, line_number, found=found)
+    number, found = data[0] if data else (1, "nothing")
+    log.add(rules.NOT_DSTV if CODES.isdisjoint(texts) else rules.NO_ST, number, found=found)
     return None, comments
 
 
@@ -190,38 +172,20 @@ def _note_indent(lines: list[str], texts: list[str], numbers: list[int], log: Lo
 
 def _read_block(block: Block, content: Content, profile: Profile, log: Log) -> None:
     """Add what a block says to `content`."""
-    code = block.code
-    plane: str | None = None
-    if code[1:].isdigit():
-        if code == "B0" and "0" not in content.plane_names and _has_faces(block):
-            log.add(rules.CODE_ZERO, block.line)
-            code = "BO"
-        elif code[0] == "E":
-            _read_plane(block, content, log)
-            return
-        else:
-            plane = content.plane_names.get(code[1])
-            if plane is None:
-                log.add(rules.PLANE, block.line, block=code, plane="E" + code[1])
-                plane = "E" + code[1]
-    place = Place(log, plane, profile.code == "B")
-    features = content.features
-    if code == "BO" or (plane and code[0] == "B"):
-        features.extend(read_holes(block, place))
-    elif code in _CONTOURS or (plane and code[0] in "AIKP"):
-        found = read_contour_rows(block, _CONTOURS.get(code, code[0]), place)
-        features.extend(found)
+    code, plane = _code_and_plane(block, content, log)
+    place = Place(log, profile.code == "B", plane)
+    if code in _FEATURES:
+        content.features.extend(features_of(block, place, *_FEATURES[code]))
+    elif code in _CONTOURS:
+        found = read_contour_rows(block, _CONTOURS[code], place)
+        content.features.extend(found)
         content.contours.extend(found)
-    elif code == "SI" or (plane and code[0] == "S"):
-        features.extend(read_texts(block, place))
-    elif code == "KA":
-        features.extend(read_bends(block, log))
     elif code == "SC":
-        features.extend(read_end_planes(block, log))
-    elif code == "UE":
-        features.extend(read_cambers(block, place))
+        content.features.extend(read_end_planes(block, log))
+    elif code == "E":
+        _read_plane(block, content, log)
     elif code == "PR":
-        content.section.extend(read_section(block, log))
+        content.section.extend(features_of(block, place, read_section_point, rules.SECTION_FIELDS))
         if profile.code != "SO":
             log.add(rules.SECTION_CODE, block.line, code=profile.code)
     elif code == "IN":
@@ -234,8 +198,26 @@ def _read_block(block: Block, content: Content, profile: Profile, log: Log) -> N
         _refuse_block(block, log)
 
 
+def _code_and_plane(block: Block, content: Content, log: Log) -> tuple[str, str]:
+    """The code on faces whose rows a block has, "E" of a plane itself; and the plane that the
+    block lies on, "" for the faces."""
+    code = block.code
+    if not code[1:].isdigit():
+        return code, ""
+    letter, digit = code[0], code[1]
+    known = _ON_PLANES.get(letter, code)
+    if letter == "E":
+        return known, ""
+    if code == "B0" and "0" not in content.plane_names and _has_faces(block):
+        log.add(rules.CODE_ZERO, block.line)
+        return known, ""
+    if digit not in content.plane_names:
+        log.add(rules.PLANE, block.line, block=code, plane="E" + digit)
+    return known, content.plane_names.get(digit, "E" + digit)
+
+
 def _has_faces(block: Block) -> bool:
-    return bool(block.rows) and block.rows[0][0] in "vouh"
+    return bool(block.rows) and block.rows[0][0] in FACE_LETTERS
 
 
 def _read_plane(block: Block, content: Content, log: Log) -> None:
@@ -261,15 +243,12 @@ def _refuse_block(block: Block, log: Log) -> None:
 
 def _finish_contours(content: Content, profile: Profile, log: Log) -> Iterator[Feature]:
     """The features in order, contour rows made into contours where they make one."""
-    if not content.contours:
-        yield from content.features  # type: ignore[misc]  # all of them, none is rows
-        return
-    mirrored: dict[str, bool] = {}
+    mirrored: dict[str, bool] = {}  # by face, whether its first outer contour is
     for rows in content.contours:
-        if rows.face in MIRRORED_FACES and rows.code == "A" and rows.face not in mirrored:
-            mirrored[rows.face] = bool(rows.points) and is_mirrored(rows)
+        if rows.code == "A" and rows.face in MIRRORED_FACES:
+            mirrored.setdefault(rows.face, bool(rows.points) and is_mirrored(rows))
     for item in content.features:
-        if not isinstance(item, Rows):
+        if type(item) is not Rows:
             yield item
             continue
         flip = False

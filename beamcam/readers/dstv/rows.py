@@ -1,8 +1,6 @@
 """Rows of the smaller blocks: SI, KA, SC, TO, UE, PR, IN and planes."""
 
 import re
-from collections.abc import Iterator
-from functools import partial
 from typing import Literal, cast
 
 from beamcam.errors import Rule, Source
@@ -15,14 +13,13 @@ from beamcam.model.part import (
     TextMark,
 )
 from beamcam.readers.dstv import rules
-from beamcam.readers.dstv.place import Place, features_of
+from beamcam.readers.dstv.place import Place
 from beamcam.readers.dstv.tokens import (
     Block,
     Log,
     RowError,
-    number,
     numbers,
-    plain_numbers,
+    required_number,
     tokenise,
 )
 
@@ -36,31 +33,21 @@ _SI_ROW = re.compile(
 )
 
 
-def read_texts(block: Block, place: Place) -> list[TextMark]:
-    """The text marks of a block SI or Sn."""
-    read = partial(_text_mark, place=place)
-    return list(features_of(block, place.log, rules.TEXT_FIELDS, read))
-
-
-def _text_mark(row: str, line: int, place: Place) -> TextMark | None:
+def read_text(row: str, line: int, place: Place) -> TextMark | None:
+    """The text of a row of SI or Sn; None, with an error, if there is nothing to write."""
     log = place.log
     match = _SI_ROW.fullmatch(row)
     if match is None:
         raise RowError(row)
     face, x_text, edge, y_text, angle_text, height_text, option, text = match.groups()
-    if face is None:
-        place.need(line, x_text)
-    else:
-        place.take([face], line)
+    place.take([face or x_text], line)
     x, y, angle = numbers([x_text, y_text, angle_text], line, log)
     if edge is not None:
         place.refer(edge, line)
     if height_text is None or not text:
         log.add(rules.NO_MARKING, line, missing="height" if height_text is None else "text")
         return None
-    height = number(height_text, line, log)
-    if height is None:
-        raise RowError(row)
+    height = required_number(height_text, line, log)
     if len(text) > _SI_TEXT_LIMIT:
         log.add(rules.TEXT_LONG, line, count=len(text), limit=_SI_TEXT_LIMIT)
     option_letter = cast(Literal["", "r", "z"], option or "")
@@ -69,27 +56,19 @@ def _text_mark(row: str, line: int, place: Place) -> TextMark | None:
     )
 
 
-def read_bends(block: Block, log: Log) -> list[Bend]:
-    """The bends of block KA."""
-    return list(features_of(block, log, rules.BEND_FIELDS, partial(_bend, log=log)))
-
-
-def _bend(row: str, line: int, log: Log) -> Bend:
+def read_bend(row: str, line: int, place: Place) -> Bend:
+    """The bend of a row of KA."""
     # "  25.0 0.0 25.0 100.0 -90.0 15.0"   x1 y1 x2 y2 angle radius
-    values = plain_numbers(row, line, log)
+    values = numbers(tokenise(row), line, place.log)
     if len(values) not in (5, 6):
         raise RowError(row)
     x1, y1, x2, y2, angle = values[:5]
     radius = values[5] if len(values) == 6 else None
-    return Bend((x1, y1), (x2, y2), angle, radius, Source(log.file, line))
+    return Bend((x1, y1), (x2, y2), angle, radius, Source(place.log.file, line))
 
 
-def read_cambers(block: Block, place: Place) -> list[Camber]:
-    """The points of the camber line of block UE."""
-    return list(features_of(block, place.log, rules.CAMBER_FIELDS, partial(_camber, place=place)))
-
-
-def _camber(row: str, line: int, place: Place) -> Camber:
+def read_camber(row: str, line: int, place: Place) -> Camber:
+    """The point of the camber line of a row of UE."""
     tokens = place.take(tokenise(row), line)
     if len(tokens) == 3 and tokens[1].isalpha():
         place.refer(tokens.pop(1), line)
@@ -142,7 +121,7 @@ def _groups(
     wrong: tuple[int, str] | None = None
     for line, row in zip(block.numbers, block.rows, strict=True):
         try:
-            values.extend((line, value) for value in plain_numbers(row, line, log))
+            values.extend((line, value) for value in numbers(tokenise(row), line, log))
         except RowError:
             wrong = wrong or (line, row)
     if wrong is None and (len(values) % size or (count and len(values) != size * count)):
@@ -156,14 +135,10 @@ def _groups(
     return [(group[0][0], [value for _, value in group]) for group in groups]
 
 
-def read_section(block: Block, log: Log) -> Iterator[SectionPoint]:
-    """The corners of a special profile's cross-section (PR)."""
-    return features_of(block, log, rules.SECTION_FIELDS, partial(_section_point, log=log))
-
-
-def _section_point(row: str, line: int, log: Log) -> SectionPoint:
+def read_section_point(row: str, line: int, place: Place) -> SectionPoint:
+    """The corner of a special profile's cross-section of a row of PR."""
     # "  +   48.000   79.500   0.00"   side, y, z, radius
-    values = plain_numbers(row[1:], line, log)
+    values = numbers(tokenise(row[1:]), line, place.log)
     if row[0] not in "+-" or len(values) not in (2, 3):
         raise RowError(row)
     return SectionPoint("+" if row[0] == "+" else "-", values[0], values[1], [*values, 0.0][2])

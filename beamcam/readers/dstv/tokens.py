@@ -72,29 +72,31 @@ def tokenise(row: str) -> list[str]:
 
 
 def number(text: str, line: int, log: Log) -> float | None:
-    """The number that `text` writes, a decimal comma with a warning; None if it is no number."""
+    """As `required_number`; None if `text` is no number."""
+    try:
+        return required_number(text, line, log)
+    except RowError:
+        return None
+
+
+def required_number(text: str, line: int, log: Log) -> float:
+    """The number that `text` writes, a decimal comma with a warning.
+
+    Raises RowError if it is not a number.
+    """
     try:
         value = float(text)
     except ValueError:
         if not _COMMA.fullmatch(text):
-            return None
+            raise RowError(text) from None
         value = float(text.replace(",", "."))
         log.add(DECIMAL_COMMA, line, found=text, value=value)
     # float also takes underscores between digits, nan and inf, which no file means as numbers
-    return value if "_" not in text and -LARGEST < value < LARGEST else None
+    if "_" in text or not -LARGEST < value < LARGEST:
+        raise RowError(text)
+    return value
 
 
 def numbers(tokens: list[str], line: int, log: Log) -> list[float]:
     """All of `tokens` as numbers. Raises RowError if one is not a number."""
-    values = []
-    for token in tokens:
-        value = number(token, line, log)
-        if value is None:
-            raise RowError(token)
-        values.append(value)
-    return values
-
-
-def plain_numbers(row: str, line: int, log: Log) -> list[float]:
-    """The numbers of a row that holds nothing else. Raises RowError if it does."""
-    return numbers(tokenise(row), line, log)
+    return [required_number(token, line, log) for token in tokens]

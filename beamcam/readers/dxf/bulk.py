@@ -155,8 +155,6 @@ class _Taker:
         """Take those of the entities that are plain."""
         lines = self.rows.lines
         plans: dict[tuple[str, bytes], ValuePlaces | None] = {}
-        begun = behind = -1  # first row of the run, and the row behind it
-        run: Run = []
         goes_on = False  # whether the entity before goes on in the one that follows
         for first, last, sequence in self.rows.sequences(entities):
             row = lines[2 * first + 1 : 2 * last : 2]
@@ -170,13 +168,13 @@ class _Taker:
                 goes_on = _goes_on(row, sequence)
                 continue
             self.odd |= goes_on
-            if behind != first:
-                run = []
-                self.runs.append(run)
-                self._spans.append((begun := first, last))
-            run.append(plain)
-            behind = last
-            self._spans[-1] = (begun, last)
+            begun, behind = self._spans[-1] if self._spans else (0, 0)
+            if behind == first:
+                self._spans[-1] = begun, last
+            else:
+                self._spans.append((first, last))
+                self.runs.append([])
+            self.runs[-1].append(plain)
 
     def _read(self, plan: ValuePlaces, row: list[str]) -> Plain | None:
         row += BEYOND

@@ -55,37 +55,20 @@ def line(frame: Frame, heights: Heights, start: Vector, end: Vector) -> list[Cha
     return [(Line(a, b),)] if a != b else []
 
 
-def circle(
-    frame: Frame, heights: Heights, centre: Vector, radius: float, axes: Axes = FROM_ABOVE
-) -> list[Chain]:
-    return _arc(frame, heights, centre, radius, 0.0, 360.0, axes)
-
-
 def arc(
     frame: Frame,
     heights: Heights,
     centre: Vector,
     radius: float,
-    start_deg: float,
-    end_deg: float,
+    start_deg: float = 0.0,
+    end_deg: float = 360.0,
     axes: Axes = FROM_ABOVE,
 ) -> list[Chain]:
-    """Arcs run counter-clockwise from the start to the end angle, in the plane of `axes`."""
-    sweep_deg = (end_deg - start_deg) % 360.0 or 360.0
-    return _arc(frame, heights, centre, radius, start_deg, sweep_deg, axes)
-
-
-def _arc(
-    frame: Frame,
-    heights: Heights,
-    centre: Vector,
-    radius: float,
-    start_deg: float,
-    sweep_deg: float,
-    axes: Axes,
-) -> list[Chain]:
+    """An arc counter-clockwise from the start to the end angle in the plane of `axes`, or a
+    circle."""
     if not radius > 0.0:
         return []
+    sweep_deg = (end_deg - start_deg) % 360.0 or 360.0
     heights.append(frame.height(in_world(axes, centre)))
     own = Arc((centre[0], centre[1]), radius, start_deg, sweep_deg)
     return [_placed((own,), frame.plane(axes, centre[2]))]
@@ -215,7 +198,7 @@ def _splines(
 BY_VALUES: dict[str, Callable[..., list[Chain]]] = {
     "LINE": line,
     "ARC": arc,
-    "CIRCLE": circle,
+    "CIRCLE": arc,
     "ELLIPSE": ellipse,
     "LWPOLYLINE": polyline,
     "SPLINE": spline,
@@ -223,7 +206,7 @@ BY_VALUES: dict[str, Callable[..., list[Chain]]] = {
 
 
 def check_bounds(chains: Iterable[Chain]) -> None:
-    """Raises ValueError where a coordinate is no number, or one beyond all drawings."""
+    """Raises ValueError where a coordinate is not a number, or one beyond all drawings."""
     for chain in chains:
         for curve in chain:
             if not is_in_bounds(curve):

@@ -37,7 +37,7 @@ def _line(frame: Frame, heights: Heights, entity: Any) -> list[Chain]:
 
 def _circle(frame: Frame, heights: Heights, entity: Any) -> list[Chain]:
     centre, radius = _vector(entity.dxf.center), entity.dxf.radius
-    return curves.circle(frame, heights, centre, radius, _axes(entity))
+    return curves.arc(frame, heights, centre, radius, axes=_axes(entity))
 
 
 def _arc(frame: Frame, heights: Heights, entity: Any) -> list[Chain]:

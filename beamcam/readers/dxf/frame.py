@@ -22,15 +22,11 @@ class Frame(Struct, frozen=True):
     z: Row
 
     def height(self, v: Vector) -> float:
-        x, y, z = v
-        a, b, c, d = self.z
-        return a * x + b * y + c * z + d
+        return _value(self.z, v)
 
     def point(self, v: Vector) -> Point:
         """A point in plan view."""
-        x, y, z = v
-        (a, b, c, d), (e, f, g, h) = self.x, self.y
-        return a * x + b * y + c * z + d, e * x + f * y + g * z + h
+        return _value(self.x, v), _value(self.y, v)
 
     def vector(self, v: Vector) -> Point:
         """The image of a direction, seen from above."""

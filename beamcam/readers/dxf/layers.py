@@ -30,13 +30,19 @@ class Look(Struct, frozen=True):
     invisible: bool = False  #: switched off itself (group 60), or in an insert that is
 
 
+class _Layer(Struct, frozen=True):
+    """What a layer gives the entities on it."""
+
+    colour: str
+    hidden: bool  #: off, frozen, not plotting, or Defpoints
+
+
 class Layers(Struct):
     """The layers of a document, and which of them are read."""
 
     document: Document
     chosen: frozenset[str] | None = None  #: names in lower case; None is all that plot
-    _colours: dict[str, str] = field(default_factory=dict)
-    _hidden: dict[str, bool] = field(default_factory=dict)
+    _known: dict[str, _Layer] = field(default_factory=dict)
 
     def names(self) -> tuple[str, ...]:
         return tuple(layer.dxf.name for layer in self.document.layers)
@@ -53,24 +59,28 @@ class Layers(Struct):
         """Whether what looks so is not read: off, frozen, not plotting, Defpoints, not chosen."""
         if look.invisible:
             return True
-        key = look.layer.lower()
         if self.chosen is not None:
-            return key not in self.chosen
-        if key not in self._hidden:
-            self._hidden[key] = self._is_hidden(look.layer)
-        return self._hidden[key]
+            return look.layer.lower() not in self.chosen
+        return self._layer(look.layer).hidden
 
-    def _is_hidden(self, name: str) -> bool:
-        if name.lower() == "defpoints":
-            return True
-        layer = self._layer(name)
-        if layer is None:
-            return False
-        return bool(layer.is_off() or layer.is_frozen() or not layer.dxf.get("plot", 1))
+    def _layer(self, name: str) -> _Layer:
+        key = name.lower()
+        if key not in self._known:
+            self._known[key] = self._read(name)
+        return self._known[key]
 
-    def _layer(self, name: str) -> Any:
-        """The layer's entry; None where an entity names a layer that the table has not."""
-        return self.document.layers.get(name) if self.document.layers.has_entry(name) else None
+    def _read(self, name: str) -> _Layer:
+        """A layer as the table has it; white and visible if an entity names one that it has not."""
+        hidden = name.lower() == "defpoints"
+        if not self.document.layers.has_entry(name):
+            return _Layer(WHITE, hidden)
+        layer = self.document.layers.get(name)
+        true_colour = layer.dxf.get("true_color")
+        number = abs(layer.dxf.get("color", 7))
+        return _Layer(
+            _hex(true_colour) if true_colour is not None else colour_of_number(number),
+            bool(hidden or layer.is_off() or layer.is_frozen() or not layer.dxf.get("plot", 1)),
+        )
 
     def _colour(self, said: Attributes, layer: str, above: Look) -> str:
         if said.true_colour is not None:
@@ -79,20 +89,8 @@ class Layers(Struct):
         if number == BYBLOCK:
             return above.colour
         if number == BYLAYER or number > 255:
-            return self._layer_colour(layer)
+            return self._layer(layer).colour
         return colour_of_number(number)
-
-    def _layer_colour(self, name: str) -> str:
-        key = name.lower()
-        if key not in self._colours:
-            layer = self._layer(name)
-            if layer is None:
-                self._colours[key] = WHITE
-            elif layer.dxf.get("true_color") is not None:
-                self._colours[key] = _hex(layer.dxf.true_color)
-            else:
-                self._colours[key] = colour_of_number(abs(layer.dxf.get("color", 7)))
-        return self._colours[key]
 
 
 def attributes_of(entity: Any) -> Attributes:

@@ -31,7 +31,7 @@ NEAR_THE_END = 1000  #: bytes in which EOF is looked for first; nearly all files
 
 
 class Loaded(Struct, frozen=True):
-    """A document and what is to be said about how it was read."""
+    """A document and remarks on how it was read."""
 
     document: Document
     handles: bool  #: whether the file names its entities; ezdxf invents names where it does not
@@ -55,11 +55,9 @@ def load(data: bytes, source: Source) -> Loaded:
         raise ReadError(rules.DWG.at(source, found=data[:6].decode("ascii")))
     remarks = _check_end(data, source)
     handles = is_binary(data) or bool(_HANDLE.search(data))
-    document: Document
-    runs: tuple[Run, ...]
     logging.getLogger("ezdxf").addHandler(_SILENT)
     try:
-        document, runs = (_load_binary(data), ()) if is_binary(data) else _load_text(data, handles)
+        document, runs = _load_binary(data) if is_binary(data) else _load_text(data, handles)
     # ezdxf lets errors of every kind pass through for damaged files (ValueError, KeyError,
     # AttributeError of half-read entities): whatever it is, the file is not sound.
     except Exception as error:
@@ -119,11 +117,11 @@ def _text(data: bytes, encoding: str, errors: str) -> io.TextIOWrapper:
     return io.TextIOWrapper(io.BytesIO(data), encoding=encoding, errors=errors)
 
 
-def _load_binary(data: bytes) -> Document:
+def _load_binary(data: bytes) -> tuple[Document, tuple[Run, ...]]:
     from ezdxf.document import Drawing
     from ezdxf.lldxf.tagger import binary_tags_loader
 
-    return Drawing.load(binary_tags_loader(data))
+    return Drawing.load(binary_tags_loader(data)), ()
 
 
 def _recover(data: bytes, source: Source, first: Exception) -> tuple[Document, Diagnostic]:

@@ -17,7 +17,7 @@ from math import isfinite, log10
 from operator import itemgetter
 from typing import Any
 
-from msgspec import Struct
+from msgspec import Struct, field
 
 from beamcam.readers.dxf.curves import Vertex
 from beamcam.readers.dxf.layers import BYLAYER, Attributes
@@ -62,7 +62,7 @@ class ValuePlaces(Struct, frozen=True):
     values: Callable[[Row], Values]
     reals: tuple[int, ...]  #: numbers that are not used here, but have to be some
     wholes: tuple[int, ...]
-    extrusion: tuple[int, int, int] | None
+    extrusion: tuple[int, ...]  #: none where the entity does not name its plane
     brackets: tuple[int, ...]  #: around names of objects that want to hear of changes
 
     def read(self, row: Row) -> Values:
@@ -74,10 +74,8 @@ class ValuePlaces(Struct, frozen=True):
         for number, k in enumerate(self.brackets):
             if row[k] != ("}" if number % 2 else "{ACAD_REACTORS"):
                 raise ValueError(f"found the bracket {row[k]!r}")
-        if self.extrusion is not None:
-            x, y, z = _numbers([row[k] for k in self.extrusion])
-            if (x, y, z) != (0.0, 0.0, 1.0):
-                raise ValueError("found a plane of its own")
+        if self.extrusion and _numbers([row[k] for k in self.extrusion]) != (0.0, 0.0, 1.0):
+            raise ValueError("found a plane of its own")
         return self.values(row)
 
 
@@ -111,16 +109,29 @@ class _Rows(Struct, frozen=True):
             found += (k, k + 1, k + 2 if after[k + 2] == code + 20 else NOT_GIVEN)
         return tuple(found)
 
+    def owner(self) -> int | None:
+        """The place of the layout's name, `NOT_SAID` if it has none.
+
+        None where it is there twice, or brackets are around anything but names.
+        """
+        brackets = self.places.get(BRACKET, [])
+        pairs = zip(brackets[::2], brackets[1::2], strict=False)
+        inside = {k for begin, end in pairs for k in range(begin + 1, end)}
+        owners = [k for k in self.places.get(OWNER, ()) if k not in inside]
+        if len(brackets) % 2 or len(owners) > 1 or any(self.codes[k] != OWNER for k in inside):
+            return None
+        return owners[0] if owners else NOT_SAID
+
 
 class _Kind(Struct, frozen=True):
     """A kind of entity whose plan can be made."""
 
-    needed: frozenset[int]
-    optional: frozenset[int]
-    unused: frozenset[int]
+    needed: set[int]
+    optional: set[int]
+    unused: set[int]
     subclasses: int  #: beside that of all entities; R12 has none
     plan: Callable[[_Rows], Callable[[Row], Values] | None]
-    many: frozenset[int] = frozenset()  #: codes that may be there more than once
+    many: set[int] = field(default_factory=set)  #: codes that may be there more than once
     in_r12: bool = True  #: whether the entity is known without subclasses
 
 
@@ -133,38 +144,28 @@ def plan_of(kind: str, codes: Codes, r12: bool) -> ValuePlaces | None:
     if known is None or (r12 and not known.in_r12):
         return None
     end = next((k for k, code in enumerate(codes) if code >= 1000), len(codes))
-    head = codes[:end]
-    if (
-        not _is_regular(known, head)
-        or not _XDATA.issuperset(codes[end:])
-        or (end < len(codes) and codes[end] != 1001)
-    ):
+    head, others = codes[:end], codes[end:]
+    if not _is_regular(known, head) or others[:1] not in ((), (1001,)):
         return None
-    brackets = [k for k, code in enumerate(head) if code == BRACKET]
-    owners = [k for k, code in enumerate(head) if code == OWNER]
-    pairs = list(zip(brackets[::2], brackets[1::2], strict=True)) if not len(brackets) % 2 else None
-    if pairs is None or any(codes[k] != OWNER for a, b in pairs for k in range(a + 1, b)):
-        return None
-    owners = [k for k in owners if not any(a < k < b for a, b in pairs)]
     places: dict[int, list[int]] = {}
     for k, code in enumerate(head):
         places.setdefault(code, []).append(k)
     rows = _Rows(head, places)
+    owner = rows.owner()
     values = known.plan(rows)
-    if values is None or len(owners) > 1:
+    if owner is None or values is None or not _XDATA.issuperset(others):
         return None
-    x, y, z = (rows.first(code) for code in _EXTRUSION)
     used = known.needed | known.optional
     unread = [(k, code) for k, code in enumerate(codes) if code not in used]
     return ValuePlaces(
         rows.first(HANDLE, NOT_SAID),
-        owners[0] if owners else NOT_SAID,
+        owner,
         itemgetter(*(rows.first(code, NOT_SAID) for code in (8, 62, 420, 60))),
         values,
         tuple(k for k, code in unread if code in _REAL),
         tuple(k for k, code in unread if code in _WHOLE),
-        (x, y, z) if 210 in places else None,
-        tuple(brackets),
+        rows.points(210),
+        tuple(places.get(BRACKET, ())),
     )
 
 
@@ -199,7 +200,7 @@ def _points_are_whole(codes: Codes) -> bool:
 
 
 def _numbers(texts: Sequence[str]) -> tuple[float, ...]:
-    """The numbers in texts. Raises ValueError for what is no finite number."""
+    """The numbers in texts. Raises ValueError for what is not a finite number."""
     found = tuple(map(float, texts))
     # A sum that is finite has no other terms; that of great numbers may be beyond all of them.
     if not isfinite(sum(found)) and not all(map(isfinite, found)):
@@ -315,31 +316,27 @@ def _even_knots(knots: tuple[float, ...], tolerance: float) -> tuple[float, ...]
     return knots if first == 0.0 else tuple((knot - first) / span for knot in knots)
 
 
-def _set(*codes: int) -> frozenset[int]:
-    return frozenset(codes)
-
-
 _KINDS: dict[str, _Kind] = {
-    "LINE": _Kind(_set(10, 20, 11, 21), _set(30, 31), _set(39), 1, _line),
-    "CIRCLE": _Kind(_set(10, 20, 40), _set(30), _set(39), 1, _circle),
-    "ARC": _Kind(_set(10, 20, 40, 50, 51), _set(30), _set(39), 2, _circle),
-    "ELLIPSE": _Kind(_set(10, 20, 11, 21, 40, 41, 42), _set(30, 31), _set(39), 1, _ellipse),
+    "LINE": _Kind({10, 20, 11, 21}, {30, 31}, {39}, 1, _line),
+    "CIRCLE": _Kind({10, 20, 40}, {30}, {39}, 1, _circle),
+    "ARC": _Kind({10, 20, 40, 50, 51}, {30}, {39}, 2, _circle),
+    "ELLIPSE": _Kind({10, 20, 11, 21, 40, 41, 42}, {30, 31}, {39}, 1, _ellipse),
     "LWPOLYLINE": _Kind(
-        _set(10, 20),
-        _set(38, 42, 70),
-        _set(39, 40, 41, 43, 90, 91),
+        {10, 20},
+        {38, 42, 70},
+        {39, 40, 41, 43, 90, 91},
         1,
         _polyline,
-        many=_set(10, 20, 40, 41, 42, 91),
+        many={10, 20, 40, 41, 42, 91},
         in_r12=False,
     ),
     "SPLINE": _Kind(
-        _set(10, 20, 40, 71),
-        _set(30, 41, 42),
-        _set(11, 21, 31, 12, 22, 32, 13, 23, 33, 43, 44, 70, 72, 73, 74),
+        {10, 20, 40, 71},
+        {30, 41, 42},
+        {11, 21, 31, 12, 22, 32, 13, 23, 33, 43, 44, 70, 72, 73, 74},
         1,
         _spline,
-        many=_set(10, 20, 30, 11, 21, 31, 40, 41),
+        many={10, 20, 30, 11, 21, 31, 40, 41},
         in_r12=False,
     ),
 }

@@ -43,7 +43,7 @@ INSUNITS: dict[int, tuple[str, float]] = {
 _NL = rb"[ \t]*(?:\r\n|\r|\n)[ \t]*"
 
 
-class Unit(Struct, frozen=True):
+class LengthUnit(Struct, frozen=True):
     """The unit of a drawing's numbers."""
 
     name: str
@@ -71,21 +71,21 @@ def header_number(data: bytes, variable: str) -> int | None:
 
 def find_unit(
     data: bytes, units: str | None, source: Source
-) -> tuple[Unit | None, tuple[Diagnostic, ...]]:
+) -> tuple[LengthUnit | None, tuple[Diagnostic, ...]]:
     """The unit of a file, or the one that the user gave; None with an error if there is none."""
     if units is not None:
         mm = MM_PER_UNIT.get(units.lower())
         if mm is None:
             expected = ", ".join(MM_PER_UNIT)
             return None, (UNITS_OPTION.at(source, found=units, expected=expected),)
-        return Unit(units.lower(), mm, given=True), ()
+        return LengthUnit(units.lower(), mm, given=True), ()
     code = header_number(data, "$INSUNITS")
     if code is None or code == 0:
-        return Unit("mm", 1.0), (rules.UNITS_MISSING.at(source, found=_missing(data, code)),)
+        return LengthUnit("mm", 1.0), (rules.UNITS_MISSING.at(source, found=_missing(data, code)),)
     if code not in INSUNITS:
         expected = ", ".join(f"{c} {name}" for c, (name, _) in INSUNITS.items() if c <= 6)
         return None, (rules.UNITS_UNKNOWN.at(source, found=code, expected=expected),)
-    unit = Unit(*INSUNITS[code])
+    unit = LengthUnit(*INSUNITS[code])
     shown = header_number(data, "$LUNITS")
     if shown in (3, 4) and unit.mm not in (25.4, 304.8):
         return unit, (rules.UNITS_IMPERIAL.at(source, found=shown, unit=unit.name),)
@@ -106,7 +106,7 @@ _WORDS = {"inch": 25.4, "inches": 25.4, '"': 25.4, "″": 25.4, "'": 304.8}
 _FORMATTING = re.compile(r"\\[A-Za-z][^;\\]*;|[{}]")
 
 
-def contradictions(document: Document, unit: Unit, name: str) -> tuple[Diagnostic, ...]:
+def contradictions(document: Document, unit: LengthUnit, name: str) -> tuple[Diagnostic, ...]:
     """An error for the first dimension that names a length in a unit which denies `unit`.
 
     A dimension measures in drawing units and may show its length with a unit, written by hand
@@ -122,10 +122,13 @@ def contradictions(document: Document, unit: Unit, name: str) -> tuple[Diagnosti
         text, length, measured = stated
         size = measured * unit.mm
         if size > 0.0 and _is_unit_factor(length / size):
-            source = Source(name, None, dimension.dxf.handle)
             return (
                 rules.UNITS_CONTRADICT.at(
-                    source, stated=text, measured=measured, unit=unit.name, size=size
+                    Source(name, None, dimension.dxf.handle),
+                    stated=text,
+                    measured=measured,
+                    unit=unit.name,
+                    size=size,
                 ),
             )
     return ()

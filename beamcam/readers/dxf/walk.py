@@ -21,10 +21,6 @@ from beamcam.readers.dxf.texts import KINDS, text_marks
 #: More copies of blocks than this are a damaged number, or blocks that multiply each other.
 MOST_COPIES = 20_000
 
-# Ends a list of vertices or attributes; ezdxf hides it from sound files only. An ATTDEF in a block
-# shows nothing either: each insert has attributes of its own.
-_STRUCTURE = frozenset(("SEQEND",))
-
 # What numbers that make no curve end in, here and inside ezdxf.
 _BAD_NUMBERS = (ValueError, TypeError, ArithmeticError, LookupError)
 
@@ -77,7 +73,9 @@ class Walk(Struct):
                     self._curve(entity, source, frame, look)
                 elif self._is_lettered(entity, kind, above, bool(blocks)):
                     self.found.texts += text_marks(entity, frame, source)
-                elif kind not in _STRUCTURE and not (blocks and kind == "ATTDEF"):
+                # SEQEND ends a list of vertices; ezdxf hides it from sound files only. An ATTDEF in
+                # a block shows nothing: each insert has attributes of its own.
+                elif kind != "SEQEND" and not (blocks and kind == "ATTDEF"):
                     self._count(entity, kind, above, bool(blocks))
             # What ezdxf took in of a damaged file may lack attributes or have them of other types.
             except (DXFError, *_BAD_NUMBERS, AttributeError) as error:
@@ -95,7 +93,7 @@ class Walk(Struct):
         self.found.said.append(rules.ENTITY.at(source, kind=kind, found=said))
 
     def _count(self, entity: Any, kind: str, above: Look, inside: bool) -> None:
-        """Count what is no curve, unless it is hidden anyway."""
+        """Count what is not a curve, unless it is hidden anyway."""
         if not self.layers.hides(self.layers.look(attributes_of(entity), above, inside)):
             self.found.not_cut[kind] += 1
 

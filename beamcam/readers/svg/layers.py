@@ -12,7 +12,7 @@ def layer_of(group: Element, depth: int) -> str | None:
     """The layer's name if `group` is a layer, None if not.
 
     Inkscape marks layers. CorelDRAW begins one with a `metadata` element and escapes its name
-    (`Layer_x0020_1`). Elsewhere a named group at the top is one; a number is no name.
+    (`Layer_x0020_1`). Elsewhere a named group at the top is one; a number is not a name.
     """
     if group.get("inkscape:groupmode") == "layer":
         return group.get("inkscape:label") or _name(group)

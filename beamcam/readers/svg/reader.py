@@ -5,15 +5,14 @@ from collections.abc import Sequence
 from beamcam.errors import Diagnostic, ReadError, Rule, Source
 from beamcam.model.drawing import Measures
 from beamcam.model.part import Part
-from beamcam.readers.drawing import LARGEST_SIZE, counted, drawing_part, unknown_layers
+from beamcam.readers.drawing import counted, drawing_part, unknown_layers, verdict
 from beamcam.readers.drawing.newton import fit_newton
-from beamcam.readers.drawing.rules import NO_CURVES, TOO_LARGE
 from beamcam.readers.reading import Reading
 from beamcam.readers.svg import rules
 from beamcam.readers.svg.css import INITIAL, StyleSheet, style_of
 from beamcam.readers.svg.page import Page, find_page
-from beamcam.readers.svg.tree import Element, looks_like, parse
-from beamcam.readers.svg.walk import Collected, Place, Walk
+from beamcam.readers.svg.tree import looks_like, parse
+from beamcam.readers.svg.walk import Collected, Context, Walk
 
 __all__ = ["looks_like", "read"]
 
@@ -26,7 +25,7 @@ def read(
     layers: Sequence[str] = (),
     fit: Sequence[str] = (),
 ) -> Reading:
-    """The part that an SVG file draws, and what is to be said about it; never raises.
+    """The part that an SVG file draws, and remarks on it; never raises.
 
     `units` names the unit of plain numbers ("mm", "px90"), `width` is the width of the page
     ("600mm"; a number is mm): for files that do not say their size, or say it wrong. `layers`
@@ -36,15 +35,19 @@ def read(
     try:
         document = parse(data, name)
         page = find_page(document, name, units, width)
-        sheet = _style_sheet(document.root)
+        sheet = StyleSheet()
+        for text in document.styles:
+            sheet.add(text)
         walk = Walk(name, document, page, sheet, frozenset(n.lower() for n in layers) or None)
         style = style_of(document.root, dict(INITIAL), sheet)
         hidden = style.get("display") == "none"
-        walk.elements(document.root.children, Place(page.matrix, style, hidden=hidden))
+        walk.elements(document.root.children, Context(page.matrix, style, hidden=hidden))
     except ReadError as error:
         return Reading("svg", (), error.diagnostics)
     part, fitted = fit_newton(_part(name, walk.found, page), fit)
     source = Source(name)
+    seen = [*walk.found.not_cut.items(), ("hidden shapes", walk.found.counts["invisible"])]
+    unit = "of the page" if units is None and width is None else None
     said = (
         *page.remarks,
         *(rules.SELECTOR.at(source, found=s) for s in sheet.ignored),
@@ -52,21 +55,9 @@ def read(
         *walk.found.said,
         *fitted,
         *_remarks(walk.found, source),
-        *_verdict(part, walk.found, units is not None or width is not None, source),
+        *verdict(part, seen, unit, source),
     )
     return Reading("svg", (part,), said)
-
-
-def _style_sheet(root: Element) -> StyleSheet:
-    """The rules of all elements `style`, wherever they stand."""
-    sheet = StyleSheet()
-    waiting = [root]
-    while waiting:
-        element = waiting.pop()
-        if element.tag == "style":
-            sheet.add(element.text)
-        waiting.extend(reversed(element.children))
-    return sheet
 
 
 def _part(name: str, found: Collected, page: Page) -> Part:
@@ -100,14 +91,3 @@ def _remarks(found: Collected, source: Source) -> list[Diagnostic]:
         if found.counts[key]:
             said.append(rule.at(source, count=found.counts[key]))
     return said
-
-
-def _verdict(part: Part, found: Collected, given: bool, source: Source) -> list[Diagnostic]:
-    """An error for a drawing without curves, a warning for one that no machine could hold."""
-    if not found.contours and not found.filled:
-        seen = [*found.not_cut.items(), ("hidden shapes", found.counts["invisible"])]
-        return [NO_CURVES.at(source, found=counted((tag, count) for tag, count in seen if count))]
-    width, height = part.length, part.profile.height
-    if max(width, height) > LARGEST_SIZE and not given:
-        return [TOO_LARGE.at(source, width=width, height=height, unit="of the page")]
-    return []

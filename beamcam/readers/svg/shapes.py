@@ -17,7 +17,7 @@ SHAPES = ("path", "rect", "circle", "ellipse", "line", "polyline", "polygon")
 
 
 class NumberError(ValueError):
-    """An attribute that is no length: its name, what was found and what was expected."""
+    """An attribute that is not a length: its name, what was found and what was expected."""
 
     def __init__(self, attribute: str, found: str, expected: str) -> None:
         self.attribute, self.found, self.expected = attribute, found, expected

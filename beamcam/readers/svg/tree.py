@@ -21,7 +21,6 @@ class Element(Struct):
     attributes: dict[str, str]
     line: int
     children: "list[Element]" = field(default_factory=list)
-    text: str = ""  #: character data, kept for style sheets only
 
     def get(self, name: str) -> str | None:
         return self.attributes.get(name)
@@ -33,7 +32,8 @@ class Document(Struct):
     root: Element
     comments: list[str]
     foreign: set[str]  #: names of elements and attributes of other namespaces
-    ids: dict[str, Element] = field(default_factory=dict)
+    ids: dict[str, Element]
+    styles: list[str]  #: the texts of the elements `style`
 
 
 def looks_like(data: bytes) -> bool:
@@ -46,7 +46,7 @@ def looks_like(data: bytes) -> bool:
 
 
 def parse(data: bytes, name: str) -> Document:
-    """The elements of an SVG file. Raises ReadError for what is no XML or no SVG."""
+    """The elements of an SVG file. Raises ReadError for what is neither XML nor SVG."""
     builder = _Builder(name)
     # A byte order mark tells the encoding better than a declaration that was copied along.
     encoding = "utf-16" if data[:2] in (b"\xff\xfe", b"\xfe\xff") else None
@@ -67,7 +67,7 @@ def parse(data: bytes, name: str) -> Document:
     root = builder.root
     if root is None or root.tag != "svg":
         raise ReadError(rules.NOT_SVG.at(Source(name, 1), found=builder.first))
-    return Document(root, builder.comments, builder.foreign, builder.ids)
+    return Document(root, builder.comments, builder.foreign, builder.ids, builder.styles)
 
 
 class _Builder:
@@ -80,6 +80,7 @@ class _Builder:
         self.comments: list[str] = []
         self.foreign: set[str] = set()
         self.ids: dict[str, Element] = {}
+        self.styles: list[str] = []
         self.open: list[Element] = []
         self.skipping = 0  #: depth inside an element of another namespace
         self.prefixes = {""}  #: those that stand for SVG
@@ -106,6 +107,8 @@ class _Builder:
         if len(self.open) >= MOST_DEEP:
             raise ReadError(rules.DEPTH.at(Source(self.name, element.line), expected=MOST_DEEP))
         self.open.append(element)
+        if tag == "style":
+            self.styles.append("")
         if "id" in attributes:
             self.ids.setdefault(attributes["id"], element)
 
@@ -117,4 +120,4 @@ class _Builder:
 
     def characters(self, text: str) -> None:
         if self.open and not self.skipping and self.open[-1].tag == "style":
-            self.open[-1].text += text
+            self.styles[-1] += text

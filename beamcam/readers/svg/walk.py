@@ -43,14 +43,14 @@ class Collected(Struct):
     contours: list[Contour] = field(default_factory=list)
     filled: list[Curve] = field(default_factory=list)
     hidden: list[Curve] = field(default_factory=list)
-    counts: Counter[str] = field(default_factory=Counter)  #: of shapes, by what is to be said
+    counts: Counter[str] = field(default_factory=Counter)  #: of shapes, by what is said of them
     not_cut: Counter[str] = field(default_factory=Counter)  #: elements by tag
     layers: set[str] = field(default_factory=set)  #: names of those with shapes, "" for none
     decimals: int = 0  #: the most digits behind a point in coordinates
     said: list[Diagnostic] = field(default_factory=list)
 
 
-class Place(Struct, frozen=True):
+class Context(Struct, frozen=True):
     """Context of an element."""
 
     matrix: Matrix  #: to mm
@@ -70,15 +70,15 @@ class Walk(Struct):
     chosen: frozenset[str] | None = None  #: layers to read, in lower case; None is all
     found: Collected = field(default_factory=Collected)
 
-    def elements(self, elements: Iterable[Element], place: Place) -> None:
+    def elements(self, elements: Iterable[Element], context: Context) -> None:
         for element in elements:
-            self.element(element, place)
+            self.element(element, context)
 
-    def element(self, element: Element, place: Place) -> None:
+    def element(self, element: Element, context: Context) -> None:
         """Sort one element and its content; what only defines something is passed over."""
         tag = element.tag
         if tag in SHAPES or tag in _GROUPS or tag in ("svg", "use", "switch"):
-            inner = self._inside(element, place)
+            inner = self._inside(element, context)
             if inner is None:
                 return
             if tag in SHAPES:
@@ -90,8 +90,8 @@ class Walk(Struct):
             else:
                 self.elements(element.children, inner)
         elif tag in _TEXTS or tag in _NOT_CUT:
-            style = style_of(element, place.style, self.sheet)
-            if not place.hidden and not _is_hidden(style):
+            style = style_of(element, context.style, self.sheet)
+            if not context.hidden and not _is_hidden(style):
                 self.found.not_cut["text" if tag in _TEXTS else tag] += 1
 
     def _say(self, rule: Rule, element: Element, **values: object) -> None:
@@ -100,12 +100,12 @@ class Walk(Struct):
     def _source(self, element: Element) -> Source:
         return Source(self.name, element.line, element.get("id"))
 
-    def _inside(self, element: Element, place: Place) -> Place | None:
+    def _inside(self, element: Element, context: Context) -> Context | None:
         """Context of the content of `element`; None if its transform cannot be read."""
-        if place.depth > MOST_DEEP:
+        if context.depth > MOST_DEEP:
             raise ReadError(rules.DEPTH.at(self._source(element), expected=MOST_DEEP))
-        style = style_of(element, place.style, self.sheet)
-        matrix = place.matrix
+        style = style_of(element, context.style, self.sheet)
+        matrix = context.matrix
         text = element.get("transform")
         try:
             if element.tag == "svg":
@@ -118,12 +118,12 @@ class Walk(Struct):
         except ValueError as error:
             self._say(rules.TRANSFORM, element, found=text, expected=error)
             return None
-        layer = layer_of(element, place.depth) if element.tag == "g" else None
-        hidden = place.hidden or style.get("display") == "none"
+        layer = layer_of(element, context.depth) if element.tag == "g" else None
+        hidden = context.hidden or style.get("display") == "none"
         for name in ("clip-path", "mask"):
             if style.get(name, "none") != "none":
                 self.found.counts["clipped"] += 1
-        return Place(matrix, style, layer or place.layer, hidden, place.depth + 1)
+        return Context(matrix, style, layer or context.layer, hidden, context.depth + 1)
 
     def _viewport(self, element: Element) -> Matrix:
         """The map of an svg inside the drawing: its place, and its viewBox onto its size."""
@@ -142,13 +142,13 @@ class Walk(Struct):
     def _length(self, element: Element, side: str) -> float:
         """A side of an element in units of the drawing; 0 if it is not given.
 
-        Raises ValueError if it is no length.
+        Raises ValueError if it is not a length.
         """
         return length_of(element, side, self.page.view)
 
     # --- uses -------------------------------------------------------------------------------------
 
-    def _use(self, element: Element, place: Place) -> None:
+    def _use(self, element: Element, context: Context) -> None:
         """The content of a use: the element that it names, moved by its x and y."""
         wanted = element.get("href") or element.get("xlink:href") or ""
         target = self.document.ids.get(wanted[1:]) if wanted.startswith("#") else None
@@ -163,7 +163,7 @@ class Walk(Struct):
         except NumberError as error:
             self._say_number(element, error)
             return
-        moved = replace(place, matrix=product(place.matrix, shift(x, y)))
+        moved = replace(context, matrix=product(context.matrix, shift(x, y)))
         if target.tag == "symbol":
             size = {k: v for k in ("width", "height") if (v := element.get(k))}
             view = {k: v for k in ("viewBox", "style", "class") if (v := target.get(k))}
@@ -173,7 +173,7 @@ class Walk(Struct):
 
     # --- shapes -----------------------------------------------------------------------------------
 
-    def _shape(self, element: Element, place: Place) -> None:
+    def _shape(self, element: Element, context: Context) -> None:
         source = self._source(element)
         try:
             subpaths = subpaths_of(element, self.page.view)
@@ -183,14 +183,14 @@ class Walk(Struct):
         except NumberError as error:
             self._say_number(element, error)
             return
-        chains = self._placed(subpaths, place.matrix)
+        chains = self._placed(subpaths, context.matrix)
         if not all(is_in_bounds(curve) for chain in chains for curve in chain):
             endless = NumberError(
                 element.tag, "no such number", f"coordinates of at most {MAX_COORDINATE:g} mm"
             )
             self._say_number(element, endless)
         elif chains:
-            self._sort(element, chains, place, source)
+            self._sort(element, chains, context, source)
 
     def _say_number(self, element: Element, error: NumberError) -> None:
         self._say(
@@ -217,18 +217,18 @@ class Walk(Struct):
         return chains
 
     def _sort(
-        self, element: Element, chains: list[tuple[Curve, ...]], place: Place, source: Source
+        self, element: Element, chains: list[tuple[Curve, ...]], context: Context, source: Source
     ) -> None:
         """Contours if the shape has a stroke, else filled, or hidden."""
-        style = place.style
-        self.found.layers.add(place.layer or "")
-        unwanted = self.chosen is not None and (place.layer or "").lower() not in self.chosen
-        hidden = unwanted or place.hidden or _is_hidden(style)
+        style = context.style
+        self.found.layers.add(context.layer or "")
+        unwanted = self.chosen is not None and (context.layer or "").lower() not in self.chosen
+        hidden = unwanted or context.hidden or _is_hidden(style)
         if not hidden and _is_painted(style, "stroke"):
             colour = self._colour(style, source)
             self._note_stroke(element, style)
             self.found.contours += (
-                as_contour(chain, source, place.layer, colour) for chain in chains
+                as_contour(chain, source, context.layer, colour) for chain in chains
             )
         elif not hidden and _is_painted(style, "fill"):
             self.found.counts["filled"] += 1

@@ -48,6 +48,15 @@ def test_a_text_on_a_mapped_layer_is_lettered() -> None:
     assert not any(isinstance(f, TextMark) for f in plain.features)
 
 
+def test_it_stays_where_a_layer_becomes_polynomials() -> None:
+    def add(space: object) -> None:
+        space.add_text("P-12", height=8, dxfattribs={"layer": "ETCH"})  # type: ignore[attr-defined]
+        space.add_lwpolyline([(20, 20), (40, 30), (60, 25)], dxfattribs={"layer": "CAM"})  # type: ignore[attr-defined]
+
+    (part,) = read(drawn(add), "a.dxf", letters=("Etch",), fit=("CAM",)).parts
+    assert [f.text for f in part.texts] == ["P-12"]
+
+
 def test_a_unit_and_a_block_move_and_scale_it() -> None:
     def add(space: object) -> None:
         block = space.doc.blocks.new("B")  # type: ignore[attr-defined]
